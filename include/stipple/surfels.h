@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+//
+// The surfels of one node: columns in progressive order, so that the first n surfels are the best n.
+//
+//   octave      0        1              2                                 3
+//   surfels  [0 .. e0) [.. e1)     [.. e2)                           [.. e3 = count)
+//   colours  e0 for octave 0 | e1 for octave 1 | e2 for octave 2 | e3 for octave 3      (the colour pyramid)
+//
+// An octave is the run of the order over which the insertion radius halves. A surfel drawn as one of few
+// stands for a large patch, so each octave has its own colours and coverages for the whole prefix that ends
+// with it: 1 + 1/4 + 1/16 + ... of the column. A prefix of n surfels, e(k-1) < n <= e(k), is drawn with the
+// colours of octave k, blended with those of octave k - 1 for the surfels below e(k-1) (design.md, Finish).
+#pragma once
+
+#include <stipple/types.h>
+
+enum {
+    STP_PREFIX_TABLE_SIZE = 64, ///< most breakpoints of a prefix table
+    STP_OCTAVE_LIMIT = 24,      ///< most octaves of a surfel set
+};
+
+/// How far a prefix covers: for breakpoints `count` (ascending), the coverage radius reached (not ascending):
+/// every candidate lies within `radius` of one of the first `count` points. Between breakpoints log-log
+/// interpolation is conservative: the true radius is never larger. Units of the node's space.
+typedef struct stp_prefix_table {
+    uint32_t size;
+    uint32_t count[STP_PREFIX_TABLE_SIZE];
+    float radius[STP_PREFIX_TABLE_SIZE];
+} stp_prefix_table;
+
+/// Surfels in order. 12 bytes each (position 6, normal 2, colour 3, material 1), about 14.4 with pyramids.
+typedef struct stp_surfels {
+    uint32_t count;
+    stp_vec3 origin; ///< of the position grid, in the node's space
+    float step;      ///< of the position grid: a power of two
+    uint16_t* positions; ///< 3 a surfel: origin + step * value
+    int8_t* normals;     ///< 2 a surfel, octahedral (src/base/octahedral.h); facing outwards
+    uint8_t* materials;  ///< index of a shading
+    uint32_t octave_count;
+    uint32_t octave_ends[STP_OCTAVE_LIMIT]; ///< ascending; the last is `count`
+    uint8_t* colors;    ///< 3 an entry, sRGB; sum of octave_ends entries, octave 0 first
+    uint8_t* coverages; ///< 1 an entry, same layout; 255: the surfel's disk is all surface
+    stp_prefix_table table;
+    float candidate_radius; ///< half the diagonal of a capture pixel: how far surface may lie from a candidate
+    float paper_radius;     ///< r_m: median distance to the nearest neighbour within the first p_m (Brandt 4.1)
+    uint32_t paper_count;   ///< p_m
+} stp_surfels;
+
+enum { STP_SHADING_UNLIT = 1, STP_SHADING_DOUBLE_SIDED = 2 };
+
+/// What a surfel's material byte stands for; at most 256 in a file.
+typedef struct stp_shading {
+    float metallic, roughness;
+    float emissive[3]; ///< linear
+    uint32_t flags;
+} stp_shading;

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "base/context.h"
+
+#include "base/jobs.h"
+
+#include <assert.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define ALIGNMENT ((size_t)64)
+#define MESSAGE_SIZE 1024
+
+struct stp_context {
+    stp_allocator allocator;
+    stp_context_desc desc;
+    stp_jobs* jobs;
+    atomic_uint_fast64_t live_bytes;
+    atomic_uint_fast64_t peak_bytes;
+};
+
+const char* stp_result_string(stp_result result)
+{
+    switch (result) {
+#define X(name, text)                                                                              \
+    case STP_##name:                                                                               \
+        return text;
+        STP_RESULTS(X)
+#undef X
+    }
+    return "unknown result";
+}
+
+static void* default_alloc(size_t size, size_t alignment, void* user)
+{
+    (void)user;
+    return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
+}
+
+static void default_free(void* memory, size_t size, void* user)
+{
+    (void)size, (void)user;
+    free(memory);
+}
+
+static uint32_t processor_count(void)
+{
+    long count = sysconf(_SC_NPROCESSORS_ONLN);
+    return count < 1 ? 1 : count > 1024 ? 1024 : (uint32_t)count;
+}
+
+stp_result stp_context_create(stp_context** context, const stp_context_desc* desc)
+{
+    stp_allocator allocator = desc->allocator;
+    assert((allocator.alloc == NULL) == (allocator.free == NULL) && "set both hooks or neither");
+    if (allocator.alloc == NULL) {
+        allocator = (stp_allocator){.alloc = default_alloc, .free = default_free};
+    }
+    stp_context* made = allocator.alloc(sizeof(*made), ALIGNMENT, allocator.user);
+    if (made == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    *made = (stp_context){.allocator = allocator, .desc = *desc};
+    atomic_init(&made->live_bytes, 0);
+    atomic_init(&made->peak_bytes, 0);
+    uint32_t threads = desc->thread_count != 0 ? desc->thread_count : processor_count();
+    stp_result result = stp_jobs_create(&made->jobs, made, threads);
+    if (result != STP_OK) {
+        allocator.free(made, sizeof(*made), allocator.user);
+        return result;
+    }
+    *context = made;
+    return STP_OK;
+}
+
+void stp_context_destroy(stp_context* context)
+{
+    if (context != NULL) {
+        stp_jobs_destroy(context->jobs, context);
+        assert(atomic_load(&context->live_bytes) == 0 && "an object outlives its context");
+        stp_allocator allocator = context->allocator;
+        allocator.free(context, sizeof(*context), allocator.user);
+    }
+}
+
+uint64_t stp_context_live_bytes(const stp_context* context)
+{
+    return atomic_load(&context->live_bytes);
+}
+
+uint64_t stp_context_peak_bytes(const stp_context* context)
+{
+    return atomic_load(&context->peak_bytes);
+}
+
+uint32_t stp_context_thread_count(const stp_context* context)
+{
+    return stp_jobs_thread_count(context->jobs);
+}
+
+// Adds to the count of live bytes; false where that would pass the limit.
+static bool count_bytes(stp_context* context, size_t size)
+{
+    uint64_t live = atomic_fetch_add(&context->live_bytes, size) + size;
+    if (context->desc.memory_limit_bytes != 0 && live > context->desc.memory_limit_bytes) {
+        atomic_fetch_sub(&context->live_bytes, size);
+        return false;
+    }
+    uint64_t peak = atomic_load(&context->peak_bytes);
+    while (live > peak && !atomic_compare_exchange_weak(&context->peak_bytes, &peak, live)) {
+    }
+    return true;
+}
+
+// Each block is preceded by one line of 64 bytes that holds its size.
+void* stp_alloc(stp_context* context, size_t size)
+{
+    if (size > SIZE_MAX / 2) {
+        return NULL;
+    }
+    size_t whole = size + ALIGNMENT;
+    if (!count_bytes(context, whole)) {
+        return NULL;
+    }
+    unsigned char* block = context->allocator.alloc(whole, ALIGNMENT, context->allocator.user);
+    if (block == NULL) {
+        atomic_fetch_sub(&context->live_bytes, whole);
+        return NULL;
+    }
+    memcpy(block, &whole, sizeof(whole));
+    return block + ALIGNMENT;
+}
+
+void* stp_alloc_array(stp_context* context, size_t count, size_t size)
+{
+    return size != 0 && count > SIZE_MAX / size ? NULL : stp_alloc(context, count * size);
+}
+
+void* stp_alloc_zeroed(stp_context* context, size_t count, size_t size)
+{
+    void* memory = stp_alloc_array(context, count, size);
+    return memory != NULL ? memset(memory, 0, count * size) : NULL;
+}
+
+void stp_free(stp_context* context, void* memory)
+{
+    if (memory != NULL) {
+        unsigned char* block = (unsigned char*)memory - ALIGNMENT;
+        size_t whole;
+        memcpy(&whole, block, sizeof(whole));
+        context->allocator.free(block, whole, context->allocator.user);
+        atomic_fetch_sub(&context->live_bytes, whole);
+    }
+}
+
+void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed, size_t size)
+{
+    if (array != NULL && needed <= *capacity) {
+        return array;
+    }
+    size_t grown = *capacity + *capacity / 2;
+    grown = grown < needed ? needed : grown;
+    grown = grown < 16 ? 16 : grown;
+    void* moved = stp_alloc_array(context, grown, size);
+    if (moved == NULL) {
+        return NULL;
+    }
+    if (array != NULL) {
+        memcpy(moved, array, *capacity * size);
+        stp_free(context, array);
+    }
+    *capacity = grown;
+    return moved;
+}
+
+static void log_message(stp_context* context, stp_log_level level, const char* format, va_list list)
+    __attribute__((format(printf, 3, 0)));
+
+static void log_message(stp_context* context, stp_log_level level, const char* format, va_list list)
+{
+    if (context->desc.log != NULL) {
+        char message[MESSAGE_SIZE];
+        vsnprintf(message, sizeof(message), format, list);
+        context->desc.log(level, message, context->desc.log_user);
+    }
+}
+
+stp_result stp_fail(stp_context* context, stp_result result, const char* format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    log_message(context, STP_LOG_ERROR, format, list);
+    va_end(list);
+    return result;
+}
+
+stp_result stp_fail_memory(stp_context* context)
+{
+    uint64_t limit = context->desc.memory_limit_bytes;
+    if (limit != 0) {
+        return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
+                        "out of memory: the limit of %llu bytes is used up", (unsigned long long)limit);
+    }
+    return stp_fail(context, STP_ERROR_OUT_OF_MEMORY, "out of memory");
+}
+
+void stp_warn(stp_context* context, const char* format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    log_message(context, STP_LOG_WARNING, format, list);
+    va_end(list);
+}
+
+void stp_notice(stp_context* context, const char* format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    log_message(context, STP_LOG_NOTICE, format, list);
+    va_end(list);
+}
+
+stp_result stp_progress(stp_context* context, const char* stage, double fraction)
+{
+    const stp_context_desc* desc = &context->desc;
+    if (desc->progress != NULL && desc->progress(stage, fraction, desc->progress_user) != 0) {
+        return stp_fail(context, STP_ERROR_CANCELLED, "stopped while at: %s", stage);
+    }
+    return STP_OK;
+}
+
+void stp_parallel_for(stp_context* context, size_t count, size_t grain, stp_job job, void* user)
+{
+    stp_jobs_run(context->jobs, count, grain, job, user);
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What the rooms may ask of a context: memory, messages, progress, parallel loops.
+#pragma once
+
+#include <stipple/base.h>
+
+#include <stdarg.h>
+#include <stdbool.h>
+
+/// 64-byte aligned, uninitialised; NULL where memory or the context's limit runs out. Any thread.
+void* stp_alloc(stp_context* context, size_t size);
+/// Room for `count` elements of `size` bytes; NULL also where their product overflows.
+void* stp_alloc_array(stp_context* context, size_t count, size_t size);
+/// The same, filled with zero bytes.
+void* stp_alloc_zeroed(stp_context* context, size_t count, size_t size);
+/// Gives memory back. NULL is allowed. Any thread.
+void stp_free(stp_context* context, void* memory);
+
+/// Room for at least `needed` elements of `size` bytes, grown by half each time; old elements are kept.
+/// @return the array, perhaps moved; NULL where memory runs out, with the old one still valid
+void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed, size_t size);
+
+#define STP_NEW_ARRAY(context, type, count) ((type*)stp_alloc_array((context), (count), sizeof(type)))
+#define STP_NEW_ZEROED(context, type, count) ((type*)stp_alloc_zeroed((context), (count), sizeof(type)))
+
+/// Says why a call fails, once, where it was noticed; returns `result`. The sentence names the file and
+/// the place, and what was expected: "plant.glb: accessor 7: bufferView 12 does not exist (the file has 3)".
+stp_result stp_fail(stp_context* context, stp_result result, const char* format, ...)
+    __attribute__((format(printf, 3, 4)));
+stp_result stp_fail_memory(stp_context* context);
+void stp_warn(stp_context* context, const char* format, ...) __attribute__((format(printf, 2, 3)));
+void stp_notice(stp_context* context, const char* format, ...) __attribute__((format(printf, 2, 3)));
+
+/// Reports progress; @return STP_OK, or STP_ERROR_CANCELLED (already logged) when the caller wants to stop.
+STP_MUST_USE stp_result stp_progress(stp_context* context, const char* stage, double fraction);
+
+/// A piece of a loop: elements [begin, end). `worker` is below the thread count and is used by one piece
+/// at a time, so it may index per-worker state. What a piece computes must not depend on `worker`.
+typedef void (*stp_job)(size_t begin, size_t end, uint32_t worker, void* user);
+
+/// Runs `job` over [0, count) in pieces of `grain` (the last may be shorter) on all threads, the caller's
+/// included, and returns when all are done. Pieces are claimed in order. A call from inside a job runs
+/// serially, on that job's thread, with `worker` 0 of its own.
+void stp_parallel_for(stp_context* context, size_t count, size_t grain, stp_job job, void* user);

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+#include "base/file.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define BUFFER_SIZE ((size_t)1 << 20)
+
+stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file)
+{
+    *file = (stp_mapped_file){0};
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    struct stat status;
+    if (descriptor < 0 || fstat(descriptor, &status) != 0) {
+        stp_result result = stp_fail(context, STP_ERROR_IO, "%s: %s", path, strerror(errno));
+        if (descriptor >= 0) {
+            close(descriptor);
+        }
+        return result;
+    }
+    if (!S_ISREG(status.st_mode)) {
+        close(descriptor);
+        return stp_fail(context, STP_ERROR_IO, "%s: is not a regular file", path);
+    }
+    size_t size = (size_t)status.st_size;
+    void* bytes = size != 0 ? mmap(NULL, size, PROT_READ, MAP_PRIVATE, descriptor, 0) : NULL;
+    int reason = errno;
+    close(descriptor);
+    if (bytes == MAP_FAILED) {
+        return stp_fail(context, STP_ERROR_IO, "%s: cannot be mapped: %s", path, strerror(reason));
+    }
+    *file = (stp_mapped_file){.bytes = bytes, .size = size};
+    return STP_OK;
+}
+
+void stp_file_unmap(stp_mapped_file* file)
+{
+    if (file->bytes != NULL) {
+        munmap((void*)(uintptr_t)file->bytes, file->size);
+    }
+    *file = (stp_mapped_file){0};
+}
+
+struct stp_file_writer {
+    stp_context* context;
+    char* path;
+    char* temporary;
+    int descriptor;
+    uint64_t written; ///< bytes handed to the system; the buffer follows them
+    size_t buffered;
+    unsigned char* buffer;
+};
+
+static void free_writer(stp_file_writer* writer)
+{
+    stp_free(writer->context, writer->buffer);
+    stp_free(writer->context, writer->temporary);
+    stp_free(writer->context, writer->path);
+    stp_free(writer->context, writer);
+}
+
+static stp_result fail_io(const stp_file_writer* writer, const char* what)
+{
+    return stp_fail(writer->context, STP_ERROR_IO, "%s: cannot be %s: %s", writer->path, what,
+                    strerror(errno));
+}
+
+stp_result stp_file_writer_open(stp_context* context, const char* path, stp_file_writer** writer)
+{
+    size_t length = strlen(path) + 32;
+    stp_file_writer* made = STP_NEW_ZEROED(context, stp_file_writer, 1);
+    if (made == NULL) {
+        return stp_fail_memory(context);
+    }
+    made->context = context;
+    made->path = stp_alloc(context, length);
+    made->temporary = stp_alloc(context, length);
+    made->buffer = stp_alloc(context, BUFFER_SIZE);
+    if (made->path == NULL || made->temporary == NULL || made->buffer == NULL) {
+        free_writer(made);
+        return stp_fail_memory(context);
+    }
+    snprintf(made->path, length, "%s", path);
+    snprintf(made->temporary, length, "%s.tmp-%ld", path, (long)getpid());
+    made->descriptor = open(made->temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (made->descriptor < 0) {
+        stp_result result = fail_io(made, "written");
+        free_writer(made);
+        return result;
+    }
+    *writer = made;
+    return STP_OK;
+}
+
+static stp_result write_all(stp_file_writer* writer, const unsigned char* bytes, size_t size,
+                            uint64_t offset)
+{
+    while (size > 0) {
+        ssize_t done = pwrite(writer->descriptor, bytes, size, (off_t)offset);
+        if (done < 0 && errno == EINTR) {
+            continue;
+        }
+        if (done <= 0) {
+            return fail_io(writer, "written");
+        }
+        bytes += done;
+        size -= (size_t)done;
+        offset += (uint64_t)done;
+    }
+    return STP_OK;
+}
+
+static stp_result flush(stp_file_writer* writer)
+{
+    stp_result result = write_all(writer, writer->buffer, writer->buffered, writer->written);
+    if (result == STP_OK) {
+        writer->written += writer->buffered;
+        writer->buffered = 0;
+    }
+    return result;
+}
+
+stp_result stp_file_writer_append(stp_file_writer* writer, const void* bytes, size_t size)
+{
+    if (size == 0) {
+        return STP_OK;
+    }
+    if (writer->buffered + size > BUFFER_SIZE) {
+        stp_result result = flush(writer);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    if (size > BUFFER_SIZE) {
+        stp_result result = write_all(writer, bytes, size, writer->written);
+        writer->written += result == STP_OK ? size : 0;
+        return result;
+    }
+    memcpy(writer->buffer + writer->buffered, bytes, size);
+    writer->buffered += size;
+    return STP_OK;
+}
+
+stp_result stp_file_writer_patch(stp_file_writer* writer, uint64_t offset, const void* bytes,
+                                 size_t size)
+{
+    assert(offset + size <= stp_file_writer_size(writer));
+    stp_result result = flush(writer);
+    return result != STP_OK ? result : write_all(writer, bytes, size, offset);
+}
+
+uint64_t stp_file_writer_size(const stp_file_writer* writer)
+{
+    return writer->written + writer->buffered;
+}
+
+// Makes the rename itself last: the folder's entry is synced too. Some file systems refuse; that is fine.
+static void sync_folder(const stp_file_writer* writer)
+{
+    size_t length = strlen(writer->path) + 1;
+    char* copy = stp_alloc(writer->context, length);
+    if (copy != NULL) {
+        memcpy(copy, writer->path, length);
+        int folder = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        if (folder >= 0) {
+            (void)fsync(folder);
+            close(folder);
+        }
+        stp_free(writer->context, copy);
+    }
+}
+
+stp_result stp_file_writer_commit(stp_file_writer* writer)
+{
+    stp_result result = flush(writer);
+    if (result == STP_OK && fsync(writer->descriptor) != 0 && errno != EINVAL) {
+        result = fail_io(writer, "written");
+    }
+    if (close(writer->descriptor) != 0 && result == STP_OK) {
+        result = fail_io(writer, "written");
+    }
+    if (result == STP_OK && rename(writer->temporary, writer->path) != 0) {
+        result = fail_io(writer, "renamed to its final name");
+    }
+    if (result == STP_OK) {
+        sync_folder(writer);
+    } else {
+        (void)unlink(writer->temporary);
+    }
+    free_writer(writer);
+    return result;
+}
+
+void stp_file_writer_abort(stp_file_writer* writer)
+{
+    if (writer != NULL) {
+        close(writer->descriptor);
+        (void)unlink(writer->temporary);
+        free_writer(writer);
+    }
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Files: mapped for reading, written aside and renamed.
+#pragma once
+
+#include "base/context.h"
+
+/// A whole file as memory. `bytes` is NULL where the file is empty.
+typedef struct stp_mapped_file {
+    const unsigned char* bytes;
+    size_t size;
+} stp_mapped_file;
+
+/// Maps `path` for reading. Directories, devices and pipes are refused.
+/// @return STP_OK, or STP_ERROR_IO (logged, with the system's reason)
+STP_MUST_USE stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file);
+void stp_file_unmap(stp_mapped_file* file);
+
+/// A file in the making: bytes go to `path`.tmp-<process>, which becomes `path` at commit or vanishes.
+typedef struct stp_file_writer stp_file_writer;
+
+STP_MUST_USE stp_result stp_file_writer_open(stp_context* context, const char* path,
+                                             stp_file_writer** writer);
+/// Appends, through a buffer.
+STP_MUST_USE stp_result stp_file_writer_append(stp_file_writer* writer, const void* bytes, size_t size);
+/// Replaces bytes already appended; `offset` + `size` must not pass the end.
+STP_MUST_USE stp_result stp_file_writer_patch(stp_file_writer* writer, uint64_t offset,
+                                              const void* bytes, size_t size);
+/// Bytes appended so far.
+uint64_t stp_file_writer_size(const stp_file_writer* writer);
+/// Syncs, renames to the final name and ends the writer. On failure the temporary file is removed.
+STP_MUST_USE stp_result stp_file_writer_commit(stp_file_writer* writer);
+/// Removes the temporary file and ends the writer. NULL is allowed.
+void stp_file_writer_abort(stp_file_writer* writer);

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+// Vectors, boxes and transforms. Only additions, multiplications, divisions and square roots: the same bits
+// on every machine, with any compiler and at any optimisation level.
+#pragma once
+
+#include <stipple/types.h>
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+
+#define STP_PI 3.14159265358979323846
+
+static inline float stp_min(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float stp_max(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static inline float stp_clamp(float x, float low, float high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+static inline stp_vec3 stp_add(stp_vec3 a, stp_vec3 b)
+{
+    return (stp_vec3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline stp_vec3 stp_sub(stp_vec3 a, stp_vec3 b)
+{
+    return (stp_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline stp_vec3 stp_scale(stp_vec3 a, float factor)
+{
+    return (stp_vec3){a.x * factor, a.y * factor, a.z * factor};
+}
+
+static inline float stp_dot(stp_vec3 a, stp_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline stp_vec3 stp_cross(stp_vec3 a, stp_vec3 b)
+{
+    return (stp_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline float stp_length(stp_vec3 a)
+{
+    return sqrtf(stp_dot(a, a));
+}
+
+/// Of unit length; (0, 0, 0) where the length is 0 or not finite.
+static inline stp_vec3 stp_normalize(stp_vec3 a)
+{
+    double x = (double)a.x, y = (double)a.y, z = (double)a.z;
+    double length = sqrt(x * x + y * y + z * z);
+    if (!(length > 0.0) || length > DBL_MAX) {
+        return (stp_vec3){0};
+    }
+    return (stp_vec3){(float)(x / length), (float)(y / length), (float)(z / length)};
+}
+
+static inline stp_vec3d stp_addd(stp_vec3d a, stp_vec3d b)
+{
+    return (stp_vec3d){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline stp_vec3d stp_subd(stp_vec3d a, stp_vec3d b)
+{
+    return (stp_vec3d){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline stp_vec3d stp_scaled(stp_vec3d a, double factor)
+{
+    return (stp_vec3d){a.x * factor, a.y * factor, a.z * factor};
+}
+
+static inline double stp_dotd(stp_vec3d a, stp_vec3d b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline stp_vec3d stp_crossd(stp_vec3d a, stp_vec3d b)
+{
+    return (stp_vec3d){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline stp_vec3d stp_normalized(stp_vec3d a)
+{
+    double length = sqrt(stp_dotd(a, a));
+    return length > 0.0 ? stp_scaled(a, 1.0 / length) : (stp_vec3d){0};
+}
+
+static inline stp_vec3 stp_to_float(stp_vec3d a)
+{
+    return (stp_vec3){(float)a.x, (float)a.y, (float)a.z};
+}
+
+static inline stp_vec3d stp_to_double(stp_vec3 a)
+{
+    return (stp_vec3d){(double)a.x, (double)a.y, (double)a.z};
+}
+
+static inline bool stp_is_finite(stp_vec3 a)
+{
+    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
+}
+
+static inline stp_box stp_box_empty(void)
+{
+    return (stp_box){{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
+}
+
+static inline stp_boxd stp_boxd_empty(void)
+{
+    return (stp_boxd){{DBL_MAX, DBL_MAX, DBL_MAX}, {-DBL_MAX, -DBL_MAX, -DBL_MAX}};
+}
+
+static inline bool stp_boxd_is_empty(stp_boxd box)
+{
+    return box.max.x < box.min.x;
+}
+
+static inline void stp_box_add(stp_box* box, stp_vec3 p)
+{
+    box->min = (stp_vec3){stp_min(box->min.x, p.x), stp_min(box->min.y, p.y), stp_min(box->min.z, p.z)};
+    box->max = (stp_vec3){stp_max(box->max.x, p.x), stp_max(box->max.y, p.y), stp_max(box->max.z, p.z)};
+}
+
+static inline void stp_boxd_add(stp_boxd* box, stp_vec3d p)
+{
+    box->min.x = p.x < box->min.x ? p.x : box->min.x;
+    box->min.y = p.y < box->min.y ? p.y : box->min.y;
+    box->min.z = p.z < box->min.z ? p.z : box->min.z;
+    box->max.x = p.x > box->max.x ? p.x : box->max.x;
+    box->max.y = p.y > box->max.y ? p.y : box->max.y;
+    box->max.z = p.z > box->max.z ? p.z : box->max.z;
+}
+
+static inline stp_affine stp_affine_identity(void)
+{
+    return (stp_affine){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+}
+
+/// `a` after `b`.
+static inline stp_affine stp_affine_multiply(stp_affine a, stp_affine b)
+{
+    stp_affine out;
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 4; ++c) {
+            out.m[r][c] = a.m[r][0] * b.m[0][c] + a.m[r][1] * b.m[1][c] + a.m[r][2] * b.m[2][c] +
+                          (c == 3 ? a.m[r][3] : 0.0);
+        }
+    }
+    return out;
+}
+
+static inline stp_vec3d stp_affine_point(const stp_affine* a, stp_vec3d p)
+{
+    return (stp_vec3d){
+        a->m[0][0] * p.x + a->m[0][1] * p.y + a->m[0][2] * p.z + a->m[0][3],
+        a->m[1][0] * p.x + a->m[1][1] * p.y + a->m[1][2] * p.z + a->m[1][3],
+        a->m[2][0] * p.x + a->m[2][1] * p.y + a->m[2][2] * p.z + a->m[2][3],
+    };
+}
+
+static inline double stp_affine_determinant(const stp_affine* a)
+{
+    return a->m[0][0] * (a->m[1][1] * a->m[2][2] - a->m[1][2] * a->m[2][1]) -
+           a->m[0][1] * (a->m[1][0] * a->m[2][2] - a->m[1][2] * a->m[2][0]) +
+           a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
+}
+
+/// The matrix that turns normals with the surface: the cofactors of the linear part, which need no division
+/// and keep the side where the map mirrors. Results are not of unit length.
+static inline void stp_affine_normal_matrix(const stp_affine* a, double out[3][3])
+{
+    double sign = stp_affine_determinant(a) < 0.0 ? -1.0 : 1.0;
+    for (int r = 0; r < 3; ++r) {
+        int r1 = (r + 1) % 3, r2 = (r + 2) % 3;
+        for (int c = 0; c < 3; ++c) {
+            int c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+            out[r][c] = sign * (a->m[r1][c1] * a->m[r2][c2] - a->m[r1][c2] * a->m[r2][c1]);
+        }
+    }
+}
+
+/// The box that holds the transformed box.
+static inline stp_boxd stp_affine_box(const stp_affine* a, stp_boxd box)
+{
+    stp_boxd out = stp_boxd_empty();
+    for (int corner = 0; !stp_boxd_is_empty(box) && corner < 8; ++corner) {
+        stp_vec3d p = {(corner & 1) != 0 ? box.max.x : box.min.x,
+                       (corner & 2) != 0 ? box.max.y : box.min.y,
+                       (corner & 4) != 0 ? box.max.z : box.min.z};
+        stp_boxd_add(&out, stp_affine_point(a, p));
+    }
+    return out;
+}

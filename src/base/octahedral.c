@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#include "base/octahedral.h"
+
+static int8_t clamp_code(int value)
+{
+    return (int8_t)(value < -127 ? -127 : value > 127 ? 127 : value);
+}
+
+void stp_octahedral_encode(stp_vec3 n, int8_t out[2])
+{
+    n = stp_normalize(n);
+    float sum = fabsf(n.x) + fabsf(n.y) + fabsf(n.z);
+    if (!(sum > 0.0f)) {
+        out[0] = out[1] = 0;
+        return;
+    }
+    float u = n.x / sum, v = n.y / sum;
+    if (n.z < 0.0f) {
+        float folded = (1.0f - fabsf(v)) * (u >= 0.0f ? 1.0f : -1.0f);
+        v = (1.0f - fabsf(u)) * (v >= 0.0f ? 1.0f : -1.0f);
+        u = folded;
+    }
+    int base_u = (int)(u * 127.0f + 128.0f) - 128, base_v = (int)(v * 127.0f + 128.0f) - 128;
+    float best = -2.0f;
+    for (int i = 0; i < 4; ++i) {
+        int8_t code_u = clamp_code(base_u + (i & 1)), code_v = clamp_code(base_v + (i >> 1));
+        float agreement = stp_dot(n, stp_octahedral_decode(code_u, code_v));
+        if (agreement > best) {
+            best = agreement;
+            out[0] = code_u;
+            out[1] = code_v;
+        }
+    }
+}

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Unit vectors in two numbers: the octahedron unfolded onto a square.
+// Cigolle et al. A Survey of Efficient Representations for Independent Unit Vectors. 2014.
+#pragma once
+
+#include "base/math.h"
+
+/// Decodes two signed bytes, each -127..127.
+static inline stp_vec3 stp_octahedral_decode(int8_t u8, int8_t v8)
+{
+    float u = (float)u8 / 127.0f, v = (float)v8 / 127.0f;
+    float z = 1.0f - fabsf(u) - fabsf(v);
+    float fold = z < 0.0f ? -z : 0.0f;
+    u += u >= 0.0f ? -fold : fold;
+    v += v >= 0.0f ? -fold : fold;
+    float length = sqrtf(u * u + v * v + z * z);
+    return (stp_vec3){u / length, v / length, z / length};
+}
+
+/// Encodes a direction (need not be of unit length; zero encodes as +z) so that its decoding is the nearest
+/// of the four codes around it.
+void stp_octahedral_encode(stp_vec3 n, int8_t out[2]);

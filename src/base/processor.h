@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// Which vector instructions this processor has. Kernels come in variants that give the same bits; each room
+// picks with this. STP_PROCESSOR=baseline|avx2|avx512 in the environment lowers the answer, for tests.
+#pragma once
+
+typedef enum stp_processor {
+    STP_PROCESSOR_BASELINE, ///< portable C
+    STP_PROCESSOR_AVX2,     ///< x86-64-v3: AVX2, BMI, F16C (fused multiply-add is never used)
+    STP_PROCESSOR_AVX512,   ///< x86-64-v4: AVX-512 F, BW, CD, DQ, VL
+} stp_processor;
+
+/// The widest variant that runs here. Any thread; cheap enough to ask once per call of the library.
+stp_processor stp_processor_detect(void);

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+//
+// A draw list becomes pixels. Every backend takes the same list and gives the same picture.
+#pragma once
+
+#include "select/select.h"
+
+#include <stipple/image.h>
+
+typedef struct stp_draw_style {
+    float splat_scale;    ///< times the radius of every splat; default 1
+    uint32_t supersample; ///< n x n samples a pixel; default 1
+    bool headlight;       ///< light from the eye; default: a directional light from above left of the viewer
+    bool background;      ///< fill with background_color, alpha 255; default: transparent black
+    uint8_t background_color[3];
+} stp_draw_style;
+
+typedef struct stp_draw_stats {
+    double draw_ms, shade_ms;
+    uint64_t splats, triangles, fragments, covered_pixels;
+    uint32_t draw_calls; ///< items drawn
+} stp_draw_stats;
+
+typedef struct stp_renderer stp_renderer;
+
+/// A renderer on the processor. Keeps decoded textures and scratch memory; a warm frame allocates nothing.
+STP_MUST_USE stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_renderer** renderer);
+void stp_renderer_destroy(stp_renderer* renderer);
+
+/// Draws. `image` has the view's width and height; its pixels are the caller's.
+STP_MUST_USE stp_result stp_renderer_draw(stp_renderer* renderer, const stp_view* view,
+                                          const stp_draw_list* list, const stp_draw_style* style,
+                                          stp_image* image, stp_draw_stats* stats);
+
+/// The nearness of each pixel of the last frame (0: background), one sample a pixel (of the last supersample),
+/// `width * height` floats owned by the renderer; nearness = 1 / depth in perspective, times near_distance.
+const float* stp_renderer_depth(const stp_renderer* renderer);

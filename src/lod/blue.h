@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+//
+// Method `blue`: Progressive Blue Surfels (Brandt et al. 2019). Candidates are captured, ordered, and
+// finished into surfels: columns, prefix table, colour pyramid, coverage.
+#pragma once
+
+#include "capture/capture.h"
+
+#include <stipple/order.h>
+#include <stipple/surfels.h>
+
+typedef struct stp_blue_desc {
+    stp_capture_desc capture;
+    stp_order_desc order;
+    uint32_t surfel_count; ///< most surfels; 0: the paper's rule, min(200k, half the triangles) (5.2)
+} stp_blue_desc;
+
+typedef struct stp_blue_report {
+    double capture_ms, order_ms, finish_ms;
+    uint32_t candidate_count;
+} stp_blue_report;
+
+/// Makes the surfels of everything below a node of the scene (moving parts left out). `materials` of the
+/// result index scene materials reduced to at most 256 shadings by `shading_of_material` (one byte a scene
+/// material). Arrays of the result come from stp_alloc.
+STP_MUST_USE stp_result stp_blue_make(const stp_scene* scene, uint32_t node,
+                                      const uint8_t* shading_of_material, const stp_blue_desc* desc,
+                                      stp_surfels* surfels, stp_blue_report* report);
+void stp_surfels_destroy(stp_context* context, stp_surfels* surfels);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// Oriented disks into the visibility buffer (Brandt 4.2): a pixel belongs to a splat when the ray through its
+// centre meets the splat's plane within the radius of its centre. The pixel that holds the centre itself is
+// always drawn, so that no surfel vanishes between pixel centres.
+#pragma once
+
+#include "base/context.h"
+#include "raster/target.h"
+
+typedef struct stp_raster_splats {
+    const uint16_t* positions; ///< 3 a splat
+    const int8_t* normals;     ///< 2 a splat, octahedral
+    uint32_t begin, end;       ///< range of splats to draw
+    stp_vec3 origin;           ///< position = origin + step * value, in object space
+    float step;
+    float radius;              ///< of every disk, object space
+    const uint8_t* coverages;  ///< NULL, or 1 a splat: below 255 the disk is drawn with holes (hashed)
+} stp_raster_splats;
+
+/// Object space to view space: x right, y down, z along the gaze, all in object-space lengths times a common
+/// factor; needed for the planes. The raster matrix is the projection after it.
+typedef struct stp_raster_camera {
+    stp_raster_matrix matrix; ///< object space to the screen
+    float view[3][4];         ///< object space to view space (rotation and uniform scale)
+    float pixel_scale;        ///< pixels per unit of x/z (perspective), or per unit (parallel)
+    bool parallel;
+    float nearness_limit;
+} stp_raster_camera;
+
+/// Draws splats; splat i gets the id first_id + i. Only rows [row_begin, row_end) are touched.
+/// @return fragments that passed the disk test
+uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin, uint32_t row_end,
+                                const stp_raster_camera* camera, const stp_raster_splats* splats,
+                                uint32_t first_id);

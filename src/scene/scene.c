@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT
+#include "scene/scene.h"
+
+#include <assert.h>
+#include <string.h>
+
+#define TEXT_BLOCK_SIZE ((size_t)64 << 10)
+
+stp_texture_use stp_texture_use_none(void)
+{
+    return (stp_texture_use){.texture = STP_NONE, .transform = {{1, 0, 0}, {0, 1, 0}}};
+}
+
+stp_material stp_material_default(void)
+{
+    return (stp_material){
+        .base_color = {1, 1, 1, 1},
+        .metallic = 1.0f,
+        .roughness = 1.0f,
+        .alpha_cutoff = 0.5f,
+        .base_color_texture = stp_texture_use_none(),
+        .metallic_roughness_texture = stp_texture_use_none(),
+        .emissive_texture = stp_texture_use_none(),
+    };
+}
+
+stp_result stp_scene_create(stp_context* context, stp_scene** scene)
+{
+    stp_scene* made = STP_NEW_ZEROED(context, stp_scene, 1);
+    if (made == NULL) {
+        return stp_fail_memory(context);
+    }
+    made->context = context;
+    made->text = stp_arena_create(context, TEXT_BLOCK_SIZE);
+    made->root = STP_NONE;
+    made->up = "y";
+    stp_material material = stp_material_default();
+    stp_result result = stp_scene_add_material(made, &material, NULL);
+    if (result != STP_OK) {
+        stp_scene_destroy(made);
+        return result;
+    }
+    *scene = made;
+    return STP_OK;
+}
+
+static void free_mesh(stp_context* context, const stp_mesh* mesh)
+{
+    stp_free(context, mesh->positions);
+    stp_free(context, mesh->normals);
+    stp_free(context, mesh->texcoords[0]);
+    stp_free(context, mesh->texcoords[1]);
+    stp_free(context, mesh->colors);
+    stp_free(context, mesh->indices);
+}
+
+static void free_point_set(stp_context* context, const stp_point_set* points)
+{
+    stp_free(context, points->positions);
+    stp_free(context, points->normals);
+    stp_free(context, points->colors);
+}
+
+void stp_scene_destroy(stp_scene* scene)
+{
+    if (scene == NULL) {
+        return;
+    }
+    stp_context* context = scene->context;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        free_mesh(context, &scene->meshes[i]);
+    }
+    for (size_t i = 0; i < scene->point_set_count; ++i) {
+        free_point_set(context, &scene->point_sets[i]);
+    }
+    for (size_t i = 0; i < scene->texture_count; ++i) {
+        stp_free(context, scene->textures[i].texels);
+    }
+    void* arrays[] = {scene->meshes,    scene->point_sets, scene->materials, scene->textures,
+                      scene->objects,   scene->parts,      scene->instances, scene->views,
+                      scene->sources,   scene->nodes,      scene->edges,     scene->node_parts};
+    for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
+        stp_free(context, arrays[i]);
+    }
+    stp_arena_destroy(&scene->text);
+    stp_free(context, scene);
+}
+
+// Replaces *text by a copy that the scene owns.
+static stp_result keep_text(stp_scene* scene, const char** text)
+{
+    if (*text != NULL) {
+        *text = stp_arena_copy_text(&scene->text, *text, strlen(*text));
+        if (*text == NULL) {
+            return stp_fail_memory(scene->context);
+        }
+    }
+    return STP_OK;
+}
+
+// Room for one more element of one of the scene's arrays; NULL where memory runs out.
+#define GROW_ARRAY(scene, array, name)                                                             \
+    grow((scene)->context, (scene)->array, &(scene)->name##_capacity, (scene)->name##_count,       \
+         sizeof(*(scene)->array))
+#define GROW(scene, name) GROW_ARRAY(scene, name##s, name)
+
+static void* grow(stp_context* context, void* array, size_t* capacity, size_t count, size_t size)
+{
+    return count >= STP_NONE ? NULL : stp_grow_array(context, array, capacity, count + 1, size);
+}
+
+static void give_index(uint32_t* index, size_t count)
+{
+    if (index != NULL) {
+        *index = (uint32_t)count;
+    }
+}
+
+stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* index)
+{
+    stp_mesh* meshes = GROW_ARRAY(scene, meshes, mesh);
+    if (meshes == NULL) {
+        free_mesh(scene->context, mesh);
+        return stp_fail_memory(scene->context);
+    }
+    scene->meshes = meshes;
+    give_index(index, scene->mesh_count);
+    stp_mesh* kept = &meshes[scene->mesh_count++];
+    *kept = *mesh;
+    kept->bounds = stp_box_empty();
+    for (uint32_t i = 0; i < kept->vertex_count; ++i) {
+        const float* p = kept->positions + 3 * (size_t)i;
+        stp_box_add(&kept->bounds, (stp_vec3){p[0], p[1], p[2]});
+    }
+    return keep_text(scene, &kept->name);
+}
+
+stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points, uint32_t* index)
+{
+    stp_point_set* sets = GROW(scene, point_set);
+    if (sets == NULL) {
+        free_point_set(scene->context, points);
+        return stp_fail_memory(scene->context);
+    }
+    scene->point_sets = sets;
+    give_index(index, scene->point_set_count);
+    stp_point_set* kept = &sets[scene->point_set_count++];
+    *kept = *points;
+    kept->bounds = stp_box_empty();
+    for (uint32_t i = 0; i < kept->point_count; ++i) {
+        const float* p = kept->positions + 3 * (size_t)i;
+        stp_box_add(&kept->bounds, (stp_vec3){p[0], p[1], p[2]});
+    }
+    return keep_text(scene, &kept->name);
+}
+
+stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material, uint32_t* index)
+{
+    stp_material* materials = GROW(scene, material);
+    if (materials == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->materials = materials;
+    give_index(index, scene->material_count);
+    stp_material* kept = &materials[scene->material_count++];
+    *kept = *material;
+    return keep_text(scene, &kept->name);
+}
+
+stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture, uint32_t* index)
+{
+    stp_texture* textures = GROW(scene, texture);
+    if (textures == NULL) {
+        stp_free(scene->context, texture->texels);
+        return stp_fail_memory(scene->context);
+    }
+    scene->textures = textures;
+    give_index(index, scene->texture_count);
+    stp_texture* kept = &textures[scene->texture_count++];
+    *kept = *texture;
+    return keep_text(scene, &kept->name);
+}
+
+stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint32_t* index)
+{
+    assert(object->parent == STP_NONE || object->parent < scene->object_count);
+    stp_object* objects = GROW(scene, object);
+    if (objects == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->objects = objects;
+    give_index(index, scene->object_count);
+    stp_object* kept = &objects[scene->object_count++];
+    *kept = (stp_object){
+        .name = object->name,
+        .id = object->id,
+        .parent = object->parent,
+        .transform = object->transform,
+        .first_part = (uint32_t)scene->part_count,
+        .first_instance = (uint32_t)scene->instance_count,
+        .flags = object->flags,
+        .node = STP_NONE,
+    };
+    stp_result result = keep_text(scene, &kept->name);
+    return result != STP_OK ? result : keep_text(scene, &kept->id);
+}
+
+stp_result stp_scene_add_part(stp_scene* scene, stp_part part)
+{
+    assert(scene->object_count > 0);
+    stp_part* parts = GROW(scene, part);
+    if (parts == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->parts = parts;
+    parts[scene->part_count++] = part;
+    scene->objects[scene->object_count - 1].part_count += 1;
+    return STP_OK;
+}
+
+stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform)
+{
+    assert(scene->object_count > 0);
+    stp_affine* instances = GROW(scene, instance);
+    if (instances == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->instances = instances;
+    instances[scene->instance_count++] = *transform;
+    scene->objects[scene->object_count - 1].instance_count += 1;
+    return STP_OK;
+}
+
+stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view)
+{
+    stp_scene_view* views = GROW(scene, view);
+    if (views == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->views = views;
+    stp_scene_view* kept = &views[scene->view_count++];
+    *kept = *view;
+    return keep_text(scene, &kept->name);
+}
+
+stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source)
+{
+    stp_source* sources = GROW(scene, source);
+    if (sources == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->sources = sources;
+    stp_source* kept = &sources[scene->source_count++];
+    *kept = *source;
+    stp_result result = keep_text(scene, &kept->path);
+    return result != STP_OK ? result : keep_text(scene, &kept->format);
+}

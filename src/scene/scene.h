@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+//
+// A scene as imported: meshes, point sets, materials, textures, and who stands where.
+//
+//   objects (a tree, as the input wrote it: names, ids)       nodes (a graph without cycles, shared)
+//
+//      plant ── line 1 ── motor ── bolt                        n3 ─┬─ n2 ─┬─ n1 ── n0
+//            └─ line 2 ── motor ── bolt           each object      └──────┘ (two edges, one node)
+//                                                 knows its node
+//
+// Importers add objects under their parents, with parts (meshes or point sets) and instances. Then
+// stp_scene_finish() merges identical meshes, finds identical subtrees, and makes the graph of nodes:
+// what looks the same is one node, however often the input wrote it. People ask about objects; everything
+// that costs time works on nodes.
+//
+// Positions are floats relative to their object; transforms are double, so a site far from its origin keeps
+// its precision. Inside, y is up and lengths are in the scene's unit. Colours of materials are linear;
+// textures and point colours are sRGB bytes.
+#pragma once
+
+#include "base/arena.h"
+#include "base/math.h"
+
+#define STP_NONE UINT32_MAX
+
+typedef enum stp_alpha_mode {
+    STP_ALPHA_OPAQUE,
+    STP_ALPHA_MASK,  ///< a texel below the cutoff is not there
+    STP_ALPHA_BLEND, ///< transparent: drawn as hashed alpha
+} stp_alpha_mode;
+
+typedef enum stp_wrap { STP_WRAP_REPEAT, STP_WRAP_CLAMP, STP_WRAP_MIRROR } stp_wrap;
+
+/// A use of a texture. The transform is two rows of three: uv' = t * (u, v, 1).
+typedef struct stp_texture_use {
+    uint32_t texture; ///< STP_NONE: none
+    uint32_t texcoord; ///< which of a mesh's two sets
+    float transform[2][3];
+} stp_texture_use;
+
+typedef struct stp_material {
+    const char* name; ///< may be NULL
+    float base_color[4];
+    float metallic, roughness;
+    float emissive[3]; ///< strength included; may exceed 1
+    float alpha_cutoff;
+    stp_alpha_mode alpha_mode;
+    bool double_sided, unlit;
+    stp_texture_use base_color_texture;         ///< sRGB, alpha
+    stp_texture_use metallic_roughness_texture; ///< linear: green roughness, blue metallic
+    stp_texture_use emissive_texture;           ///< sRGB
+} stp_material;
+
+typedef struct stp_texture {
+    const char* name; ///< may be NULL
+    uint32_t width, height;
+    uint8_t* texels; ///< owned; RGBA rows, top first
+    stp_wrap wrap_u, wrap_v;
+    bool nearest; ///< magnified without interpolation
+} stp_texture;
+
+/// Triangles of one material. Arrays are owned; those marked optional may be NULL.
+typedef struct stp_mesh {
+    const char* name; ///< may be NULL
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    float* positions;    ///< 3 a vertex, finite
+    float* normals;      ///< optional: 3 a vertex, unit or zero; NULL: flat, from the winding
+    float* texcoords[2]; ///< optional: 2 a vertex
+    uint16_t* colors;    ///< optional: 4 a vertex, linear, 65535 is 1; multiplies the base colour
+    uint32_t* indices;   ///< 3 a triangle, each below vertex_count
+    uint32_t material;
+    stp_box bounds;
+} stp_mesh;
+
+typedef struct stp_point_set {
+    const char* name; ///< may be NULL
+    uint32_t point_count;
+    float* positions; ///< 3 a point, finite
+    float* normals;   ///< optional: 3 a point
+    uint8_t* colors;  ///< optional: RGBA a point, sRGB
+    uint32_t material;
+    stp_box bounds;
+} stp_point_set;
+
+typedef enum stp_part_kind { STP_PART_MESH, STP_PART_POINTS } stp_part_kind;
+
+/// A mesh or a point set, by index.
+typedef struct stp_part {
+    stp_part_kind kind;
+    uint32_t index;
+} stp_part;
+
+enum { STP_OBJECT_MOVING = 1 /**< skinned or animated: never merged into a static ancestor's surfels */ };
+
+typedef struct stp_object {
+    const char* name; ///< may be NULL
+    const char* id;   ///< the input's own id or extras as JSON text; may be NULL
+    uint32_t parent;  ///< below this object's own index; STP_NONE for a root
+    stp_affine transform; ///< to the parent
+    uint32_t first_part, part_count;
+    uint32_t first_instance, instance_count; ///< transforms of its parts within it; 0: one, the identity
+    uint32_t flags;
+    uint32_t node; ///< set by stp_scene_finish
+} stp_object;
+
+/// A child within a node.
+typedef struct stp_edge {
+    uint32_t node;
+    stp_affine transform;
+} stp_edge;
+
+/// A vertex of the graph; children have lower indices than parents.
+typedef struct stp_node {
+    uint32_t first_edge, edge_count;
+    uint32_t first_part, part_count; ///< into node_parts
+    uint32_t flags;                  ///< of its objects
+    stp_boxd bounds;                 ///< of everything below, in the node's own space
+    uint64_t triangle_count;         ///< of everything below, instances counted each
+    uint64_t point_count;
+} stp_node;
+
+/// A named camera. `eye`, `target` and `up` in scene space.
+typedef struct stp_scene_view {
+    const char* name;
+    stp_vec3d eye, target, up;
+    double fov_degrees; ///< vertical
+} stp_scene_view;
+
+typedef struct stp_source {
+    const char* path; ///< as given by the user
+    const char* format;
+    uint64_t bytes;
+} stp_source;
+
+typedef struct stp_scene {
+    stp_context* context;
+    stp_arena text; ///< names and ids live here
+    stp_mesh* meshes;
+    stp_point_set* point_sets;
+    stp_material* materials; ///< material 0 always exists: glTF's default
+    stp_texture* textures;
+    stp_object* objects;
+    stp_part* parts;
+    stp_affine* instances;
+    stp_scene_view* views;
+    stp_source* sources;
+    size_t mesh_count, point_set_count, material_count, texture_count, object_count, part_count,
+        instance_count, view_count, source_count;
+    size_t mesh_capacity, point_set_capacity, material_capacity, texture_capacity, object_capacity,
+        part_capacity, instance_capacity, view_capacity, source_capacity;
+
+    // made by stp_scene_finish
+    stp_node* nodes;
+    stp_edge* edges;
+    stp_part* node_parts;
+    size_t node_count, edge_count, node_part_count;
+    uint32_t root; ///< the node that holds everything; STP_NONE in an empty scene
+
+    double unit_metres; ///< length of one unit; 0 where the input does not say
+    const char* up;     ///< the input's up axis, "y" or "z": what was turned to y
+} stp_scene;
+
+/// An empty scene with its default material.
+STP_MUST_USE stp_result stp_scene_create(stp_context* context, stp_scene** scene);
+void stp_scene_destroy(stp_scene* scene);
+
+// Each of these adds one thing and gives its index through the last argument (may be NULL). Arrays inside
+// the struct (positions, texels, ...) must come from stp_alloc; the scene takes them over, also on failure.
+// Texts are copied. Failure is always STP_ERROR_OUT_OF_MEMORY, logged.
+STP_MUST_USE stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* index);
+STP_MUST_USE stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points,
+                                                uint32_t* index);
+STP_MUST_USE stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material,
+                                               uint32_t* index);
+STP_MUST_USE stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture,
+                                              uint32_t* index);
+/// Only name, id, parent, transform and flags are read.
+STP_MUST_USE stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint32_t* index);
+/// Adds to the object added last.
+STP_MUST_USE stp_result stp_scene_add_part(stp_scene* scene, stp_part part);
+STP_MUST_USE stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform);
+STP_MUST_USE stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view);
+STP_MUST_USE stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source);
+
+/// glTF's default material: white, fully metallic and rough, opaque, one-sided.
+stp_material stp_material_default(void);
+stp_texture_use stp_texture_use_none(void);
+
+/// Computes bounds, drops degenerate meshes' parts (no triangles), merges identical meshes and identical
+/// subtrees, and makes the graph of nodes. Call once, after everything was added.
+STP_MUST_USE stp_result stp_scene_finish(stp_scene* scene);
+
+/// One use of a part in the whole scene.
+typedef struct stp_placed_part {
+    stp_part part;
+    stp_affine transform; ///< to scene space
+    uint32_t flags;
+} stp_placed_part;
+
+/// Walks everything below `node` and lists each use of each part. The array is the caller's (stp_free).
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or STP_ERROR_LIMIT where there are more than `limit` uses
+STP_MUST_USE stp_result stp_scene_flatten(const stp_scene* scene, uint32_t node, size_t limit,
+                                          stp_placed_part** parts, size_t* part_count);

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: MIT
+//
+// From the tree of objects to the graph of nodes: identical meshes become one, identical subtrees one node.
+// Identity is by content (128-bit hashes), so it holds however often and wherever the input wrote a thing.
+#include "base/hash.h"
+#include "scene/scene.h"
+
+#include <assert.h>
+#include <string.h>
+
+// An open-addressing table from content to index.
+typedef struct content_entry {
+    stp_hash hash;
+    uint32_t index; ///< STP_NONE: free
+} content_entry;
+
+typedef struct content_table {
+    content_entry* entries;
+    size_t mask;
+} content_table;
+
+static stp_result create_table(stp_context* context, size_t count, content_table* table)
+{
+    size_t size = 16;
+    while (size < 2 * count) {
+        size *= 2;
+    }
+    table->mask = size - 1;
+    table->entries = STP_NEW_ARRAY(context, content_entry, size);
+    if (table->entries == NULL) {
+        return stp_fail_memory(context);
+    }
+    memset(table->entries, 0xff, size * sizeof(content_entry));
+    return STP_OK;
+}
+
+// The index first stored under this content; `index` itself where it is new.
+static uint32_t find_or_add(content_table* table, stp_hash hash, uint32_t index)
+{
+    for (size_t slot = hash.low & table->mask;; slot = (slot + 1) & table->mask) {
+        content_entry* entry = &table->entries[slot];
+        if (entry->index == STP_NONE) {
+            *entry = (content_entry){.hash = hash, .index = index};
+            return index;
+        }
+        if (stp_hash_equal(entry->hash, hash)) {
+            return entry->index;
+        }
+    }
+}
+
+static stp_hash hash_optional(stp_hash hash, const void* bytes, size_t size)
+{
+    unsigned char present = bytes != NULL;
+    hash = stp_hash_bytes(hash, &present, 1);
+    return bytes != NULL ? stp_hash_bytes(hash, bytes, size) : hash;
+}
+
+static stp_hash hash_mesh(const stp_mesh* mesh)
+{
+    size_t vertices = mesh->vertex_count, triangles = mesh->triangle_count;
+    uint32_t head[3] = {mesh->vertex_count, mesh->triangle_count, mesh->material};
+    stp_hash hash = stp_hash_bytes((stp_hash){0}, head, sizeof(head));
+    hash = hash_optional(hash, mesh->positions, vertices * 3 * sizeof(float));
+    hash = hash_optional(hash, mesh->normals, vertices * 3 * sizeof(float));
+    hash = hash_optional(hash, mesh->texcoords[0], vertices * 2 * sizeof(float));
+    hash = hash_optional(hash, mesh->texcoords[1], vertices * 2 * sizeof(float));
+    hash = hash_optional(hash, mesh->colors, vertices * 4 * sizeof(uint16_t));
+    return hash_optional(hash, mesh->indices, triangles * 3 * sizeof(uint32_t));
+}
+
+typedef struct hash_work {
+    const stp_scene* scene;
+    stp_hash* hashes;
+} hash_work;
+
+static void hash_meshes(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    hash_work* work = user;
+    for (size_t i = begin; i < end; ++i) {
+        work->hashes[i] = hash_mesh(&work->scene->meshes[i]);
+    }
+}
+
+// Points every part at the first mesh with its content. The copies' arrays are freed.
+static stp_result merge_meshes(stp_scene* scene)
+{
+    stp_context* context = scene->context;
+    content_table table = {0};
+    stp_hash* hashes = STP_NEW_ARRAY(context, stp_hash, scene->mesh_count);
+    uint32_t* first = STP_NEW_ARRAY(context, uint32_t, scene->mesh_count);
+    stp_result result = hashes != NULL && first != NULL
+                            ? create_table(context, scene->mesh_count, &table)
+                            : stp_fail_memory(context);
+    if (result == STP_OK) {
+        stp_parallel_for(context, scene->mesh_count, 16, hash_meshes, &(hash_work){scene, hashes});
+        size_t kept = 0;
+        for (size_t i = 0; i < scene->mesh_count; ++i) {
+            uint32_t found = find_or_add(&table, hashes[i], (uint32_t)kept);
+            first[i] = found;
+            stp_mesh* mesh = &scene->meshes[i];
+            if (found == kept) {
+                scene->meshes[kept++] = *mesh;
+                continue;
+            }
+            void* arrays[] = {mesh->positions,    mesh->normals, mesh->texcoords[0],
+                              mesh->texcoords[1], mesh->colors,  mesh->indices};
+            for (size_t k = 0; k < sizeof(arrays) / sizeof(arrays[0]); ++k) {
+                stp_free(context, arrays[k]);
+            }
+        }
+        scene->mesh_count = kept;
+        for (size_t i = 0; i < scene->part_count; ++i) {
+            stp_part* part = &scene->parts[i];
+            part->index = part->kind == STP_PART_MESH ? first[part->index] : part->index;
+        }
+    }
+    stp_free(context, table.entries);
+    stp_free(context, first);
+    stp_free(context, hashes);
+    return result;
+}
+
+static bool part_is_empty(const stp_scene* scene, stp_part part)
+{
+    return part.kind == STP_PART_MESH ? scene->meshes[part.index].triangle_count == 0
+                                      : scene->point_sets[part.index].point_count == 0;
+}
+
+// What making the graph needs: the children of each object, and lists of contents.
+typedef struct share {
+    stp_scene* scene;
+    uint32_t* first_child; ///< of each object; then STP_NONE
+    uint32_t* next_sibling;
+    uint32_t* last_child;
+    content_table table;
+    size_t edge_capacity, part_capacity, node_capacity;
+} share;
+
+static stp_result add_edge(share* s, const stp_edge* edge)
+{
+    stp_scene* scene = s->scene;
+    stp_edge* edges = stp_grow_array(scene->context, scene->edges, &s->edge_capacity,
+                                     scene->edge_count + 1, sizeof(*edges));
+    if (edges == NULL || scene->edge_count >= STP_NONE) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->edges = edges;
+    edges[scene->edge_count++] = *edge;
+    return STP_OK;
+}
+
+static stp_result add_node_part(share* s, stp_part part)
+{
+    stp_scene* scene = s->scene;
+    stp_part* parts = stp_grow_array(scene->context, scene->node_parts, &s->part_capacity,
+                                     scene->node_part_count + 1, sizeof(*parts));
+    if (parts == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->node_parts = parts;
+    parts[scene->node_part_count++] = part;
+    return STP_OK;
+}
+
+static stp_hash hash_node(const stp_scene* scene, const stp_node* node)
+{
+    uint32_t head[3] = {node->edge_count, node->part_count, node->flags};
+    stp_hash hash = stp_hash_bytes((stp_hash){0}, head, sizeof(head));
+    for (uint32_t i = 0; i < node->part_count; ++i) {
+        stp_part part = scene->node_parts[node->first_part + i];
+        uint32_t words[2] = {(uint32_t)part.kind, part.index};
+        hash = stp_hash_bytes(hash, words, sizeof(words));
+    }
+    for (uint32_t i = 0; i < node->edge_count; ++i) {
+        const stp_edge* edge = &scene->edges[node->first_edge + i];
+        hash = stp_hash_bytes(hash, &edge->node, sizeof(edge->node));
+        hash = stp_hash_bytes(hash, edge->transform.m, sizeof(edge->transform.m));
+    }
+    return hash;
+}
+
+static void measure_node(const stp_scene* scene, stp_node* node)
+{
+    node->bounds = stp_boxd_empty();
+    for (uint32_t i = 0; i < node->part_count; ++i) {
+        stp_part part = scene->node_parts[node->first_part + i];
+        bool mesh = part.kind == STP_PART_MESH;
+        stp_box box =
+            mesh ? scene->meshes[part.index].bounds : scene->point_sets[part.index].bounds;
+        node->triangle_count += mesh ? scene->meshes[part.index].triangle_count : 0;
+        node->point_count += mesh ? 0 : scene->point_sets[part.index].point_count;
+        stp_boxd_add(&node->bounds, stp_to_double(box.min));
+        stp_boxd_add(&node->bounds, stp_to_double(box.max));
+    }
+    for (uint32_t i = 0; i < node->edge_count; ++i) {
+        const stp_edge* edge = &scene->edges[node->first_edge + i];
+        const stp_node* child = &scene->nodes[edge->node];
+        stp_boxd box = stp_affine_box(&edge->transform, child->bounds);
+        node->triangle_count += child->triangle_count;
+        node->point_count += child->point_count;
+        stp_boxd_add(&node->bounds, box.min);
+        stp_boxd_add(&node->bounds, box.max);
+    }
+}
+
+// Adds a node made of the edges and parts from `first_edge` and `first_part` to the ends of their arrays,
+// or finds one with that content and takes them back.
+static stp_result close_node(share* s, size_t first_edge, size_t first_part, uint32_t flags,
+                             uint32_t* index)
+{
+    stp_scene* scene = s->scene;
+    stp_node node = {
+        .first_edge = (uint32_t)first_edge,
+        .edge_count = (uint32_t)(scene->edge_count - first_edge),
+        .first_part = (uint32_t)first_part,
+        .part_count = (uint32_t)(scene->node_part_count - first_part),
+        .flags = flags,
+    };
+    uint32_t found = find_or_add(&s->table, hash_node(scene, &node), (uint32_t)scene->node_count);
+    *index = found;
+    if (found != scene->node_count) {
+        scene->edge_count = first_edge;
+        scene->node_part_count = first_part;
+        return STP_OK;
+    }
+    assert(scene->node_count < s->node_capacity);
+    measure_node(scene, &node);
+    scene->nodes[scene->node_count++] = node;
+    return STP_OK;
+}
+
+// The node of an object whose children have theirs. An object without anything below gets none.
+static stp_result share_object(share* s, uint32_t index)
+{
+    stp_scene* scene = s->scene;
+    stp_object* object = &scene->objects[index];
+    uint32_t content = STP_NONE; // the node of the object's instanced parts
+    size_t first_part = scene->node_part_count;
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; result == STP_OK && i < object->part_count; ++i) {
+        stp_part part = scene->parts[object->first_part + i];
+        result = part_is_empty(scene, part) ? STP_OK : add_node_part(s, part);
+    }
+    bool instanced = object->instance_count > 0 && scene->node_part_count > first_part;
+    if (result == STP_OK && instanced) {
+        result = close_node(s, scene->edge_count, first_part, object->flags, &content);
+        first_part = scene->node_part_count;
+    }
+    size_t first_edge = scene->edge_count;
+    for (uint32_t child = s->first_child[index]; result == STP_OK && child != STP_NONE;
+         child = s->next_sibling[child]) {
+        const stp_object* below = &scene->objects[child];
+        if (below->node != STP_NONE) {
+            result = add_edge(s, &(stp_edge){.node = below->node, .transform = below->transform});
+        }
+    }
+    for (uint32_t i = 0; result == STP_OK && instanced && i < object->instance_count; ++i) {
+        result = add_edge(s, &(stp_edge){.node = content,
+                                         .transform = scene->instances[object->first_instance + i]});
+    }
+    bool empty = scene->edge_count == first_edge && scene->node_part_count == first_part;
+    if (result != STP_OK || empty) {
+        return result;
+    }
+    return close_node(s, first_edge, first_part, object->flags, &object->node);
+}
+
+// The root: what holds all objects without a parent.
+static stp_result share_roots(share* s)
+{
+    stp_scene* scene = s->scene;
+    size_t first_edge = scene->edge_count;
+    for (uint32_t i = 0; i < scene->object_count; ++i) {
+        const stp_object* object = &scene->objects[i];
+        if (object->parent == STP_NONE && object->node != STP_NONE) {
+            stp_edge edge = {.node = object->node, .transform = object->transform};
+            stp_result result = add_edge(s, &edge);
+            if (result != STP_OK) {
+                return result;
+            }
+        }
+    }
+    if (scene->edge_count == first_edge) {
+        return STP_OK;
+    }
+    return close_node(s, first_edge, scene->node_part_count, 0, &scene->root);
+}
+
+static void link_children(share* s)
+{
+    const stp_scene* scene = s->scene;
+    memset(s->first_child, 0xff, scene->object_count * sizeof(uint32_t));
+    memset(s->next_sibling, 0xff, scene->object_count * sizeof(uint32_t));
+    for (uint32_t i = 0; i < scene->object_count; ++i) {
+        uint32_t parent = scene->objects[i].parent;
+        if (parent == STP_NONE) {
+            continue;
+        }
+        if (s->first_child[parent] == STP_NONE) {
+            s->first_child[parent] = i;
+        } else {
+            s->next_sibling[s->last_child[parent]] = i;
+        }
+        s->last_child[parent] = i;
+    }
+}
+
+static stp_result make_graph(share* s)
+{
+    stp_scene* scene = s->scene;
+    stp_context* context = scene->context;
+    s->node_capacity = 2 * scene->object_count + 1;
+    scene->nodes = STP_NEW_ARRAY(context, stp_node, s->node_capacity);
+    s->first_child = STP_NEW_ARRAY(context, uint32_t, scene->object_count);
+    s->next_sibling = STP_NEW_ARRAY(context, uint32_t, scene->object_count);
+    s->last_child = STP_NEW_ARRAY(context, uint32_t, scene->object_count);
+    if (scene->nodes == NULL || s->first_child == NULL || s->next_sibling == NULL ||
+        s->last_child == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_result result = create_table(context, s->node_capacity, &s->table);
+    if (result != STP_OK) {
+        return result;
+    }
+    link_children(s);
+    for (size_t i = scene->object_count; result == STP_OK && i > 0; --i) {
+        result = share_object(s, (uint32_t)(i - 1)); // parents come before their children
+    }
+    return result != STP_OK ? result : share_roots(s);
+}
+
+stp_result stp_scene_finish(stp_scene* scene)
+{
+    assert(scene->nodes == NULL && "finished already");
+    stp_result result = merge_meshes(scene);
+    if (result != STP_OK) {
+        return result;
+    }
+    share s = {.scene = scene};
+    result = make_graph(&s);
+    stp_free(scene->context, s.table.entries);
+    stp_free(scene->context, s.last_child);
+    stp_free(scene->context, s.next_sibling);
+    stp_free(scene->context, s.first_child);
+    return result;
+}

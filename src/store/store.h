@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+//
+// A `.stip` file opened for reading: the whole scene as checked tables and columns, straight out of the
+// mapped file. docs/format.md is the authority on the bytes.
+//
+// `stp_store_open` reads the directory (a few KB) and checks every count and offset in it. The data of a mesh,
+// texture or surfel set is checked (checksum, ranges of indices) when it is first asked for.
+#pragma once
+
+#include "base/context.h"
+#include "base/math.h"
+
+#include <stipple/surfels.h>
+
+#define STP_STORE_NONE UINT32_MAX
+
+typedef struct stp_store stp_store;
+
+/// A use of a texture; see stp_texture_use in src/scene/scene.h.
+typedef struct stp_store_texture_use {
+    uint32_t texture; ///< STP_STORE_NONE: none
+    uint32_t texcoord;
+    float transform[2][3];
+} stp_store_texture_use;
+
+typedef enum stp_store_alpha { STP_STORE_OPAQUE, STP_STORE_MASK, STP_STORE_BLEND } stp_store_alpha;
+
+typedef struct stp_store_material {
+    const char* name;
+    float base_color[4]; ///< linear
+    float metallic, roughness, emissive[3], alpha_cutoff;
+    stp_store_alpha alpha;
+    uint32_t flags; ///< STP_SHADING_*
+    stp_store_texture_use base_color_texture, metallic_roughness_texture, emissive_texture;
+} stp_store_material;
+
+typedef struct stp_store_texture {
+    uint32_t width, height;
+    uint32_t wrap_u, wrap_v; ///< 0 repeat, 1 clamp, 2 mirror
+    uint32_t nearest;
+    const uint8_t* texels; ///< RGBA, sRGB
+} stp_store_texture;
+
+typedef struct stp_store_mesh {
+    const char* name;
+    uint32_t vertex_count, triangle_count, material;
+    stp_box bounds;
+    const float* positions;     ///< 3 a vertex
+    const int16_t* normals;     ///< NULL (flat), or octahedral, 2 a vertex, 32767 is 1
+    const float* texcoords[2];  ///< NULL, or 2 a vertex
+    const uint16_t* colors;     ///< NULL, or 4 a vertex, linear, 65535 is 1
+    const uint32_t* indices;    ///< 3 a triangle, each below vertex_count
+} stp_store_mesh;
+
+typedef struct stp_store_point_set {
+    const char* name;
+    uint32_t point_count, material;
+    stp_box bounds;
+    const float* positions;
+    const int16_t* normals; ///< NULL, or octahedral
+    const uint8_t* colors;  ///< NULL, or RGBA, sRGB
+} stp_store_point_set;
+
+typedef enum stp_store_part_kind { STP_STORE_PART_MESH, STP_STORE_PART_POINTS } stp_store_part_kind;
+
+typedef struct stp_store_part {
+    stp_store_part_kind kind;
+    uint32_t index;
+} stp_store_part;
+
+typedef struct stp_store_edge {
+    uint32_t node;
+    stp_affine transform;
+} stp_store_edge;
+
+/// Children have lower indices than parents.
+typedef struct stp_store_node {
+    uint32_t first_edge, edge_count;
+    uint32_t first_part, part_count;
+    uint32_t surfels; ///< its surfel set: what it looks like from outside; STP_STORE_NONE: none
+    uint32_t flags;   ///< bit 0: moving
+    uint64_t triangle_count, point_count; ///< below it, instances counted each
+    stp_boxd bounds;
+} stp_store_node;
+
+typedef struct stp_store_object {
+    const char* name; ///< NULL: none
+    const char* id;   ///< NULL: none
+    uint32_t parent, node;
+    stp_affine transform;
+} stp_store_object;
+
+typedef struct stp_store_view {
+    const char* name;
+    stp_vec3d eye, target, up;
+    double fov_degrees;
+} stp_store_view;
+
+typedef struct stp_store_source {
+    const char* path;
+    const char* format;
+    uint64_t bytes;
+} stp_store_source;
+
+/// Everything but the bulk data. Arrays belong to the store. Also what the writer is given.
+typedef struct stp_store_directory {
+    uint32_t node_count, edge_count, part_count, object_count, material_count, shading_count, texture_count,
+        mesh_count, point_set_count, surfels_count, view_count, source_count;
+    const stp_store_node* nodes;
+    const stp_store_edge* edges;
+    const stp_store_part* parts;
+    const stp_store_object* objects;
+    const stp_store_material* materials;
+    const stp_shading* shadings;
+    const stp_store_view* views;
+    const stp_store_source* sources;
+    uint32_t root;       ///< STP_STORE_NONE in an empty scene
+    double unit_metres;  ///< 0: unknown
+    char up;             ///< the input's up axis
+    const char* build_json; ///< the parameters of the build, one JSON object
+} stp_store_directory;
+
+/// Opens and checks the directory. @return STP_OK, or IO, TRUNCATED, FORMAT, VERSION, OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_store_open(stp_context* context, const char* path, stp_store** store);
+void stp_store_close(stp_store* store);
+const stp_store_directory* stp_store_get_directory(const stp_store* store);
+uint64_t stp_store_file_bytes(const stp_store* store);
+uint32_t stp_store_format_version(const stp_store* store);
+
+// Each checks the data on first use and gives pointers into the file that live as long as the store. One
+// thread at a time. On a bad checksum or index: STP_ERROR_FORMAT, logged.
+STP_MUST_USE stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* mesh);
+STP_MUST_USE stp_result stp_store_get_point_set(stp_store* store, uint32_t index,
+                                                stp_store_point_set* points);
+STP_MUST_USE stp_result stp_store_get_texture(stp_store* store, uint32_t index, stp_store_texture* texture);
+/// The set's columns: its arrays must not be written to nor freed.
+STP_MUST_USE stp_result stp_store_get_surfels(stp_store* store, uint32_t index, stp_surfels* surfels);
+
+/// Every checksum and invariant of the file; `quick`: of the directory alone. Logs the first fault.
+STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, bool quick);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+//
+// Writes a `.stip`: the directory first, then data coarse to fine, so that any prefix of the file is the whole
+// scene. Written aside, synced, renamed.
+#pragma once
+
+#include "store/store.h"
+
+/// Everything to be written. Counts of meshes etc. are those of `directory`.
+typedef struct stp_store_content {
+    stp_store_directory directory;
+    const stp_store_mesh* meshes;
+    const stp_store_point_set* point_sets;
+    const stp_store_texture* textures;
+    const stp_surfels* surfels;
+} stp_store_content;
+
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged; nothing of a former file is lost)
+STP_MUST_USE stp_result stp_store_write(stp_context* context, const stp_store_content* content,
+                                        const char* path);

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+//
+// A subcommand is one file: a table of options, and a function. --help, man pages and completions come from
+// the same tables.
+#pragma once
+
+#include "base/context.h"
+
+#include <jansson.h>
+
+typedef enum option_type {
+    OPTION_FLAG,   ///< bool*
+    OPTION_TEXT,   ///< const char**
+    OPTION_COUNT,  ///< uint64_t*: a whole number
+    OPTION_NUMBER, ///< double*
+    OPTION_SIZE,   ///< uint64_t*: bytes, with K M G T (powers of 1024)
+    OPTION_CHOICE, ///< int*: index of a word in `words`
+    OPTION_PIXELS, ///< uint32_t[2]: WxH
+    OPTION_VECTOR, ///< double[3]: X,Y,Z
+} option_type;
+
+typedef struct option {
+    const char* name; ///< without dashes
+    char letter;      ///< 0: none
+    option_type type;
+    const char* argument; ///< as help shows it, "PX"; NULL for flags
+    const char* words;    ///< choices separated by |
+    const char* help;     ///< one line
+    void* value;
+    bool* given; ///< set where the option was given; may be NULL
+} option;
+
+typedef struct command {
+    const char* name;
+    const char* arguments; ///< "INPUT... -o FILE.stip"
+    const char* summary;   ///< one line, as `stipple help` lists it
+    const char* text;      ///< paragraphs for `stipple help NAME` and the man page
+    /// Fills the table of options (ends with a NULL name); each value points into the command's own storage.
+    const option* (*options)(void);
+    /// Runs with what is left of the arguments; returns the exit code: 0, 1 (message printed) or 2.
+    int (*run)(int argc, char** argv);
+} command;
+
+/// All commands, NULL at the end (CMake writes the list from tools/command_*.c).
+const command* const* commands(void);
+
+/// A context that prints messages on stderr ("stipple: ...") and progress as asked; NULL: message printed.
+stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes, const char* progress);
+/// Prints one sentence on stderr and returns 2, or 1.
+int tool_usage_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
+int tool_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
+/// Prints the object and a newline on stdout and frees it; returns the exit code (1 where writing fails).
+int tool_print_json(json_t* object);
