@@ -8,14 +8,15 @@
 #include "scene/scene.h"
 
 typedef struct stp_import_desc {
-    char up;            ///< 'y' or 'z': where the input does not say; default what the format's users expect
+    char up; ///< 'y' or 'z': where the input does not say; default what the format's users expect
     double unit_metres; ///< length of one input unit: where the input does not say; 0: unknown
-    uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats; default 4 GiB
+    uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats;
+                                  ///< default 4 GiB
     uint32_t helper_seconds;      ///< most time it may take; default 600
 } stp_import_desc;
 
-/// One file being read. `scene` receives; all objects of the file belong under `root`, which already turns
-/// the file's axes (set through stp_import_set_axes) and is named after the file.
+/// One file being read. `scene` receives; all objects of the file belong under `root`, which
+/// already turns the file's axes (set through stp_import_set_axes) and is named after the file.
 typedef struct stp_import {
     stp_context* context;
     stp_scene* scene;
@@ -23,6 +24,7 @@ typedef struct stp_import {
     stp_mapped_file file;
     stp_import_desc desc;
     uint32_t root;
+    bool alone; ///< the bytes came from memory: no file beside it may be read
 } stp_import;
 
 typedef struct stp_importer {
@@ -32,23 +34,44 @@ typedef struct stp_importer {
     bool (*detect)(const unsigned char* bytes, size_t size);
     /// Reads the file. On failure the message was logged; the caller destroys the scene.
     stp_result (*read)(stp_import* import);
+    /// Tried last, on whatever no other importer claims. Where `extensions` is not NULL it must
+    /// hold the file's, or `detect` must know the content.
+    bool fallback;
 } stp_importer;
 
-/// Reads one file into the scene (which stp_scene_finish must not have seen yet). The format is found by
-/// content, then by extension.
+/// Reads one file into the scene (which stp_scene_finish must not have seen yet). The format is
+/// found by content, then by extension.
 /// @return STP_OK; STP_ERROR_IO, STP_ERROR_TRUNCATED, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED,
-/// STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY, each with one logged sentence that names file and place
-STP_MUST_USE stp_result stp_import_file(stp_scene* scene, const char* path, const stp_import_desc* desc);
+/// STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY, each with one logged sentence that names file and
+/// place
+STP_MUST_USE stp_result stp_import_file(stp_scene* scene, const char* path,
+                                        const stp_import_desc* desc);
+
+/// Reads a file that is already in memory; `name` stands for its path and gives the extension.
+/// References to other files are refused.
+STP_MUST_USE stp_result stp_import_memory(stp_scene* scene, const char* name, const void* bytes,
+                                          size_t size, const stp_import_desc* desc);
 
 /// All importers, NULL at the end. What none of them claims goes to assimp, where the build has it.
 const stp_importer* const* stp_importers(void);
 
 // For importers:
 
-/// Says which axis is up in the file and how long its unit is (0: unknown), before objects are added.
+/// Says which axis is up in the file ('y' or 'z') and how long its unit is (0: the file does not
+/// say, and desc.unit_metres holds), before objects are added. A format that does not say its axis
+/// passes desc.up where that is set, else what its users expect. Without a call: desc.up or 'y',
+/// desc.unit_metres.
 void stp_import_set_axes(stp_import* import, char up, double unit_metres);
 
-/// The path of a file that `reference` (a relative URI or path, percent-decoded already) names, relative to
-/// the imported file's folder. Absolute paths, drive letters, URLs and ".." that leave the folder are refused.
+/// The path of a file that `reference` (a relative URI or path, percent-decoded already) names,
+/// relative to the imported file's folder. Absolute paths, drive letters, URLs and ".." that leave
+/// the folder are refused. Backslashes separate like slashes.
 /// @return STP_OK with an arena copy (of the scene's text arena), or STP_ERROR_FORMAT (logged)
-STP_MUST_USE stp_result stp_import_resolve(stp_import* import, const char* reference, const char** path);
+STP_MUST_USE stp_result stp_import_resolve(stp_import* import, const char* reference,
+                                           const char** path);
+
+/// The same for a file that the import can do without, such as a picture: where the reference is
+/// refused or no such file exists, `path` becomes NULL after a warning that begins with `place`.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_import_resolve_optional(stp_import* import, const char* place,
+                                                    const char* reference, const char** path);

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "import/import.h"
+
+#include <string.h>
+
+#define IMPORTER(name) extern const stp_importer stp_importer_##name;
+#include "import_list.h"
+#undef IMPORTER
+
+static const stp_importer* const importers[] = {
+#define IMPORTER(name) &stp_importer_##name,
+#include "import_list.h"
+#undef IMPORTER
+    NULL,
+};
+
+const stp_importer* const* stp_importers(void)
+{
+    return importers;
+}
+
+static const char* base_name(const char* path)
+{
+    const char* slash = strrchr(path, '/');
+    return slash != NULL ? slash + 1 : path;
+}
+
+static char lower_case(char c)
+{
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+// Whether the file's extension is one of the words, whatever its case.
+static bool has_extension(const char* path, const char* words)
+{
+    const char* dot = strrchr(base_name(path), '.');
+    if (dot == NULL || words == NULL) {
+        return false;
+    }
+    size_t length = strlen(dot + 1);
+    while (*words != '\0') {
+        size_t word = strcspn(words, " ");
+        size_t same = 0;
+        while (same < word && same < length && lower_case(dot[1 + same]) == words[same]) {
+            same += 1;
+        }
+        if (word == length && same == length) {
+            return true;
+        }
+        words += word + (words[word] == ' ');
+    }
+    return false;
+}
+
+// Content first, then the extension, then the importers that take what is left.
+static const stp_importer* find_importer(const char* path, const stp_mapped_file* file)
+{
+    for (int fallback = 0; fallback < 2; ++fallback) {
+        for (const stp_importer* const* i = importers; *i != NULL; ++i) {
+            if ((*i)->fallback == (fallback != 0) && (*i)->detect != NULL &&
+                (*i)->detect(file->bytes, file->size)) {
+                return *i;
+            }
+        }
+        for (const stp_importer* const* i = importers; *i != NULL; ++i) {
+            bool takes_all = fallback != 0 && (*i)->extensions == NULL;
+            if ((*i)->fallback == (fallback != 0) &&
+                (takes_all || has_extension(path, (*i)->extensions))) {
+                return *i;
+            }
+        }
+    }
+    return NULL;
+}
+
+void stp_import_set_axes(stp_import* import, char up, double unit_metres)
+{
+    stp_scene* scene = import->scene;
+    bool first = import->root == 0;
+    double unit = unit_metres > 0.0 ? unit_metres : import->desc.unit_metres;
+    double scale = 1.0;
+    if (first) {
+        scene->unit_metres = unit;
+        scene->up = up == 'z' ? "z" : "y";
+    } else if (scene->unit_metres == 0.0) {
+        scene->unit_metres = unit; // files of unknown unit are taken to be in the one that is known
+    } else if (unit > 0.0) {
+        scale = unit / scene->unit_metres;
+    }
+    // z up to y up: a quarter turn about x
+    stp_affine y_up = {{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}};
+    stp_affine z_up = {{{scale, 0, 0, 0}, {0, 0, scale, 0}, {0, -scale, 0, 0}}};
+    scene->objects[import->root].transform = up == 'z' ? z_up : y_up;
+}
+
+static stp_result read_with(const stp_importer* importer, stp_import* import)
+{
+    stp_source source = {
+        .path = import->path, .format = importer->name, .bytes = import->file.size};
+    stp_object root = {
+        .name = base_name(import->path), .parent = STP_NONE, .transform = stp_affine_identity()};
+    stp_result result = stp_scene_add_source(import->scene, &source);
+    if (result == STP_OK) {
+        result = stp_scene_add_object(import->scene, &root, &import->root);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'y', 0.0);
+    return importer->read(import);
+}
+
+static stp_result import_mapped(stp_import* import)
+{
+    const stp_importer* importer = find_importer(import->path, &import->file);
+    if (importer == NULL) {
+        return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
+                        "%s: neither content nor extension is of a format that can be read",
+                        import->path);
+    }
+    stp_result result = stp_progress(import->context, "import", 0.0);
+    return result != STP_OK ? result : read_with(importer, import);
+}
+
+stp_result stp_import_file(stp_scene* scene, const char* path, const stp_import_desc* desc)
+{
+    stp_import import = {.context = scene->context, .scene = scene, .path = path, .desc = *desc};
+    stp_result result = stp_file_map(import.context, path, &import.file);
+    if (result != STP_OK) {
+        return result;
+    }
+    result = import_mapped(&import);
+    stp_file_unmap(&import.file);
+    return result;
+}
+
+stp_result stp_import_memory(stp_scene* scene, const char* name, const void* bytes, size_t size,
+                             const stp_import_desc* desc)
+{
+    stp_import import = {.context = scene->context,
+                         .scene = scene,
+                         .path = name,
+                         .file = {.bytes = bytes, .size = size},
+                         .desc = *desc,
+                         .alone = true};
+    return import_mapped(&import);
+}
