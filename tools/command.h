@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A subcommand is one file: a table of options, and a function. --help, man pages and completions come from
-// the same tables.
+// A subcommand is one file: a table of options, and a function. --help, man pages and completions
+// come from the same tables. Every command also has --help, --version, --quiet (-q) and --verbose
+// (-v).
 #pragma once
 
 #include "base/context.h"
@@ -24,8 +25,10 @@ typedef struct option {
     char letter;      ///< 0: none
     option_type type;
     const char* argument; ///< as help shows it, "PX"; NULL for flags
-    const char* words;    ///< choices separated by |
-    const char* help;     ///< one line
+    /// Choices separated by |. Of a number, size or picture size: words that stand for 0, and the
+    /// range allowed, as in "auto|1..1024"; NULL: any (a picture: 1..32768).
+    const char* words;
+    const char* help; ///< one line
     void* value;
     bool* given; ///< set where the option was given; may be NULL
 } option;
@@ -35,19 +38,26 @@ typedef struct command {
     const char* arguments; ///< "INPUT... -o FILE.stip"
     const char* summary;   ///< one line, as `stipple help` lists it
     const char* text;      ///< paragraphs for `stipple help NAME` and the man page
-    /// Fills the table of options (ends with a NULL name); each value points into the command's own storage.
+    /// Fills the table of options (ends with a NULL name); each value points into the command's own
+    /// storage.
     const option* (*options)(void);
-    /// Runs with what is left of the arguments; returns the exit code: 0, 1 (message printed) or 2.
+    /// Runs with what is left of the arguments, in their order (argv[0] is the first; "-" is a file
+    /// name); returns the exit code: 0, 1 (message printed) or 2.
     int (*run)(int argc, char** argv);
 } command;
 
 /// All commands, NULL at the end (CMake writes the list from tools/command_*.c).
 const command* const* commands(void);
 
-/// A context that prints messages on stderr ("stipple: ...") and progress as asked; NULL: message printed.
-stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes, const char* progress);
+/// A context that prints messages on stderr ("stipple: ...", notices only with --verbose) and
+/// progress as asked: "auto" (also NULL: a bar where stderr is a terminal), "bar", "json" (one
+/// object a line) or "none". The first interrupt makes the next report of progress stop the work.
+/// NULL: message printed.
+stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes,
+                                 const char* progress);
 /// Prints one sentence on stderr and returns 2, or 1.
 int tool_usage_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
 int tool_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
-/// Prints the object and a newline on stdout and frees it; returns the exit code (1 where writing fails).
+/// Prints the object and a newline on stdout and frees it; returns the exit code (1 where writing
+/// fails).
 int tool_print_json(json_t* object);

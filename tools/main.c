@@ -1,5 +1,107 @@
 // SPDX-License-Identifier: MIT
-int main(void)
+//
+// The tool: finds the command, reads its options, runs it.
+#include "options.h"
+#include "tool.h"
+
+#include <signal.h>
+#include <string.h>
+
+#define COMMAND(name) extern const command command_##name;
+#include "command_list.h"
+#undef COMMAND
+
+const command* const* commands(void)
 {
-    return 0;
+    static const command* const list[] = {
+#define COMMAND(name) &command_##name,
+#include "command_list.h"
+#undef COMMAND
+        NULL,
+    };
+    return list;
+}
+
+const command* tool_find_command(const char* name)
+{
+    for (const command* const* c = commands(); *c != NULL; ++c) {
+        if (strcmp((*c)->name, name) == 0) {
+            return *c;
+        }
+    }
+    return NULL;
+}
+
+static int fail_unknown_command(const char* name)
+{
+    const char* best = NULL;
+    unsigned distance = 3;
+    for (const command* const* c = commands(); *c != NULL; ++c) {
+        unsigned d = options_word_distance(name, (*c)->name);
+        if (d < distance) {
+            best = (*c)->name;
+            distance = d;
+        }
+    }
+    if (best != NULL) {
+        return tool_usage_error("unknown command '%s'; did you mean '%s'?", name, best);
+    }
+    return tool_usage_error("unknown command '%s'", name);
+}
+
+// Options before the command: the common ones only.
+static int run_without_command(int argc, char** argv)
+{
+    int code = options_parse(NULL, &argc, argv);
+    if (code != 0) {
+        return code;
+    }
+    const tool_settings* settings = tool_settings_get();
+    if (settings->version) {
+        puts("stipple " STP_VERSION);
+        return 0;
+    }
+    help_print_overview(settings->help ? stdout : stderr);
+    return settings->help ? 0 : 2;
+}
+
+static int run_command(const command* c, int argc, char** argv)
+{
+    tool_settings* settings = tool_settings_get();
+    settings->command = c->name;
+    int code = options_parse(c->options != NULL ? c->options() : NULL, &argc, argv);
+    if (code != 0) {
+        return code;
+    }
+    if (settings->help) {
+        help_print_command(stdout, c);
+        return 0;
+    }
+    if (settings->version) {
+        puts("stipple " STP_VERSION);
+        return 0;
+    }
+    code = c->run(argc, argv);
+    tool_end_progress();
+    return code;
+}
+
+int main(int argc, char** argv)
+{
+    (void)signal(SIGPIPE, SIG_IGN); // a reader that goes away is a failed write, with a message
+    int first = 1;
+    while (first < argc && argv[first][0] == '-') {
+        first += 1;
+    }
+    int code = 2;
+    if (first >= argc) {
+        code = run_without_command(argc - 1, argv + 1);
+    } else {
+        // "stipple -q build ..." is "stipple build -q ..."
+        char* name = argv[first];
+        memmove(argv + 2, argv + 1, (size_t)(first - 1) * sizeof(*argv));
+        const command* found = tool_find_command(name);
+        code = found != NULL ? run_command(found, argc - 2, argv + 2) : fail_unknown_command(name);
+    }
+    return tool_finish_output(code);
 }

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+//
+// Help as text for a terminal, from the tables of the commands.
+#include "options.h"
+#include "tool.h"
+
+#include <string.h>
+
+enum { WIDTH = 96, TEXT_COLUMN = 30 };
+
+// Prints words of `text`, wrapped, with `indent` spaces before lines after the first; `column` is
+// where the cursor stands. A line of text that begins with a space is an example and stays as it
+// is.
+static void print_wrapped(FILE* stream, const char* text, int indent, int column)
+{
+    while (*text != 0) {
+        size_t length = strcspn(text, " \n");
+        if (column > indent && column + 1 + (int)length > WIDTH) {
+            fprintf(stream, "\n%*s", indent, "");
+            column = indent;
+        }
+        column += fprintf(stream, "%s%.*s", column > indent ? " " : "", (int)length, text);
+        text += length;
+        text += *text == ' ';
+        if (*text == '\n') {
+            bool literal = text[1] == '\n' || text[1] == ' ';
+            text += 1;
+            while (literal && *text == '\n') {
+                putc('\n', stream);
+                text += 1;
+            }
+            if (literal) {
+                fprintf(stream, "\n%*s", indent, "");
+                column = indent;
+            }
+            if (literal && *text == ' ') {
+                length = strcspn(text, "\n");
+                fprintf(stream, "%.*s", (int)length, text);
+                text += length;
+                column = WIDTH;
+            }
+        }
+    }
+    putc('\n', stream);
+}
+
+static void print_option(FILE* stream, const option* o)
+{
+    char letter[8] = "    ";
+    if (o->letter != 0) {
+        snprintf(letter, sizeof(letter), "-%c, ", o->letter);
+    }
+    const char* argument = options_argument(o);
+    int column =
+        fprintf(stream, "  %s--%s%s%s", letter, o->name, *argument != 0 ? " " : "", argument);
+    if (column > TEXT_COLUMN - 2) {
+        putc('\n', stream);
+        column = 0;
+    }
+    fprintf(stream, "%*s", TEXT_COLUMN - column, "");
+    char text[1024];
+    bool lists_words =
+        o->type == OPTION_CHOICE && o->argument != NULL && strchr(o->argument, '|') == NULL;
+    snprintf(text, sizeof(text), "%s%s%s", o->help, lists_words ? ": " : "",
+             lists_words ? o->words : "");
+    print_wrapped(stream, text, TEXT_COLUMN, TEXT_COLUMN);
+}
+
+static void print_heading(FILE* stream, const char* text)
+{
+    bool bold = tool_has_color(stream);
+    fprintf(stream, "\n%s%s:%s\n", bold ? "\033[1m" : "", text, bold ? "\033[0m" : "");
+}
+
+static void print_options(FILE* stream, const char* heading, const option* table)
+{
+    if (table != NULL && table->name != NULL) {
+        print_heading(stream, heading);
+        for (; table->name != NULL; ++table) {
+            print_option(stream, table);
+        }
+    }
+}
+
+void help_print_overview(FILE* stream)
+{
+    fprintf(stream,
+            "Usage: stipple COMMAND [OPTION]... [ARGUMENT]...\n"
+            "3D scenes of any size as splats in such an order that every prefix is a picture.\n");
+    print_heading(stream, "Commands");
+    for (const command* const* c = commands(); *c != NULL; ++c) {
+        fprintf(stream, "  %-16s%s\n", (*c)->name, (*c)->summary);
+    }
+    print_options(stream, "Options of every command", options_common());
+    fprintf(stream, "\n'stipple help COMMAND' tells more.\n");
+}
+
+void help_print_command(FILE* stream, const command* c)
+{
+    fprintf(stream, "Usage: stipple %s", c->name);
+    fprintf(stream, "%s%s\n", *c->arguments != 0 ? " " : "", c->arguments);
+    print_wrapped(stream, c->summary, 0, 0);
+    if (c->text != NULL && *c->text != 0) {
+        putc('\n', stream);
+        print_wrapped(stream, c->text, 0, 0);
+    }
+    print_options(stream, "Options", c->options != NULL ? c->options() : NULL);
+    print_options(stream, "Options of every command", options_common());
+}

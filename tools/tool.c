@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "tool.h"
+
+#include "progress.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// Messages may come from several threads; a message must not be cut in two by another, nor by the
+// bar.
+static pthread_mutex_t output_mutex = PTHREAD_MUTEX_INITIALIZER;
+static progress_state progress;
+static volatile sig_atomic_t interrupted;
+
+tool_settings* tool_settings_get(void)
+{
+    static tool_settings settings;
+    return &settings;
+}
+
+bool tool_has_color(FILE* stream)
+{
+    const char* none = getenv("NO_COLOR");
+    const char* terminal = getenv("TERM");
+    return isatty(fileno(stream)) && (none == NULL || *none == 0) && terminal != NULL &&
+           strcmp(terminal, "dumb") != 0;
+}
+
+static void print_message(const char* color, const char* label, const char* format, va_list list)
+    __attribute__((format(printf, 3, 0)));
+
+static void print_message(const char* color, const char* label, const char* format, va_list list)
+{
+    bool colored = *label != 0 && tool_has_color(stderr);
+    pthread_mutex_lock(&output_mutex);
+    progress_clear(&progress);
+    fprintf(stderr, "stipple: %s%s%s", colored ? color : "", label, colored ? "\033[0m" : "");
+    vfprintf(stderr, format, list);
+    putc('\n', stderr);
+    pthread_mutex_unlock(&output_mutex);
+}
+
+static void print_text(const char* color, const char* label, const char* format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void print_text(const char* color, const char* label, const char* format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    print_message(color, label, format, list);
+    va_end(list);
+}
+
+int tool_usage_error(const char* format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    print_message("", "", format, list);
+    va_end(list);
+    const char* name = tool_settings_get()->command;
+    fprintf(stderr, "Try 'stipple help%s%s'.\n", name != NULL ? " " : "", name != NULL ? name : "");
+    return 2;
+}
+
+int tool_error(const char* format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    print_message("", "", format, list);
+    va_end(list);
+    return 1;
+}
+
+static void print_log(stp_log_level level, const char* message, void* user)
+{
+    (void)user;
+    const tool_settings* settings = tool_settings_get();
+    if (level == STP_LOG_ERROR) {
+        print_text("", "", "%s", message);
+    } else if (level == STP_LOG_WARNING && !settings->quiet) {
+        print_text("\033[33m", "warning: ", "%s", message);
+    } else if (level == STP_LOG_NOTICE && settings->verbose && !settings->quiet) {
+        print_text("", "", "%s", message);
+    }
+}
+
+static int report_progress(const char* stage, double fraction, void* user)
+{
+    (void)user;
+    pthread_mutex_lock(&output_mutex);
+    progress_report(&progress, stage, fraction);
+    pthread_mutex_unlock(&output_mutex);
+    return interrupted;
+}
+
+static void on_interrupt(int signal)
+{
+    (void)signal;
+    interrupted = 1;
+}
+
+// The first interrupt ends the work in good order, at its next report of progress; a second one
+// kills.
+static void catch_interrupt(void)
+{
+    struct sigaction action = {.sa_handler = on_interrupt,
+                               .sa_flags = (int)SA_RESETHAND | SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    (void)sigaction(SIGINT, &action, NULL);
+}
+
+stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes,
+                                 const char* progress_name)
+{
+    const tool_settings* settings = tool_settings_get();
+    bool terminal = isatty(fileno(stderr)) != 0;
+    if (!progress_choose(&progress, settings->quiet ? "none" : progress_name, terminal)) {
+        tool_usage_error("--progress: '%s' is none of auto|bar|json|none", progress_name);
+        return NULL;
+    }
+    stp_context_desc desc = {
+        .log = print_log,
+        .progress = report_progress,
+        .thread_count = thread_count,
+        .memory_limit_bytes = memory_limit_bytes,
+    };
+    stp_context* context = NULL;
+    stp_result result = stp_context_create(&context, &desc);
+    if (result != STP_OK) {
+        tool_error("no worker threads: %s", stp_result_string(result));
+        return NULL;
+    }
+    catch_interrupt();
+    return context;
+}
+
+void tool_end_progress(void)
+{
+    pthread_mutex_lock(&output_mutex);
+    progress_clear(&progress);
+    pthread_mutex_unlock(&output_mutex);
+}
+
+int tool_finish_output(int code)
+{
+    errno = 0;
+    if (fflush(stdout) != 0 || ferror(stdout) != 0) {
+        clearerr(stdout);
+        return tool_error("standard output: cannot be written: %s",
+                          errno != 0 ? strerror(errno) : "the stream is closed");
+    }
+    return code;
+}
+
+int tool_print_json(json_t* object)
+{
+    if (object == NULL) {
+        return tool_error("out of memory");
+    }
+    tool_end_progress();
+    int failed = json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    json_decref(object);
+    failed = putc('\n', stdout) == EOF || failed != 0;
+    int code = tool_finish_output(0);
+    return failed != 0 && code == 0 ? tool_error("standard output: cannot be written") : code;
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+//
+// What the files of the tool itself share; commands need only command.h.
+#pragma once
+
+#include "command.h"
+
+#include <stdio.h>
+
+/// What the options common to all commands say.
+typedef struct tool_settings {
+    bool help, version, quiet, verbose;
+    const char* command; ///< the command that runs; NULL: none yet
+} tool_settings;
+
+tool_settings* tool_settings_get(void);
+
+/// The command of that name, or NULL.
+const command* tool_find_command(const char* name);
+
+/// Whether escape sequences belong on this stream: a terminal, and neither NO_COLOR nor TERM=dumb.
+bool tool_has_color(FILE* stream);
+
+/// Takes the progress bar off the terminal, before anything else is printed there.
+void tool_end_progress(void);
+
+/// Ends stdout's buffer. @return `code`, or 1 where writing failed (message printed)
+int tool_finish_output(int code);
+
+/// `stipple help` and `stipple help NAME`.
+void help_print_overview(FILE* stream);
+void help_print_command(FILE* stream, const command* c);
+
+/// The man page of a command, or of the whole tool (NULL), as mdoc(7).
+void manual_print(FILE* stream, const command* c);
+
+/// Shell completions for "bash", "zsh" or "fish".
+void completion_print_bash(FILE* stream);
+void completion_print_zsh(FILE* stream);
+void completion_print_fish(FILE* stream);
