@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #define BUFFER_SIZE ((size_t)1 << 20)
+#define MOST_ATTEMPTS 100u
 
 stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file)
 {
@@ -73,9 +74,30 @@ static stp_result fail_io(const stp_file_writer* writer, const char* what)
                     strerror(errno));
 }
 
+// Makes a file beside the final one, of a name nobody else uses: another writer of the same path,
+// or what a killed process left behind, is not touched.
+static stp_result open_temporary(stp_file_writer* writer, size_t length)
+{
+    struct stat status;
+    if (stat(writer->path, &status) == 0 && !S_ISREG(status.st_mode)) {
+        return stp_fail(writer->context, STP_ERROR_IO, "%s: is not a regular file", writer->path);
+    }
+    for (unsigned attempt = 0; attempt < MOST_ATTEMPTS; ++attempt) {
+        snprintf(writer->temporary, length, "%s.tmp-%ld-%u", writer->path, (long)getpid(), attempt);
+        writer->descriptor = open(writer->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (writer->descriptor >= 0) {
+            return STP_OK;
+        }
+        if (errno != EEXIST) {
+            break;
+        }
+    }
+    return fail_io(writer, "written");
+}
+
 stp_result stp_file_writer_open(stp_context* context, const char* path, stp_file_writer** writer)
 {
-    size_t length = strlen(path) + 32;
+    size_t length = strlen(path) + 48;
     stp_file_writer* made = STP_NEW_ZEROED(context, stp_file_writer, 1);
     if (made == NULL) {
         return stp_fail_memory(context);
@@ -89,10 +111,8 @@ stp_result stp_file_writer_open(stp_context* context, const char* path, stp_file
         return stp_fail_memory(context);
     }
     snprintf(made->path, length, "%s", path);
-    snprintf(made->temporary, length, "%s.tmp-%ld", path, (long)getpid());
-    made->descriptor = open(made->temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (made->descriptor < 0) {
-        stp_result result = fail_io(made, "written");
+    stp_result result = open_temporary(made, length);
+    if (result != STP_OK) {
         free_writer(made);
         return result;
     }
@@ -162,7 +182,8 @@ uint64_t stp_file_writer_size(const stp_file_writer* writer)
     return writer->written + writer->buffered;
 }
 
-// Makes the rename itself last: the folder's entry is synced too. Some file systems refuse; that is fine.
+// Makes the rename itself last: the folder's entry is synced too. Some file systems refuse; that is
+// fine.
 static void sync_folder(const stp_file_writer* writer)
 {
     size_t length = strlen(writer->path) + 1;

@@ -15,7 +15,8 @@ typedef struct stp_mapped_file {
 STP_MUST_USE stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file);
 void stp_file_unmap(stp_mapped_file* file);
 
-/// A file in the making: bytes go to `path`.tmp-<process>, which becomes `path` at commit or vanishes.
+/// A file in the making: bytes go to `path`.tmp-<process>-<number>, which becomes `path` at commit or
+/// vanishes. What stands at `path` and is no regular file (a folder, a device) is refused at once.
 typedef struct stp_file_writer stp_file_writer;
 
 STP_MUST_USE stp_result stp_file_writer_open(stp_context* context, const char* path,

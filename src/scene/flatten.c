@@ -18,8 +18,8 @@ typedef struct flatten {
 static stp_result push(flatten* f, const visit* v)
 {
     stp_context* context = f->scene->context;
-    visit* stack = stp_grow_array(context, f->stack, &f->stack_capacity, f->stack_count + 1,
-                                  sizeof(*stack));
+    visit* stack =
+        stp_grow_array(context, f->stack, &f->stack_capacity, f->stack_count + 1, sizeof(*stack));
     if (stack == NULL) {
         return stp_fail_memory(context);
     }
@@ -37,8 +37,8 @@ static stp_result place_parts(flatten* f, const visit* v)
             return stp_fail(context, STP_ERROR_LIMIT, "the scene has more than %zu placed parts",
                             f->limit);
         }
-        stp_placed_part* parts = stp_grow_array(context, f->parts, &f->part_capacity,
-                                                f->part_count + 1, sizeof(*parts));
+        stp_placed_part* parts =
+            stp_grow_array(context, f->parts, &f->part_capacity, f->part_count + 1, sizeof(*parts));
         if (parts == NULL) {
             return stp_fail_memory(context);
         }
@@ -57,9 +57,7 @@ stp_result stp_scene_flatten(const stp_scene* scene, uint32_t node, size_t limit
     flatten f = {.scene = scene, .limit = limit};
     stp_result result = STP_OK;
     if (node != STP_NONE) {
-        result = push(&f, &(visit){.node = node,
-                                   .transform = stp_affine_identity(),
-                                   .flags = scene->nodes[node].flags});
+        result = push(&f, &(visit){.node = node, .transform = stp_affine_identity()});
     }
     while (result == STP_OK && f.stack_count > 0) {
         visit v = f.stack[--f.stack_count];

@@ -76,9 +76,9 @@ void stp_scene_destroy(stp_scene* scene)
     for (size_t i = 0; i < scene->texture_count; ++i) {
         stp_free(context, scene->textures[i].texels);
     }
-    void* arrays[] = {scene->meshes,    scene->point_sets, scene->materials, scene->textures,
-                      scene->objects,   scene->parts,      scene->instances, scene->views,
-                      scene->sources,   scene->nodes,      scene->edges,     scene->node_parts};
+    void* arrays[] = {scene->meshes,  scene->point_sets, scene->materials, scene->textures,
+                      scene->objects, scene->parts,      scene->instances, scene->views,
+                      scene->sources, scene->nodes,      scene->edges,     scene->node_parts};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(context, arrays[i]);
     }

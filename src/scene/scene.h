@@ -194,8 +194,8 @@ STP_MUST_USE stp_result stp_scene_finish(stp_scene* scene);
 /// One use of a part in the whole scene.
 typedef struct stp_placed_part {
     stp_part part;
-    stp_affine transform; ///< to scene space
-    uint32_t flags;
+    stp_affine transform; ///< to the space of the node it was asked of (the scene's, for the root)
+    uint32_t flags;       ///< of the nodes on the way down to it, without those of the first
 } stp_placed_part;
 
 /// Walks everything below `node` and lists each use of each part. The array is the caller's (stp_free).

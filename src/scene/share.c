@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// From the tree of objects to the graph of nodes: identical meshes become one, identical subtrees one node.
-// Identity is by content (128-bit hashes), so it holds however often and wherever the input wrote a thing.
+// From the tree of objects to the graph of nodes: identical meshes become one, identical subtrees
+// one node. Identity is by content (128-bit hashes), so it holds however often and wherever the
+// input wrote a thing.
 #include "base/hash.h"
 #include "scene/scene.h"
 
@@ -74,12 +75,26 @@ typedef struct hash_work {
     stp_hash* hashes;
 } hash_work;
 
-static void hash_meshes(size_t begin, size_t end, uint32_t worker, void* user)
+// The box of the vertices that triangles use: many meshes of one file may share an array of
+// vertices.
+static stp_box bound_triangles(const stp_mesh* mesh)
+{
+    stp_box box = stp_box_empty();
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i) {
+        const float* p = mesh->positions + 3 * (size_t)mesh->indices[i];
+        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
+    }
+    return box;
+}
+
+static void measure_meshes(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     hash_work* work = user;
     for (size_t i = begin; i < end; ++i) {
-        work->hashes[i] = hash_mesh(&work->scene->meshes[i]);
+        stp_mesh* mesh = &work->scene->meshes[i];
+        work->hashes[i] = hash_mesh(mesh);
+        mesh->bounds = bound_triangles(mesh);
     }
 }
 
@@ -94,7 +109,8 @@ static stp_result merge_meshes(stp_scene* scene)
                             ? create_table(context, scene->mesh_count, &table)
                             : stp_fail_memory(context);
     if (result == STP_OK) {
-        stp_parallel_for(context, scene->mesh_count, 16, hash_meshes, &(hash_work){scene, hashes});
+        stp_parallel_for(context, scene->mesh_count, 16, measure_meshes,
+                         &(hash_work){scene, hashes});
         size_t kept = 0;
         for (size_t i = 0; i < scene->mesh_count; ++i) {
             uint32_t found = find_or_add(&table, hashes[i], (uint32_t)kept);
@@ -141,9 +157,11 @@ typedef struct share {
 static stp_result add_edge(share* s, const stp_edge* edge)
 {
     stp_scene* scene = s->scene;
-    stp_edge* edges = stp_grow_array(scene->context, scene->edges, &s->edge_capacity,
-                                     scene->edge_count + 1, sizeof(*edges));
-    if (edges == NULL || scene->edge_count >= STP_NONE) {
+    stp_edge* edges = scene->edge_count < STP_NONE
+                          ? stp_grow_array(scene->context, scene->edges, &s->edge_capacity,
+                                           scene->edge_count + 1, sizeof(*edges))
+                          : NULL;
+    if (edges == NULL) {
         return stp_fail_memory(scene->context);
     }
     scene->edges = edges;
@@ -205,8 +223,8 @@ static void measure_node(const stp_scene* scene, stp_node* node)
     }
 }
 
-// Adds a node made of the edges and parts from `first_edge` and `first_part` to the ends of their arrays,
-// or finds one with that content and takes them back.
+// Adds a node made of the edges and parts from `first_edge` and `first_part` to the ends of their
+// arrays, or finds one with that content and takes them back.
 static stp_result close_node(share* s, size_t first_edge, size_t first_part, uint32_t flags,
                              uint32_t* index)
 {
@@ -257,8 +275,9 @@ static stp_result share_object(share* s, uint32_t index)
         }
     }
     for (uint32_t i = 0; result == STP_OK && instanced && i < object->instance_count; ++i) {
-        result = add_edge(s, &(stp_edge){.node = content,
-                                         .transform = scene->instances[object->first_instance + i]});
+        result =
+            add_edge(s, &(stp_edge){.node = content,
+                                    .transform = scene->instances[object->first_instance + i]});
     }
     bool empty = scene->edge_count == first_edge && scene->node_part_count == first_part;
     if (result != STP_OK || empty) {
