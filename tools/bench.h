@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+//
+// A benchmark is one file, bench_NAME.c, that defines `const benchmark benchmark_NAME`; CMake
+// writes the list. It measures all sides of a comparison interleaved, in one run, and reports
+// medians.
+#pragma once
+
+#include "command.h"
+
+typedef struct bench_options {
+    bool quick;        ///< a small case of everything, within seconds
+    const char* model; ///< a model to measure on; NULL: the benchmark's own
+} bench_options;
+
+typedef struct benchmark {
+    const char* name;
+    const char* summary; ///< one line, as `stipple bench --list` prints it
+    /// Adds its results (bench_result); returns the exit code: 0, or 1 with the message printed.
+    int (*run)(const bench_options* options, json_t* results);
+} benchmark;
+
+/// All benchmarks, NULL at the end.
+const benchmark* const* benchmarks(void);
+
+/// Adds {name, params: {}, figures: {}} to the results.
+typedef struct bench_entry {
+    json_t* params;  ///< borrowed
+    json_t* figures; ///< borrowed
+} bench_entry;
+bench_entry bench_result(json_t* results, const char* name);
+
+void bench_set_count(json_t* object, const char* key, uint64_t value);
+void bench_set_number(json_t* object, const char* key, double value);
+void bench_set_text(json_t* object, const char* key, const char* value);
+
+/// Sorts the values and returns the middle one (the lower of two); 0 where there are none.
+double bench_median(double* values, size_t count);
