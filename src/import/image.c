@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "import/image.h"
+
+#include <spng.h>
+#include <stdio.h>
+#include <string.h>
+#include <turbojpeg.h>
+#include <webp/decode.h>
+
+#define PIXEL_LIMIT ((uint64_t)1 << 28)
+
+// No picture of more than 2^24 pixels is believed to hold more than this many in a byte: deflate
+// gives at most 1032 bytes for one, and a whole block of JPEG takes some bits at least.
+#define PIXELS_PER_BYTE_LIMIT 4096
+#define PIXELS_ALWAYS_BELIEVED ((uint64_t)1 << 24)
+
+static const unsigned char png_signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+static const unsigned char ktx2_signature[8] = {0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB};
+
+static stp_image_kind detect_kind(const unsigned char* bytes, size_t size)
+{
+    if (size >= 8 && memcmp(bytes, png_signature, 8) == 0) {
+        return STP_IMAGE_PNG;
+    }
+    if (size >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF) {
+        return STP_IMAGE_JPEG;
+    }
+    if (size >= 12 && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0) {
+        return STP_IMAGE_WEBP;
+    }
+    return size >= 8 && memcmp(bytes, ktx2_signature, 8) == 0 ? STP_IMAGE_KTX2 : STP_IMAGE_UNKNOWN;
+}
+
+static stp_result refuse(stp_image_info* info, stp_result result, const char* kind, const char* why)
+{
+    snprintf(info->reason, sizeof(info->reason), "%s picture: %.120s", kind, why);
+    return result;
+}
+
+static stp_result open_png(const unsigned char* bytes, size_t size, stp_image_info* info,
+                           spng_ctx** opened)
+{
+    spng_ctx* png = spng_ctx_new(0);
+    if (png == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    struct spng_ihdr header;
+    int error = spng_set_png_buffer(png, bytes, size);
+    // text and profiles may not take more than the file could hold by itself
+    error = error != 0 ? error : spng_set_chunk_limits(png, (size_t)16 << 20, (size_t)64 << 20);
+    error = error != 0 ? error : spng_get_ihdr(png, &header);
+    if (error != 0) {
+        spng_ctx_free(png);
+        return refuse(info, STP_ERROR_FORMAT, "PNG", spng_strerror(error));
+    }
+    info->width = header.width;
+    info->height = header.height;
+    *opened = png;
+    return STP_OK;
+}
+
+static stp_result measure_png(const unsigned char* bytes, size_t size, stp_image_info* info)
+{
+    spng_ctx* png;
+    stp_result result = open_png(bytes, size, info, &png);
+    if (result == STP_OK) {
+        spng_ctx_free(png);
+    }
+    return result;
+}
+
+static stp_result decode_png(const unsigned char* bytes, size_t size, stp_image_info* info,
+                             uint8_t* texels, size_t texel_size)
+{
+    spng_ctx* png;
+    stp_result result = open_png(bytes, size, info, &png);
+    if (result != STP_OK) {
+        return result;
+    }
+    // 16 bits a channel keep their upper byte
+    int error = spng_decode_image(png, texels, texel_size, SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
+    spng_ctx_free(png);
+    if (error == SPNG_EMEM) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    return error == 0 ? STP_OK : refuse(info, STP_ERROR_FORMAT, "PNG", spng_strerror(error));
+}
+
+static stp_result open_jpeg(const unsigned char* bytes, size_t size, stp_image_info* info,
+                            tjhandle* opened, int* color_space)
+{
+    tjhandle jpeg = tjInitDecompress();
+    if (jpeg == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    int width = 0, height = 0, subsampling = 0;
+    if (tjDecompressHeader3(jpeg, bytes, (unsigned long)size, &width, &height, &subsampling,
+                            color_space) != 0 ||
+        width <= 0 || height <= 0) {
+        stp_result result = refuse(info, STP_ERROR_FORMAT, "JPEG", tjGetErrorStr2(jpeg));
+        tjDestroy(jpeg);
+        return result;
+    }
+    info->width = (uint32_t)width;
+    info->height = (uint32_t)height;
+    *opened = jpeg;
+    return STP_OK;
+}
+
+static stp_result measure_jpeg(const unsigned char* bytes, size_t size, stp_image_info* info)
+{
+    tjhandle jpeg;
+    int color_space;
+    stp_result result = open_jpeg(bytes, size, info, &jpeg, &color_space);
+    if (result == STP_OK) {
+        tjDestroy(jpeg);
+    }
+    return result;
+}
+
+// Adobe writes CMYK inverted: 255 is no ink.
+static void cmyk_to_rgba(uint8_t* texels, size_t texel_size)
+{
+    for (size_t i = 0; i + 4 <= texel_size; i += 4) {
+        unsigned black = texels[i + 3];
+        for (size_t c = 0; c < 3; ++c) {
+            texels[i + c] = (uint8_t)((texels[i + c] * black + 127) / 255);
+        }
+        texels[i + 3] = 255;
+    }
+}
+
+static stp_result decode_jpeg(const unsigned char* bytes, size_t size, stp_image_info* info,
+                              uint8_t* texels, size_t texel_size)
+{
+    tjhandle jpeg;
+    int color_space;
+    stp_result result = open_jpeg(bytes, size, info, &jpeg, &color_space);
+    if (result != STP_OK) {
+        return result;
+    }
+    bool is_cmyk = color_space == TJCS_CMYK || color_space == TJCS_YCCK;
+    int error = tjDecompress2(jpeg, bytes, (unsigned long)size, texels, (int)info->width, 0,
+                              (int)info->height, is_cmyk ? TJPF_CMYK : TJPF_RGBA,
+                              TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
+    // many cameras write stray bytes, which is a mere warning; a picture cut off is not
+    if (error != 0 && (tjGetErrorCode(jpeg) == TJERR_FATAL ||
+                       strstr(tjGetErrorStr2(jpeg), "Premature end") != NULL)) {
+        result = refuse(info, STP_ERROR_FORMAT, "JPEG", tjGetErrorStr2(jpeg));
+    } else if (is_cmyk) {
+        cmyk_to_rgba(texels, texel_size);
+    }
+    tjDestroy(jpeg);
+    return result;
+}
+
+static stp_result measure_webp(const unsigned char* bytes, size_t size, stp_image_info* info)
+{
+    WebPBitstreamFeatures features;
+    if (WebPGetFeatures(bytes, size, &features) != VP8_STATUS_OK || features.width <= 0 ||
+        features.height <= 0) {
+        return refuse(info, STP_ERROR_FORMAT, "WebP", "its header is damaged");
+    }
+    if (features.has_animation) {
+        return refuse(info, STP_ERROR_UNSUPPORTED, "WebP", "it is animated");
+    }
+    info->width = (uint32_t)features.width;
+    info->height = (uint32_t)features.height;
+    return STP_OK;
+}
+
+static stp_result decode_webp(const unsigned char* bytes, size_t size, stp_image_info* info,
+                              uint8_t* texels, size_t texel_size)
+{
+    if (WebPDecodeRGBAInto(bytes, size, texels, texel_size, (int)info->width * 4) == NULL) {
+        return refuse(info, STP_ERROR_FORMAT, "WebP", "its data is damaged or cut off");
+    }
+    return STP_OK;
+}
+
+stp_result stp_image_measure(const unsigned char* bytes, size_t size, stp_image_info* info)
+{
+    *info = (stp_image_info){.kind = detect_kind(bytes, size)};
+    stp_result result = STP_OK;
+    switch (info->kind) {
+    case STP_IMAGE_PNG:
+        result = measure_png(bytes, size, info);
+        break;
+    case STP_IMAGE_JPEG:
+        result = measure_jpeg(bytes, size, info);
+        break;
+    case STP_IMAGE_WEBP:
+        result = measure_webp(bytes, size, info);
+        break;
+    case STP_IMAGE_KTX2:
+        return refuse(info, STP_ERROR_UNSUPPORTED, "KTX2", "this kind cannot be read");
+    case STP_IMAGE_UNKNOWN:
+        snprintf(info->reason, sizeof(info->reason), "%s",
+                 size == 0 ? "the picture is empty" : "the picture is neither PNG, JPEG nor WebP");
+        return STP_ERROR_UNSUPPORTED;
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    uint64_t pixels = (uint64_t)info->width * info->height;
+    if (pixels > PIXEL_LIMIT ||
+        (pixels > PIXELS_ALWAYS_BELIEVED && pixels / PIXELS_PER_BYTE_LIMIT > size)) {
+        snprintf(info->reason, sizeof(info->reason),
+                 "the picture claims %u x %u pixels in %zu bytes", info->width, info->height, size);
+        return STP_ERROR_LIMIT;
+    }
+    return STP_OK;
+}
+
+stp_result stp_image_decode_measured(stp_context* context, const unsigned char* bytes, size_t size,
+                                     stp_image_info* info, stp_texture* texture)
+{
+    size_t texel_size = (size_t)info->width * info->height * 4;
+    uint8_t* texels = stp_alloc(context, texel_size);
+    stp_result result = STP_ERROR_OUT_OF_MEMORY;
+    if (texels != NULL && info->kind == STP_IMAGE_PNG) {
+        result = decode_png(bytes, size, info, texels, texel_size);
+    } else if (texels != NULL && info->kind == STP_IMAGE_JPEG) {
+        result = decode_jpeg(bytes, size, info, texels, texel_size);
+    } else if (texels != NULL) {
+        result = decode_webp(bytes, size, info, texels, texel_size);
+    }
+    if (result != STP_OK) {
+        stp_free(context, texels);
+        return result;
+    }
+    texture->width = info->width;
+    texture->height = info->height;
+    texture->texels = texels;
+    return STP_OK;
+}
+
+stp_result stp_image_decode(stp_context* context, const char* name, const unsigned char* bytes,
+                            size_t size, stp_texture* texture)
+{
+    stp_image_info info;
+    stp_result result = stp_image_measure(bytes, size, &info);
+    if (result == STP_OK) {
+        result = stp_image_decode_measured(context, bytes, size, &info, texture);
+    }
+    if (result == STP_ERROR_OUT_OF_MEMORY) {
+        return stp_fail_memory(context);
+    }
+    return result == STP_OK ? STP_OK : stp_fail(context, result, "%s: %s", name, info.reason);
+}
