@@ -7,14 +7,17 @@
 
 typedef struct stp_distribution {
     uint32_t count;
-    double spacing_min, spacing_median;   ///< distance to the nearest other point of the prefix
-    double coverage_p50, coverage_p99, coverage_max; ///< distance of each point of the set to the prefix
-    double relative_spacing_min; ///< spacing_min over the largest possible in an even spread of that many
+    double spacing_min, spacing_median; ///< distance to the nearest other point of the prefix
+    double coverage_p50, coverage_p99,
+        coverage_max;            ///< distance of each point of the set to the prefix
+    double relative_spacing_min; ///< spacing_min over the largest possible in an even spread of
+                                 ///< that many
     double uncovered_fraction;   ///< of the set, farther from the prefix than its median spacing
 } stp_distribution;
 
 /// Statistics of the first `count` of `ordered` against `points` (3 floats each).
 /// `spacings` (may be NULL) receives the `count` nearest distances.
-STP_MUST_USE stp_result stp_distribution_measure(stp_context* context, const float* ordered, uint32_t count,
-                                                 const float* points, size_t point_count, float* spacings,
+STP_MUST_USE stp_result stp_distribution_measure(stp_context* context, const float* ordered,
+                                                 uint32_t count, const float* points,
+                                                 size_t point_count, float* spacings,
                                                  stp_distribution* distribution);
