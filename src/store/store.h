@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// A `.stip` file opened for reading: the whole scene as checked tables and columns, straight out of the
-// mapped file. docs/format.md is the authority on the bytes.
+// A `.stip` file opened for reading: the whole scene as checked tables and columns, straight out of
+// the mapped file. docs/format.md is the authority on the bytes.
 //
-// `stp_store_open` reads the directory (a few KB) and checks every count and offset in it. The data of a mesh,
-// texture or surfel set is checked (checksum, ranges of indices) when it is first asked for.
+// `stp_store_open` reads the directory (a few KB) and checks every count and offset in it. The data
+// of a mesh, texture or surfel set is checked (checksum, ranges of indices) when it is first asked
+// for.
 #pragma once
 
 #include "base/context.h"
@@ -45,11 +46,11 @@ typedef struct stp_store_mesh {
     const char* name;
     uint32_t vertex_count, triangle_count, material;
     stp_box bounds;
-    const float* positions;     ///< 3 a vertex
-    const int16_t* normals;     ///< NULL (flat), or octahedral, 2 a vertex, 32767 is 1
-    const float* texcoords[2];  ///< NULL, or 2 a vertex
-    const uint16_t* colors;     ///< NULL, or 4 a vertex, linear, 65535 is 1
-    const uint32_t* indices;    ///< 3 a triangle, each below vertex_count
+    const float* positions;    ///< 3 a vertex
+    const int16_t* normals;    ///< NULL (flat), or octahedral, 2 a vertex, 32767 is 1
+    const float* texcoords[2]; ///< NULL, or 2 a vertex
+    const uint16_t* colors;    ///< NULL, or 4 a vertex, linear, 65535 is 1
+    const uint32_t* indices;   ///< 3 a triangle, each below vertex_count
 } stp_store_mesh;
 
 typedef struct stp_store_point_set {
@@ -104,8 +105,8 @@ typedef struct stp_store_source {
 
 /// Everything but the bulk data. Arrays belong to the store. Also what the writer is given.
 typedef struct stp_store_directory {
-    uint32_t node_count, edge_count, part_count, object_count, material_count, shading_count, texture_count,
-        mesh_count, point_set_count, surfels_count, view_count, source_count;
+    uint32_t node_count, edge_count, part_count, object_count, material_count, shading_count,
+        texture_count, mesh_count, point_set_count, surfels_count, view_count, source_count;
     const stp_store_node* nodes;
     const stp_store_edge* edges;
     const stp_store_part* parts;
@@ -114,27 +115,80 @@ typedef struct stp_store_directory {
     const stp_shading* shadings;
     const stp_store_view* views;
     const stp_store_source* sources;
-    uint32_t root;       ///< STP_STORE_NONE in an empty scene
-    double unit_metres;  ///< 0: unknown
-    char up;             ///< the input's up axis
+    uint32_t root;          ///< STP_STORE_NONE in an empty scene
+    double unit_metres;     ///< 0: unknown
+    char up;                ///< the input's up axis
     const char* build_json; ///< the parameters of the build, one JSON object
 } stp_store_directory;
 
-/// Opens and checks the directory. @return STP_OK, or IO, TRUNCATED, FORMAT, VERSION, OUT_OF_MEMORY (logged)
+/// Opens and checks the directory. @return STP_OK, or IO, TRUNCATED, FORMAT, VERSION, UNSUPPORTED
+/// (a critical section this reader does not know), OUT_OF_MEMORY (logged)
+///
+/// The file stays mapped: cutting it short while it is open ends the process (SIGBUS) at the next
+/// access beyond its new end. Replacing it by renaming, as stp_store_write does, is safe.
 STP_MUST_USE stp_result stp_store_open(stp_context* context, const char* path, stp_store** store);
+
+/// How to open. Zero means what stp_store_open does.
+typedef struct stp_store_open_desc {
+    /// Accepts a file that ends early but holds its whole directory: surfel sets are offered with
+    /// the octaves that are whole (perhaps none, count 0); other data beyond the end is
+    /// STP_ERROR_TRUNCATED.
+    bool accept_prefix;
+    /// Leaves `objects` NULL (their count is known) until stp_store_load_objects.
+    bool defer_objects;
+} stp_store_open_desc;
+
+STP_MUST_USE stp_result stp_store_open_with(stp_context* context, const char* path,
+                                            const stp_store_open_desc* desc, stp_store** store);
+/// stp_store_open_with `accept_prefix`.
+STP_MUST_USE stp_result stp_store_open_prefix(stp_context* context, const char* path,
+                                              stp_store** store);
+/// The same from bytes in memory, 64-byte aligned, which must outlive the store. `name` stands for
+/// the path.
+STP_MUST_USE stp_result stp_store_open_memory(stp_context* context, const char* name,
+                                              const void* bytes, size_t size,
+                                              const stp_store_open_desc* desc, stp_store** store);
+STP_MUST_USE stp_result stp_store_load_objects(stp_store* store);
 void stp_store_close(stp_store* store);
 const stp_store_directory* stp_store_get_directory(const stp_store* store);
 uint64_t stp_store_file_bytes(const stp_store* store);
+/// The major version of the format.
 uint32_t stp_store_format_version(const stp_store* store);
 
-// Each checks the data on first use and gives pointers into the file that live as long as the store. One
-// thread at a time. On a bad checksum or index: STP_ERROR_FORMAT, logged.
+// What is known without touching bulk data: counts, bounds, octaves, prefix tables, materials.
+// Columns may be NULL. `index` must be below the directory's count.
+const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t index);
+const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, uint32_t index);
+const stp_store_texture* stp_store_describe_texture(const stp_store* store, uint32_t index);
+const stp_surfels* stp_store_describe_surfels(const stp_store* store, uint32_t index);
+
+// Each checks the data on first use and gives pointers into the file that live as long as the
+// store. One thread at a time. On a bad checksum or index: STP_ERROR_FORMAT, logged.
 STP_MUST_USE stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* mesh);
 STP_MUST_USE stp_result stp_store_get_point_set(stp_store* store, uint32_t index,
                                                 stp_store_point_set* points);
-STP_MUST_USE stp_result stp_store_get_texture(stp_store* store, uint32_t index, stp_store_texture* texture);
+STP_MUST_USE stp_result stp_store_get_texture(stp_store* store, uint32_t index,
+                                              stp_store_texture* texture);
 /// The set's columns: its arrays must not be written to nor freed.
-STP_MUST_USE stp_result stp_store_get_surfels(stp_store* store, uint32_t index, stp_surfels* surfels);
+STP_MUST_USE stp_result stp_store_get_surfels(stp_store* store, uint32_t index,
+                                              stp_surfels* surfels);
 
+/// The first `octave_count` octaves alone: only their blocks are read. Gives fewer where the set,
+/// or what is whole of a file cut short, has fewer. Asking for more octaves later leaves earlier
+/// answers valid.
+STP_MUST_USE stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index,
+                                                     uint32_t octave_count, stp_surfels* surfels);
+
+/// What a check went through, also where it fails.
+typedef struct stp_store_check_report {
+    uint64_t file_bytes, bytes_checked;
+    uint64_t blocks; ///< in the file
+} stp_store_check_report;
+
+STP_MUST_USE stp_result stp_store_check_with_report(stp_context* context, const char* path,
+                                                    bool quick, stp_store_check_report* report);
+/// Every checksum and invariant of an open store (opened whole, not as a prefix).
+STP_MUST_USE stp_result stp_store_check_open(stp_store* store, bool quick,
+                                             stp_store_check_report* report);
 /// Every checksum and invariant of the file; `quick`: of the directory alone. Logs the first fault.
 STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, bool quick);

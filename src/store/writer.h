@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Writes a `.stip`: the directory first, then data coarse to fine, so that any prefix of the file is the whole
-// scene. Written aside, synced, renamed.
+// Writes a `.stip`: the directory first, then data coarse to fine, so that any prefix of the file
+// is the whole scene. Written aside, synced, renamed.
 #pragma once
 
 #include "store/store.h"

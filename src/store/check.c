@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// Goes through a whole file: every checksum, every padding byte, every invariant.
+#include "store/internal.h"
+
+// Bulk data is judged in the file itself: a check needs no memory for it.
+static stp_result check_owner(stp_store* store, const stp_store_block* block,
+                              const unsigned char* bytes)
+{
+    stp_store_judge judge = stp_store_own_judge(store);
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    stp_store_mesh mesh;
+    stp_store_point_set points;
+    switch (block->kind) {
+    case STP_BLOCK_MESH:
+        return stp_store_get_mesh(store, block->owner, &mesh);
+    case STP_BLOCK_POINT_SET:
+        return stp_store_get_point_set(store, block->owner, &points);
+    case STP_BLOCK_SURFELS:
+        stp_store_surfel_columns(stp_store_describe_surfels(store, block->owner), block->octave,
+                                 columns);
+        return stp_store_judge_surfel_data(
+            &judge, block->owner, bytes + columns[STP_SURFEL_MATERIALS].offset,
+            columns[STP_SURFEL_MATERIALS].size, store->directory.shading_count);
+    default: // texels can be anything, and what a newer version adds is unknown
+        return STP_OK;
+    }
+}
+
+static stp_result check_blocks(stp_store* store, stp_store_check_report* report)
+{
+    uint64_t end = store->data_offset;
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_BLOCKS]; ++i) {
+        const stp_store_block* block = stp_store_block_at(store, i);
+        for (uint64_t at = end; at < block->offset; ++at) {
+            if (store->file.bytes[at] != 0) {
+                return stp_fail(store->context, STP_ERROR_FORMAT,
+                                "%s: the byte at %llu, between blocks, is not zero", store->path,
+                                (unsigned long long)at);
+            }
+        }
+        const unsigned char* bytes = NULL;
+        stp_result result = stp_store_verify_block(store, block, &bytes);
+        if (result == STP_OK) {
+            result = check_owner(store, block, bytes);
+        }
+        if (result != STP_OK) {
+            return result;
+        }
+        end = block->offset + block->size;
+        report->bytes_checked = end;
+    }
+    return STP_OK;
+}
+
+stp_result stp_store_check_open(stp_store* store, bool quick, stp_store_check_report* report)
+{
+    *report = (stp_store_check_report){
+        .file_bytes = store->file.size,
+        .blocks = store->counts[STP_SECTION_BLOCKS],
+        .bytes_checked = store->data_offset,
+    };
+    stp_result result = stp_store_load_objects(store);
+    for (uint32_t i = 0; i < store->section_count && result == STP_OK; ++i) {
+        result = stp_store_verify_section(store, &store->sections[i]);
+    }
+    if (result == STP_OK && !quick) {
+        result = check_blocks(store, report);
+    }
+    return result;
+}
+
+stp_result stp_store_check_with_report(stp_context* context, const char* path, bool quick,
+                                       stp_store_check_report* report)
+{
+    *report = (stp_store_check_report){0};
+    stp_store* store = NULL;
+    stp_result result = stp_store_open(context, path, &store);
+    if (result == STP_OK) {
+        result = stp_store_check_open(store, quick, report);
+        stp_store_close(store);
+    }
+    return result;
+}
+
+stp_result stp_store_check(stp_context* context, const char* path, bool quick)
+{
+    stp_store_check_report report;
+    return stp_store_check_with_report(context, path, quick, &report);
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// Where the columns of a block lie within it (docs/format.md, Blocks).
+#pragma once
+
+#include "store/format.h"
+
+#include <stipple/surfels.h>
+
+enum { STP_STORE_COLUMN_LIMIT = 6 };
+
+/// A column: a run of bytes within a block. Absent ones have size 0.
+typedef struct stp_store_column {
+    uint64_t offset, size;
+} stp_store_column;
+
+typedef enum stp_store_mesh_column {
+    STP_MESH_POSITIONS,
+    STP_MESH_NORMALS,
+    STP_MESH_TEXCOORDS_0,
+    STP_MESH_TEXCOORDS_1,
+    STP_MESH_COLORS,
+    STP_MESH_INDICES,
+    STP_MESH_COLUMNS
+} stp_store_mesh_column;
+
+typedef enum stp_store_point_column {
+    STP_POINT_POSITIONS,
+    STP_POINT_NORMALS,
+    STP_POINT_COLORS,
+    STP_POINT_COLUMNS
+} stp_store_point_column;
+
+typedef enum stp_store_surfel_column {
+    STP_SURFEL_POSITIONS,
+    STP_SURFEL_NORMALS,
+    STP_SURFEL_MATERIALS,
+    STP_SURFEL_COLORS,
+    STP_SURFEL_COVERAGES,
+    STP_SURFEL_COLUMNS
+} stp_store_surfel_column;
+
+// Each fills `columns` and returns the size of the block.
+uint64_t stp_store_mesh_columns(uint32_t vertex_count, uint32_t triangle_count, uint32_t present,
+                                stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
+uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
+                                 stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
+/// Of octave `octave`: what comes in with it, and its colours and coverages of the whole prefix.
+uint64_t stp_store_surfel_columns(const stp_surfels* surfels, uint32_t octave,
+                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
+
+/// Surfels before octave `octave`.
+static inline uint32_t stp_store_octave_begin(const stp_surfels* surfels, uint32_t octave)
+{
+    return octave == 0 ? 0 : surfels->octave_ends[octave - 1];
+}
+
+/// Entries of the colour pyramid before octave `octave`; of the whole pyramid where it is the
+/// octave count.
+uint64_t stp_store_pyramid_begin(const stp_surfels* surfels, uint32_t octave);

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+//
+// The numbers of the `.stip` format; docs/format.md says what they mean.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+/// Detects files that are something else, lost their eighth bit, or had their line ends changed (as
+/// PNG's).
+#define STP_STORE_MAGIC "\x89STP\r\n\x1a\n"
+
+enum {
+    STP_STORE_MAJOR = 1,
+    STP_STORE_MINOR = 0,
+    STP_STORE_MAGIC_BYTES = 8,
+    STP_STORE_HEADER_BYTES = 128,
+    STP_STORE_SECTION_BYTES = 40,
+    STP_STORE_SECTION_LIMIT = 256, ///< the root directory fits the first 16 KiB
+    STP_STORE_ALIGNMENT = 64,      ///< of sections and blocks
+    STP_STORE_COLUMN_ALIGNMENT = 16,
+    STP_STORE_RECORD_LIMIT = 160, ///< no record of version 1 is longer
+    STP_STORE_TEXTURE_LIMIT = 65536,
+    STP_STORE_SHADING_LIMIT = 256,
+};
+
+/// Section types. Those above 18 are reserved: 32 clusters of triangles, 33 bone weights, 34 point
+/// attributes; from 0x80000000 on they are free for private use.
+typedef enum stp_store_section_type {
+    STP_SECTION_NODES = 1,
+    STP_SECTION_EDGES,
+    STP_SECTION_PARTS,
+    STP_SECTION_MATERIALS,
+    STP_SECTION_SHADINGS,
+    STP_SECTION_TEXTURES,
+    STP_SECTION_MESHES,
+    STP_SECTION_POINT_SETS,
+    STP_SECTION_SURFELS,
+    STP_SECTION_OCTAVES,
+    STP_SECTION_BREAKPOINTS,
+    STP_SECTION_VIEWS,
+    STP_SECTION_SOURCES,
+    STP_SECTION_BLOCKS,
+    STP_SECTION_TEXT,
+    STP_SECTION_BUILD,
+    STP_SECTION_OBJECTS,
+    STP_SECTION_OBJECT_TEXT,
+    STP_SECTION_END ///< one more than the last known type
+} stp_store_section_type;
+
+enum {
+    STP_SECTION_CRITICAL = 1 /**< a reader that does not know the section must refuse the file */
+};
+
+typedef enum stp_store_block_kind {
+    STP_BLOCK_MESH = 1,
+    STP_BLOCK_POINT_SET,
+    STP_BLOCK_TEXTURE,
+    STP_BLOCK_SURFELS,
+    STP_BLOCK_END
+} stp_store_block_kind;
+
+/// Which optional columns a mesh or point set has.
+enum {
+    STP_COLUMN_NORMALS = 1,
+    STP_COLUMN_COLORS = 2,
+    STP_COLUMN_TEXCOORDS_0 = 4,
+    STP_COLUMN_TEXCOORDS_1 = 8,
+};
+
+/// An entry of the root directory.
+typedef struct stp_store_section {
+    uint32_t type, flags;
+    uint64_t offset, size, count;
+    uint32_t record_size, crc;
+} stp_store_section;
+
+/// An entry of the block table.
+typedef struct stp_store_block {
+    uint32_t kind, owner, octave, crc;
+    uint64_t offset, size;
+    float radius; ///< surfels: to what they cover once this block is there, in scene space; else 0
+    uint32_t encoding;
+} stp_store_block;
+
+static inline uint64_t stp_store_align(uint64_t offset, uint64_t alignment)
+{
+    return (offset + alignment - 1) & ~(alignment - 1);
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// What a store is inside, for the files that make, read and check it.
+#pragma once
+
+#include "base/file.h"
+#include "store/columns.h"
+#include "store/records.h"
+#include "store/validate.h"
+
+struct stp_store {
+    stp_context* context;
+    char* path;
+    stp_mapped_file file;
+    bool mapped; ///< else the bytes are the caller's
+    stp_store_open_desc desc;
+
+    uint64_t file_bytes;  ///< as the header says
+    uint64_t data_offset; ///< where the directory ends and blocks begin
+    uint64_t section_end; ///< where the section table ends
+    uint32_t section_count;
+    stp_store_section sections[STP_STORE_SECTION_LIMIT];
+    const stp_store_section* known[STP_SECTION_END]; ///< by type; NULL: the file has none
+
+    void* tables[STP_SECTION_END]; ///< decoded records, by section type
+    uint32_t counts[STP_SECTION_END];
+    stp_store_directory directory;
+    bool objects_ready;
+};
+
+static inline stp_store_judge stp_store_own_judge(const stp_store* store)
+{
+    return (stp_store_judge){store->context, store->path, STP_ERROR_FORMAT};
+}
+
+/// CRC-32 of some bytes, as zlib computes it; chained by passing the value so far, 0 at first.
+uint32_t stp_store_crc(uint32_t crc, const void* bytes, size_t size);
+
+/// Header and section table. Fills file_bytes, data_offset, sections and known.
+STP_MUST_USE stp_result stp_store_read_header(stp_store* store);
+
+/// Checks the checksum of a section.
+STP_MUST_USE stp_result stp_store_verify_section(const stp_store* store,
+                                                 const stp_store_section* section);
+
+/// Fits octaves, breakpoints and blocks to the sets, meshes, point sets and textures they belong
+/// to.
+STP_MUST_USE stp_result stp_store_link_blocks(stp_store* store);
+
+/// Leaves the first `octave_count` octaves of a set, and what of its tables holds for them.
+void stp_store_cut_surfels(stp_surfels* surfels, uint32_t octave_count);
+
+/// The entry of the block table.
+const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index);
+/// Checks that a block is there, whole and right, and gives its first byte.
+STP_MUST_USE stp_result stp_store_verify_block(const stp_store* store, const stp_store_block* block,
+                                               const unsigned char** bytes);

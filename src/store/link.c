@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+// Fits the tables of a directory together: sets with their octaves and breakpoints, everything with
+// blocks.
+#include "store/internal.h"
+
+static stp_result fail_format(const stp_store* store, const char* what, uint32_t index,
+                              const char* fault)
+{
+    return stp_fail(store->context, STP_ERROR_FORMAT, "%s: %s %u: %s", store->path, what, index,
+                    fault);
+}
+
+const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index)
+{
+    const stp_store_block* blocks = store->tables[STP_SECTION_BLOCKS];
+    return &blocks[index];
+}
+
+// Blocks follow each other without room for anything else, coarse surfels first, up to the file's
+// end.
+static stp_result judge_blocks(const stp_store* store)
+{
+    uint64_t end = store->data_offset;
+    const stp_store_block* before = NULL;
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_BLOCKS]; ++i) {
+        const stp_store_block* block = stp_store_block_at(store, i);
+        if (block->offset != stp_store_align(end, STP_STORE_ALIGNMENT) ||
+            block->offset > store->file_bytes || block->size > store->file_bytes - block->offset) {
+            return fail_format(store, "block", i, "does not lie right behind the block before it");
+        }
+        if (!(block->radius >= 0.0f) || (before != NULL && block->radius > before->radius)) {
+            return fail_format(store, "block", i, "reaches a larger radius than the one before it");
+        }
+        end = block->offset + block->size;
+        before = block;
+    }
+    if (end != store->file_bytes) {
+        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: bytes after the last block",
+                        store->path);
+    }
+    return STP_OK;
+}
+
+// A block as its owner needs it.
+static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_block wanted)
+{
+    static const char* const names[STP_BLOCK_END] = {
+        [STP_BLOCK_MESH] = "mesh",
+        [STP_BLOCK_POINT_SET] = "point set",
+        [STP_BLOCK_TEXTURE] = "texture",
+        [STP_BLOCK_SURFELS] = "surfel set",
+    };
+    if (index >= store->counts[STP_SECTION_BLOCKS]) {
+        return fail_format(store, names[wanted.kind], wanted.owner, "its block does not exist");
+    }
+    const stp_store_block* block = stp_store_block_at(store, index);
+    if (block->kind != wanted.kind || block->owner != wanted.owner ||
+        block->octave != wanted.octave) {
+        return fail_format(store, names[wanted.kind], wanted.owner, "its block is another's");
+    }
+    if (block->encoding != 0) {
+        return stp_fail(store->context, STP_ERROR_UNSUPPORTED,
+                        "%s: %s %u: encoding %u of its block is not known", store->path,
+                        names[wanted.kind], wanted.owner, block->encoding);
+    }
+    if (block->size != wanted.size) {
+        return fail_format(store, names[wanted.kind], wanted.owner,
+                           "its block is not of the size that its counts need");
+    }
+    return STP_OK;
+}
+
+static bool is_whole(const stp_store* store, const stp_store_block* block)
+{
+    return block->offset + block->size <= store->file.size;
+}
+
+// Gathers a set's breakpoints and octaves, which lie in the order of the sets.
+static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_end,
+                             uint64_t* breakpoint_end)
+{
+    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
+    const stp_store_breakpoint* breakpoints = store->tables[STP_SECTION_BREAKPOINTS];
+    stp_store_surfels_record* set = &sets[index];
+    stp_surfels* surfels = &set->surfels;
+    if (surfels->octave_count > STP_OCTAVE_LIMIT || surfels->table.size > STP_PREFIX_TABLE_SIZE) {
+        return fail_format(store, "surfel set", index, "has too many octaves or breakpoints");
+    }
+    if (set->first_octave != *octave_end || set->first_breakpoint != *breakpoint_end) {
+        return fail_format(store, "surfel set", index,
+                           "its octaves or breakpoints do not follow those of the set before");
+    }
+    *octave_end += surfels->octave_count;
+    *breakpoint_end += surfels->table.size;
+    if (*octave_end > store->counts[STP_SECTION_OCTAVES] ||
+        *breakpoint_end > store->counts[STP_SECTION_BREAKPOINTS]) {
+        return fail_format(store, "surfel set", index, "its octaves or breakpoints are not there");
+    }
+    for (uint32_t i = 0; i < surfels->octave_count; ++i) {
+        surfels->octave_ends[i] = octaves[set->first_octave + i].end;
+    }
+    for (uint32_t i = 0; i < surfels->table.size; ++i) {
+        surfels->table.count[i] = breakpoints[set->first_breakpoint + i].count;
+        surfels->table.radius[i] = breakpoints[set->first_breakpoint + i].radius;
+    }
+    return STP_OK;
+}
+
+// Each octave's block, in the order of the octaves; of a file cut short, what is whole.
+static stp_result link_octaves(stp_store* store, uint32_t index)
+{
+    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
+    stp_surfels* surfels = &sets[index].surfels;
+    uint32_t whole = 0;
+    for (uint32_t k = 0; k < surfels->octave_count; ++k) {
+        uint32_t number = octaves[sets[index].first_octave + k].block;
+        stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+        stp_store_block wanted = {
+            .kind = STP_BLOCK_SURFELS,
+            .owner = index,
+            .octave = k,
+            .size = stp_store_surfel_columns(surfels, k, columns),
+        };
+        stp_result result = judge_block(store, number, wanted);
+        if (result != STP_OK) {
+            return result;
+        }
+        if (k > 0 && number <= octaves[sets[index].first_octave + k - 1].block) {
+            return fail_format(store, "surfel set", index, "its octaves are not in order");
+        }
+        whole += is_whole(store, stp_store_block_at(store, number)) ? 1 : 0;
+    }
+    stp_store_cut_surfels(surfels, whole);
+    return STP_OK;
+}
+
+static stp_result link_sets(stp_store* store)
+{
+    const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    stp_store_judge judge = stp_store_own_judge(store);
+    uint64_t octave_end = 0, breakpoint_end = 0;
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
+        stp_result result = gather_set(store, i, &octave_end, &breakpoint_end);
+        if (result == STP_OK) {
+            result = stp_store_judge_surfels(&judge, i, &sets[i].surfels);
+        }
+        if (result == STP_OK) {
+            result = link_octaves(store, i);
+        }
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    if (octave_end != store->counts[STP_SECTION_OCTAVES] ||
+        breakpoint_end != store->counts[STP_SECTION_BREAKPOINTS]) {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: octaves or breakpoints belong to no surfel set", store->path);
+    }
+    return STP_OK;
+}
+
+static stp_result link_mesh(const stp_store* store, uint32_t index)
+{
+    const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
+    const stp_store_mesh_record* record = &meshes[index];
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    stp_store_block wanted = {
+        .kind = STP_BLOCK_MESH,
+        .owner = index,
+        .size = stp_store_mesh_columns(record->mesh.vertex_count, record->mesh.triangle_count,
+                                       record->present, columns),
+    };
+    if (record->present > (STP_COLUMN_NORMALS | STP_COLUMN_COLORS | STP_COLUMN_TEXCOORDS_0 |
+                           STP_COLUMN_TEXCOORDS_1)) {
+        return fail_format(store, "mesh", index, "has columns that are not of this version");
+    }
+    return judge_block(store, record->block, wanted);
+}
+
+static stp_result link_points(const stp_store* store, uint32_t index)
+{
+    const stp_store_point_record* sets = store->tables[STP_SECTION_POINT_SETS];
+    const stp_store_point_record* record = &sets[index];
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    stp_store_block wanted = {
+        .kind = STP_BLOCK_POINT_SET,
+        .owner = index,
+        .size = stp_store_point_columns(record->points.point_count, record->present, columns),
+    };
+    if (record->present > (STP_COLUMN_NORMALS | STP_COLUMN_COLORS)) {
+        return fail_format(store, "point set", index, "has columns that are not of this version");
+    }
+    return judge_block(store, record->block, wanted);
+}
+
+static stp_result link_texture(const stp_store* store, uint32_t index)
+{
+    const stp_store_texture_record* textures = store->tables[STP_SECTION_TEXTURES];
+    const stp_store_texture* texture = &textures[index].texture;
+    stp_store_block wanted = {
+        .kind = STP_BLOCK_TEXTURE,
+        .owner = index,
+        .size = 4 * (uint64_t)texture->width * texture->height,
+    };
+    return judge_block(store, textures[index].block, wanted);
+}
+
+stp_result stp_store_link_blocks(stp_store* store)
+{
+    stp_result result = judge_blocks(store);
+    if (result == STP_OK) {
+        result = link_sets(store);
+    }
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_MESHES] && result == STP_OK; ++i) {
+        result = link_mesh(store, i);
+    }
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_POINT_SETS] && result == STP_OK; ++i) {
+        result = link_points(store, i);
+    }
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_TEXTURES] && result == STP_OK; ++i) {
+        result = link_texture(store, i);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    // every owner has its own blocks, so equal numbers mean that no block is nobody's
+    uint64_t owned = (uint64_t)store->counts[STP_SECTION_OCTAVES] +
+                     store->counts[STP_SECTION_MESHES] + store->counts[STP_SECTION_POINT_SETS] +
+                     store->counts[STP_SECTION_TEXTURES];
+    uint64_t known = 0;
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_BLOCKS]; ++i) {
+        uint32_t kind = stp_store_block_at(store, i)->kind;
+        known += kind != 0 && kind < STP_BLOCK_END ? 1 : 0;
+    }
+    if (known != owned) {
+        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: a block belongs to nothing",
+                        store->path);
+    }
+    return STP_OK;
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// In which order the blocks of a file lie: coarse first, across the whole scene.
+#pragma once
+
+#include "store/format.h"
+#include "store/writer.h"
+
+typedef struct stp_store_plan {
+    stp_store_block* blocks; ///< in file order; checksums still 0
+    uint32_t block_count;
+    // the block of each mesh, point set and texture, and of each octave of each set in turn
+    uint32_t* mesh_blocks;
+    uint32_t* point_blocks;
+    uint32_t* texture_blocks;
+    uint32_t* octave_blocks;
+    uint64_t file_bytes;
+} stp_store_plan;
+
+/// Places all blocks from `data_offset` on. @return STP_OK, OUT_OF_MEMORY or LIMIT (too many
+/// blocks)
+STP_MUST_USE stp_result stp_store_plan_make(stp_context* context, const stp_store_content* content,
+                                            uint64_t data_offset, stp_store_plan* plan);
+void stp_store_plan_destroy(stp_context* context, stp_store_plan* plan);
+
+/// Which optional columns there are.
+uint32_t stp_store_mesh_present(const stp_store_mesh* mesh);
+uint32_t stp_store_points_present(const stp_store_point_set* points);

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+// Opens a file: decodes the directory's tables and fits them together.
+#include "store/internal.h"
+
+#include <string.h>
+
+static stp_result read_text(const stp_store* store, uint32_t type, stp_store_text* text)
+{
+    const stp_store_section* section = store->known[type];
+    *text = (stp_store_text){.context = store->context};
+    if (section == NULL || section->size == 0) {
+        return STP_OK;
+    }
+    stp_result result = stp_store_verify_section(store, section);
+    if (result != STP_OK) {
+        return result;
+    }
+    text->stored = (const char*)store->file.bytes + section->offset;
+    text->size = (size_t)section->size;
+    if (section->record_size != 1 || text->stored[text->size - 1] != '\0') {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: the texts of type %u do not end with a zero byte", store->path, type);
+    }
+    return STP_OK;
+}
+
+static stp_result read_table(stp_store* store, uint32_t type, stp_store_text* text)
+{
+    const stp_store_section* section = store->known[type];
+    const stp_store_table* table = stp_store_table_of(type);
+    if (section == NULL || section->count == 0) {
+        return STP_OK;
+    }
+    stp_result result = stp_store_verify_section(store, section);
+    if (result != STP_OK) {
+        return result;
+    }
+    char* elements = stp_alloc_zeroed(store->context, (size_t)section->count, table->element_size);
+    if (elements == NULL) {
+        return stp_fail_memory(store->context);
+    }
+    store->tables[type] = elements;
+    store->counts[type] = (uint32_t)section->count;
+    for (uint32_t i = 0; i < store->counts[type]; ++i) {
+        stp_store_codec codec = {
+            .input = store->file.bytes + section->offset + (uint64_t)i * section->record_size,
+            .text = text,
+        };
+        table->code(&codec, elements + i * table->element_size);
+        if (codec.fault != NULL) {
+            return stp_fail(store->context, STP_ERROR_FORMAT, "%s: %s %u %s", store->path,
+                            table->name, i, codec.fault);
+        }
+    }
+    return STP_OK;
+}
+
+static stp_result read_build(stp_store* store)
+{
+    stp_store_text text;
+    stp_result result = read_text(store, STP_SECTION_BUILD, &text);
+    store->directory.build_json = text.stored;
+    return result;
+}
+
+static void fill_directory(stp_store* store)
+{
+    stp_store_directory* directory = &store->directory;
+    const uint32_t* counts = store->counts;
+    directory->node_count = counts[STP_SECTION_NODES];
+    directory->edge_count = counts[STP_SECTION_EDGES];
+    directory->part_count = counts[STP_SECTION_PARTS];
+    directory->material_count = counts[STP_SECTION_MATERIALS];
+    directory->shading_count = counts[STP_SECTION_SHADINGS];
+    directory->texture_count = counts[STP_SECTION_TEXTURES];
+    directory->mesh_count = counts[STP_SECTION_MESHES];
+    directory->point_set_count = counts[STP_SECTION_POINT_SETS];
+    directory->surfels_count = counts[STP_SECTION_SURFELS];
+    directory->view_count = counts[STP_SECTION_VIEWS];
+    directory->source_count = counts[STP_SECTION_SOURCES];
+    const stp_store_section* objects = store->known[STP_SECTION_OBJECTS];
+    directory->object_count = objects != NULL ? (uint32_t)objects->count : 0;
+    directory->nodes = store->tables[STP_SECTION_NODES];
+    directory->edges = store->tables[STP_SECTION_EDGES];
+    directory->parts = store->tables[STP_SECTION_PARTS];
+    directory->materials = store->tables[STP_SECTION_MATERIALS];
+    directory->shadings = store->tables[STP_SECTION_SHADINGS];
+    directory->views = store->tables[STP_SECTION_VIEWS];
+    directory->sources = store->tables[STP_SECTION_SOURCES];
+}
+
+// What meshes, point sets and textures claim; surfel sets are judged when their octaves are linked.
+static stp_result judge_records(const stp_store* store)
+{
+    stp_store_judge judge = stp_store_own_judge(store);
+    const stp_store_directory* directory = &store->directory;
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < directory->mesh_count && result == STP_OK; ++i) {
+        result =
+            stp_store_judge_material(&judge, "mesh", i, stp_store_describe_mesh(store, i)->material,
+                                     directory->material_count);
+    }
+    for (uint32_t i = 0; i < directory->point_set_count && result == STP_OK; ++i) {
+        result = stp_store_judge_material(&judge, "point set", i,
+                                          stp_store_describe_point_set(store, i)->material,
+                                          directory->material_count);
+    }
+    for (uint32_t i = 0; i < directory->texture_count && result == STP_OK; ++i) {
+        result = stp_store_judge_texture(&judge, i, stp_store_describe_texture(store, i));
+    }
+    return result;
+}
+
+static stp_result read_directory(stp_store* store)
+{
+    stp_store_text text;
+    stp_result result = read_text(store, STP_SECTION_TEXT, &text);
+    for (uint32_t type = STP_SECTION_NODES; type <= STP_SECTION_BLOCKS && result == STP_OK;
+         ++type) {
+        result = read_table(store, type, &text);
+    }
+    if (result == STP_OK) {
+        result = read_build(store);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    fill_directory(store);
+    stp_store_judge judge = stp_store_own_judge(store);
+    result = stp_store_judge_graph(&judge, &store->directory);
+    if (result == STP_OK) {
+        result = judge_records(store);
+    }
+    if (result == STP_OK) {
+        result = stp_store_link_blocks(store);
+    }
+    if (result == STP_OK && !store->desc.defer_objects) {
+        result = stp_store_load_objects(store);
+    }
+    return result;
+}
+
+stp_result stp_store_load_objects(stp_store* store)
+{
+    if (store->objects_ready) {
+        return STP_OK;
+    }
+    // a second try after a failed one begins anew
+    stp_free(store->context, store->tables[STP_SECTION_OBJECTS]);
+    store->tables[STP_SECTION_OBJECTS] = NULL;
+    stp_store_text text;
+    stp_result result = read_text(store, STP_SECTION_OBJECT_TEXT, &text);
+    if (result == STP_OK) {
+        result = read_table(store, STP_SECTION_OBJECTS, &text);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_store_judge judge = stp_store_own_judge(store);
+    stp_store_directory directory = store->directory;
+    directory.objects = store->tables[STP_SECTION_OBJECTS];
+    result = stp_store_judge_objects(&judge, &directory);
+    if (result == STP_OK) {
+        store->directory.objects = directory.objects;
+        store->objects_ready = true;
+    }
+    return result;
+}
+
+static stp_result create_store(stp_context* context, const char* path,
+                               const stp_store_open_desc* desc, stp_store** store)
+{
+    size_t length = strlen(path) + 1;
+    stp_store* made = STP_NEW_ZEROED(context, stp_store, 1);
+    char* copy = stp_alloc(context, length);
+    if (made == NULL || copy == NULL) {
+        stp_free(context, made);
+        stp_free(context, copy);
+        return stp_fail_memory(context);
+    }
+    memcpy(copy, path, length);
+    made->context = context;
+    made->path = copy;
+    made->desc = *desc;
+    *store = made;
+    return STP_OK;
+}
+
+// Reads the store's bytes; the store is closed where they are wrong.
+static stp_result finish_open(stp_store* made, stp_store** store)
+{
+    stp_result result = stp_store_read_header(made);
+    if (result == STP_OK) {
+        result = read_directory(made);
+    }
+    if (result != STP_OK) {
+        stp_store_close(made);
+        return result;
+    }
+    *store = made;
+    return STP_OK;
+}
+
+stp_result stp_store_open_with(stp_context* context, const char* path,
+                               const stp_store_open_desc* desc, stp_store** store)
+{
+    stp_store* made = NULL;
+    stp_result result = create_store(context, path, desc, &made);
+    if (result != STP_OK) {
+        return result;
+    }
+    result = stp_file_map(context, path, &made->file);
+    if (result != STP_OK) {
+        stp_store_close(made);
+        return result;
+    }
+    made->mapped = true;
+    return finish_open(made, store);
+}
+
+stp_result stp_store_open_memory(stp_context* context, const char* name, const void* bytes,
+                                 size_t size, const stp_store_open_desc* desc, stp_store** store)
+{
+    stp_store* made = NULL;
+    stp_result result = create_store(context, name, desc, &made);
+    if (result != STP_OK) {
+        return result;
+    }
+    made->file = (stp_mapped_file){.bytes = bytes, .size = size};
+    return finish_open(made, store);
+}
+
+stp_result stp_store_open(stp_context* context, const char* path, stp_store** store)
+{
+    return stp_store_open_with(context, path, &(stp_store_open_desc){0}, store);
+}
+
+stp_result stp_store_open_prefix(stp_context* context, const char* path, stp_store** store)
+{
+    return stp_store_open_with(context, path, &(stp_store_open_desc){.accept_prefix = true}, store);
+}
+
+void stp_store_close(stp_store* store)
+{
+    if (store == NULL) {
+        return;
+    }
+    stp_context* context = store->context;
+    stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
+        stp_free(context, sets[i].memory);
+    }
+    for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
+        stp_free(context, store->tables[type]);
+    }
+    if (store->mapped) {
+        stp_file_unmap(&store->file);
+    }
+    stp_free(context, store->path);
+    stp_free(context, store);
+}
+
+const stp_store_directory* stp_store_get_directory(const stp_store* store)
+{
+    return &store->directory;
+}
+
+uint64_t stp_store_file_bytes(const stp_store* store)
+{
+    return store->file.size;
+}
+
+uint32_t stp_store_format_version(const stp_store* store)
+{
+    (void)store; // others are refused
+    return STP_STORE_MAJOR;
+}

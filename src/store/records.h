@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+//
+// The records of the directory's tables. One function describes each kind of record and serves both
+// ways, so that reader and writer cannot disagree.
+#pragma once
+
+#include "store/format.h"
+#include "store/store.h"
+
+/// Texts one after the other, each ended by a zero byte; records refer to them by offset.
+typedef struct stp_store_text {
+    stp_context* context;
+    char* bytes;        ///< while writing: grown as needed
+    const char* stored; ///< while reading: straight from the file
+    size_t size, capacity;
+} stp_store_text;
+
+/// One record on its way from or to bytes.
+typedef struct stp_store_codec {
+    const unsigned char* input; ///< NULL while writing
+    unsigned char* output;
+    size_t offset;
+    stp_store_text* text;
+    const char* fault; ///< the first thing wrong with the record: "has a number that is not finite"
+    stp_result result; ///< why a text could not be added
+} stp_store_codec;
+
+typedef struct stp_store_mesh_record {
+    stp_store_mesh mesh; ///< its columns are NULL until they are checked
+    uint32_t present, block;
+    bool checked;
+} stp_store_mesh_record;
+
+typedef struct stp_store_point_record {
+    stp_store_point_set points;
+    uint32_t present, block;
+    bool checked;
+} stp_store_point_record;
+
+typedef struct stp_store_texture_record {
+    stp_store_texture texture;
+    uint32_t block;
+    bool checked;
+} stp_store_texture_record;
+
+typedef struct stp_store_surfels_record {
+    stp_surfels surfels;
+    uint32_t first_octave, first_breakpoint;
+    uint32_t ready; ///< octaves checked and copied into the columns
+    void* memory;   ///< all columns
+} stp_store_surfels_record;
+
+typedef struct stp_store_octave {
+    uint32_t end, block;
+} stp_store_octave;
+
+typedef struct stp_store_breakpoint {
+    uint32_t count;
+    float radius;
+} stp_store_breakpoint;
+
+/// A kind of table: how its records look in the file and in memory.
+typedef struct stp_store_table {
+    const char* name; ///< of one record, for messages; NULL: not a table of records
+    uint32_t record_size;
+    size_t element_size;
+    void (*code)(stp_store_codec* codec, void* element);
+} stp_store_table;
+
+/// Memory that holds one element of any table.
+typedef union stp_store_element {
+    stp_store_node node;
+    stp_store_edge edge;
+    stp_store_part part;
+    stp_store_material material;
+    stp_shading shading;
+    stp_store_texture_record texture;
+    stp_store_mesh_record mesh;
+    stp_store_point_record points;
+    stp_store_surfels_record surfels;
+    stp_store_octave octave;
+    stp_store_breakpoint breakpoint;
+    stp_store_view view;
+    stp_store_source source;
+    stp_store_block block;
+    stp_store_object object;
+} stp_store_element;
+
+/// By section type, below STP_SECTION_END.
+const stp_store_table* stp_store_table_of(uint32_t type);
+
+/// The root directory's own entries.
+void stp_store_code_section(stp_store_codec* codec, stp_store_section* section);

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+//
+// The invariants of a scene in a file. The reader asks them of what it decoded, the writer of what
+// it is given: nothing is written that could not be read.
+#pragma once
+
+#include "store/records.h"
+
+/// Who asks: whose file, and which failure to return.
+typedef struct stp_store_judge {
+    stp_context* context;
+    const char* path;
+    stp_result failure;
+} stp_store_judge;
+
+/// The graph, its parts, materials and shadings; not the objects.
+STP_MUST_USE stp_result stp_store_judge_graph(const stp_store_judge* judge,
+                                              const stp_store_directory* directory);
+STP_MUST_USE stp_result stp_store_judge_objects(const stp_store_judge* judge,
+                                                const stp_store_directory* directory);
+
+// What is known of the bulk data without touching it.
+/// The material of a mesh or point set (`what`).
+STP_MUST_USE stp_result stp_store_judge_material(const stp_store_judge* judge, const char* what,
+                                                 uint32_t index, uint32_t material,
+                                                 uint32_t material_count);
+STP_MUST_USE stp_result stp_store_judge_texture(const stp_store_judge* judge, uint32_t index,
+                                                const stp_store_texture* texture);
+STP_MUST_USE stp_result stp_store_judge_surfels(const stp_store_judge* judge, uint32_t index,
+                                                const stp_surfels* surfels);
+
+// The bulk data.
+STP_MUST_USE stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, uint32_t index,
+                                                  const stp_store_mesh* mesh);
+STP_MUST_USE stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t index,
+                                                   const stp_store_point_set* points);
+/// The material bytes of some surfels of set `index`.
+STP_MUST_USE stp_result stp_store_judge_surfel_data(const stp_store_judge* judge, uint32_t index,
+                                                    const uint8_t* materials, uint64_t count,
+                                                    uint32_t shading_count);
