@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// Triangles into the visibility buffer. Watertight: a pixel centre on a shared edge belongs to exactly one
-// triangle (top-left rule on coordinates snapped to a sub-pixel grid). Both windings are drawn.
+// Triangles into the visibility buffer. Watertight: a pixel centre on a shared edge belongs to
+// exactly one triangle (top-left rule on coordinates snapped to a sub-pixel grid). Both windings
+// are drawn.
 #pragma once
 
 #include "base/arena.h"
 #include "raster/target.h"
 
-/// Whether a fragment is there, for alpha masks: barycentric weights are perspective-correct.
+/// Whether a fragment is there, for alpha masks: barycentric weights are perspective-correct. Asked
+/// only where the fragment would be seen; `x` and `y` are its column and row.
 typedef bool (*stp_raster_keep)(const void* user, uint32_t triangle, float weight1, float weight2,
                                 uint32_t x, uint32_t y);
 
@@ -16,6 +18,8 @@ typedef struct stp_raster_mesh {
     uint32_t vertex_count;
     const uint32_t* indices; ///< 3 a triangle
     uint32_t triangle_count;
+    float offset[3]; ///< subtracted from each position before the matrix is applied: a mesh whose
+                     ///< numbers are large and close together keeps its precision
     stp_raster_keep keep; ///< NULL: every fragment is there
     const void* keep_user;
 } stp_raster_mesh;
@@ -28,7 +32,9 @@ STP_MUST_USE stp_result stp_raster_triangles(const stp_raster_target* target, ui
                                              float nearness_limit, const stp_raster_mesh* mesh,
                                              uint32_t first_id, stp_arena* scratch);
 
-/// Where the ray through a pixel's centre meets a triangle: perspective-correct weights of corners 1 and 2
-/// (corner 0 has the rest), clamped to the triangle. For shading a pixel after the fact.
-void stp_raster_weights(const stp_raster_matrix* matrix, const float* a, const float* b, const float* c,
-                        float pixel_x, float pixel_y, float* weight1, float* weight2);
+/// Where the ray through a point of the screen (a pixel's centre: column + 0.5, row + 0.5) meets a
+/// triangle: perspective-correct weights of corners 1 and 2 (corner 0 has the rest), clamped to the
+/// triangle. For shading a pixel after the fact.
+void stp_raster_weights(const stp_raster_matrix* matrix, const float* a, const float* b,
+                        const float* c, float pixel_x, float pixel_y, float* weight1,
+                        float* weight2);

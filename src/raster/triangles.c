@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+#include "raster/triangles.h"
+
+#include "base/processor.h"
+#include "raster/triangles_internal.h"
+
+// Triangles are drawn in chunks whose transformed vertices stay in the processor's cache. A chunk
+// whose indices reach too far gets a vertex of its own for each corner: more work, but bounded
+// memory.
+enum { CHUNK_TRIANGLES = 4096, CHUNK_VERTICES = 3 * CHUNK_TRIANGLES };
+
+typedef struct chunk_memory {
+    int32_t x[CHUNK_VERTICES + STP_LANES_MOST];
+    int32_t y[CHUNK_VERTICES + STP_LANES_MOST];
+    float nearness[CHUNK_VERTICES + STP_LANES_MOST];
+    uint32_t clipped[CHUNK_TRIANGLES];
+} chunk_memory;
+
+/// Positions and indices of a chunk of unconnected triangles.
+typedef struct soup_memory {
+    float positions[3 * CHUNK_VERTICES];
+    uint32_t indices[CHUNK_VERTICES];
+} soup_memory;
+
+static const stp_triangle_kernels* choose_kernels(void)
+{
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return &stp_triangle_kernels_avx512;
+    case STP_PROCESSOR_AVX2:
+        return &stp_triangle_kernels_avx2;
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return &stp_triangle_kernels_portable;
+}
+
+/// A triangle whose fragments are asked for one by one.
+typedef struct kept_triangle {
+    const stp_raster_mesh* mesh;
+    uint32_t triangle, id;
+    double corner[3][3]; ///< X, Y, W
+} kept_triangle;
+
+/// Perspective-correct weights: l with l0 v0 + l1 v1 + l2 v2 = 0, where v = (X - x W, Y - y W).
+static void weights_at(const double corner[3][3], double x, double y, float* weight1,
+                       float* weight2)
+{
+    double vx[3], vy[3];
+    for (int k = 0; k < 3; ++k) {
+        vx[k] = corner[k][0] - x * corner[k][2];
+        vy[k] = corner[k][1] - y * corner[k][2];
+    }
+    double l0 = vx[1] * vy[2] - vy[1] * vx[2];
+    double l1 = vx[2] * vy[0] - vy[2] * vx[0];
+    double l2 = vx[0] * vy[1] - vy[0] * vx[1];
+    double sign = l0 + l1 + l2 < 0.0 ? -1.0 : 1.0;
+    l0 = l0 * sign > 0.0 ? l0 * sign : 0.0;
+    l1 = l1 * sign > 0.0 ? l1 * sign : 0.0;
+    l2 = l2 * sign > 0.0 ? l2 * sign : 0.0;
+    double sum = l0 + l1 + l2;
+    bool usable = sum > 0.0 && sum <= DBL_MAX;
+    *weight1 = usable ? (float)(l1 / sum) : 0.0f;
+    *weight2 = usable ? (float)(l2 / sum) : 0.0f;
+}
+
+void stp_raster_weights(const stp_raster_matrix* matrix, const float* a, const float* b,
+                        const float* c, float pixel_x, float pixel_y, float* weight1,
+                        float* weight2)
+{
+    const float* positions[3] = {a, b, c};
+    static const int rows[3] = {0, 1, 3};
+    double corner[3][3];
+    for (int k = 0; k < 3; ++k) {
+        const float* p = positions[k];
+        for (int i = 0; i < 3; ++i) {
+            const float* m = matrix->m[rows[i]];
+            corner[k][i] = (double)m[0] * (double)p[0] + (double)m[1] * (double)p[1] +
+                           (double)m[2] * (double)p[2] + (double)m[3];
+        }
+    }
+    weights_at((const double(*)[3])corner, (double)pixel_x, (double)pixel_y, weight1, weight2);
+}
+
+static void draw_fragment(const kept_triangle* kept, uint64_t* place, float nearness, int32_t x,
+                          int32_t y)
+{
+    uint64_t pixel = stp_raster_pixel(nearness, kept->id);
+    if (pixel >= *place) {
+        return;
+    }
+    float weight1, weight2;
+    weights_at(kept->corner, (double)x + 0.5, (double)y + 0.5, &weight1, &weight2);
+    const stp_raster_mesh* mesh = kept->mesh;
+    if (mesh->keep(mesh->keep_user, kept->triangle, weight1, weight2, (uint32_t)x, (uint32_t)y)) {
+        *place = pixel;
+    }
+}
+
+/// Like the kernels' draw_one, but asks for each fragment.
+static void draw_kept(const stp_triangle_window* window, const stp_screen_vertex corners[3],
+                      const kept_triangle* kept)
+{
+    stp_triangle_setup setup;
+    if (!stp_triangle_set_up(window, corners, &setup)) {
+        return;
+    }
+    stp_triangle_edge edges[3];
+    for (int k = 0; k < 3; ++k) {
+        edges[k] = stp_triangle_edge_make(setup.corner[(k + 1) % 3], setup.corner[(k + 2) % 3]);
+    }
+    stp_triangle_plane plane = stp_triangle_plane_make(&setup);
+    float inverse_area = 1.0f / (float)setup.area;
+    for (int32_t row = setup.top; row <= setup.bottom; ++row) {
+        int64_t first = setup.left, last = setup.right;
+        for (int k = 0; k < 3; ++k) {
+            stp_triangle_edge_narrow(&edges[k], row, &first, &last);
+        }
+        double row_nearness = stp_triangle_plane_row(&plane, row);
+        uint64_t* pixels = window->pixels + (size_t)row * window->stride;
+        for (int32_t x = (int32_t)first; x <= last; ++x) {
+            float nearness;
+            if (setup.small) {
+                nearness = stp_triangle_small_nearness(
+                    &setup, inverse_area, (int32_t)stp_triangle_edge_at(&edges[1], x, row),
+                    (int32_t)stp_triangle_edge_at(&edges[2], x, row));
+            } else {
+                nearness = stp_triangle_plane_at(&plane, row_nearness, x, setup.low, setup.high);
+            }
+            draw_fragment(kept, pixels + x, nearness, x, row);
+        }
+    }
+}
+
+static void draw_kept_triangle(const stp_triangle_transform* transform, const stp_raster_mesh* mesh,
+                               const stp_triangle_chunk* chunk, const float* const positions[3],
+                               const stp_screen_vertex* polygon, uint32_t count, uint32_t triangle,
+                               uint32_t first_id)
+{
+    kept_triangle kept = {.mesh = mesh, .triangle = triangle, .id = first_id + triangle};
+    for (int k = 0; k < 3; ++k) {
+        float p[4];
+        stp_triangle_project(transform, positions[k], p);
+        kept.corner[k][0] = (double)p[0];
+        kept.corner[k][1] = (double)p[1];
+        kept.corner[k][2] = (double)p[3];
+    }
+    for (uint32_t i = 2; i < count; ++i) {
+        stp_screen_vertex corners[3] = {polygon[0], polygon[i - 1], polygon[i]};
+        draw_kept(&chunk->window, corners, &kept);
+    }
+}
+
+static void chunk_positions(const stp_raster_mesh* mesh, uint32_t triangle,
+                            const float* positions[3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        positions[k] = mesh->positions + 3 * (size_t)mesh->indices[3 * (size_t)triangle + k];
+    }
+}
+
+static void draw_clipped(const stp_triangle_kernels* kernels,
+                         const stp_triangle_transform* transform, const stp_raster_mesh* mesh,
+                         const stp_triangle_chunk* chunk, uint32_t triangle, uint32_t first_id)
+{
+    const float* positions[3];
+    chunk_positions(mesh, triangle, positions);
+    stp_screen_vertex polygon[STP_CLIPPED_MOST];
+    uint32_t count = stp_triangle_clip(transform, positions, polygon);
+    if (mesh->keep != NULL) {
+        draw_kept_triangle(transform, mesh, chunk, positions, polygon, count, triangle, first_id);
+        return;
+    }
+    for (uint32_t i = 2; i < count; ++i) {
+        stp_screen_vertex corners[3] = {polygon[0], polygon[i - 1], polygon[i]};
+        kernels->draw_one(&chunk->window, corners, first_id + triangle);
+    }
+}
+
+/// Draws triangles [begin, begin + chunk->triangle_count) of a mesh with a keep function.
+static void draw_kept_chunk(const stp_triangle_transform* transform, const stp_raster_mesh* mesh,
+                            stp_triangle_chunk* chunk, uint32_t begin, uint32_t first_id)
+{
+    for (uint32_t t = 0; t < chunk->triangle_count; ++t) {
+        stp_screen_vertex corners[3];
+        bool outside = false;
+        for (size_t k = 0; k < 3; ++k) {
+            uint32_t v = chunk->indices[3 * (size_t)t + k] - chunk->index_base;
+            corners[k] = (stp_screen_vertex){chunk->x[v], chunk->y[v], chunk->nearness[v]};
+            outside = outside || chunk->x[v] == STP_OUTSIDE;
+        }
+        stp_triangle_setup setup;
+        if (outside) {
+            chunk->clipped[chunk->clipped_count++] = t;
+        } else if (stp_triangle_set_up(&chunk->window, corners, &setup)) {
+            const float* positions[3];
+            chunk_positions(mesh, begin + t, positions);
+            draw_kept_triangle(transform, mesh, chunk, positions, corners, 3, begin + t, first_id);
+        }
+    }
+}
+
+/// Chooses and transforms the vertices of a chunk: the range its indices span, or a copy for each
+/// corner.
+/// @return false where memory runs out
+static bool transform_chunk(const stp_triangle_kernels* kernels,
+                            const stp_triangle_transform* transform, const stp_raster_mesh* mesh,
+                            uint32_t begin, stp_triangle_chunk* chunk, soup_memory** soup,
+                            stp_arena* scratch)
+{
+    const uint32_t* indices = mesh->indices + 3 * (size_t)begin;
+    size_t corner_count = 3 * (size_t)chunk->triangle_count;
+    uint32_t least = UINT32_MAX, most = 0;
+    for (size_t i = 0; i < corner_count; ++i) {
+        least = indices[i] < least ? indices[i] : least;
+        most = indices[i] > most ? indices[i] : most;
+    }
+    if (most - least < corner_count) {
+        chunk->indices = indices;
+        chunk->index_base = least;
+        kernels->transform(transform, mesh->positions + 3 * (size_t)least,
+                           (size_t)(most - least) + 1, chunk->x, chunk->y, chunk->nearness);
+        return true;
+    }
+    if (*soup == NULL) {
+        *soup = stp_arena_alloc(scratch, sizeof(**soup));
+        if (*soup == NULL) {
+            return false;
+        }
+        for (uint32_t i = 0; i < CHUNK_VERTICES; ++i) {
+            (*soup)->indices[i] = i;
+        }
+    }
+    for (size_t i = 0; i < corner_count; ++i) {
+        memcpy((*soup)->positions + 3 * i, mesh->positions + 3 * (size_t)indices[i],
+               3 * sizeof(float));
+    }
+    chunk->indices = (*soup)->indices;
+    chunk->index_base = 0;
+    kernels->transform(transform, (*soup)->positions, corner_count, chunk->x, chunk->y,
+                       chunk->nearness);
+    return true;
+}
+
+stp_result stp_raster_triangles(const stp_raster_target* target, uint32_t row_begin,
+                                uint32_t row_end, const stp_raster_matrix* matrix,
+                                float nearness_limit, const stp_raster_mesh* mesh,
+                                uint32_t first_id, stp_arena* scratch)
+{
+    stp_triangle_window window = {
+        .pixels = target->pixels,
+        .stride = target->stride,
+        .width = (int32_t)target->width,
+        .row_begin = (int32_t)row_begin,
+        .row_end = (int32_t)(row_end < target->height ? row_end : target->height),
+    };
+    if (window.row_begin >= window.row_end || window.width == 0 || mesh->triangle_count == 0) {
+        return STP_OK;
+    }
+    const stp_triangle_kernels* kernels = choose_kernels();
+    stp_triangle_transform transform = {.nearness_limit = nearness_limit};
+    memcpy(transform.matrix, matrix->m, sizeof(transform.matrix));
+    memcpy(transform.offset, mesh->offset, sizeof(transform.offset));
+    stp_arena_mark mark = stp_arena_get_mark(scratch);
+    chunk_memory* memory = stp_arena_alloc(scratch, sizeof(*memory));
+    soup_memory* soup = NULL;
+    bool enough = memory != NULL;
+    for (uint32_t begin = 0; enough && begin < mesh->triangle_count;) {
+        uint32_t left = mesh->triangle_count - begin;
+        stp_triangle_chunk chunk = {
+            .window = window,
+            .triangle_count = left < CHUNK_TRIANGLES ? left : CHUNK_TRIANGLES,
+            .first_id = first_id + begin,
+            .x = memory->x,
+            .y = memory->y,
+            .nearness = memory->nearness,
+            .clipped = memory->clipped,
+        };
+        enough = transform_chunk(kernels, &transform, mesh, begin, &chunk, &soup, scratch);
+        if (enough && mesh->keep != NULL) {
+            draw_kept_chunk(&transform, mesh, &chunk, begin, first_id);
+        } else if (enough) {
+            kernels->draw_chunk(&chunk);
+        }
+        for (uint32_t i = 0; enough && i < chunk.clipped_count; ++i) {
+            draw_clipped(kernels, &transform, mesh, &chunk, begin + memory->clipped[i], first_id);
+        }
+        begin += chunk.triangle_count;
+    }
+    stp_arena_rewind(scratch, mark);
+    return enough ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
+}

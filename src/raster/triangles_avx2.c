@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+// Vectors of eight numbers.
+#if defined(__x86_64__)
+
+#include "raster/triangles_internal.h"
+
+#include <immintrin.h>
+
+#define LANES 8
+#define LANES_ALL 0xFFu
+
+typedef int32_t lanes_int __attribute__((vector_size(32)));
+typedef uint32_t lanes_uint __attribute__((vector_size(32)));
+typedef float lanes_float __attribute__((vector_size(32)));
+
+static inline lanes_int lanes_index(void)
+{
+    return (lanes_int){0, 1, 2, 3, 4, 5, 6, 7};
+}
+
+/// Three vectors from numbers that alternate: a b c a b c ... Number w = 3 i + k goes to lane i of
+/// vector k, from lane w mod 8 of its source.
+static inline void lanes_load3(const void* source, lanes_int out[3])
+{
+    const __m256i* words = source;
+    __m256i a = _mm256_loadu_si256(words), b = _mm256_loadu_si256(words + 1);
+    __m256i c = _mm256_loadu_si256(words + 2);
+    __m256i from0 = _mm256_setr_epi32(0, 3, 6, 1, 4, 7, 2, 5);
+    __m256i from1 = _mm256_setr_epi32(1, 4, 7, 2, 5, 0, 3, 6);
+    __m256i from2 = _mm256_setr_epi32(2, 5, 0, 3, 6, 1, 4, 7);
+    __m256i m0 = _mm256_blend_epi32(_mm256_blend_epi32(a, b, 0x92), c, 0x24);
+    __m256i m1 = _mm256_blend_epi32(_mm256_blend_epi32(a, b, 0x24), c, 0x49);
+    __m256i m2 = _mm256_blend_epi32(_mm256_blend_epi32(a, b, 0x49), c, 0x92);
+    out[0] = (lanes_int)_mm256_permutevar8x32_epi32(m0, from0);
+    out[1] = (lanes_int)_mm256_permutevar8x32_epi32(m1, from1);
+    out[2] = (lanes_int)_mm256_permutevar8x32_epi32(m2, from2);
+}
+
+static inline lanes_int lanes_gather(const int32_t* base, lanes_int index)
+{
+    return (lanes_int)_mm256_i32gather_epi32(base, (__m256i)index, 4);
+}
+
+static inline lanes_int lanes_select(lanes_int mask, lanes_int a, lanes_int b)
+{
+    return (lanes_int)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)mask);
+}
+
+static inline lanes_float lanes_select_float(lanes_int mask, lanes_float a, lanes_float b)
+{
+    return (lanes_float)lanes_select(mask, (lanes_int)a, (lanes_int)b);
+}
+
+static inline lanes_int lanes_min(lanes_int a, lanes_int b)
+{
+    return (lanes_int)_mm256_min_epi32((__m256i)a, (__m256i)b);
+}
+
+static inline lanes_int lanes_max(lanes_int a, lanes_int b)
+{
+    return (lanes_int)_mm256_max_epi32((__m256i)a, (__m256i)b);
+}
+
+static inline uint32_t lanes_sign_bits(lanes_int a)
+{
+    return (uint32_t)_mm256_movemask_ps((__m256)a);
+}
+
+static inline lanes_int lanes_round(lanes_float a)
+{
+    return (lanes_int)_mm256_cvtps_epi32((__m256)a);
+}
+
+static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearness, uint32_t id)
+{
+    for (; bits != 0; bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        uint64_t pixel = (uint64_t) ~(uint32_t)nearness[lane] << 32 | id;
+        pixels[lane] = pixel < pixels[lane] ? pixel : pixels[lane];
+    }
+}
+
+#include "raster/triangles_lanes.h"
+
+const stp_triangle_kernels stp_triangle_kernels_avx2 = {
+    .transform = transform_vertices,
+    .draw_chunk = draw_chunk,
+    .draw_one = draw_one,
+};
+
+#endif

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: MIT
+// The triangle kernels, written for vectors of LANES numbers. Included once by each variant, which
+// defines the types lanes_int, lanes_uint, lanes_float and the few operations that need its own
+// instructions.
+//
+// Most triangles of a capture are smaller than a pixel and hit no pixel centre; they leave after
+// the test of their bounding box, LANES at a time. Those up to TINY pixels wide are drawn LANES
+// triangles at a time, pixel by pixel; larger ones one at a time, LANES pixels of a row at once.
+#pragma once
+
+#include "raster/triangles_internal.h"
+
+enum { TINY = 4 };
+
+static void transform_vertices(const stp_triangle_transform* transform, const float* positions,
+                               size_t count, int32_t* x, int32_t* y, float* nearness)
+{
+    const float(*m)[4] = transform->matrix;
+    const float* offset = transform->offset;
+    const float guard = (float)STP_GUARD_BAND;
+    for (size_t i = 0; i < count; i += LANES) {
+        float padded[3 * LANES] = {0};
+        const float* source = positions + 3 * i;
+        if (count - i < LANES) {
+            memcpy(padded, source, (count - i) * 3 * sizeof(float));
+            source = padded;
+        }
+        lanes_int words[3];
+        lanes_load3(source, words);
+        lanes_float px = (lanes_float)words[0] - offset[0];
+        lanes_float py = (lanes_float)words[1] - offset[1];
+        lanes_float pz = (lanes_float)words[2] - offset[2];
+        lanes_float sx = px * m[0][0] + py * m[0][1] + pz * m[0][2] + m[0][3];
+        lanes_float sy = px * m[1][0] + py * m[1][1] + pz * m[1][2] + m[1][3];
+        lanes_float sn = px * m[2][0] + py * m[2][1] + pz * m[2][2] + m[2][3];
+        lanes_float sw = px * m[3][0] + py * m[3][1] + pz * m[3][2] + m[3][3];
+        lanes_float inverse = 1.0f / sw;
+        lanes_float gx = (sx * inverse) * (float)STP_SUBPIXEL;
+        lanes_float gy = (sy * inverse) * (float)STP_SUBPIXEL;
+        lanes_float gn = sn * inverse;
+        lanes_int inside = (gx >= -guard) & (gx <= guard) & (gy >= -guard) & (gy <= guard) &
+                           (gn >= STP_LEAST_NEARNESS) & (gn <= transform->nearness_limit) &
+                           (sw >= STP_LEAST_W);
+        lanes_int grid_x = lanes_round(gx), grid_y = lanes_round(gy);
+        memcpy(x + i, &grid_x, sizeof(grid_x));
+        memcpy(y + i, &grid_y, sizeof(grid_y));
+        memcpy(nearness + i, &gn, sizeof(gn));
+        for (uint32_t out = ~lanes_sign_bits(inside) & LANES_ALL; out != 0; out &= out - 1) {
+            size_t lane = (size_t)__builtin_ctz(out);
+            x[i + lane] = STP_OUTSIDE;
+            y[i + lane] = (int32_t)stp_triangle_outcode(sx[lane], sy[lane], sn[lane], sw[lane],
+                                                        transform->nearness_limit);
+        }
+    }
+}
+
+static void draw_small(const stp_triangle_window* window, const stp_triangle_setup* setup,
+                       uint32_t id)
+{
+    lanes_uint at[3], across[3];
+    uint32_t down[3], bias[3];
+    lanes_int lane = lanes_index();
+    for (int k = 0; k < 3; ++k) { // edge k is opposite to corner k
+        stp_triangle_edge edge =
+            stp_triangle_edge_make(setup->corner[(k + 1) % 3], setup->corner[(k + 2) % 3]);
+        uint32_t step = 0U - (uint32_t)(edge.dy * STP_SUBPIXEL);
+        uint32_t first =
+            (uint32_t)(stp_triangle_edge_at(&edge, setup->left, setup->top) + edge.bias);
+        at[k] = (lanes_uint)lane * step + first;
+        across[k] = (lanes_uint){0} + step * LANES;
+        down[k] = (uint32_t)(edge.dx * STP_SUBPIXEL);
+        bias[k] = (uint32_t)edge.bias;
+    }
+    float inverse_area = 1.0f / (float)setup->area;
+    float n0 = setup->corner[0].nearness;
+    float n1 = setup->corner[1].nearness - n0, n2 = setup->corner[2].nearness - n0;
+    lanes_float low = (lanes_float){0} + setup->low, high = (lanes_float){0} + setup->high;
+    for (int32_t row = setup->top; row <= setup->bottom; ++row) {
+        uint64_t* pixels = window->pixels + (size_t)row * window->stride;
+        lanes_uint e0 = at[0], e1 = at[1], e2 = at[2];
+        for (int32_t column = setup->left; column <= setup->right; column += LANES) {
+            lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (column + lane <= setup->right);
+            uint32_t bits = lanes_sign_bits(inside);
+            if (bits != 0) {
+                lanes_float w1 = __builtin_convertvector((lanes_int)(e1 - bias[1]), lanes_float);
+                lanes_float w2 = __builtin_convertvector((lanes_int)(e2 - bias[2]), lanes_float);
+                lanes_float nearness = n0 + (w1 * inverse_area) * n1;
+                nearness = nearness + (w2 * inverse_area) * n2;
+                nearness = lanes_select_float(nearness > low, nearness, low);
+                nearness = lanes_select_float(nearness < high, nearness, high);
+                lanes_write(pixels + column, bits, (lanes_int)nearness, id);
+            }
+            e0 += across[0];
+            e1 += across[1];
+            e2 += across[2];
+        }
+        at[0] += down[0];
+        at[1] += down[1];
+        at[2] += down[2];
+    }
+}
+
+static void draw_large(const stp_triangle_window* window, const stp_triangle_setup* setup,
+                       uint32_t id)
+{
+    stp_triangle_edge edges[3];
+    for (int k = 0; k < 3; ++k) {
+        edges[k] = stp_triangle_edge_make(setup->corner[k], setup->corner[(k + 1) % 3]);
+    }
+    stp_triangle_plane plane = stp_triangle_plane_make(setup);
+    float low = setup->low, high = setup->high;
+    for (int32_t row = setup->top; row <= setup->bottom; ++row) {
+        int64_t first = setup->left, last = setup->right;
+        for (int k = 0; k < 3; ++k) {
+            stp_triangle_edge_narrow(&edges[k], row, &first, &last);
+        }
+        uint64_t* pixels = window->pixels + (size_t)row * window->stride;
+        double row_nearness = stp_triangle_plane_row(&plane, row);
+        int32_t end = last < first ? (int32_t)first : (int32_t)last + 1;
+        for (int32_t column = (int32_t)first; column < end; ++column) {
+            float nearness = stp_triangle_plane_at(&plane, row_nearness, column, low, high);
+            uint64_t pixel = stp_raster_pixel(nearness, id);
+            pixels[column] = pixel < pixels[column] ? pixel : pixels[column];
+        }
+    }
+}
+
+static void draw_one(const stp_triangle_window* window, const stp_screen_vertex corners[3],
+                     uint32_t id)
+{
+    stp_triangle_setup setup;
+    if (!stp_triangle_set_up(window, corners, &setup)) {
+        return;
+    }
+    if (setup.small) {
+        draw_small(window, &setup, id);
+    } else {
+        draw_large(window, &setup, id);
+    }
+}
+
+/// LANES triangles: corners in sub-pixels, and the pixels their boxes hold.
+typedef struct batch {
+    lanes_int x[3], y[3];
+    lanes_int left, top, width, height; ///< of the box in pixels, less one
+    lanes_float nearness[3];
+} batch;
+
+/// Draws the triangles of `alive` (sign bits), none wider or higher than TINY pixels.
+static void draw_tiny(const stp_triangle_window* window, const batch* b, lanes_int alive,
+                      uint32_t first_id)
+{
+    lanes_uint x0 = (lanes_uint)b->x[0], y0 = (lanes_uint)b->y[0];
+    lanes_uint x1 = (lanes_uint)b->x[1] - x0, y1 = (lanes_uint)b->y[1] - y0;
+    lanes_uint x2 = (lanes_uint)b->x[2] - x0, y2 = (lanes_uint)b->y[2] - y0;
+    lanes_int area = (lanes_int)(x1 * y2 - y1 * x2);
+    alive &= area != 0;
+    lanes_int turned = area < 0;
+    area = lanes_select(turned, -area, area);
+    lanes_uint ux1 = (lanes_uint)lanes_select(turned, (lanes_int)x2, (lanes_int)x1);
+    lanes_uint uy1 = (lanes_uint)lanes_select(turned, (lanes_int)y2, (lanes_int)y1);
+    lanes_uint ux2 = (lanes_uint)lanes_select(turned, (lanes_int)x1, (lanes_int)x2);
+    lanes_uint uy2 = (lanes_uint)lanes_select(turned, (lanes_int)y1, (lanes_int)y2);
+    // edges 1 -> 2, 2 -> 0, 0 -> 1: opposite to corners 0, 1, 2
+    lanes_uint dx[3] = {ux2 - ux1, -ux2, ux1}, dy[3] = {uy2 - uy1, -uy2, uy1};
+    lanes_uint cx = ((lanes_uint)b->left << STP_SUBPIXEL_BITS) + (uint32_t)STP_SUBPIXEL_HALF - x0;
+    lanes_uint cy = ((lanes_uint)b->top << STP_SUBPIXEL_BITS) + (uint32_t)STP_SUBPIXEL_HALF - y0;
+    lanes_uint bias[3], at[3];
+    for (int k = 0; k < 3; ++k) {
+        lanes_int not_left = ~((lanes_int)dy[k] < 0);
+        lanes_int not_top = ((lanes_int)dy[k] != 0) | ((lanes_int)dx[k] <= 0);
+        bias[k] = (lanes_uint)(not_left & not_top); // 0 or -1
+    }
+    at[0] = dx[0] * (cy - uy1) - dy[0] * (cx - ux1) + bias[0];
+    at[1] = dx[1] * (cy - uy2) - dy[1] * (cx - ux2) + bias[1];
+    at[2] = dx[2] * cy - dy[2] * cx + bias[2];
+
+    lanes_float inverse_area = 1.0f / __builtin_convertvector(area, lanes_float);
+    lanes_float n0 = b->nearness[0];
+    lanes_float m1 = lanes_select_float(turned, b->nearness[2], b->nearness[1]);
+    lanes_float m2 = lanes_select_float(turned, b->nearness[1], b->nearness[2]);
+    lanes_float low = lanes_select_float(m1 < m2, m1, m2);
+    lanes_float high = lanes_select_float(m1 > m2, m1, m2);
+    low = lanes_select_float(n0 < low, n0, low);
+    high = lanes_select_float(n0 > high, n0, high);
+    lanes_float n1 = m1 - n0, n2 = m2 - n0;
+
+    int32_t left[LANES], top[LANES];
+    memcpy(left, &b->left, sizeof(left));
+    memcpy(top, &b->top, sizeof(top));
+    for (int32_t row = 0; row < TINY; ++row) {
+        lanes_int in_row = alive & (b->height >= row);
+        if (lanes_sign_bits(in_row) == 0) {
+            break;
+        }
+        lanes_uint e0 = at[0], e1 = at[1], e2 = at[2];
+        for (int32_t column = 0; column < TINY; ++column) {
+            lanes_int here = in_row & (b->width >= column);
+            if (lanes_sign_bits(here) == 0) {
+                break;
+            }
+            uint32_t bits = lanes_sign_bits(here & ~(lanes_int)(e0 | e1 | e2));
+            if (bits != 0) {
+                lanes_float w1 = __builtin_convertvector((lanes_int)(e1 - bias[1]), lanes_float);
+                lanes_float w2 = __builtin_convertvector((lanes_int)(e2 - bias[2]), lanes_float);
+                lanes_float nearness = n0 + (w1 * inverse_area) * n1;
+                nearness = nearness + (w2 * inverse_area) * n2;
+                nearness = lanes_select_float(nearness > low, nearness, low);
+                nearness = lanes_select_float(nearness < high, nearness, high);
+                float depth[LANES];
+                memcpy(depth, &nearness, sizeof(depth));
+                for (; bits != 0; bits &= bits - 1) {
+                    uint32_t lane = (uint32_t)__builtin_ctz(bits);
+                    uint64_t* place = window->pixels + (size_t)(top[lane] + row) * window->stride +
+                                      (size_t)(left[lane] + column);
+                    uint64_t pixel = stp_raster_pixel(depth[lane], first_id + lane);
+                    *place = pixel < *place ? pixel : *place;
+                }
+            }
+            e0 -= dy[0] << STP_SUBPIXEL_BITS;
+            e1 -= dy[1] << STP_SUBPIXEL_BITS;
+            e2 -= dy[2] << STP_SUBPIXEL_BITS;
+        }
+        at[0] += dx[0] << STP_SUBPIXEL_BITS;
+        at[1] += dx[1] << STP_SUBPIXEL_BITS;
+        at[2] += dx[2] << STP_SUBPIXEL_BITS;
+    }
+}
+
+static void draw_lane(stp_triangle_chunk* chunk, uint32_t triangle)
+{
+    stp_screen_vertex corners[3];
+    int outside = 0, shared_code = -1;
+    for (int k = 0; k < 3; ++k) {
+        uint32_t v = chunk->indices[3 * (size_t)triangle + (size_t)k] - chunk->index_base;
+        corners[k] = (stp_screen_vertex){chunk->x[v], chunk->y[v], chunk->nearness[v]};
+        bool out = chunk->x[v] == STP_OUTSIDE;
+        outside |= out;
+        shared_code &= out ? chunk->y[v] : 0;
+    }
+    if (!outside) {
+        draw_one(&chunk->window, corners, chunk->first_id + triangle);
+    } else if (shared_code == 0) { // else all corners lie beyond one plane
+        chunk->clipped[chunk->clipped_count++] = triangle;
+    }
+}
+
+static void draw_chunk(stp_triangle_chunk* chunk)
+{
+    const stp_triangle_window* window = &chunk->window;
+    const int32_t* nearness_words = (const int32_t*)(const void*)chunk->nearness;
+    for (uint32_t t = 0; t < chunk->triangle_count; t += LANES) {
+        uint32_t left_over = chunk->triangle_count - t;
+        const uint32_t* indices = chunk->indices + 3 * (size_t)t;
+        uint32_t valid = LANES_ALL, padded[3 * LANES];
+        if (left_over < LANES) {
+            for (int i = 0; i < 3 * LANES; ++i) {
+                padded[i] = chunk->index_base;
+            }
+            memcpy(padded, indices, left_over * 3 * sizeof(uint32_t));
+            indices = padded;
+            valid = (1U << left_over) - 1;
+        }
+        lanes_int index[3];
+        lanes_load3(indices, index);
+        batch b;
+        for (int k = 0; k < 3; ++k) {
+            index[k] = (lanes_int)((lanes_uint)index[k] - chunk->index_base);
+            b.x[k] = lanes_gather(chunk->x, index[k]);
+            b.y[k] = lanes_gather(chunk->y, index[k]);
+        }
+        lanes_int min_x = lanes_min(b.x[0], lanes_min(b.x[1], b.x[2]));
+        lanes_int max_x = lanes_max(b.x[0], lanes_max(b.x[1], b.x[2]));
+        lanes_int min_y = lanes_min(b.y[0], lanes_min(b.y[1], b.y[2]));
+        lanes_int max_y = lanes_max(b.y[0], lanes_max(b.y[1], b.y[2]));
+        lanes_int zero = {0};
+        b.left = lanes_max((min_x + (STP_SUBPIXEL_HALF - 1)) >> STP_SUBPIXEL_BITS, zero);
+        b.top = lanes_max((min_y + (STP_SUBPIXEL_HALF - 1)) >> STP_SUBPIXEL_BITS,
+                          zero + window->row_begin);
+        b.width = lanes_min((max_x - STP_SUBPIXEL_HALF) >> STP_SUBPIXEL_BITS,
+                            zero + (window->width - 1)) -
+                  b.left;
+        b.height = lanes_min((max_y - STP_SUBPIXEL_HALF) >> STP_SUBPIXEL_BITS,
+                             zero + (window->row_end - 1)) -
+                   b.top;
+        uint32_t single = lanes_sign_bits(min_x == STP_OUTSIDE);
+        lanes_int hit = (b.width >= 0) & (b.height >= 0) & (min_x != STP_OUTSIDE);
+        lanes_int tiny = hit & (b.width < TINY) & (b.height < TINY) &
+                         (max_x - min_x < STP_SMALL_EXTENT) & (max_y - min_y < STP_SMALL_EXTENT);
+        uint32_t tiny_bits = lanes_sign_bits(tiny) & valid;
+        single = (single | (lanes_sign_bits(hit) & ~tiny_bits)) & valid;
+        if (tiny_bits != 0) {
+            for (int k = 0; k < 3; ++k) {
+                b.nearness[k] = (lanes_float)lanes_gather(nearness_words, index[k]);
+            }
+            draw_tiny(window, &b, tiny, chunk->first_id + t);
+        }
+        for (; single != 0; single &= single - 1) {
+            draw_lane(chunk, t + (uint32_t)__builtin_ctz(single));
+        }
+    }
+}

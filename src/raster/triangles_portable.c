@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Vectors of four numbers, in the compiler's own notation: SSE2, NEON, or whatever there is.
+#include "raster/triangles_internal.h"
+
+#define LANES 4
+#define LANES_ALL 0xFu
+
+typedef int32_t lanes_int __attribute__((vector_size(16)));
+typedef uint32_t lanes_uint __attribute__((vector_size(16)));
+typedef float lanes_float __attribute__((vector_size(16)));
+
+static inline lanes_int lanes_index(void)
+{
+    return (lanes_int){0, 1, 2, 3};
+}
+
+/// Three vectors from numbers that alternate: a b c a b c ...
+static inline void lanes_load3(const void* source, lanes_int out[3])
+{
+    int32_t words[3 * LANES];
+    memcpy(words, source, sizeof(words));
+    for (int k = 0; k < 3; ++k) {
+        out[k] = (lanes_int){words[k], words[k + 3], words[k + 6], words[k + 9]};
+    }
+}
+
+static inline lanes_int lanes_gather(const int32_t* base, lanes_int i)
+{
+    return (lanes_int){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
+}
+
+static inline lanes_int lanes_select(lanes_int mask, lanes_int a, lanes_int b)
+{
+    return (mask & a) | (~mask & b);
+}
+
+static inline lanes_float lanes_select_float(lanes_int mask, lanes_float a, lanes_float b)
+{
+    return (lanes_float)lanes_select(mask, (lanes_int)a, (lanes_int)b);
+}
+
+static inline lanes_int lanes_min(lanes_int a, lanes_int b)
+{
+    return lanes_select(a < b, a, b);
+}
+
+static inline lanes_int lanes_max(lanes_int a, lanes_int b)
+{
+    return lanes_select(a > b, a, b);
+}
+
+static inline uint32_t lanes_sign_bits(lanes_int a)
+{
+    lanes_uint bits = (lanes_uint)a >> 31;
+    return bits[0] | bits[1] << 1 | bits[2] << 2 | bits[3] << 3;
+}
+
+static inline lanes_int lanes_round(lanes_float a)
+{
+    lanes_int out;
+    for (int lane = 0; lane < LANES; ++lane) {
+        out[lane] = stp_triangle_snap((double)a[lane]);
+    }
+    return out;
+}
+
+static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearness, uint32_t id)
+{
+    for (; bits != 0; bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        uint64_t pixel = (uint64_t) ~(uint32_t)nearness[lane] << 32 | id;
+        pixels[lane] = pixel < pixels[lane] ? pixel : pixels[lane];
+    }
+}
+
+#include "raster/triangles_lanes.h"
+
+const stp_triangle_kernels stp_triangle_kernels_portable = {
+    .transform = transform_vertices,
+    .draw_chunk = draw_chunk,
+    .draw_one = draw_one,
+};
