@@ -1,26 +1,52 @@
 // SPDX-License-Identifier: MIT
+//
+// stipple help: all that the tables of the commands say, as text, man page or shell completion.
 #include "tool.h"
+
+static struct {
+    bool man;
+    int completion;
+    bool completion_given;
+} args;
 
 static const option* options(void)
 {
-    static const option table[] = {{0}};
+    static const option table[] = {
+        {.name = "man",
+         .help = "print the man page, in mdoc(7), of the command or of the whole tool",
+         .value = &args.man},
+        {.name = "completion",
+         .type = OPTION_CHOICE,
+         .argument = "SHELL",
+         .words = "bash|zsh|fish",
+         .help = "print the completions for a shell",
+         .value = &args.completion,
+         .given = &args.completion_given},
+        {0},
+    };
     return table;
 }
 
 static int run(int argc, char** argv)
 {
+    static void (*const print_completion[])(FILE*) = {completion_print_bash, completion_print_zsh,
+                                                      completion_print_fish};
     if (argc > 1) {
         return tool_usage_error("help explains one command at a time");
     }
-    if (argc == 0) {
-        help_print_overview(stdout);
-        return 0;
-    }
-    const command* found = tool_find_command(argv[0]);
-    if (found == NULL) {
+    const command* found = argc == 1 ? tool_find_command(argv[0]) : NULL;
+    if (argc == 1 && found == NULL) {
         return tool_usage_error("unknown command '%s'", argv[0]);
     }
-    help_print_command(stdout, found);
+    if (args.completion_given) {
+        print_completion[args.completion](stdout);
+    } else if (args.man) {
+        manual_print(stdout, found);
+    } else if (found != NULL) {
+        help_print_command(stdout, found);
+    } else {
+        help_print_overview(stdout);
+    }
     return 0;
 }
 
@@ -28,7 +54,11 @@ const command command_help = {
     .name = "help",
     .arguments = "[COMMAND]",
     .summary = "explain a command, or list all",
-    .text = "Without a command, lists all commands.",
+    .text = "Without a command, lists all commands. Man pages and completions for shells are made "
+            "here, too:\n"
+            "\n"
+            "  stipple help --man render | man -l -\n"
+            "  source <(stipple help --completion bash)",
     .options = options,
     .run = run,
 };

@@ -97,7 +97,7 @@ void help_print_overview(FILE* stream)
 
 void help_print_command(FILE* stream, const command* c)
 {
-    fprintf(stream, "Usage: stipple %s", c->name);
+    fprintf(stream, "Usage: stipple %s [OPTION]...", c->name);
     fprintf(stream, "%s%s\n", *c->arguments != 0 ? " " : "", c->arguments);
     print_wrapped(stream, c->summary, 0, 0);
     if (c->text != NULL && *c->text != 0) {

@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Help, man pages and completions of every command. Arguments: executable, scratch folder.
+set -u
+stipple=$1
+scratch=$2
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+failures=0
+
+fail()
+{
+    echo "FAIL: $*" >&2
+    failures=$((failures + 1))
+}
+
+# a page without warnings, under whichever formatter is here
+check_page()
+{
+    if command -v mandoc > /dev/null; then
+        mandoc -T lint -W warning "$1" > lint 2>&1 || fail "mandoc: $1: $(head -3 lint)"
+    fi
+    if command -v groff > /dev/null; then
+        groff -mandoc -ww -Tutf8 "$1" 2> lint > rendered || fail "groff: $1"
+        [ ! -s lint ] || fail "groff: $1: $(head -3 lint)"
+        [ -s rendered ] || fail "groff: $1: nothing was rendered"
+    fi
+}
+
+names=$("$stipple" help | sed -n '/^Commands:/,/^$/s/^  \([a-z-]*\) .*/\1/p')
+for name in compare help; do
+    echo "$names" | grep -qx -- "$name" || fail "help does not list $name"
+done
+"$stipple" help --man > stipple.1 || fail "help --man"
+check_page stipple.1
+for name in $names; do
+    "$stipple" help "$name" > text || fail "help $name"
+    "$stipple" "$name" --help > text2 || fail "$name --help"
+    cmp -s text text2 || fail "help $name and $name --help differ"
+    grep -q "^Usage: stipple $name" text || fail "help $name: no usage"
+    awk 'length > 110 { exit 1 }' text || fail "help $name: lines are too long"
+    "$stipple" help --man "$name" > "stipple-$name.1" || fail "help --man $name"
+    check_page "stipple-$name.1"
+    grep -q "Xr stipple..$(echo "$name" | sed 's/-/..-/g') 1" stipple.1 || fail "stipple.1 does not name $name"
+    # each option that help names is in the man page and the completions
+    for option in $(sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p' text); do
+        grep -q -- "Fl .-$(echo "$option" | sed 's/-/..-/g')" "stipple-$name.1" || fail "man page of $name: --$option"
+    done
+done
+
+for shell in bash zsh fish; do
+    "$stipple" help --completion $shell > "completion.$shell" || fail "help --completion $shell"
+    grep -q 'compare' "completion.$shell" || fail "completion of $shell: no compare"
+    grep -q 'difference' "completion.$shell" || fail "completion of $shell: no --difference"
+    if command -v $shell > /dev/null; then
+        $shell -n "completion.$shell" || fail "completion of $shell: syntax"
+    fi
+done
+
+# what a user gets after typing the words
+complete_bash()
+{
+    COMP_WORDS=("$@")
+    COMP_CWORD=$((${#COMP_WORDS[@]} - 1))
+    _stipple
+    echo "${COMPREPLY[*]}"
+}
+# shellcheck disable=SC1091
+. ./completion.bash
+[ "$(complete_bash stipple comp | tr ' ' '\n' | head -1)" = compare ] || fail "bash: a command"
+[ "$(complete_bash stipple compare a.png --dif)" = --difference ] || fail "bash: an option"
+[ "$(complete_bash stipple help --completion z)" = zsh ] || fail "bash: a choice"
+[ "$(complete_bash stipple help --completion = z)" = zsh ] || fail "bash: a choice after ="
+[ "$(complete_bash stipple help comp | tr ' ' '\n' | head -1)" = compare ] || fail "bash: help of a command"
+touch picture.png
+[ "$(complete_bash stipple compare pict)" = picture.png ] || fail "bash: a file"
+exit $((failures > 0))
