@@ -7,6 +7,9 @@
 
 #include <stipple/image.h>
 
+/// Stands for infinity, which JSON has no word for. Pictures that differ stay below 140.
+#define STP_PSNR_EQUAL 200.0
+
 typedef struct stp_image_quality {
     /// Wang et al. 2004: luminance (Rec. 601 weights of the sRGB bytes), 11 x 11 Gaussian window,
     /// sigma 1.5, K1 .01, K2 .03. Mean over the pixels whose whole window lies within the picture,
@@ -18,7 +21,7 @@ typedef struct stp_image_quality {
     /// Wang et al. 2003: five scales; as many as have room for a window in a picture of less than
     /// 161 pixels, their weights scaled to a sum of 1. A negative mean counts as 0.
     double ms_ssim;
-    double psnr; ///< decibels over RGB; infinity for equal pictures
+    double psnr; ///< decibels over RGB; STP_PSNR_EQUAL for equal pictures
 } stp_image_quality;
 
 /// Compares pictures of one size. Both are composited on black first. `mask` (may be NULL; same

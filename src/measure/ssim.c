@@ -12,7 +12,9 @@ enum {
 };
 
 // exp(-x^2 / (2 * 1.5^2)), x = 0..5, scaled so that the window sums to 1
-static const double window[RADIUS + 1] = {0.2660117248617943, 0.21300553771125366, 0.1093606895097, 0.03600077212843082, 0.007598758135239184, 0.0010283800844791099};
+static const double window[RADIUS + 1] = {0.2660117248617943,   0.21300553771125366,
+                                          0.1093606895097,      0.03600077212843082,
+                                          0.007598758135239184, 0.0010283800844791099};
 
 /// What a row contributes to the means. Rows are added in their order, so that threads do not
 /// matter.

@@ -39,10 +39,10 @@ for name in $names; do
     awk 'length > 110 { exit 1 }' text || fail "help $name: lines are too long"
     "$stipple" help --man "$name" > "stipple-$name.1" || fail "help --man $name"
     check_page "stipple-$name.1"
-    grep -q "Xr stipple..$(echo "$name" | sed 's/-/..-/g') 1" stipple.1 || fail "stipple.1 does not name $name"
+    grep -q "Xr stipple.-$(echo "$name" | sed 's/-/.-/g') 1" stipple.1 || fail "stipple.1 does not name $name"
     # each option that help names is in the man page and the completions
     for option in $(sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p' text); do
-        grep -q -- "Fl .-$(echo "$option" | sed 's/-/..-/g')" "stipple-$name.1" || fail "man page of $name: --$option"
+        grep -q -- "Fl .-$(echo "$option" | sed 's/-/.-/g')" "stipple-$name.1" || fail "man page of $name: --$option"
     done
 done
 
