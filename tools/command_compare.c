@@ -6,7 +6,6 @@
 
 #include "measure/image_compare.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,17 +65,15 @@ static void subtract(stp_image* a, const stp_image* b)
 
 static int print(const stp_image* image, const stp_image_quality* quality)
 {
-    bool equal = isinf(quality->psnr) != 0;
     if (args.json) {
         return tool_print_json(
-            json_pack("{s:f, s:f, s:f, s:o, s:I, s:I}", "ssim", quality->ssim, "ssim_covered",
-                      quality->ssim_covered, "ms_ssim", quality->ms_ssim, "psnr",
-                      equal ? json_null() : json_real(quality->psnr), "width",
-                      (json_int_t)image->width, "height", (json_int_t)image->height));
+            json_pack("{s:f, s:f, s:f, s:f, s:I, s:I}", "ssim", quality->ssim, "ssim_covered",
+                      quality->ssim_covered, "ms_ssim", quality->ms_ssim, "psnr", quality->psnr,
+                      "width", (json_int_t)image->width, "height", (json_int_t)image->height));
     }
     printf("ssim          %.6f\nssim_covered  %.6f\nms_ssim       %.6f\n", quality->ssim,
            quality->ssim_covered, quality->ms_ssim);
-    if (equal) {
+    if (quality->psnr >= STP_PSNR_EQUAL) {
         printf("psnr          infinite: the pictures are equal\n");
     } else {
         printf("psnr          %.3f dB\n", quality->psnr);
@@ -151,7 +148,7 @@ const command command_compare = {
         "picture "
         "covers (alpha above 0). ms_ssim takes five scales (Wang et al. 2003). psnr is over red, "
         "green and "
-        "blue; for equal pictures it is infinite, which JSON shows as null.\n"
+        "blue; for equal pictures it is infinite, which JSON shows as 200.\n"
         "\n"
         "Either picture, or the mask, may be - for standard input.\n"
         "\n"

@@ -83,7 +83,7 @@ static double peak_ratio(const pictures* p, size_t pixel_count)
     for (size_t i = 0; i * PIXEL_GRAIN < pixel_count; ++i) {
         sum += p->square_errors[i];
     }
-    return sum == 0 ? HUGE_VAL
+    return sum == 0 ? STP_PSNR_EQUAL
                     : 10.0 * log10(255.0 * 255.0 * 3.0 * (double)pixel_count / (double)sum);
 }
 
