@@ -225,6 +225,9 @@ void stp_notice(stp_context* context, const char* format, ...)
 stp_result stp_progress(stp_context* context, const char* stage, double fraction)
 {
     const stp_context_desc* desc = &context->desc;
+    if (stp_jobs_running(context->jobs)) {
+        return STP_OK; // a part of a parallel loop: only the caller's own thread reports
+    }
     if (desc->progress != NULL && desc->progress(stage, fraction, desc->progress_user) != 0) {
         return stp_fail(context, STP_ERROR_CANCELLED, "stopped while at: %s", stage);
     }

@@ -32,6 +32,7 @@ void stp_warn(stp_context* context, const char* format, ...) __attribute__((form
 void stp_notice(stp_context* context, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
 /// Reports progress; @return STP_OK, or STP_ERROR_CANCELLED (already logged) when the caller wants to stop.
+/// Inside a parallel loop it does nothing.
 STP_MUST_USE stp_result stp_progress(stp_context* context, const char* stage, double fraction);
 
 /// A piece of a loop: elements [begin, end). `worker` is below the thread count and is used by one piece

@@ -12,10 +12,10 @@ typedef struct worker_start {
 
 struct stp_jobs {
     pthread_mutex_t mutex;
-    pthread_cond_t work; ///< signalled when `generation` or `ending` changes
-    pthread_cond_t done; ///< signalled when the last busy worker finishes
-    uint64_t generation; ///< number of the loop the workers should join
-    uint32_t busy;       ///< workers that have not finished the current loop
+    pthread_cond_t work;   ///< signalled when `generation` or `ending` changes
+    pthread_cond_t done;   ///< signalled when the last busy worker finishes
+    uint64_t generation;   ///< number of the loop the workers should join
+    uint32_t busy;         ///< workers that have not finished the current loop
     uint32_t worker_count; ///< threads besides the caller's
     bool ending;
     bool running; ///< a loop is on: a nested one runs serially
@@ -156,4 +156,12 @@ void stp_jobs_run(stp_jobs* jobs, size_t count, size_t grain, stp_job job, void*
     }
     jobs->running = false;
     pthread_mutex_unlock(&jobs->mutex);
+}
+
+bool stp_jobs_running(stp_jobs* jobs)
+{
+    pthread_mutex_lock(&jobs->mutex);
+    bool running = jobs->running;
+    pthread_mutex_unlock(&jobs->mutex);
+    return running;
 }

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: MIT
+//
+// The exact greedy permutation (farthest-first traversal; Gonzalez 1985), in phases.
+//
+// With r the largest gap, nothing whose gap is below T = (0.9 r)^2 can be chosen while some gap is
+// at least T. So a phase takes the few points with gaps of at least T, its *front*, orders them
+// greedily among themselves in a tree small enough for the cache, until no gap of at least T is
+// left, and only then tells the whole set what was chosen, all at once. There, each leaf notes the
+// points that may concern it and looks at them when its gap reaches the front: most leaves are
+// touched far less often than points are chosen near them.
+//
+// The result is exactly that of choosing one by one: the largest gap first, among equal ones the
+// lowest position on the Morton curve. Fronts, threads and vector widths change the time, not the
+// order.
+#include "base/clock.h"
+#include "base/math.h"
+#include "order/order_kinds.h"
+
+#include <string.h>
+
+enum {
+    FRONT_ALL = 4096, // sets up to this size are one front
+    PUSH_SIZE = 2048, // chosen points told to the tree at a time
+    TASK_COUNT = 32,  // least number of subtrees that threads share
+};
+
+static const float front_ratio = 0.81f; // (0.9 r)^2 / r^2
+
+typedef struct greedy {
+    const stp_points* points;
+    stp_team team;
+    const stp_tree_kernels* kernels;
+    stp_order_output* output;
+    stp_tree tree;  // all points
+    uint32_t* ids;  // number of the point at each position of the tree
+    stp_tree front; // those that may be chosen in this phase
+    uint32_t front_capacity;
+    uint32_t front_count;
+    uint32_t*
+        positions; // of the front's points in the tree, ascending; gathered in one piece a task
+    uint8_t* is_chosen; // for each point of the front
+    stp_chosen* chosen; // all chosen points, phase by phase, within a phase along the curve
+    uint32_t* scratch;  // [worker][scratch_stride]
+    size_t scratch_stride;
+    uint32_t task_level;                 // the subtrees below the branches of this level are tasks
+    uint32_t* task_counts;               // points collected by each
+    uint32_t first_chosen, chosen_count; // of this phase
+    float floor;
+} greedy;
+
+static stp_chosen point_at(const stp_tree* tree, uint32_t position)
+{
+    const stp_leaf* leaf = &tree->leaves[position / STP_LEAF_SIZE];
+    uint32_t lane = position % STP_LEAF_SIZE;
+    stp_chosen point = {.x = leaf->x[lane], .y = leaf->y[lane], .z = leaf->z[lane]};
+    if (tree->normals != NULL) {
+        const stp_leaf_normals* normals = &tree->normals[position / STP_LEAF_SIZE];
+        point.normal_x = normals->x[lane];
+        point.normal_y = normals->y[lane];
+        point.normal_z = normals->z[lane];
+    }
+    return point;
+}
+
+static void emit(greedy* g, uint32_t position, float gap)
+{
+    stp_order_output* out = g->output;
+    out->order[out->ordered] = g->ids[position];
+    if (out->radii != NULL) {
+        out->radii[out->ordered] = sqrtf(gap) / g->points->scale;
+    }
+    out->ordered += 1;
+}
+
+// Number of positions below one branch of a level.
+static uint64_t task_span(const greedy* g)
+{
+    return (uint64_t)STP_LEAF_SIZE << 3 * (g->task_level + 1);
+}
+
+static void run_collect(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    greedy* g = user;
+    for (size_t task = begin; task < end; ++task) {
+        g->task_counts[task] =
+            g->kernels->collect(&g->tree, g->task_level, (uint32_t)task, g->chosen, g->floor,
+                                g->positions + task * task_span(g));
+    }
+}
+
+// Refreshes the maxima above the tasks.
+static void lift_gaps(stp_tree* tree, uint32_t level)
+{
+    for (; level + 1 < tree->level_count; ++level) {
+        for (uint32_t i = 0; i < tree->level_sizes[level]; ++i) {
+            float gap = -1.0f;
+            for (int k = 0; k < STP_BRANCH_SIZE; ++k) {
+                gap = stp_max(gap, tree->levels[level][i].gap[k]);
+            }
+            tree->levels[level + 1][i / STP_BRANCH_SIZE].gap[i % STP_BRANCH_SIZE] = gap;
+        }
+    }
+}
+
+// Finds the points with gaps of at least `floor`.
+static void collect_front(greedy* g, float floor)
+{
+    uint32_t tasks = g->tree.level_sizes[g->task_level], count = 0;
+    g->floor = floor;
+    stp_team_run(&g->team, tasks, 1, run_collect, g);
+    lift_gaps(&g->tree, g->task_level);
+    for (uint32_t task = 0; task < tasks; ++task) {
+        memmove(g->positions + count, g->positions + task * task_span(g),
+                g->task_counts[task] * sizeof(g->positions[0]));
+        count += g->task_counts[task];
+    }
+    g->front_count = count;
+}
+
+static void run_fill_front(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    greedy* g = user;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t position = g->positions[i], from = position % STP_LEAF_SIZE,
+                 to = i % STP_LEAF_SIZE;
+        const stp_leaf* source = &g->tree.leaves[position / STP_LEAF_SIZE];
+        stp_leaf* leaf = &g->front.leaves[i / STP_LEAF_SIZE];
+        leaf->x[to] = source->x[from];
+        leaf->y[to] = source->y[from];
+        leaf->z[to] = source->z[from];
+        leaf->gap[to] = source->gap[from];
+        if (g->tree.normals != NULL) {
+            const stp_leaf_normals* normals = &g->tree.normals[position / STP_LEAF_SIZE];
+            stp_leaf_normals* out = &g->front.normals[i / STP_LEAF_SIZE];
+            out->x[to] = normals->x[from];
+            out->y[to] = normals->y[from];
+            out->z[to] = normals->z[from];
+        }
+        g->is_chosen[i] = 0;
+    }
+}
+
+// Makes the front's own tree; grows it where needed.
+static stp_result build_front(greedy* g)
+{
+    if (g->front_count > g->front_capacity) {
+        uint64_t capacity = (uint64_t)g->front_count + g->front_count / 2;
+        capacity = capacity < FRONT_ALL ? FRONT_ALL : capacity;
+        capacity = capacity > g->points->count ? g->points->count : capacity;
+        stp_tree_destroy(g->team.context, &g->front);
+        stp_free(g->team.context, g->is_chosen);
+        g->front_capacity = 0;
+        g->is_chosen = STP_NEW_ARRAY(g->team.context, uint8_t, capacity);
+        if (g->is_chosen == NULL) {
+            return stp_fail_memory(g->team.context);
+        }
+        stp_result result = stp_tree_create(g->team.context, &g->front, (uint32_t)capacity,
+                                            g->tree.normals != NULL, false);
+        if (result != STP_OK) {
+            return result;
+        }
+        g->front_capacity = (uint32_t)capacity;
+    }
+    g->front.apart = g->tree.apart;
+    g->front.apart_squared = g->tree.apart_squared;
+    stp_tree_resize(&g->front, g->front_count);
+    stp_team_run(&g->team, g->front_count, 8192, run_fill_front, g);
+    stp_tree_fit(&g->front, g->kernels, &g->team);
+    return STP_OK;
+}
+
+// Chooses from the front until all its gaps are below the floor, or enough are chosen. @return the
+// largest gap left in the front; below 0 where all are below the floor
+static float choose_from_front(greedy* g)
+{
+    float gap = stp_tree_gap(&g->front);
+    uint32_t count = 0;
+    while (gap >= g->floor && g->output->ordered < g->output->wanted) {
+        uint32_t at = g->kernels->farthest(&g->front);
+        emit(g, g->positions[at], gap);
+        g->is_chosen[at] = 1;
+        count += 1;
+        stp_chosen point = point_at(&g->front, at);
+        gap = g->kernels->insert(&g->front, &point, g->floor);
+    }
+    // told to the tree along the curve: near points touch the same leaves
+    g->first_chosen += g->chosen_count;
+    g->chosen_count = 0;
+    for (uint32_t i = 0; i < g->front_count && g->chosen_count < count; ++i) {
+        if (g->is_chosen[i] != 0) {
+            g->chosen[g->first_chosen + g->chosen_count++] = point_at(&g->front, i);
+        }
+    }
+    return gap;
+}
+
+// Whether a chosen point may change anything in a box.
+static bool reaches(const stp_chosen* p, const stp_branch* branch, uint32_t child)
+{
+    float x = stp_max(0.0f, stp_max(branch->low_x[child] - p->x, p->x - branch->high_x[child]));
+    float y = stp_max(0.0f, stp_max(branch->low_y[child] - p->y, p->y - branch->high_y[child]));
+    float z = stp_max(0.0f, stp_max(branch->low_z[child] - p->z, p->z - branch->high_z[child]));
+    return (x * x + y * y) + z * z < branch->gap[child];
+}
+
+// Tells one subtree about the phase's points, a list at a time.
+static void run_push(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    greedy* g = user;
+    uint32_t level = g->task_level;
+    uint32_t* list = g->scratch + g->scratch_stride * worker;
+    for (size_t task = begin; task < end; ++task) {
+        const stp_branch* above = level + 1 < g->tree.level_count
+                                      ? &g->tree.levels[level + 1][task / STP_BRANCH_SIZE]
+                                      : NULL;
+        uint32_t last = g->first_chosen + g->chosen_count, count = 0;
+        for (uint32_t i = g->first_chosen; i < last; ++i) {
+            if (above == NULL || reaches(&g->chosen[i], above, (uint32_t)task % STP_BRANCH_SIZE)) {
+                list[count++] = i;
+            }
+            if (count == PUSH_SIZE || (i + 1 == last && count != 0)) {
+                g->kernels->push(&g->tree, level, (uint32_t)task, g->chosen, list, count,
+                                 list + PUSH_SIZE);
+                count = 0;
+            }
+        }
+    }
+}
+
+static void push_chosen(greedy* g)
+{
+    if (g->team.threads > 1) {
+        stp_team_run(&g->team, g->tree.level_sizes[g->task_level], 1, run_push, g);
+        return;
+    }
+    uint32_t last = g->first_chosen + g->chosen_count;
+    for (uint32_t i = g->first_chosen, count; i < last; i += count) {
+        count = last - i < PUSH_SIZE ? last - i : PUSH_SIZE;
+        for (uint32_t k = 0; k < count; ++k) {
+            g->scratch[k] = i + k;
+        }
+        g->kernels->push(&g->tree, g->tree.level_count - 1, 0, g->chosen, g->scratch, count,
+                         g->scratch + PUSH_SIZE);
+    }
+}
+
+// The position nearest to the centre of the box; the lowest of equally near ones.
+static uint32_t nearest_to_centre(const greedy* g)
+{
+    float scale = g->points->scale;
+    stp_vec3 low = stp_scale(g->points->box.min, scale),
+             high = stp_scale(g->points->box.max, scale);
+    stp_vec3 centre = stp_scale(stp_add(low, high), 0.5f);
+    float best = INFINITY;
+    uint32_t nearest = 0;
+    for (uint32_t position = 0; position < g->points->count; ++position) {
+        stp_chosen p = point_at(&g->tree, position);
+        float x = p.x - centre.x, y = p.y - centre.y, z = p.z - centre.z;
+        float squared = (x * x + y * y) + z * z;
+        if (squared < best) {
+            best = squared;
+            nearest = position;
+        }
+    }
+    return nearest;
+}
+
+static void choose_first(greedy* g)
+{
+    uint32_t position = nearest_to_centre(g);
+    emit(g, position, INFINITY);
+    g->chosen[0] = point_at(&g->tree, position);
+    g->chosen_count = 1;
+    push_chosen(g);
+    collect_front(g, FLT_MAX); // brings every gap up to date
+}
+
+static float diameter(const stp_points* points)
+{
+    stp_vec3 low = stp_scale(points->box.min, points->scale),
+             high = stp_scale(points->box.max, points->scale);
+    return stp_length(stp_sub(high, low));
+}
+
+static stp_result greedy_create(greedy* g)
+{
+    stp_context* context = g->team.context;
+    uint32_t count = g->points->count;
+    bool sides = g->points->normals != NULL;
+    stp_result result = stp_tree_create(context, &g->tree, count, sides, true);
+    if (result != STP_OK) {
+        return result;
+    }
+    g->tree.apart = diameter(g->points);
+    g->tree.apart_squared = g->tree.apart * g->tree.apart;
+    g->task_level = g->tree.level_count - 1;
+    while (g->task_level > 0 && g->tree.level_sizes[g->task_level] < TASK_COUNT) {
+        g->task_level -= 1;
+    }
+    g->scratch_stride = PUSH_SIZE + stp_tree_push_scratch(&g->tree, PUSH_SIZE);
+    g->ids = STP_NEW_ARRAY(context, uint32_t, count);
+    g->positions = STP_NEW_ARRAY(context, uint32_t, count);
+    g->chosen = STP_NEW_ARRAY(context, stp_chosen, g->output->wanted);
+    g->scratch = STP_NEW_ARRAY(context, uint32_t, g->scratch_stride * g->team.threads);
+    g->task_counts = STP_NEW_ARRAY(context, uint32_t, g->tree.level_sizes[g->task_level]);
+    if (g->ids == NULL || g->positions == NULL || g->chosen == NULL || g->scratch == NULL ||
+        g->task_counts == NULL) {
+        return stp_fail_memory(context);
+    }
+    result = stp_points_sort(g->points, &g->team, &g->tree, g->ids);
+    if (result == STP_OK) {
+        stp_tree_fit(&g->tree, g->kernels, &g->team);
+    }
+    return result;
+}
+
+static void greedy_destroy(greedy* g)
+{
+    stp_context* context = g->team.context;
+    stp_tree_destroy(context, &g->tree);
+    stp_tree_destroy(context, &g->front);
+    stp_free(context, g->ids);
+    stp_free(context, g->positions);
+    stp_free(context, g->is_chosen);
+    stp_free(context, g->chosen);
+    stp_free(context, g->scratch);
+    stp_free(context, g->task_counts);
+}
+
+// Phase after phase until enough are chosen or no gap is left, and the final radius after that.
+static stp_result run_phases(greedy* g)
+{
+    stp_order_output* out = g->output;
+    float gap = stp_tree_gap(&g->tree);
+    while (gap > 0.0f && (out->ordered < out->wanted || out->final_radius != NULL)) {
+        float floor = g->points->count <= FRONT_ALL ? FLT_TRUE_MIN : gap * front_ratio;
+        collect_front(g, stp_max(floor, FLT_TRUE_MIN));
+        gap = stp_tree_gap(&g->tree);
+        if (g->front_count == 0) {
+            continue;
+        }
+        if (out->ordered == out->wanted) {
+            break; // the gap is exact now
+        }
+        stp_result result = build_front(g);
+        if (result != STP_OK) {
+            return result;
+        }
+        float left = choose_from_front(g);
+        if (left >= g->floor) {
+            gap = left;
+            break;
+        }
+        push_chosen(g);
+        gap = g->floor > FLT_TRUE_MIN ? g->floor : 0.0f; // no gap reaches the floor any more
+        result = stp_progress(g->team.context, "order", (double)out->ordered / (double)out->wanted);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    if (out->final_radius != NULL) {
+        *out->final_radius = gap > 0.0f ? sqrtf(gap) / g->points->scale : 0.0f;
+    }
+    return STP_OK;
+}
+
+stp_result stp_order_exact(const stp_points* points, const stp_team* team,
+                           const stp_order_desc* desc, stp_order_output* output)
+{
+    stp_points used = *points;
+    if (desc->metric == STP_METRIC_EUCLIDEAN) {
+        used.normals = NULL;
+    }
+    greedy g = {
+        .points = &used, .team = *team, .kernels = stp_tree_kernels_select(), .output = output};
+    double start = stp_clock_ms();
+    stp_result result = greedy_create(&g);
+    double indexed = stp_clock_ms();
+    if (result == STP_OK) {
+        choose_first(&g);
+        result = run_phases(&g);
+    }
+    output->report.index_ms = indexed - start;
+    output->report.order_ms = stp_clock_ms() - indexed;
+    greedy_destroy(&g);
+    return result;
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "base/clock.h"
+#include "base/rng.h"
+#include "order/order_kinds.h"
+
+#include <math.h>
+
+// A random permutation's beginning: each place swaps with a random later one (Fisher and Yates;
+// Durstenfeld 1964).
+static stp_result order_random(const stp_points* points, const stp_team* team,
+                               const stp_order_desc* desc, stp_order_output* output)
+{
+    double start = stp_clock_ms();
+    uint32_t* ids = STP_NEW_ARRAY(team->context, uint32_t, points->count);
+    if (ids == NULL) {
+        return stp_fail_memory(team->context);
+    }
+    for (uint32_t i = 0; i < points->count; ++i) {
+        ids[i] = i;
+    }
+    for (uint32_t i = 0; i < output->wanted; ++i) {
+        uint32_t other = i + stp_rng_below(desc->seed, i, points->count - i);
+        uint32_t id = ids[other];
+        ids[other] = ids[i];
+        ids[i] = id;
+        output->order[i] = id;
+    }
+    output->ordered = output->wanted;
+    stp_free(team->context, ids);
+    output->report.order_ms = stp_clock_ms() - start;
+    return STP_OK;
+}
+
+static stp_result order_points(const stp_points* points, const stp_team* team,
+                               const stp_order_desc* desc, stp_order_output* output)
+{
+    switch (desc->kind) {
+    case STP_ORDER_RANDOM:
+        return order_random(points, team, desc, output);
+    case STP_ORDER_PAPER_FAST:
+    case STP_ORDER_PAPER_TEXT:
+    case STP_ORDER_BEST_OF_K:
+    case STP_ORDER_EXACT:
+        break;
+    }
+    return stp_order_exact(points, team, desc, output);
+}
+
+stp_result stp_order_points(stp_context* context, const stp_order_desc* desc,
+                            const float* positions, const float* normals, uint32_t point_count,
+                            uint32_t wanted, uint32_t* order, float* radii, uint32_t* ordered,
+                            float* final_radius, stp_order_report* report)
+{
+    stp_order_output output = {
+        .wanted = wanted < point_count ? wanted : point_count,
+        .order = order,
+        .radii = radii,
+        .final_radius = final_radius,
+    };
+    *ordered = 0;
+    stp_result result = STP_OK;
+    if (output.wanted != 0) {
+        stp_team team = stp_team_create(context, desc->thread_count);
+        stp_points points = {.positions = positions, .normals = normals, .count = point_count};
+        double start = stp_clock_ms();
+        result = stp_points_measure(&points, &team);
+        double measured = stp_clock_ms();
+        if (result == STP_OK) {
+            result = order_points(&points, &team, desc, &output);
+        }
+        output.report.index_ms += measured - start;
+    } else if (final_radius != NULL) {
+        *final_radius = point_count == 0 ? 0.0f : INFINITY;
+    }
+    if (result == STP_OK) {
+        *ordered = output.ordered;
+    }
+    if (report != NULL) {
+        *report = output.report;
+    }
+    return result;
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// The points to be ordered, as given and as the search structures see them.
+#pragma once
+
+#include "order/tree.h"
+
+typedef struct stp_points {
+    const float* positions; ///< 3 a point
+    const float* normals;   ///< 3 a point, or NULL
+    uint32_t count;
+    stp_box box; ///< of the positions as given
+    float
+        scale; ///< a power of two: positions times it span about 1, so that squares cannot overflow
+} stp_points;
+
+/// Finds box and scale. @return STP_OK, or STP_ERROR_ARGUMENT where a position is not finite
+/// (logged)
+STP_MUST_USE stp_result stp_points_measure(stp_points* points, const stp_team* team);
+
+/// Fills the tree's leaves with the scaled points along a Morton curve, all gaps infinite, and
+/// `ids` with the number of the point at each position of the tree. Equal cells of the curve (2^-20
+/// of the box) keep the order of the input.
+/// @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_points_sort(const stp_points* points, const stp_team* team,
+                                        stp_tree* tree, uint32_t* ids);

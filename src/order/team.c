@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "order/team.h"
+
+#include <stdatomic.h>
+
+stp_team stp_team_create(stp_context* context, uint32_t wanted)
+{
+    uint32_t all = stp_context_thread_count(context);
+    return (stp_team){context, wanted == 0 || wanted > all ? all : wanted};
+}
+
+typedef struct shared_loop {
+    atomic_size_t next;
+    size_t count, grain;
+    stp_job job;
+    void* user;
+} shared_loop;
+
+// One member's share: `begin` is the member's number, whichever thread it runs on.
+static void run_member(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)end, (void)worker;
+    shared_loop* loop = user;
+    for (;;) {
+        size_t first = atomic_fetch_add_explicit(&loop->next, loop->grain, memory_order_relaxed);
+        if (first >= loop->count) {
+            return;
+        }
+        size_t left = loop->count - first;
+        loop->job(first, first + (left < loop->grain ? left : loop->grain), (uint32_t)begin,
+                  loop->user);
+    }
+}
+
+void stp_team_run(const stp_team* team, size_t count, size_t grain, stp_job job, void* user)
+{
+    if (team->threads == stp_context_thread_count(team->context) && team->threads > 1) {
+        stp_parallel_for(team->context, count, grain, job, user);
+        return;
+    }
+    shared_loop loop = {.count = count, .grain = grain, .job = job, .user = user};
+    atomic_init(&loop.next, 0);
+    if (team->threads == 1 || count <= grain) {
+        run_member(0, 1, 0, &loop);
+        return;
+    }
+    stp_parallel_for(team->context, team->threads, 1, run_member, &loop);
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Some of a context's threads, for callers that ask for fewer than there are.
+#pragma once
+
+#include "base/context.h"
+
+typedef struct stp_team {
+    stp_context* context;
+    uint32_t threads; ///< at least 1, at most the context's
+} stp_team;
+
+/// `wanted` threads of the context, at most all; 0: all.
+stp_team stp_team_create(stp_context* context, uint32_t wanted);
+
+/// stp_parallel_for on at most the team's threads. `worker` is below `threads`.
+void stp_team_run(const stp_team* team, size_t count, size_t grain, stp_job job, void* user);

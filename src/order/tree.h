@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+//
+// Points in the order of a space-filling curve, under a tree of boxes. Each leaf holds 32 points
+// and, for each, the squared distance to the nearest point chosen so far; each branch holds, for
+// its 8 children, the boxes and the largest of those distances. A newly chosen point can change a
+// child only where
+//
+//     squared distance to the child's box  <  the child's largest squared distance
+//
+// so one comparison of eight lanes prunes eight children. This holds for every dissimilarity that
+// is never smaller than the Euclidean distance.
+//
+//   levels[2]                 [........]
+//   levels[1]        [........][........] ...           8 children a branch, all levels implicit
+//   levels[0]   [........][........][........] ...
+//   leaves      | 32 points | 32 points | ...           structure of arrays
+//
+// All squared distances are evaluated as (dx * dx + dy * dy) + dz * dz in single precision without
+// fused multiply-add, and box distances in the same order of operations, so that rounding (which is
+// monotone) can never make a box look farther than a point in it, and all vector widths agree to
+// the bit.
+#pragma once
+
+#include "order/team.h"
+
+#include <stipple/types.h>
+
+enum {
+    STP_LEAF_SIZE = 32,
+    STP_BRANCH_SIZE = 8,
+    STP_PENDING_SIZE = 15,
+    STP_TREE_LEVELS = 11, ///< enough for 2^32 points
+};
+
+typedef struct stp_leaf {
+    float x[STP_LEAF_SIZE], y[STP_LEAF_SIZE], z[STP_LEAF_SIZE];
+    float gap[STP_LEAF_SIZE]; ///< squared distance to the nearest chosen point; -1 in lanes past
+                              ///< the end
+} stp_leaf;
+
+typedef struct stp_leaf_normals {
+    float x[STP_LEAF_SIZE], y[STP_LEAF_SIZE], z[STP_LEAF_SIZE];
+} stp_leaf_normals;
+
+/// Boxes and largest gaps of eight children. A child that does not exist has an inverted box and
+/// gap -1.
+typedef struct stp_branch {
+    float low_x[STP_BRANCH_SIZE], low_y[STP_BRANCH_SIZE], low_z[STP_BRANCH_SIZE];
+    float high_x[STP_BRANCH_SIZE], high_y[STP_BRANCH_SIZE], high_z[STP_BRANCH_SIZE];
+    float gap[STP_BRANCH_SIZE];
+    float spare[STP_BRANCH_SIZE];
+} stp_branch;
+
+/// Boxes around the normals of eight leaves: tell whether a whole leaf faces the same way as a
+/// point, or away.
+typedef struct stp_facing {
+    float low_x[STP_BRANCH_SIZE], low_y[STP_BRANCH_SIZE], low_z[STP_BRANCH_SIZE];
+    float high_x[STP_BRANCH_SIZE], high_y[STP_BRANCH_SIZE], high_z[STP_BRANCH_SIZE];
+} stp_facing;
+
+/// Chosen points that a leaf has yet to take into account: one cache line. Until then the leaf's
+/// gaps, and the maxima above it, are upper bounds.
+typedef struct stp_pending {
+    uint16_t count;
+    uint16_t mixed; ///< bit i: chosen[i] faces some of the leaf's points and not others
+    uint32_t chosen[STP_PENDING_SIZE];
+} stp_pending;
+
+typedef struct stp_chosen {
+    float x, y, z;
+    float normal_x, normal_y, normal_z; ///< zero where there are no normals
+} stp_chosen;
+
+typedef struct stp_tree {
+    uint32_t point_count, leaf_count, level_count;
+    uint32_t level_sizes[STP_TREE_LEVELS]; ///< branches of each level; the last level has one
+    stp_leaf* leaves;
+    stp_leaf_normals* normals; ///< NULL: Euclidean
+    stp_facing* facing;        ///< one a branch of level 0; NULL: not kept
+    stp_pending* pending;      ///< one a leaf; NULL: every change is applied at once
+    stp_branch* levels[STP_TREE_LEVELS];
+    float apart;         ///< what is added to the distance where normals face apart
+    float apart_squared; ///< no dissimilarity of points that face apart is below its square
+} stp_tree;
+
+/// The kernels, in variants for different processors that agree to the bit.
+typedef struct stp_tree_kernels {
+    /// Computes the boxes (and boxes of normals) of the branches [begin, end) of a level from what
+    /// is below, and the maxima of gaps.
+    void (*fit)(stp_tree* tree, uint32_t level, size_t begin, size_t end);
+    /// Takes one chosen point into account at once, everywhere. Gaps below `floor` no longer
+    /// matter: leaves without any other count as empty. @return the largest gap left, -1 where none
+    /// is
+    float (*insert)(stp_tree* tree, const stp_chosen* point, float floor);
+    /// The lowest position whose gap is the tree's largest.
+    uint32_t (*farthest)(const stp_tree* tree);
+    /// Tells the leaves below one branch about `count` chosen points; `list` holds their indices in
+    /// `chosen`. `scratch` has room for stp_tree_push_scratch(count) indices.
+    void (*push)(stp_tree* tree, uint32_t level, uint32_t branch, const stp_chosen* chosen,
+                 const uint32_t* list, uint32_t count, uint32_t* scratch);
+    /// Brings all leaves below one branch up to date that may hold a gap of at least `floor` (above
+    /// 0), and lists the positions of such gaps, ascending. @return how many
+    uint32_t (*collect)(stp_tree* tree, uint32_t level, uint32_t branch, const stp_chosen* chosen,
+                        float floor, uint32_t* positions);
+} stp_tree_kernels;
+
+extern const stp_tree_kernels stp_tree_kernels_portable;
+extern const stp_tree_kernels stp_tree_kernels_avx2;
+extern const stp_tree_kernels stp_tree_kernels_avx512;
+
+/// The widest kernels that run here.
+const stp_tree_kernels* stp_tree_kernels_select(void);
+
+/// Allocates a tree for `point_count` points, 1 or more. What it holds is not yet set.
+/// @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged; `tree` is then empty)
+STP_MUST_USE stp_result stp_tree_create(stp_context* context, stp_tree* tree, uint32_t point_count,
+                                        bool normals, bool lazy);
+void stp_tree_destroy(stp_context* context, stp_tree* tree);
+
+/// Shrinks or grows what the tree is said to hold, within what was allocated for `capacity` points.
+void stp_tree_resize(stp_tree* tree, uint32_t point_count);
+
+/// Fills the lanes past the last point, then all boxes and maxima.
+void stp_tree_fit(stp_tree* tree, const stp_tree_kernels* kernels, const stp_team* team);
+
+/// The largest gap, or an upper bound of it where changes are pending.
+float stp_tree_gap(const stp_tree* tree);
+
+/// Room, in indices, that a push of `count` points needs.
+size_t stp_tree_push_scratch(const stp_tree* tree, uint32_t count);
