@@ -1,0 +1,298 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Reads a .stip file: checks every checksum and count, and prints what is in it as JSON.
+
+    read_store.py FILE.stip [--expect EXPECTED.json]
+
+Written from docs/format.md alone, with nothing but the standard library: if this script and the library disagree
+about a file, one of the three is wrong. With --expect, each value of EXPECTED.json must be found in the output.
+"""
+import argparse
+import json
+import math
+import struct
+import sys
+import zlib
+
+NONE = 0xFFFFFFFF
+MAGIC = b"\x89STP\r\n\x1a\n"
+
+# Records: struct format (little-endian) and field names; "name:text" is resolved, "reserved" must be 0.
+RECORDS = {
+    1: ("nodes", "6I2Q6d", "first_edge edge_count first_part part_count surfels flags triangle_count point_count "
+                           "bounds_min:3 bounds_max:3"),
+    2: ("edges", "2I12d", "node reserved transform:12"),
+    3: ("parts", "2I", "kind index"),
+    4: ("materials", "3I10fI" + 3 * "2I6f",
+        "name:text flags alpha alpha_cutoff base_color:4 metallic roughness emissive:3 reserved "
+        "base_color_texture:8 metallic_roughness_texture:8 emissive_texture:8"),
+    5: ("shadings", "5fI", "metallic roughness emissive:3 flags"),
+    6: ("textures", "6I", "width height wrap_u wrap_v nearest block"),
+    7: ("meshes", "6I6f", "name:text vertex_count triangle_count material present block bounds_min:3 bounds_max:3"),
+    8: ("point_sets", "6I6f", "name:text point_count material present block reserved bounds_min:3 bounds_max:3"),
+    9: ("surfels", "6I6f", "count octave_count first_octave breakpoint_count first_breakpoint paper_count "
+                           "origin:3 step candidate_radius paper_radius"),
+    10: ("octaves", "2I", "end block"),
+    11: ("breakpoints", "If", "count radius"),
+    12: ("views", "2I10d", "name:text reserved eye:3 target:3 up:3 fov_degrees"),
+    13: ("sources", "2IQ", "path:text format:text bytes"),
+    14: ("blocks", "4I2QfI", "kind owner octave crc offset size radius encoding"),
+    17: ("objects", "4I12d", "name:text id:text parent node transform:12"),
+}
+TEXT_SECTIONS = {15: "text", 16: "build", 18: "object_text"}
+KINDS = {1: "meshes", 2: "point_sets", 3: "textures", 4: "surfels"}
+
+
+def need(condition, what):
+    if not condition:
+        raise ValueError(what)
+
+
+def align(offset, multiple=64):
+    return -(-offset // multiple) * multiple
+
+
+def read_header(data):
+    need(data[:8] == MAGIC[:len(data[:8])], "is not a .stip file, or was damaged by a transfer")
+    need(len(data) >= 128, "ends within its header")
+    major, minor, header_size, file_size, data_offset, sections, table_crc, root, reserved = struct.unpack_from(
+        "<HHIQQIIII", data, 8)
+    need(major <= 1, f"is of version {major}")
+    need(zlib.crc32(data[:124]) == struct.unpack_from("<I", data, 124)[0], "header: wrong checksum")
+    need(major == 1 and header_size == 128, "header: wrong version or size")
+    need(reserved == 0 and not any(data[57:124]), "header: reserved bytes")
+    need(file_size == len(data), f"has {len(data)} bytes, its header says {file_size}")
+    need(data_offset <= file_size and data_offset % 64 == 0, "header: data_offset")
+    need(sections <= 256 and 128 + 40 * sections <= data_offset, "header: section_count")
+    need(zlib.crc32(data[128:128 + 40 * sections]) == table_crc, "section table: wrong checksum")
+    unit, up = struct.unpack_from("<dc", data, 48)
+    need(math.isfinite(unit) and unit >= 0 and up in (b"x", b"y", b"z"), "header: unit or up axis")
+    return {"version": [major, minor], "file_bytes": file_size, "data_offset": data_offset, "root": root,
+            "unit_metres": unit, "up": up.decode(), "section_count": sections}
+
+
+def read_sections(data, header):
+    end = 128 + 40 * header["section_count"]
+    sections = {}
+    for i in range(header["section_count"]):
+        kind, flags, offset, size, count, record_size, crc = struct.unpack_from("<IIQQQII", data, 128 + 40 * i)
+        place = f"section {i} of type {kind}"
+        need(offset == align(end) and offset + size <= header["data_offset"], f"{place}: is not in its place")
+        need(not any(data[end:offset]), f"{place}: bytes before it")
+        need(size == count * record_size and count < NONE and record_size > 0, f"{place}: size")
+        need(zlib.crc32(data[offset:offset + size]) == crc, f"{place}: wrong checksum")
+        need(flags <= 1, f"{place}: flags")
+        end = offset + size
+        if kind in RECORDS or kind in TEXT_SECTIONS:
+            need(kind not in sections, f"{place}: is there twice")
+            sections[kind] = (offset, size, count, record_size)
+        else:
+            need(flags == 0, f"{place}: is critical, and not known")
+    need(header["data_offset"] == align(end) and not any(data[end:header["data_offset"]]), "data_offset")
+    return sections
+
+
+def read_text(texts, offset):
+    if offset == NONE:
+        return None
+    need(offset < len(texts), f"a text at {offset}, beyond the texts")
+    return texts[offset:texts.index(b"\0", offset)].decode("utf-8", "replace")
+
+
+def read_record(values, names, texts, place):
+    record, at = {}, 0
+    for name in names:
+        name, _, what = name.partition(":")
+        if what.isdigit():
+            record[name] = list(values[at:at + int(what)])
+            at += int(what)
+        else:
+            record[name] = read_text(texts, values[at]) if what else values[at]
+            at += 1
+    need(record.pop("reserved", 0) == 0, f"{place}: reserved field")
+    need(all(math.isfinite(v) for v in values), f"{place}: a number that is not finite")
+    return record
+
+
+def read_tables(data, sections):
+    texts = {}
+    for kind, name in TEXT_SECTIONS.items():
+        offset, size, _, record_size = sections.get(kind, (0, 0, 0, 1))
+        texts[kind] = data[offset:offset + size]
+        need(record_size == 1 and (size == 0 or texts[kind][-1] == 0), f"{name}: does not end with a zero byte")
+    tables = {"build": read_text(texts[16], 0) if texts[16] else None}
+    for kind, (name, layout, names) in RECORDS.items():
+        offset, _, count, record_size = sections.get(kind, (0, 0, 0, 1 << 20))
+        need(record_size >= struct.calcsize("<" + layout), f"{name}: records are too short")
+        text = texts[18] if name == "objects" else texts[15]
+        tables[name] = [read_record(struct.unpack_from("<" + layout, data, offset + i * record_size), names.split(),
+                                    text, f"{name} {i}") for i in range(count)]
+    return tables
+
+
+def check_reference(value, count, place, none=True):
+    need(value < count or (none and value == NONE), f"{place}: {value} is not below {count}")
+
+
+def check_graph(header, t):
+    counts = {name: len(table) for name, table in t.items() if isinstance(table, list)}
+    check_reference(header["root"], counts["nodes"], "root")
+    need(sum(n["edge_count"] for n in t["nodes"]) <= counts["edges"], "nodes: edges")
+    need(sum(n["part_count"] for n in t["nodes"]) <= counts["parts"], "nodes: parts")
+    for i, node in enumerate(t["nodes"]):
+        first, count = node["first_edge"], node["edge_count"]
+        need(first + count <= counts["edges"], f"node {i}: edges")
+        need(node["first_part"] + node["part_count"] <= counts["parts"], f"node {i}: parts")
+        need(all(edge["node"] < i for edge in t["edges"][first:first + count]), f"node {i}: a child is not lower")
+        check_reference(node["surfels"], counts["surfels"], f"node {i}: surfels")
+        need(node["flags"] <= 1, f"node {i}: flags")
+    for i, edge in enumerate(t["edges"]):
+        check_reference(edge["node"], counts["nodes"], f"edge {i}", False)
+    for i, part in enumerate(t["parts"]):
+        need(part["kind"] <= 1, f"part {i}: kind")
+        check_reference(part["index"], counts["point_sets" if part["kind"] else "meshes"], f"part {i}", False)
+    for i, thing in enumerate(t["objects"]):
+        check_reference(thing["parent"], i, f"object {i}: parent")
+        check_reference(thing["node"], counts["nodes"], f"object {i}: node")
+    for i, material in enumerate(t["materials"]):
+        need(material["flags"] <= 3 and material["alpha"] <= 2, f"material {i}: flags or alpha")
+        for use in ("base_color_texture", "metallic_roughness_texture", "emissive_texture"):
+            check_reference(material[use][0], counts["textures"], f"material {i}: {use}")
+            need(material[use][1] <= 1, f"material {i}: texcoord")
+    need(counts["shadings"] <= 256 and all(s["flags"] <= 3 for s in t["shadings"]), "shadings")
+    for i, texture in enumerate(t["textures"]):
+        need(0 < texture["width"] <= 65536 and 0 < texture["height"] <= 65536, f"texture {i}: size")
+        need(texture["wrap_u"] <= 2 and texture["wrap_v"] <= 2 and texture["nearest"] <= 1, f"texture {i}: wrap")
+    for name in ("meshes", "point_sets"):
+        for i, thing in enumerate(t[name]):
+            check_reference(thing["material"], counts["materials"], f"{name} {i}: material", False)
+
+
+def gather_sets(t):
+    octave, breakpoint_ = 0, 0
+    for i, s in enumerate(t["surfels"]):
+        place = f"surfel set {i}"
+        need(s["first_octave"] == octave and s["first_breakpoint"] == breakpoint_, f"{place}: order")
+        need(s["octave_count"] <= 24 and s["breakpoint_count"] <= 64, f"{place}: octaves or breakpoints")
+        octaves = t["octaves"][octave:octave + s["octave_count"]]
+        points = t["breakpoints"][breakpoint_:breakpoint_ + s["breakpoint_count"]]
+        octave, breakpoint_ = octave + s["octave_count"], breakpoint_ + s["breakpoint_count"]
+        need(len(octaves) == s["octave_count"] and len(points) == s["breakpoint_count"], f"{place}: tables end")
+        s["octave_ends"] = [o["end"] for o in octaves]
+        s["blocks"] = [o["block"] for o in octaves]
+        s["breakpoints"] = [[p["count"], p["radius"]] for p in points]
+        need((s["octave_ends"] or [0])[-1] == s["count"], f"{place}: the last octave")
+        for low, high in zip([0] + s["octave_ends"], s["octave_ends"]):
+            need(low < high, f"{place}: octaves do not ascend")
+        need(s["blocks"] == sorted(set(s["blocks"])), f"{place}: blocks are not in order")
+        for a, b in zip(s["breakpoints"], s["breakpoints"][1:]):
+            need(a[0] < b[0] and a[1] >= b[1], f"{place}: breakpoints are not monotone")
+        need(all(n <= s["count"] and r >= 0 for n, r in s["breakpoints"]), f"{place}: breakpoints")
+        need(s["count"] == 0 or (s["step"] > 0 and math.frexp(s["step"])[0] == 0.5), f"{place}: step")
+        need(s["paper_count"] <= s["count"] and s["paper_radius"] >= 0 and s["candidate_radius"] >= 0,
+             f"{place}: paper_count or a radius")
+    need(octave == len(t["octaves"]) and breakpoint_ == len(t["breakpoints"]), "octaves or breakpoints are left over")
+
+
+def block_columns(t, block):
+    """The record that a block belongs to, its columns with their sizes, and how they are aligned."""
+    record = t[KINDS[block["kind"]]][block["owner"]]
+    n = record.get("vertex_count", record.get("point_count", 0))
+    has = record.get("present", 0)
+    corners = [("positions", 12 * n), ("normals", 4 * n * (has & 1))]
+    if block["kind"] == 1:
+        return record, corners + [("texcoords_0", 8 * n * (has >> 2 & 1)), ("texcoords_1", 8 * n * (has >> 3 & 1)),
+                                  ("colors", 8 * n * (has >> 1 & 1)), ("indices", 12 * record["triangle_count"])], 16
+    if block["kind"] == 2:
+        return record, corners + [("colors", 4 * n * (has >> 1 & 1))], 16
+    if block["kind"] == 3:
+        return record, [("texels", 4 * record["width"] * record["height"])], 16
+    end = record["octave_ends"][block["octave"]]
+    n = end - ([0] + record["octave_ends"])[block["octave"]]
+    return record, [("positions", 6 * n), ("normals", 2 * n), ("materials", n), ("colors", 3 * end),
+                    ("coverages", end)], 1
+
+
+def check_content(t, record, block, name, column, place):
+    if name in ("positions", "texcoords_0", "texcoords_1") and block["kind"] <= 2:
+        need(all(math.isfinite(v[0]) for v in struct.iter_unpack("<f", column)), f"{place}: {name} not finite")
+    if name == "indices":
+        need(all(v[0] < record["vertex_count"] for v in struct.iter_unpack("<I", column)), f"{place}: indices")
+    if name == "materials":
+        need(max(column, default=-1) < len(t["shadings"]), f"{place}: materials")
+
+
+def read_blocks(data, header, t):
+    end, radius, owned = header["data_offset"], math.inf, set()
+    for i, block in enumerate(t["blocks"]):
+        place = f"block {i}"
+        begin = block["offset"]
+        need(begin == align(end) and begin + block["size"] <= len(data), f"{place}: is not in its place")
+        need(not any(data[end:begin]), f"{place}: bytes before it")
+        end = begin + block["size"]
+        need(zlib.crc32(data[begin:end]) == block["crc"], f"{place}: wrong checksum")
+        need(0 <= block["radius"] <= radius, f"{place}: radius ascends")
+        radius = block["radius"]
+        if block["kind"] not in KINDS:
+            continue
+        need(block["encoding"] == 0, f"{place}: encoding")
+        need(block["owner"] < len(t[KINDS[block["kind"]]]), f"{place}: owner")
+        record, columns, alignment = block_columns(t, block)
+        named = record["blocks"][block["octave"]] if block["kind"] == 4 else record["block"]
+        need(named == i and (block["kind"] == 4 or block["octave"] == 0), f"{place}: its owner has another")
+        owned.add((block["kind"], block["owner"], block["octave"]))
+        at, sums = 0, record.setdefault("columns", {})
+        for name, size in columns:
+            start = align(at, alignment) if size else at
+            need(not any(data[begin + at:begin + start]), f"{place}: bytes between columns")
+            column = data[begin + start:begin + start + size]
+            check_content(t, record, block, name, column, place)
+            sums[name] = zlib.crc32(column, sums.get(name, 0))
+            at = start + size
+        need(at == block["size"], f"{place}: size")
+    need(end == len(data), "bytes after the last block")
+    wanted = len(t["meshes"]) + len(t["point_sets"]) + len(t["textures"]) + len(t["octaves"])
+    need(len(owned) == wanted, "a mesh, point set, texture or octave has no block")
+
+
+def read_store(data):
+    header = read_header(data)
+    tables = read_tables(data, read_sections(data, header))
+    check_graph(header, tables)
+    gather_sets(tables)
+    read_blocks(data, header, tables)
+    return {**header, **tables}
+
+
+def find_difference(expected, found, place="file"):
+    """Everything of `expected` must be in `found`; None, or where it is not."""
+    if isinstance(expected, dict) and isinstance(found, dict):
+        pairs = [(value, found.get(key), f"{place}.{key}") for key, value in expected.items()]
+    elif isinstance(expected, list) and isinstance(found, list) and len(expected) == len(found):
+        pairs = [(a, b, f"{place}[{i}]") for i, (a, b) in enumerate(zip(expected, found))]
+    else:
+        return None if expected == found else f"{place}: expected {expected!r}, found {found!r}"
+    return next((d for d in (find_difference(*pair) for pair in pairs) if d), None)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("file")
+    parser.add_argument("--expect", metavar="JSON")
+    options = parser.parse_args()
+    try:
+        with open(options.file, "rb") as file:
+            found = read_store(file.read())
+    except (OSError, ValueError, IndexError, struct.error) as fault:
+        sys.exit(f"{options.file}: {fault}")
+    if options.expect:
+        with open(options.expect, encoding="utf-8") as file:
+            difference = find_difference(json.load(file), found)
+        if difference:
+            sys.exit(f"{options.file}: {difference}")
+    json.dump(found, sys.stdout, indent=1)
+    print()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,26 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Files of the library, and the golden ones, through the reader that knows docs/format.md only.
+# Arguments: the executable of the tests, a scratch folder, the source folder.
+set -eu
+tests=$1 folder=$2 source=$3
+rm -rf "$folder"
+mkdir -p "$folder"
+STP_STORE_SAMPLE="$folder/sample" "$tests" store_writes_samples_for_another_reader > "$folder/log"
+cp "$source"/tests/golden/store/v1/sample.stip "$folder/golden.stip"
+cp "$source"/tests/golden/store/v1/sample.json "$folder/golden.json"
+count=0
+for file in "$folder"/*.stip; do
+    python3 "$source/scripts/read_store.py" "$file" --expect "${file%.stip}.json" > "${file%.stip}.out"
+    count=$((count + 1))
+done
+test "$count" -ge 5
+# it must be able to fail: one byte wrong in the middle of the last file
+size=$(stat -c %s "$file")
+byte=$(od -An -tu1 -j $((size / 2)) -N 1 "$file")
+printf "\\x$(printf %02x $((byte ^ 1)))" | dd of="$file" bs=1 seek=$((size / 2)) conv=notrunc status=none
+if python3 "$source/scripts/read_store.py" "$file" > "$folder/damaged.out" 2>&1; then
+    echo "a damaged file was accepted: $file"
+    exit 1
+fi
+echo "$count files read"

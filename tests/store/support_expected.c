@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "support_expected.h"
+
+#include <zlib.h>
+
+static json_int_t crc(const void* bytes, size_t size)
+{
+    return bytes == NULL || size == 0 ? 0 : (json_int_t)crc32_z(0, bytes, size);
+}
+
+// NULL becomes null.
+static json_t* text(const char* value)
+{
+    return value != NULL ? json_string(value) : json_null();
+}
+
+static json_t* triple(stp_vec3d v)
+{
+    return json_pack("[fff]", v.x, v.y, v.z);
+}
+
+static json_t* expected_nodes(const stp_store_directory* d)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < d->node_count; ++i) {
+        const stp_store_node* n = &d->nodes[i];
+        json_array_append_new(
+            list,
+            json_pack("{s:I s:I s:I s:I s:I s:I s:o s:o}", "first_edge", (json_int_t)n->first_edge,
+                      "edge_count", (json_int_t)n->edge_count, "first_part",
+                      (json_int_t)n->first_part, "part_count", (json_int_t)n->part_count, "surfels",
+                      (json_int_t)n->surfels, "flags", (json_int_t)n->flags, "bounds_min",
+                      triple(n->bounds.min), "bounds_max", triple(n->bounds.max)));
+    }
+    return list;
+}
+
+static json_t* expected_transform(const stp_affine* t)
+{
+    json_t* list = json_array();
+    for (int i = 0; i < 12; ++i) {
+        json_array_append_new(list, json_real(t->m[i / 4][i % 4]));
+    }
+    return list;
+}
+
+static json_t* expected_edges(const stp_store_directory* d)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < d->edge_count; ++i) {
+        json_array_append_new(list,
+                              json_pack("{s:I s:o}", "node", (json_int_t)d->edges[i].node,
+                                        "transform", expected_transform(&d->edges[i].transform)));
+    }
+    return list;
+}
+
+static json_t* expected_objects(const stp_store_directory* d)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < d->object_count; ++i) {
+        const stp_store_object* o = &d->objects[i];
+        json_array_append_new(list, json_pack("{s:o s:o s:I s:I s:o}", "name", text(o->name), "id",
+                                              text(o->id), "parent", (json_int_t)o->parent, "node",
+                                              (json_int_t)o->node, "transform",
+                                              expected_transform(&o->transform)));
+    }
+    return list;
+}
+
+static json_t* expected_materials(const stp_store_directory* d)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < d->material_count; ++i) {
+        const stp_store_material* m = &d->materials[i];
+        const float* c = m->base_color;
+        json_array_append_new(
+            list,
+            json_pack("{s:o s:I s:I s:f s:[ffff] s:f s:f s:[fff]}", "name", text(m->name), "flags",
+                      (json_int_t)m->flags, "alpha", (json_int_t)m->alpha, "alpha_cutoff",
+                      (double)m->alpha_cutoff, "base_color", (double)c[0], (double)c[1],
+                      (double)c[2], (double)c[3], "metallic", (double)m->metallic, "roughness",
+                      (double)m->roughness, "emissive", (double)m->emissive[0],
+                      (double)m->emissive[1], (double)m->emissive[2]));
+    }
+    return list;
+}
+
+static json_t* expected_meshes(const stp_store_content* content)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < content->directory.mesh_count; ++i) {
+        const stp_store_mesh* m = &content->meshes[i];
+        size_t n = m->vertex_count;
+        json_t* columns =
+            json_pack("{s:I s:I s:I s:I s:I s:I}", "positions", crc(m->positions, 12 * n),
+                      "normals", crc(m->normals, 4 * n), "texcoords_0", crc(m->texcoords[0], 8 * n),
+                      "texcoords_1", crc(m->texcoords[1], 8 * n), "colors", crc(m->colors, 8 * n),
+                      "indices", crc(m->indices, 12 * (size_t)m->triangle_count));
+        json_array_append_new(list, json_pack("{s:o s:I s:I s:I s:o}", "name", text(m->name),
+                                              "vertex_count", (json_int_t)n, "triangle_count",
+                                              (json_int_t)m->triangle_count, "material",
+                                              (json_int_t)m->material, "columns", columns));
+    }
+    return list;
+}
+
+static json_t* expected_points(const stp_store_content* content)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < content->directory.point_set_count; ++i) {
+        const stp_store_point_set* p = &content->point_sets[i];
+        size_t n = p->point_count;
+        json_array_append_new(
+            list, json_pack("{s:o s:I s:I s:{s:I s:I s:I}}", "name", text(p->name), "point_count",
+                            (json_int_t)n, "material", (json_int_t)p->material, "columns",
+                            "positions", crc(p->positions, 12 * n), "normals",
+                            crc(p->normals, 4 * n), "colors", crc(p->colors, 4 * n)));
+    }
+    return list;
+}
+
+static json_t* expected_textures(const stp_store_content* content)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < content->directory.texture_count; ++i) {
+        const stp_store_texture* t = &content->textures[i];
+        json_array_append_new(
+            list, json_pack("{s:I s:I s:I s:I s:I s:{s:I}}", "width", (json_int_t)t->width,
+                            "height", (json_int_t)t->height, "wrap_u", (json_int_t)t->wrap_u,
+                            "wrap_v", (json_int_t)t->wrap_v, "nearest", (json_int_t)t->nearest,
+                            "columns", "texels", crc(t->texels, 4 * (size_t)t->width * t->height)));
+    }
+    return list;
+}
+
+static json_t* expected_surfels(const stp_store_content* content)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < content->directory.surfels_count; ++i) {
+        const stp_surfels* s = &content->surfels[i];
+        json_t* ends = json_array();
+        json_t* breakpoints = json_array();
+        size_t n = s->count, entries = 0;
+        for (uint32_t k = 0; k < s->octave_count; ++k) {
+            entries += s->octave_ends[k];
+            json_array_append_new(ends, json_integer(s->octave_ends[k]));
+        }
+        for (uint32_t k = 0; k < s->table.size; ++k) {
+            json_array_append_new(breakpoints, json_pack("[If]", (json_int_t)s->table.count[k],
+                                                         (double)s->table.radius[k]));
+        }
+        json_t* columns = json_object();
+        if (n != 0) { // a set without octaves has no blocks, hence no columns
+            json_object_set_new(columns, "positions", json_integer(crc(s->positions, 6 * n)));
+            json_object_set_new(columns, "normals", json_integer(crc(s->normals, 2 * n)));
+            json_object_set_new(columns, "materials", json_integer(crc(s->materials, n)));
+            json_object_set_new(columns, "colors", json_integer(crc(s->colors, 3 * entries)));
+            json_object_set_new(columns, "coverages", json_integer(crc(s->coverages, entries)));
+        }
+        json_t* set = json_pack("{s:I s:f s:o s:o s:o s:I s:f s:f}", "count", (json_int_t)n, "step",
+                                (double)s->step, "origin", triple(stp_to_double(s->origin)),
+                                "octave_ends", ends, "breakpoints", breakpoints, "paper_count",
+                                (json_int_t)s->paper_count, "paper_radius", (double)s->paper_radius,
+                                "candidate_radius", (double)s->candidate_radius);
+        if (n != 0) {
+            json_object_set(set, "columns", columns);
+        }
+        json_decref(columns);
+        json_array_append_new(list, set);
+    }
+    return list;
+}
+
+static json_t* expected_views(const stp_store_directory* d)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < d->view_count; ++i) {
+        const stp_store_view* v = &d->views[i];
+        json_array_append_new(list, json_pack("{s:o s:o s:o s:o s:f}", "name", text(v->name), "eye",
+                                              triple(v->eye), "target", triple(v->target), "up",
+                                              triple(v->up), "fov_degrees", v->fov_degrees));
+    }
+    return list;
+}
+
+static json_t* expected_sources(const stp_store_directory* d)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < d->source_count; ++i) {
+        json_array_append_new(list, json_pack("{s:o s:o}", "path", text(d->sources[i].path),
+                                              "format", text(d->sources[i].format)));
+    }
+    return list;
+}
+
+json_t* sample_expected_json(const stp_store_content* content)
+{
+    const stp_store_directory* d = &content->directory;
+    char up[2] = {d->up, '\0'};
+    return json_pack(
+        "{s:[ii] s:I s:f s:s s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o}", "version", 1, 0, "root",
+        (json_int_t)d->root, "unit_metres", d->unit_metres, "up", up, "build", text(d->build_json),
+        "nodes", expected_nodes(d), "edges", expected_edges(d), "objects", expected_objects(d),
+        "materials", expected_materials(d), "meshes", expected_meshes(content), "point_sets",
+        expected_points(content), "textures", expected_textures(content), "surfels",
+        expected_surfels(content), "views", expected_views(d), "sources", expected_sources(d));
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Makes the checksums of a damaged file right again, so that what lies behind them is reached.
+#pragma once
+
+#include "base/bytes.h"
+#include "store/format.h"
+
+#include <zlib.h>
+
+static inline uint32_t reseal_crc(const unsigned char* bytes, size_t size, uint64_t offset,
+                                  uint64_t length)
+{
+    if (length == 0 || offset > size || length > size - offset) {
+        return 0;
+    }
+    return (uint32_t)crc32_z(0, bytes + offset, (size_t)length);
+}
+
+// The checksums of blocks, in the table of blocks at `offset`.
+static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t offset,
+                                 uint64_t length, uint32_t record_size)
+{
+    if (record_size < 40 || offset > size || length > size - offset) {
+        return;
+    }
+    for (uint64_t at = 0; at + record_size <= length; at += record_size) {
+        unsigned char* record = bytes + offset + at;
+        stp_write_u32(record + 12, reseal_crc(bytes, size, stp_read_u64(record + 16),
+                                              stp_read_u64(record + 24)));
+    }
+}
+
+static inline void reseal(unsigned char* bytes, size_t size)
+{
+    if (size < STP_STORE_HEADER_BYTES) {
+        return;
+    }
+    uint32_t sections = stp_read_u32(bytes + 32);
+    sections = sections > STP_STORE_SECTION_LIMIT ? 0 : sections;
+    uint64_t table = (uint64_t)sections * STP_STORE_SECTION_BYTES;
+    for (uint64_t at = 0; at < table && STP_STORE_HEADER_BYTES + at + 40 <= size; at += 40) {
+        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + at;
+        uint64_t offset = stp_read_u64(entry + 8), length = stp_read_u64(entry + 16);
+        if (stp_read_u32(entry) == STP_SECTION_BLOCKS) {
+            reseal_blocks(bytes, size, offset, length, stp_read_u32(entry + 32));
+        }
+        stp_write_u32(entry + 36, reseal_crc(bytes, size, offset, length));
+    }
+    stp_write_u32(bytes + 36, reseal_crc(bytes, size, STP_STORE_HEADER_BYTES, table));
+    stp_write_u32(bytes + 124, reseal_crc(bytes, size, 0, 124));
+}

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+// Files that were cut, changed, forged, or written by a later version.
+#include "support_reseal.h"
+#include "support_sample.h"
+#include "tests.h"
+
+#include "store/format.h"
+
+#include <string.h>
+
+#define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip"
+
+static const stp_store_open_desc whole = {0};
+
+// Opens and checks all of a file in memory. The file's own verdict: STP_OK only where nothing is
+// wrong.
+static stp_result verdict(stp_context* context, const unsigned char* bytes, size_t size)
+{
+    stp_store* store = NULL;
+    stp_store_check_report report;
+    stp_result result = stp_store_open_memory(context, "memory", bytes, size, &whole, &store);
+    if (result == STP_OK) {
+        result = stp_store_check_open(store, false, &report);
+        stp_store_close(store);
+    }
+    return result;
+}
+
+void test_store_refuses_every_truncation(test_state* test)
+{
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(bytes != NULL && context != NULL);
+    for (size_t length = 0; length < size; ++length) {
+        void* copy = NULL;
+        CHECK(posix_memalign(&copy, 64, length) ==
+              0); // exactly as large: sanitizers see a read beyond
+        memcpy(copy, bytes, length);
+        log.errors = 0;
+        stp_result result = verdict(context, copy, length);
+        free(copy);
+        CHECK_EQUAL(STP_ERROR_TRUNCATED, result);
+        CHECK_EQUAL(1, log.errors);
+    }
+    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    free(bytes);
+    stp_context_destroy(context);
+}
+
+void test_store_refuses_every_changed_byte(test_state* test)
+{
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(bytes != NULL && context != NULL);
+    for (size_t at = 0; at < size; ++at) {
+        for (unsigned bit = 0; bit < 9; ++bit) {
+            unsigned char old = bytes[at];
+            bytes[at] = (unsigned char)(old ^ (bit < 8 ? 1u << bit : 0xFFu));
+            log.errors = 0;
+            stp_result result = verdict(context, bytes, size);
+            bytes[at] = old;
+            if (result == STP_OK || log.errors != 1) {
+                fprintf(stderr, "byte %zu, bit %u: %s\n", at, bit, stp_result_string(result));
+            }
+            CHECK(result != STP_OK);
+            CHECK_EQUAL(1, log.errors);
+        }
+    }
+    free(bytes);
+    stp_context_destroy(context);
+}
+
+void test_store_says_what_is_wrong(test_state* test)
+{
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(bytes != NULL && context != NULL);
+    bytes[5] = '\r'; // \r\n -> \r\r: line ends changed on the way
+    CHECK_EQUAL(STP_ERROR_FORMAT, verdict(context, bytes, size));
+    CHECK(strstr(log.text, "line ends") != NULL);
+    memcpy(bytes, "ply\n", 4);
+    CHECK_EQUAL(STP_ERROR_FORMAT, verdict(context, bytes, size));
+    CHECK(strstr(log.text, "not a .stip file") != NULL);
+    memcpy(bytes, STP_STORE_MAGIC, 8);
+    bytes[size - 1] ^= 1;
+    CHECK_EQUAL(STP_ERROR_FORMAT, verdict(context, bytes, size));
+    CHECK(strstr(log.text, "checksum of the block") != NULL);
+    free(bytes);
+    stp_context_destroy(context);
+}
+
+// The entry of a section in the table; NULL where the file has none of the type.
+static unsigned char* section_entry(unsigned char* bytes, uint32_t type)
+{
+    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
+        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
+        if (stp_read_u32(entry) == type) {
+            return entry;
+        }
+    }
+    return NULL;
+}
+
+void test_store_opens_newer_minor_versions(test_state* test)
+{
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(bytes != NULL && context != NULL);
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "m", bytes, size, &whole, &store));
+    uint32_t objects = stp_store_get_directory(store)->object_count;
+    uint32_t views = stp_store_get_directory(store)->view_count;
+    stp_store_close(store);
+    CHECK(objects > 1 && views > 0);
+
+    // a newer minor version, and a section that this reader does not know in place of the views
+    stp_write_u16(bytes + 10, 7);
+    stp_write_u32(section_entry(bytes, STP_SECTION_VIEWS), 99);
+    reseal(bytes, size);
+    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "m", bytes, size, &whole, &store));
+    CHECK_EQUAL(0, stp_store_get_directory(store)->view_count);
+    stp_store_close(store);
+
+    // the same, critical
+    stp_write_u32(section_entry(bytes, 99) + 4, STP_SECTION_CRITICAL);
+    reseal(bytes, size);
+    CHECK_EQUAL(STP_ERROR_UNSUPPORTED, verdict(context, bytes, size));
+    stp_write_u32(section_entry(bytes, 99) + 4, 0);
+
+    // records with fields added at their ends: the first object of one that is as long as all
+    unsigned char* entry = section_entry(bytes, STP_SECTION_OBJECTS);
+    stp_write_u64(entry + 24, 1);
+    stp_write_u32(entry + 32, 112 * objects);
+    reseal(bytes, size);
+    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "m", bytes, size, &whole, &store));
+    CHECK_EQUAL(1, stp_store_get_directory(store)->object_count);
+    stp_store_close(store);
+
+    // a newer major version is refused as such, whatever its header holds
+    stp_write_u16(bytes + 8, STP_STORE_MAJOR + 1);
+    memset(bytes + 60, 0xAB, 64);
+    CHECK_EQUAL(STP_ERROR_VERSION, verdict(context, bytes, size));
+    free(bytes);
+    stp_context_destroy(context);
+}
+
+// Every 32-bit word of header, section table and tables, replaced by numbers that lead astray, with
+// all checksums made right: whatever the verdict, nothing is read beyond the end and memory stays
+// bounded.
+void test_store_survives_forged_numbers(test_state* test)
+{
+    static const uint32_t forged[] = {0,          1,       0x7FFFFFFF, 0xFFFFFFFE,
+                                      0xFFFFFFFF, 0x10000, 0x7F800000};
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    CHECK(bytes != NULL);
+    void* copy = NULL;
+    CHECK(posix_memalign(&copy, 64, size) == 0);
+    uint64_t data_offset = stp_read_u64(bytes + 24);
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    int refused = 0;
+    for (size_t at = 8; at + 4 <= data_offset; at += 4) {
+        for (size_t i = 0; i < sizeof(forged) / sizeof(forged[0]); ++i) {
+            memcpy(copy, bytes, size);
+            stp_write_u32((unsigned char*)copy + at, forged[i]);
+            reseal(copy, size);
+            refused += verdict(context, copy, size) != STP_OK;
+        }
+    }
+    CHECK(refused > 1000);
+    CHECK(stp_context_peak_bytes(context) < 40 * size);
+    free(copy);
+    free(bytes);
+    stp_context_destroy(context);
+}
+
+void test_store_reads_every_prefix_that_holds_the_directory(test_state* test)
+{
+    size_t size = 0;
+    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(bytes != NULL && context != NULL);
+    stp_store* full = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "full", bytes, size, &whole, &full));
+    uint32_t sets = stp_store_get_directory(full)->surfels_count;
+    CHECK(sets > 0);
+    stp_store_open_desc desc = {.accept_prefix = true};
+    uint32_t octaves_before = 0;
+    for (size_t length = 0; length <= size; ++length) {
+        void* copy = NULL;
+        CHECK(posix_memalign(&copy, 64, length) == 0);
+        memcpy(copy, bytes, length);
+        stp_store* store = NULL;
+        stp_result opened = stp_store_open_memory(context, "cut", copy, length, &desc, &store);
+        CHECK_EQUAL(length < stp_read_u64(bytes + 24) ? STP_ERROR_TRUNCATED : STP_OK, opened);
+        uint32_t octaves = 0;
+        for (uint32_t i = 0; opened == STP_OK && i < sets; ++i) {
+            stp_surfels cut, wanted;
+            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &cut));
+            CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(full, i, cut.octave_count, &wanted));
+            CHECK_EQUAL(wanted.count, cut.count);
+            size_t entries = 0;
+            for (uint32_t k = 0; k < cut.octave_count; ++k) {
+                entries += cut.octave_ends[k];
+            }
+            CHECK(cut.count == 0 ||
+                  (memcmp(wanted.positions, cut.positions, 6 * (size_t)cut.count) == 0 &&
+                   memcmp(wanted.normals, cut.normals, 2 * (size_t)cut.count) == 0 &&
+                   memcmp(wanted.materials, cut.materials, cut.count) == 0 &&
+                   memcmp(wanted.colors, cut.colors, 3 * entries) == 0 &&
+                   memcmp(wanted.coverages, cut.coverages, entries) == 0));
+            CHECK(cut.table.size == 0 || cut.table.count[cut.table.size - 1] <= cut.count);
+            octaves += cut.octave_count;
+        }
+        CHECK(octaves >= octaves_before); // more bytes, never fewer surfels
+        octaves_before = octaves;
+        stp_store_close(store);
+        free(copy);
+    }
+    uint32_t all = 0;
+    for (uint32_t i = 0; i < sets; ++i) {
+        all += stp_store_describe_surfels(full, i)->octave_count;
+    }
+    CHECK_EQUAL(all, octaves_before);
+    stp_store_close(full);
+    free(bytes);
+    stp_context_destroy(context);
+}

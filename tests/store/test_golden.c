@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Files of old versions, which must open for ever, and files for the reader in
+// scripts/read_store.py.
+#include "support_expected.h"
+#include "support_sample.h"
+#include "tests.h"
+
+#include <string.h>
+#include <unistd.h>
+
+enum { GOLDEN_SEED = 8 };
+
+// STP_STORE_SAMPLE=NAME writes NAME-SEED.stip, and what is in them as NAME-SEED.json.
+void test_store_writes_samples_for_another_reader(test_state* test)
+{
+    const char* name = getenv("STP_STORE_SAMPLE");
+    if (name == NULL) {
+        SKIP("STP_STORE_SAMPLE is not set");
+    }
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    for (uint64_t seed = GOLDEN_SEED; seed < GOLDEN_SEED + 8; ++seed) {
+        char path[512];
+        stp_arena arena = stp_arena_create(context, 1 << 16);
+        sample made = sample_make(&arena, seed);
+        snprintf(path, sizeof(path), "%s-%llu.stip", name, (unsigned long long)seed);
+        CHECK_EQUAL(STP_OK, stp_store_write(context, &made.content, path));
+        json_t* expected = sample_expected_json(&made.content);
+        CHECK(expected != NULL);
+        snprintf(path, sizeof(path), "%s-%llu.json", name, (unsigned long long)seed);
+        CHECK_EQUAL(0, json_dump_file(expected, path, JSON_INDENT(1) | JSON_REAL_PRECISION(17)));
+        json_decref(expected);
+        stp_arena_destroy(&arena);
+    }
+    stp_context_destroy(context);
+}
+
+void test_store_opens_version_1_for_ever(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    const char* path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip";
+    stp_arena arena = stp_arena_create(context, 1 << 16);
+    sample made = sample_make(&arena, GOLDEN_SEED);
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    const char* difference = sample_difference(&made.content, store);
+    stp_store_close(store);
+    stp_arena_destroy(&arena);
+    CHECK(difference == NULL);
+    CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
+    stp_context_destroy(context);
+}
+
+// Holds as long as the writer writes version 1.0. Where it no longer should: a new golden beside
+// the old one.
+void test_store_writes_the_same_bytes_as_ever(test_state* test)
+{
+    char path[256];
+    const char* folder = getenv("TMPDIR");
+    snprintf(path, sizeof(path), "%s/stp_golden_%ld.stip", folder != NULL ? folder : "/tmp",
+             (long)getpid());
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 16);
+    sample made = sample_make(&arena, GOLDEN_SEED);
+    stp_result written = stp_store_write(context, &made.content, path);
+    size_t golden_size = 0, size = 0;
+    unsigned char* golden =
+        sample_read_file(STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip", &golden_size);
+    unsigned char* bytes = sample_read_file(path, &size);
+    bool same =
+        golden != NULL && bytes != NULL && size == golden_size && memcmp(golden, bytes, size) == 0;
+    free(golden);
+    free(bytes);
+    unlink(path);
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
+    CHECK_EQUAL(STP_OK, written);
+    CHECK(same);
+}
