@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// What opening costs, and what is left for later.
+#include "support_sample.h"
+#include "tests.h"
+
+#include <string.h>
+#include <unistd.h>
+
+// KB of a mapped file that are resident in this process, from /proc/self/smaps; -1 where that is
+// not there.
+static long resident_kb(const char* path)
+{
+    FILE* maps = fopen("/proc/self/smaps", "r");
+    char line[600];
+    long total = maps != NULL ? 0 : -1, value = 0;
+    bool ours = false;
+    while (maps != NULL && fgets(line, sizeof(line), maps) != NULL) {
+        if (strstr(line, path) != NULL) {
+            ours = true;
+        } else if (ours && sscanf(line, "Rss: %ld kB", &value) == 1) {
+            total += value;
+            ours = false;
+        }
+    }
+    if (maps != NULL) {
+        fclose(maps);
+    }
+    return total;
+}
+
+void test_store_open_leaves_bulk_data_alone(test_state* test)
+{
+    char path[256];
+    const char* folder = getenv("TMPDIR");
+    snprintf(path, sizeof(path), "%s/stp_open_%ld.stip", folder != NULL ? folder : "/tmp",
+             (long)getpid());
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_store_texture texture = {.width = 2048, .height = 2048};
+    uint8_t* texels = calloc((size_t)texture.width * texture.height, 4);
+    CHECK(texels != NULL);
+    texture.texels = texels;
+    stp_store_content content = {
+        .directory = {.root = STP_STORE_NONE, .texture_count = 1, .up = 'y'},
+        .textures = &texture,
+    };
+    stp_store* store = NULL;
+    stp_result written = stp_store_write(context, &content, path);
+    free(texels);
+    CHECK_EQUAL(STP_OK, written);
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    long opened = resident_kb(path);
+    stp_store_texture got;
+    CHECK_EQUAL(STP_OK, stp_store_get_texture(store, 0, &got));
+    long used = resident_kb(path);
+    bool straight = got.texels != NULL && (uintptr_t)got.texels % 64 == 0;
+    stp_store_close(store);
+    unlink(path);
+    stp_context_destroy(context);
+    CHECK(straight);
+    if (opened < 0) {
+        SKIP("/proc/self/smaps is not there");
+    }
+    CHECK(opened < 1024);
+    CHECK(used >= 4 * 2048 * 2048 / 1024); // the measure sees what is read
+}
+
+void test_store_objects_can_wait(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    const char* path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip";
+    stp_store *eager = NULL, *store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &eager));
+    CHECK_EQUAL(STP_OK, stp_store_open_with(context, path,
+                                            &(stp_store_open_desc){.defer_objects = true}, &store));
+    const stp_store_directory* directory = stp_store_get_directory(store);
+    uint32_t count = stp_store_get_directory(eager)->object_count;
+    CHECK(count > 0 && directory->object_count == count && directory->objects == NULL);
+    CHECK_EQUAL(STP_OK, stp_store_load_objects(store));
+    CHECK(directory->objects != NULL);
+    for (uint32_t i = 0; i < count; ++i) {
+        const stp_store_object* a = &stp_store_get_directory(eager)->objects[i];
+        CHECK_EQUAL(a->parent, directory->objects[i].parent);
+        CHECK_EQUAL(a->node, directory->objects[i].node);
+    }
+    const stp_store_object* objects = directory->objects;
+    CHECK_EQUAL(STP_OK, stp_store_load_objects(store));
+    CHECK(directory->objects == objects);
+    stp_store_close(store);
+    stp_store_close(eager);
+    stp_context_destroy(context);
+}
+
+void test_store_surfels_come_octave_by_octave(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_store* store = NULL;
+    CHECK_EQUAL(
+        STP_OK,
+        stp_store_open(context, STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip", &store));
+    uint32_t sets = stp_store_get_directory(store)->surfels_count, tried = 0;
+    for (uint32_t i = 0; i < sets; ++i) {
+        const stp_surfels* known = stp_store_describe_surfels(store, i);
+        stp_surfels first = {0}, next;
+        for (uint32_t k = 0; k <= known->octave_count + 1; ++k) {
+            CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, k, &next));
+            uint32_t octaves = k < known->octave_count ? k : known->octave_count;
+            CHECK_EQUAL(octaves, next.octave_count);
+            CHECK_EQUAL(octaves == 0 ? 0 : known->octave_ends[octaves - 1], next.count);
+            first = k == 1 ? next : first;
+            CHECK(k < 1 || next.positions == first.positions); // earlier answers stay valid
+            tried += 1;
+        }
+    }
+    CHECK(tried > 4);
+    stp_store_close(store);
+    stp_context_destroy(context);
+}

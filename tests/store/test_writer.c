@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: MIT
+// The writer: order of blocks, sizes, refusals, failures half way.
+#include "support_sample.h"
+#include "tests.h"
+
+#include "base/file.h"
+#include "store/format.h"
+
+#include <dirent.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// A new empty folder, and the path of a file within it.
+static bool make_folder(char folder[256], char path[300])
+{
+    const char* parent = getenv("TMPDIR");
+    snprintf(folder, 256, "%s/stp_store_XXXXXX", parent != NULL ? parent : "/tmp");
+    bool made = mkdtemp(folder) != NULL;
+    snprintf(path, 300, "%s/a.stip", folder);
+    return made;
+}
+
+static int count_files(const char* folder)
+{
+    DIR* open_folder = opendir(folder);
+    int count = 0;
+    for (struct dirent* entry; open_folder != NULL && (entry = readdir(open_folder)) != NULL;) {
+        count += entry->d_name[0] != '.';
+    }
+    closedir(open_folder);
+    return count;
+}
+
+void test_store_writes_an_empty_scene(test_state* test)
+{
+    char folder[256], path[300];
+    CHECK(make_folder(folder, path));
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_store_content empty = {.directory = {.root = STP_STORE_NONE, .up = 'y'}};
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_write(context, &empty, path));
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    CHECK(sample_difference(&empty, store) == NULL);
+    CHECK(stp_store_file_bytes(store) < 1024);
+    stp_surfels surfels;
+    CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_get_surfels(store, 0, &surfels));
+    stp_store_close(store);
+    CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
+    unlink(path);
+    CHECK_EQUAL(0, rmdir(folder));
+    stp_context_destroy(context);
+}
+
+void test_store_survives_failing_allocator(test_state* test)
+{
+    char folder[256], path[300];
+    CHECK(make_folder(folder, path));
+    stp_context* plain = test_context(NULL, 1, NULL);
+    CHECK(plain != NULL);
+    stp_arena arena = stp_arena_create(plain, 1 << 16);
+    sample made = sample_make(&arena, 8);
+    CHECK_EQUAL(STP_OK, stp_store_write(plain, &made.content, path));
+    int failures = 0;
+    for (int n = 0;; ++n) { // fail the n-th allocation, until one run gets through
+        test_heap heap = TEST_HEAP(n);
+        test_log log = {.errors = 0};
+        stp_context* context = test_context(&heap, 1, &log);
+        if (context == NULL) {
+            CHECK_EQUAL(0, heap.live_bytes);
+            continue;
+        }
+        stp_store* store = NULL;
+        const char* difference = "not opened";
+        stp_result result = stp_store_write(context, &made.content, path);
+        if (result == STP_OK) {
+            result = stp_store_open(context, path, &store);
+        }
+        if (result == STP_OK) {
+            difference = sample_difference(&made.content, store);
+            stp_store_close(store);
+        }
+        stp_context_destroy(context);
+        CHECK_EQUAL(0, heap.live_bytes);
+        CHECK_EQUAL(1, count_files(folder)); // the old file or the new one, and nothing temporary
+        CHECK_EQUAL(STP_OK, stp_store_check(plain, path, false));
+        if (result == STP_OK && difference == NULL) {
+            CHECK_EQUAL(0, log.errors);
+            if (heap.count <= n) {
+                break;
+            }
+            continue; // only the folder was not synced
+        }
+        CHECK(result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY);
+        CHECK_EQUAL(1, log.errors);
+        failures += 1;
+    }
+    CHECK(failures > 20);
+    unlink(path);
+    CHECK_EQUAL(0, rmdir(folder));
+    stp_arena_destroy(&arena);
+    stp_context_destroy(plain);
+}
+
+void test_store_write_failures_leave_the_old_file(test_state* test)
+{
+    char folder[256], path[300], elsewhere[400];
+    CHECK(make_folder(folder, path));
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 16);
+    sample old = sample_make(&arena, 1), made = sample_make(&arena, 8);
+    CHECK_EQUAL(STP_OK, stp_store_write(context, &old.content, path));
+    snprintf(elsewhere, sizeof(elsewhere), "%s/missing/a.stip", folder);
+    CHECK_EQUAL(STP_ERROR_IO, stp_store_write(context, &made.content, elsewhere));
+    CHECK_EQUAL(1, log.errors);
+
+    // no more than 4 KB a file, as on a full disk
+    struct rlimit limit;
+    CHECK_EQUAL(0, getrlimit(RLIMIT_FSIZE, &limit));
+    struct rlimit low = {.rlim_cur = 4096, .rlim_max = limit.rlim_max};
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    int set = setrlimit(RLIMIT_FSIZE, &low);
+    stp_result result = stp_store_write(context, &made.content, path);
+    int reset = setrlimit(RLIMIT_FSIZE, &limit);
+    (void)signal(SIGXFSZ, handler);
+    CHECK_EQUAL(0, set);
+    CHECK_EQUAL(0, reset);
+    CHECK_EQUAL(STP_ERROR_IO, result);
+    CHECK_EQUAL(2, log.errors);
+    CHECK_EQUAL(1, count_files(folder));
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    CHECK(sample_difference(&old.content, store) == NULL);
+    stp_store_close(store);
+    unlink(path);
+    CHECK_EQUAL(0, rmdir(folder));
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
+}
+
+// Nothing is written that a reader would refuse: each of these spoils one thing of a good scene.
+static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, stp_surfels* surfels,
+                  stp_store_node* node, float* positions, uint32_t* indices)
+{
+    switch (what) {
+    case 0:
+        indices[1] = mesh->vertex_count;
+        break;
+    case 1:
+        positions[2] = NAN;
+        break;
+    case 2:
+        mesh->material = 1;
+        break;
+    case 3:
+        surfels->step = 0.3f;
+        break;
+    case 4:
+        surfels->octave_ends[0] = 5;
+        break;
+    case 5:
+        surfels->materials[3] = 1;
+        break;
+    case 6:
+        surfels->table.radius[1] = 9.0f;
+        break;
+    case 7:
+        node->part_count = 2;
+        break;
+    case 8:
+        node->surfels = 1;
+        break;
+    case 9:
+        node->bounds.max.x = (double)INFINITY;
+        break;
+    case 10:
+        content->directory.root = 1;
+        break;
+    default:
+        content->directory.up = 'a';
+        break;
+    }
+}
+
+void test_store_refuses_to_write_what_it_could_not_read(test_state* test)
+{
+    char folder[256], path[300];
+    CHECK(make_folder(folder, path));
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    for (int what = -1; what < 12; ++what) {
+        float positions[9] = {0};
+        uint32_t indices[3] = {0, 1, 2};
+        uint16_t grid[12] = {0};
+        int8_t normals[8] = {0};
+        uint8_t materials[4] = {0}, colors[18] = {0}, coverages[6] = {0};
+        stp_store_material material = {
+            .base_color_texture.texture = STP_STORE_NONE,
+            .metallic_roughness_texture.texture = STP_STORE_NONE,
+            .emissive_texture.texture = STP_STORE_NONE,
+        };
+        stp_shading shading = {0};
+        stp_store_mesh mesh = {
+            .vertex_count = 3, .triangle_count = 1, .positions = positions, .indices = indices};
+        stp_surfels surfels = {
+            .count = 4,
+            .step = 0.5f,
+            .positions = grid,
+            .normals = normals,
+            .materials = materials,
+            .octave_count = 2,
+            .octave_ends = {2, 4},
+            .colors = colors,
+            .coverages = coverages,
+            .table = {.size = 2, .count = {1, 4}, .radius = {8.0f, 4.0f}},
+        };
+        stp_store_node node = {.part_count = 1, .surfels = 0};
+        stp_store_part part = {STP_STORE_PART_MESH, 0};
+        stp_store_content content = {
+            .directory = {.node_count = 1,
+                          .part_count = 1,
+                          .material_count = 1,
+                          .shading_count = 1,
+                          .mesh_count = 1,
+                          .surfels_count = 1,
+                          .nodes = &node,
+                          .parts = &part,
+                          .materials = &material,
+                          .shadings = &shading,
+                          .up = 'y'},
+            .meshes = &mesh,
+            .surfels = &surfels,
+        };
+        if (what >= 0) {
+            spoil(&content, what, &mesh, &surfels, &node, positions, indices);
+        }
+        log.errors = 0;
+        stp_result result = stp_store_write(context, &content, path);
+        if (result != (what < 0 ? STP_OK : STP_ERROR_ARGUMENT)) {
+            fprintf(stderr, "spoilt %d: %s\n", what, stp_result_string(result));
+        }
+        CHECK_EQUAL(what < 0 ? STP_OK : STP_ERROR_ARGUMENT, result);
+        CHECK_EQUAL(what < 0 ? 0 : 1, log.errors);
+        CHECK_EQUAL(1, count_files(folder)); // that of the first, good one
+    }
+    unlink(path);
+    CHECK_EQUAL(0, rmdir(folder));
+    stp_context_destroy(context);
+}
+
+// A set of octaves that grow fourfold, as on a surface, with a radius that halves with each.
+static stp_surfels make_octaves(stp_arena* arena, uint32_t first, uint32_t octaves, float radius)
+{
+    stp_surfels s = {.step = 0.5f, .octave_count = octaves};
+    size_t entries = 0;
+    for (uint32_t k = 0; k < octaves; ++k) {
+        s.count = first << 2 * k;
+        s.octave_ends[k] = s.count;
+        entries += s.count;
+        s.table.count[k] = s.count;
+        s.table.radius[k] = radius;
+        s.table.size = k + 1;
+        radius *= 0.5f;
+    }
+    s.positions = stp_arena_alloc(arena, 6 * (size_t)s.count);
+    s.normals = stp_arena_alloc(arena, 2 * (size_t)s.count);
+    s.materials = stp_arena_alloc(arena, s.count);
+    s.colors = stp_arena_alloc(arena, 3 * entries);
+    s.coverages = stp_arena_alloc(arena, entries);
+    if (s.positions != NULL && s.normals != NULL && s.materials != NULL && s.colors != NULL &&
+        s.coverages != NULL) {
+        memset(s.positions, 1, 6 * (size_t)s.count);
+        memset(s.normals, 2, 2 * (size_t)s.count);
+        memset(s.materials, 0, s.count);
+        memset(s.colors, 3, 3 * entries);
+        memset(s.coverages, 4, entries);
+    }
+    return s;
+}
+
+void test_store_keeps_surfels_within_15_bytes(test_state* test)
+{
+    char folder[256], path[300];
+    CHECK(make_folder(folder, path));
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 20);
+    stp_surfels set = make_octaves(&arena, 3, 8, 64.0f), got; // 49,152 surfels
+    CHECK(set.coverages != NULL);
+    stp_shading shading = {0};
+    stp_store_content content = {
+        .directory = {.root = STP_STORE_NONE,
+                      .shading_count = 1,
+                      .shadings = &shading,
+                      .surfels_count = 1,
+                      .up = 'y'},
+        .surfels = &set,
+    };
+    CHECK_EQUAL(STP_OK, stp_store_write(context, &content, path));
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    uint64_t before = stp_context_live_bytes(context);
+    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &got));
+    uint64_t memory = stp_context_live_bytes(context) - before;
+    CHECK_EQUAL(set.count, got.count);
+    CHECK(stp_store_file_bytes(store) < 15 * (uint64_t)set.count);
+    CHECK(memory < 15 * (uint64_t)set.count);
+    CHECK((uintptr_t)got.positions % 64 == 0 && (uintptr_t)got.colors % 64 == 0);
+    stp_store_close(store);
+    unlink(path);
+    CHECK_EQUAL(0, rmdir(folder));
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
+}
+
+void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
+{
+    char folder[256], path[300];
+    CHECK(make_folder(folder, path));
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 16);
+    // set 0 reaches 1, 1/2, 1/4 in its own space and is shown at scale 6 and at scale 1; set 1
+    // reaches 4, 2, 1
+    stp_surfels sets[2] = {make_octaves(&arena, 2, 3, 1.0f), make_octaves(&arena, 2, 3, 4.0f)};
+    stp_affine scaled = {{{0, 6, 0, 1}, {-6, 0, 0, 0}, {0, 0, 6, 0}}};
+    stp_store_edge edges[2] = {{0, stp_affine_identity()}, {0, scaled}};
+    stp_store_node nodes[2] = {{.surfels = 0}, {.edge_count = 2, .surfels = 1}};
+    stp_shading shading = {0};
+    stp_store_content content = {
+        .directory = {.root = 1,
+                      .node_count = 2,
+                      .nodes = nodes,
+                      .edge_count = 2,
+                      .edges = edges,
+                      .shading_count = 1,
+                      .shadings = &shading,
+                      .surfels_count = 2,
+                      .up = 'y'},
+        .surfels = sets,
+    };
+    CHECK_EQUAL(STP_OK, stp_store_write(context, &content, path));
+    // in scene space: set 0 reaches 6, 3, 1.5; set 1 4, 2, 1. So every further block adds one
+    // octave, in turn
+    stp_mapped_file file;
+    CHECK_EQUAL(STP_OK, stp_file_map(context, path, &file));
+    uint32_t order[6][2];
+    int seen = 0;
+    for (size_t length = 0; length <= file.size; ++length) {
+        stp_store* store = NULL;
+        stp_store_open_desc desc = {.accept_prefix = true};
+        if (stp_store_open_memory(context, "cut", file.bytes, length, &desc, &store) == STP_OK) {
+            uint32_t octaves[2] = {stp_store_describe_surfels(store, 0)->octave_count,
+                                   stp_store_describe_surfels(store, 1)->octave_count};
+            if ((int)(octaves[0] + octaves[1]) > seen) {
+                order[seen][0] = octaves[0];
+                order[seen][1] = octaves[1];
+                seen += 1;
+            }
+            stp_store_close(store);
+        }
+    }
+    stp_file_unmap(&file);
+    unlink(path);
+    CHECK_EQUAL(0, rmdir(folder));
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
+    CHECK_EQUAL(6, seen);
+    static const uint32_t wanted[6][2] = {{1, 0}, {1, 1}, {2, 1}, {2, 2}, {3, 2}, {3, 3}};
+    CHECK(memcmp(wanted, order, sizeof(wanted)) == 0);
+}
