@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+// glTF 2.0, as .gltf and .glb: the container, the version, the extensions, and the order of
+// reading.
+#include "base/bytes.h"
+#include "import/gltf.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { CHUNK_JSON = 0x4E4F534A, CHUNK_BINARY = 0x004E4942 };
+enum { GLB_HEADER_SIZE = 12, CHUNK_HEADER_SIZE = 8, DETECT_SIZE = 65536 };
+
+// Extensions that change nothing about what we read, or that we read.
+static const char* const known_extensions[] = {
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_draco_mesh_compression",
+    "KHR_meshopt_compression",
+    "EXT_meshopt_compression",
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+    NULL,
+};
+
+static bool detect(const unsigned char* bytes, size_t size)
+{
+    if (size >= 4 && memcmp(bytes, "glTF", 4) == 0) {
+        return true;
+    }
+    size_t at = size >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    while (at < size &&
+           (bytes[at] == ' ' || bytes[at] == '\t' || bytes[at] == '\r' || bytes[at] == '\n')) {
+        at += 1;
+    }
+    if (at >= size || bytes[at] != '{') {
+        return false;
+    }
+    size_t end = size < DETECT_SIZE ? size : DETECT_SIZE;
+    for (; at + 7 <= end; ++at) {
+        if (memcmp(bytes + at, "\"asset\"", 7) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+typedef struct json_text {
+    const char* bytes;
+    size_t size;
+} json_text;
+
+// Finds the two chunks of a .glb (4.4.3).
+static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* text)
+{
+    const stp_mapped_file* file = &gltf->import->file;
+    if (file->size < GLB_HEADER_SIZE) {
+        return stp_gltf_fail(scope, STP_ERROR_TRUNCATED, "a .glb has a header of 12 bytes");
+    }
+    uint32_t version = stp_read_u32(file->bytes + 4);
+    size_t length = stp_read_u32(file->bytes + 8);
+    if (version != 2) {
+        return stp_gltf_fail(scope, version > 2 ? STP_ERROR_VERSION : STP_ERROR_UNSUPPORTED,
+                             "its container is of version %u, but only 2 is read", version);
+    }
+    if (length > file->size) {
+        return stp_gltf_fail(scope, STP_ERROR_TRUNCATED,
+                             "the header says %zu bytes, but there are %zu", length, file->size);
+    }
+    size_t at = GLB_HEADER_SIZE;
+    for (size_t chunk = 0; length >= at + CHUNK_HEADER_SIZE; ++chunk) {
+        size_t size = stp_read_u32(file->bytes + at);
+        uint32_t type = stp_read_u32(file->bytes + at + 4);
+        at += CHUNK_HEADER_SIZE;
+        if (size > length - at) {
+            return stp_gltf_fail(scope, STP_ERROR_TRUNCATED,
+                                 "chunk %zu is of %zu bytes, but %zu are left", chunk, size,
+                                 length - at);
+        }
+        if (chunk == 0 && type == CHUNK_JSON) {
+            *text = (json_text){(const char*)file->bytes + at, size};
+        } else if (type == CHUNK_BINARY && gltf->chunk == NULL) {
+            gltf->chunk = file->bytes + at;
+            gltf->chunk_size = size;
+        }
+        at += size;
+    }
+    if (text->bytes == NULL) {
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "its first chunk is not JSON");
+    }
+    return STP_OK;
+}
+
+static stp_result parse_json(stp_gltf_scope* scope, stp_gltf* gltf, json_text text)
+{
+    if (text.size >= 3 && memcmp(text.bytes, "\xEF\xBB\xBF", 3) == 0) {
+        text.bytes += 3;
+        text.size -= 3;
+    }
+    while (text.size > 0 && text.bytes[text.size - 1] == '\0') {
+        text.size -= 1; // some writers pad the chunk with zeros instead of spaces
+    }
+    json_error_t error;
+    gltf->root = text.size > 0 ? json_loadb(text.bytes, text.size, 0, &error) : NULL;
+    if (text.size == 0) {
+        return stp_gltf_fail(scope, STP_ERROR_TRUNCATED, "it has no JSON");
+    }
+    if (gltf->root == NULL && json_error_code(&error) == json_error_out_of_memory) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    if (gltf->root == NULL) {
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "JSON at line %d, column %d: %s", error.line,
+                             error.column, error.text);
+    }
+    if (!json_is_object(gltf->root)) {
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "the JSON is not an object");
+    }
+    return STP_OK;
+}
+
+// "2.0" has major 2; false where the text is no version.
+static bool parse_version(const char* text, unsigned* major, unsigned* minor)
+{
+    int used = 0;
+    return text != NULL && sscanf(text, "%3u.%3u%n", major, minor, &used) == 2 &&
+           text[used] == '\0';
+}
+
+static stp_result check_version(stp_gltf_scope* scope, const stp_gltf* gltf)
+{
+    const json_t* asset;
+    unsigned major, minor;
+    stp_result result = stp_gltf_object(scope, gltf->root, "asset", &asset);
+    if (result != STP_OK) {
+        return result;
+    }
+    const char* version = stp_gltf_text(asset, "version");
+    const char* least = stp_gltf_text(asset, "minVersion");
+    if (!parse_version(version, &major, &minor)) {
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "asset.version is missing or no version");
+    }
+    if (major != 2) {
+        return stp_gltf_fail(scope, major > 2 ? STP_ERROR_VERSION : STP_ERROR_UNSUPPORTED,
+                             "it is glTF %u.%u, but only 2 is read", major, minor);
+    }
+    if (least != NULL && (!parse_version(least, &major, &minor) || major != 2 || minor > 0)) {
+        return stp_gltf_fail(scope, STP_ERROR_VERSION, "it needs a reader of glTF %.20s", least);
+    }
+    return STP_OK;
+}
+
+static bool is_known(const char* extension)
+{
+    const char* const* known = known_extensions;
+    while (*known != NULL && strcmp(*known, extension) != 0) {
+        known += 1;
+    }
+    return *known != NULL;
+}
+
+static bool is_listed(const json_t* list, const char* extension)
+{
+    for (size_t i = 0; i < json_array_size(list); ++i) {
+        const char* name = json_string_value(json_array_get(list, i));
+        if (name != NULL && strcmp(name, extension) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static stp_result check_extensions(stp_gltf_scope* scope, const stp_gltf* gltf)
+{
+    const json_t *required, *used;
+    stp_result result = stp_gltf_array(scope, gltf->root, "extensionsRequired", &required);
+    if (result == STP_OK) {
+        result = stp_gltf_array(scope, gltf->root, "extensionsUsed", &used);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    for (size_t i = 0; i < json_array_size(required); ++i) {
+        const char* name = json_string_value(json_array_get(required, i));
+        if (name == NULL || !is_known(name)) {
+            return stp_gltf_fail(scope, STP_ERROR_UNSUPPORTED,
+                                 "it requires the extension %.100s, which is not known",
+                                 name != NULL ? name : "(no text)");
+        }
+    }
+    for (size_t i = 0; i < json_array_size(used); ++i) {
+        const char* name = json_string_value(json_array_get(used, i));
+        if (name != NULL && !is_known(name) && !is_listed(required, name)) {
+            stp_notice(gltf->context, "%s: the extension %.100s is ignored", gltf->import->path,
+                       name);
+        }
+    }
+    return STP_OK;
+}
+
+static stp_result open_file(stp_gltf_scope* scope, stp_gltf* gltf)
+{
+    const stp_mapped_file* file = &gltf->import->file;
+    json_text text = {(const char*)file->bytes, file->size};
+    bool is_glb = file->size >= 4 && memcmp(file->bytes, "glTF", 4) == 0;
+    stp_result result = STP_OK;
+    if (is_glb) {
+        text = (json_text){0};
+        result = open_glb(scope, gltf, &text);
+    }
+    if (result == STP_OK) {
+        result = parse_json(scope, gltf, text);
+    }
+    if (result == STP_OK) {
+        result = check_version(scope, gltf);
+    }
+    if (result == STP_OK) {
+        result = check_extensions(scope, gltf);
+    }
+    return result == STP_OK ? stp_gltf_find_lists(scope, gltf) : result;
+}
+
+static stp_result load(stp_gltf_scope* scope, stp_gltf* gltf)
+{
+    stp_gltf_part* parts = NULL;
+    stp_result result = open_file(scope, gltf);
+    if (result == STP_OK) {
+        result = stp_gltf_load_buffers(scope, gltf);
+    }
+    if (result == STP_OK) {
+        result = stp_gltf_decompress_views(scope, gltf);
+    }
+    if (result == STP_OK) {
+        result = stp_gltf_load_materials(scope, gltf);
+    }
+    if (result == STP_OK) {
+        result = stp_gltf_load_nodes(scope, gltf);
+    }
+    if (result == STP_OK) {
+        result = stp_gltf_load_meshes(scope, gltf, &parts);
+    }
+    if (result == STP_OK) {
+        result = stp_gltf_add_objects(scope, gltf, parts);
+    }
+    stp_free(gltf->context, parts);
+    return result;
+}
+
+static stp_result read_gltf(stp_import* import)
+{
+    stp_gltf gltf = {
+        .import = import, .context = import->context, .content_bytes = import->file.size};
+    stp_import_set_axes(import, 'y', 1.0); // (3.4)
+    stp_gltf_scope scope = stp_gltf_scope_begin(&gltf);
+    stp_result result = stp_gltf_scope_end(&scope, load(&scope, &gltf));
+    stp_gltf_free_buffers(&gltf);
+    stp_free(gltf.context, gltf.materials);
+    stp_free(gltf.context, gltf.nodes);
+    stp_free(gltf.context, gltf.node_order);
+    stp_free(gltf.context, gltf.variants);
+    json_decref(gltf.root);
+    return result;
+}
+
+const stp_importer stp_importer_gltf = {
+    .name = "gltf", .extensions = "gltf glb", .detect = detect, .read = read_gltf};

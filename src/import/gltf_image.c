@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: MIT
+// Images, samplers and textures (3.8). A texture of the scene is a picture with its wrapping, so a
+// picture used with two samplers that differ is copied; pictures are decoded in jobs.
+#include "import/gltf.h"
+#include "import/image.h"
+
+#include <string.h>
+
+// All pictures of a file together: at least 2^28 pixels, and more where the file is large.
+#define PIXELS_ALWAYS_ALLOWED ((uint64_t)1 << 28)
+#define PIXELS_PER_BYTE 4096
+
+enum { WRAP_REPEAT = 10497, WRAP_CLAMP = 33071, WRAP_MIRROR = 33648, FILTER_NEAREST = 9728 };
+
+typedef struct image_state {
+    const unsigned char* bytes; ///< NULL: the picture cannot be had
+    size_t size;
+    unsigned char* owned;
+    stp_mapped_file file;
+    stp_image_info info;
+    stp_result result;
+    stp_texture decoded;
+    uint32_t first_request; ///< of those that show this image; STP_NONE: none
+} image_state;
+
+typedef struct texture_request {
+    uint32_t image;
+    uint32_t next; ///< of the same image
+    stp_wrap wrap_u, wrap_v;
+    bool nearest;
+    uint32_t scene_texture;
+} texture_request;
+
+struct stp_gltf_textures {
+    image_state* images;
+    texture_request* requests;
+    size_t request_count, request_capacity;
+};
+
+stp_result stp_gltf_textures_create(stp_gltf_scope* scope, stp_gltf_textures** textures)
+{
+    stp_context* context = scope->gltf->context;
+    size_t count = stp_gltf_count(scope->gltf, STP_GLTF_IMAGES);
+    stp_gltf_textures* made = STP_NEW_ZEROED(context, stp_gltf_textures, 1);
+    if (made == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    made->images = STP_NEW_ZEROED(context, image_state, count);
+    if (made->images == NULL) {
+        stp_free(context, made);
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        made->images[i].first_request = STP_NONE;
+    }
+    *textures = made;
+    return STP_OK;
+}
+
+static void drop_bytes(image_state* image, stp_context* context)
+{
+    stp_free(context, image->owned);
+    stp_file_unmap(&image->file);
+    image->owned = NULL;
+    image->bytes = NULL;
+}
+
+void stp_gltf_textures_destroy(stp_gltf_textures* textures, stp_gltf* gltf)
+{
+    if (textures != NULL) {
+        for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_IMAGES); ++i) {
+            drop_bytes(&textures->images[i], gltf->context);
+            stp_free(gltf->context, textures->images[i].decoded.texels);
+        }
+        stp_free(gltf->context, textures->requests);
+        stp_free(gltf->context, textures->images);
+        stp_free(gltf->context, textures);
+    }
+}
+
+// Which image a texture shows: that of an extension we read, else its own.
+static stp_result find_source(stp_gltf_scope* scope, const json_t* json, uint32_t* image)
+{
+    const json_t* webp;
+    stp_result result = stp_gltf_extension(scope, json, "EXT_texture_webp", &webp);
+    if (result == STP_OK) {
+        result = stp_gltf_index(scope, webp, "source", STP_GLTF_IMAGES, image);
+    }
+    if (result == STP_OK && *image == STP_NONE) {
+        result = stp_gltf_index(scope, json, "source", STP_GLTF_IMAGES, image);
+    }
+    return result;
+}
+
+static stp_wrap to_wrap(size_t code)
+{
+    return code == WRAP_CLAMP    ? STP_WRAP_CLAMP
+           : code == WRAP_MIRROR ? STP_WRAP_MIRROR
+                                 : STP_WRAP_REPEAT;
+}
+
+static stp_result read_sampler(stp_gltf_scope* scope, const json_t* texture,
+                               texture_request* request)
+{
+    uint32_t sampler = STP_NONE;
+    stp_result result = stp_gltf_index(scope, texture, "sampler", STP_GLTF_SAMPLERS, &sampler);
+    if (result != STP_OK || sampler == STP_NONE) {
+        return result;
+    }
+    const json_t* json;
+    size_t wrap_u = WRAP_REPEAT, wrap_v = WRAP_REPEAT, filter = 0;
+    result = stp_gltf_item(scope, STP_GLTF_SAMPLERS, sampler, &json);
+    if (result == STP_OK) {
+        result = stp_gltf_size(scope, json, "wrapS", &wrap_u);
+    }
+    if (result == STP_OK) {
+        result = stp_gltf_size(scope, json, "wrapT", &wrap_v);
+    }
+    if (result == STP_OK) {
+        result = stp_gltf_size(scope, json, "magFilter", &filter);
+    }
+    request->wrap_u = to_wrap(wrap_u);
+    request->wrap_v = to_wrap(wrap_v);
+    request->nearest = filter == FILTER_NEAREST;
+    return result;
+}
+
+stp_result stp_gltf_textures_want(stp_gltf_scope* scope, stp_gltf_textures* textures,
+                                  uint32_t texture, uint32_t* request)
+{
+    const json_t* json;
+    texture_request wanted = {.image = STP_NONE, .next = STP_NONE, .scene_texture = STP_NONE};
+    *request = STP_NONE;
+    stp_result result = stp_gltf_item(scope, STP_GLTF_TEXTURES, texture, &json);
+    if (result == STP_OK) {
+        result = find_source(scope, json, &wanted.image);
+    }
+    if (result == STP_OK) {
+        result = read_sampler(scope, json, &wanted);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    if (wanted.image == STP_NONE) {
+        stp_gltf_warn(scope, "textures[%u] has no image that can be read and is left out", texture);
+        return STP_OK;
+    }
+    uint32_t* link = &textures->images[wanted.image].first_request;
+    while (*link != STP_NONE) { // at most eighteen: three wraps, three wraps, two filters
+        texture_request* other = &textures->requests[*link];
+        if (other->wrap_u == wanted.wrap_u && other->wrap_v == wanted.wrap_v &&
+            other->nearest == wanted.nearest) {
+            *request = *link;
+            return STP_OK;
+        }
+        link = &other->next;
+    }
+    *link = (uint32_t)textures->request_count;
+    texture_request* requests =
+        stp_grow_array(scope->gltf->context, textures->requests, &textures->request_capacity,
+                       textures->request_count + 1, sizeof(*requests));
+    if (requests == NULL) {
+        *link = STP_NONE;
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    textures->requests = requests;
+    *request = (uint32_t)textures->request_count;
+    requests[textures->request_count++] = wanted;
+    return STP_OK;
+}
+
+static stp_result open_external(stp_gltf_scope* scope, const char* uri, image_state* image)
+{
+    const stp_gltf* gltf = scope->gltf;
+    char* reference;
+    stp_result result = stp_gltf_uri_path(scope, uri, &reference);
+    if (result != STP_OK) {
+        return result;
+    }
+    const char* path = NULL;
+    result = stp_import_resolve_optional(gltf->import, scope->place, reference, &path);
+    stp_free(gltf->context, reference);
+    if (result == STP_OK && path != NULL) {
+        result = stp_file_map(gltf->context, path, &image->file);
+        image->bytes = image->file.bytes;
+        image->size = image->file.size;
+    }
+    return stp_gltf_logged(scope, result);
+}
+
+static stp_result open_image(stp_gltf_scope* scope, uint32_t index, image_state* image)
+{
+    const json_t* json;
+    uint32_t view = STP_NONE;
+    stp_result result = stp_gltf_item(scope, STP_GLTF_IMAGES, index, &json);
+    if (result == STP_OK) {
+        result = stp_gltf_index(scope, json, "bufferView", STP_GLTF_BUFFER_VIEWS, &view);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    const char* uri = stp_gltf_text(json, "uri");
+    image->decoded.name = stp_gltf_text(json, "name");
+    if (view != STP_NONE) {
+        size_t stride;
+        return stp_gltf_view(scope, view, &image->bytes, &image->size, &stride);
+    }
+    if (uri == NULL) {
+        stp_gltf_warn(scope, "has neither uri nor bufferView and is left out");
+        return STP_OK;
+    }
+    if (stp_gltf_uri_is_data(uri)) {
+        result = stp_gltf_uri_decode(scope, uri, &image->owned, &image->size);
+        image->bytes = image->owned;
+        return result;
+    }
+    return open_external(scope, uri, image);
+}
+
+// Opens a picture and looks at its header. One of a kind that cannot be read is done without.
+static stp_result measure_image(stp_gltf_scope* scope, uint32_t index, image_state* image)
+{
+    stp_gltf_set_place(scope, "images[%u]", index);
+    stp_result result = open_image(scope, index, image);
+    if (result != STP_OK || image->bytes == NULL) {
+        return result;
+    }
+    result = stp_image_measure(image->bytes, image->size, &image->info);
+    if (result == STP_ERROR_UNSUPPORTED) {
+        stp_gltf_warn(scope, "%s, and is left out", image->info.reason);
+        drop_bytes(image, scope->gltf->context);
+        result = STP_OK;
+    }
+    return result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY
+               ? result
+               : stp_gltf_fail(scope, result, "%s", image->info.reason);
+}
+
+typedef struct decode_loop {
+    stp_context* context;
+    image_state* images;
+} decode_loop;
+
+static void decode_job(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    decode_loop* loop = user;
+    for (size_t i = begin; i < end; ++i) {
+        image_state* image = &loop->images[i];
+        if (image->bytes != NULL) {
+            image->result = stp_image_decode_measured(loop->context, image->bytes, image->size,
+                                                      &image->info, &image->decoded);
+            drop_bytes(image, loop->context);
+        }
+    }
+}
+
+static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textures, stp_gltf* gltf)
+{
+    size_t count = stp_gltf_count(gltf, STP_GLTF_IMAGES);
+    uint64_t pixels = 0;
+    for (size_t i = 0; i < count; ++i) {
+        image_state* image = &textures->images[i];
+        if (image->first_request == STP_NONE) {
+            continue;
+        }
+        stp_gltf_scope own = stp_gltf_scope_begin(gltf); // so that each picture has its warning
+        stp_result result = stp_gltf_scope_end(&own, measure_image(&own, (uint32_t)i, image));
+        if (result != STP_OK) {
+            return stp_gltf_logged(scope, result);
+        }
+        gltf->content_bytes += image->file.size;
+        pixels += (uint64_t)image->info.width * image->info.height;
+    }
+    if (pixels > PIXELS_ALWAYS_ALLOWED && pixels / PIXELS_PER_BYTE > gltf->content_bytes) {
+        return stp_gltf_fail(scope, STP_ERROR_LIMIT,
+                             "the pictures claim %llu pixels in a file of %zu bytes",
+                             (unsigned long long)pixels, gltf->content_bytes);
+    }
+    decode_loop loop = {.context = gltf->context, .images = textures->images};
+    stp_parallel_for(gltf->context, count, 1, decode_job, &loop);
+    for (size_t i = 0; i < count; ++i) {
+        const image_state* image = &textures->images[i];
+        if (image->result != STP_OK) {
+            stp_gltf_set_place(scope, "images[%zu]", i);
+            return image->result == STP_ERROR_OUT_OF_MEMORY
+                       ? image->result
+                       : stp_gltf_fail(scope, image->result, "%s", image->info.reason);
+        }
+    }
+    return STP_OK;
+}
+
+// The last request of a picture takes its texels, those before it a copy.
+static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures,
+                              texture_request* request, stp_gltf* gltf)
+{
+    image_state* image = &textures->images[request->image];
+    stp_texture texture = image->decoded;
+    if (texture.width == 0) {
+        return STP_OK;
+    }
+    size_t size = (size_t)texture.width * texture.height * 4;
+    if (request->next != STP_NONE) {
+        texture.texels = stp_alloc(gltf->context, size);
+        if (texture.texels == NULL) {
+            return STP_ERROR_OUT_OF_MEMORY;
+        }
+        memcpy(texture.texels, image->decoded.texels, size);
+    } else {
+        image->decoded.texels = NULL;
+    }
+    texture.wrap_u = request->wrap_u;
+    texture.wrap_v = request->wrap_v;
+    texture.nearest = request->nearest;
+    return stp_gltf_logged(
+        scope, stp_scene_add_texture(gltf->import->scene, &texture, &request->scene_texture));
+}
+
+stp_result stp_gltf_textures_load(stp_gltf_scope* scope, stp_gltf_textures* textures,
+                                  stp_gltf* gltf)
+{
+    stp_result result = decode_images(scope, textures, gltf);
+    for (size_t i = 0; result == STP_OK && i < textures->request_count; ++i) {
+        result = add_texture(scope, textures, &textures->requests[i], gltf);
+    }
+    return result;
+}
+
+uint32_t stp_gltf_textures_get(const stp_gltf_textures* textures, uint32_t request)
+{
+    return request == STP_NONE ? STP_NONE : textures->requests[request].scene_texture;
+}

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// All primitives that are shown, read in jobs and added to the scene in their order.
+#include "import/gltf_primitive.h"
+
+#include <string.h>
+
+// Accessors may be shared without end, so a small file could ask for any amount of memory. Honest
+// files share as well: what is read may be this much more than what is stored.
+#define ELEMENTS_ALWAYS_ALLOWED ((uint64_t)1 << 24)
+#define ELEMENTS_PER_BYTE 256
+
+typedef struct primitive_loop {
+    const stp_gltf* gltf;
+    stp_gltf_primitive* primitives;
+} primitive_loop;
+
+static char* copy_message(stp_context* context, const char* message)
+{
+    size_t size = strlen(message) + 1;
+    char* copy = size > 1 ? stp_alloc(context, size) : NULL;
+    return copy != NULL ? memcpy(copy, message, size) : NULL;
+}
+
+static void set_place(stp_gltf_scope* scope, const stp_gltf_primitive* primitive)
+{
+    stp_gltf_set_place(scope, "meshes[%u].primitives[%zu]",
+                       scope->gltf->variants[primitive->variant].mesh, primitive->index);
+}
+
+static void read_job(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    primitive_loop* loop = user;
+    for (size_t i = begin; i < end; ++i) {
+        stp_gltf_primitive* primitive = &loop->primitives[i];
+        stp_gltf_scope scope = stp_gltf_scope_begin(loop->gltf);
+        set_place(&scope, primitive);
+        primitive->result = stp_gltf_read_primitive(&scope, primitive);
+        primitive->error = copy_message(loop->gltf->context, scope.error);
+        primitive->warning = copy_message(loop->gltf->context, scope.warning);
+    }
+}
+
+static stp_result count_primitives(stp_gltf_scope* scope, stp_gltf* gltf, size_t* count)
+{
+    *count = 0;
+    for (size_t i = 0; i < gltf->variant_count; ++i) {
+        stp_gltf_variant* variant = &gltf->variants[i];
+        const json_t *mesh, *primitives;
+        stp_gltf_set_place(scope, "meshes[%u]", variant->mesh);
+        stp_result result = stp_gltf_item(scope, STP_GLTF_MESHES, variant->mesh, &mesh);
+        if (result == STP_OK) {
+            result = stp_gltf_array(scope, mesh, "primitives", &primitives);
+        }
+        if (result != STP_OK) {
+            return result;
+        }
+        variant->first_primitive = *count;
+        variant->primitive_count = json_array_size(primitives);
+        *count += variant->primitive_count;
+    }
+    stp_gltf_set_place(scope, "%s", "");
+    return STP_OK;
+}
+
+// The elements that an accessor named by a member claims; 0 where there is none. Mistakes are left
+// to the reading itself.
+static uint64_t claimed_elements(const stp_gltf* gltf, const json_t* object, const char* key)
+{
+    const json_t* index = json_object_get(object, key);
+    size_t at = json_is_integer(index) && json_integer_value(index) >= 0
+                    ? (size_t)json_integer_value(index)
+                    : SIZE_MAX;
+    const json_t* accessor = json_array_get(gltf->lists[STP_GLTF_ACCESSORS], at);
+    json_int_t count = json_integer_value(json_object_get(accessor, "count"));
+    return count > 0 && count < STP_NONE ? (uint64_t)count : 0;
+}
+
+// Lays out the primitives and refuses a file that asks for absurdly more than it holds.
+static stp_result plan_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
+                                  stp_gltf_primitive* primitives)
+{
+    uint64_t elements = 0;
+    for (size_t i = 0; i < gltf->variant_count; ++i) {
+        const stp_gltf_variant* variant = &gltf->variants[i];
+        const json_t* mesh = json_array_get(gltf->lists[STP_GLTF_MESHES], variant->mesh);
+        const json_t* list = json_object_get(mesh, "primitives");
+        for (size_t k = 0; k < variant->primitive_count; ++k) {
+            const json_t* json = json_array_get(list, k);
+            bool is_indexed = json_object_get(json, "indices") != NULL;
+            primitives[variant->first_primitive + k] =
+                (stp_gltf_primitive){.variant = i, .index = k};
+            elements += is_indexed ? claimed_elements(gltf, json, "indices")
+                                   : claimed_elements(gltf, json_object_get(json, "attributes"),
+                                                      "POSITION");
+        }
+    }
+    if (elements > ELEMENTS_ALWAYS_ALLOWED && elements / ELEMENTS_PER_BYTE > gltf->content_bytes) {
+        return stp_gltf_fail(scope, STP_ERROR_LIMIT,
+                             "the meshes claim %llu vertices in a file of %zu bytes",
+                             (unsigned long long)elements, gltf->content_bytes);
+    }
+    return STP_OK;
+}
+
+static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, stp_gltf_part* part)
+{
+    stp_scene* scene = gltf->import->scene;
+    part->present = primitive->present;
+    if (!primitive->present) {
+        return STP_OK;
+    }
+    if (primitive->mode == STP_GLTF_POINTS) {
+        stp_point_set points = primitive->points;
+        primitive->points = (stp_point_set){0}; // the scene takes it, also on failure
+        part->part.kind = STP_PART_POINTS;
+        return stp_scene_add_point_set(scene, &points, &part->part.index);
+    }
+    stp_mesh mesh = primitive->mesh;
+    primitive->mesh = (stp_mesh){0};
+    part->part.kind = STP_PART_MESH;
+    return stp_scene_add_mesh(scene, &mesh, &part->part.index);
+}
+
+static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
+                                 stp_gltf_primitive* primitives, size_t count, stp_gltf_part* parts)
+{
+    size_t line_count = 0;
+    for (size_t i = 0; i < count; ++i) {
+        stp_gltf_primitive* primitive = &primitives[i];
+        if (primitive->warning != NULL) {
+            stp_warn(gltf->context, "%s: %s", gltf->import->path, primitive->warning);
+        }
+        if (primitive->result != STP_OK && primitive->error != NULL) {
+            return stp_gltf_logged(scope, stp_fail(gltf->context, primitive->result, "%s: %s",
+                                                   gltf->import->path, primitive->error));
+        }
+        if (primitive->result != STP_OK) {
+            return STP_ERROR_OUT_OF_MEMORY; // the only failure without a sentence
+        }
+        line_count += primitive->mode >= STP_GLTF_LINES && primitive->mode <= STP_GLTF_LINE_STRIP;
+        stp_result result = stp_gltf_logged(scope, add_primitive(gltf, primitive, &parts[i]));
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    if (line_count != 0) {
+        stp_warn(gltf->context, "%s: %zu primitives are lines and are left out", gltf->import->path,
+                 line_count);
+    }
+    return STP_OK;
+}
+
+stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf, stp_gltf_part** parts)
+{
+    size_t count;
+    stp_result result = count_primitives(scope, gltf, &count);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_gltf_primitive* primitives = STP_NEW_ZEROED(gltf->context, stp_gltf_primitive, count);
+    *parts = STP_NEW_ZEROED(gltf->context, stp_gltf_part, count);
+    if (primitives == NULL || *parts == NULL) {
+        stp_free(gltf->context, primitives);
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    result = plan_primitives(scope, gltf, primitives);
+    if (result == STP_OK) {
+        primitive_loop loop = {.gltf = gltf, .primitives = primitives};
+        stp_parallel_for(gltf->context, count, 1, read_job, &loop);
+        result = add_primitives(scope, gltf, primitives, count, *parts);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        stp_gltf_free_primitive(gltf->context, &primitives[i]);
+    }
+    stp_free(gltf->context, primitives);
+    return result;
+}
