@@ -59,7 +59,7 @@ float read_value(draco::DataType type, const unsigned char* bytes, uint32_t comp
 bool is_consistent(const draco::Mesh& mesh)
 {
     for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f) {
-        for (int c = 0; c < 3; ++c) {
+        for (size_t c = 0; c < 3; ++c) {
             if (mesh.face(f)[c].value() >= mesh.num_points()) {
                 return false;
             }
@@ -136,7 +136,7 @@ uint32_t stp_draco_face_count(const stp_draco_mesh* mesh)
 void stp_draco_indices(const stp_draco_mesh* mesh, uint32_t* out)
 {
     for (draco::FaceIndex f(0); f < mesh->mesh->num_faces(); ++f) {
-        for (int c = 0; c < 3; ++c) {
+        for (size_t c = 0; c < 3; ++c) {
             *out++ = mesh->mesh->face(f)[c].value();
         }
     }
