@@ -1,0 +1,38 @@
+# The developer's front door; CMake does the work. `make help` lists what there is.
+PREFIX ?= /usr/local
+FUZZ_SECONDS ?= 60
+SOURCES = $(shell find include src tools viewer web examples bench tests fuzz \
+            \( -name '*.[ch]' -o -name '*.cpp' \) 2> /dev/null)
+
+.PHONY: release help setup test check check-long bench install format clean
+
+release: ## build/release/tools/stipple (the default)
+	@test -f build/release/build.ninja || cmake --preset release
+	@cmake --build --preset release
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1#/p' $(MAKEFILE_LIST) | column -t -s '#'
+
+setup: ## install the Debian packages that packages.txt names
+	@scripts/setup
+
+test: ## all tests of the debug build
+	cmake --workflow --preset dev
+
+check: ## all that must hold before a change lands (scripts/test)
+	@scripts/test
+
+check-long: ## every preset, FUZZ_SECONDS=60 of each fuzz target, the same bytes from every compiler
+	@FUZZ_SECONDS=$(FUZZ_SECONDS) scripts/check_long
+
+bench: release ## all benchmarks
+	build/release/tools/stipple bench
+
+install: release ## into PREFIX=/usr/local (and DESTDIR)
+	cmake --install build/release --prefix $(PREFIX)
+
+format: ## all C files, as clang-format 14 writes them
+	clang-format -i $(SOURCES)
+
+clean: ## remove build/
+	rm -rf build
