@@ -22,7 +22,10 @@ typedef struct test_heap {
     pthread_mutex_t mutex;
 } test_heap;
 
-#define TEST_HEAP(fail) {.fail_at = (fail), .mutex = PTHREAD_MUTEX_INITIALIZER}
+#define TEST_HEAP(fail)                                                                            \
+    {                                                                                              \
+        .fail_at = (fail), .mutex = PTHREAD_MUTEX_INITIALIZER                                      \
+    }
 
 static inline void* test_heap_alloc(size_t size, size_t alignment, void* user)
 {

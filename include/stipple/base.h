@@ -64,7 +64,7 @@ typedef struct stp_context_desc {
     /// on the thread that made the call. Return non-zero to stop the work with STP_ERROR_CANCELLED.
     int (*progress)(const char* stage, double fraction, void* user);
     void* progress_user;
-    uint32_t thread_count;       ///< threads that work, the caller's included; default all processors
+    uint32_t thread_count; ///< threads that work, the caller's included; default all processors
     uint64_t memory_limit_bytes; ///< an allocation beyond it fails; default no limit
 } stp_context_desc;
 

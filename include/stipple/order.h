@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 typedef enum stp_order_kind {
-    STP_ORDER_EXACT,      ///< exact greedy permutation (farthest-first traversal)
+    STP_ORDER_EXACT, ///< exact greedy permutation (farthest-first traversal)
     STP_ORDER_PAPER_FAST, ///< Brandt 3.2 with the schedule the published times fit: samples halved, accepts grow
     STP_ORDER_PAPER_TEXT, ///< Brandt 3.2 as printed: fixed samples, one accept more every interval
     STP_ORDER_RANDOM,     ///< uniformly random
@@ -18,7 +18,7 @@ typedef enum stp_order_kind {
 } stp_order_kind;
 
 typedef enum stp_order_metric {
-    STP_METRIC_SIDE,      ///< |p - q|, plus the set's diameter where the normals face apart (n.m < 0)
+    STP_METRIC_SIDE, ///< |p - q|, plus the set's diameter where the normals face apart (n.m < 0)
     STP_METRIC_EUCLIDEAN, ///< |p - q|
 } stp_order_metric;
 
@@ -29,15 +29,16 @@ typedef struct stp_order_desc {
     uint64_t seed;           ///< of the random kinds; same seed, same order, on any machine
     uint32_t samples;        ///< random samples a round; default 200
     uint32_t interval;       ///< rounds until the schedule changes; default 500
-    float drop_factor;       ///< paper kinds: a sample nearer than this times the round's pick is dropped from
-                             ///< the input (3.2: "at close vicinity"); default 0: none
-    uint32_t thread_count;   ///< threads for one order; 0: all of the context
+    float
+        drop_factor; ///< paper kinds: a sample nearer than this times the round's pick is dropped from
+                     ///< the input (3.2: "at close vicinity"); default 0: none
+    uint32_t thread_count; ///< threads for one order; 0: all of the context
 } stp_order_desc;
 
 /// What was measured on the way.
 typedef struct stp_order_report {
-    double index_ms; ///< sorting and building the search structure
-    double order_ms; ///< choosing
+    double index_ms;         ///< sorting and building the search structure
+    double order_ms;         ///< choosing
     uint64_t distance_count; ///< point distances evaluated, where the kind counts them
 } stp_order_report;
 
@@ -58,9 +59,9 @@ typedef struct stp_order_report {
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED
 STP_API STP_MUST_USE stp_result stp_order_points(stp_context* context, const stp_order_desc* desc,
                                                  const float* positions, const float* normals,
-                                                 uint32_t point_count, uint32_t wanted, uint32_t* order,
-                                                 float* radii, uint32_t* ordered, float* final_radius,
-                                                 stp_order_report* report);
+                                                 uint32_t point_count, uint32_t wanted,
+                                                 uint32_t* order, float* radii, uint32_t* ordered,
+                                                 float* final_radius, stp_order_report* report);
 
 #ifdef __cplusplus
 }

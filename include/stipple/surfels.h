@@ -31,8 +31,8 @@ typedef struct stp_prefix_table {
 /// Surfels in order. 12 bytes each (position 6, normal 2, colour 3, material 1), about 14.4 with pyramids.
 typedef struct stp_surfels {
     uint32_t count;
-    stp_vec3 origin; ///< of the position grid, in the node's space
-    float step;      ///< of the position grid: a power of two
+    stp_vec3 origin;     ///< of the position grid, in the node's space
+    float step;          ///< of the position grid: a power of two
     uint16_t* positions; ///< 3 a surfel: origin + step * value
     int8_t* normals;     ///< 2 a surfel, octahedral (src/base/octahedral.h); facing outwards
     uint8_t* materials;  ///< index of a shading
@@ -41,9 +41,11 @@ typedef struct stp_surfels {
     uint8_t* colors;    ///< 3 an entry, sRGB; sum of octave_ends entries, octave 0 first
     uint8_t* coverages; ///< 1 an entry, same layout; 255: the surfel's disk is all surface
     stp_prefix_table table;
-    float candidate_radius; ///< half the diagonal of a capture pixel: how far surface may lie from a candidate
-    float paper_radius;     ///< r_m: median distance to the nearest neighbour within the first p_m (Brandt 4.1)
-    uint32_t paper_count;   ///< p_m
+    float
+        candidate_radius; ///< half the diagonal of a capture pixel: how far surface may lie from a candidate
+    float
+        paper_radius; ///< r_m: median distance to the nearest neighbour within the first p_m (Brandt 4.1)
+    uint32_t paper_count; ///< p_m
 } stp_surfels;
 
 enum { STP_SHADING_UNLIT = 1, STP_SHADING_DOUBLE_SIDED = 2 };

@@ -11,11 +11,13 @@ extern "C" {
 
 /// A pinhole camera. Pixel (x, y) covers [x, x + 1) x [y, y + 1), y down; its centre is at + 0.5.
 typedef struct stp_view {
-    stp_vec3d eye, target, up; ///< scene space; `up` need not be orthogonal to the gaze, nor of unit length
-    double fov_degrees;        ///< vertical, 0..180; ignored where ortho_height is set
-    double ortho_height;       ///< height of the picture in scene units, parallel projection; 0: perspective
-    double near_distance;      ///< nothing nearer is drawn; 0: chosen from the distance to the target
-    uint32_t width, height;    ///< pixels, at least 1
+    stp_vec3d eye, target,
+        up; ///< scene space; `up` need not be orthogonal to the gaze, nor of unit length
+    double fov_degrees; ///< vertical, 0..180; ignored where ortho_height is set
+    double
+        ortho_height; ///< height of the picture in scene units, parallel projection; 0: perspective
+    double near_distance;   ///< nothing nearer is drawn; 0: chosen from the distance to the target
+    uint32_t width, height; ///< pixels, at least 1
 } stp_view;
 
 #ifdef __cplusplus

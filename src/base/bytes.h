@@ -19,8 +19,8 @@ static inline uint32_t stp_read_u32(const void* bytes)
 
 static inline uint64_t stp_read_u64(const void* bytes)
 {
-    return (uint64_t)stp_read_u32(bytes) |
-           (uint64_t)stp_read_u32((const unsigned char*)bytes + 4) << 32;
+    return (uint64_t)stp_read_u32(bytes) | (uint64_t)stp_read_u32((const unsigned char*)bytes + 4)
+                                               << 32;
 }
 
 static inline float stp_read_f32(const void* bytes)

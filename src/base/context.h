@@ -18,10 +18,13 @@ void stp_free(stp_context* context, void* memory);
 
 /// Room for at least `needed` elements of `size` bytes, grown by half each time; old elements are kept.
 /// @return the array, perhaps moved; NULL where memory runs out, with the old one still valid
-void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed, size_t size);
+void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed,
+                     size_t size);
 
-#define STP_NEW_ARRAY(context, type, count) ((type*)stp_alloc_array((context), (count), sizeof(type)))
-#define STP_NEW_ZEROED(context, type, count) ((type*)stp_alloc_zeroed((context), (count), sizeof(type)))
+#define STP_NEW_ARRAY(context, type, count)                                                        \
+    ((type*)stp_alloc_array((context), (count), sizeof(type)))
+#define STP_NEW_ZEROED(context, type, count)                                                       \
+    ((type*)stp_alloc_zeroed((context), (count), sizeof(type)))
 
 /// Says why a call fails, once, where it was noticed; returns `result`. The sentence names the file and
 /// the place, and what was expected: "plant.glb: accessor 7: bufferView 12 does not exist (the file has 3)".
@@ -29,7 +32,8 @@ stp_result stp_fail(stp_context* context, stp_result result, const char* format,
     __attribute__((format(printf, 3, 4)));
 stp_result stp_fail_memory(stp_context* context);
 void stp_warn(stp_context* context, const char* format, ...) __attribute__((format(printf, 2, 3)));
-void stp_notice(stp_context* context, const char* format, ...) __attribute__((format(printf, 2, 3)));
+void stp_notice(stp_context* context, const char* format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /// Reports progress; @return STP_OK, or STP_ERROR_CANCELLED (already logged) when the caller wants to stop.
 /// Inside a parallel loop it does nothing.

@@ -22,7 +22,8 @@ typedef struct stp_file_writer stp_file_writer;
 STP_MUST_USE stp_result stp_file_writer_open(stp_context* context, const char* path,
                                              stp_file_writer** writer);
 /// Appends, through a buffer.
-STP_MUST_USE stp_result stp_file_writer_append(stp_file_writer* writer, const void* bytes, size_t size);
+STP_MUST_USE stp_result stp_file_writer_append(stp_file_writer* writer, const void* bytes,
+                                               size_t size);
 /// Replaces bytes already appended; `offset` + `size` must not pass the end.
 STP_MUST_USE stp_result stp_file_writer_patch(stp_file_writer* writer, uint64_t offset,
                                               const void* bytes, size_t size);

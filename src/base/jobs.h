@@ -6,7 +6,8 @@
 
 typedef struct stp_jobs stp_jobs;
 
-STP_MUST_USE stp_result stp_jobs_create(stp_jobs** jobs, stp_context* context, uint32_t thread_count);
+STP_MUST_USE stp_result stp_jobs_create(stp_jobs** jobs, stp_context* context,
+                                        uint32_t thread_count);
 void stp_jobs_destroy(stp_jobs* jobs, stp_context* context);
 uint32_t stp_jobs_thread_count(const stp_jobs* jobs);
 void stp_jobs_run(stp_jobs* jobs, size_t count, size_t grain, stp_job job, void* user);

@@ -130,8 +130,10 @@ static inline bool stp_boxd_is_empty(stp_boxd box)
 
 static inline void stp_box_add(stp_box* box, stp_vec3 p)
 {
-    box->min = (stp_vec3){stp_min(box->min.x, p.x), stp_min(box->min.y, p.y), stp_min(box->min.z, p.z)};
-    box->max = (stp_vec3){stp_max(box->max.x, p.x), stp_max(box->max.y, p.y), stp_max(box->max.z, p.z)};
+    box->min =
+        (stp_vec3){stp_min(box->min.x, p.x), stp_min(box->min.y, p.y), stp_min(box->min.z, p.z)};
+    box->max =
+        (stp_vec3){stp_max(box->max.x, p.x), stp_max(box->max.y, p.y), stp_max(box->max.z, p.z)};
 }
 
 static inline void stp_boxd_add(stp_boxd* box, stp_vec3d p)

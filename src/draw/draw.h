@@ -10,8 +10,9 @@
 typedef struct stp_draw_style {
     float splat_scale;    ///< times the radius of every splat; default 1
     uint32_t supersample; ///< n x n samples a pixel; default 1
-    bool headlight;       ///< light from the eye; default: a directional light from above left of the viewer
-    bool background;      ///< fill with background_color, alpha 255; default: transparent black
+    bool
+        headlight; ///< light from the eye; default: a directional light from above left of the viewer
+    bool background; ///< fill with background_color, alpha 255; default: transparent black
     uint8_t background_color[3];
 } stp_draw_style;
 
@@ -24,7 +25,8 @@ typedef struct stp_draw_stats {
 typedef struct stp_renderer stp_renderer;
 
 /// A renderer on the processor. Keeps decoded textures and scratch memory; a warm frame allocates nothing.
-STP_MUST_USE stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_renderer** renderer);
+STP_MUST_USE stp_result stp_draw_cpu_create(stp_context* context, stp_store* store,
+                                            stp_renderer** renderer);
 void stp_renderer_destroy(stp_renderer* renderer);
 
 /// Draws. `image` has the view's width and height; its pixels are the caller's.

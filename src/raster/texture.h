@@ -8,7 +8,11 @@
 
 enum { STP_TEXTURE_LEVELS = 16 };
 
-typedef enum stp_texture_wrap { STP_TEXTURE_REPEAT, STP_TEXTURE_CLAMP, STP_TEXTURE_MIRROR } stp_texture_wrap;
+typedef enum stp_texture_wrap {
+    STP_TEXTURE_REPEAT,
+    STP_TEXTURE_CLAMP,
+    STP_TEXTURE_MIRROR
+} stp_texture_wrap;
 
 /// A picture with its smaller levels. Level 0 is the caller's memory; the others are owned.
 typedef struct stp_texture_pyramid {
@@ -22,11 +26,12 @@ typedef struct stp_texture_pyramid {
 } stp_texture_pyramid;
 
 /// Makes the levels. Colour is averaged weighted by alpha, so that cut-out borders do not bleed.
-STP_MUST_USE stp_result stp_texture_pyramid_create(stp_context* context, const uint8_t* rgba, uint32_t width,
-                                                   uint32_t height, bool linear,
+STP_MUST_USE stp_result stp_texture_pyramid_create(stp_context* context, const uint8_t* rgba,
+                                                   uint32_t width, uint32_t height, bool linear,
                                                    stp_texture_pyramid* pyramid);
 void stp_texture_pyramid_destroy(stp_context* context, stp_texture_pyramid* pyramid);
 
 /// Samples at `uv` (0..1 is the picture, v down) with a footprint of `footprint` texels of level 0 (the
 /// longer side of the pixel's image in the texture); out is linear RGBA, 0..1.
-void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint, float out[4]);
+void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint,
+                        float out[4]);

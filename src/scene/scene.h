@@ -33,7 +33,7 @@ typedef enum stp_wrap { STP_WRAP_REPEAT, STP_WRAP_CLAMP, STP_WRAP_MIRROR } stp_w
 
 /// A use of a texture. The transform is two rows of three: uv' = t * (u, v, 1).
 typedef struct stp_texture_use {
-    uint32_t texture; ///< STP_NONE: none
+    uint32_t texture;  ///< STP_NONE: none
     uint32_t texcoord; ///< which of a mesh's two sets
     float transform[2][3];
 } stp_texture_use;
@@ -91,15 +91,18 @@ typedef struct stp_part {
     uint32_t index;
 } stp_part;
 
-enum { STP_OBJECT_MOVING = 1 /**< skinned or animated: never merged into a static ancestor's surfels */ };
+enum {
+    STP_OBJECT_MOVING = 1 /**< skinned or animated: never merged into a static ancestor's surfels */
+};
 
 typedef struct stp_object {
-    const char* name; ///< may be NULL
-    const char* id;   ///< the input's own id or extras as JSON text; may be NULL
-    uint32_t parent;  ///< below this object's own index; STP_NONE for a root
+    const char* name;     ///< may be NULL
+    const char* id;       ///< the input's own id or extras as JSON text; may be NULL
+    uint32_t parent;      ///< below this object's own index; STP_NONE for a root
     stp_affine transform; ///< to the parent
     uint32_t first_part, part_count;
-    uint32_t first_instance, instance_count; ///< transforms of its parts within it; 0: one, the identity
+    uint32_t first_instance,
+        instance_count; ///< transforms of its parts within it; 0: one, the identity
     uint32_t flags;
     uint32_t node; ///< set by stp_scene_finish
 } stp_object;
@@ -176,7 +179,8 @@ STP_MUST_USE stp_result stp_scene_add_material(stp_scene* scene, const stp_mater
 STP_MUST_USE stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture,
                                               uint32_t* index);
 /// Only name, id, parent, transform and flags are read.
-STP_MUST_USE stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint32_t* index);
+STP_MUST_USE stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object,
+                                             uint32_t* index);
 /// Adds to the object added last.
 STP_MUST_USE stp_result stp_scene_add_part(stp_scene* scene, stp_part part);
 STP_MUST_USE stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform);

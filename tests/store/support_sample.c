@@ -65,8 +65,9 @@ static const char* text(dice* d, const char* what)
     if (below(d, 5) == 0) {
         return NULL;
     }
-    int length = snprintf(buffer, sizeof(buffer), below(d, 7) == 0 ? "" : "%s \xc3\xa9 %u", what,
-                          below(d, 1000));
+    uint32_t suffix = below(d, 1000);
+    bool is_empty = below(d, 7) == 0;
+    int length = is_empty ? 0 : snprintf(buffer, sizeof(buffer), "%s \xc3\xa9 %u", what, suffix);
     const char* copy = stp_arena_copy_text(d->arena, buffer, (size_t)length);
     d->complete = d->complete && copy != NULL;
     return copy;
