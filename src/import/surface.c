@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "import/surface.h"
+
+#include "base/color.h"
+#include "import/image.h"
+
+#include <string.h>
+
+stp_material stp_material_plain(void)
+{
+    stp_material material = stp_material_default();
+    material.metallic = 0.0f;
+    material.double_sided = true;
+    return material;
+}
+
+stp_result stp_add_plain_material(stp_import* import, uint32_t* index)
+{
+    if (*index != STP_NONE) {
+        return STP_OK;
+    }
+    stp_material material = stp_material_plain();
+    return stp_scene_add_material(import->scene, &material, index);
+}
+
+float stp_srgb_to_linear(float value)
+{
+    if (!(value > 0.0f)) {
+        return 0.0f;
+    }
+    if (value >= 1.0f) {
+        return 1.0f;
+    }
+    // between two table entries the curve is straight to 5e-6
+    float scaled = value * 255.0f;
+    int below = (int)scaled;
+    float low = stp_srgb8_to_linear((uint8_t)below);
+    float high = stp_srgb8_to_linear((uint8_t)(below < 255 ? below + 1 : 255));
+    return low + (high - low) * (scaled - (float)below);
+}
+
+uint16_t stp_unorm16(float value)
+{
+    return value >= 1.0f ? 65535 : value > 0.0f ? (uint16_t)(value * 65535.0f + 0.5f) : 0;
+}
+
+uint8_t stp_unorm8(float value)
+{
+    return value >= 1.0f ? 255 : value > 0.0f ? (uint8_t)(value * 255.0f + 0.5f) : 0;
+}
+
+void stp_import_default_axes(stp_import* import, char up)
+{
+    stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : up, 0.0);
+}
+
+stp_pictures stp_pictures_create(stp_import* import)
+{
+    return (stp_pictures){.import = import, .known = {.context = import->context}};
+}
+
+void stp_pictures_destroy(stp_pictures* pictures)
+{
+    stp_lookup_destroy(&pictures->known);
+}
+
+bool stp_picture_is_known(const unsigned char* bytes, size_t size)
+{
+    return size >= 12 &&
+           (memcmp(bytes, "\x89PNG", 4) == 0 || memcmp(bytes, "\xff\xd8\xff", 3) == 0 ||
+            (memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0));
+}
+
+// Exporters write the path on their author's machine; the picture is most often delivered beside
+// the file.
+static const char* without_root(const char* reference)
+{
+    bool rooted = reference[0] == '/' || reference[0] == '\\' ||
+                  (reference[0] != '\0' && reference[1] == ':');
+    if (!rooted) {
+        return reference;
+    }
+    const char* name = reference;
+    for (const char* at = reference; *at != '\0'; ++at) {
+        if (*at == '/' || *at == '\\' || *at == ':') {
+            name = at + 1;
+        }
+    }
+    return name;
+}
+
+static stp_result read_picture(stp_import* import, const char* place, const char* path,
+                               stp_texture* texture, bool* known)
+{
+    stp_mapped_file file;
+    stp_result result = stp_file_map(import->context, path, &file);
+    if (result != STP_OK) {
+        return result;
+    }
+    *known = stp_picture_is_known(file.bytes, file.size);
+    if (*known) {
+        result = stp_image_decode(import->context, path, file.bytes, file.size, texture);
+    } else {
+        stp_warn(import->context, "%s: %s: \"%s\" is left out: it is neither PNG, JPEG nor WebP",
+                 import->path, place, path);
+    }
+    stp_file_unmap(&file);
+    return result;
+}
+
+stp_result stp_pictures_read(stp_pictures* pictures, const char* place, const char* reference,
+                             stp_wrap wrap, uint32_t* texture)
+{
+    stp_import* import = pictures->import;
+    *texture = STP_NONE;
+    const char* path;
+    stp_result result = stp_import_resolve_optional(import, place, without_root(reference), &path);
+    if (result != STP_OK || path == NULL) {
+        return result;
+    }
+    struct {
+        stp_hash path;
+        uint64_t wrap;
+    } key = {stp_hash_bytes((stp_hash){0}, path, strlen(path)), (uint64_t)wrap};
+    uint32_t found = stp_lookup_find(&pictures->known, &key, sizeof(key), STP_NONE - 1);
+    if (found != STP_NONE - 1) {
+        *texture = found;
+        return STP_OK;
+    }
+    bool known;
+    stp_texture read = {.name = path, .wrap_u = wrap, .wrap_v = wrap};
+    result = read_picture(import, place, path, &read, &known);
+    if (result == STP_OK && known) {
+        result = stp_scene_add_texture(import->scene, &read, texture);
+    }
+    return result != STP_OK ? result
+                            : stp_lookup_add(&pictures->known, &key, sizeof(key), *texture, &found);
+}

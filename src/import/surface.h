@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// What the formats without physical materials share: a plain material, colours, pictures by name.
+#pragma once
+
+#include "import/import.h"
+#include "import/lookup.h"
+
+/// The material of formats that cannot say one: white, rough, not metallic, seen from both sides,
+/// because nothing in such files promises that triangles wind outwards.
+stp_material stp_material_plain(void);
+
+/// Adds the plain material once; later calls give the same index back through `*index` (start with
+/// STP_NONE).
+STP_MUST_USE stp_result stp_add_plain_material(stp_import* import, uint32_t* index);
+
+/// Decodes an sRGB value of any precision; not-a-number is 0, others are clamped to 0..1.
+float stp_srgb_to_linear(float value);
+/// 0..1 linear to 65535ths; clamped, not-a-number is 0.
+uint16_t stp_unorm16(float value);
+/// 0..1 to 255ths; clamped, not-a-number is 0.
+uint8_t stp_unorm8(float value);
+
+/// Sets the axes of a format that does not say them: the caller's wish, else `up`.
+void stp_import_default_axes(stp_import* import, char up);
+
+/// The pictures a file names, each read once.
+typedef struct stp_pictures {
+    stp_import* import;
+    stp_lookup known;
+} stp_pictures;
+
+stp_pictures stp_pictures_create(stp_import* import);
+void stp_pictures_destroy(stp_pictures* pictures);
+
+/// Reads the picture that `reference` names as a texture. A drive letter or an absolute path is
+/// dropped: the picture is looked for beside the file. What is missing or no picture this library
+/// reads becomes a warning that begins with `place`, and STP_NONE.
+/// @return STP_OK; the failures of reading a damaged picture (logged)
+STP_MUST_USE stp_result stp_pictures_read(stp_pictures* pictures, const char* place,
+                                          const char* reference, stp_wrap wrap, uint32_t* texture);
+
+/// Whether the bytes begin like a picture that stp_image_decode reads.
+bool stp_picture_is_known(const unsigned char* bytes, size_t size);

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+//
+// Scanning of text formats. Every pointer here runs through text that ends with a line end ('\n'),
+// so scanning needs no second bound: nothing below reads past the first '\n'.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef const unsigned char* stp_text;
+
+static inline bool stp_is_blank(unsigned char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+static inline stp_text stp_skip_blanks(stp_text at)
+{
+    while (stp_is_blank(*at)) {
+        ++at;
+    }
+    return at;
+}
+
+/// The end of the word that starts here.
+static inline stp_text stp_skip_word(stp_text at)
+{
+    while (!stp_is_blank(*at) && *at != '\n') {
+        ++at;
+    }
+    return at;
+}
+
+/// Whether the word [at, end) is `word`, whatever the case of its letters; `word` is in lower case.
+bool stp_word_is(stp_text at, stp_text end, const char* word);
+
+/// Reads a decimal number (after blanks) as C writes it; "nan" and "inf" in their usual spellings,
+/// too.
+/// @return what follows it, or NULL where there is none
+///
+/// Numbers of up to 19 significant digits whose power of ten is within 22 (all that programs write
+/// for coordinates) come out as the nearest double; others within two units in the last place. Only
+/// basic arithmetic: the same bits on every machine, in every locale.
+stp_text stp_read_number(stp_text at, double* value);
+
+/// Reads a whole number (after blanks), clamped to the range of `value`. @return as above
+stp_text stp_read_integer(stp_text at, int64_t* value);
+
+/// Bytes as text whose last byte is a line end: the whole lines are used in place, an unfinished
+/// last line is the caller's to copy. @return how many bytes belong to whole lines
+size_t stp_whole_lines(stp_text bytes, size_t size);
+
+/// The number of the line, from 1, in which `offset` lies.
+uint64_t stp_line_number(stp_text bytes, size_t offset);
