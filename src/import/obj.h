@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+//
+// Inside the OBJ reader. The text is cut into chunks of whole lines that are parsed at the same
+// time (obj_parse.c); what they hold is put in order (obj_stitch.c); corners that name the same
+// position, texture coordinate and normal become one vertex (obj_mesh.c).
+#pragma once
+
+#include "import/import.h"
+#include "import/lookup.h"
+#include "import/text.h"
+
+// How a corner names an element. A chunk does not know how many elements come before it, so what
+// the file counts backwards ("-1") is kept relative to the start of the chunk until the chunks are
+// put in order.
+#define STP_OBJ_ABSENT UINT32_MAX
+#define STP_OBJ_RELATIVE UINT32_C(0x80000000)      ///< set: relative to the start of the chunk
+#define STP_OBJ_RELATIVE_ZERO UINT32_C(0xc0000000) ///< the chunk's first element
+#define STP_OBJ_INDEX_LIMIT INT64_C(0x3fffffff)    ///< most elements of a kind
+
+typedef struct stp_obj_corner {
+    uint32_t position, texcoord, normal; ///< from 0; STP_OBJ_ABSENT: none
+} stp_obj_corner;
+
+typedef enum stp_obj_event_kind {
+    STP_OBJ_OBJECT,
+    STP_OBJ_GROUP,
+    STP_OBJ_MATERIAL,
+    STP_OBJ_LIBRARY,
+} stp_obj_event_kind;
+
+/// Something that changes what the following faces belong to.
+typedef struct stp_obj_event {
+    stp_obj_event_kind kind;
+    uint32_t length;
+    stp_text text;  ///< the name, within the chunk's text
+    size_t polygon; ///< the first polygon after it, within the chunk
+} stp_obj_event;
+
+/// An array that grows.
+typedef struct stp_obj_array {
+    void* items;
+    size_t count, capacity;
+} stp_obj_array;
+
+/// A run of whole lines, and what they hold.
+typedef struct stp_obj_chunk {
+    stp_text begin, end;
+    stp_obj_array positions; ///< 3 floats, less the origin
+    stp_obj_array colors;    ///< 3 floats for each position; empty where the chunk has none
+    stp_obj_array texcoords; ///< 2 floats
+    stp_obj_array normals;   ///< 3 floats
+    stp_obj_array corners;   ///< stp_obj_corner
+    stp_obj_array polygons;  ///< uint32_t: where each ends among the corners
+    stp_obj_array points;    ///< uint32_t: positions named by `p`
+    stp_obj_array events;    ///< stp_obj_event
+    size_t line_elements, small_faces, curves, bad_attributes; ///< left out, for the warnings
+    float color_max;
+    bool out_of_memory;
+    const char* error; ///< NULL, or what is wrong in the line at error_at
+    stp_text error_at;
+} stp_obj_chunk;
+
+/// A name that faces can belong to: an object, or a group within one.
+typedef struct stp_obj_group {
+    const char* name;
+    uint32_t parent; ///< STP_NONE: below the root
+    uint32_t object; ///< in the scene; STP_NONE until something is in it
+} stp_obj_group;
+
+/// Faces of one group and one material.
+typedef struct stp_obj_mesh {
+    uint32_t group, material;
+    size_t first_corner, corner_count, first_polygon, polygon_count;
+} stp_obj_mesh;
+
+/// Consecutive polygons of a chunk that belong to one mesh.
+typedef struct stp_obj_run {
+    uint32_t chunk, mesh;
+    size_t polygon, polygon_count, corner, corner_count; ///< within the chunk
+    size_t target_polygon, target_corner;                ///< within the whole
+} stp_obj_run;
+
+typedef struct stp_obj {
+    stp_import* import;
+    stp_context* context;
+    double origin[3]; ///< taken off all positions: files in national grids keep their precision
+    stp_obj_chunk* chunks;
+    size_t chunk_count;
+    unsigned char* tail; ///< a copy of an unfinished last line
+
+    // the whole file's, in order
+    float *positions, *colors, *texcoords, *normals;
+    size_t position_count, texcoord_count, normal_count;
+    stp_obj_corner* corners;
+    uint32_t* polygons; ///< where each ends among its mesh's corners
+    size_t corner_count, polygon_count;
+    uint32_t* points;
+    size_t point_count;
+    float color_scale; ///< 1, or 1/255 where colours were written as bytes
+    bool has_colors;
+
+    stp_obj_array groups, meshes, runs; ///< stp_obj_group, stp_obj_mesh, stp_obj_run
+    stp_lookup group_names, mesh_keys, material_names, libraries;
+} stp_obj;
+
+/// Room for `count` more items; NULL where memory runs out. The caller adds to `count`.
+void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size);
+
+/// Cuts the file into chunks of about `chunk_size` bytes and parses them.
+STP_MUST_USE stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size);
+/// Joins the chunks and sorts the faces by mesh. Material libraries were read before.
+STP_MUST_USE stp_result stp_obj_stitch(stp_obj* obj);
+/// Builds one mesh. @return whether memory sufficed (not logged); otherwise nothing is left in
+/// `out`
+STP_MUST_USE bool stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out);
+void stp_obj_free_mesh(stp_context* context, const stp_mesh* mesh);
+/// Adds meshes, point sets and objects to the scene.
+STP_MUST_USE stp_result stp_obj_build(stp_obj* obj);
+
+/// Reads a material library: adds its materials to the scene, and their names to `names` (to the
+/// index of the material; the first of a name counts).
+STP_MUST_USE stp_result stp_mtl_read(stp_import* import, const char* path, stp_lookup* names);
+
+/// The whole of reading, with chunks of about `chunk_size` bytes, which change nothing but the
+/// speed.
+STP_MUST_USE stp_result stp_obj_read(stp_import* import, size_t chunk_size);
