@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+//
+// Inside the PLY reader: what a header says (ply_header.c), and the values behind it (ply_rows.c).
+#pragma once
+
+#include "import/import.h"
+#include "import/text.h"
+
+typedef enum stp_ply_type {
+    STP_PLY_INT8,
+    STP_PLY_UINT8,
+    STP_PLY_INT16,
+    STP_PLY_UINT16,
+    STP_PLY_INT32,
+    STP_PLY_UINT32,
+    STP_PLY_FLOAT32,
+    STP_PLY_FLOAT64,
+} stp_ply_type;
+
+typedef enum stp_ply_encoding { STP_PLY_ASCII, STP_PLY_LITTLE, STP_PLY_BIG } stp_ply_encoding;
+
+typedef struct stp_ply_property {
+    const char* name;
+    stp_ply_type type; ///< of the value, or of a list's items
+    bool is_list;
+    stp_ply_type count_type; ///< of a list's length
+    size_t offset;           ///< within a row without lists, binary
+} stp_ply_property;
+
+typedef struct stp_ply_element {
+    const char* name;
+    uint64_t count;
+    stp_ply_property* properties;
+    size_t property_count, property_capacity;
+    bool has_lists;
+    size_t row_size; ///< bytes of a binary row, its lists empty
+} stp_ply_element;
+
+typedef struct stp_ply {
+    stp_import* import;
+    stp_context* context;
+    stp_ply_encoding encoding;
+    stp_ply_element* elements;
+    size_t element_count, element_capacity;
+    const char* texture; ///< what a "comment TextureFile" names; NULL: nothing
+    size_t body;         ///< where the values begin
+} stp_ply;
+
+/// Reads everything up to "end_header". stp_ply_destroy also after a failure.
+STP_MUST_USE stp_result stp_ply_read_header(stp_ply* ply);
+void stp_ply_destroy(stp_ply* ply);
+
+size_t stp_ply_type_size(stp_ply_type type);
+/// One binary value.
+double stp_ply_value(const unsigned char* bytes, stp_ply_type type, stp_ply_encoding encoding);
+
+/// Runs through the values of one element after the other.
+typedef struct stp_ply_cursor {
+    const stp_ply* ply;
+    const unsigned char* at;
+    const unsigned char* end;
+    unsigned char* text; ///< ascii: a copy of the values that ends with a line end
+} stp_ply_cursor;
+
+STP_MUST_USE stp_result stp_ply_cursor_open(stp_ply* ply, stp_ply_cursor* cursor);
+void stp_ply_cursor_close(stp_ply_cursor* cursor);
+
+/// Whether the file can hold so many rows; fails (logged) where it is too short.
+STP_MUST_USE stp_result stp_ply_check_rows(const stp_ply_cursor* cursor,
+                                           const stp_ply_element* element);
+
+/// The next value. False where the file ends or holds no number.
+bool stp_ply_next(stp_ply_cursor* cursor, stp_ply_type type, double* value);
+/// The length of the next list; false also where the rest of the file is too short for it.
+bool stp_ply_next_list(stp_ply_cursor* cursor, const stp_ply_property* property, uint64_t* length);
+/// Skips one property of a row.
+bool stp_ply_skip(stp_ply_cursor* cursor, const stp_ply_property* property);
+/// Says that row `row` of `element` cannot be read, and why.
+stp_result stp_ply_fail_row(const stp_ply_cursor* cursor, const stp_ply_element* element,
+                            uint64_t row);
+
+/// Whether `name` is one of the words, which single spaces separate.
+bool stp_ply_is_one_of(const char* name, const char* words);
+
+/// A growing list of triangles.
+typedef struct stp_ply_faces {
+    uint32_t* indices;
+    size_t count, capacity; ///< numbers
+    uint32_t* corners;      ///< of the face being read
+    size_t corner_capacity;
+    uint64_t small; ///< faces of fewer than three corners: left out
+    bool any;       ///< the file has faces
+} stp_ply_faces;
+
+/// Reads an element of faces, or of triangle strips, over `vertex_count` positions.
+STP_MUST_USE stp_result stp_ply_read_faces(stp_ply_cursor* cursor, const stp_ply_element* element,
+                                           bool strips, const float* positions, size_t vertex_count,
+                                           stp_ply_faces* f);
