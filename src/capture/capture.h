@@ -1,25 +1,37 @@
 // SPDX-License-Identifier: MIT
 //
-// External visibility (Brandt 3.1): a subtree seen from outside, by parallel projection from all around. Each
-// covered pixel is a candidate: a point of visible surface that may become a surfel.
+// External visibility (Brandt 3.1): a subtree seen from outside, by parallel projection from all
+// around. Each covered pixel is a candidate: a point of visible surface that may become a surfel.
+//
+// What alpha-masked texels cut out is not captured: the mask is read at the pixel's centre at full
+// resolution, so that the share of pixels captured is the share of surface that is there. Blended
+// surfaces are captured in half their pixels, chosen by a hash, so that what stands behind glass is
+// captured too; their alpha is recorded. Each point of a point set is one pixel.
 #pragma once
 
 #include "scene/scene.h"
 
+/// Mip levels of a scene's base colour textures. Making them takes as long as a small capture:
+/// whoever captures many nodes of one scene makes them once.
+typedef struct stp_capture_textures stp_capture_textures;
+
 typedef struct stp_capture_desc {
-    uint32_t direction_count; ///< default 8: the box's corners. 14: and its faces. 26: and its edges' middles.
-                              ///< Any other: well spread over the sphere.
-    uint32_t resolution;      ///< pixels along the longer side of the widest picture; one scale for all
-                              ///< directions. Default: chosen so that about `wanted_candidates` come out.
-    uint64_t wanted_candidates; ///< for the automatic resolution; default 1.75 million
+    uint32_t direction_count; ///< default 8: a cube's corners. 14: and its faces. 26: and its
+                              ///< edges' middles. Any other: well spread over the sphere.
+    uint32_t
+        resolution; ///< pixels along the longer side of the widest picture; one scale for all
+                    ///< directions. Default: chosen so that about `wanted_candidates` come out.
+    uint64_t wanted_candidates;           ///< for the automatic resolution; default 1.75 million
+    const stp_capture_textures* textures; ///< of this scene; NULL: made for this call
 } stp_capture_desc;
 
 /// Candidates as columns, in a fixed order (direction, row, column): independent of threads.
 typedef struct stp_candidates {
     uint32_t count;
-    float* positions;    ///< 3 each, in the node's space minus `origin`
-    float* normals;      ///< 3 each, unit, facing the viewer
-    uint8_t* colors;     ///< RGBA each, sRGB: base colour with texture and vertex colour; alpha of a blended one
+    float* positions; ///< 3 each, in the node's space minus `origin`
+    float* normals;   ///< 3 each, unit, on the side of the surface that faces the viewer
+    uint8_t* colors;  ///< RGBA each, sRGB: base colour with texture and vertex colour; alpha of a
+                      ///< blended one
     uint32_t* materials; ///< scene material
     stp_vec3d origin;    ///< centre of the captured box: positions are relative to it
     double pixel_size;   ///< side of a capture pixel, scene units
@@ -29,12 +41,19 @@ typedef struct stp_candidates {
 } stp_candidates;
 
 /// Captures the parts (their transforms relative to the captured node's space).
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, or STP_ERROR_LIMIT where the
+/// resolution asked for gives 2^32 candidates or more
 STP_MUST_USE stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* parts,
                                           size_t part_count, const stp_capture_desc* desc,
                                           stp_candidates* candidates);
 void stp_candidates_destroy(stp_context* context, stp_candidates* candidates);
 
-/// The directions a desc stands for: unit vectors from the object towards the viewer, `count` of them, for a
-/// box of the given half extents. Pure; no libm.
-void stp_capture_directions(uint32_t count, stp_vec3d half_extent, stp_vec3d* directions);
+/// The scene must outlive them.
+STP_MUST_USE stp_result stp_capture_textures_create(const stp_scene* scene,
+                                                    stp_capture_textures** textures);
+void stp_capture_textures_destroy(stp_capture_textures* textures);
+
+/// The directions a desc stands for: unit vectors from the object towards the viewer, `count` of
+/// them. Corners are those of a cube, not of the object's box: a flat box's corners lie almost in
+/// its plane, and would see its large faces at a slant. Pure; no libm.
+void stp_capture_directions(uint32_t count, stp_vec3d* directions);

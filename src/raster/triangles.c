@@ -119,7 +119,7 @@ static void draw_kept(const stp_triangle_window* window, const stp_screen_vertex
             stp_triangle_edge_narrow(&edges[k], row, &first, &last);
         }
         double row_nearness = stp_triangle_plane_row(&plane, row);
-        uint64_t* pixels = window->pixels + (size_t)row * window->stride;
+        uint64_t* pixels = stp_triangle_row(window, row);
         for (int32_t x = (int32_t)first; x <= last; ++x) {
             float nearness;
             if (setup.small) {
@@ -244,19 +244,11 @@ static bool transform_chunk(const stp_triangle_kernels* kernels,
     return true;
 }
 
-stp_result stp_raster_triangles(const stp_raster_target* target, uint32_t row_begin,
-                                uint32_t row_end, const stp_raster_matrix* matrix,
-                                float nearness_limit, const stp_raster_mesh* mesh,
-                                uint32_t first_id, stp_arena* scratch)
+static stp_result draw_mesh(const stp_triangle_window* window, const stp_raster_matrix* matrix,
+                            float nearness_limit, const stp_raster_mesh* mesh, uint32_t first_id,
+                            stp_arena* scratch)
 {
-    stp_triangle_window window = {
-        .pixels = target->pixels,
-        .stride = target->stride,
-        .width = (int32_t)target->width,
-        .row_begin = (int32_t)row_begin,
-        .row_end = (int32_t)(row_end < target->height ? row_end : target->height),
-    };
-    if (window.row_begin >= window.row_end || window.width == 0 || mesh->triangle_count == 0) {
+    if (window->row_begin >= window->row_end || window->width == 0 || mesh->triangle_count == 0) {
         return STP_OK;
     }
     const stp_triangle_kernels* kernels = choose_kernels();
@@ -270,7 +262,7 @@ stp_result stp_raster_triangles(const stp_raster_target* target, uint32_t row_be
     for (uint32_t begin = 0; enough && begin < mesh->triangle_count;) {
         uint32_t left = mesh->triangle_count - begin;
         stp_triangle_chunk chunk = {
-            .window = window,
+            .window = *window,
             .triangle_count = left < CHUNK_TRIANGLES ? left : CHUNK_TRIANGLES,
             .first_id = first_id + begin,
             .x = memory->x,
@@ -291,4 +283,35 @@ stp_result stp_raster_triangles(const stp_raster_target* target, uint32_t row_be
     }
     stp_arena_rewind(scratch, mark);
     return enough ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
+}
+
+stp_result stp_raster_triangles(const stp_raster_target* target, uint32_t row_begin,
+                                uint32_t row_end, const stp_raster_matrix* matrix,
+                                float nearness_limit, const stp_raster_mesh* mesh,
+                                uint32_t first_id, stp_arena* scratch)
+{
+    stp_triangle_window window = {
+        .pixels = target->pixels,
+        .stride = target->stride,
+        .width = (int32_t)target->width,
+        .row_begin = (int32_t)row_begin,
+        .row_end = (int32_t)(row_end < target->height ? row_end : target->height),
+    };
+    return draw_mesh(&window, matrix, nearness_limit, mesh, first_id, scratch);
+}
+
+stp_result stp_raster_triangles_in_band(const stp_raster_target* band, uint32_t first_row,
+                                        const stp_raster_matrix* matrix, float nearness_limit,
+                                        const stp_raster_mesh* mesh, uint32_t first_id,
+                                        stp_arena* scratch)
+{
+    stp_triangle_window window = {
+        .pixels = band->pixels,
+        .stride = band->stride,
+        .width = (int32_t)band->width,
+        .first_row = (int32_t)first_row,
+        .row_begin = (int32_t)first_row,
+        .row_end = (int32_t)(first_row + band->height),
+    };
+    return draw_mesh(&window, matrix, nearness_limit, mesh, first_id, scratch);
 }

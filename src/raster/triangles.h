@@ -32,6 +32,12 @@ STP_MUST_USE stp_result stp_raster_triangles(const stp_raster_target* target, ui
                                              float nearness_limit, const stp_raster_mesh* mesh,
                                              uint32_t first_id, stp_arena* scratch);
 
+/// The same into a buffer that holds the picture's rows [first_row, first_row + band->height) only:
+/// the pixels are those that the whole picture would have there.
+STP_MUST_USE stp_result stp_raster_triangles_in_band(
+    const stp_raster_target* band, uint32_t first_row, const stp_raster_matrix* matrix,
+    float nearness_limit, const stp_raster_mesh* mesh, uint32_t first_id, stp_arena* scratch);
+
 /// Where the ray through a point of the screen (a pixel's centre: column + 0.5, row + 0.5) meets a
 /// triangle: perspective-correct weights of corners 1 and 2 (corner 0 has the rest), clamped to the
 /// triangle. For shading a pixel after the fact.

@@ -31,12 +31,17 @@ typedef struct stp_screen_vertex {
     float nearness;
 } stp_screen_vertex;
 
-/// Where triangles go: rows [row_begin, row_end) of a target.
+/// Where triangles go: rows [row_begin, row_end) of a picture.
 typedef struct stp_triangle_window {
-    uint64_t* pixels;
+    uint64_t* pixels; ///< of row first_row
     size_t stride;
-    int32_t width, row_begin, row_end;
+    int32_t width, first_row, row_begin, row_end;
 } stp_triangle_window;
+
+static inline uint64_t* stp_triangle_row(const stp_triangle_window* window, int32_t row)
+{
+    return window->pixels + (size_t)(row - window->first_row) * window->stride;
+}
 
 /// Triangles whose vertices were transformed; a piece of a mesh.
 typedef struct stp_triangle_chunk {

@@ -76,7 +76,7 @@ static void draw_small(const stp_triangle_window* window, const stp_triangle_set
     float n1 = setup->corner[1].nearness - n0, n2 = setup->corner[2].nearness - n0;
     lanes_float low = (lanes_float){0} + setup->low, high = (lanes_float){0} + setup->high;
     for (int32_t row = setup->top; row <= setup->bottom; ++row) {
-        uint64_t* pixels = window->pixels + (size_t)row * window->stride;
+        uint64_t* pixels = stp_triangle_row(window, row);
         lanes_uint e0 = at[0], e1 = at[1], e2 = at[2];
         for (int32_t column = setup->left; column <= setup->right; column += LANES) {
             lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (column + lane <= setup->right);
@@ -114,7 +114,7 @@ static void draw_large(const stp_triangle_window* window, const stp_triangle_set
         for (int k = 0; k < 3; ++k) {
             stp_triangle_edge_narrow(&edges[k], row, &first, &last);
         }
-        uint64_t* pixels = window->pixels + (size_t)row * window->stride;
+        uint64_t* pixels = stp_triangle_row(window, row);
         double row_nearness = stp_triangle_plane_row(&plane, row);
         int32_t end = last < first ? (int32_t)first : (int32_t)last + 1;
         for (int32_t column = (int32_t)first; column < end; ++column) {
@@ -211,8 +211,8 @@ static void draw_tiny(const stp_triangle_window* window, const batch* b, lanes_i
                 memcpy(depth, &nearness, sizeof(depth));
                 for (; bits != 0; bits &= bits - 1) {
                     uint32_t lane = (uint32_t)__builtin_ctz(bits);
-                    uint64_t* place = window->pixels + (size_t)(top[lane] + row) * window->stride +
-                                      (size_t)(left[lane] + column);
+                    uint64_t* place =
+                        stp_triangle_row(window, top[lane] + row) + left[lane] + column;
                     uint64_t pixel = stp_raster_pixel(depth[lane], first_id + lane);
                     *place = pixel < *place ? pixel : *place;
                 }

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// How a capture runs: views are cut into bands of rows; each band is drawn into a visibility buffer
+// and squeezed to its covered pixels; then all of these become candidates.
+#pragma once
+
+#include "capture/capture.h"
+#include "raster/target.h"
+#include "raster/texture.h"
+
+enum {
+    STP_CAPTURE_DIRECTIONS = 8,
+    STP_CAPTURE_RESOLUTION_LEAST = 4,
+    STP_CAPTURE_RESOLUTION_MOST = 16384,
+};
+
+struct stp_capture_textures {
+    const stp_scene* scene;
+    stp_texture_pyramid* pyramids; ///< one a texture; without levels where it is not needed
+};
+
+/// A parallel projection, in pixels: x = right . p + shift_x, y = down . p + shift_y.
+typedef struct stp_capture_view {
+    stp_vec3d toward;      ///< unit, towards the viewer
+    stp_vec3d right, down; ///< unit over pixel size
+    double shift_x, shift_y;
+    stp_vec3d depth; ///< nearness = depth . p + 1.5, between 1.1 and 1.9
+    uint32_t width, height;
+} stp_capture_view;
+
+/// Rows of a view, and the covered pixels found there.
+typedef struct stp_capture_band {
+    uint32_t view, row_begin, row_end;
+    uint32_t count;
+    uint32_t* pixels;     ///< row * width + column, ascending
+    uint64_t* primitives; ///< what covers each: a triangle or point, numbered through all parts
+} stp_capture_band;
+
+/// What all steps read.
+typedef struct stp_capture_job {
+    const stp_scene* scene;
+    const stp_placed_part* parts;
+    size_t part_count;
+    uint64_t* first_primitives; ///< of each part, and the count of all
+    stp_vec3d centre, half_extent;
+    const stp_texture_pyramid* pyramids; ///< by texture
+    uint64_t
+        ids_a_pass; ///< primitives drawn into one buffer: ids are 32-bit numbers below 2^32 - 1
+    uint32_t view_count;
+    stp_capture_view* views;
+    size_t band_count;
+    stp_capture_band* bands;
+    uint64_t covered_pixels;
+} stp_capture_job;
+
+/// From a part's own space to the captured space minus its centre.
+static inline stp_affine stp_capture_placement(const stp_capture_job* job, size_t part)
+{
+    stp_affine placement = job->parts[part].transform;
+    placement.m[0][3] -= job->centre.x;
+    placement.m[1][3] -= job->centre.y;
+    placement.m[2][3] -= job->centre.z;
+    return placement;
+}
+
+static inline uint64_t stp_capture_primitive_count(const stp_capture_job* job)
+{
+    return job->first_primitives[job->part_count];
+}
+
+/// Sets up the views: `directions` at a common pixel size.
+void stp_capture_set_views(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
+                           double pixel_size);
+
+/// The longer side of the widest view, in scene units.
+double stp_capture_widest(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count);
+
+/// Draws all views; makes job->bands and covered_pixels.
+STP_MUST_USE stp_result stp_capture_draw(stp_capture_job* job);
+void stp_capture_drop_bands(stp_capture_job* job);
+
+/// Turns the covered pixels of all bands into candidates; the columns have room for all.
+void stp_capture_resolve(const stp_capture_job* job, stp_candidates* candidates);
+
+/// The alpha of a mesh's material at a point of a triangle, read at full resolution.
+float stp_capture_alpha(const stp_scene* scene, const stp_mesh* mesh, uint32_t triangle,
+                        float weight1, float weight2);
+
+/// Where a use of a texture reads it, at a point of a triangle; false where the mesh has no
+/// coordinates.
+bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint32_t vertex,
+                          double uv[2]);
+
+/// A texture with its levels, or with level 0 alone.
+stp_texture_pyramid stp_capture_texture_level0(const stp_texture* texture);
+
+STP_MUST_USE stp_result stp_capture_textures_create_empty(const stp_scene* scene,
+                                                          stp_capture_textures** textures);
+/// Makes the levels of a material's base colour, where they are not there yet.
+STP_MUST_USE stp_result stp_capture_textures_add(stp_capture_textures* textures,
+                                                 const stp_material* material);
+
+/// stp_capture_parts with fewer primitives a pass, for tests.
+STP_MUST_USE stp_result stp_capture_parts_in_passes(const stp_scene* scene,
+                                                    const stp_placed_part* parts, size_t part_count,
+                                                    const stp_capture_desc* desc,
+                                                    uint64_t ids_a_pass,
+                                                    stp_candidates* candidates);

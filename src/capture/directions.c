@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "capture/capture.h"
+
+/// Corners of a cube, then the middles of its faces, then of its edges.
+static void cube_directions(uint32_t count, stp_vec3d* directions)
+{
+    static const int components[3] = {3, 1, 2}; // that are not 0
+    uint32_t made = 0;
+    for (int step = 0; made < count; ++step) {
+        for (int code = 0; code < 27; ++code) {
+            stp_vec3d d = {(double)(code % 3 - 1), (double)(code / 3 % 3 - 1),
+                           (double)(code / 9 - 1)};
+            if ((d.x != 0.0) + (d.y != 0.0) + (d.z != 0.0) == components[step]) {
+                directions[made++] = stp_normalized(d);
+            }
+        }
+    }
+}
+
+/// A spiral of golden angles (Fibonacci lattice): the angle is advanced by rotation, so no sine is
+/// needed.
+static void spiral_directions(uint32_t count, stp_vec3d* directions)
+{
+    const double turn_cosine = -0.7373688780783197, turn_sine = 0.6754902942615238;
+    double c = 1.0, s = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        double y = 1.0 - (2.0 * (double)i + 1.0) / (double)count;
+        double r = sqrt(1.0 - y * y);
+        directions[i] = (stp_vec3d){r * c, y, r * s};
+        double next = c * turn_cosine - s * turn_sine;
+        s = c * turn_sine + s * turn_cosine;
+        double length = sqrt(next * next + s * s);
+        c = next / length;
+        s /= length;
+    }
+}
+
+void stp_capture_directions(uint32_t count, stp_vec3d* directions)
+{
+    if (count == 8 || count == 14 || count == 26) {
+        cube_directions(count, directions);
+    } else {
+        spiral_directions(count, directions);
+    }
+}

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+// What a capture reads of materials: texture coordinates, alpha, and mip levels of base colours.
+#include "capture/capture_internal.h"
+
+stp_texture_pyramid stp_capture_texture_level0(const stp_texture* texture)
+{
+    static const stp_texture_wrap wraps[] = {
+        [STP_WRAP_REPEAT] = STP_TEXTURE_REPEAT,
+        [STP_WRAP_CLAMP] = STP_TEXTURE_CLAMP,
+        [STP_WRAP_MIRROR] = STP_TEXTURE_MIRROR,
+    };
+    return (stp_texture_pyramid){
+        .level_count = 1,
+        .width = {texture->width},
+        .height = {texture->height},
+        .texels = {texture->texels},
+        .wrap_u = wraps[texture->wrap_u],
+        .wrap_v = wraps[texture->wrap_v],
+        .nearest = texture->nearest,
+    };
+}
+
+bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint32_t vertex,
+                          double uv[2])
+{
+    const float* texcoords = use->texcoord < 2 ? mesh->texcoords[use->texcoord] : NULL;
+    if (texcoords == NULL) {
+        return false;
+    }
+    double u = (double)texcoords[2 * (size_t)vertex], v = (double)texcoords[2 * (size_t)vertex + 1];
+    for (int r = 0; r < 2; ++r) {
+        const float* row = use->transform[r];
+        uv[r] = (double)row[0] * u + (double)row[1] * v + (double)row[2];
+    }
+    return true;
+}
+
+/// The texture a use reads; NULL: none.
+static const stp_texture* used_texture(const stp_scene* scene, const stp_texture_use* use)
+{
+    if (use->texture >= scene->texture_count) {
+        return NULL;
+    }
+    const stp_texture* texture = &scene->textures[use->texture];
+    return texture->texels != NULL && texture->width != 0 && texture->height != 0 ? texture : NULL;
+}
+
+float stp_capture_alpha(const stp_scene* scene, const stp_mesh* mesh, uint32_t triangle,
+                        float weight1, float weight2)
+{
+    const stp_material* material = &scene->materials[mesh->material];
+    const stp_texture_use* use = &material->base_color_texture;
+    const uint32_t* corner = mesh->indices + 3 * (size_t)triangle;
+    float weight[3] = {1.0f - weight1 - weight2, weight1, weight2};
+    float alpha = material->base_color[3];
+    if (mesh->colors != NULL) {
+        float sum = 0.0f;
+        for (int k = 0; k < 3; ++k) {
+            sum += weight[k] * ((float)mesh->colors[4 * (size_t)corner[k] + 3] / 65535.0f);
+        }
+        alpha *= sum;
+    }
+    const stp_texture* texture = used_texture(scene, use);
+    if (texture == NULL) {
+        return alpha;
+    }
+    double at[2] = {0.0, 0.0};
+    for (int k = 0; k < 3; ++k) {
+        double uv[2];
+        if (!stp_capture_texcoord(mesh, use, corner[k], uv)) {
+            return alpha;
+        }
+        at[0] += (double)weight[k] * uv[0];
+        at[1] += (double)weight[k] * uv[1];
+    }
+    stp_texture_pyramid level0 = stp_capture_texture_level0(texture);
+    float color[4];
+    stp_texture_sample(&level0, (stp_vec2){(float)at[0], (float)at[1]}, 0.0f, color);
+    return alpha * color[3];
+}
+
+stp_result stp_capture_textures_create_empty(const stp_scene* scene,
+                                             stp_capture_textures** textures)
+{
+    stp_capture_textures* made = STP_NEW_ZEROED(scene->context, stp_capture_textures, 1);
+    if (made != NULL) {
+        made->scene = scene;
+        made->pyramids =
+            STP_NEW_ZEROED(scene->context, stp_texture_pyramid, scene->texture_count + 1);
+    }
+    if (made == NULL || made->pyramids == NULL) {
+        stp_capture_textures_destroy(made);
+        return stp_fail_memory(scene->context);
+    }
+    *textures = made;
+    return STP_OK;
+}
+
+stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_material* material)
+{
+    const stp_texture* texture = used_texture(textures->scene, &material->base_color_texture);
+    if (texture == NULL) {
+        return STP_OK;
+    }
+    stp_texture_pyramid* pyramid = &textures->pyramids[material->base_color_texture.texture];
+    if (pyramid->level_count != 0) {
+        return STP_OK;
+    }
+    stp_texture_pyramid level0 = stp_capture_texture_level0(texture);
+    stp_result result = stp_texture_pyramid_create(textures->scene->context, texture->texels,
+                                                   texture->width, texture->height, false, pyramid);
+    if (result == STP_OK) {
+        pyramid->wrap_u = level0.wrap_u;
+        pyramid->wrap_v = level0.wrap_v;
+        pyramid->nearest = level0.nearest;
+    }
+    return result;
+}
+
+stp_result stp_capture_textures_create(const stp_scene* scene, stp_capture_textures** textures)
+{
+    stp_capture_textures* made = NULL;
+    stp_result result = stp_capture_textures_create_empty(scene, &made);
+    for (size_t m = 0; m < scene->material_count && result == STP_OK; ++m) {
+        result = stp_capture_textures_add(made, &scene->materials[m]);
+    }
+    if (result != STP_OK) {
+        stp_capture_textures_destroy(made);
+        return result;
+    }
+    *textures = made;
+    return STP_OK;
+}
+
+void stp_capture_textures_destroy(stp_capture_textures* textures)
+{
+    if (textures == NULL) {
+        return;
+    }
+    stp_context* context = textures->scene->context;
+    for (size_t i = 0; textures->pyramids != NULL && i < textures->scene->texture_count; ++i) {
+        stp_texture_pyramid_destroy(context, &textures->pyramids[i]);
+    }
+    stp_free(context, textures->pyramids);
+    stp_free(context, textures);
+}
