@@ -18,9 +18,8 @@ typedef struct stp_capture_textures stp_capture_textures;
 typedef struct stp_capture_desc {
     uint32_t direction_count; ///< default 8: a cube's corners. 14: and its faces. 26: and its
                               ///< edges' middles. Any other: well spread over the sphere.
-    uint32_t
-        resolution; ///< pixels along the longer side of the widest picture; one scale for all
-                    ///< directions. Default: chosen so that about `wanted_candidates` come out.
+    uint32_t resolution; ///< pixels along the longer side of the widest picture; one scale for all
+        ///< directions. Default: chosen so that about `wanted_candidates` come out.
     uint64_t wanted_candidates;           ///< for the automatic resolution; default 1.75 million
     const stp_capture_textures* textures; ///< of this scene; NULL: made for this call
 } stp_capture_desc;

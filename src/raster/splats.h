@@ -14,8 +14,9 @@ typedef struct stp_raster_splats {
     uint32_t begin, end;       ///< range of splats to draw
     stp_vec3 origin;           ///< position = origin + step * value, in object space
     float step;
-    float radius;              ///< of every disk, object space
-    const uint8_t* coverages;  ///< NULL, or 1 a splat: below 255 the disk is drawn with holes (hashed)
+    float radius; ///< of every disk, object space
+    const uint8_t*
+        coverages; ///< NULL, or 1 a splat: below 255 the disk is drawn with holes (hashed)
 } stp_raster_splats;
 
 /// Object space to view space: x right, y down, z along the gaze, all in object-space lengths times a common
@@ -30,6 +31,6 @@ typedef struct stp_raster_camera {
 
 /// Draws splats; splat i gets the id first_id + i. Only rows [row_begin, row_end) are touched.
 /// @return fragments that passed the disk test
-uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin, uint32_t row_end,
-                                const stp_raster_camera* camera, const stp_raster_splats* splats,
-                                uint32_t first_id);
+uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,
+                                uint32_t row_end, const stp_raster_camera* camera,
+                                const stp_raster_splats* splats, uint32_t first_id);

@@ -368,7 +368,8 @@ void test_triangles_in_bands_give_the_same_picture(test_state* test)
     clear(banded);
     for (uint32_t row = 0; row < HEIGHT; row += 20) {
         stp_raster_target band = {WIDTH, 20, WIDTH, banded + (size_t)row * WIDTH};
-        CHECK_EQUAL(STP_OK, stp_raster_triangles_in_band(&band, row, &matrix, 2.0f, &mesh, 0, &scratch));
+        CHECK_EQUAL(STP_OK,
+                    stp_raster_triangles_in_band(&band, row, &matrix, 2.0f, &mesh, 0, &scratch));
     }
     CHECK(memcmp(whole, banded, sizeof(whole)) == 0);
     stp_arena_destroy(&scratch);
