@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// Opens and reads a forged file. Checksums are made right first, so that mutations get past them.
+//
+//   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_store
+//   mkdir -p corpus && build/fuzz/fuzz/fuzz_store -max_total_time=60 -max_len=20000 corpus tests/golden/store/v1
+#include "../tests/store/support_reseal.h"
+#include "store/store.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+
+// What is read must be readable: sums touch every byte that a caller may use.
+static uint64_t sum(const void* bytes, size_t size)
+{
+    uint64_t total = 0;
+    for (size_t i = 0; bytes != NULL && i < size; ++i) {
+        total += ((const uint8_t*)bytes)[i];
+    }
+    return total;
+}
+
+static uint64_t sum_text(const char* text)
+{
+    return text != NULL ? sum(text, strlen(text)) : 0;
+}
+
+static uint64_t use_directory(stp_store* store)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint64_t total = sum_text(d->build_json);
+    for (uint32_t i = 0; i < d->object_count && d->objects != NULL; ++i) {
+        total += sum_text(d->objects[i].name) + sum_text(d->objects[i].id);
+    }
+    for (uint32_t i = 0; i < d->material_count; ++i) {
+        total += sum_text(d->materials[i].name);
+    }
+    for (uint32_t i = 0; i < d->view_count; ++i) {
+        total += sum_text(d->views[i].name);
+    }
+    for (uint32_t i = 0; i < d->source_count; ++i) {
+        total += sum_text(d->sources[i].path) + sum_text(d->sources[i].format);
+    }
+    for (uint32_t i = 0; i < d->node_count; ++i) {
+        total += sum(d->edges + d->nodes[i].first_edge, d->nodes[i].edge_count * sizeof(*d->edges));
+        total += sum(d->parts + d->nodes[i].first_part, d->nodes[i].part_count * sizeof(*d->parts));
+    }
+    return total;
+}
+
+static uint64_t use_meshes(stp_store* store)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint64_t total = 0;
+    for (uint32_t i = 0; i < d->mesh_count; ++i) {
+        stp_store_mesh m;
+        if (stp_store_get_mesh(store, i, &m) == STP_OK) {
+            size_t n = m.vertex_count;
+            total += sum_text(m.name) + sum(m.positions, 12 * n) + sum(m.normals, 4 * n) +
+                     sum(m.texcoords[0], 8 * n) + sum(m.texcoords[1], 8 * n) + sum(m.colors, 8 * n);
+            for (size_t k = 0; k < 3 * (size_t)m.triangle_count; ++k) {
+                total += m.indices[k] < m.vertex_count ? 1 : (abort(), 0);
+            }
+        }
+    }
+    for (uint32_t i = 0; i < d->point_set_count; ++i) {
+        stp_store_point_set p;
+        if (stp_store_get_point_set(store, i, &p) == STP_OK) {
+            size_t n = p.point_count;
+            total += sum(p.positions, 12 * n) + sum(p.normals, 4 * n) + sum(p.colors, 4 * n);
+        }
+    }
+    for (uint32_t i = 0; i < d->texture_count; ++i) {
+        stp_store_texture t;
+        if (stp_store_get_texture(store, i, &t) == STP_OK) {
+            total += sum(t.texels, 4 * (size_t)t.width * t.height);
+        }
+    }
+    return total;
+}
+
+static uint64_t use_surfels(stp_store* store)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint64_t total = 0;
+    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+        stp_surfels s;
+        if (stp_store_get_surfels_prefix(store, i, 1, &s) != STP_OK ||
+            stp_store_get_surfels(store, i, &s) != STP_OK) {
+            continue;
+        }
+        size_t n = s.count, entries = 0;
+        for (uint32_t k = 0; k < s.octave_count; ++k) {
+            entries += s.octave_ends[k];
+        }
+        total += sum(s.positions, 6 * n) + sum(s.normals, 2 * n) + sum(s.colors, 3 * entries) +
+                 sum(s.coverages, entries);
+        for (size_t k = 0; k < n; ++k) {
+            total += s.materials[k] < d->shading_count ? 1 : (abort(), 0);
+        }
+    }
+    return total;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+    stp_context* context = NULL;
+    void* bytes = NULL;
+    if (stp_context_create(&context, &(stp_context_desc){.thread_count = 1}) != STP_OK ||
+        posix_memalign(&bytes, 64, size) != 0) {
+        abort();
+    }
+    if (size != 0) {
+        memcpy(bytes, data, size);
+    }
+    reseal(bytes, size);
+    static volatile uint64_t sink;
+    for (int prefix = 0; prefix < 2; ++prefix) {
+        stp_store_open_desc desc = {.accept_prefix = prefix == 1, .defer_objects = prefix == 1};
+        stp_store* store = NULL;
+        if (stp_store_open_memory(context, "fuzz", bytes, size, &desc, &store) != STP_OK) {
+            continue;
+        }
+        sink = sink + use_directory(store) + use_meshes(store) + use_surfels(store);
+        stp_store_check_report report;
+        if (prefix == 0) {
+            stp_result result = stp_store_check_open(store, false, &report);
+            sink = sink + (uint64_t)result;
+        }
+        stp_store_close(store);
+    }
+    free(bytes);
+    stp_context_destroy(context);
+    return 0;
+}
