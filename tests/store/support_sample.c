@@ -4,9 +4,9 @@
 #include "base/rng.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+// Each draw is a statement of its own: compilers may evaluate the fields of an initialiser in any order.
 typedef struct dice {
     stp_arena* arena;
     uint64_t seed, next;
@@ -65,9 +65,9 @@ static const char* text(dice* d, const char* what)
     if (below(d, 5) == 0) {
         return NULL;
     }
-    uint32_t suffix = below(d, 1000);
-    bool is_empty = below(d, 7) == 0;
-    int length = is_empty ? 0 : snprintf(buffer, sizeof(buffer), "%s \xc3\xa9 %u", what, suffix);
+    bool empty = below(d, 7) == 0;
+    int length = snprintf(buffer, sizeof(buffer), "%s \xc3\xa9 %u", what, below(d, 1000));
+    length = empty ? 0 : length;
     const char* copy = stp_arena_copy_text(d->arena, buffer, (size_t)length);
     d->complete = d->complete && copy != NULL;
     return copy;
@@ -77,19 +77,32 @@ static stp_affine transform(dice* d)
 {
     stp_affine t;
     for (int i = 0; i < 12; ++i) {
-        t.m[i / 4][i % 4] = (double)number(d) + 1e-9 * below(d, 1000);
+        t.m[i / 4][i % 4] = (double)number(d);
+        t.m[i / 4][i % 4] += 1e-9 * below(d, 1000);
     }
     return t;
 }
 
-static stp_vec3d vector(dice* d)
+static stp_vec3 vector(dice* d)
 {
-    return (stp_vec3d){(double)number(d), (double)number(d), (double)number(d)};
+    stp_vec3 v;
+    v.x = number(d);
+    v.y = number(d);
+    v.z = number(d);
+    return v;
+}
+
+static stp_vec3d vector_double(dice* d)
+{
+    return stp_to_double(vector(d));
 }
 
 static stp_box box(dice* d)
 {
-    return (stp_box){{number(d), number(d), number(d)}, {number(d), number(d), number(d)}};
+    stp_box made;
+    made.min = vector(d);
+    made.max = vector(d);
+    return made;
 }
 
 static void add_meshes(dice* d, stp_store_content* content, uint32_t count)
@@ -102,19 +115,18 @@ static void add_meshes(dice* d, stp_store_content* content, uint32_t count)
         for (uint32_t k = 0; indices != NULL && k < 3 * triangles; ++k) {
             indices[k] = below(d, vertices);
         }
-        meshes[i] = (stp_store_mesh){
-            .name = text(d, "mesh"),
-            .vertex_count = vertices,
-            .triangle_count = triangles,
-            .material = below(d, content->directory.material_count),
-            .bounds = box(d),
-            .positions = numbers(d, 3 * (size_t)vertices, false),
-            .normals = column(d, 4 * (size_t)vertices, true),
-            .texcoords = {numbers(d, 2 * (size_t)vertices, true),
-                          numbers(d, 2 * (size_t)vertices, true)},
-            .colors = column(d, 8 * (size_t)vertices, true),
-            .indices = indices,
-        };
+        stp_store_mesh* mesh = &meshes[i];
+        mesh->name = text(d, "mesh");
+        mesh->vertex_count = vertices;
+        mesh->triangle_count = triangles;
+        mesh->material = below(d, content->directory.material_count);
+        mesh->bounds = box(d);
+        mesh->positions = numbers(d, 3 * (size_t)vertices, false);
+        mesh->normals = column(d, 4 * (size_t)vertices, true);
+        mesh->texcoords[0] = numbers(d, 2 * (size_t)vertices, true);
+        mesh->texcoords[1] = numbers(d, 2 * (size_t)vertices, true);
+        mesh->colors = column(d, 8 * (size_t)vertices, true);
+        mesh->indices = indices;
     }
     content->meshes = meshes;
     content->directory.mesh_count = count;
@@ -124,16 +136,15 @@ static void add_points(dice* d, stp_store_content* content, uint32_t count)
 {
     stp_store_point_set* sets = take(d, count, sizeof(*sets));
     for (uint32_t i = 0; d->complete && i < count; ++i) {
+        stp_store_point_set* set = &sets[i];
         uint32_t points = below(d, 20);
-        sets[i] = (stp_store_point_set){
-            .name = text(d, "points"),
-            .point_count = points,
-            .material = below(d, content->directory.material_count),
-            .bounds = box(d),
-            .positions = numbers(d, 3 * (size_t)points, false),
-            .normals = column(d, 4 * (size_t)points, true),
-            .colors = column(d, 4 * (size_t)points, true),
-        };
+        set->name = text(d, "points");
+        set->point_count = points;
+        set->material = below(d, content->directory.material_count);
+        set->bounds = box(d);
+        set->positions = numbers(d, 3 * (size_t)points, false);
+        set->normals = column(d, 4 * (size_t)points, true);
+        set->colors = column(d, 4 * (size_t)points, true);
     }
     content->point_sets = sets;
     content->directory.point_set_count = count;
@@ -143,15 +154,13 @@ static void add_textures(dice* d, stp_store_content* content, uint32_t count)
 {
     stp_store_texture* textures = take(d, count, sizeof(*textures));
     for (uint32_t i = 0; d->complete && i < count; ++i) {
-        uint32_t width = 1 + below(d, 5), height = 1 + below(d, 5);
-        textures[i] = (stp_store_texture){
-            .width = width,
-            .height = height,
-            .wrap_u = below(d, 3),
-            .wrap_v = below(d, 3),
-            .nearest = below(d, 2),
-            .texels = column(d, 4 * (size_t)width * height, false),
-        };
+        stp_store_texture* texture = &textures[i];
+        texture->width = 1 + below(d, 5);
+        texture->height = 1 + below(d, 5);
+        texture->wrap_u = below(d, 3);
+        texture->wrap_v = below(d, 3);
+        texture->nearest = below(d, 2);
+        texture->texels = column(d, 4 * (size_t)texture->width * texture->height, false);
     }
     content->textures = textures;
     content->directory.texture_count = count;
@@ -159,12 +168,10 @@ static void add_textures(dice* d, stp_store_content* content, uint32_t count)
 
 static stp_surfels make_surfels(dice* d, uint32_t shading_count)
 {
-    stp_surfels s = {
-        .origin = {number(d), number(d), number(d)},
-        .step = below(d, 2) == 0 ? 0.0009765625f : 2.0f,
-        .candidate_radius = 0.01f * (float)below(d, 100),
-        .octave_count = below(d, 6),
-    };
+    stp_surfels s = {.origin = vector(d)};
+    s.step = below(d, 2) == 0 ? 0.0009765625f : 2.0f;
+    s.candidate_radius = 0.01f * (float)below(d, 100);
+    s.octave_count = below(d, 6);
     uint64_t entries = 0;
     for (uint32_t k = 0; k < s.octave_count; ++k) {
         s.count += 1 + below(d, 6u << k);
@@ -204,10 +211,8 @@ static void add_surfels(dice* d, stp_store_content* content, uint32_t count)
 
 static stp_store_texture_use texture_use(dice* d, uint32_t texture_count)
 {
-    stp_store_texture_use use = {
-        .texture = below(d, texture_count + 1),
-        .texcoord = below(d, 2),
-    };
+    stp_store_texture_use use = {.texture = below(d, texture_count + 1)};
+    use.texcoord = below(d, 2);
     use.texture = use.texture == texture_count ? STP_STORE_NONE : use.texture;
     for (int i = 0; i < 6; ++i) {
         use.transform[i / 3][i % 3] = number(d);
@@ -221,27 +226,29 @@ static void add_materials(dice* d, stp_store_content* content)
     stp_store_material* materials = take(d, directory->material_count, sizeof(*materials));
     stp_shading* shadings = take(d, directory->shading_count, sizeof(*shadings));
     for (uint32_t i = 0; d->complete && i < directory->material_count; ++i) {
-        materials[i] = (stp_store_material){
-            .name = text(d, "material"),
-            .base_color = {number(d), number(d), number(d), number(d)},
-            .metallic = number(d),
-            .roughness = number(d),
-            .emissive = {number(d), number(d), number(d)},
-            .alpha_cutoff = number(d),
-            .alpha = (stp_store_alpha)below(d, 3),
-            .flags = below(d, 4),
-            .base_color_texture = texture_use(d, directory->texture_count),
-            .metallic_roughness_texture = texture_use(d, directory->texture_count),
-            .emissive_texture = texture_use(d, directory->texture_count),
-        };
+        stp_store_material* m = &materials[i];
+        float* loose[] = {&m->base_color[0], &m->base_color[1], &m->base_color[2],
+                          &m->base_color[3], &m->metallic,      &m->roughness,
+                          &m->emissive[0],   &m->emissive[1],   &m->emissive[2],
+                          &m->alpha_cutoff};
+        m->name = text(d, "material");
+        for (size_t k = 0; k < sizeof(loose) / sizeof(loose[0]); ++k) {
+            *loose[k] = number(d);
+        }
+        m->alpha = (stp_store_alpha)below(d, 3);
+        m->flags = below(d, 4);
+        m->base_color_texture = texture_use(d, directory->texture_count);
+        m->metallic_roughness_texture = texture_use(d, directory->texture_count);
+        m->emissive_texture = texture_use(d, directory->texture_count);
     }
     for (uint32_t i = 0; d->complete && i < directory->shading_count; ++i) {
-        shadings[i] = (stp_shading){
-            number(d),
-            number(d),
-            {number(d), number(d), number(d)},
-            below(d, 4),
-        };
+        stp_shading* shading = &shadings[i];
+        shading->metallic = number(d);
+        shading->roughness = number(d);
+        for (int k = 0; k < 3; ++k) {
+            shading->emissive[k] = number(d);
+        }
+        shading->flags = below(d, 4);
     }
     directory->materials = materials;
     directory->shadings = shadings;
@@ -256,20 +263,21 @@ static void add_graph(dice* d, stp_store_content* content, uint32_t count)
     for (uint32_t i = 0; d->complete && i < count; ++i) {
         uint32_t edge_count = i == 0 ? 0 : below(d, 4), part_count = below(d, 3);
         stp_store_node* node = &nodes[i];
-        *node = (stp_store_node){
-            .first_edge = directory->edge_count,
-            .edge_count = edge_count,
-            .first_part = directory->part_count,
-            .part_count = part_count,
-            .surfels = below(d, directory->surfels_count + 1),
-            .flags = below(d, 2),
-            .triangle_count = stp_rng_hash(d->seed, d->next++),
-            .point_count = stp_rng_hash(d->seed, d->next++),
-            .bounds = {vector(d), vector(d)},
-        };
+        node->first_edge = directory->edge_count;
+        node->edge_count = edge_count;
+        node->first_part = directory->part_count;
+        node->part_count = part_count;
+        node->surfels = below(d, directory->surfels_count + 1);
+        node->flags = below(d, 2);
+        node->triangle_count = stp_rng_hash(d->seed, d->next++);
+        node->point_count = stp_rng_hash(d->seed, d->next++);
+        node->bounds.min = vector_double(d);
+        node->bounds.max = vector_double(d);
         node->surfels = node->surfels == directory->surfels_count ? STP_STORE_NONE : node->surfels;
         for (uint32_t k = 0; k < edge_count; ++k) {
-            edges[directory->edge_count++] = (stp_store_edge){below(d, i), transform(d)};
+            stp_store_edge* edge = &edges[directory->edge_count++];
+            edge->node = below(d, i);
+            edge->transform = transform(d);
         }
         for (uint32_t k = 0; k < part_count; ++k) {
             bool points =
@@ -297,20 +305,25 @@ static void add_objects(dice* d, stp_store_content* content, uint32_t count)
     stp_store_view* views = take(d, 2, sizeof(*views));
     stp_store_source* sources = take(d, 2, sizeof(*sources));
     for (uint32_t i = 0; d->complete && i < count; ++i) {
-        objects[i] = (stp_store_object){
-            .name = text(d, "object"),
-            .id = text(d, "id"),
-            .parent = i == 0 || below(d, 4) == 0 ? STP_STORE_NONE : below(d, i),
-            .node = directory->node_count == 0 ? STP_STORE_NONE : below(d, directory->node_count),
-            .transform = transform(d),
-        };
+        stp_store_object* object = &objects[i];
+        object->name = text(d, "object");
+        object->id = text(d, "id");
+        object->parent = i == 0 || below(d, 4) == 0 ? STP_STORE_NONE : below(d, i);
+        object->node =
+            directory->node_count == 0 ? STP_STORE_NONE : below(d, directory->node_count);
+        object->transform = transform(d);
     }
     directory->view_count = below(d, 3);
     directory->source_count = below(d, 3);
     for (uint32_t i = 0; d->complete && i < 2; ++i) {
-        views[i] = (stp_store_view){text(d, "view"), vector(d), vector(d), vector(d), 55.5};
-        sources[i] = (stp_store_source){text(d, "path"), text(d, "format"),
-                                        stp_rng_hash(d->seed, d->next++)};
+        views[i].name = text(d, "view");
+        views[i].eye = vector_double(d);
+        views[i].target = vector_double(d);
+        views[i].up = vector_double(d);
+        views[i].fov_degrees = 55.5;
+        sources[i].path = text(d, "path");
+        sources[i].format = text(d, "format");
+        sources[i].bytes = stp_rng_hash(d->seed, d->next++);
     }
     directory->objects = objects;
     directory->object_count = count;
@@ -337,191 +350,4 @@ sample sample_make(stp_arena* arena, uint64_t seed)
     directory->build_json = below(&d, 2) == 0 ? NULL : "{\"seed\": 0}";
     made.complete = d.complete;
     return made;
-}
-
-static bool same_text(const char* a, const char* b)
-{
-    return (a == NULL) == (b == NULL) && (a == NULL || strcmp(a, b) == 0);
-}
-
-static bool same_bytes(const void* a, const void* b, size_t size)
-{
-    return (a == NULL) == (b == NULL) && (size == 0 || a == NULL || memcmp(a, b, size) == 0);
-}
-
-static bool same_materials(const stp_store_directory* a, const stp_store_directory* b)
-{
-    for (uint32_t i = 0; i < a->material_count; ++i) {
-        stp_store_material x = a->materials[i], y = b->materials[i];
-        bool named = same_text(x.name, y.name);
-        x.name = y.name = NULL;
-        if (!named || memcmp(&x, &y, sizeof(x)) != 0) {
-            return false;
-        }
-    }
-    return same_bytes(a->shadings, b->shadings, a->shading_count * sizeof(stp_shading)) ||
-           a->shading_count == 0;
-}
-
-static bool same_objects(const stp_store_directory* a, const stp_store_directory* b)
-{
-    for (uint32_t i = 0; i < a->object_count; ++i) {
-        const stp_store_object *x = &a->objects[i], *y = &b->objects[i];
-        if (!same_text(x->name, y->name) || !same_text(x->id, y->id) || x->parent != y->parent ||
-            x->node != y->node || memcmp(&x->transform, &y->transform, sizeof(stp_affine)) != 0) {
-            return false;
-        }
-    }
-    for (uint32_t i = 0; i < a->view_count; ++i) {
-        const stp_store_view *x = &a->views[i], *y = &b->views[i];
-        if (!same_text(x->name, y->name) || memcmp(&x->eye, &y->eye, 3 * sizeof(x->eye)) != 0 ||
-            memcmp(&x->fov_degrees, &y->fov_degrees, sizeof(double)) != 0) {
-            return false;
-        }
-    }
-    for (uint32_t i = 0; i < a->source_count; ++i) {
-        const stp_store_source *x = &a->sources[i], *y = &b->sources[i];
-        if (!same_text(x->path, y->path) || !same_text(x->format, y->format) ||
-            x->bytes != y->bytes) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static const char* directory_difference(const stp_store_directory* a, const stp_store_directory* b)
-{
-    if (a->node_count != b->node_count || a->edge_count != b->edge_count ||
-        a->part_count != b->part_count || a->object_count != b->object_count ||
-        a->material_count != b->material_count || a->shading_count != b->shading_count ||
-        a->texture_count != b->texture_count || a->mesh_count != b->mesh_count ||
-        a->point_set_count != b->point_set_count || a->surfels_count != b->surfels_count ||
-        a->view_count != b->view_count || a->source_count != b->source_count) {
-        return "counts";
-    }
-    if (a->root != b->root || a->up != b->up || !same_text(a->build_json, b->build_json) ||
-        memcmp(&a->unit_metres, &b->unit_metres, sizeof(double)) != 0) {
-        return "header";
-    }
-    for (uint32_t i = 0; i < a->edge_count; ++i) {
-        if (a->edges[i].node != b->edges[i].node ||
-            memcmp(&a->edges[i].transform, &b->edges[i].transform, sizeof(stp_affine)) != 0) {
-            return "edges";
-        }
-    }
-    if ((a->node_count != 0 &&
-         !same_bytes(a->nodes, b->nodes, a->node_count * sizeof(*a->nodes))) ||
-        (a->part_count != 0 &&
-         !same_bytes(a->parts, b->parts, a->part_count * sizeof(*a->parts)))) {
-        return "nodes or parts";
-    }
-    if (!same_materials(a, b)) {
-        return "materials";
-    }
-    return same_objects(a, b) ? NULL : "objects, views or sources";
-}
-
-static bool same_mesh(const stp_store_mesh* a, stp_store* store, uint32_t index)
-{
-    stp_store_mesh b;
-    if (stp_store_get_mesh(store, index, &b) != STP_OK) {
-        return false;
-    }
-    size_t n = a->vertex_count;
-    return same_text(a->name, b.name) && n == b.vertex_count &&
-           a->triangle_count == b.triangle_count && a->material == b.material &&
-           memcmp(&a->bounds, &b.bounds, sizeof(a->bounds)) == 0 &&
-           same_bytes(a->positions, b.positions, 12 * n) &&
-           same_bytes(a->normals, b.normals, 4 * n) &&
-           same_bytes(a->texcoords[0], b.texcoords[0], 8 * n) &&
-           same_bytes(a->texcoords[1], b.texcoords[1], 8 * n) &&
-           same_bytes(a->colors, b.colors, 8 * n) &&
-           same_bytes(a->indices, b.indices, 12 * (size_t)a->triangle_count);
-}
-
-static bool same_points(const stp_store_point_set* a, stp_store* store, uint32_t index)
-{
-    stp_store_point_set b;
-    if (stp_store_get_point_set(store, index, &b) != STP_OK) {
-        return false;
-    }
-    size_t n = a->point_count;
-    return same_text(a->name, b.name) && n == b.point_count && a->material == b.material &&
-           memcmp(&a->bounds, &b.bounds, sizeof(a->bounds)) == 0 &&
-           same_bytes(a->positions, b.positions, 12 * n) &&
-           same_bytes(a->normals, b.normals, 4 * n) && same_bytes(a->colors, b.colors, 4 * n);
-}
-
-static bool same_texture(const stp_store_texture* a, stp_store* store, uint32_t index)
-{
-    stp_store_texture b;
-    return stp_store_get_texture(store, index, &b) == STP_OK && a->width == b.width &&
-           a->height == b.height && a->wrap_u == b.wrap_u && a->wrap_v == b.wrap_v &&
-           a->nearest == b.nearest &&
-           same_bytes(a->texels, b.texels, 4 * (size_t)a->width * a->height);
-}
-
-static bool same_surfels(const stp_surfels* a, stp_store* store, uint32_t index)
-{
-    stp_surfels b;
-    if (stp_store_get_surfels(store, index, &b) != STP_OK) {
-        return false;
-    }
-    size_t n = a->count, entries = 0;
-    for (uint32_t k = 0; k < a->octave_count; ++k) {
-        entries += a->octave_ends[k];
-    }
-    float scalars_a[] = {a->origin.x, a->origin.y,         a->origin.z,
-                         a->step,     a->candidate_radius, a->paper_radius};
-    float scalars_b[] = {b.origin.x, b.origin.y,         b.origin.z,
-                         b.step,     b.candidate_radius, b.paper_radius};
-    return n == b.count && a->octave_count == b.octave_count && a->paper_count == b.paper_count &&
-           memcmp(scalars_a, scalars_b, sizeof(scalars_a)) == 0 &&
-           memcmp(a->octave_ends, b.octave_ends, sizeof(a->octave_ends)) == 0 &&
-           memcmp(&a->table, &b.table, sizeof(a->table)) == 0 &&
-           (n == 0 ||
-            (same_bytes(a->positions, b.positions, 6 * n) &&
-             same_bytes(a->normals, b.normals, 2 * n) && same_bytes(a->materials, b.materials, n) &&
-             same_bytes(a->colors, b.colors, 3 * entries) &&
-             same_bytes(a->coverages, b.coverages, entries)));
-}
-
-const char* sample_difference(const stp_store_content* content, stp_store* store)
-{
-    const stp_store_directory* directory = &content->directory;
-    const char* difference = directory_difference(directory, stp_store_get_directory(store));
-    for (uint32_t i = 0; difference == NULL && i < directory->mesh_count; ++i) {
-        difference = same_mesh(&content->meshes[i], store, i) ? NULL : "a mesh";
-    }
-    for (uint32_t i = 0; difference == NULL && i < directory->point_set_count; ++i) {
-        difference = same_points(&content->point_sets[i], store, i) ? NULL : "a point set";
-    }
-    for (uint32_t i = 0; difference == NULL && i < directory->texture_count; ++i) {
-        difference = same_texture(&content->textures[i], store, i) ? NULL : "a texture";
-    }
-    for (uint32_t i = 0; difference == NULL && i < directory->surfels_count; ++i) {
-        difference = same_surfels(&content->surfels[i], store, i) ? NULL : "a surfel set";
-    }
-    return difference;
-}
-
-unsigned char* sample_read_file(const char* path, size_t* size)
-{
-    FILE* file = fopen(path, "rb");
-    if (file == NULL) {
-        return NULL;
-    }
-    fseek(file, 0, SEEK_END);
-    long end = ftell(file);
-    rewind(file);
-    void* bytes = NULL;
-    // exactly as large as the file, so that sanitizers see a read beyond it
-    if (end >= 0 && posix_memalign(&bytes, 64, (size_t)end) == 0 &&
-        fread(bytes, 1, (size_t)end, file) != (size_t)end) {
-        free(bytes);
-        bytes = NULL;
-    }
-    fclose(file);
-    *size = end >= 0 ? (size_t)end : 0;
-    return bytes;
 }

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { GOLDEN_SEED = 8 };
+enum { GOLDEN_SEED = 175 };
 
 // STP_STORE_SAMPLE=NAME writes NAME-SEED.stip, and what is in them as NAME-SEED.json.
 void test_store_writes_samples_for_another_reader(test_state* test)
