@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+//
+// build/fuzz/fuzz/fuzz_png -max_total_time=60 -max_len=4096 build/corpus/fuzz_png
+//
+// Any bytes as a PNG; what can be read must survive being written and read again.
+#include "present/png.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = (uint64_t)1 << 28};
+    stp_context* context;
+    if (stp_context_create(&context, &desc) != STP_OK) {
+        return 0;
+    }
+    stp_image image, again;
+    if (stp_png_decode(context, "input", data, size, &image) == STP_OK) {
+        unsigned char* bytes;
+        size_t byte_count;
+        if (stp_png_encode(context, &image, "input", &bytes, &byte_count) == STP_OK) {
+            if (stp_png_decode(context, "again", bytes, byte_count, &again) == STP_OK) {
+                size_t pixel_bytes = (size_t)image.width * image.height * 4;
+                if (again.width != image.width || again.height != image.height ||
+                    memcmp(again.pixels, image.pixels, pixel_bytes) != 0) {
+                    abort();
+                }
+                stp_free(context, again.pixels);
+            }
+            stp_free(context, bytes);
+        }
+        stp_free(context, image.pixels);
+    }
+    stp_context_destroy(context);
+    return 0;
+}
