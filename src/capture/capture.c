@@ -30,7 +30,7 @@ static stp_result count_primitives(stp_capture_job* job, stp_boxd* box)
         return stp_fail_memory(scene->context);
     }
     uint64_t sum = 0;
-    *box = stp_boxd_empty();
+
     for (size_t i = 0; i < job->part_count; ++i) {
         const stp_placed_part* placed = &job->parts[i];
         bool is_mesh = placed->part.kind == STP_PART_MESH;
@@ -212,7 +212,7 @@ stp_result stp_capture_parts_in_passes(const stp_scene* scene, const stp_placed_
         .ids_a_pass = ids_a_pass,
     };
     *candidates = (stp_candidates){0};
-    stp_boxd box;
+    stp_boxd box = stp_boxd_empty();
     stp_capture_textures* own = NULL;
     double started = stp_clock_ms(), drawn = started;
     stp_result result = stp_progress(context, "capture", 0.0);
