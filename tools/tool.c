@@ -118,8 +118,7 @@ stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_by
                                  const char* progress_name)
 {
     const tool_settings* settings = tool_settings_get();
-    bool terminal = isatty(fileno(stderr)) != 0;
-    if (!progress_choose(&progress, settings->quiet ? "none" : progress_name, terminal)) {
+    if (!progress_choose(&progress, settings->quiet ? "none" : progress_name, stderr)) {
         tool_usage_error("--progress: '%s' is none of auto|bar|json|none", progress_name);
         return NULL;
     }
