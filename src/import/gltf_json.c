@@ -111,6 +111,7 @@ stp_result stp_gltf_item(stp_gltf_scope* scope, stp_gltf_list list, size_t index
 {
     *item = json_array_get(scope->gltf->lists[list], index);
     if (!json_is_object(*item)) {
+        scope->place[0] = '\0'; // the item itself is the place
         return stp_gltf_fail(scope, STP_ERROR_FORMAT, "%s[%zu] is not an object",
                              stp_gltf_list_name(list), index);
     }
