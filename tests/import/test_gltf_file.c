@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: MIT
+#define _XOPEN_SOURCE 700 // mkdtemp
+#include "import/gltf_writer.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <unistd.h>
+
+static const float triangle[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+#define TRIANGLE_IN(uri)                                                                           \
+    "{" GLTF_ASSET ",'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0}],"                               \
+    "'buffers':[{'byteLength':36,'uri':'" uri "'}],"                                               \
+    "'bufferViews':[{'buffer':0,'byteLength':36}],"                                                \
+    "'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}],"                 \
+    "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]}"
+
+static int write_file(const char* path, const void* bytes, size_t size)
+{
+    FILE* file = fopen(path, "wb");
+    size_t written = file != NULL ? fwrite(bytes, 1, size, file) : 0;
+    return file != NULL && fclose(file) == 0 && written == size;
+}
+
+// Writes model.gltf into the folder and imports it.
+static void run_file(gltf_run* run, const char* folder, const char* json)
+{
+    char path[256], quoted[4096];
+    snprintf(path, sizeof(path), "%s/model.gltf", folder);
+    gltf_run_begin(run, 2);
+    run->result = STP_ERROR_ARGUMENT;
+    if (write_file(path, quoted, gltf_quote(quoted, json))) {
+        const stp_import_desc desc = {0};
+        run->result = stp_import_file(run->scene, path, &desc);
+    }
+    unlink(path);
+}
+
+void test_gltf_reads_buffers_beside_it(test_state* test)
+{
+    char folder[] = "/tmp/stipple_test_XXXXXX", bin[64], outside[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(bin, sizeof(bin), "%s/a b%%.bin", folder);
+    snprintf(outside, sizeof(outside), "%s.bin", folder);
+    CHECK(write_file(bin, triangle, sizeof(triangle)));
+    CHECK(write_file(outside, triangle, sizeof(triangle)));
+    gltf_run run;
+    run_file(&run, folder, TRIANGLE_IN("./a%20b%25.bin"));
+    CHECK_EQUAL(STP_OK, run.result);
+    CHECK_EQUAL(1, run.scene->meshes[0].triangle_count);
+    CHECK(strcmp(run.scene->objects[0].name, "model.gltf") == 0);
+    gltf_run_end(&run);
+
+    // as written by exporters that never encode
+    run_file(&run, folder, TRIANGLE_IN("a b%.bin"));
+    CHECK_EQUAL(STP_OK, run.result);
+    gltf_run_end(&run);
+
+    run_file(&run, folder, TRIANGLE_IN("missing.bin"));
+    CHECK_EQUAL(STP_ERROR_IO, run.result);
+    CHECK_EQUAL(1, run.log.errors);
+    CHECK(strstr(run.log.text, "missing.bin") != NULL);
+    gltf_run_end(&run);
+
+    char escaping[1024], name[64];
+    snprintf(name, sizeof(name), "%%2e%%2E%%2F%s.bin", folder + 5);
+    snprintf(escaping, sizeof(escaping), TRIANGLE_IN("%s"), name);
+    run_file(&run, folder, escaping);
+    CHECK_EQUAL(STP_ERROR_FORMAT, run.result);
+    CHECK_EQUAL(1, run.log.errors);
+    gltf_run_end(&run);
+
+    CHECK(write_file(bin, triangle, 35));
+    run_file(&run, folder, TRIANGLE_IN("a%20b%25.bin"));
+    CHECK_EQUAL(STP_ERROR_TRUNCATED, run.result);
+    CHECK(strstr(run.log.text, "buffers[0]: byteLength is 36, but there are 35 bytes") != NULL);
+    gltf_run_end(&run);
+    unlink(bin);
+    unlink(outside);
+    rmdir(folder);
+}
+
+void test_gltf_reads_data_uris(test_state* test)
+{
+    const char* good = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"; // the triangle
+    const struct {
+        const char *prefix, *suffix;
+        stp_result result;
+    } cases[] = {
+        {"data:application/octet-stream;base64,", "", STP_OK},
+        {"data:;base64,", "==", STP_OK},
+        {"data:application/gltf-buffer;base64,", "AAA=", STP_OK}, // longer than needed
+        {"data:;base64,", "A", STP_ERROR_FORMAT},
+        {"data:;base64,!", "", STP_ERROR_FORMAT},
+        {"data:;base64", "", STP_ERROR_FORMAT},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        char json[1024], uri[256];
+        snprintf(uri, sizeof(uri), "%s%s%s", cases[i].prefix, good, cases[i].suffix);
+        snprintf(json, sizeof(json), TRIANGLE_IN("%s"), uri);
+        gltf_run run;
+        gltf_run_text(&run, json);
+        CHECK_EQUAL(cases[i].result, run.result);
+        if (run.result == STP_OK) {
+            CHECK(memcmp(run.scene->meshes[0].positions, triangle, sizeof(triangle)) == 0);
+        }
+        gltf_run_end(&run);
+    }
+}
+
+void test_gltf_says_what_it_cannot_read(test_state* test)
+{
+    const struct {
+        const char* json;
+        stp_result result;
+        const char* message;
+    } cases[] = {
+        {"{\n 'asset': {'version': '2.0'},\n 'nodes': [}\n", STP_ERROR_FORMAT,
+         "test.gltf: JSON at line 3, column 12: "},
+        {"{'asset':{'version':'1.0'}}", STP_ERROR_UNSUPPORTED,
+         "test.gltf: it is glTF 1.0, but only 2 is read"},
+        {"{'asset':{'version':'3.0'}}", STP_ERROR_VERSION,
+         "test.gltf: it is glTF 3.0, but only 2 is read"},
+        {"{'asset':{'version':'2.1','minVersion':'2.1'}}", STP_ERROR_VERSION,
+         "test.gltf: it needs a reader of glTF 2.1"},
+        {"{'asset':{}}", STP_ERROR_FORMAT, "test.gltf: asset.version is missing or no version"},
+        {"[]", STP_ERROR_FORMAT, "test.gltf: the JSON is not an object"},
+        {"", STP_ERROR_TRUNCATED, "test.gltf: it has no JSON"},
+        {"{" GLTF_ASSET ",'nodes':{}}", STP_ERROR_FORMAT, "test.gltf: nodes is not an array"},
+        {"{" GLTF_ASSET ",'extensionsUsed':['EXT_x'],'extensionsRequired':['EXT_x']}",
+         STP_ERROR_UNSUPPORTED, "test.gltf: it requires the extension EXT_x, which is not known"},
+        {"{" GLTF_ASSET ",'extensionsUsed':['EXT_x'],'asset':{'version':'2.0'}}", STP_OK, ""},
+    };
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        gltf_run run;
+        gltf_run_text(&run, cases[i].json);
+        CHECK_EQUAL(cases[i].result, run.result);
+        CHECK_EQUAL(run.result == STP_OK ? 0 : 1, run.log.errors);
+        CHECK(strstr(run.log.text, cases[i].message) == run.log.text);
+        gltf_run_end(&run);
+    }
+}
+
+// A file that uses most features at once, for the tests below.
+typedef struct rich_data {
+    float positions[12], normals[12];
+    uint16_t indices[6], sparse_indices[2];
+    float sparse_values[3];
+    uint8_t colors[16];
+} rich_data;
+
+static const rich_data rich = {
+    .positions = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0},
+    .normals = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1},
+    .indices = {0, 1, 2, 0, 2, 3},
+    .sparse_indices = {1, 0},
+    .sparse_values = {2, 0, 0},
+    .colors = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255},
+};
+
+static const char rich_json[] =
+    "{" GLTF_ASSET ",'scenes':[{'nodes':[0]}],"
+    "'nodes':[{'children':[1,2],'name':'root'},{'mesh':0,'extras':7},"
+    "{'mesh':0,'camera':0,'weights':[0.5],'translation':[1,2,3]}],"
+    "'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"
+    "'buffers':[{'byteLength':140}],'bufferViews':[{'buffer':0,'byteLength':140}],"
+    "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3','sparse':"
+    "{'count':1,'indices':{'bufferView':0,'byteOffset':108,'componentType':5123},"
+    "'values':{'bufferView':0,'byteOffset':112}}},"
+    "{'bufferView':0,'byteOffset':48,'componentType':5126,'count':4,'type':'VEC3'},"
+    "{'bufferView':0,'byteOffset':96,'componentType':5123,'count':6,'type':'SCALAR'},"
+    "{'bufferView':0,'byteOffset':124,'componentType':5121,'normalized':true,'count':4,"
+    "'type':'VEC4'}],"
+    "'materials':[{'name':'paint','emissiveTexture':{'index':0}}],'textures':[{'source':0}],"
+    "'images':[{'uri':'data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElE"
+    "QVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC'}],"
+    "'meshes':[{'primitives':[{'material':0,'indices':2,'attributes':{'POSITION':0,'NORMAL':1,"
+    "'COLOR_0':3},'targets':[{'POSITION':1}]},{'mode':0,'attributes':{'POSITION':0,"
+    "'COLOR_0':3}}]}]}";
+
+void test_gltf_refuses_every_truncation(test_state* test)
+{
+    glb_file glb;
+    CHECK(glb_make(&glb, rich_json, &rich, sizeof(rich)));
+    const stp_import_desc desc = {0};
+    for (size_t size = 0; size <= glb.size; ++size) {
+        unsigned char* cut = malloc(size + 1); // its own block, so that sanitizers see its end
+        CHECK(cut != NULL);
+        memcpy(cut, glb.bytes, size);
+        gltf_run run;
+        gltf_run_begin(&run, 1);
+        run.result = stp_import_memory(run.scene, "test.glb", cut, size, &desc);
+        CHECK((run.result == STP_OK) == (size == glb.size));
+        CHECK_EQUAL(size == glb.size ? 0 : 1, run.log.errors);
+        // the same with a header that agrees: chunks are cut instead
+        if (size >= 12 && size < glb.size) {
+            glb_put_u32(cut + 8, size);
+            stp_result result = stp_import_memory(run.scene, "test.glb", cut, size, &desc);
+            CHECK(result != STP_OK);
+        }
+        gltf_run_end(&run);
+        free(cut);
+    }
+}
+
+void test_gltf_survives_damaged_bytes(test_state* test)
+{
+    glb_file glb;
+    CHECK(glb_make(&glb, rich_json, &rich, sizeof(rich)));
+    const stp_import_desc desc = {0};
+    const unsigned char damages[] = {0x00, 0xFF, '9', '-', '['};
+    for (size_t at = 0; at < glb.size; ++at) {
+        unsigned char damage = damages[at % sizeof(damages)], kept = glb.bytes[at];
+        glb.bytes[at] = damage;
+        gltf_run run;
+        gltf_run_begin(&run, 1);
+        run.result = stp_import_memory(run.scene, "test.glb", glb.bytes, glb.size, &desc);
+        CHECK_EQUAL(run.result == STP_OK ? 0 : 1, run.log.errors);
+        gltf_run_end(&run);
+        glb.bytes[at] = kept;
+    }
+}
+
+void test_gltf_survives_failing_allocator(test_state* test)
+{
+    glb_file glb;
+    CHECK(glb_make(&glb, rich_json, &rich, sizeof(rich)));
+    const stp_import_desc desc = {0};
+    for (int n = 0;; ++n) {
+        test_heap heap = TEST_HEAP(n);
+        test_log log = {.errors = 0};
+        stp_context* context = test_context(&heap, 1, &log);
+        stp_scene* scene = NULL;
+        stp_result result = STP_ERROR_OUT_OF_MEMORY;
+        if (context != NULL && stp_scene_create(context, &scene) == STP_OK) {
+            log.errors = 0;
+            result = stp_import_memory(scene, "test.glb", glb.bytes, glb.size, &desc);
+            CHECK_EQUAL(result == STP_OK ? 0 : 1, log.errors);
+        }
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+        CHECK_EQUAL(0, heap.live_bytes);
+        CHECK(result == STP_OK || result == STP_ERROR_OUT_OF_MEMORY);
+        if (result == STP_OK) {
+            CHECK(n > 20);
+            break;
+        }
+    }
+}
+
+void test_gltf_is_the_same_for_all_thread_counts(test_state* test)
+{
+    glb_file glb;
+    CHECK(glb_make(&glb, rich_json, &rich, sizeof(rich)));
+    const stp_import_desc desc = {0};
+    gltf_run runs[3];
+    for (uint32_t i = 0; i < 3; ++i) {
+        gltf_run_begin(&runs[i], i + 1);
+        CHECK_EQUAL(STP_OK,
+                    stp_import_memory(runs[i].scene, "test.glb", glb.bytes, glb.size, &desc));
+    }
+    for (int i = 1; i < 3; ++i) {
+        const stp_scene *a = runs[0].scene, *b = runs[i].scene;
+        CHECK_EQUAL(a->mesh_count, b->mesh_count);
+        CHECK_EQUAL(2, a->mesh_count);
+        CHECK_EQUAL(a->part_count, b->part_count);
+        CHECK(memcmp(a->parts, b->parts, a->part_count * sizeof(*a->parts)) == 0);
+        for (size_t m = 0; m < a->mesh_count; ++m) {
+            CHECK(memcmp(a->meshes[m].positions, b->meshes[m].positions, 48) == 0);
+            CHECK(memcmp(a->meshes[m].colors, b->meshes[m].colors, 32) == 0);
+        }
+    }
+    CHECK(runs[0].scene->meshes[0].positions[3] == 2.0f); // substituted
+    CHECK(runs[0].scene->meshes[1].positions[5] == 0.5f); // morphed
+    CHECK_EQUAL(1, runs[0].scene->texture_count);
+    for (int i = 0; i < 3; ++i) {
+        gltf_run_end(&runs[i]);
+    }
+}
+
+static size_t triangles_shown(const stp_scene* scene)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < scene->object_count; ++i) {
+        const stp_object* object = &scene->objects[i];
+        for (uint32_t k = 0; k < object->part_count; ++k) {
+            stp_part part = scene->parts[object->first_part + k];
+            count += part.kind == STP_PART_MESH ? scene->meshes[part.index].triangle_count : 0;
+        }
+    }
+    return count;
+}
+
+// Imports every .gltf and .glb below the folder; false where a result and its messages disagree.
+static int sweep(const char* folder, int depth, int* files)
+{
+    DIR* entries = opendir(folder);
+    int good = 1;
+    for (struct dirent* entry; entries != NULL && (entry = readdir(entries)) != NULL;) {
+        char path[1024];
+        const char* dot = strrchr(entry->d_name, '.');
+        if (entry->d_name[0] == '.' ||
+            snprintf(path, sizeof(path), "%s/%s", folder, entry->d_name) >= (int)sizeof(path)) {
+            continue;
+        }
+        if (dot != NULL && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".glb") == 0)) {
+            gltf_run run;
+            gltf_run_begin(&run, 2);
+            const stp_import_desc desc = {0};
+            run.result = stp_import_file(run.scene, path, &desc);
+            good = good && run.log.errors == (run.result == STP_OK ? 0 : 1);
+            gltf_run_end(&run);
+            *files += 1;
+        } else if (depth > 0) {
+            good = good && sweep(path, depth - 1, files);
+        }
+    }
+    if (entries != NULL) {
+        closedir(entries);
+    }
+    return good;
+}
+
+void test_gltf_reads_models_of_others(test_state* test)
+{
+    const char* folder = "/usr/share/assimp/models/glTF2";
+    if (access(folder, R_OK) != 0) {
+        SKIP("the package assimp-testmodels is not installed");
+    }
+    int files = 0;
+    CHECK(sweep(folder, 3, &files));
+    CHECK(files > 10);
+
+    char path[256];
+    snprintf(path, sizeof(path), "%s/2CylinderEngine-glTF-Binary/2CylinderEngine.glb", folder);
+    gltf_run run;
+    gltf_run_begin(&run, 2);
+    const stp_import_desc desc = {0};
+    CHECK_EQUAL(STP_OK, stp_import_file(run.scene, path, &desc));
+    CHECK_EQUAL(121496, triangles_shown(run.scene));
+    CHECK_EQUAL(34, run.scene->mesh_count);
+    CHECK_EQUAL(1, run.scene->view_count);
+    gltf_run_end(&run);
+}
