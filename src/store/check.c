@@ -3,11 +3,25 @@
 #include "store/internal.h"
 
 // Bulk data is judged in the file itself: a check needs no memory for it.
-static stp_result check_owner(stp_store* store, const stp_store_block* block,
-                              const unsigned char* bytes)
+static stp_result check_surfels(const stp_store* store, const stp_store_block* block)
 {
     stp_store_judge judge = stp_store_own_judge(store);
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    const unsigned char* bytes = NULL;
+    stp_result result = stp_store_verify_block(store, block, &bytes);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_store_surfel_columns(stp_store_describe_surfels(store, block->owner), block->octave,
+                             columns);
+    return stp_store_judge_surfel_data(
+        &judge, block->owner, bytes + columns[STP_SURFEL_MATERIALS].offset,
+        columns[STP_SURFEL_MATERIALS].size, store->directory.shading_count);
+}
+
+static stp_result check_block(stp_store* store, const stp_store_block* block)
+{
+    const unsigned char* bytes = NULL;
     stp_store_mesh mesh;
     stp_store_point_set points;
     switch (block->kind) {
@@ -16,13 +30,9 @@ static stp_result check_owner(stp_store* store, const stp_store_block* block,
     case STP_BLOCK_POINT_SET:
         return stp_store_get_point_set(store, block->owner, &points);
     case STP_BLOCK_SURFELS:
-        stp_store_surfel_columns(stp_store_describe_surfels(store, block->owner), block->octave,
-                                 columns);
-        return stp_store_judge_surfel_data(
-            &judge, block->owner, bytes + columns[STP_SURFEL_MATERIALS].offset,
-            columns[STP_SURFEL_MATERIALS].size, store->directory.shading_count);
+        return check_surfels(store, block);
     default: // texels can be anything, and what a newer version adds is unknown
-        return STP_OK;
+        return stp_store_verify_block(store, block, &bytes);
     }
 }
 
@@ -38,11 +48,7 @@ static stp_result check_blocks(stp_store* store, stp_store_check_report* report)
                                 (unsigned long long)at);
             }
         }
-        const unsigned char* bytes = NULL;
-        stp_result result = stp_store_verify_block(store, block, &bytes);
-        if (result == STP_OK) {
-            result = check_owner(store, block, bytes);
-        }
+        stp_result result = check_block(store, block);
         if (result != STP_OK) {
             return result;
         }
