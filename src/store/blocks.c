@@ -182,7 +182,7 @@ static stp_result add_octave(const stp_store* store, uint32_t index, uint32_t oc
     uint32_t number = octaves[records[index].first_octave + octave].block;
     const unsigned char* bytes = NULL;
     stp_result result = stp_store_verify_block(store, stp_store_block_at(store, number), &bytes);
-    if (result != STP_OK) {
+    if (result != STP_OK || bytes == NULL) {
         return result;
     }
     stp_store_column c[STP_STORE_COLUMN_LIMIT];

@@ -19,16 +19,66 @@ static stp_result check_surfels(const stp_store* store, const stp_store_block* b
         columns[STP_SURFEL_MATERIALS].size, store->directory.shading_count);
 }
 
+static stp_result check_zeros(const stp_store* store, uint64_t begin, uint64_t end)
+{
+    for (uint64_t at = begin; at < end; ++at) {
+        if (store->file.bytes[at] != 0) {
+            return stp_fail(store->context, STP_ERROR_FORMAT,
+                            "%s: the byte at %llu, between blocks or columns, is not zero",
+                            store->path, (unsigned long long)at);
+        }
+    }
+    return STP_OK;
+}
+
+// The bytes between the columns of a mesh or point set.
+static stp_result check_gaps(const stp_store* store, const stp_store_block* block,
+                             const stp_store_column columns[STP_STORE_COLUMN_LIMIT])
+{
+    stp_result result = STP_OK;
+    uint64_t end = 0;
+    for (int i = 0; i < STP_STORE_COLUMN_LIMIT && result == STP_OK; ++i) {
+        result = check_zeros(store, block->offset + end, block->offset + columns[i].offset);
+        end = columns[i].offset + columns[i].size;
+    }
+    return result;
+}
+
+static stp_result check_mesh(stp_store* store, const stp_store_block* block)
+{
+    const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
+    stp_store_mesh mesh;
+    stp_result result = stp_store_get_mesh(store, block->owner, &mesh);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    stp_store_mesh_columns(mesh.vertex_count, mesh.triangle_count, records[block->owner].present,
+                           columns);
+    return check_gaps(store, block, columns);
+}
+
+static stp_result check_points(stp_store* store, const stp_store_block* block)
+{
+    const stp_store_point_record* records = store->tables[STP_SECTION_POINT_SETS];
+    stp_store_point_set points;
+    stp_result result = stp_store_get_point_set(store, block->owner, &points);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    stp_store_point_columns(points.point_count, records[block->owner].present, columns);
+    return check_gaps(store, block, columns);
+}
+
 static stp_result check_block(stp_store* store, const stp_store_block* block)
 {
     const unsigned char* bytes = NULL;
-    stp_store_mesh mesh;
-    stp_store_point_set points;
     switch (block->kind) {
     case STP_BLOCK_MESH:
-        return stp_store_get_mesh(store, block->owner, &mesh);
+        return check_mesh(store, block);
     case STP_BLOCK_POINT_SET:
-        return stp_store_get_point_set(store, block->owner, &points);
+        return check_points(store, block);
     case STP_BLOCK_SURFELS:
         return check_surfels(store, block);
     default: // texels can be anything, and what a newer version adds is unknown
@@ -41,14 +91,10 @@ static stp_result check_blocks(stp_store* store, stp_store_check_report* report)
     uint64_t end = store->data_offset;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_BLOCKS]; ++i) {
         const stp_store_block* block = stp_store_block_at(store, i);
-        for (uint64_t at = end; at < block->offset; ++at) {
-            if (store->file.bytes[at] != 0) {
-                return stp_fail(store->context, STP_ERROR_FORMAT,
-                                "%s: the byte at %llu, between blocks, is not zero", store->path,
-                                (unsigned long long)at);
-            }
+        stp_result result = check_zeros(store, end, block->offset);
+        if (result == STP_OK) {
+            result = check_block(store, block);
         }
-        stp_result result = check_block(store, block);
         if (result != STP_OK) {
             return result;
         }

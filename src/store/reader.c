@@ -167,23 +167,24 @@ stp_result stp_store_load_objects(stp_store* store)
     return result;
 }
 
-static stp_result create_store(stp_context* context, const char* path,
-                               const stp_store_open_desc* desc, stp_store** store)
+// NULL where memory runs out, logged.
+static stp_store* create_store(stp_context* context, const char* path,
+                               const stp_store_open_desc* desc)
 {
     size_t length = strlen(path) + 1;
-    stp_store* made = STP_NEW_ZEROED(context, stp_store, 1);
+    stp_store* store = STP_NEW_ZEROED(context, stp_store, 1);
     char* copy = stp_alloc(context, length);
-    if (made == NULL || copy == NULL) {
-        stp_free(context, made);
+    if (store == NULL || copy == NULL) {
+        stp_free(context, store);
         stp_free(context, copy);
-        return stp_fail_memory(context);
+        (void)stp_fail_memory(context);
+        return NULL;
     }
     memcpy(copy, path, length);
-    made->context = context;
-    made->path = copy;
-    made->desc = *desc;
-    *store = made;
-    return STP_OK;
+    store->context = context;
+    store->path = copy;
+    store->desc = *desc;
+    return store;
 }
 
 // Reads the store's bytes; the store is closed where they are wrong.
@@ -204,12 +205,11 @@ static stp_result finish_open(stp_store* made, stp_store** store)
 stp_result stp_store_open_with(stp_context* context, const char* path,
                                const stp_store_open_desc* desc, stp_store** store)
 {
-    stp_store* made = NULL;
-    stp_result result = create_store(context, path, desc, &made);
-    if (result != STP_OK) {
-        return result;
+    stp_store* made = create_store(context, path, desc);
+    if (made == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
     }
-    result = stp_file_map(context, path, &made->file);
+    stp_result result = stp_file_map(context, path, &made->file);
     if (result != STP_OK) {
         stp_store_close(made);
         return result;
@@ -221,10 +221,9 @@ stp_result stp_store_open_with(stp_context* context, const char* path,
 stp_result stp_store_open_memory(stp_context* context, const char* name, const void* bytes,
                                  size_t size, const stp_store_open_desc* desc, stp_store** store)
 {
-    stp_store* made = NULL;
-    stp_result result = create_store(context, name, desc, &made);
-    if (result != STP_OK) {
-        return result;
+    stp_store* made = create_store(context, name, desc);
+    if (made == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
     }
     made->file = (stp_mapped_file){.bytes = bytes, .size = size};
     return finish_open(made, store);

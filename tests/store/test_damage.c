@@ -7,6 +7,7 @@
 #include "store/format.h"
 
 #include <string.h>
+#include <unistd.h>
 
 #define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip"
 
@@ -233,6 +234,85 @@ void test_store_reads_every_prefix_that_holds_the_directory(test_state* test)
     }
     CHECK_EQUAL(all, octaves_before);
     stp_store_close(full);
+    free(bytes);
+    stp_context_destroy(context);
+}
+
+// A scene of one mesh whose block has a gap: positions 0 to 11, nothing, indices 16 to 27.
+static unsigned char* make_gap(stp_context* context, size_t* size)
+{
+    char path[256];
+    const char* folder = getenv("TMPDIR");
+    snprintf(path, sizeof(path), "%s/stp_gap_%ld.stip", folder != NULL ? folder : "/tmp",
+             (long)getpid());
+    float position[3] = {1.0f, 2.0f, 3.0f};
+    uint32_t indices[3] = {0, 0, 0};
+    stp_store_mesh mesh = {
+        .vertex_count = 1, .triangle_count = 1, .positions = position, .indices = indices};
+    stp_store_material material = {
+        .base_color_texture.texture = STP_STORE_NONE,
+        .metallic_roughness_texture.texture = STP_STORE_NONE,
+        .emissive_texture.texture = STP_STORE_NONE,
+    };
+    stp_store_content content = {
+        .directory = {.root = STP_STORE_NONE,
+                      .mesh_count = 1,
+                      .material_count = 1,
+                      .materials = &material,
+                      .up = 'y'},
+        .meshes = &mesh,
+    };
+    unsigned char* bytes = NULL;
+    if (stp_store_write(context, &content, path) == STP_OK) {
+        bytes = sample_read_file(path, size);
+    }
+    unlink(path);
+    return bytes;
+}
+
+void test_store_checks_bytes_between_columns(test_state* test)
+{
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    size_t size = 0;
+    unsigned char* bytes = make_gap(context, &size);
+    CHECK(bytes != NULL);
+    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(28, size - stp_read_u64(bytes + 24));
+    bytes[size - 28 + 13] = 1;
+    reseal(bytes, size);
+    CHECK_EQUAL(STP_ERROR_FORMAT, verdict(context, bytes, size));
+    CHECK(strstr(log.text, "between blocks or columns") != NULL);
+    free(bytes);
+    stp_context_destroy(context);
+}
+
+void test_store_keeps_damaged_data_away_from_callers(test_state* test)
+{
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    size_t size = 0;
+    unsigned char* bytes = make_gap(context, &size);
+    CHECK(bytes != NULL);
+    for (int sealed = 0; sealed < 2; ++sealed) {
+        stp_store* store = NULL;
+        stp_store_mesh mesh;
+        bytes[size - 1] = 7; // an index of 7 << 24, with a wrong checksum, then with a right one
+        if (sealed == 1) {
+            reseal(bytes, size);
+        }
+        CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "m", bytes, size, &whole, &store));
+        log.errors = 0;
+        for (int again = 0; again < 2; ++again) {
+            CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_get_mesh(store, 0, &mesh));
+            CHECK_EQUAL(again + 1, log.errors);
+            CHECK(strstr(log.text, sealed == 1 ? "vertex count" : "checksum") != NULL);
+        }
+        CHECK(stp_store_describe_mesh(store, 0)->indices == NULL);
+        stp_store_close(store);
+    }
     free(bytes);
     stp_context_destroy(context);
 }
