@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Oriented disks into the visibility buffer (Brandt 4.2): a pixel belongs to a splat when the ray through its
-// centre meets the splat's plane within the radius of its centre. The pixel that holds the centre itself is
-// always drawn, so that no surfel vanishes between pixel centres.
+// Oriented disks into the visibility buffer (Brandt 4.2): a pixel belongs to a splat when the ray
+// through its centre meets the splat's plane within the radius of its centre. The pixel that holds
+// the centre itself is always drawn, so that no surfel vanishes between pixel centres. Both sides
+// of a disk are drawn.
+//
+// The test is the exact conic of the disk's picture, not an approximation of it. Depth follows the
+// splat's plane, so overlapping splats meet as the surface does; it never leaves the centre's depth
+// by more than the radius, so a disk seen edge-on does not shoot through what stands before or
+// behind it.
 #pragma once
 
 #include "base/context.h"
@@ -10,21 +16,25 @@
 
 typedef struct stp_raster_splats {
     const uint16_t* positions; ///< 3 a splat
-    const int8_t* normals;     ///< 2 a splat, octahedral
+    const int8_t* normals;     ///< 2 a splat, octahedral; NULL: disks face the eye
     uint32_t begin, end;       ///< range of splats to draw
     stp_vec3 origin;           ///< position = origin + step * value, in object space
     float step;
-    float radius; ///< of every disk, object space
+    float radius; ///< of every disk, object space; 0: the centre's pixel only
     const uint8_t*
         coverages; ///< NULL, or 1 a splat: below 255 the disk is drawn with holes (hashed)
+    const float*
+        points; ///< 3 a splat, used where `positions` is NULL (origin and step are ignored)
 } stp_raster_splats;
 
-/// Object space to view space: x right, y down, z along the gaze, all in object-space lengths times a common
-/// factor; needed for the planes. The raster matrix is the projection after it.
+/// Object space to view space: x right, y down, z along the gaze, all in object-space lengths times
+/// a common factor; needed for the planes. The raster matrix is the projection after it.
 typedef struct stp_raster_camera {
-    stp_raster_matrix matrix; ///< object space to the screen
-    float view[3][4];         ///< object space to view space (rotation and uniform scale)
-    float pixel_scale;        ///< pixels per unit of x/z (perspective), or per unit (parallel)
+    stp_raster_matrix
+        matrix; ///< object space to the screen; in perspective W is proportional to view z
+    float view[3]
+              [4]; ///< object space to view space (rotation, perhaps a mirror, and uniform scale)
+    float pixel_scale; ///< pixels per unit of x/z (perspective), or per unit (parallel)
     bool parallel;
     float nearness_limit;
 } stp_raster_camera;

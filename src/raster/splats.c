@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "raster/splats.h"
+
+#include "base/processor.h"
+#include "raster/splats_kernel.h"
+
+#include <math.h>
+
+static double dot3(const double* a, const double* b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// A row of the matrix after position = origin + step * value.
+static void fold_row(const float row[4], const stp_raster_splats* splats, float out[4])
+{
+    bool grid = splats->positions != NULL;
+    double step = grid ? (double)splats->step : 1.0;
+    double origin[3] = {(double)splats->origin.x, (double)splats->origin.y,
+                        (double)splats->origin.z};
+    double m[3] = {(double)row[0], (double)row[1], (double)row[2]};
+    for (int k = 0; k < 3; ++k) {
+        out[k] = (float)(m[k] * step);
+    }
+    out[3] = (float)((double)row[3] + (grid ? dot3(m, origin) : 0.0));
+}
+
+static void widen(const float row[4], double out[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        out[k] = (double)row[k];
+    }
+}
+
+bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* target,
+                           uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
+                           const stp_raster_splats* splats, uint32_t first_id)
+{
+    *frame = (stp_splat_frame){
+        .target = target, .splats = splats, .camera = camera, .first_id = first_id};
+    row_end = row_end < target->height ? row_end : target->height;
+    frame->row_begin = (int32_t)row_begin;
+    frame->row_end = (int32_t)row_end;
+    fold_row(camera->matrix.m[0], splats, frame->x);
+    fold_row(camera->matrix.m[1], splats, frame->y);
+    fold_row(camera->matrix.m[2], splats, frame->n);
+    fold_row(camera->matrix.m[3], splats, frame->w);
+    double x[3], y[3], n[3], w[3], vx[3], vy[3], vz[3];
+    widen(camera->matrix.m[0], x);
+    widen(camera->matrix.m[1], y);
+    widen(camera->matrix.m[2], n);
+    widen(camera->matrix.m[3], w);
+    widen(camera->view[0], vx);
+    widen(camera->view[1], vy);
+    widen(camera->view[2], vz);
+    double square = dot3(vz, vz), scale = sqrt(square);
+    if (!(scale > 0.0) || !(camera->pixel_scale > 0.0f) || row_begin >= row_end) {
+        return false;
+    }
+    for (int k = 0; k < 3; ++k) {
+        frame->turn[0][k] = (float)(vx[k] / scale);
+        frame->turn[1][k] = (float)(vy[k] / scale);
+        frame->turn[2][k] = (float)(vz[k] / scale);
+    }
+    double s = (double)camera->pixel_scale, radius = (double)splats->radius * scale;
+    frame->nearness_limit = camera->nearness_limit;
+    if (camera->parallel) {
+        frame->radius_px = (float)(radius * s);
+        frame->slope_constant = (float)(-dot3(n, vz) / square / s);
+        return true;
+    }
+    // W = factor * view z, X = factor * (s x + cx z): where the gaze meets the screen follows
+    double factor = dot3(w, vz) / square;
+    if (!(factor > 0.0)) {
+        return false;
+    }
+    frame->radius_px = (float)(radius * s * factor);
+    frame->center_x = (float)(dot3(x, vz) / square / factor);
+    frame->center_y = (float)(dot3(y, vz) / square / factor);
+    frame->inverse_scale = (float)(1.0 / s);
+    frame->slope_factor = frame->inverse_scale;
+    frame->near_w = (float)(4.0 * radius * factor);
+    frame->far_w = (float)(-radius * factor);
+    return true;
+}
+
+uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
+{
+    const stp_raster_splats* splats = frame->splats;
+    uint64_t fragments = 0;
+    splat_batch batch = {0};
+    for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
+        uint32_t left = splats->end - first;
+        uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
+        load_positions_scalar(frame, first, count, &batch);
+        project_batch(frame, &batch);
+        bool disks = false;
+        for (uint32_t i = 0; i < count; ++i) {
+            disks = disks || batch.kind[i] == SPLAT_DISK;
+        }
+        if (disks) {
+            if (splats->normals != NULL) {
+                load_normals_scalar(frame, first, count, &batch);
+            }
+            shape_batch(frame, &batch);
+            box_batch(&batch);
+            sort_batch(frame, &batch);
+        }
+        for (uint32_t i = 0; i < count; ++i) {
+            int lane = (int)i;
+            if (batch.kind[i] == SPLAT_PIXEL) {
+                fragments += draw_pixel(frame, &batch, lane, first + i);
+            } else if (batch.kind[i] == SPLAT_LARGE) {
+                fragments += stp_splats_draw_large(frame, first + i);
+            } else if (batch.kind[i] != SPLAT_NONE) {
+                splat_box box = clip_box(frame, &batch, lane);
+                fragments += draw_disk_scalar(frame, &batch, lane, first + i, box);
+            }
+        }
+    }
+    return fragments;
+}
+
+uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,
+                                uint32_t row_end, const stp_raster_camera* camera,
+                                const stp_raster_splats* splats, uint32_t first_id)
+{
+    stp_splat_frame frame;
+    if (!stp_splats_make_frame(&frame, target, row_begin, row_end, camera, splats, first_id)) {
+        return 0;
+    }
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return stp_splats_draw_avx512(&frame);
+    case STP_PROCESSOR_AVX2:
+        return stp_splats_draw_avx2(&frame);
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return stp_splats_draw_portable(&frame);
+}

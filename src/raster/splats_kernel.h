@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: MIT
+//
+// The parts of the splat raster that every variant compiles for its own processor: sixteen splats
+// are set up at a time by plain loops, which compilers turn into vector code, and then drawn one by
+// one by the variant's own `draw_block`. All arithmetic is single IEEE operations in a fixed order:
+// all variants give the same bits.
+//
+// A disk at view direction a = (ax, ay, 1) with normal n, D = n.a, projected radius R pixels and
+// focal length s pixels covers the pixel at (u, v) from its centre where, with G = nx u + ny v and
+// L = |a|^2,
+//     D^2 (u^2 + v^2) - 2 D G (ax u + ay v) + G^2 L  <=  R^2 (D + G / s)^2
+// which is the ray-plane test multiplied out: no ray is ever made. 1/depth is (1 + G / (D s)) /
+// depth.
+#pragma once
+
+#include "raster/splats.h"
+
+enum {
+    SPLAT_BATCH = 16,
+    SPLAT_BLOCK = 4,         ///< disks within this many pixels a side are drawn at once
+    SPLAT_EXTENT_LIMIT = 512 ///< half a side; larger disks are drawn in double precision
+};
+
+#define SPLAT_FAR 1e6f ///< pixels: centres are brought within it, so that they fit a whole number
+
+typedef enum splat_kind {
+    SPLAT_NONE,  ///< not in the picture
+    SPLAT_PIXEL, ///< the centre's pixel only
+    SPLAT_DISK,  ///< to be classified further
+    SPLAT_SMALL, ///< within a block of 4 x 4 pixels inside the target
+    SPLAT_WIDE,  ///< larger, or across the border of the target
+    SPLAT_LARGE, ///< close to the eye or very large
+} splat_kind;
+
+/// What a call needs, worked out once.
+typedef struct stp_splat_frame {
+    const stp_raster_target* target;
+    const stp_raster_splats* splats;
+    const stp_raster_camera* camera;
+    int32_t row_begin, row_end;
+    uint32_t first_id;
+    float x[4], y[4], n[4], w[4]; ///< rows of the raster matrix after the position grid
+    float turn[3][3];             ///< view rotation without its scale
+    float radius_px;              ///< projected radius times W
+    float center_x, center_y;     ///< where the gaze meets the screen
+    float inverse_scale;          ///< 1 / pixel_scale; 0 in parallel projection
+    float slope_factor,
+        slope_constant;  ///< change of nearness a pixel: factor * nearness + constant
+    float near_w, far_w; ///< a disk with far_w < W < near_w is close to the eye
+    float nearness_limit;
+} stp_splat_frame;
+
+/// Sixteen splats. Lanes that are not drawn hold whatever they hold.
+typedef struct splat_batch {
+    float px[SPLAT_BATCH], py[SPLAT_BATCH], pz[SPLAT_BATCH]; ///< grid or object position
+    float nu[SPLAT_BATCH], nv[SPLAT_BATCH];                  ///< octahedral normal
+    float sx[SPLAT_BATCH], sy[SPLAT_BATCH], nearness[SPLAT_BATCH], radius[SPLAT_BATCH];
+    int32_t kind[SPLAT_BATCH], large[SPLAT_BATCH];
+    int32_t x0[SPLAT_BATCH], y0[SPLAT_BATCH], x1[SPLAT_BATCH], y1[SPLAT_BATCH]; ///< box, inclusive
+    int32_t cx[SPLAT_BATCH], cy[SPLAT_BATCH]; ///< the centre's pixel
+    float u0[SPLAT_BATCH], v0[SPLAT_BATCH];   ///< centre of pixel (x0, y0) from the splat's centre
+    float a[SPLAT_BATCH], b[SPLAT_BATCH], c[SPLAT_BATCH], p[SPLAT_BATCH], q[SPLAT_BATCH],
+        limit[SPLAT_BATCH]; ///< the conic: u (a u + b v + p) + v (c v + q) <= limit
+    float gx[SPLAT_BATCH], gy[SPLAT_BATCH],
+        g_limit[SPLAT_BATCH]; ///< slope of nearness, and its clamp
+} splat_batch;
+
+typedef uint64_t (*splat_kernel)(const stp_splat_frame* frame);
+uint64_t stp_splats_draw_portable(const stp_splat_frame* frame);
+uint64_t stp_splats_draw_avx2(const stp_splat_frame* frame);
+uint64_t stp_splats_draw_avx512(const stp_splat_frame* frame);
+
+/// Draws splat `index` with every pixel's ray in double precision.
+uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index);
+bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* target,
+                           uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
+                           const stp_raster_splats* splats, uint32_t first_id);
+
+/// Whether a fragment of a splat with holes is there: a hash of the splat and of where in it the
+/// fragment lies, so that holes move with the surface.
+static inline bool splat_has_fragment(uint32_t coverage, uint32_t index, int32_t dx, int32_t dy)
+{
+    uint32_t h = index * 0x9E3779B1u + 0x7F4A7C15u;
+    h ^= (uint32_t)dx * 0x85EBCA6Bu + (uint32_t)dy * 0xC2B2AE35u;
+    h ^= h >> 15;
+    h *= 0x2C1B3C6Du;
+    h ^= h >> 13;
+    h *= 0x297A2D39u;
+    return h >> 24 < coverage + (coverage >> 7);
+}
+
+static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t index)
+{
+    return splats->coverages != NULL ? splats->coverages[index] : 255u;
+}
+
+static inline void splat_store(uint64_t* pixel, uint64_t value)
+{
+    if (value < *pixel) {
+        *pixel = value;
+    }
+}
+
+static inline void load_positions_scalar(const stp_splat_frame* frame, uint32_t first,
+                                         uint32_t count, splat_batch* batch)
+{
+    const stp_raster_splats* splats = frame->splats;
+    for (uint32_t i = 0; i < count; ++i) {
+        size_t at = 3 * (size_t)(first + i);
+        if (splats->positions != NULL) {
+            batch->px[i] = (float)splats->positions[at];
+            batch->py[i] = (float)splats->positions[at + 1];
+            batch->pz[i] = (float)splats->positions[at + 2];
+        } else {
+            batch->px[i] = splats->points[at];
+            batch->py[i] = splats->points[at + 1];
+            batch->pz[i] = splats->points[at + 2];
+        }
+    }
+    for (uint32_t i = count; i < SPLAT_BATCH; ++i) {
+        batch->px[i] = batch->py[i] = batch->pz[i] = 0.0f;
+    }
+}
+
+static inline void load_normals_scalar(const stp_splat_frame* frame, uint32_t first, uint32_t count,
+                                       splat_batch* batch)
+{
+    const int8_t* normals = frame->splats->normals + 2 * (size_t)first;
+    for (uint32_t i = 0; i < count; ++i) {
+        batch->nu[i] = (float)normals[2 * i];
+        batch->nv[i] = (float)normals[2 * i + 1];
+    }
+    for (uint32_t i = count; i < SPLAT_BATCH; ++i) {
+        batch->nu[i] = batch->nv[i] = 0.0f;
+    }
+}
+
+/// Projects the centres and sorts splats into kinds. A disk of at most half a pixel covers no pixel
+/// centre but, perhaps, that of its own pixel: `tiny`.
+static inline void project_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
+{
+    float width = (float)f->target->width;
+    float top = (float)f->row_begin, bottom = (float)f->row_end;
+    bool perspective = !f->camera->parallel;
+    for (int i = 0; i < SPLAT_BATCH; ++i) {
+        float x = t->px[i], y = t->py[i], z = t->pz[i];
+        float X = ((f->x[0] * x + f->x[1] * y) + f->x[2] * z) + f->x[3];
+        float Y = ((f->y[0] * x + f->y[1] * y) + f->y[2] * z) + f->y[3];
+        float N = ((f->n[0] * x + f->n[1] * y) + f->n[2] * z) + f->n[3];
+        float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
+        float inverse = 1.0f / W;
+        float sx = X * inverse, sy = Y * inverse, nearness = N * inverse;
+        float radius = f->radius_px * inverse;
+        float ax = (sx - f->center_x) * f->inverse_scale,
+              ay = (sy - f->center_y) * f->inverse_scale;
+        float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind
+        int32_t close = (int32_t)(W < f->near_w) & (int32_t)(W > f->far_w) & (int32_t)perspective;
+        int32_t seen = (int32_t)(W > 0.0f) & (int32_t)(nearness > 0.0f) &
+                       (int32_t)(nearness <= f->nearness_limit) & (close ^ 1);
+        int32_t tiny = (int32_t)(reach <= 0.24f) & seen;
+        int32_t inside = (int32_t)(sx >= 0.0f) & (int32_t)(sx < width) & (int32_t)(sy >= top) &
+                         (int32_t)(sy < bottom);
+        int32_t disk = seen & (tiny ^ 1);
+        t->sx[i] = sx;
+        t->sy[i] = sy;
+        t->nearness[i] = nearness;
+        t->radius[i] = radius;
+        t->kind[i] = (tiny & inside) * SPLAT_PIXEL + disk * SPLAT_DISK + close * SPLAT_LARGE;
+        t->cx[i] = (int32_t)(inside != 0 ? sx : 0.0f);
+        t->cy[i] = (int32_t)(inside != 0 ? sy : 0.0f);
+    }
+}
+
+/// The conic of each disk, its slope of nearness, and its box.
+static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
+{
+    const float most = (float)SPLAT_EXTENT_LIMIT;
+    int32_t facing = f->splats->normals == NULL;
+    for (int i = 0; i < SPLAT_BATCH; ++i) {
+        float ax = (t->sx[i] - f->center_x) * f->inverse_scale;
+        float ay = (t->sy[i] - f->center_y) * f->inverse_scale;
+        float u = t->nu[i], v = t->nv[i];
+        float z = (127.0f - fabsf(u)) - fabsf(v);
+        float fold = z < 0.0f ? -z : 0.0f;
+        u = u + (u >= 0.0f ? -fold : fold);
+        v = v + (v >= 0.0f ? -fold : fold);
+        float nx = (f->turn[0][0] * u + f->turn[0][1] * v) + f->turn[0][2] * z;
+        float ny = (f->turn[1][0] * u + f->turn[1][1] * v) + f->turn[1][2] * z;
+        float nz = (f->turn[2][0] * u + f->turn[2][1] * v) + f->turn[2][2] * z;
+        nx = facing != 0 ? ax : nx; // any multiple of the normal will do
+        ny = facing != 0 ? ay : ny;
+        nz = facing != 0 ? 1.0f : nz;
+        float square = (nx * nx + ny * ny) + nz * nz;
+        float D = (nx * ax + ny * ay) + nz;
+        float least = square * 1e-6f; // edge-on: at least a thousandth of the diameter wide
+        float D2 = D * D;
+        float fixed = sqrtf(least);
+        D = D2 < least ? (D < 0.0f ? -fixed : fixed) : D;
+        D2 = D * D;
+        float radius = t->radius[i], R2 = radius * radius;
+        float ratio = radius * f->inverse_scale; // radius over depth
+        float L = ((ax * ax + ay * ay) + 1.0f) - ratio * ratio;
+        t->a[i] = (D2 - 2.0f * (D * (nx * ax))) + L * (nx * nx);
+        t->b[i] = 2.0f * (L * (nx * ny) - D * (nx * ay + ny * ax));
+        t->c[i] = (D2 - 2.0f * (D * (ny * ay))) + L * (ny * ny);
+        float linear = -2.0f * ((R2 * D) * f->inverse_scale);
+        t->p[i] = linear * nx;
+        t->q[i] = linear * ny;
+        t->limit[i] = R2 * D2;
+        float slope = t->nearness[i] * f->slope_factor + f->slope_constant;
+        t->gx[i] = slope * (nx / D);
+        t->gy[i] = slope * (ny / D);
+        t->g_limit[i] = fabsf(slope) * radius;
+        // extents: the disk's extent across the ray, widened where its near rim looks larger
+        float ex2 = (ax * ax + 1.0f) - (nx - ax * nz) * (nx - ax * nz) / square;
+        float ey2 = (ay * ay + 1.0f) - (ny - ay * nz) * (ny - ay * nz) / square;
+        float grow = radius / (1.0f - ratio);
+        float ex = grow * sqrtf(ex2 > 0.0f ? ex2 : 0.0f) + 0.01f;
+        float ey = grow * sqrtf(ey2 > 0.0f ? ey2 : 0.0f) + 0.01f;
+        t->u0[i] = ex;
+        t->v0[i] = ey;
+        t->large[i] = 1 - ((int32_t)(ex < most) & (int32_t)(ey < most));
+        t->sx[i] = t->sx[i] > -SPLAT_FAR ? t->sx[i] : -SPLAT_FAR; // also where it is not a number
+        t->sy[i] = t->sy[i] > -SPLAT_FAR ? t->sy[i] : -SPLAT_FAR;
+    }
+}
+
+/// Boxes from centres and extents (held in u0, v0).
+static inline void box_batch(splat_batch* restrict t)
+{
+    const float most = (float)SPLAT_EXTENT_LIMIT, far = SPLAT_FAR;
+    for (int i = 0; i < SPLAT_BATCH; ++i) {
+        float sx = t->sx[i], sy = t->sy[i];
+        sx = sx < far ? sx : far;
+        sy = sy < far ? sy : far;
+        float ex = t->u0[i], ey = t->v0[i];
+        ex = ex < most ? ex : most;
+        ey = ey < most ? ey : most;
+        t->cx[i] = (int32_t)floorf(sx);
+        t->cy[i] = (int32_t)floorf(sy);
+        t->x0[i] = (int32_t)floorf((sx - ex) + 0.5f);
+        t->y0[i] = (int32_t)floorf((sy - ey) + 0.5f);
+        t->x1[i] = (int32_t)floorf((sx + ex) - 0.5f);
+        t->y1[i] = (int32_t)floorf((sy + ey) - 0.5f);
+        t->sx[i] = sx;
+        t->sy[i] = sy;
+    }
+    for (int i = 0; i < SPLAT_BATCH; ++i) { // apart: gcc vectorises neither when they are one
+        int32_t cx = t->cx[i], cy = t->cy[i];
+        int32_t x0 = t->x0[i] < cx ? t->x0[i] : cx, y0 = t->y0[i] < cy ? t->y0[i] : cy;
+        t->x1[i] = t->x1[i] > cx ? t->x1[i] : cx;
+        t->y1[i] = t->y1[i] > cy ? t->y1[i] : cy;
+        t->x0[i] = x0;
+        t->y0[i] = y0;
+        t->u0[i] = ((float)x0 + 0.5f) - t->sx[i];
+        t->v0[i] = ((float)y0 + 0.5f) - t->sy[i];
+    }
+}
+
+/// The final kinds of disks.
+static inline void sort_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
+{
+    int32_t width = (int32_t)f->target->width, top = f->row_begin, bottom = f->row_end;
+    for (int i = 0; i < SPLAT_BATCH; ++i) {
+        int32_t x0 = t->x0[i], y0 = t->y0[i], x1 = t->x1[i], y1 = t->y1[i];
+        int32_t in = -(int32_t)(x1 >= 0) & -(int32_t)(x0 < width) & -(int32_t)(y1 >= top) &
+                     -(int32_t)(y0 < bottom);
+        int32_t small = -(int32_t)(x1 - x0 < SPLAT_BLOCK) & -(int32_t)(y1 - y0 < SPLAT_BLOCK) &
+                        -(int32_t)(x0 >= 0) & -(int32_t)(x0 + SPLAT_BLOCK <= width) &
+                        -(int32_t)(y0 >= top) & -(int32_t)(y0 + SPLAT_BLOCK <= bottom);
+        int32_t large = -t->large[i];
+        int32_t drawn = in & ((small & SPLAT_SMALL) | (~small & SPLAT_WIDE));
+        drawn = (large & SPLAT_LARGE) | (~large & drawn);
+        int32_t disk = -(int32_t)(t->kind[i] == SPLAT_DISK);
+        t->kind[i] = (disk & drawn) | (~disk & t->kind[i]);
+    }
+}
+
+/// One fragment of a disk: whether the pixel at (column, row) of its box is in it, and how near it
+/// is there.
+static inline bool disk_fragment(const stp_splat_frame* f, const splat_batch* t, int i,
+                                 int32_t column, int32_t row, float* nearness)
+{
+    float u = t->u0[i] + (float)column, v = t->v0[i] + (float)row;
+    float value = u * ((t->a[i] * u + t->b[i] * v) + t->p[i]) + v * (t->c[i] * v + t->q[i]);
+    float change = t->gx[i] * u + t->gy[i] * v, most = t->g_limit[i];
+    change = change > most ? most : change;
+    change = change < -most ? -most : change;
+    float at = t->nearness[i] + change;
+    *nearness = at < f->nearness_limit ? at : f->nearness_limit;
+    return value <= t->limit[i];
+}
+
+/// The part of a splat's box that lies in the target's rows: begin and end of columns and rows, end
+/// exclusive.
+typedef struct splat_box {
+    int32_t x0, y0, x1, y1;
+} splat_box;
+
+static inline splat_box clip_box(const stp_splat_frame* f, const splat_batch* t, int i)
+{
+    int32_t width = (int32_t)f->target->width;
+    splat_box box = {t->x0[i], t->y0[i], t->x1[i] + 1, t->y1[i] + 1};
+    box.x0 = box.x0 > 0 ? box.x0 : 0;
+    box.y0 = box.y0 > f->row_begin ? box.y0 : f->row_begin;
+    box.x1 = box.x1 < width ? box.x1 : width;
+    box.y1 = box.y1 < f->row_end ? box.y1 : f->row_end;
+    return box;
+}
+
+/// Draws a disk pixel by pixel.
+static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_batch* t, int i,
+                                        uint32_t index, splat_box box)
+{
+    uint32_t coverage = splat_coverage(f->splats, index);
+    uint64_t fragments = 0;
+    for (int32_t y = box.y0; y < box.y1; ++y) {
+        uint64_t* row = f->target->pixels + (size_t)y * f->target->stride;
+        for (int32_t x = box.x0; x < box.x1; ++x) {
+            float nearness;
+            bool in = disk_fragment(f, t, i, x - t->x0[i], y - t->y0[i], &nearness);
+            if (!in && !(x == t->cx[i] && y == t->cy[i])) {
+                continue;
+            }
+            if (coverage < 255 &&
+                !splat_has_fragment(coverage, index, x - t->cx[i], y - t->cy[i])) {
+                continue;
+            }
+            splat_store(&row[x], stp_raster_pixel(nearness, f->first_id + index));
+            fragments += 1;
+        }
+    }
+    return fragments;
+}
+
+static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t, int i,
+                                  uint32_t index)
+{
+    uint32_t coverage = splat_coverage(f->splats, index);
+    if (coverage < 255 && !splat_has_fragment(coverage, index, 0, 0)) {
+        return 0;
+    }
+    splat_store(f->target->pixels + (size_t)t->cy[i] * f->target->stride + (size_t)t->cx[i],
+                stp_raster_pixel(t->nearness[i], f->first_id + index));
+    return 1;
+}
+
+/// Asks for the pixels of small disks ahead of time: neighbours in the order lie far apart in the
+/// picture.
+static inline void fetch_small(const stp_splat_frame* f, const splat_batch* t, uint32_t lanes)
+{
+    for (; lanes != 0; lanes &= lanes - 1) {
+        int i = __builtin_ctz(lanes);
+        size_t at = (size_t)t->y0[i] * f->target->stride + (size_t)t->x0[i];
+        for (int k = 0; k < SPLAT_BLOCK; ++k) {
+            __builtin_prefetch(f->target->pixels + at + (size_t)k * f->target->stride, 1);
+        }
+    }
+}

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// Disks close to the eye, or hundreds of pixels wide: each pixel's ray meets the plane in double
+// precision.
+#include "base/octahedral.h"
+#include "raster/splats_kernel.h"
+
+typedef struct large_disk {
+    double center[3], normal[3], radius; ///< in view units
+    double right, down;                  ///< of the gaze's pixel
+    double scale;                        ///< pixels per unit of x/z, or per unit
+    double nearness;                     ///< times 1/z, or of z = 0
+    double slope;                        ///< nearness per unit of z, parallel
+    double left, top;                    ///< parallel: pixel of x = 0, y = 0
+    bool parallel;
+} large_disk;
+
+static double row_dot(const float row[4], const double p[3])
+{
+    return (double)row[0] * p[0] + (double)row[1] * p[1] + (double)row[2] * p[2];
+}
+
+static void object_position(const stp_raster_splats* splats, uint32_t index, double p[3])
+{
+    size_t at = 3 * (size_t)index;
+    const double origin[3] = {(double)splats->origin.x, (double)splats->origin.y,
+                              (double)splats->origin.z};
+    for (size_t k = 0; k < 3; ++k) {
+        p[k] = splats->positions != NULL
+                   ? origin[k] + (double)splats->step * (double)splats->positions[at + k]
+                   : (double)splats->points[at + k];
+    }
+}
+
+static large_disk make_disk(const stp_splat_frame* frame, uint32_t index)
+{
+    const stp_raster_camera* camera = frame->camera;
+    large_disk disk = {.scale = (double)camera->pixel_scale, .parallel = camera->parallel};
+    double p[3], vz[3];
+    object_position(frame->splats, index, p);
+    for (int k = 0; k < 3; ++k) {
+        disk.center[k] = row_dot(camera->view[k], p) + (double)camera->view[k][3];
+        vz[k] = (double)camera->view[2][k];
+    }
+    double square = vz[0] * vz[0] + vz[1] * vz[1] + vz[2] * vz[2];
+    disk.radius = (double)frame->splats->radius * sqrt(square);
+    if (frame->splats->normals != NULL) {
+        const int8_t* code = frame->splats->normals + 2 * (size_t)index;
+        stp_vec3 n = stp_octahedral_decode(code[0], code[1]);
+        double normal[3] = {(double)n.x, (double)n.y, (double)n.z};
+        for (int k = 0; k < 3; ++k) {
+            disk.normal[k] = row_dot(camera->view[k], normal);
+        }
+    } else {
+        disk.normal[0] = disk.parallel ? 0.0 : disk.center[0];
+        disk.normal[1] = disk.parallel ? 0.0 : disk.center[1];
+        disk.normal[2] = disk.parallel ? 1.0 : disk.center[2];
+    }
+    const stp_raster_matrix* m = &camera->matrix;
+    double n_at = row_dot(m->m[2], p) + (double)m->m[2][3];
+    if (disk.parallel) {
+        disk.slope = row_dot(m->m[2], vz) / square;
+        disk.nearness = n_at;
+        disk.left = row_dot(m->m[0], p) + (double)m->m[0][3] - disk.center[0] * disk.scale;
+        disk.top = row_dot(m->m[1], p) + (double)m->m[1][3] - disk.center[1] * disk.scale;
+    } else {
+        double factor = row_dot(m->m[3], vz) / square;
+        disk.nearness = n_at / factor;
+        disk.right = row_dot(m->m[0], vz) / square / factor;
+        disk.down = row_dot(m->m[1], vz) / square / factor;
+    }
+    return disk;
+}
+
+/// Where the ray through (x, y) meets the disk; false where it does not.
+static bool meet(const large_disk* disk, double x, double y, double* nearness)
+{
+    const double* c = disk->center;
+    const double* n = disk->normal;
+    double point[3];
+    if (disk->parallel) {
+        point[0] = (x - disk->left) / disk->scale;
+        point[1] = (y - disk->top) / disk->scale;
+        double up = n[0] * (point[0] - c[0]) + n[1] * (point[1] - c[1]);
+        point[2] = c[2] - up / n[2];
+        *nearness = disk->nearness + disk->slope * (point[2] - c[2]);
+    } else {
+        double dx = (x - disk->right) / disk->scale, dy = (y - disk->down) / disk->scale;
+        double t = (n[0] * c[0] + n[1] * c[1] + n[2] * c[2]) / (n[0] * dx + n[1] * dy + n[2]);
+        point[0] = t * dx;
+        point[1] = t * dy;
+        point[2] = t;
+        *nearness = disk->nearness / t;
+        if (!(t > 0.0)) {
+            return false;
+        }
+    }
+    double square = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        square += (point[k] - c[k]) * (point[k] - c[k]);
+    }
+    return square <= disk->radius * disk->radius;
+}
+
+/// First and last + 1 pixel that the disk's ball may touch along one axis, within [low, high).
+static void reach(double center, double z, double radius, double scale, double middle, int32_t low,
+                  int32_t high, int32_t* begin, int32_t* end)
+{
+    *begin = low;
+    *end = high;
+    if (z - radius <= 0.05 * radius) {
+        return; // around the eye: anywhere
+    }
+    double a = (center - radius) / (center > radius ? z + radius : z - radius);
+    double b = (center + radius) / (center < -radius ? z + radius : z - radius);
+    double first = floor(middle + scale * a - 1.0), last = ceil(middle + scale * b + 1.0);
+    *begin = first < (double)low ? low : first > (double)high ? high : (int32_t)first;
+    *end = last < (double)low ? low : last > (double)high ? high : (int32_t)last;
+}
+
+static splat_box disk_box(const stp_splat_frame* frame, const large_disk* disk)
+{
+    splat_box box;
+    const double* c = disk->center;
+    double z = disk->parallel ? 1.0 : c[2];
+    int32_t width = (int32_t)frame->target->width;
+    if (disk->parallel) { // as a perspective without depth: the ball's z extent must not count
+        double r = disk->radius * disk->scale;
+        double x = disk->left + disk->scale * c[0], y = disk->top + disk->scale * c[1];
+        double low[2] = {x - r - 1.0, y - r - 1.0}, high[2] = {x + r + 2.0, y + r + 2.0};
+        double edge[4] = {0.0, (double)width, (double)frame->row_begin, (double)frame->row_end};
+        for (int k = 0; k < 2; ++k) {
+            low[k] = low[k] > edge[2 * k] ? low[k] : edge[2 * k];
+            low[k] = low[k] < edge[2 * k + 1] ? low[k] : edge[2 * k + 1];
+            high[k] = high[k] < edge[2 * k + 1] ? high[k] : edge[2 * k + 1];
+            high[k] = high[k] > edge[2 * k] ? high[k] : edge[2 * k];
+        }
+        return (splat_box){(int32_t)low[0], (int32_t)low[1], (int32_t)high[0], (int32_t)high[1]};
+    }
+    reach(c[0], z, disk->radius, disk->scale, disk->right, 0, width, &box.x0, &box.x1);
+    reach(c[1], z, disk->radius, disk->scale, disk->down, frame->row_begin, frame->row_end, &box.y0,
+          &box.y1);
+    return box;
+}
+
+/// The pixel that holds the centre, or -1 where it is out of the picture.
+static void center_pixel(const large_disk* disk, double* x, double* y)
+{
+    const double* c = disk->center;
+    *x = disk->parallel ? disk->left + disk->scale * c[0] : disk->right + disk->scale * c[0] / c[2];
+    *y = disk->parallel ? disk->top + disk->scale * c[1] : disk->down + disk->scale * c[1] / c[2];
+    bool ahead = disk->parallel || c[2] > 0.0;
+    *x = ahead ? floor(*x) : -1.0;
+    *y = ahead ? floor(*y) : -1.0;
+}
+
+uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
+{
+    large_disk disk = make_disk(frame, index);
+    splat_box box = disk_box(frame, &disk);
+    uint32_t coverage = splat_coverage(frame->splats, index);
+    double limit = (double)frame->nearness_limit, center_x, center_y;
+    center_pixel(&disk, &center_x, &center_y);
+    int32_t whole_x = (int32_t)fmin(fmax(center_x, -1e6), 1e6);
+    int32_t whole_y = (int32_t)fmin(fmax(center_y, -1e6), 1e6);
+    uint64_t fragments = 0;
+    for (int32_t y = box.y0; y < box.y1; ++y) {
+        uint64_t* row = frame->target->pixels + (size_t)y * frame->target->stride;
+        for (int32_t x = box.x0; x < box.x1; ++x) {
+            double nearness;
+            bool in = meet(&disk, (double)x + 0.5, (double)y + 0.5, &nearness);
+            if (!in && (double)x == center_x && (double)y == center_y) {
+                in = true;
+                nearness = disk.parallel ? disk.nearness : disk.nearness / disk.center[2];
+            }
+            if (!in || !(nearness > 0.0) || nearness > limit) {
+                continue;
+            }
+            if (coverage < 255 && !splat_has_fragment(coverage, index, x - whole_x, y - whole_y)) {
+                continue;
+            }
+            splat_store(&row[x], stp_raster_pixel((float)nearness, frame->first_id + index));
+            fragments += 1;
+        }
+    }
+    return fragments;
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+//
+// A view as numbers: axes, focal length, near plane; and what of a box can be seen.
+#pragma once
+
+#include "base/math.h"
+
+#include <stipple/view.h>
+
+typedef struct stp_view_frame {
+    stp_vec3d eye, right, down, forward; ///< unit axes, scene space
+    double scale;                        ///< pixels per unit of x/z; in parallel projection, per unit
+    double center_x, center_y;           ///< the pixel the gaze meets
+    double near_distance; ///< perspective: above 0. Parallel: -infinity where nothing is cut off
+    double width, height;
+    bool parallel;
+} stp_view_frame;
+
+/// @return false where the view is not usable: no pixels, an angle out of range, numbers that are not finite
+bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame);
+
+/// Whether some of the box may be in the picture, and if so from what depth on (along the gaze, never less than
+/// the true one's lower bound, at least the near distance).
+bool stp_view_frame_sees(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth);
+
+/// Side of a pixel at a depth, scene units.
+double stp_view_frame_pixel_size(const stp_view_frame* frame, double depth);
+
+/// Whether the eye is within the box. Never in parallel projection.
+bool stp_view_frame_is_inside(const stp_view_frame* frame, const stp_boxd* box);
