@@ -17,7 +17,7 @@ typedef struct stp_quality {
     float splat_size;     ///< pixels, at least 1; default 1
     uint64_t splat_count; ///< exactly so many splats instead; 0: by size
     stp_policy policy;
-    bool reference;       ///< original triangles and points only
+    bool reference; ///< original triangles and points only
 } stp_quality;
 
 typedef enum stp_draw_kind { STP_DRAW_SURFELS, STP_DRAW_MESH, STP_DRAW_POINTS } stp_draw_kind;
@@ -36,12 +36,21 @@ typedef struct stp_draw_list {
     stp_draw_item* items;
     size_t count, capacity;
     uint64_t splat_count, triangle_count;
-    uint32_t node_count; ///< nodes looked at
-    float splat_size;    ///< the size in effect
+    uint32_t node_count;            ///< nodes looked at
+    float splat_size;               ///< the size in effect
+    struct stp_select_stack* stack; ///< kept between calls
+    size_t stack_capacity;
+    uint8_t* moving; ///< a byte a node: bit 0 it moves, bit 1 something below it does
+    size_t moving_capacity;
 } stp_draw_list;
 
-/// Fills `list`; its memory is kept from call to call (stp_draw_list_destroy). Items outside the view are
-/// left out. A node whose surfels cannot cover at the wanted size is drawn as its triangles.
-STP_MUST_USE stp_result stp_select(stp_context* context, const stp_store* store, const stp_view* view,
-                                   const stp_quality* quality, stp_draw_list* list);
+/// Fills `list`; its memory is kept from call to call (stp_draw_list_destroy; all zero at first). Items
+/// outside the view are left out. A node whose surfels cannot cover at the wanted size, and one that contains
+/// the eye, is opened: its own triangles and points are drawn, and its children looked at. Moving nodes
+/// are always opened.
+/// @return STP_OK, STP_ERROR_ARGUMENT (a view that is none), STP_ERROR_LIMIT (more than 2^32 - 2 splats and
+/// triangles), STP_ERROR_OUT_OF_MEMORY; logged
+STP_MUST_USE stp_result stp_select(stp_context* context, const stp_store* store,
+                                   const stp_view* view, const stp_quality* quality,
+                                   stp_draw_list* list);
 void stp_draw_list_destroy(stp_context* context, stp_draw_list* list);

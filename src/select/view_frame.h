@@ -9,8 +9,8 @@
 
 typedef struct stp_view_frame {
     stp_vec3d eye, right, down, forward; ///< unit axes, scene space
-    double scale;                        ///< pixels per unit of x/z; in parallel projection, per unit
-    double center_x, center_y;           ///< the pixel the gaze meets
+    double scale;              ///< pixels per unit of x/z; in parallel projection, per unit
+    double center_x, center_y; ///< the pixel the gaze meets
     double near_distance; ///< perspective: above 0. Parallel: -infinity where nothing is cut off
     double width, height;
     bool parallel;
