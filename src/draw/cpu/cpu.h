@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+//
+// The processor's backend. A frame is: prepare the items (matrices, data, textures), draw them in pieces into
+// one visibility buffer a worker, then walk the picture in bands: take each pixel's nearest over the workers'
+// buffers, emptying them for the next frame, and shade it. Drawing is a minimum, so neither the pieces nor who
+// drew them can be seen in the picture.
+#pragma once
+
+#include "base/arena.h"
+#include "draw/renderer.h"
+#include "raster/splats.h"
+#include "raster/texture.h"
+#include "raster/triangles.h"
+#include "select/view_frame.h"
+
+enum {
+    CPU_PIECE_SPLATS = 16384,
+    CPU_PIECE_TRIANGLES = 4096,
+    CPU_BAND_ROWS = 8,
+    CPU_ENCODE_SIZE = 16384,
+};
+
+/// A texture read as colour, as data, or both.
+typedef struct cpu_texture {
+    stp_texture_pyramid as_color, as_data;
+    bool has_color, has_data;
+} cpu_texture;
+
+/// A draw item with all that its pieces and pixels need.
+typedef struct cpu_item {
+    stp_draw_kind kind;
+    uint32_t first_id, count;
+    uint32_t first_piece;
+    stp_raster_camera camera; ///< of positions minus `offset`
+    float offset[3];
+    float normal_matrix[3][3]; ///< item to scene, not of unit scale
+    float scale;               ///< scene units per item unit
+    float radius;
+    stp_surfels surfels;
+    const uint8_t* colors;     ///< of the prefix's octave
+    const uint8_t* low_colors; ///< of the octave before, for the first `low_count`
+    const uint8_t* coverages;
+    uint32_t low_count;
+    float blend; ///< share of `colors` there
+    stp_store_mesh mesh;
+    stp_store_point_set points;
+    const stp_store_material* material;
+    const stp_texture_pyramid* base_color;
+    const stp_texture_pyramid* metallic_roughness;
+    const stp_texture_pyramid* emissive;
+} cpu_item;
+
+typedef struct cpu_worker {
+    uint64_t* pixels;
+    uint64_t* row; ///< one row of the picture, merged
+    size_t row_size;
+    stp_arena scratch;
+    uint64_t fragments, covered;
+    bool drew, failed;
+} cpu_worker;
+
+typedef struct cpu_renderer {
+    stp_renderer base;
+    stp_store* store;
+    const stp_store_directory* directory;
+    uint32_t worker_count;
+    cpu_worker* workers;
+    size_t pixel_count; ///< that buffers have room for
+    float* depth;
+    float* sums; ///< 4 a pixel: linear colour and samples covered; NULL until supersampling
+    size_t sum_count;
+    cpu_texture* textures;
+    cpu_item* items;
+    size_t item_count, item_capacity;
+    uint32_t piece_count;
+    float decode[256]; ///< sRGB bytes to linear
+    uint8_t encode[CPU_ENCODE_SIZE];
+    // this frame
+    stp_view_frame frame;
+    const stp_draw_style* style;
+    double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
+    uint32_t width, height;
+    uint32_t sample, sample_count; ///< which of the supersamples
+    uint32_t pattern;              ///< the sample again, for hashed alpha
+    double shift_x, shift_y;
+    stp_image* image;
+} cpu_renderer;
+
+/// Looks up data and textures, and makes matrices, for a list. Failures are logged.
+STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list);
+/// Makes matrices anew after the sample's shift has changed.
+void cpu_place_items(cpu_renderer* r, const stp_draw_list* list);
+void cpu_destroy_textures(cpu_renderer* r);
+
+/// Draws all items into the workers' buffers. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r);
+
+/// Shades rows [begin, end), empties them, and writes the picture or adds to the sums.
+/// `row` has room for one row of pixels; `covered` is increased.
+void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* row,
+                    uint64_t* covered);
+/// Turns the sums of all samples into the picture.
+void cpu_average_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered);
+
+/// A point of a triangle.
+typedef struct cpu_corner_weights {
+    uint32_t vertex[3];
+    float weight[3];
+} cpu_corner_weights;
+
+/// Whether a fragment of a cut-out or transparent material is there.
+typedef struct cpu_keep {
+    const cpu_renderer* renderer;
+    const cpu_item* item;
+    uint32_t first_triangle;
+} cpu_keep;
+bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
+                       uint32_t x, uint32_t y);
+bool cpu_item_needs_keep(const cpu_item* item);
+
+/// Base colour with texture and vertex colours, at a point of a triangle whose pixel has the given side in
+/// item units, seen at the given cosine.
+void cpu_mesh_color(const cpu_item* item, const cpu_corner_weights* at, float pixel_size,
+                    float out[4], float* footprint);
+stp_vec2 cpu_mesh_uv(const cpu_item* item, const stp_store_texture_use* use,
+                     const cpu_corner_weights* at);
+/// Texels of `pyramid` that a pixel of side `pixel_size` (item units) spans at a triangle.
+float cpu_mesh_footprint(const cpu_item* item, const stp_store_texture_use* use,
+                         const stp_texture_pyramid* pyramid, const uint32_t vertex[3],
+                         float pixel_size);
+
+/// What light falls on.
+typedef struct cpu_surface {
+    float color[3], emissive[3]; ///< linear
+    float metallic, roughness;
+    stp_vec3 normal; ///< unit, scene space; zero: none
+    bool unlit;
+} cpu_surface;
+
+typedef struct cpu_light {
+    stp_vec3 toward; ///< unit, to the light
+    stp_vec3 up;     ///< unit
+} cpu_light;
+
+void cpu_light_surface(const cpu_light* light, stp_vec3 to_eye, const cpu_surface* surface,
+                       float out[3]);

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+// Draw items made ready: data and textures looked up, matrices from item to screen.
+#include "draw/cpu/cpu.h"
+
+/// Item space (minus `offset`) to view space, in double: the eye is taken off before anything is rounded.
+static void view_rows(const cpu_renderer* r, const stp_affine* transform, const float offset[3],
+                      double rows[3][4])
+{
+    const stp_view_frame* frame = &r->frame;
+    const stp_vec3d axes[3] = {frame->right, frame->down, frame->forward};
+    stp_vec3d base = stp_affine_point(
+        transform, (stp_vec3d){(double)offset[0], (double)offset[1], (double)offset[2]});
+    base = stp_subd(base, frame->eye);
+    for (int k = 0; k < 3; ++k) {
+        for (int c = 0; c < 3; ++c) {
+            rows[k][c] = axes[k].x * transform->m[0][c] + axes[k].y * transform->m[1][c] +
+                         axes[k].z * transform->m[2][c];
+        }
+        rows[k][3] = stp_dotd(axes[k], base);
+    }
+}
+
+static void place_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+{
+    const stp_view_frame* frame = &r->frame;
+    double rows[3][4];
+    view_rows(r, &draw->transform, item->offset, rows);
+    stp_raster_camera* camera = &item->camera;
+    *camera = (stp_raster_camera){
+        .pixel_scale = (float)frame->scale, .parallel = frame->parallel, .nearness_limit = 1.0f};
+    double center_x = frame->center_x + r->shift_x, center_y = frame->center_y + r->shift_y;
+    for (int c = 0; c < 4; ++c) {
+        double one = c == 3 ? 1.0 : 0.0;
+        double x = rows[0][c], y = rows[1][c], z = rows[2][c];
+        double screen = frame->parallel ? one : z; // what the picture's middle is multiplied by
+        camera->matrix.m[0][c] = (float)(frame->scale * x + center_x * screen);
+        camera->matrix.m[1][c] = (float)(frame->scale * y + center_y * screen);
+        camera->matrix.m[2][c] =
+            (float)(r->nearness_offset * one +
+                    (frame->parallel ? r->nearness_scale * z : r->nearness_scale * one));
+        camera->matrix.m[3][c] = (float)screen;
+        for (int k = 0; k < 3; ++k) {
+            camera->view[k][c] = (float)rows[k][c];
+        }
+    }
+    double normal[3][3];
+    stp_affine_normal_matrix(&draw->transform, normal);
+    double largest = 0.0;
+    for (int k = 0; k < 9; ++k) {
+        largest = fmax(largest, fabs(normal[k / 3][k % 3]));
+    }
+    for (int k = 0; k < 9; ++k) {
+        item->normal_matrix[k / 3][k % 3] =
+            largest > 0.0 ? (float)(normal[k / 3][k % 3] / largest) : 0.0f;
+    }
+    double squares = 0.0;
+    for (int k = 0; k < 9; ++k) {
+        double entry = draw->transform.m[k / 3][k % 3];
+        squares += entry * entry;
+    }
+    item->scale = (float)sqrt(squares / 3.0);
+}
+
+void cpu_place_items(cpu_renderer* r, const stp_draw_list* list)
+{
+    for (size_t i = 0; i < r->item_count; ++i) {
+        place_item(r, &list->items[i], &r->items[i]);
+    }
+}
+
+/// The octave that colours the prefix, and the share of it where the octave before has colours too.
+static void choose_octave(cpu_item* item, uint32_t prefix)
+{
+    const stp_surfels* surfels = &item->surfels;
+    size_t first = 0, low_first = 0;
+    uint32_t octave = 0, low_end = 0;
+    while (octave + 1 < surfels->octave_count && surfels->octave_ends[octave] < prefix) {
+        low_first = first;
+        low_end = surfels->octave_ends[octave];
+        first += low_end;
+        octave += 1;
+    }
+    uint32_t end = surfels->octave_ends[octave];
+    item->colors = surfels->colors + 3 * first;
+    item->low_colors = surfels->colors + 3 * low_first;
+    item->coverages = surfels->coverages != NULL ? surfels->coverages + first : NULL;
+    item->low_count = low_end;
+    item->blend = end > low_end ? (float)(prefix - low_end) / (float)(end - low_end) : 1.0f;
+}
+
+/// Decodes a texture where it is used for the first time.
+static stp_result find_texture(cpu_renderer* r, const stp_store_texture_use* use, bool data,
+                               const stp_texture_pyramid** out)
+{
+    *out = NULL;
+    if (use->texture == STP_STORE_NONE) {
+        return STP_OK;
+    }
+    cpu_texture* texture = &r->textures[use->texture];
+    bool* made = data ? &texture->has_data : &texture->has_color;
+    stp_texture_pyramid* pyramid = data ? &texture->as_data : &texture->as_color;
+    if (!*made) {
+        stp_store_texture source;
+        stp_result result = stp_store_get_texture(r->store, use->texture, &source);
+        if (result != STP_OK) {
+            return result;
+        }
+        result = stp_texture_pyramid_create(r->base.context, source.texels, source.width,
+                                            source.height, data, pyramid);
+        if (result != STP_OK) {
+            return result;
+        }
+        pyramid->wrap_u = (stp_texture_wrap)source.wrap_u;
+        pyramid->wrap_v = (stp_texture_wrap)source.wrap_v;
+        pyramid->nearest = source.nearest != 0;
+        *made = true;
+    }
+    *out = pyramid;
+    return STP_OK;
+}
+
+void cpu_destroy_textures(cpu_renderer* r)
+{
+    for (uint32_t i = 0; r->textures != NULL && i < r->directory->texture_count; ++i) {
+        if (r->textures[i].has_color) {
+            stp_texture_pyramid_destroy(r->base.context, &r->textures[i].as_color);
+        }
+        if (r->textures[i].has_data) {
+            stp_texture_pyramid_destroy(r->base.context, &r->textures[i].as_data);
+        }
+    }
+    stp_free(r->base.context, r->textures);
+}
+
+static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
+{
+    stp_result result = stp_store_get_mesh(r->store, index, &item->mesh);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_box box = item->mesh.bounds;
+    item->offset[0] = 0.5f * (box.min.x + box.max.x);
+    item->offset[1] = 0.5f * (box.min.y + box.max.y);
+    item->offset[2] = 0.5f * (box.min.z + box.max.z);
+    item->count = item->mesh.triangle_count;
+    const stp_store_material* material = &r->directory->materials[item->mesh.material];
+    item->material = material;
+    result = find_texture(r, &material->base_color_texture, false, &item->base_color);
+    if (result == STP_OK) {
+        result =
+            find_texture(r, &material->metallic_roughness_texture, true, &item->metallic_roughness);
+    }
+    if (result == STP_OK) {
+        result = find_texture(r, &material->emissive_texture, false, &item->emissive);
+    }
+    return result;
+}
+
+static stp_result prepare_item(cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+{
+    stp_result result = STP_OK;
+    *item = (cpu_item){.kind = draw->kind, .first_id = draw->first_id, .count = draw->prefix};
+    float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
+    item->radius = draw->radius * scale;
+    switch (draw->kind) {
+    case STP_DRAW_SURFELS:
+        result = stp_store_get_surfels(r->store, draw->index, &item->surfels);
+        if (result == STP_OK) {
+            item->count = draw->prefix < item->surfels.count ? draw->prefix : item->surfels.count;
+            choose_octave(item, item->count);
+        }
+        break;
+    case STP_DRAW_MESH:
+        result = find_mesh(r, draw->index, item);
+        break;
+    case STP_DRAW_POINTS:
+        result = stp_store_get_point_set(r->store, draw->index, &item->points);
+        if (result == STP_OK) {
+            item->count =
+                draw->prefix < item->points.point_count ? draw->prefix : item->points.point_count;
+            item->material = &r->directory->materials[item->points.material];
+        }
+        break;
+    }
+    return result;
+}
+
+stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list)
+{
+    if (list->count > r->item_capacity) {
+        cpu_item* items = stp_grow_array(r->base.context, r->items, &r->item_capacity, list->count,
+                                         sizeof(*items));
+        if (items == NULL) {
+            return stp_fail_memory(r->base.context);
+        }
+        r->items = items;
+    }
+    r->item_count = 0;
+    uint64_t pieces = 0;
+    for (size_t i = 0; i < list->count; ++i) {
+        cpu_item* item = &r->items[i];
+        stp_result result = prepare_item(r, &list->items[i], item);
+        if (result != STP_OK) {
+            return result;
+        }
+        uint32_t size = item->kind == STP_DRAW_MESH ? CPU_PIECE_TRIANGLES : CPU_PIECE_SPLATS;
+        item->first_piece = (uint32_t)pieces;
+        pieces += ((uint64_t)item->count + size - 1) / size;
+        r->item_count = i + 1;
+    }
+    r->piece_count = (uint32_t)pieces; // at most one an id and one an item
+    return STP_OK;
+}

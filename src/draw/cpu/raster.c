@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// Items drawn in pieces, by whichever worker is free, each into its own buffer.
+#include "draw/cpu/cpu.h"
+
+/// The item that a piece belongs to: the last that begins at or before it.
+static const cpu_item* find_item(const cpu_renderer* r, uint32_t piece)
+{
+    size_t low = 0, high = r->item_count;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (r->items[middle].first_piece <= piece) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return &r->items[low];
+}
+
+static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
+                        const stp_raster_target* target, cpu_worker* worker)
+{
+    stp_raster_splats splats = {.begin = begin, .end = end, .radius = item->radius};
+    if (item->kind == STP_DRAW_SURFELS) {
+        splats.positions = item->surfels.positions;
+        splats.normals = item->surfels.normals;
+        splats.origin = item->surfels.origin;
+        splats.step = item->surfels.step;
+        splats.coverages = item->coverages;
+    } else {
+        splats.points = item->points.positions;
+    }
+    worker->fragments +=
+        stp_raster_draw_splats(target, 0, r->height, &item->camera, &splats, item->first_id);
+}
+
+static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
+                           const stp_raster_target* target, cpu_worker* worker)
+{
+    cpu_keep keep = {.renderer = r, .item = item, .first_triangle = begin};
+    stp_raster_mesh mesh = {.positions = item->mesh.positions,
+                            .vertex_count = item->mesh.vertex_count,
+                            .indices = item->mesh.indices + 3 * (size_t)begin,
+                            .triangle_count = end - begin,
+                            .offset = {item->offset[0], item->offset[1], item->offset[2]}};
+    if (cpu_item_needs_keep(item)) {
+        mesh.keep = cpu_keep_fragment;
+        mesh.keep_user = &keep;
+    }
+    stp_result result = stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
+                                             item->camera.nearness_limit, &mesh,
+                                             item->first_id + begin, &worker->scratch);
+    worker->failed = worker->failed || result != STP_OK;
+}
+
+static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_worker* worker = &r->workers[index];
+    stp_raster_target target = {
+        .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
+    worker->drew = true;
+    const cpu_item* item = find_item(r, (uint32_t)begin);
+    for (uint32_t piece = (uint32_t)begin; piece < end; ++piece) {
+        const cpu_item* last = r->items + r->item_count - 1;
+        while (item < last && item[1].first_piece <= piece) {
+            item += 1;
+        }
+        uint32_t size = item->kind == STP_DRAW_MESH ? CPU_PIECE_TRIANGLES : CPU_PIECE_SPLATS;
+        uint32_t from = (piece - item->first_piece) * size;
+        uint32_t to = item->count - from < size ? item->count : from + size;
+        if (item->kind == STP_DRAW_MESH) {
+            draw_triangles(r, item, from, to, &target, worker);
+        } else {
+            draw_splats(r, item, from, to, &target, worker);
+        }
+    }
+}
+
+stp_result cpu_draw_items(cpu_renderer* r)
+{
+    if (r->piece_count == 0) {
+        return STP_OK;
+    }
+    size_t grain = r->piece_count / ((size_t)r->worker_count * 64);
+    stp_parallel_for(r->base.context, r->piece_count, grain > 0 ? grain : 1, draw_pieces, r);
+    for (uint32_t i = 0; i < r->worker_count; ++i) {
+        if (r->workers[i].failed) {
+            return stp_fail_memory(r->base.context);
+        }
+    }
+    return STP_OK;
+}

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+// A frame from beginning to end, and the memory that outlives it.
+#include "base/clock.h"
+#include "base/color.h"
+#include "draw/cpu/cpu.h"
+
+enum { SUPERSAMPLE_LIMIT = 64, SCRATCH_BLOCK = 1 << 20 };
+
+static void destroy(stp_renderer* renderer)
+{
+    cpu_renderer* r = (cpu_renderer*)renderer;
+    stp_context* context = renderer->context;
+    for (uint32_t i = 0; r->workers != NULL && i < r->worker_count; ++i) {
+        stp_free(context, r->workers[i].pixels);
+        stp_free(context, r->workers[i].row);
+        stp_arena_destroy(&r->workers[i].scratch);
+    }
+    cpu_destroy_textures(r);
+    stp_free(context, r->workers);
+    stp_free(context, r->depth);
+    stp_free(context, r->sums);
+    stp_free(context, r->items);
+    stp_free(context, r);
+}
+
+static const float* get_depth(const stp_renderer* renderer)
+{
+    return ((const cpu_renderer*)renderer)->depth;
+}
+
+static void empty_pixels(cpu_renderer* r)
+{
+    for (uint32_t i = 0; i < r->worker_count; ++i) {
+        for (size_t k = 0; r->workers[i].pixels != NULL && k < r->pixel_count; ++k) {
+            r->workers[i].pixels[k] = STP_RASTER_EMPTY;
+        }
+        r->workers[i].drew = false;
+    }
+}
+
+/// Room for a frame of this size. Buffers are empty between frames.
+static stp_result make_room(cpu_renderer* r, bool with_sums)
+{
+    stp_context* context = r->base.context;
+    size_t needed = (size_t)r->width * r->height;
+    if (needed > r->pixel_count) {
+        r->pixel_count = 0;
+        stp_free(context, r->depth);
+        r->depth = STP_NEW_ZEROED(context, float, needed);
+        bool enough = r->depth != NULL;
+        for (uint32_t i = 0; i < r->worker_count; ++i) {
+            stp_free(context, r->workers[i].pixels);
+            r->workers[i].pixels = STP_NEW_ARRAY(context, uint64_t, needed);
+            enough = enough && r->workers[i].pixels != NULL;
+        }
+        if (!enough) {
+            return stp_fail_memory(context);
+        }
+        r->pixel_count = needed;
+        empty_pixels(r);
+    }
+    for (uint32_t i = 0; i < r->worker_count; ++i) {
+        cpu_worker* worker = &r->workers[i];
+        if (worker->row_size < r->width) {
+            worker->row_size = 0;
+            stp_free(context, worker->row);
+            worker->row = STP_NEW_ARRAY(context, uint64_t, r->width);
+            if (worker->row == NULL) {
+                return stp_fail_memory(context);
+            }
+            worker->row_size = r->width;
+        }
+    }
+    if (with_sums && needed > r->sum_count) {
+        r->sum_count = 0;
+        stp_free(context, r->sums);
+        r->sums = STP_NEW_ARRAY(context, float, 4 * needed);
+        if (r->sums == NULL) {
+            return stp_fail_memory(context);
+        }
+        r->sum_count = needed;
+    }
+    return STP_OK;
+}
+
+/// Nearness: near / depth in perspective; in parallel projection it falls linearly over the scene's depth.
+static void choose_nearness(cpu_renderer* r)
+{
+    const stp_view_frame* f = &r->frame;
+    if (!f->parallel) {
+        r->nearness_scale = f->near_distance;
+        r->nearness_offset = 0.0;
+        return;
+    }
+    double low = 0.0, high = 1.0;
+    if (r->directory->root != STP_STORE_NONE) {
+        stp_boxd box = r->directory->nodes[r->directory->root].bounds;
+        stp_vec3d half = stp_scaled(stp_subd(box.max, box.min), 0.5);
+        stp_vec3d center = stp_subd(stp_addd(box.min, half), f->eye);
+        double reach =
+            fabs(f->forward.x) * half.x + fabs(f->forward.y) * half.y + fabs(f->forward.z) * half.z;
+        double margin = 0.1 * (half.x + half.y + half.z); // splats stick out of the box
+        low = stp_dotd(f->forward, center) - reach - margin;
+        high = stp_dotd(f->forward, center) + reach + margin;
+    }
+    low = fmax(low, f->near_distance);
+    high = high > low ? high : low + 1.0;
+    r->nearness_scale = -0.9375 / (high - low);
+    r->nearness_offset = 1.0 - r->nearness_scale * low;
+}
+
+static void shade_bands(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_worker* w = &r->workers[worker];
+    cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, w->row, &w->covered);
+}
+
+static void average_bands(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_average_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker].covered);
+}
+
+static stp_result draw_samples(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                               stp_draw_stats* stats)
+{
+    stp_context* context = r->base.context;
+    for (r->sample = 0; r->sample < r->sample_count; ++r->sample) {
+        double start = stp_clock_ms();
+        r->pattern = r->sample;
+        r->shift_x = 0.5 - ((double)(r->sample % side) + 0.5) / (double)side;
+        r->shift_y = 0.5 - ((double)(r->sample / side) + 0.5) / (double)side;
+        cpu_place_items(r, list);
+        stp_result result = cpu_draw_items(r);
+        if (result != STP_OK) {
+            empty_pixels(r);
+            return result;
+        }
+        double drawn = stp_clock_ms();
+        stp_parallel_for(context, r->height, CPU_BAND_ROWS, shade_bands, r);
+        for (uint32_t i = 0; i < r->worker_count; ++i) {
+            r->workers[i].drew = false;
+        }
+        stats->draw_ms += drawn - start;
+        stats->shade_ms += stp_clock_ms() - drawn;
+    }
+    if (r->sample_count > 1) {
+        double start = stp_clock_ms();
+        stp_parallel_for(context, r->height, CPU_BAND_ROWS, average_bands, r);
+        stats->shade_ms += stp_clock_ms() - start;
+    }
+    return STP_OK;
+}
+
+static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_draw_list* list,
+                       const stp_draw_style* style, stp_image* image, stp_draw_stats* stats)
+{
+    cpu_renderer* r = (cpu_renderer*)renderer;
+    uint32_t side = style->supersample > 1 ? style->supersample : 1;
+    *stats = (stp_draw_stats){0};
+    if (!stp_view_frame_make(view, &r->frame) || image->width != view->width ||
+        image->height != view->height || view->width > 65536 || view->height > 65536 ||
+        (uint64_t)view->width * view->height > UINT32_MAX / 4 || side > SUPERSAMPLE_LIMIT) {
+        return stp_fail(renderer->context, STP_ERROR_ARGUMENT,
+                        "view: eye, target, angle and size do not make a picture");
+    }
+    r->style = style;
+    r->image = image;
+    r->width = view->width;
+    r->height = view->height;
+    r->sample_count = side * side;
+    choose_nearness(r);
+    stp_result result = make_room(r, side > 1);
+    result = result != STP_OK ? result : cpu_prepare_items(r, list);
+    if (result != STP_OK) {
+        return result;
+    }
+    for (uint32_t i = 0; i < r->worker_count; ++i) {
+        r->workers[i].fragments = r->workers[i].covered = 0;
+        r->workers[i].failed = false;
+    }
+    result = draw_samples(r, list, side, stats);
+    stats->splats = list->splat_count;
+    stats->triangles = list->triangle_count;
+    stats->draw_calls = (uint32_t)list->count;
+    for (uint32_t i = 0; i < r->worker_count; ++i) {
+        stats->fragments += r->workers[i].fragments / r->sample_count;
+        stats->covered_pixels += r->workers[i].covered;
+    }
+    r->image = NULL;
+    r->style = NULL;
+    return result;
+}
+
+stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_renderer** renderer)
+{
+    cpu_renderer* r = STP_NEW_ZEROED(context, cpu_renderer, 1);
+    *renderer = NULL;
+    if (r == NULL) {
+        return stp_fail_memory(context);
+    }
+    r->base =
+        (stp_renderer){.context = context, .destroy = destroy, .draw = draw, .depth = get_depth};
+    r->store = store;
+    r->directory = stp_store_get_directory(store);
+    r->worker_count = stp_context_thread_count(context);
+    r->workers = STP_NEW_ZEROED(context, cpu_worker, r->worker_count);
+    r->textures = STP_NEW_ZEROED(context, cpu_texture, (size_t)r->directory->texture_count + 1);
+    if (r->workers == NULL || r->textures == NULL) {
+        destroy(&r->base);
+        return stp_fail_memory(context);
+    }
+    for (uint32_t i = 0; i < r->worker_count; ++i) {
+        r->workers[i].scratch = stp_arena_create(context, SCRATCH_BLOCK);
+    }
+    for (int i = 0; i < 256; ++i) {
+        r->decode[i] = stp_srgb8_to_linear((uint8_t)i);
+    }
+    for (int i = 0; i < CPU_ENCODE_SIZE; ++i) {
+        r->encode[i] = stp_linear_to_srgb8(((float)i + 0.5f) / (float)CPU_ENCODE_SIZE);
+    }
+    *renderer = &r->base;
+    return STP_OK;
+}

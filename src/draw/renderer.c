@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#include "draw/renderer.h"
+
+void stp_renderer_destroy(stp_renderer* renderer)
+{
+    if (renderer != NULL) {
+        renderer->destroy(renderer);
+    }
+}
+
+stp_result stp_renderer_draw(stp_renderer* renderer, const stp_view* view,
+                             const stp_draw_list* list, const stp_draw_style* style,
+                             stp_image* image, stp_draw_stats* stats)
+{
+    return renderer->draw(renderer, view, list, style, image, stats);
+}
+
+const float* stp_renderer_depth(const stp_renderer* renderer)
+{
+    return renderer->depth(renderer);
+}
