@@ -212,7 +212,16 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
         return stp_fail_memory(context);
     }
     for (uint32_t i = 0; i < r->worker_count; ++i) {
-        r->workers[i].scratch = stp_arena_create(context, SCRATCH_BLOCK);
+        cpu_worker* worker = &r->workers[i];
+        worker->scratch = stp_arena_create(context, SCRATCH_BLOCK);
+        stp_arena_mark mark =
+            stp_arena_get_mark(&worker->scratch); // who draws what changes from frame
+        if (stp_arena_alloc(&worker->scratch, SCRATCH_BLOCK / 2) ==
+            NULL) { // to frame: all are warm
+            destroy(&r->base);
+            return stp_fail_memory(context);
+        }
+        stp_arena_rewind(&worker->scratch, mark);
     }
     for (int i = 0; i < 256; ++i) {
         r->decode[i] = stp_srgb8_to_linear((uint8_t)i);

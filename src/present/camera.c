@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+//
+// Standard views look along a fixed direction, from just far enough to see the whole box, and centre it in the
+// picture.
+//
+// "d0".."d25" are for judging approximations from where they were not captured: the capture looks from the
+// eight corners, 54.7 degrees from the faces' directions (d0-d5), 35.3 from those of the edges (d6-d17), and
+// 41 from the eight on the horizon half-way between faces and edges (d18-d25).
+#include "present/camera.h"
+
+#include <string.h>
+
+#define C 0.92387953251128674 // cosine and sine of 22.5 degrees
+#define S 0.38268343236508977
+
+typedef struct standard_view {
+    const char* name;
+    stp_vec3d toward; ///< from the middle to the eye
+    stp_vec3d up;
+} standard_view;
+
+static const standard_view views[] = {
+    {"front", {0, 0, 1}, {0, 1, 0}},   {"back", {0, 0, -1}, {0, 1, 0}},
+    {"left", {-1, 0, 0}, {0, 1, 0}},   {"right", {1, 0, 0}, {0, 1, 0}},
+    {"top", {0, 1, 0}, {0, 0, -1}},    {"bottom", {0, -1, 0}, {0, 0, 1}},
+    {"iso", {1, 0.8, 1.2}, {0, 1, 0}}, {"d0", {1, 0, 0}, {0, 1, 0}},
+    {"d1", {-1, 0, 0}, {0, 1, 0}},     {"d2", {0, 1, 0}, {0, 0, -1}},
+    {"d3", {0, -1, 0}, {0, 0, 1}},     {"d4", {0, 0, 1}, {0, 1, 0}},
+    {"d5", {0, 0, -1}, {0, 1, 0}},     {"d6", {1, 1, 0}, {0, 1, 0}},
+    {"d7", {1, -1, 0}, {0, 1, 0}},     {"d8", {-1, 1, 0}, {0, 1, 0}},
+    {"d9", {-1, -1, 0}, {0, 1, 0}},    {"d10", {0, 1, 1}, {0, 1, 0}},
+    {"d11", {0, 1, -1}, {0, 1, 0}},    {"d12", {0, -1, 1}, {0, 1, 0}},
+    {"d13", {0, -1, -1}, {0, 1, 0}},   {"d14", {1, 0, 1}, {0, 1, 0}},
+    {"d15", {1, 0, -1}, {0, 1, 0}},    {"d16", {-1, 0, 1}, {0, 1, 0}},
+    {"d17", {-1, 0, -1}, {0, 1, 0}},   {"d18", {C, 0, S}, {0, 1, 0}},
+    {"d19", {S, 0, C}, {0, 1, 0}},     {"d20", {-S, 0, C}, {0, 1, 0}},
+    {"d21", {-C, 0, S}, {0, 1, 0}},    {"d22", {-C, 0, -S}, {0, 1, 0}},
+    {"d23", {-S, 0, -C}, {0, 1, 0}},   {"d24", {S, 0, -C}, {0, 1, 0}},
+    {"d25", {C, 0, -S}, {0, 1, 0}},
+};
+enum { VIEW_COUNT = sizeof(views) / sizeof(views[0]) };
+
+static const double filled = 0.94; // share of the picture that the box may reach
+
+const char* const* stp_camera_names(void)
+{
+    static const char* const names[] = {
+        "front", "back", "left", "right", "top", "bottom", "iso", "d0",  "d1",  "d2",  "d3",  "d4",
+        "d5",    "d6",   "d7",   "d8",    "d9",  "d10",    "d11", "d12", "d13", "d14", "d15", "d16",
+        "d17",   "d18",  "d19",  "d20",   "d21", "d22",    "d23", "d24", "d25", NULL,
+    };
+    return names;
+}
+
+static const standard_view* find(const char* name)
+{
+    for (size_t i = 0; i < VIEW_COUNT; ++i) {
+        if (strcmp(views[i].name, name) == 0) {
+            return &views[i];
+        }
+    }
+    return NULL;
+}
+
+bool stp_camera_frame(const char* name, const stp_boxd* box, stp_view* view)
+{
+    const standard_view* standard = find(name);
+    if (standard == NULL) {
+        return false;
+    }
+    stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
+    stp_boxd b = stp_boxd_is_empty(*box) ? unit : *box;
+    stp_vec3d center = stp_scaled(stp_addd(b.min, b.max), 0.5);
+    stp_vec3d half = stp_scaled(stp_subd(b.max, b.min), 0.5);
+    stp_vec3d toward = stp_normalized(standard->toward);
+    stp_vec3d right = stp_normalized(stp_crossd(standard->up, toward));
+    stp_vec3d up = stp_crossd(toward, right);
+    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
+    double aspect = (double)view->width / (double)view->height;
+    double slope_y = filled * tan(view->fov_degrees * (STP_PI / 360.0)), slope_x = slope_y * aspect;
+    // Each corner must be within the picture's four planes through the eye; at distance D from the middle, along
+    // x: x_i + slope z_i - slope D <= eye_x <= x_i - slope z_i + slope D, z towards the eye. Likewise for y.
+    double x_high = -DBL_MAX, x_low = DBL_MAX, y_high = -DBL_MAX, y_low = DBL_MAX, height = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+        stp_vec3d p = {(corner & 1) != 0 ? half.x : -half.x, (corner & 2) != 0 ? half.y : -half.y,
+                       (corner & 4) != 0 ? half.z : -half.z};
+        double x = stp_dotd(right, p), y = stp_dotd(up, p), z = stp_dotd(toward, p);
+        x_high = fmax(x_high, x + slope_x * z);
+        x_low = fmin(x_low, x - slope_x * z);
+        y_high = fmax(y_high, y + slope_y * z);
+        y_low = fmin(y_low, y - slope_y * z);
+        height = fmax(height, 2.0 * fmax(fabs(y), fabs(x) / aspect) / filled);
+    }
+    double distance = fmax((x_high - x_low) / (2.0 * slope_x), (y_high - y_low) / (2.0 * slope_y));
+    distance = distance > 0.0 ? distance : 1.0; // a single point
+    double eye_x = 0.5 * (x_high + x_low), eye_y = 0.5 * (y_high + y_low);
+    if (view->ortho_height > 0.0) {
+        view->ortho_height = height > 0.0 ? height : 1.0;
+        distance = 2.0 * sqrt(stp_dotd(half, half));
+        distance = distance > 0.0 ? distance : 1.0;
+        eye_x = eye_y = 0.0;
+    }
+    stp_vec3d middle = stp_addd(stp_scaled(right, eye_x), stp_scaled(up, eye_y));
+    center = stp_addd(center, middle);
+    view->eye = stp_addd(center, stp_scaled(toward, distance));
+    view->target = center;
+    view->up = up;
+    return true;
+}

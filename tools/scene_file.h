@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// A scene to be looked at, from the command line: a .stip, or a model that is built into a cache first.
+#pragma once
+
+#include "command.h"
+
+#include "store/store.h"
+
+#include <stipple/view.h>
+
+/// Opens `path`. A model (anything that is not a .stip) is built first, unless the cache already holds what the
+/// same bytes gave: $XDG_CACHE_HOME/stipple, or ~/.cache/stipple. Failures are logged by the context.
+STP_MUST_USE stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store);
+
+/// Sets eye, target and up (and the angle, where the view is a camera with one and `view->fov_degrees` is 0) to
+/// a view of the file or a standard one. width, height, fov and ortho_height are read.
+/// @return false where there is no view of that name
+bool tool_find_view(const stp_store* store, const char* name, stp_view* view);
