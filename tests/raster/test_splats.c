@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: MIT
+#include "tests.h"
+
+#include "base/octahedral.h"
+#include "base/processor.h"
+#include "base/rng.h"
+#include "raster/splats_kernel.h"
+
+#include <stipple/order.h>
+
+enum { WIDTH = 96, HEIGHT = 72, SPLATS = 400 };
+
+typedef struct splat_scene {
+    uint16_t positions[3 * SPLATS];
+    int8_t normals[2 * SPLATS];
+    uint8_t coverages[SPLATS];
+    uint64_t pixels[WIDTH * HEIGHT];
+    stp_raster_target target;
+    stp_raster_splats splats;
+    stp_raster_camera camera;
+} splat_scene;
+
+static double uniform(uint64_t seed, uint64_t index, double low, double high)
+{
+    return low + (high - low) * ((double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53);
+}
+
+static void clear(splat_scene* s)
+{
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+        s->pixels[i] = STP_RASTER_EMPTY;
+    }
+}
+
+// A camera at `distance` from the middle of the unit cube, turned about y and x, perhaps mirrored.
+static void place_camera(splat_scene* s, double turn, double distance, double focal, bool parallel,
+                         bool mirror)
+{
+    double c = cos(turn), d = sin(turn), e = cos(0.4), f = sin(0.4);
+    double rotation[3][3] = {{c, 0, d}, {f * d, e, -f * c}, {-e * d, f, e * c}};
+    for (int k = 0; k < 3; ++k) {
+        rotation[0][k] *= mirror ? -1.0 : 1.0;
+    }
+    s->camera = (stp_raster_camera){
+        .pixel_scale = (float)focal, .parallel = parallel, .nearness_limit = 1.0f};
+    double view[3][4];
+    for (int r = 0; r < 3; ++r) {
+        view[r][3] = r == 2 ? distance : 0.0;
+        for (int k = 0; k < 3; ++k) {
+            view[r][k] = 2.0 * rotation[r][k]; // twice as large, to test that scale is taken off
+            view[r][3] -= view[r][k] * 0.5;
+        }
+        for (int k = 0; k < 4; ++k) {
+            s->camera.view[r][k] = (float)view[r][k];
+        }
+    }
+    for (int k = 0; k < 4; ++k) {
+        double one = k == 3 ? 1.0 : 0.0, z = view[2][k], w = parallel ? one : z;
+        s->camera.matrix.m[0][k] = (float)(focal * view[0][k] + 0.5 * WIDTH * w);
+        s->camera.matrix.m[1][k] = (float)(focal * view[1][k] + 0.5 * HEIGHT * w);
+        s->camera.matrix.m[2][k] = parallel ? (float)(0.9 * one - 0.05 * z) : (float)(0.05 * one);
+        s->camera.matrix.m[3][k] = (float)w;
+    }
+}
+
+static void make_scene(splat_scene* s, uint64_t seed, double radius)
+{
+    for (uint64_t i = 0; i < 3 * SPLATS; ++i) {
+        s->positions[i] = (uint16_t)uniform(seed, i, 0, 65535);
+    }
+    for (uint64_t i = 0; i < SPLATS; ++i) {
+        stp_vec3 n = {(float)uniform(seed + 1, 3 * i, -1, 1),
+                      (float)uniform(seed + 1, 3 * i + 1, -1, 1),
+                      (float)uniform(seed + 1, 3 * i + 2, -1, 1)};
+        stp_octahedral_encode(n, s->normals + 2 * i);
+        s->coverages[i] = (uint8_t)(stp_rng_hash(seed + 2, i) & 255);
+    }
+    s->target = (stp_raster_target){WIDTH, HEIGHT, WIDTH, s->pixels};
+    s->splats = (stp_raster_splats){.positions = s->positions,
+                                    .normals = s->normals,
+                                    .end = SPLATS,
+                                    .step = 1.0f / 65536.0f,
+                                    .radius = (float)radius};
+    clear(s);
+}
+
+// The distance from the splat's centre at which the ray through a screen point meets its plane, in view units,
+// and the nearness there; HUGE_VAL where it does not. Works from the camera's numbers alone, in double.
+static double meet(const splat_scene* s, uint32_t index, double x, double y, double center[3],
+                   double* nearness)
+{
+    double n[3] = {0}, dir[3], from[3] = {0}, object[3];
+    stp_vec3 normal = stp_octahedral_decode(s->normals[2 * index], s->normals[2 * index + 1]);
+    double raw[3] = {(double)normal.x, (double)normal.y, (double)normal.z};
+    for (int k = 0; k < 3; ++k) {
+        object[k] = (double)s->positions[3 * index + (uint32_t)k] * (double)s->splats.step;
+    }
+    for (int r = 0; r < 3; ++r) {
+        center[r] = (double)s->camera.view[r][3];
+        for (int k = 0; k < 3; ++k) {
+            center[r] += (double)s->camera.view[r][k] * object[k];
+            n[r] += (double)s->camera.view[r][k] * raw[k];
+        }
+    }
+    double focal = (double)s->camera.pixel_scale;
+    double u = (x - 0.5 * WIDTH) / focal, v = (y - 0.5 * HEIGHT) / focal;
+    dir[0] = s->camera.parallel ? 0 : u;
+    dir[1] = s->camera.parallel ? 0 : v;
+    dir[2] = 1;
+    from[0] = s->camera.parallel ? u : 0;
+    from[1] = s->camera.parallel ? v : 0;
+    double above = 0.0, along = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        above += n[k] * (center[k] - from[k]);
+        along += n[k] * dir[k];
+    }
+    double t = above / along, square = 0.0;
+    if (!(fabs(along) > 1e-12) || (!s->camera.parallel && t <= 0.0)) {
+        return HUGE_VAL;
+    }
+    for (int k = 0; k < 3; ++k) {
+        double offset = from[k] + t * dir[k] - center[k];
+        square += offset * offset;
+    }
+    *nearness = s->camera.parallel ? 0.9 - 0.05 * t : 0.05 / t;
+    return sqrt(square);
+}
+
+// How far the nearest edge of the disk is from the pixel, in steps of 0.05 pixels: the pixel may be either way where
+// the disk's edge passes within that distance.
+static bool near_edge(const splat_scene* s, uint32_t index, double x, double y, double radius,
+                      bool inside)
+{
+    for (int k = 0; k < 8; ++k) {
+        double angle = k * (STP_PI / 4), center[3], nearness;
+        double d = meet(s, index, x + 0.05 * cos(angle), y + 0.05 * sin(angle), center, &nearness);
+        if ((d <= radius) != inside) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Wrong pixels of one splat drawn alone, against the ray-plane test in double precision.
+static int count_wrong(splat_scene* s, uint32_t index)
+{
+    clear(s);
+    s->splats.begin = index;
+    s->splats.end = index + 1;
+    stp_raster_draw_splats(&s->target, 0, HEIGHT, &s->camera, &s->splats, 7);
+    double radius = 2.0 * (double)s->splats.radius; // the view is twice as large
+    int wrong = 0;
+    for (uint32_t at = 0; at < WIDTH * HEIGHT; ++at) {
+        double x = at % WIDTH + 0.5, y = at / WIDTH + 0.5, center[3], nearness = 0.0;
+        double distance = meet(s, index, x, y, center, &nearness);
+        double z = s->camera.parallel ? 1.0 : center[2], focal = (double)s->camera.pixel_scale;
+        bool ahead = s->camera.parallel || center[2] > 0.0;
+        double sx = 0.5 * WIDTH + focal * center[0] / z, sy = 0.5 * HEIGHT + focal * center[1] / z;
+        bool is_center = ahead && floor(sx) == floor(x) && floor(sy) == floor(y);
+        bool expected = (distance <= radius && nearness <= 1.0) || is_center;
+        bool got = s->pixels[at] != STP_RASTER_EMPTY;
+        bool near_border = fabs(sx - round(sx)) < 1e-3 || fabs(sy - round(sy)) < 1e-3;
+        if (got != expected && !near_border &&
+            !near_edge(s, index, x, y, radius, distance <= radius)) {
+            wrong += 1;
+        }
+        if (got && stp_raster_id(s->pixels[at]) != 7 + index) {
+            wrong += 1;
+        }
+        if (got && distance <= radius &&
+            !near_edge(s, index, x, y, radius, true)) { // the plane's depth
+            double error = fabs((double)stp_raster_nearness(s->pixels[at]) - nearness);
+            double per_unit = s->camera.parallel ? 0.05 : nearness * nearness / 0.05;
+            wrong += error > 0.02 * radius * per_unit + 1e-6 && nearness < 0.999;
+        }
+    }
+    return wrong;
+}
+
+void test_splats_agree_with_rays(test_state* test)
+{
+    static splat_scene s;
+    const double radii[] = {0.0005, 0.004, 0.012, 0.03, 0.1, 0.4};
+    for (int round = 0; round < 24; ++round) {
+        bool parallel = round % 2 == 1;
+        double distance =
+            parallel || round % 3 != 0 ? 3.0 : 0.7; // 0.7: some behind the eye, some around it
+        make_scene(&s, (uint64_t)round, radii[round / 4]);
+        place_camera(&s, 0.7 * round, distance, parallel ? 30.0 : 80.0, parallel, round % 5 == 4);
+        int wrong = 0;
+        for (uint32_t i = (uint32_t)round; i < SPLATS; i += 40) {
+            wrong += count_wrong(&s, i);
+        }
+        CHECK_EQUAL(0, wrong);
+    }
+}
+
+static void draw_variant(splat_scene* s, splat_kernel kernel, uint64_t* hash, uint64_t* fragments)
+{
+    stp_splat_frame frame;
+    clear(s);
+    *fragments = 0;
+    if (stp_splats_make_frame(&frame, &s->target, 0, HEIGHT, &s->camera, &s->splats, 0)) {
+        *fragments = kernel(&frame);
+    }
+    *hash = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+        *hash = stp_rng_hash(*hash, s->pixels[i]);
+    }
+}
+
+void test_splats_variants_give_the_same_bits(test_state* test)
+{
+    static splat_scene s;
+    stp_processor processor = stp_processor_detect();
+    if (processor == STP_PROCESSOR_BASELINE) {
+        SKIP("this processor has no AVX2");
+    }
+    for (int round = 0; round < 36; ++round) {
+        double radius = 0.0004 * (double)(1u << (round % 9));
+        make_scene(&s, 100 + (uint64_t)round, radius);
+        place_camera(&s, 0.3 * round, round % 3 == 0 ? 0.8 : 2.5, 60.0, round % 4 == 3,
+                     round % 5 == 0);
+        s.splats.coverages = round % 2 == 0 ? s.coverages : NULL;
+        s.splats.normals = round % 7 == 6 ? NULL : s.normals;
+        s.splats.begin = (uint32_t)round % 17;
+        s.splats.end = SPLATS - (uint32_t)round % 13;
+        s.target.width = round % 9 == 8 ? 5 : WIDTH; // narrower than a vector
+        uint64_t expected, hash, expected_fragments, fragments;
+        draw_variant(&s, stp_splats_draw_portable, &expected, &expected_fragments);
+        draw_variant(&s, stp_splats_draw_avx2, &hash, &fragments);
+        CHECK_EQUAL(expected, hash);
+        CHECK_EQUAL(expected_fragments, fragments);
+        if (processor == STP_PROCESSOR_AVX512) {
+            draw_variant(&s, stp_splats_draw_avx512, &hash, &fragments);
+            CHECK_EQUAL(expected, hash);
+            CHECK_EQUAL(expected_fragments, fragments);
+        }
+    }
+}
+
+void test_splats_bands_and_ranges_join_without_a_seam(test_state* test)
+{
+    static splat_scene s;
+    static uint64_t whole[WIDTH * HEIGHT];
+    for (int round = 0; round < 12; ++round) {
+        make_scene(&s, 300 + (uint64_t)round, 0.001 * (double)(1u << (round % 10)));
+        place_camera(&s, 0.5 * round, round % 3 == 0 ? 0.8 : 2.5, 60.0, round % 4 == 3, false);
+        s.splats.coverages = s.coverages;
+        uint64_t fragments = stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 5);
+        memcpy(whole, s.pixels, sizeof(whole));
+        clear(&s);
+        uint64_t parts = 0;
+        const uint32_t rows[] = {0, 1, 7, 40, 41, HEIGHT}, ranges[] = {0, 3, 200, SPLATS};
+        for (int b = 0; b < 5; ++b) {
+            for (int k = 0; k < 3; ++k) {
+                stp_raster_splats part = s.splats;
+                part.begin = ranges[k];
+                part.end = ranges[k + 1];
+                parts +=
+                    stp_raster_draw_splats(&s.target, rows[b], rows[b + 1], &s.camera, &part, 5);
+            }
+        }
+        CHECK_EQUAL(0, memcmp(whole, s.pixels, sizeof(whole)));
+        CHECK_EQUAL(fragments, parts);
+    }
+}
+
+void test_splats_coverage_is_the_share_of_fragments(test_state* test)
+{
+    static splat_scene s;
+    const int levels[] = {0, 64, 128, 200, 255};
+    const double radii[] = {0.0004, 0.02, 0.06};
+    for (int k = 0; k < 3; ++k) {
+        uint64_t full = 0;
+        for (int level = 4; level >= 0; --level) {
+            make_scene(&s, 9, radii[k]);
+            place_camera(&s, 0.3, 3.0, 60.0, false, false);
+            memset(s.coverages, levels[level], sizeof(s.coverages));
+            s.splats.coverages = s.coverages;
+            uint64_t fragments =
+                stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
+            full = level == 4 ? fragments : full;
+            double expected = (double)full * levels[level] / 255.0;
+            CHECK(fabs((double)fragments - expected) <=
+                  3.0 * sqrt((double)full) * (level % 4 == 0 ? 0 : 1));
+        }
+    }
+}
+
+void test_splats_keep_their_center_pixel(test_state* test)
+{
+    static splat_scene s;
+    make_scene(&s, 77, 0.0);
+    place_camera(&s, 0.9, 4.0, 40.0, false, false);
+    for (uint32_t i = 0; i < SPLATS; ++i) {
+        clear(&s);
+        s.splats.begin = i;
+        s.splats.end = i + 1;
+        CHECK_EQUAL(1, stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0));
+    }
+    float points[3] = {0.5f, 0.5f, 0.5f}; // as floats, without normals
+    stp_raster_splats one = {.points = points, .end = 1, .radius = 0.05f};
+    clear(&s);
+    CHECK(stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &one, 3) > 9);
+    CHECK_EQUAL(3, stp_raster_id(s.pixels[HEIGHT / 2 * WIDTH + WIDTH / 2]));
+}
+
+// A surface of many candidates, ordered; its prefixes drawn at the radius they cover to.
+typedef struct surface {
+    uint32_t count;
+    float positions[3 * 6000], normals[3 * 6000];
+    uint16_t grid[3 * 6000];
+    int8_t codes[2 * 6000];
+    uint32_t order[6000];
+    float radii[6000];
+    float final_radius;
+} surface;
+
+static bool order_surface(surface* f)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_order_desc desc = {.metric = STP_METRIC_EUCLIDEAN};
+    uint32_t ordered = 0;
+    stp_result result = context == NULL ? STP_ERROR_OUT_OF_MEMORY
+                                        : stp_order_points(context, &desc, f->positions, f->normals,
+                                                           f->count, f->count, f->order, f->radii,
+                                                           &ordered, &f->final_radius, NULL);
+    for (uint32_t i = 0; i < ordered; ++i) {
+        for (uint32_t k = 0; k < 3; ++k) {
+            f->grid[3 * i + k] = (uint16_t)(f->positions[3 * f->order[i] + k] * 65536.0f + 0.5f);
+        }
+        const float* n = f->normals + 3 * (size_t)f->order[i];
+        stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, f->codes + 2 * (size_t)i);
+    }
+    f->count = ordered;
+    stp_context_destroy(context);
+    return result == STP_OK;
+}
+
+static void draw_prefix(splat_scene* s, const surface* f, uint32_t prefix, double candidate_radius)
+{
+    double covered = prefix < f->count ? (double)f->radii[prefix] : (double)f->final_radius;
+    make_scene(s, 1, 0.0);
+    s->splats.positions = f->grid;
+    s->splats.normals = f->codes;
+    s->splats.end = prefix;
+    s->splats.radius = (float)(covered + candidate_radius);
+}
+
+void test_splats_cover_a_plane_without_holes(test_state* test)
+{
+    static surface f;
+    static splat_scene s;
+    const int side = 64;
+    f.count = 0;
+    for (int i = 0; i < side * side;
+         ++i, ++f.count) { // the plane z = 0.5, jittered within its cells
+        f.positions[3 * i] = (float)((i % side + uniform(5, (uint64_t)i, 0, 1)) / side);
+        f.positions[3 * i + 1] = (float)((i / side + uniform(6, (uint64_t)i, 0, 1)) / side);
+        f.positions[3 * i + 2] = 0.5f;
+        f.normals[3 * i] = f.normals[3 * i + 1] = 0.0f;
+        f.normals[3 * i + 2] = 1.0f;
+    }
+    CHECK(order_surface(&f));
+    const uint32_t prefixes[] = {20, 90, 400, 1500, 4000};
+    for (int round = 0; round < 15; ++round) {
+        draw_prefix(&s, &f, prefixes[round % 5], sqrt(2.0) / side);
+        place_camera(&s, 0.25 * round, 2.0 + round, 70.0, round % 2 == 1, false);
+        stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
+        // the plane itself, as one splat with the largest extent: pixels that meet it inside the square
+        for (uint32_t at = 0; at < WIDTH * HEIGHT; ++at) {
+            double center[3], nearness = 0.0, x = at % WIDTH + 0.5, y = at / WIDTH + 0.5;
+            if (meet(&s, 0, x, y, center, &nearness) == HUGE_VAL ||
+                s.pixels[at] != STP_RASTER_EMPTY) {
+                continue;
+            }
+            // an empty pixel must not see the square: four corners, all on one side of some edge
+            double corner[4][2];
+            for (int c = 0; c < 4; ++c) {
+                double p[4] = {c == 1 || c == 2 ? 1.0 : 0.0, c >= 2 ? 1.0 : 0.0, 0.5, 1.0},
+                       q[3] = {0};
+                const int rows[3] = {0, 1, 3};
+                for (int r = 0; r < 3; ++r) {
+                    for (int k = 0; k < 4; ++k) {
+                        q[r] += (double)s.camera.matrix.m[rows[r]][k] * p[k];
+                    }
+                }
+                corner[c][0] = q[0] / q[2];
+                corner[c][1] = q[1] / q[2];
+            }
+            int sides[2] = {0, 0};
+            for (int c = 0; c < 4; ++c) {
+                const double *a = corner[c], *b = corner[(c + 1) % 4];
+                double cross = (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
+                sides[cross > 0.0] += 1;
+            }
+            CHECK(sides[0] > 0 && sides[1] > 0);
+        }
+    }
+}
+
+void test_splats_cover_a_sphere_without_holes(test_state* test)
+{
+    static surface f;
+    static splat_scene s;
+    f.count = 6000;
+    for (uint32_t i = 0; i < f.count; ++i) { // a spiral from pole to pole
+        double z = 1.0 - (2.0 * i + 1.0) / f.count, angle = 2.399963229728653 * i,
+               r = sqrt(1.0 - z * z);
+        const double n[3] = {r * cos(angle), r * sin(angle), z};
+        for (uint32_t k = 0; k < 3; ++k) {
+            f.normals[3 * i + k] = (float)n[k];
+            f.positions[3 * i + k] = (float)(0.5 + 0.4 * n[k]);
+        }
+    }
+    CHECK(order_surface(&f));
+    const double candidate_radius = 0.4 * 1.1 * sqrt(4.0 * STP_PI / 6000.0);
+    for (int round = 0; round < 12; ++round) {
+        draw_prefix(&s, &f, round % 2 == 0 ? 1200 : 5000, candidate_radius);
+        double distance = 1.6 + 0.7 * round;
+        place_camera(&s, 0.6 * round, distance, 60.0, false, false);
+        stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
+        for (uint32_t at = 0; at < WIDTH * HEIGHT; ++at) {
+            double u = (at % WIDTH + 0.5 - 0.5 * WIDTH) / 60.0,
+                   v = (at / WIDTH + 0.5 - 0.5 * HEIGHT) / 60.0;
+            // distance of the ray from the middle; the view is twice as large as the sphere's space
+            double square = distance * distance * (1.0 - 1.0 / (1.0 + u * u + v * v));
+            if (square < 0.795 * 0.795) {
+                CHECK(s.pixels[at] != STP_RASTER_EMPTY);
+                CHECK((double)stp_raster_nearness(s.pixels[at]) >
+                      0.05 / distance * 0.98); // the front
+            } else if (square > pow(0.8 + 2.1 * (double)s.splats.radius + distance / 60.0, 2.0)) {
+                CHECK(s.pixels[at] == STP_RASTER_EMPTY);
+            }
+        }
+    }
+}
