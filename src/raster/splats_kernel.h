@@ -210,11 +210,11 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
         float slope = t->nearness[i] * f->slope_factor + f->slope_constant;
         t->gx[i] = slope * (nx / D);
         t->gy[i] = slope * (ny / D);
-        t->g_limit[i] = fabsf(slope) * radius;
         // extents: the disk's extent across the ray, widened where its near rim looks larger
         float ex2 = (ax * ax + 1.0f) - (nx - ax * nz) * (nx - ax * nz) / square;
         float ey2 = (ay * ay + 1.0f) - (ny - ay * nz) * (ny - ay * nz) / square;
         float grow = radius / (1.0f - ratio);
+        t->g_limit[i] = fabsf(slope) * grow; // from a radius before the centre to one behind it
         float ex = grow * sqrtf(ex2 > 0.0f ? ex2 : 0.0f) + 0.01f;
         float ey = grow * sqrtf(ey2 > 0.0f ? ey2 : 0.0f) + 0.01f;
         t->u0[i] = ex;
