@@ -12,6 +12,8 @@ typedef struct stp_build_desc {
     const char* output;
     stp_import_desc import;
     stp_blue_desc blue;
+    uint64_t
+        threshold; ///< a node of triangles gets surfels above so many; default 1,000 (5.2); 1: always
     const char* parameters_json; ///< written into the file: what the user asked for
 } stp_build_desc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Method `blue`: Progressive Blue Surfels (Brandt et al. 2019). Candidates are captured, ordered, and
-// finished into surfels: columns, prefix table, colour pyramid, coverage.
+// Method `blue`: Progressive Blue Surfels (Brandt et al. 2019). Candidates are captured, ordered,
+// and finished into surfels: columns, prefix table, colour pyramid, coverage.
 #pragma once
 
 #include "capture/capture.h"
@@ -12,7 +12,8 @@
 typedef struct stp_blue_desc {
     stp_capture_desc capture;
     stp_order_desc order;
-    uint32_t surfel_count; ///< most surfels; 0: the paper's rule, min(200k, half the triangles) (5.2)
+    uint32_t
+        surfel_count; ///< most surfels; 0: the paper's rule, min(200k, half the triangles) (5.2)
 } stp_blue_desc;
 
 typedef struct stp_blue_report {
@@ -20,9 +21,12 @@ typedef struct stp_blue_report {
     uint32_t candidate_count;
 } stp_blue_report;
 
-/// Makes the surfels of everything below a node of the scene (moving parts left out). `materials` of the
-/// result index scene materials reduced to at most 256 shadings by `shading_of_material` (one byte a scene
-/// material). Arrays of the result come from stp_alloc.
+/// Makes the surfels of everything below a node of the scene (moving parts left out). `materials`
+/// of the result index scene materials reduced to at most 256 shadings by `shading_of_material` (one
+/// byte a scene material). A scene of points only is not captured: its points are the candidates,
+/// and by default all of them become surfels. Arrays of the result come from stp_alloc; `count` is 0
+/// where nothing can be seen. `report` may be NULL.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT, STP_ERROR_CANCELLED (logged)
 STP_MUST_USE stp_result stp_blue_make(const stp_scene* scene, uint32_t node,
                                       const uint8_t* shading_of_material, const stp_blue_desc* desc,
                                       stp_surfels* surfels, stp_blue_report* report);

@@ -79,6 +79,21 @@ void test_octahedral_error_is_small(test_state* test)
     CHECK(worst > 0.99985f); // within one degree
 }
 
+void test_octahedral_of_16_bits_is_precise(test_state* test)
+{
+    for (uint64_t i = 0; i < 100000; ++i) {
+        stp_vec3 n = random_direction(i);
+        int16_t code[2];
+        stp_octahedral_encode16(n, code);
+        CHECK(code[0] >= -32767 && code[1] >= -32767);
+        stp_vec3 back = stp_octahedral_decode16(code[0], code[1]);
+        CHECK(stp_length(stp_sub(back, n)) < 1e-4f);
+    }
+    int16_t none[2] = {5, 5};
+    stp_octahedral_encode16((stp_vec3){0, 0, 0}, none);
+    CHECK(none[0] == 0 && none[1] == 0);
+}
+
 void test_octahedral_is_near_the_best_of_all_codes(test_state* test)
 {
     for (uint64_t i = 0; i < 40; ++i) {

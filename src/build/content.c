@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+#include "build/content.h"
+
+#include "base/octahedral.h"
+
+#include <string.h>
+
+#define BLOCK_SIZE ((size_t)64 << 10)
+#define GRAIN 8192
+
+typedef struct normal_work {
+    const float* from;
+    int16_t* to;
+} normal_work;
+
+static void encode_normals(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const normal_work* work = user;
+    for (size_t i = begin; i < end; ++i) {
+        const float* n = work->from + 3 * i;
+        stp_octahedral_encode16((stp_vec3){n[0], n[1], n[2]}, work->to + 2 * i);
+    }
+}
+
+// Normals as the file holds them: NULL where there are none; `made` false where memory runs out.
+static const int16_t* convert_normals(stp_build_content* c, const float* normals, uint32_t count,
+                                      bool* made)
+{
+    if (normals == NULL) {
+        return NULL;
+    }
+    int16_t* out = STP_ARENA_ARRAY(&c->arena, int16_t, 2 * (size_t)count);
+    *made = *made && out != NULL;
+    if (out != NULL) {
+        normal_work work = {normals, out};
+        stp_parallel_for(c->context, count, GRAIN, encode_normals, &work);
+    }
+    return out;
+}
+
+static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
+{
+    stp_store_mesh* meshes = STP_ARENA_ARRAY(&c->arena, stp_store_mesh, scene->mesh_count);
+    bool made = meshes != NULL;
+    for (size_t i = 0; made && i < scene->mesh_count; ++i) {
+        const stp_mesh* mesh = &scene->meshes[i];
+        meshes[i] = (stp_store_mesh){
+            .name = mesh->name,
+            .vertex_count = mesh->vertex_count,
+            .triangle_count = mesh->triangle_count,
+            .material = mesh->material,
+            .bounds = mesh->bounds,
+            .positions = mesh->positions,
+            .normals = convert_normals(c, mesh->normals, mesh->vertex_count, &made),
+            .texcoords = {mesh->texcoords[0], mesh->texcoords[1]},
+            .colors = mesh->colors,
+            .indices = mesh->indices,
+        };
+    }
+    c->content.meshes = meshes;
+    return made;
+}
+
+static bool convert_point_sets(stp_build_content* c, const stp_scene* scene)
+{
+    stp_store_point_set* sets =
+        STP_ARENA_ARRAY(&c->arena, stp_store_point_set, scene->point_set_count);
+    bool made = sets != NULL;
+    for (size_t i = 0; made && i < scene->point_set_count; ++i) {
+        const stp_point_set* set = &scene->point_sets[i];
+        sets[i] = (stp_store_point_set){
+            .name = set->name,
+            .point_count = set->point_count,
+            .material = set->material,
+            .bounds = set->bounds,
+            .positions = set->positions,
+            .normals = convert_normals(c, set->normals, set->point_count, &made),
+            .colors = set->colors,
+        };
+    }
+    c->content.point_sets = sets;
+    return made;
+}
+
+static stp_store_texture_use convert_use(const stp_texture_use* use)
+{
+    stp_store_texture_use out = {.texture = use->texture, .texcoord = use->texcoord};
+    memcpy(out.transform, use->transform, sizeof(out.transform));
+    return out;
+}
+
+static bool convert_materials(stp_build_content* c, const stp_scene* scene)
+{
+    stp_store_material* materials =
+        STP_ARENA_ARRAY(&c->arena, stp_store_material, scene->material_count);
+    for (size_t i = 0; materials != NULL && i < scene->material_count; ++i) {
+        const stp_material* m = &scene->materials[i];
+        stp_store_material* out = &materials[i];
+        *out = (stp_store_material){
+            .name = m->name,
+            .metallic = m->metallic,
+            .roughness = m->roughness,
+            .alpha_cutoff = m->alpha_cutoff,
+            .alpha = (stp_store_alpha)m->alpha_mode,
+            .flags = (m->unlit ? STP_SHADING_UNLIT : 0u) |
+                     (m->double_sided ? STP_SHADING_DOUBLE_SIDED : 0u),
+            .base_color_texture = convert_use(&m->base_color_texture),
+            .metallic_roughness_texture = convert_use(&m->metallic_roughness_texture),
+            .emissive_texture = convert_use(&m->emissive_texture),
+        };
+        memcpy(out->base_color, m->base_color, sizeof(out->base_color));
+        memcpy(out->emissive, m->emissive, sizeof(out->emissive));
+    }
+    c->content.directory.materials = materials;
+    return materials != NULL;
+}
+
+static bool convert_textures(stp_build_content* c, const stp_scene* scene)
+{
+    stp_store_texture* textures =
+        STP_ARENA_ARRAY(&c->arena, stp_store_texture, scene->texture_count);
+    for (size_t i = 0; textures != NULL && i < scene->texture_count; ++i) {
+        const stp_texture* t = &scene->textures[i];
+        textures[i] = (stp_store_texture){.width = t->width,
+                                          .height = t->height,
+                                          .wrap_u = (uint32_t)t->wrap_u,
+                                          .wrap_v = (uint32_t)t->wrap_v,
+                                          .nearest = t->nearest,
+                                          .texels = t->texels};
+    }
+    c->content.textures = textures;
+    return textures != NULL;
+}
+
+static bool convert_graph(stp_build_content* c, const stp_scene* scene)
+{
+    stp_store_node* nodes = STP_ARENA_ARRAY(&c->arena, stp_store_node, scene->node_count);
+    stp_store_edge* edges = STP_ARENA_ARRAY(&c->arena, stp_store_edge, scene->edge_count);
+    stp_store_part* parts = STP_ARENA_ARRAY(&c->arena, stp_store_part, scene->node_part_count);
+    if (nodes == NULL || edges == NULL || parts == NULL) {
+        return false;
+    }
+    for (size_t i = 0; i < scene->node_count; ++i) {
+        const stp_node* node = &scene->nodes[i];
+        nodes[i] = (stp_store_node){
+            .first_edge = node->first_edge,
+            .edge_count = node->edge_count,
+            .first_part = node->first_part,
+            .part_count = node->part_count,
+            .surfels = i == scene->root && c->content.surfels != NULL ? 0 : STP_STORE_NONE,
+            .flags = node->flags & STP_OBJECT_MOVING,
+            .triangle_count = node->triangle_count,
+            .point_count = node->point_count,
+            .bounds = node->bounds,
+        };
+    }
+    for (size_t i = 0; i < scene->edge_count; ++i) {
+        edges[i] =
+            (stp_store_edge){.node = scene->edges[i].node, .transform = scene->edges[i].transform};
+    }
+    for (size_t i = 0; i < scene->node_part_count; ++i) {
+        bool mesh = scene->node_parts[i].kind == STP_PART_MESH;
+        parts[i] = (stp_store_part){.kind = mesh ? STP_STORE_PART_MESH : STP_STORE_PART_POINTS,
+                                    .index = scene->node_parts[i].index};
+    }
+    c->content.directory.nodes = nodes;
+    c->content.directory.edges = edges;
+    c->content.directory.parts = parts;
+    return true;
+}
+
+static bool convert_names(stp_build_content* c, const stp_scene* scene)
+{
+    stp_store_object* objects = STP_ARENA_ARRAY(&c->arena, stp_store_object, scene->object_count);
+    stp_store_view* views = STP_ARENA_ARRAY(&c->arena, stp_store_view, scene->view_count);
+    stp_store_source* sources = STP_ARENA_ARRAY(&c->arena, stp_store_source, scene->source_count);
+    if (objects == NULL || views == NULL || sources == NULL) {
+        return false;
+    }
+    for (size_t i = 0; i < scene->object_count; ++i) {
+        const stp_object* object = &scene->objects[i];
+        objects[i] = (stp_store_object){.name = object->name,
+                                        .id = object->id,
+                                        .parent = object->parent,
+                                        .node = object->node,
+                                        .transform = object->transform};
+    }
+    for (size_t i = 0; i < scene->view_count; ++i) {
+        const stp_scene_view* view = &scene->views[i];
+        views[i] = (stp_store_view){.name = view->name,
+                                    .eye = view->eye,
+                                    .target = view->target,
+                                    .up = view->up,
+                                    .fov_degrees = view->fov_degrees};
+    }
+    for (size_t i = 0; i < scene->source_count; ++i) {
+        const stp_source* source = &scene->sources[i];
+        sources[i] = (stp_store_source){
+            .path = source->path, .format = source->format, .bytes = source->bytes};
+    }
+    c->content.directory.objects = objects;
+    c->content.directory.views = views;
+    c->content.directory.sources = sources;
+    return true;
+}
+
+static bool convert_counts(stp_store_directory* d, const stp_scene* scene)
+{
+    size_t counts[] = {scene->node_count,     scene->edge_count,    scene->node_part_count,
+                       scene->object_count,   scene->mesh_count,    scene->point_set_count,
+                       scene->material_count, scene->texture_count, scene->view_count,
+                       scene->source_count};
+    for (size_t i = 0; i < sizeof(counts) / sizeof(counts[0]); ++i) {
+        if (counts[i] >= STP_STORE_NONE) {
+            return false;
+        }
+    }
+    d->node_count = (uint32_t)scene->node_count;
+    d->edge_count = (uint32_t)scene->edge_count;
+    d->part_count = (uint32_t)scene->node_part_count;
+    d->object_count = (uint32_t)scene->object_count;
+    d->mesh_count = (uint32_t)scene->mesh_count;
+    d->point_set_count = (uint32_t)scene->point_set_count;
+    d->material_count = (uint32_t)scene->material_count;
+    d->texture_count = (uint32_t)scene->texture_count;
+    d->view_count = (uint32_t)scene->view_count;
+    d->source_count = (uint32_t)scene->source_count;
+    return true;
+}
+
+stp_result stp_build_content_create(const stp_scene* scene, const stp_surfels* surfels,
+                                    stp_build_content* content)
+{
+    *content = (stp_build_content){.context = scene->context,
+                                   .arena = stp_arena_create(scene->context, BLOCK_SIZE)};
+    stp_store_directory* d = &content->content.directory;
+    content->content.surfels = surfels;
+    d->surfels_count = surfels != NULL;
+    d->root = scene->root;
+    d->unit_metres = scene->unit_metres;
+    d->up = scene->up[0];
+    if (!convert_counts(d, scene)) {
+        return stp_fail(scene->context, STP_ERROR_LIMIT,
+                        "the scene has more parts than a file can number");
+    }
+    bool made = convert_graph(content, scene) && convert_names(content, scene) &&
+                convert_materials(content, scene) && convert_textures(content, scene) &&
+                convert_meshes(content, scene) && convert_point_sets(content, scene);
+    if (!made) {
+        stp_build_content_destroy(content);
+        return stp_fail_memory(scene->context);
+    }
+    return STP_OK;
+}
+
+void stp_build_content_destroy(stp_build_content* content)
+{
+    if (content->context != NULL) {
+        stp_arena_destroy(&content->arena);
+    }
+    *content = (stp_build_content){0};
+}

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "build/shadings.h"
+
+#include "base/color.h"
+
+#include <string.h>
+
+// The mean of a texture's channels, as stored and as light.
+typedef struct texture_mean {
+    float raw[3], linear[3];
+} texture_mean;
+
+typedef struct reduction {
+    const stp_scene* scene;
+    texture_mean* means;
+    stp_shading* exact; ///< of each scene material
+    bool* used;
+    float* distance; ///< of each material's shading to the chosen ones
+} reduction;
+
+static void measure_textures(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    reduction* r = user;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_texture* texture = &r->scene->textures[i];
+        uint64_t counts[3][256] = {{0}};
+        size_t size = (size_t)texture->width * texture->height;
+        for (size_t k = 0; k < size; ++k) {
+            for (int channel = 0; channel < 3; ++channel) {
+                counts[channel][texture->texels[4 * k + (size_t)channel]] += 1;
+            }
+        }
+        for (int channel = 0; channel < 3; ++channel) {
+            double raw = 0.0, linear = 0.0;
+            for (int value = 0; value < 256; ++value) {
+                raw += (double)counts[channel][value] * value;
+                linear +=
+                    (double)counts[channel][value] * (double)stp_srgb8_to_linear((uint8_t)value);
+            }
+            r->means[i].raw[channel] = size != 0 ? (float)(raw / (255.0 * (double)size)) : 1.0f;
+            r->means[i].linear[channel] = size != 0 ? (float)(linear / (double)size) : 1.0f;
+        }
+    }
+}
+
+static stp_shading make_shading(const reduction* r, const stp_material* material)
+{
+    stp_shading shading;
+    memset(&shading, 0, sizeof(shading)); // compared as bytes
+    shading.metallic = material->metallic;
+    shading.roughness = material->roughness;
+    memcpy(shading.emissive, material->emissive, sizeof(shading.emissive));
+    uint32_t texture = material->metallic_roughness_texture.texture;
+    if (texture < r->scene->texture_count) {
+        shading.metallic *= r->means[texture].raw[2];
+        shading.roughness *= r->means[texture].raw[1];
+    }
+    texture = material->emissive_texture.texture;
+    for (int i = 0; i < 3 && texture < r->scene->texture_count; ++i) {
+        shading.emissive[i] *= r->means[texture].linear[i];
+    }
+    shading.flags = (material->unlit ? STP_SHADING_UNLIT : 0u) |
+                    (material->double_sided ? STP_SHADING_DOUBLE_SIDED : 0u);
+    return shading;
+}
+
+static void mark_used(reduction* r)
+{
+    const stp_scene* scene = r->scene;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        r->used[scene->meshes[i].material] = true;
+    }
+    for (size_t i = 0; i < scene->point_set_count; ++i) {
+        r->used[scene->point_sets[i].material] = true;
+    }
+}
+
+// Flags change what is seen more than any number does.
+static float shading_distance(const stp_shading* a, const stp_shading* b)
+{
+    float sum = 0.0f;
+    float numbers[2][5] = {
+        {a->metallic, a->roughness, a->emissive[0], a->emissive[1], a->emissive[2]},
+        {b->metallic, b->roughness, b->emissive[0], b->emissive[1], b->emissive[2]},
+    };
+    for (int i = 0; i < 5; ++i) {
+        float difference = numbers[0][i] - numbers[1][i];
+        sum += difference * difference;
+    }
+    uint32_t flags = a->flags ^ b->flags;
+    sum += (flags & STP_SHADING_UNLIT) != 0 ? 16.0f : 0.0f;
+    return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
+}
+
+// Farthest first: each next shading is the one farthest from those taken (the first of several), until all
+// are met or there is no room.
+static void choose_shadings(reduction* r, stp_shading_set* set)
+{
+    size_t count = r->scene->material_count, next = 0;
+    set->count = 0;
+    while (next < count && !r->used[next]) {
+        next += 1;
+    }
+    next = next < count ? next : 0;
+    for (size_t i = 0; i < count; ++i) {
+        r->distance[i] = r->used[i] ? FLT_MAX : -1.0f;
+    }
+    while (set->count < STP_SHADING_LIMIT) {
+        uint8_t index = (uint8_t)set->count;
+        set->shadings[set->count++] = r->exact[next];
+        size_t farthest = next;
+        float most = 0.0f;
+        for (size_t i = 0; i < count; ++i) {
+            float distance = shading_distance(&r->exact[i], &r->exact[next]);
+            if (distance < r->distance[i]) {
+                r->distance[i] = distance;
+                set->of_material[i] = index;
+            }
+            if (r->distance[i] > most) {
+                most = r->distance[i];
+                farthest = i;
+            }
+        }
+        if (farthest == next) {
+            break;
+        }
+        next = farthest;
+    }
+}
+
+stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
+{
+    stp_context* context = scene->context;
+    size_t count = scene->material_count;
+    *set = (stp_shading_set){0};
+    reduction r = {.scene = scene};
+    r.means = STP_NEW_ARRAY(context, texture_mean, scene->texture_count);
+    r.exact = STP_NEW_ARRAY(context, stp_shading, count);
+    r.used = STP_NEW_ZEROED(context, bool, count);
+    r.distance = STP_NEW_ARRAY(context, float, count);
+    set->of_material = STP_NEW_ZEROED(context, uint8_t, count);
+    bool made = r.means != NULL && r.exact != NULL && r.used != NULL && r.distance != NULL &&
+                set->of_material != NULL;
+    if (made) {
+        stp_parallel_for(context, scene->texture_count, 1, measure_textures, &r);
+        for (size_t i = 0; i < count; ++i) {
+            r.exact[i] = make_shading(&r, &scene->materials[i]);
+        }
+        mark_used(&r);
+        choose_shadings(&r, set);
+    } else {
+        stp_free(context, set->of_material);
+        set->of_material = NULL;
+    }
+    stp_free(context, r.distance);
+    stp_free(context, r.used);
+    stp_free(context, r.exact);
+    stp_free(context, r.means);
+    return made ? STP_OK : stp_fail_memory(context);
+}

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "lod/blue.h"
+
+#include "base/clock.h"
+#include "lod/finish.h"
+#include "lod/points.h"
+
+#define MOST_SURFELS 200000u      // Brandt 5.2
+#define CANDIDATES_PER_SURFEL 17u // 1.75 million for 100 thousand (Brandt, Table 2)
+#define LEAST_CANDIDATES 20000u   // a small object still wants its shape
+#define MOST_CANDIDATES 1750000u  // Brandt, Table 2
+#define MOST_PARTS ((size_t)1 << 26)
+
+typedef struct blue {
+    const stp_scene* scene;
+    const stp_blue_desc* desc;
+    stp_placed_part* parts; ///< those that do not move
+    size_t part_count;
+    uint64_t triangle_count, point_count;
+    stp_candidates candidates;
+    stp_order_desc order_desc;
+    bool from_points;
+    bool two_sided;
+    uint32_t wanted; ///< surfels
+    uint32_t* order;
+    float* radii;
+    stp_finish_input finish;
+} blue;
+
+// Lists what does not move, and counts it.
+static stp_result list_parts(blue* b, uint32_t node)
+{
+    stp_result result = stp_scene_flatten(b->scene, node, MOST_PARTS, &b->parts, &b->part_count);
+    if (result != STP_OK) {
+        return result;
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < b->part_count; ++i) {
+        if ((b->parts[i].flags & STP_OBJECT_MOVING) == 0) {
+            stp_part part = b->parts[i].part;
+            bool mesh = part.kind == STP_PART_MESH;
+            b->triangle_count += mesh ? b->scene->meshes[part.index].triangle_count : 0;
+            b->point_count += mesh ? 0 : b->scene->point_sets[part.index].point_count;
+            b->parts[kept++] = b->parts[i];
+        }
+    }
+    b->part_count = kept;
+    b->from_points = b->triangle_count == 0 && b->point_count != 0;
+    return STP_OK;
+}
+
+// A point cloud keeps every point; surfaces follow the paper's rule.
+static uint64_t choose_count(const blue* b)
+{
+    if (b->desc->surfel_count != 0) {
+        return b->desc->surfel_count;
+    }
+    if (b->from_points) {
+        return b->point_count;
+    }
+    uint64_t half = (b->triangle_count + b->point_count) / 2;
+    return half < 1 ? 1 : half < MOST_SURFELS ? half : MOST_SURFELS;
+}
+
+static stp_result make_candidates(blue* b)
+{
+    uint64_t count = choose_count(b);
+    stp_result result;
+    b->order_desc = b->desc->order;
+    if (b->from_points) {
+        bool has_normals;
+        result = stp_candidates_from_points(b->scene, b->parts, b->part_count, &b->candidates,
+                                            &has_normals);
+        b->two_sided = !has_normals;
+        b->order_desc.metric = has_normals ? b->order_desc.metric : STP_METRIC_EUCLIDEAN;
+    } else {
+        stp_capture_desc capture = b->desc->capture;
+        if (capture.wanted_candidates == 0) {
+            uint64_t wanted = count * CANDIDATES_PER_SURFEL;
+            wanted = wanted < LEAST_CANDIDATES ? LEAST_CANDIDATES : wanted;
+            capture.wanted_candidates = wanted > MOST_CANDIDATES ? MOST_CANDIDATES : wanted;
+        }
+        result = stp_capture_parts(b->scene, b->parts, b->part_count, &capture, &b->candidates);
+    }
+    b->wanted = (uint32_t)(count < b->candidates.count ? count : b->candidates.count);
+    return result;
+}
+
+static stp_result order_candidates(blue* b)
+{
+    stp_context* context = b->scene->context;
+    const stp_candidates* c = &b->candidates;
+    b->order = STP_NEW_ARRAY(context, uint32_t, b->wanted);
+    b->radii = STP_NEW_ARRAY(context, float, b->wanted);
+    if (b->order == NULL || b->radii == NULL) {
+        return stp_fail_memory(context);
+    }
+    const float* normals = b->order_desc.metric == STP_METRIC_SIDE ? c->normals : NULL;
+    return stp_order_points(context, &b->order_desc, c->positions, normals, c->count, b->wanted,
+                            b->order, b->radii, &b->finish.count, &b->finish.final_radius, NULL);
+}
+
+// The spacing of a point cloud stands for the pixel of a capture. Half the points, farthest first, still lie
+// about as far apart as all do; the rest are near-duplicates.
+static void measure_spacing(blue* b)
+{
+    float radius = b->finish.count > 1 ? b->radii[(b->finish.count + 1) / 2] : 0.0f;
+    double part = (double)b->finish.count / (double)b->candidates.count;
+    b->candidates.pixel_size = (double)radius * sqrt(part);
+}
+
+static stp_result finish(blue* b, const uint8_t* shading_of_material, stp_surfels* surfels)
+{
+    if (b->from_points) {
+        measure_spacing(b);
+    }
+    b->finish.candidates = &b->candidates;
+    b->finish.order = b->order;
+    b->finish.radii = b->radii;
+    b->finish.shading_of_material = shading_of_material;
+    b->finish.two_sided = b->two_sided;
+    return b->finish.count != 0 ? stp_finish_surfels(b->scene->context, &b->finish, surfels)
+                                : STP_OK;
+}
+
+static stp_result make(blue* b, uint32_t node, const uint8_t* shading_of_material,
+                       stp_surfels* surfels, stp_blue_report* report)
+{
+    double start = stp_clock_ms();
+    stp_result result = list_parts(b, node);
+    if (result != STP_OK || b->part_count == 0) {
+        return result;
+    }
+    result = make_candidates(b);
+    double captured = stp_clock_ms();
+    report->capture_ms = captured - start;
+    report->candidate_count = b->candidates.count;
+    if (result != STP_OK || b->wanted == 0) {
+        return result;
+    }
+    result = order_candidates(b);
+    double ordered = stp_clock_ms();
+    report->order_ms = ordered - captured;
+    if (result != STP_OK) {
+        return result;
+    }
+    result = finish(b, shading_of_material, surfels);
+    report->finish_ms = stp_clock_ms() - ordered;
+    return result;
+}
+
+stp_result stp_blue_make(const stp_scene* scene, uint32_t node, const uint8_t* shading_of_material,
+                         const stp_blue_desc* desc, stp_surfels* surfels, stp_blue_report* report)
+{
+    stp_blue_report unwanted;
+    report = report != NULL ? report : &unwanted;
+    *report = (stp_blue_report){0};
+    *surfels = (stp_surfels){0};
+    blue b = {.scene = scene, .desc = desc};
+    stp_result result = make(&b, node, shading_of_material, surfels, report);
+    stp_free(scene->context, b.radii);
+    stp_free(scene->context, b.order);
+    stp_candidates_destroy(scene->context, &b.candidates);
+    stp_free(scene->context, b.parts);
+    return result;
+}

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "lod/finish.h"
+
+#include "base/octahedral.h"
+#include "base/prefix_table.h"
+#include "lod/blue.h"
+
+#include <string.h>
+
+#define PAPER_COUNT 1000u // p_m, as in Brandt 4.1
+#define GRAIN 16384
+
+void stp_surfels_destroy(stp_context* context, stp_surfels* surfels)
+{
+    stp_free(context, surfels->positions);
+    stp_free(context, surfels->normals);
+    stp_free(context, surfels->materials);
+    stp_free(context, surfels->colors);
+    stp_free(context, surfels->coverages);
+    *surfels = (stp_surfels){0};
+}
+
+typedef struct finish {
+    const stp_finish_input* input;
+    stp_surfels* surfels;
+    float* positions; ///< of the surfels, relative to the candidates' origin
+    float* normals;
+    float* envelope; ///< to what the first i surfels cover
+} finish;
+
+static void gather_surfels(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    finish* f = user;
+    const stp_candidates* candidates = f->input->candidates;
+    for (size_t i = begin; i < end; ++i) {
+        size_t from = 3 * (size_t)f->input->order[i];
+        memcpy(f->positions + 3 * i, candidates->positions + from, 3 * sizeof(float));
+        memcpy(f->normals + 3 * i, candidates->normals + from, 3 * sizeof(float));
+    }
+}
+
+static uint16_t quantise(double position, double origin, double step)
+{
+    double value = floor((position - origin) / step + 0.5);
+    return (uint16_t)(value < 0.0 ? 0.0 : value > 65535.0 ? 65535.0 : value);
+}
+
+static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    finish* f = user;
+    stp_surfels* s = f->surfels;
+    stp_vec3d centre = f->input->candidates->origin;
+    for (size_t i = begin; i < end; ++i) {
+        const float* p = f->positions + 3 * i;
+        const float* n = f->normals + 3 * i;
+        s->positions[3 * i] =
+            quantise(centre.x + (double)p[0], (double)s->origin.x, (double)s->step);
+        s->positions[3 * i + 1] =
+            quantise(centre.y + (double)p[1], (double)s->origin.y, (double)s->step);
+        s->positions[3 * i + 2] =
+            quantise(centre.z + (double)p[2], (double)s->origin.z, (double)s->step);
+        stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, s->normals + 2 * i);
+        s->materials[i] =
+            f->input->shading_of_material[f->input->candidates->materials[f->input->order[i]]];
+    }
+}
+
+static void choose_grid(finish* f)
+{
+    stp_box box = stp_box_empty();
+    for (uint32_t i = 0; i < f->input->count; ++i) {
+        const float* p = f->positions + 3 * (size_t)i;
+        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
+    }
+    stp_vec3d centre = f->input->candidates->origin;
+    stp_boxd placed = {stp_addd(centre, stp_to_double(box.min)),
+                       stp_addd(centre, stp_to_double(box.max))};
+    // a step far below the capture's pixel would only waste bits; it also gives a single point a
+    // grid
+    double least_step = f->input->candidates->pixel_size * 0x1p-10;
+    stp_choose_position_grid(placed, least_step, &f->surfels->origin, &f->surfels->step);
+}
+
+// To what each prefix covers: everything that comes later, and what was never chosen, was at most
+// so far away.
+static void make_envelope(finish* f)
+{
+    float most = f->input->final_radius;
+    for (uint32_t i = f->input->count; i > 0; --i) {
+        most = stp_max(most, f->input->radii[i - 1]);
+        f->envelope[i - 1] = most;
+    }
+}
+
+static stp_result allocate_columns(stp_context* context, stp_surfels* s)
+{
+    size_t entries = 0;
+    for (uint32_t i = 0; i < s->octave_count; ++i) {
+        entries += s->octave_ends[i];
+    }
+    s->positions = STP_NEW_ARRAY(context, uint16_t, 3 * (size_t)s->count);
+    s->normals = STP_NEW_ARRAY(context, int8_t, 2 * (size_t)s->count);
+    s->materials = STP_NEW_ARRAY(context, uint8_t, s->count);
+    s->colors = STP_NEW_ARRAY(context, uint8_t, 3 * entries);
+    s->coverages = STP_NEW_ARRAY(context, uint8_t, entries);
+    bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
+                s->colors != NULL && s->coverages != NULL;
+    return made ? STP_OK : stp_fail_memory(context);
+}
+
+static void make_tables(finish* f)
+{
+    stp_surfels* s = f->surfels;
+    stp_prefix_table_make(&s->table, f->input->radii, s->count, f->input->final_radius);
+    // what the table promises holds for the rounded positions: they lie within half a step on each
+    // axis. Adding a constant keeps interpolation conservative: log(r + c) is convex where log r is
+    // linear.
+    float rounding = s->step * 0.8660255f;
+    for (uint32_t i = 0; i < s->table.size; ++i) {
+        s->table.radius[i] = (s->table.radius[i] + rounding) * (1.0f + 0x1p-22f);
+    }
+    s->paper_count = s->count < PAPER_COUNT ? s->count : PAPER_COUNT;
+    float scratch[PAPER_COUNT];
+    s->paper_radius = stp_median_spacing(f->positions, s->paper_count, scratch);
+}
+
+static stp_result finish_surfels(stp_context* context, finish* f)
+{
+    stp_surfels* s = f->surfels;
+    size_t count = f->input->count;
+    f->positions = STP_NEW_ARRAY(context, float, 3 * count);
+    f->normals = STP_NEW_ARRAY(context, float, 3 * count);
+    f->envelope = STP_NEW_ARRAY(context, float, count);
+    if (f->positions == NULL || f->normals == NULL || f->envelope == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_parallel_for(context, count, GRAIN, gather_surfels, f);
+    make_envelope(f);
+    choose_grid(f);
+    s->count = f->input->count;
+    s->candidate_radius = (float)(f->input->candidates->pixel_size * 0.70710678118654752);
+    s->octave_count = stp_choose_octaves(f->envelope, s->count, s->octave_ends);
+    stp_result result = allocate_columns(context, s);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_parallel_for(context, count, GRAIN, write_columns, f);
+    make_tables(f);
+    stp_pyramid_input pyramid = {.finish = f->input,
+                                 .positions = f->positions,
+                                 .normals = f->normals,
+                                 .envelope = f->envelope,
+                                 .candidate_radius = s->candidate_radius};
+    return stp_make_pyramid(context, &pyramid, s);
+}
+
+stp_result stp_finish_surfels(stp_context* context, const stp_finish_input* input,
+                              stp_surfels* surfels)
+{
+    *surfels = (stp_surfels){0};
+    finish f = {.input = input, .surfels = surfels};
+    stp_result result = finish_surfels(context, &f);
+    stp_free(context, f.envelope);
+    stp_free(context, f.normals);
+    stp_free(context, f.positions);
+    if (result != STP_OK) {
+        stp_surfels_destroy(context, surfels);
+    }
+    return result;
+}

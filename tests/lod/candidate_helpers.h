@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// Synthetic candidates for tests: surfaces met by rays through regular pixels from several
+// directions, as a capture would give them, and a plain farthest-first order.
+#pragma once
+
+#include "base/rng.h"
+#include "lod/finish.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAKER_LIMIT = 60000 };
+
+typedef struct maker {
+    stp_candidates candidates;
+    uint32_t order[MAKER_LIMIT];
+    float radii[MAKER_LIMIT];
+    float final_radius;
+    uint32_t count; ///< ordered
+} maker;
+
+static inline maker* maker_create(double pixel_size)
+{
+    maker* m = calloc(1, sizeof(*m));
+    stp_candidates* c = &m->candidates;
+    c->positions = malloc(MAKER_LIMIT * 3 * sizeof(float));
+    c->normals = malloc(MAKER_LIMIT * 3 * sizeof(float));
+    c->colors = malloc(MAKER_LIMIT * 4);
+    c->materials = calloc(MAKER_LIMIT, sizeof(uint32_t));
+    c->pixel_size = pixel_size;
+    c->direction_count = 8;
+    return m;
+}
+
+static inline void maker_destroy(maker* m)
+{
+    free(m->candidates.positions);
+    free(m->candidates.normals);
+    free(m->candidates.colors);
+    free(m->candidates.materials);
+    free(m);
+}
+
+static inline void maker_add(maker* m, stp_vec3 p, stp_vec3 n, uint32_t rgba)
+{
+    stp_candidates* c = &m->candidates;
+    if (c->count < MAKER_LIMIT) {
+        size_t i = c->count++;
+        memcpy(c->positions + 3 * i, &p, sizeof(p));
+        memcpy(c->normals + 3 * i, &n, sizeof(n));
+        for (int k = 0; k < 4; ++k) {
+            c->colors[4 * i + (size_t)k] = (uint8_t)(rgba >> (24 - 8 * k));
+        }
+    }
+}
+
+/// Where the plane z = 0 is met by the pixels of four views from above its corners; `inside` says
+/// where there is surface, and its colour (alpha 0: none).
+static inline void maker_add_plane(maker* m, double half_extent,
+                                   uint32_t (*inside)(double x, double y, void* user), void* user)
+{
+    for (int view = 0; view < 4; ++view) {
+        double dx = (view & 1) != 0 ? -1.0 : 1.0, dy = (view & 2) != 0 ? -1.0 : 1.0;
+        // right = normalize(-dy, dx, 0), up = cross(d, right): on z = 0 only their x and y count
+        double s = 0.70710678118654752, c = 0.57735026918962576;
+        double rx = -dy * s, ry = dx * s, ux = -c * ry, uy = c * rx;
+        double scale = m->candidates.pixel_size, determinant = rx * uy - ry * ux;
+        int range = (int)(1.5 * half_extent / scale) + 1;
+        for (int i = -range; i < range; ++i) {
+            for (int j = -range; j < range; ++j) {
+                double a = (i + 0.5 + 0.13 * view) * scale, b = (j + 0.37) * scale;
+                double x = (a * uy - ry * b) / determinant, y = (rx * b - a * ux) / determinant;
+                bool within = fabs(x) <= half_extent && fabs(y) <= half_extent;
+                uint32_t color = within ? inside(x, y, user) : 0;
+                if ((color & 0xff) != 0) {
+                    maker_add(m, (stp_vec3){(float)x, (float)y, 0}, (stp_vec3){0, 0, 1}, color);
+                }
+            }
+        }
+    }
+}
+
+/// Farthest-first by brute force: the Euclidean distance, plus `side` where normals face apart.
+static inline void maker_order(maker* m, uint32_t wanted, float side)
+{
+    const stp_candidates* c = &m->candidates;
+    float* distance = malloc(c->count * sizeof(float));
+    for (uint32_t i = 0; i < c->count; ++i) {
+        distance[i] = INFINITY;
+    }
+    uint32_t next = 0;
+    for (m->count = 0; m->count < wanted && m->count < c->count && distance[next] > 0.0f;) {
+        uint32_t picked = next;
+        m->order[m->count] = picked;
+        m->radii[m->count++] = distance[picked];
+        const float* p = c->positions + 3 * (size_t)picked;
+        const float* n = c->normals + 3 * (size_t)picked;
+        for (uint32_t i = 0; i < c->count; ++i) {
+            const float* q = c->positions + 3 * (size_t)i;
+            const float* k = c->normals + 3 * (size_t)i;
+            float x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
+            float d = sqrtf(x * x + y * y + z * z);
+            d += n[0] * k[0] + n[1] * k[1] + n[2] * k[2] < 0.0f ? side : 0.0f;
+            distance[i] = d < distance[i] ? d : distance[i];
+        }
+        next = 0;
+        for (uint32_t i = 1; i < c->count; ++i) {
+            next = distance[i] > distance[next] ? i : next;
+        }
+    }
+    m->final_radius = m->count < c->count ? distance[next] : 0.0f;
+    free(distance);
+}
+
+static inline stp_finish_input maker_input(const maker* m)
+{
+    static const uint8_t shadings[1] = {0};
+    return (stp_finish_input){.candidates = &m->candidates,
+                              .order = m->order,
+                              .radii = m->radii,
+                              .count = m->count,
+                              .final_radius = m->final_radius,
+                              .shading_of_material = shadings};
+}
+
+/// Where an octave's entries begin in colors and coverages.
+static inline size_t octave_start(const stp_surfels* s, uint32_t octave)
+{
+    size_t start = 0;
+    for (uint32_t i = 0; i < octave; ++i) {
+        start += s->octave_ends[i];
+    }
+    return start;
+}

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT
+// The parts of finishing, each against its definition.
+#include "tests.h"
+
+#include "lod/candidate_helpers.h"
+#include "lod/neighbours.h"
+#include "lod/stencil.h"
+
+static double random_in(uint64_t seed, uint64_t index, double low, double high)
+{
+    return low + (high - low) * (double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53;
+}
+
+void test_position_grids_hold_their_box(test_state* test)
+{
+    static const double offsets[] = {0.0, 1.0, -3.0, 500000.0, -6e6, 1e9};
+    static const double sizes[] = {1e-6, 0.01, 1.0, 65535.0, 3e5};
+    for (uint64_t i = 0; i < 30 * 40; ++i) {
+        double offset = offsets[i % 6], size = sizes[i / 6 % 5] * random_in(1, i, 0.5, 2.0);
+        stp_boxd box = {.min = {offset + random_in(2, i, 0, size), offset, -offset},
+                        .max = {0, 0, 0}};
+        box.max = (stp_vec3d){box.min.x + size * random_in(3, i, 0, 1), box.min.y + size,
+                              box.min.z + size * random_in(4, i, 0, 1)};
+        stp_vec3 origin;
+        float step;
+        stp_choose_position_grid(box, 0.0, &origin, &step);
+        int exponent;
+        CHECK(frexpf(step, &exponent) == 0.5f); // a power of two
+        double low[3] = {box.min.x, box.min.y, box.min.z},
+               high[3] = {box.max.x, box.max.y, box.max.z};
+        double start[3] = {(double)origin.x, (double)origin.y, (double)origin.z};
+        double widest = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            CHECK(floor(start[axis] / (double)step) * (double)step == start[axis]); // on the grid
+            CHECK(start[axis] <= low[axis]);
+            CHECK(floor((high[axis] - start[axis]) / (double)step + 0.5) <= 65535.0);
+            widest = high[axis] - low[axis] > widest ? high[axis] - low[axis] : widest;
+        }
+        // no finer one would have done, unless floats cannot place it
+        CHECK(widest / (double)step > 65535.0 / 4.0 || fabs(offset) / (double)step > 1e4);
+        CHECK((double)step >= widest / 65535.0);
+    }
+}
+
+void test_position_grid_of_a_point_is_finite(test_state* test)
+{
+    stp_boxd box = {{2, 3, 4}, {2, 3, 4}};
+    stp_vec3 origin;
+    float step;
+    stp_choose_position_grid(box, 0.001, &origin, &step);
+    CHECK(step >= 0.001f && step < 0.002f);
+    stp_choose_position_grid(box, 0.0, &origin, &step);
+    CHECK(step > 0.0f && origin.x <= 2.0f && isfinite(origin.x));
+}
+
+void test_octaves_halve_the_radius(test_state* test)
+{
+    enum { COUNT = 5000 };
+    static float envelope[COUNT];
+    envelope[0] = INFINITY;
+    for (int i = 1; i < COUNT; ++i) {
+        envelope[i] = 10.0f / sqrtf((float)i);
+    }
+    uint32_t ends[STP_OCTAVE_LIMIT];
+    uint32_t size = stp_choose_octaves(envelope, COUNT, ends);
+    CHECK(size >= 6 && size <= 8);
+    CHECK_EQUAL(COUNT, ends[size - 1]);
+    uint64_t entries = 0;
+    for (uint32_t i = 0; i < size; ++i) {
+        CHECK(i == 0 || ends[i] > ends[i - 1]);
+        entries += ends[i];
+        float wanted = envelope[COUNT - 1] * (float)(1 << (size - 1 - i));
+        CHECK(i == size - 1 || envelope[ends[i]] < wanted);
+        CHECK(i == size - 1 || envelope[ends[i] - 1] >= wanted);
+    }
+    CHECK(entries < COUNT * 4 / 3 + 10);
+}
+
+void test_octaves_of_odd_orders(test_state* test)
+{
+    uint32_t ends[STP_OCTAVE_LIMIT];
+    float one[] = {INFINITY};
+    CHECK_EQUAL(1, stp_choose_octaves(one, 1, ends));
+    CHECK_EQUAL(1, ends[0]);
+    float same[] = {INFINITY, 2, 2, 2, 2};
+    CHECK_EQUAL(2, stp_choose_octaves(same, 5, ends));
+    CHECK_EQUAL(1, ends[0]);
+    CHECK_EQUAL(5, ends[1]);
+    float zeros[] = {INFINITY, 0, 0};
+    CHECK_EQUAL(1, stp_choose_octaves(zeros, 3, ends));
+    CHECK_EQUAL(3, ends[0]);
+    float jump[] = {INFINITY, 1e30f, 1e-30f, 1e-30f}; // more halvings than there may be octaves
+    uint32_t size = stp_choose_octaves(jump, 4, ends);
+    CHECK(size >= 2 && size <= STP_OCTAVE_LIMIT);
+    for (uint32_t i = 1; i < size; ++i) {
+        CHECK(ends[i] > ends[i - 1]);
+    }
+    CHECK_EQUAL(4, ends[size - 1]);
+    float many[64];
+    many[0] = INFINITY;
+    for (int i = 1; i < 64; ++i) {
+        many[i] = many[i - 1] > 1e38f ? 1e18f : many[i - 1] * 0.5f;
+    }
+    CHECK_EQUAL(STP_OCTAVE_LIMIT, stp_choose_octaves(many, 64, ends));
+    CHECK_EQUAL(64, ends[STP_OCTAVE_LIMIT - 1]);
+    CHECK_EQUAL(64 - STP_OCTAVE_LIMIT + 1, ends[0]);
+}
+
+void test_stencil_squares_touch_the_right_cells(test_state* test)
+{
+    for (uint64_t i = 0; i < 20000; ++i) {
+        float u = (float)random_in(7, i, -1.6, 1.6), v = (float)random_in(8, i, -1.6, 1.6);
+        float half = i % 3 == 0 ? 0.0f : (float)random_in(9, i, 0.0, 1.5);
+        uint64_t cells = stp_stencil_cells(u, v, half);
+        for (int cell = 0; cell < 64; ++cell) {
+            float u0 = (float)(cell % 8) * 0.25f - 1.0f, v0 = (float)(cell / 8) * 0.25f - 1.0f;
+            float centre = fmaxf(fabsf(u - u0 - 0.125f), fabsf(v - v0 - 0.125f)), margin = 1e-5f;
+            bool clearly = centre < half - margin || centre < 0.125f - margin;
+            // where only one axis reaches a centre, the cell beside on the other one counts as its own
+            bool perhaps = centre < fmaxf(half, 0.125f) + margin;
+            bool got = (cells >> cell & 1) != 0;
+            CHECK(!clearly || got);
+            CHECK(perhaps || !got);
+        }
+    }
+    CHECK_EQUAL(0, stp_stencil_cells(NAN, 0, 0.1f));
+}
+
+static uint64_t cells_where(bool (*inside)(double u, double v))
+{
+    uint64_t cells = 0;
+    for (int i = 0; i < 200; ++i) {
+        for (int j = 0; j < 200; ++j) {
+            double u = (i + 0.5) / 100.0 - 1.0, v = (j + 0.5) / 100.0 - 1.0;
+            cells |= inside(u, v) ? stp_stencil_cells((float)u, (float)v, 0.0f) : 0;
+        }
+    }
+    return cells;
+}
+
+static bool in_all(double u, double v)
+{
+    (void)u, (void)v;
+    return true;
+}
+static bool in_half(double u, double v)
+{
+    return 0.3 * u + 0.7 * v > -0.01;
+}
+static bool in_corner(double u, double v)
+{
+    return u + 0.4 * v > -0.01 && v - 0.4 * u > -0.01;
+}
+static bool in_wire(double u, double v)
+{
+    return fabs(u - 0.5 * v) < 0.12;
+}
+static bool in_fence(double u, double v)
+{
+    return fabs(fmod(u + 1.0, 0.6)) < 0.1 || fabs(fmod(v + 1.0, 0.6)) < 0.1;
+}
+
+void test_stencils_tell_plates_from_wires(test_state* test)
+{
+    stp_stencil stencil = stp_stencil_make();
+    CHECK_EQUAL(52, __builtin_popcountll(stencil.disk));
+    CHECK(stp_stencil_fraction(&stencil, cells_where(in_all)) == 1.0f);
+    CHECK(stp_stencil_fraction(&stencil, cells_where(in_half)) == 1.0f);
+    CHECK(stp_stencil_fraction(&stencil, cells_where(in_corner)) == 1.0f);
+    float wire = stp_stencil_fraction(&stencil, cells_where(in_wire));
+    CHECK(wire > 0.15f && wire < 0.45f);
+    float fence = stp_stencil_fraction(&stencil, cells_where(in_fence));
+    CHECK(fence > 0.4f && fence < 0.95f);
+    CHECK(stp_stencil_fraction(&stencil, 0) == 0.0f);
+}
+
+typedef struct cloud {
+    float positions[3 * 3000], normals[3 * 3000];
+    uint32_t count;
+} cloud;
+
+static void make_cloud(cloud* c, uint64_t seed, uint32_t count, double clumping)
+{
+    c->count = count;
+    for (uint32_t i = 0; i < count; ++i) {
+        double spread = i % 2 == 0 ? 1.0 : clumping;
+        stp_vec3 n = stp_normalize((stp_vec3){(float)random_in(seed, 7 * i + 3, -1, 1),
+                                              (float)random_in(seed, 7 * i + 4, -1, 1),
+                                              (float)random_in(seed, 7 * i + 5, -1, 1)});
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            c->positions[3 * i + axis] = (float)(spread * random_in(seed, 7 * i + axis, -1, 1));
+        }
+        memcpy(c->normals + 3 * (size_t)i, &n, sizeof(n));
+    }
+}
+
+void test_grid_blocks_hold_all_in_reach(test_state* test)
+{
+    static cloud points, queries;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    for (int variant = 0; variant < 4; ++variant) {
+        make_cloud(&points, (uint64_t)variant, variant == 3 ? 1 : 2000, variant == 2 ? 1e-4 : 1.0);
+        make_cloud(&queries, 50 + (uint64_t)variant, 200, 1.0);
+        float reach = variant == 0 ? 0.05f : 0.4f;
+        stp_grid grid;
+        CHECK_EQUAL(STP_OK, stp_grid_create(context, points.positions, points.normals, points.count,
+                                            reach, &grid));
+        CHECK(grid.reach <= reach && (variant != 0 || grid.reach == reach));
+        stp_grid_block block;
+        block.valid = false;
+        for (uint32_t i = 0; i < queries.count; ++i) {
+            const float* q = queries.positions + 3 * (size_t)i;
+            uint8_t found[3000] = {0};
+            bool more = stp_grid_load(&grid, &block, q);
+            for (bool first = true; first || more; first = false) {
+                if (!first) {
+                    more = stp_grid_next(&grid, &block);
+                }
+                for (uint32_t k = 0; k < block.count; ++k) {
+                    found[block.index[k]] += 1;
+                    CHECK(block.x[k] == points.positions[3 * block.index[k]]);
+                    CHECK(block.nz[k] == points.normals[3 * block.index[k] + 2]);
+                }
+                if (first && !more) {
+                    break;
+                }
+            }
+            for (uint32_t k = 0; k < points.count; ++k) {
+                const float* p = points.positions + 3 * (size_t)k;
+                double x = (double)p[0] - (double)q[0], y = (double)p[1] - (double)q[1],
+                       z = (double)p[2] - (double)q[2];
+                bool near = sqrt(x * x + y * y + z * z) < (double)grid.reach * 0.9999;
+                CHECK(found[k] <= 1);
+                CHECK(found[k] == 1 || !near);
+            }
+        }
+        stp_grid_destroy(context, &grid);
+    }
+    stp_context_destroy(context);
+}
+
+void test_neighbour_walks_agree_with_brute_force(test_state* test)
+{
+    static cloud surfels, samples;
+    static _Atomic uint64_t disks[3000], sums[3000];
+    static uint32_t nearest[3000];
+    static float frames[6 * 3000];
+    static uint16_t fractions[3000];
+    make_cloud(&surfels, 5, 600, 1.0);
+    make_cloud(&samples, 6, 3000, 1.0);
+    for (uint32_t i = 0; i < surfels.count; ++i) {
+        frames[6 * i] = frames[6 * i + 4] =
+            1.0f; // disks in the plane of x and y: the normals only tell sides
+    }
+    for (uint32_t i = 0; i < samples.count; ++i) {
+        fractions[i] = (uint16_t)(i * 20);
+    }
+    for (uint32_t threads = 1; threads <= 3; threads += 2) {
+        stp_context* context = test_context(NULL, threads, NULL);
+        stp_grid grid;
+        CHECK(context != NULL);
+        CHECK_EQUAL(STP_OK, stp_grid_create(context, surfels.positions, surfels.normals,
+                                            surfels.count, 0.25f, &grid));
+        memset((void*)(uintptr_t)disks, 0, sizeof(disks));
+        memset((void*)(uintptr_t)sums, 0, sizeof(sums));
+        stp_neighbour_walk walk = {.positions = samples.positions,
+                                   .normals = samples.normals,
+                                   .count = samples.count,
+                                   .stride = 1,
+                                   .footprint = 0.03f,
+                                   .fractions = fractions,
+                                   .disk_cells = UINT64_MAX,
+                                   .grid = &grid,
+                                   .frames = frames,
+                                   .disk_radius = 0.2f,
+                                   .nearest_radius = 0.15f,
+                                   .nearest = nearest,
+                                   .disks = disks,
+                                   .sums = sums};
+        stp_neighbour_walk_run(context, &walk);
+        for (uint32_t i = 0; i < samples.count; ++i) {
+            uint32_t best = UINT32_MAX;
+            float least = 0.15f * 0.15f;
+            for (uint32_t k = 0; k < surfels.count; ++k) {
+                float d[3], agreement = 0, squared = 0;
+                for (uint32_t axis = 0; axis < 3; ++axis) {
+                    d[axis] = samples.positions[3 * i + axis] - surfels.positions[3 * k + axis];
+                    agreement += samples.normals[3 * i + axis] * surfels.normals[3 * k + axis];
+                    squared += d[axis] * d[axis];
+                }
+                if (agreement >= 0 && squared <= least && (squared < least || best == UINT32_MAX)) {
+                    least = squared;
+                    best = k;
+                }
+                if (agreement >= 0 &&
+                    squared <= 0.2299f * 0.2299f) { // its cells are among those hit
+                    uint64_t cells = stp_stencil_cells(d[0] / 0.2f, d[1] / 0.2f, 0.0f);
+                    CHECK((cells & ~disks[k]) == 0);
+                }
+            }
+            CHECK_EQUAL(best, nearest[i]);
+        }
+        uint64_t total = 0;
+        for (uint32_t k = 0; k < surfels.count; ++k) {
+            total += sums[k] >> STP_SUM_SHIFT;
+        }
+        CHECK(total > 1000);
+        stp_grid_destroy(context, &grid);
+        stp_context_destroy(context);
+    }
+}
+
+void test_median_spacing_of_a_row(test_state* test)
+{
+    float row[3 * 101], scratch[101];
+    for (int i = 0; i < 101; ++i) {
+        row[3 * i] = (float)i * 0.5f;
+        row[3 * i + 1] = row[3 * i + 2] = 0.0f;
+    }
+    row[3 * 100] = 1000.0f;
+    CHECK(stp_median_spacing(row, 101, scratch) == 0.5f);
+    CHECK(stp_median_spacing(row, 1, scratch) == 0.0f);
+}

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple build: models in, one .stip file out.
+#include "command.h"
+#include "describe.h"
+#include "tool.h"
+
+#include "build/build.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define DEFAULT_THRESHOLD 1000
+
+static struct {
+    const char* output;
+    int method, order, metric, up, unit;
+    uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed;
+    const char* progress;
+    bool json, threshold_given, up_given, unit_given;
+} args;
+
+static const char* const order_names[] = {"exact", "paper-fast", "paper-text", "random"};
+static const stp_order_kind order_kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FAST,
+                                             STP_ORDER_PAPER_TEXT, STP_ORDER_RANDOM};
+static const char* const metric_names[] = {"side", "euclidean"};
+static const stp_order_metric metrics[] = {STP_METRIC_SIDE, STP_METRIC_EUCLIDEAN};
+static const char* const unit_names[] = {"m", "mm", "cm", "in", "ft", "us-ft"};
+static const double unit_metres[] = {1.0, 0.001, 0.01, 0.0254, 0.3048, 1200.0 / 3937.0};
+
+static const option* options(void)
+{
+    static const option table[] = {
+        {.name = "output",
+         .letter = 'o',
+         .type = OPTION_TEXT,
+         .argument = "FILE.stip",
+         .help = "the file to write",
+         .value = &args.output},
+        {.name = "method",
+         .type = OPTION_CHOICE,
+         .words = "blue",
+         .help = "how the scene becomes splats; default blue (Progressive Blue Surfels)",
+         .value = &args.method},
+        {.name = "order",
+         .type = OPTION_CHOICE,
+         .words = "exact|paper-fast|paper-text|random",
+         .help = "how surfels are ordered; default exact",
+         .value = &args.order},
+        {.name = "metric",
+         .type = OPTION_CHOICE,
+         .words = "side|euclidean",
+         .help =
+             "distance between candidates; default side, which tells the two sides of a wall apart",
+         .value = &args.metric},
+        {.name = "samples",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "auto|1..1000000",
+         .help = "random samples a round of the paper's orders; default 200",
+         .value = &args.samples},
+        {.name = "interval",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "auto|1..1000000000",
+         .help = "rounds until the paper's schedules change; default 500",
+         .value = &args.interval},
+        {.name = "surfels",
+         .type = OPTION_COUNT,
+         .argument = "N|auto",
+         .words = "auto|1..1000000000",
+         .help = "most surfels of a node; default the lesser of 200000 and half the triangles; all "
+                 "of a "
+                 "point cloud",
+         .value = &args.surfels},
+        {.name = "threshold",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .help = "a node gets surfels above so many triangles; default 1000",
+         .value = &args.threshold,
+         .given = &args.threshold_given},
+        {.name = "resolution",
+         .type = OPTION_COUNT,
+         .argument = "PX|auto",
+         .words = "auto|1..32768",
+         .help = "pixels along the longer side of a capture; default by the number of surfels",
+         .value = &args.resolution},
+        {.name = "directions",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "auto|1..1024",
+         .help = "directions of capture; default 8",
+         .value = &args.directions},
+        {.name = "threads",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "auto|1..1024",
+         .help = "threads that work; default all processors",
+         .value = &args.threads},
+        {.name = "memory",
+         .type = OPTION_SIZE,
+         .argument = "SIZE",
+         .words = "auto",
+         .help = "most memory to use, as 8G or 512M; default no limit",
+         .value = &args.memory},
+        {.name = "seed",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .help = "of random orders; default 0",
+         .value = &args.seed},
+        {.name = "up",
+         .type = OPTION_CHOICE,
+         .words = "y|z",
+         .help = "the up axis, where the input does not say",
+         .value = &args.up,
+         .given = &args.up_given},
+        {.name = "unit",
+         .type = OPTION_CHOICE,
+         .words = "m|mm|cm|in|ft|us-ft",
+         .help = "the unit of length, where the input does not say",
+         .value = &args.unit,
+         .given = &args.unit_given},
+        {.name = "progress",
+         .type = OPTION_TEXT,
+         .argument = "auto|bar|json|none",
+         .help = "progress on stderr; default a bar where that is a terminal",
+         .value = &args.progress},
+        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        {0},
+    };
+    return table;
+}
+
+// What the user asked for, as the file records it. Threads and memory do not change the file, and so do not
+// stand in it. NULL where memory runs out.
+static char* parameters_json(void)
+{
+    json_t* json =
+        json_pack("{s:s, s:s, s:s, s:I, s:I}", "method", "blue", "order", order_names[args.order],
+                  "metric", metric_names[args.metric], "threshold",
+                  (json_int_t)(args.threshold_given ? args.threshold : DEFAULT_THRESHOLD), "seed",
+                  (json_int_t)args.seed);
+    const struct {
+        const char* key;
+        uint64_t value;
+    } counts[] = {{"samples", args.samples},
+                  {"interval", args.interval},
+                  {"surfels", args.surfels},
+                  {"resolution", args.resolution},
+                  {"directions", args.directions}};
+    for (size_t i = 0; i < sizeof(counts) / sizeof(counts[0]); ++i) {
+        if (counts[i].value != 0) {
+            (void)json_object_set_new(json, counts[i].key,
+                                      json_integer((json_int_t)counts[i].value));
+        }
+    }
+    if (args.up_given) {
+        (void)json_object_set_new(json, "up", json_string(args.up == 0 ? "y" : "z"));
+    }
+    if (args.unit_given) {
+        (void)json_object_set_new(json, "unit", json_string(unit_names[args.unit]));
+    }
+    char* text = json_dumps(json, JSON_COMPACT | JSON_SORT_KEYS);
+    json_decref(json);
+    return text;
+}
+
+static json_t* seconds_json(const stp_build_report* r)
+{
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "import", r->import_s, "partition",
+                     r->partition_s, "capture", r->capture_s, "order", r->order_s, "finish",
+                     r->finish_s, "write", r->write_s, "total", r->total_s);
+}
+
+static void print_seconds(const stp_build_report* r)
+{
+    printf("  %-12s %.2f s (import %.2f, partition %.2f, capture %.2f, order %.2f, finish %.2f, "
+           "write %.2f)\n",
+           "built in", r->total_s, r->import_s, r->partition_s, r->capture_s, r->order_s,
+           r->finish_s, r->write_s);
+}
+
+// Says what was written, from the file itself.
+static int print_result(stp_context* context, const stp_build_report* report)
+{
+    uint64_t peak_bytes = stp_context_peak_bytes(context);
+    stp_store* store = NULL;
+    if (stp_store_open(context, args.output, &store) != STP_OK) {
+        return 1;
+    }
+    scene_figures figures;
+    int code = 0;
+    if (!describe_store(store, &figures)) {
+        code = tool_error("out of memory");
+    } else if (args.json) {
+        json_t* json = describe_json(&figures);
+        (void)json_object_set_new(json, "seconds", seconds_json(report));
+        (void)json_object_set_new(json, "peak_bytes", json_integer((json_int_t)peak_bytes));
+        (void)json_object_set_new(json, "threads", json_integer(stp_context_thread_count(context)));
+        (void)json_object_set_new(json, "candidates", json_integer((json_int_t)report->candidates));
+        code = json != NULL ? tool_print_json(json) : tool_error("out of memory");
+    } else if (!tool_settings_get()->quiet) {
+        describe_print(args.output, &figures);
+        print_seconds(report);
+    }
+    describe_destroy(&figures);
+    stp_store_close(store);
+    return code;
+}
+
+static int build(stp_context* context, int argc, char** argv)
+{
+    stp_build_desc desc = {
+        .inputs = (const char* const*)argv,
+        .input_count = (size_t)argc,
+        .output = args.output,
+        .import = {.up = (char)(!args.up_given ? 0
+                                : args.up == 0 ? 'y'
+                                               : 'z'),
+                   .unit_metres = args.unit_given ? unit_metres[args.unit] : 0.0},
+        .blue = {.capture = {.direction_count = (uint32_t)args.directions,
+                             .resolution = (uint32_t)args.resolution},
+                 .order = {.kind = order_kinds[args.order],
+                           .metric = metrics[args.metric],
+                           .seed = args.seed,
+                           .samples = (uint32_t)args.samples,
+                           .interval = (uint32_t)args.interval},
+                 .surfel_count = (uint32_t)args.surfels},
+        .threshold = args.threshold_given && args.threshold == 0 ? 1 : args.threshold,
+    };
+    char* parameters = parameters_json();
+    if (parameters == NULL) {
+        return tool_error("out of memory");
+    }
+    desc.parameters_json = parameters;
+    stp_build_report report;
+    stp_result result = stp_build(context, &desc, &report);
+    free(parameters);
+    return result == STP_OK ? print_result(context, &report) : 1;
+}
+
+static bool is_same_file(const char* a, const char* b)
+{
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
+static int run(int argc, char** argv)
+{
+    if (argc < 1) {
+        return tool_usage_error("build needs at least one input");
+    }
+    if (args.output == NULL) {
+        return tool_usage_error("build needs -o FILE.stip");
+    }
+    for (int i = 0; i < argc; ++i) {
+        if (is_same_file(argv[i], args.output)) {
+            return tool_usage_error("%s is an input, and would be written over", argv[i]);
+        }
+    }
+    stp_context* context = tool_context_create((uint32_t)args.threads, args.memory, args.progress);
+    if (context == NULL) {
+        return 1;
+    }
+    int code = build(context, argc, argv);
+    stp_context_destroy(context);
+    return code;
+}
+
+const command command_build = {
+    .name = "build",
+    .arguments = "INPUT... -o FILE.stip",
+    .summary = "import models, order them into splats, write a .stip file",
+    .text =
+        "Several inputs make one scene. What can be seen from outside is captured from all around, "
+        "and "
+        "surfels are chosen from it in such an order that every prefix covers the whole evenly "
+        "(Brandt et al. 2019). The original triangles are kept for close views.\n"
+        "\n"
+        "The same inputs and options give the same file, byte for byte, on any machine and for any "
+        "number of threads. The file is written aside and renamed: a build that fails or is "
+        "interrupted leaves a former file as it was.",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple info: what a .stip file, or a model, holds.
+#include "command.h"
+#include "describe.h"
+
+#include "build/content.h"
+#include "import/import.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct {
+    uint64_t memory;
+    bool json;
+} args;
+
+static const option* options(void)
+{
+    static const option table[] = {
+        {.name = "memory",
+         .type = OPTION_SIZE,
+         .argument = "SIZE",
+         .words = "auto",
+         .help = "most memory to use; default no limit",
+         .value = &args.memory},
+        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        {0},
+    };
+    return table;
+}
+
+static int print_figures(const char* path, bool described, scene_figures* figures)
+{
+    int code = 0;
+    if (!described) {
+        code = tool_error("out of memory");
+    } else if (args.json) {
+        json_t* json = describe_json(figures);
+        code = json != NULL ? tool_print_json(json) : tool_error("out of memory");
+    } else {
+        describe_print(path, figures);
+    }
+    describe_destroy(figures);
+    return code;
+}
+
+static int print_store(stp_context* context, const char* path)
+{
+    stp_store* store = NULL;
+    if (stp_store_open(context, path, &store) != STP_OK) {
+        return 1;
+    }
+    scene_figures figures;
+    bool described = describe_store(store, &figures);
+    int code = print_figures(path, described, &figures);
+    stp_store_close(store);
+    return code;
+}
+
+static int print_model(stp_context* context, const char* path)
+{
+    stp_scene* scene = NULL;
+    stp_build_content content = {0};
+    stp_result result = stp_scene_create(context, &scene);
+    result = result != STP_OK ? result : stp_import_file(scene, path, &(stp_import_desc){0});
+    result = result != STP_OK ? result : stp_scene_finish(scene);
+    result = result != STP_OK ? result : stp_build_content_create(scene, NULL, &content);
+    int code = 1;
+    if (result == STP_OK) {
+        scene_figures figures;
+        bool described = describe_content(&content.content, &figures);
+        code = print_figures(path, described, &figures);
+    }
+    stp_build_content_destroy(&content);
+    stp_scene_destroy(scene);
+    return code;
+}
+
+// Whether the file begins as a .stip does; a file that cannot be read is left to the importer's message.
+static bool is_store(const char* path)
+{
+    static const unsigned char magic[8] = {0x89, 'S', 'T', 'P', '\r', '\n', 0x1a, '\n'};
+    unsigned char bytes[8] = {0};
+    FILE* file = fopen(path, "rb");
+    bool same = file != NULL && fread(bytes, 1, 8, file) == 8 && memcmp(bytes, magic, 8) == 0;
+    if (file != NULL) {
+        fclose(file);
+    }
+    size_t length = strlen(path);
+    return same || (length > 5 && strcmp(path + length - 5, ".stip") == 0);
+}
+
+static int run(int argc, char** argv)
+{
+    if (argc != 1) {
+        return tool_usage_error("info needs one file, and got %d", argc);
+    }
+    stp_context* context = tool_context_create(0, args.memory, "none");
+    if (context == NULL) {
+        return 1;
+    }
+    int code = is_store(argv[0]) ? print_store(context, argv[0]) : print_model(context, argv[0]);
+    stp_context_destroy(context);
+    return code;
+}
+
+const command command_info = {
+    .name = "info",
+    .arguments = "FILE",
+    .summary = "say what a .stip file or a model holds",
+    .text = "Prints counts of triangles, points, surfels, nodes, objects and instances, with and "
+            "without "
+            "instancing; bytes; size, unit and up axis; sources, named views and top-level parts. "
+            "Of a .stip "
+            "file only the directory is read, however large the file; a model is imported, but not "
+            "built.",
+    .options = options,
+    .run = run,
+};
