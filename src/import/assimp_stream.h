@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+//
+// Between the child process that runs assimp (assimp_child.c) and us (assimp_reader.c): a private stream in the
+// machine's own byte order. The child works on untrusted input with code we do not answer for, so what it
+// writes is checked like a file.
+//
+//   stream    magic, then either  FAILED, text
+//             or  SCENE, up, unit, textures, materials, meshes, nodes, views, END
+//   a list    u32 count, then its items; a text: u32 length (at most STP_ASSIMP_TEXT_LIMIT), bytes
+//   texture   text name, u32 width, u32 height, bytes: RGBA; height 0: a picture file of `width` bytes
+//   material  text name, stp_assimp_material, two uses (base colour, emissive)
+//   a use     u32 source, u32 index (of an embedded texture), text path, stp_assimp_use
+//   mesh      text name, stp_assimp_mesh, positions, normals, texcoords, colours, indices as its flags say
+//   node      text name, u32 parent, u32 flags, f64 transform[3][4], list of u32 meshes
+//   view      text name, f64 eye[3], target[3], up[3], fov
+#pragma once
+
+#include "import/import.h"
+
+#define STP_ASSIMP_MAGIC UINT32_C(0x53545031)
+#define STP_ASSIMP_SCENE UINT32_C(0x4e454353)
+#define STP_ASSIMP_FAILED UINT32_C(0x4c494146)
+#define STP_ASSIMP_END UINT32_C(0x21444e45)
+#define STP_ASSIMP_TEXT_LIMIT UINT32_C(4096)
+
+typedef enum stp_assimp_source {
+    STP_ASSIMP_NO_TEXTURE,
+    STP_ASSIMP_EMBEDDED,
+    STP_ASSIMP_PATH,
+} stp_assimp_source;
+
+typedef struct stp_assimp_material {
+    float base_color[4], metallic, roughness, emissive[3];
+    uint32_t masked; ///< the base colour's alpha cuts out
+} stp_assimp_material;
+
+typedef struct stp_assimp_use {
+    uint32_t texcoord, wrap_u, wrap_v;
+    float scale[2], offset[2];
+} stp_assimp_use;
+
+enum {
+    STP_ASSIMP_NORMALS = 1,
+    STP_ASSIMP_TEXCOORDS_0 = 2,
+    STP_ASSIMP_TEXCOORDS_1 = 4,
+    STP_ASSIMP_COLORS = 8, ///< 4 floats, sRGB
+    STP_ASSIMP_POINTS = 16,
+};
+
+typedef struct stp_assimp_mesh {
+    uint32_t material, flags, vertex_count, triangle_count;
+} stp_assimp_mesh;
+
+/// Adds what a stream holds to the scene. @return STP_OK; STP_ERROR_FORMAT where assimp failed, or where the
+/// stream is not sound; STP_ERROR_OUT_OF_MEMORY (each logged)
+STP_MUST_USE stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes,
+                                               size_t size);
+
+/// What the child does: imports `path` (or the bytes, where `bytes` is not NULL, of a file called `path`) and
+/// writes the stream to `descriptor`. Uses no context: locks of other threads may be held for good in a
+/// forked process. @return the child's exit code
+int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t size, int descriptor);
