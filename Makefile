@@ -11,7 +11,7 @@ release: ## build/release/tools/stipple (the default)
 	@cmake --build --preset release
 
 help: ## this list
-	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1#/p' $(MAKEFILE_LIST) | column -t -s '#'
+	@sed -n 's/^\([a-z-]*\):[^#]*## /  make \1#/p' $(MAKEFILE_LIST) | awk -F '#' '{ printf "%-20s%s\n", $$1, $$2 }'
 
 setup: ## install the Debian packages that packages.txt names
 	@scripts/setup
