@@ -4,7 +4,7 @@ FUZZ_SECONDS ?= 60
 SOURCES = $(shell find include src tools viewer web examples bench tests fuzz \
             \( -name '*.[ch]' -o -name '*.cpp' \) 2> /dev/null)
 
-.PHONY: release help setup test check check-long bench install format clean
+.PHONY: release help setup test check check-long fuzz bench install format clean
 
 release: ## build/release/tools/stipple (the default)
 	@test -f build/release/build.ninja || cmake --preset release
@@ -24,6 +24,9 @@ check: ## all that must hold before a change lands (scripts/test)
 
 check-long: ## every preset, FUZZ_SECONDS=60 of each fuzz target, the same bytes from every compiler
 	@FUZZ_SECONDS=$(FUZZ_SECONDS) scripts/check_long
+
+fuzz: ## FUZZ_SECONDS=60 of each fuzz target
+	@scripts/fuzz $(FUZZ_SECONDS)
 
 bench: release ## all benchmarks
 	build/release/tools/stipple bench

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // build/fuzz/fuzz/fuzz_png -max_total_time=60 -max_len=4096 build/corpus/fuzz_png
+// Seeds: /usr/share/assimp/models/*/*/*.png
 //
 // Any bytes as a PNG; what can be read must survive being written and read again.
 #include "present/png.h"

@@ -3,6 +3,7 @@
 //
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_store
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_store -max_total_time=60 -max_len=20000 corpus tests/golden/store/v1
+// Seeds: tests/golden/store/v1/*.stip
 #include "../tests/store/support_reseal.h"
 #include "store/store.h"
 
