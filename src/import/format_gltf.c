@@ -223,27 +223,24 @@ static stp_result open_file(stp_gltf_scope* scope, stp_gltf* gltf)
 
 static stp_result load(stp_gltf_scope* scope, stp_gltf* gltf)
 {
-    stp_gltf_part* parts = NULL;
-    stp_result result = open_file(scope, gltf);
-    if (result == STP_OK) {
-        result = stp_gltf_load_buffers(scope, gltf);
+    static stp_result (*const steps[])(stp_gltf_scope * scope, stp_gltf * gltf) = {
+        open_file,
+        stp_gltf_load_buffers,
+        stp_gltf_decompress_views,
+        stp_gltf_load_materials,
+        stp_gltf_load_nodes,
+        stp_gltf_load_meshes,
+        stp_gltf_add_objects,
+    };
+    size_t count = sizeof(steps) / sizeof(steps[0]);
+    stp_result result = STP_OK;
+    for (size_t i = 0; result == STP_OK && i < count; ++i) {
+        result = steps[i](scope, gltf);
+        if (result == STP_OK) {
+            double done = (double)(i + 1) / (double)count;
+            result = stp_gltf_logged(scope, stp_progress(gltf->context, "import", done));
+        }
     }
-    if (result == STP_OK) {
-        result = stp_gltf_decompress_views(scope, gltf);
-    }
-    if (result == STP_OK) {
-        result = stp_gltf_load_materials(scope, gltf);
-    }
-    if (result == STP_OK) {
-        result = stp_gltf_load_nodes(scope, gltf);
-    }
-    if (result == STP_OK) {
-        result = stp_gltf_load_meshes(scope, gltf, &parts);
-    }
-    if (result == STP_OK) {
-        result = stp_gltf_add_objects(scope, gltf, parts);
-    }
-    stp_free(gltf->context, parts);
     return result;
 }
 
@@ -259,6 +256,7 @@ static stp_result read_gltf(stp_import* import)
     stp_free(gltf.context, gltf.nodes);
     stp_free(gltf.context, gltf.node_order);
     stp_free(gltf.context, gltf.variants);
+    stp_free(gltf.context, gltf.parts);
     json_decref(gltf.root);
     return result;
 }

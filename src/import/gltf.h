@@ -74,6 +74,12 @@ typedef struct stp_gltf_variant {
     size_t first_primitive, primitive_count;
 } stp_gltf_variant;
 
+/// What a primitive became; `part` holds where `present`.
+typedef struct stp_gltf_part {
+    bool present;
+    stp_part part;
+} stp_gltf_part;
+
 typedef struct stp_gltf {
     stp_import* import;
     stp_context* context;
@@ -91,6 +97,7 @@ typedef struct stp_gltf {
     size_t node_count;
     stp_gltf_variant* variants;
     size_t variant_count, variant_capacity;
+    stp_gltf_part* parts; ///< one a primitive, in the order of variants
 } stp_gltf;
 
 enum { STP_GLTF_MESSAGE_SIZE = 400 };
@@ -210,16 +217,7 @@ STP_MUST_USE stp_result stp_gltf_skin_matrices(stp_gltf_scope* scope, uint32_t s
 
 // gltf_mesh.c, gltf_object.c
 
-/// What a primitive became; `kind` holds where `present`.
-typedef struct stp_gltf_part {
-    bool present;
-    stp_part part;
-} stp_gltf_part;
-
-/// Reads the primitives of all variants, in jobs, and adds them to the scene. `parts` (stp_alloc)
-/// has one entry for each, in the order of variants.
-STP_MUST_USE stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf,
-                                             stp_gltf_part** parts);
+/// Reads the primitives of all variants, in jobs, and adds them to the scene: makes `parts`.
+STP_MUST_USE stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf);
 /// Adds the nodes of the scene as objects, with their parts, instances and cameras.
-STP_MUST_USE stp_result stp_gltf_add_objects(stp_gltf_scope* scope, stp_gltf* gltf,
-                                             const stp_gltf_part* parts);
+STP_MUST_USE stp_result stp_gltf_add_objects(stp_gltf_scope* scope, stp_gltf* gltf);

@@ -123,7 +123,7 @@ static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, s
 }
 
 static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
-                                 stp_gltf_primitive* primitives, size_t count, stp_gltf_part* parts)
+                                 stp_gltf_primitive* primitives, size_t count)
 {
     size_t line_count = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -139,7 +139,7 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
             return STP_ERROR_OUT_OF_MEMORY; // the only failure without a sentence
         }
         line_count += primitive->mode >= STP_GLTF_LINES && primitive->mode <= STP_GLTF_LINE_STRIP;
-        stp_result result = stp_gltf_logged(scope, add_primitive(gltf, primitive, &parts[i]));
+        stp_result result = stp_gltf_logged(scope, add_primitive(gltf, primitive, &gltf->parts[i]));
         if (result != STP_OK) {
             return result;
         }
@@ -151,7 +151,7 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
     return STP_OK;
 }
 
-stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf, stp_gltf_part** parts)
+stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf)
 {
     size_t count;
     stp_result result = count_primitives(scope, gltf, &count);
@@ -159,8 +159,8 @@ stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf, stp_gltf_
         return result;
     }
     stp_gltf_primitive* primitives = STP_NEW_ZEROED(gltf->context, stp_gltf_primitive, count);
-    *parts = STP_NEW_ZEROED(gltf->context, stp_gltf_part, count);
-    if (primitives == NULL || *parts == NULL) {
+    gltf->parts = STP_NEW_ZEROED(gltf->context, stp_gltf_part, count);
+    if (primitives == NULL || gltf->parts == NULL) {
         stp_free(gltf->context, primitives);
         return STP_ERROR_OUT_OF_MEMORY;
     }
@@ -168,7 +168,7 @@ stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf, stp_gltf_
     if (result == STP_OK) {
         primitive_loop loop = {.gltf = gltf, .primitives = primitives};
         stp_parallel_for(gltf->context, count, 1, read_job, &loop);
-        result = add_primitives(scope, gltf, primitives, count, *parts);
+        result = add_primitives(scope, gltf, primitives, count);
     }
     for (size_t i = 0; i < count; ++i) {
         stp_gltf_free_primitive(gltf->context, &primitives[i]);

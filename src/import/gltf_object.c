@@ -15,7 +15,6 @@ typedef struct object_writer {
     stp_gltf_scope* scope;
     stp_gltf* gltf;
     stp_scene* scene;
-    const stp_gltf_part* parts;
     size_t part_count, instance_count;
     size_t camera_count;
 } object_writer;
@@ -56,7 +55,7 @@ static stp_result add_parts(object_writer* writer, const stp_gltf_node* node)
     writer->part_count += variant->primitive_count;
     stp_result result = check_limit(writer, writer->part_count, PARTS_ALWAYS_ALLOWED, "primitives");
     for (size_t i = 0; result == STP_OK && i < variant->primitive_count; ++i) {
-        const stp_gltf_part* part = &writer->parts[variant->first_primitive + i];
+        const stp_gltf_part* part = &writer->gltf->parts[variant->first_primitive + i];
         if (part->present) {
             result = stp_gltf_logged(writer->scope, stp_scene_add_part(writer->scene, part->part));
         }
@@ -81,7 +80,7 @@ static stp_result read_instance_values(object_writer* writer, const json_t* attr
     if (result != STP_OK) {
         return result;
     }
-    if (accessor.component_count != components ||
+    if (accessor.component_count != components || accessor.count == 0 ||
         (*count != SIZE_MAX && accessor.count != *count)) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT,
                              "EXT_mesh_gpu_instancing: %s has %zu elements of %u components", name,
@@ -262,10 +261,9 @@ static stp_result add_camera(object_writer* writer, const stp_gltf_node* node)
     return write_view(writer, node, camera, fov);
 }
 
-stp_result stp_gltf_add_objects(stp_gltf_scope* scope, stp_gltf* gltf, const stp_gltf_part* parts)
+stp_result stp_gltf_add_objects(stp_gltf_scope* scope, stp_gltf* gltf)
 {
-    object_writer writer = {
-        .gltf = gltf, .scene = gltf->import->scene, .parts = parts, .scope = scope};
+    object_writer writer = {.gltf = gltf, .scene = gltf->import->scene, .scope = scope};
     bool has_skins = false;
     for (size_t i = 0; i < gltf->node_count; ++i) {
         uint32_t index = gltf->node_order[i];

@@ -342,3 +342,44 @@ void test_gltf_reads_models_of_others(test_state* test)
     CHECK_EQUAL(1, run.scene->view_count);
     gltf_run_end(&run);
 }
+
+typedef struct stopper {
+    int calls, stop_at;
+} stopper;
+
+static int stop_at_call(const char* stage, double fraction, void* user)
+{
+    (void)stage, (void)fraction;
+    stopper* s = user;
+    return s->calls++ == s->stop_at;
+}
+
+void test_gltf_stops_where_it_is_told_to(test_state* test)
+{
+    glb_file glb;
+    CHECK(glb_make(&glb, rich_json, &rich, sizeof(rich)));
+    const stp_import_desc desc = {0};
+    for (int stop_at = 0;; ++stop_at) {
+        test_log log = {.errors = 0};
+        stopper user = {.stop_at = stop_at};
+        stp_context_desc context_desc = {.thread_count = 1,
+                                         .log = test_log_message,
+                                         .log_user = &log,
+                                         .progress = stop_at_call,
+                                         .progress_user = &user};
+        stp_context* context;
+        stp_scene* scene;
+        CHECK_EQUAL(STP_OK, stp_context_create(&context, &context_desc));
+        CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+        stp_result result = stp_import_memory(scene, "test.glb", glb.bytes, glb.size, &desc);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+        if (user.calls <= stop_at) {
+            CHECK_EQUAL(STP_OK, result);
+            CHECK(stop_at > 3);
+            break;
+        }
+        CHECK_EQUAL(STP_ERROR_CANCELLED, result);
+        CHECK_EQUAL(1, log.errors);
+    }
+}

@@ -75,7 +75,7 @@ void test_solid_plates_are_fully_covered(test_state* test)
         CHECK_EQUAL(0x66, s.colors[3 * i + 1]);
         CHECK_EQUAL(0x99, s.colors[3 * i + 2]);
     }
-    CHECK(entries < s.count * 1.6 + 10);
+    CHECK((double)entries < s.count * 1.6 + 10);
     stp_surfels_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
