@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# stipple render: pictures, figures and refusals. Arguments: executable, scratch folder, source folder.
+set -u
+stipple=$1
+scratch=$2
+source=$3
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+command -v python3 > /dev/null || exit 77
+failures=0
+
+fail()
+{
+    echo "FAIL: $*" >&2
+    failures=$((failures + 1))
+}
+
+# refused CODE WORD ARGUMENTS...: exits with CODE and a message that has WORD
+refused()
+{
+    local code=$1 word=$2
+    shift 2
+    "$stipple" render "$@" > out 2> err
+    [ $? -eq "$code" ] || fail "$* exits with $?, not $code"
+    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
+    [ ! -s out ] || fail "$* writes on stdout"
+}
+
+file=$source/tests/golden/store/v1/sample.stip
+rm -f a.png
+"$stipple" render "$file" -o a.png --size 80x60 --json > a.json 2> err || fail "render: $(cat err)"
+[ ! -s err ] || fail "messages: $(cat err)"
+python3 - << 'END' || fail "figures or picture"
+import json, struct
+figures = json.load(open("a.json"))
+expected = """backend device width height splat_size frame_ms select_ms draw_ms shade_ms splats fragments clusters
+triangles nodes draw_calls resident_bytes covered_pixels""".split()
+assert sorted(figures) == sorted(expected), figures
+assert (figures["backend"], figures["width"], figures["height"]) == ("cpu", 80, 60)
+data = open("a.png", "rb").read()
+assert data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", data[16:24]) == (80, 60)
+END
+for view in front back left right top bottom iso d0 d25; do
+    "$stipple" render "$file" -o "$view.png" --view "$view" --size 32x32 || fail "view $view"
+done
+"$stipple" render "$file" -o - --size 32x32 > stdout.png || fail "to standard output"
+cmp -s stdout.png iso.png || fail "standard output has another picture"
+"$stipple" render "$file" -o threads.png --size 32x32 --threads 1 || fail "--threads"
+cmp -s threads.png iso.png || fail "threads change the picture"
+for processor in baseline avx2; do
+    STP_PROCESSOR=$processor "$stipple" render "$file" -o p.png --size 32x32 || fail "$processor"
+    cmp -s p.png iso.png || fail "$processor changes the picture"
+done
+"$stipple" render "$file" -o e.png --eye 9,9,9 --target 0,0,0 --up 0,0,1 --fov 40 --size 32x32 --supersample 2 \
+    --light head --background 336699 --splat-size 2 --policy paper || fail "options"
+
+refused 2 "needs one file" -o a.png
+refused 2 "needs -o" "$file"
+refused 2 "no view named" "$file" -o a.png --view nowhere
+refused 2 "exclude" "$file" -o a.png --splats 4 --splat-size 2
+refused 2 "gl backend" "$file" -o a.png --backend gl
+refused 2 "hexadecimal" "$file" -o a.png --background green
+refused 2 "names* a file" "$file" -o - --json
+refused 1 "nothing.stip" nothing.stip -o a.png
+head -c 100 "$file" > short.stip
+refused 1 "short.stip" short.stip -o a.png
+refused 1 "no/folder" "$file" -o no/folder/a.png
+exit $((failures > 0))

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "draw/support_store.h"
+
+#include "base/prefix_table.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static stp_store_texture_use no_texture(void)
+{
+    return (stp_store_texture_use){.texture = STP_STORE_NONE, .transform = {{1, 0, 0}, {0, 1, 0}}};
+}
+
+stp_store_material made_material(void)
+{
+    return (stp_store_material){.base_color = {1, 1, 1, 1},
+                                .roughness = 1,
+                                .alpha_cutoff = 0.5f,
+                                .base_color_texture = no_texture(),
+                                .metallic_roughness_texture = no_texture(),
+                                .emissive_texture = no_texture()};
+}
+
+stp_store_mesh made_square(uint32_t material)
+{
+    static const float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+    static const float texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    return (stp_store_mesh){.vertex_count = 4,
+                            .triangle_count = 2,
+                            .material = material,
+                            .bounds = {{-1, -1, 0}, {1, 1, 0}},
+                            .positions = positions,
+                            .texcoords = {texcoords, NULL},
+                            .indices = indices};
+}
+
+stp_surfels made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3])
+{
+    uint32_t count = 1u << (2 * log_side);
+    stp_surfels s = {.count = count, .origin = {-1, -1, 0}, .step = 1.0f / 32768.0f};
+    s.positions = STP_NEW_ZEROED(context, uint16_t, 3 * (size_t)count);
+    s.normals = STP_NEW_ZEROED(context, int8_t, 2 * (size_t)count); // zero: +z
+    s.materials = STP_NEW_ZEROED(context, uint8_t, count);
+    s.colors = STP_NEW_ZEROED(context, uint8_t, 3 * (size_t)count);
+    s.coverages = STP_NEW_ZEROED(context, uint8_t, count);
+    if (s.positions == NULL || s.normals == NULL || s.materials == NULL || s.colors == NULL ||
+        s.coverages == NULL) {
+        abort(); // a test without memory
+    }
+    s.octave_count = 1;
+    s.octave_ends[0] = count;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t x = 0, y = 0; // bits of i, lowest first, are the bits of x and y, highest first
+        for (uint32_t bit = 0; bit < log_side; ++bit) {
+            x |= (i >> (2 * bit) & 1u) << (15 - bit);
+            y |= (i >> (2 * bit + 1) & 1u) << (15 - bit);
+        }
+        uint32_t half = 1u << (15 - log_side); // the middle of the finest cell
+        s.positions[3 * i] = (uint16_t)(x + half);
+        s.positions[3 * i + 1] = (uint16_t)(y + half);
+        s.coverages[i] = 255;
+        for (int k = 0; k < 3; ++k) {
+            s.colors[3 * i + (uint32_t)k] = color[k];
+        }
+    }
+    // a prefix of 4^k leaves a cell's far corner: its diagonal
+    for (uint32_t k = 0; k <= log_side; ++k) {
+        s.table.count[k] = 1u << (2 * k);
+        s.table.radius[k] = 2.0f * 1.42f / (float)(1u << k);
+    }
+    s.table.size = log_side + 1;
+    s.candidate_radius = 0.001f;
+    s.paper_radius = 0.1f;
+    s.paper_count = count / 4;
+    return s;
+}
+
+void made_free_surfels(stp_context* context, stp_surfels* s)
+{
+    stp_free(context, s->positions);
+    stp_free(context, s->normals);
+    stp_free(context, s->materials);
+    stp_free(context, s->colors);
+    stp_free(context, s->coverages);
+}
+
+stp_store* made_open(stp_context* context, made_scene* scene)
+{
+    stp_store_content content = {
+        .directory = {.node_count = scene->node_count,
+                      .edge_count = scene->edge_count,
+                      .part_count = scene->part_count,
+                      .material_count = scene->material_count,
+                      .shading_count = scene->shading_count,
+                      .texture_count = scene->texture_count,
+                      .mesh_count = scene->mesh_count,
+                      .point_set_count = scene->point_set_count,
+                      .surfels_count = scene->surfels_count,
+                      .view_count = scene->view_count,
+                      .nodes = scene->nodes,
+                      .edges = scene->edges,
+                      .parts = scene->parts,
+                      .materials = scene->materials,
+                      .shadings = scene->shadings,
+                      .views = scene->views,
+                      .root = scene->node_count > 0 ? scene->node_count - 1 : STP_STORE_NONE,
+                      .up = 'y',
+                      .build_json = "{}"},
+        .meshes = scene->meshes,
+        .point_sets = scene->point_sets,
+        .textures = scene->textures,
+        .surfels = scene->surfels,
+    };
+    char path[64] = "/tmp/stipple-made-XXXXXX";
+    int file = mkstemp(path);
+    if (file < 0) {
+        return NULL;
+    }
+    close(file);
+    stp_store* store = NULL;
+    stp_result result = stp_store_write(context, &content, path);
+    if (result == STP_OK) {
+        result = stp_store_open(context, path, &store);
+    }
+    unlink(path); // an open store keeps its bytes
+    return result == STP_OK ? store : NULL;
+}

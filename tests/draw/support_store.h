@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// Small scenes made by hand, written to a temporary file and opened.
+#pragma once
+
+#include "store/writer.h"
+
+enum { MADE_LIMIT = 8 };
+
+/// Fill the arrays and counts (directory's counts are taken from here), then made_open().
+typedef struct made_scene {
+    stp_store_node nodes[MADE_LIMIT];
+    stp_store_edge edges[MADE_LIMIT];
+    stp_store_part parts[MADE_LIMIT];
+    stp_store_material materials[MADE_LIMIT];
+    stp_shading shadings[MADE_LIMIT];
+    stp_store_texture textures[MADE_LIMIT];
+    stp_store_mesh meshes[MADE_LIMIT];
+    stp_store_point_set point_sets[MADE_LIMIT];
+    stp_surfels surfels[MADE_LIMIT];
+    stp_store_view views[MADE_LIMIT];
+    uint32_t node_count, edge_count, part_count, material_count, shading_count, texture_count,
+        mesh_count, point_set_count, surfels_count, view_count;
+} made_scene;
+
+/// A white, rough, opaque material without textures.
+stp_store_material made_material(void);
+
+/// A square of two triangles in the plane z = 0, from -1 to 1, with texture coordinates (v down), facing +z.
+/// Memory is static.
+stp_store_mesh made_square(uint32_t material);
+
+/// Surfels over the front of that square: a grid of side x side, in an order in which every prefix of 4^k is
+/// spread evenly; prefix table and colours (all `color`) with it. The arrays come from `context` (stp_free
+/// through made_free_surfels).
+stp_surfels made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3]);
+void made_free_surfels(stp_context* context, stp_surfels* surfels);
+
+/// Writes and opens the scene; the last node is the root. NULL on failure.
+stp_store* made_open(stp_context* context, made_scene* scene);

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+#include "tests.h"
+
+#include "base/math.h"
+#include "base/prefix_table.h"
+#include "draw/support_store.h"
+#include "select/select.h"
+#include "select/view_frame.h"
+
+static const uint8_t grey[3] = {128, 128, 128};
+
+// A root with surfels over a square and, below it, the square itself twice: where the surfels are and, moving, a
+// little higher.
+static void make_scene(stp_context* context, made_scene* s)
+{
+    *s = (made_scene){.node_count = 3,
+                      .edge_count = 2,
+                      .part_count = 2,
+                      .material_count = 1,
+                      .shading_count = 1,
+                      .mesh_count = 1,
+                      .surfels_count = 1};
+    s->materials[0] = made_material();
+    s->shadings[0] = (stp_shading){.roughness = 1};
+    s->meshes[0] = made_square(0);
+    s->surfels[0] = made_square_surfels(context, 5, grey);
+    s->parts[0] = s->parts[1] = (stp_store_part){STP_STORE_PART_MESH, 0};
+    stp_boxd flat = {{-1, -1, 0}, {1, 1, 0}};
+    s->nodes[0] = (stp_store_node){
+        .part_count = 1, .surfels = STP_STORE_NONE, .triangle_count = 2, .bounds = flat};
+    s->nodes[1] = s->nodes[0];
+    s->nodes[1].first_part = 1;
+    s->nodes[1].flags = 1; // moves
+    s->edges[0] = (stp_store_edge){0, stp_affine_identity()};
+    s->edges[1] = (stp_store_edge){1, stp_affine_identity()};
+    s->edges[1].transform.m[2][3] = 0.5;
+    s->nodes[2] = (stp_store_node){
+        .edge_count = 2, .surfels = 0, .triangle_count = 4, .bounds = {{-1, -1, 0}, {1, 1, 0.5}}};
+}
+
+static stp_view view_from(double distance)
+{
+    return (stp_view){
+        .eye = {0, 0, distance}, .up = {0, 1, 0}, .fov_degrees = 90, .width = 200, .height = 200};
+}
+
+typedef struct fixture {
+    stp_context* context;
+    made_scene scene;
+    stp_store* store;
+    stp_draw_list list;
+} fixture;
+
+static bool set_up(fixture* f)
+{
+    static test_log log;
+    *f = (fixture){.context = test_context(NULL, 1, &log)};
+    if (f->context == NULL) {
+        return false;
+    }
+    make_scene(f->context, &f->scene);
+    f->store = made_open(f->context, &f->scene);
+    if (f->store == NULL) {
+        fprintf(stderr, "%s\n", log.text);
+    }
+    return f->store != NULL;
+}
+
+static void tear_down(fixture* f)
+{
+    made_free_surfels(f->context, &f->scene.surfels[0]);
+    stp_draw_list_destroy(f->context, &f->list);
+    stp_store_close(f->store);
+    stp_context_destroy(f->context);
+}
+
+void test_select_prefix_follows_the_pixel(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f));
+    // a pixel at depth z is z / 100 units wide here; r = s d_p / 2 with the depth of the box's nearest face
+    const stp_surfels* surfels = stp_store_describe_surfels(f.store, 0);
+    for (int step = 0; step < 30; ++step) {
+        double distance = 4.0 + 3.0 * step;
+        stp_view view = view_from(distance);
+        stp_quality quality = {.splat_size = (float)(2 + step % 4)};
+        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+        double r = 0.5 * (2 + step % 4) * (distance - 0.5) / 100.0;
+        bool enough = r >= (double)surfels->table.radius[surfels->table.size - 1];
+        CHECK_EQUAL(2, f.list.count);
+        stp_draw_item moving = f.list.items[1];
+        CHECK_EQUAL(STP_DRAW_MESH, moving.kind);
+        CHECK(moving.transform.m[2][3] == 0.5 || !enough);
+        if (!enough) {
+            CHECK_EQUAL(STP_DRAW_MESH, f.list.items[0].kind);
+            CHECK_EQUAL(4, f.list.triangle_count);
+            CHECK_EQUAL(2, moving.first_id);
+            continue;
+        }
+        stp_draw_item item = f.list.items[0];
+        CHECK_EQUAL(STP_DRAW_SURFELS, item.kind);
+        CHECK_EQUAL(stp_prefix_table_count(&surfels->table, (float)r), item.prefix);
+        CHECK_EQUAL(item.prefix, f.list.splat_count);
+        CHECK_EQUAL(item.prefix, moving.first_id);
+        CHECK((double)item.radius <= r + 0.001 + 1e-6);
+        CHECK((double)item.radius >= 0.001);
+    }
+    tear_down(&f);
+}
+
+void test_select_opens_what_contains_the_eye(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f));
+    stp_view view = view_from(0.25);
+    stp_quality quality = {.splat_size = 64};
+    CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+    CHECK_EQUAL(0, f.list.splat_count);
+    CHECK_EQUAL(2, f.list.triangle_count); // the other one is behind the eye
+    tear_down(&f);
+}
+
+void test_select_culls_by_every_side(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f));
+    const stp_vec3d targets[] = {{20, 0, 10}, {-20, 0, 10}, {0, 20, 10}, {0, -20, 10}, {0, 0, 20}};
+    stp_quality quality = {.splat_size = 1};
+    for (int parallel = 0; parallel < 2; ++parallel) {
+        for (int i = 0; i < 5; ++i) {
+            stp_view view = view_from(10);
+            view.target = targets[i];
+            view.up = i == 2 || i == 3 ? (stp_vec3d){1, 0, 0} : view.up;
+            view.fov_degrees = 40;
+            if (parallel != 0) {
+                view.ortho_height = 2;
+                view.eye = (stp_vec3d){i == 4 ? 9.0 : targets[i].x, targets[i].y, 10};
+                view.target = (stp_vec3d){view.eye.x, view.eye.y, 0};
+            }
+            CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+            CHECK_EQUAL(0, f.list.count);
+            CHECK_EQUAL(1, f.list.node_count);
+        }
+    }
+    stp_view view = view_from(10);
+    view.target = (stp_vec3d){9, 0, 1}; // a corner of the square is still in the picture
+    CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+    CHECK_EQUAL(2, f.list.count);
+    tear_down(&f);
+}
+
+void test_select_reference_and_exact_counts(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f));
+    stp_view view = view_from(50);
+    stp_quality quality = {.splat_size = 4, .reference = true};
+    CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+    CHECK_EQUAL(0, f.list.splat_count);
+    CHECK_EQUAL(4, f.list.triangle_count);
+    const uint32_t counts[] = {1, 7, 64, 1023, 1024, 5000};
+    for (int i = 0; i < 6; ++i) {
+        quality = (stp_quality){.splat_count = counts[i]};
+        view.eye.z = 0.3; // also where the eye is too close
+        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+        CHECK_EQUAL(counts[i] < 1024 ? counts[i] : 1024, f.list.splat_count);
+    }
+    tear_down(&f);
+}
+
+void test_select_paper_policy_is_the_printed_estimate(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f));
+    stp_view view = view_from(20.6); // pixels of 0.201, so r = 0.402 for 4 pixels
+    stp_quality quality = {.splat_size = 4, .policy = STP_POLICY_PAPER};
+    CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+    CHECK_EQUAL(16, f.list.splat_count); // 256 (0.1 / 0.402)^2 = 15.8
+    CHECK(fabsf(f.list.items[0].radius - 0.402f) < 1e-5f);
+    view = view_from(2.5); // 1,600 would be needed, 1,024 are there
+    CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+    CHECK_EQUAL(0, f.list.splat_count);
+    tear_down(&f);
+}
+
+void test_select_refuses_what_is_no_view(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f));
+    stp_quality quality = {.splat_size = 1};
+    for (int i = 0; i < 6; ++i) {
+        stp_view view = view_from(5);
+        view.width = i == 0 ? 0 : view.width;
+        view.fov_degrees = i == 1 ? 180 : i == 2 ? -1 : view.fov_degrees;
+        view.target.z = i == 3 ? 5 : 0;
+        view.eye.x = i == 4 ? (double)NAN : 0;
+        view.up = i == 5 ? (stp_vec3d){0, 0, 1} : view.up; // along the gaze: still a view
+        stp_result expected = i == 5 ? STP_OK : STP_ERROR_ARGUMENT;
+        CHECK_EQUAL(expected, stp_select(f.context, f.store, &view, &quality, &f.list));
+    }
+    tear_down(&f);
+}
+
+void test_select_survives_failing_allocator(test_state* test)
+{
+    for (int n = 0;; ++n) {
+        test_heap heap = TEST_HEAP(-1);
+        fixture f = {.context = test_context(&heap, 1, NULL)};
+        CHECK(f.context != NULL);
+        make_scene(f.context, &f.scene);
+        f.store = made_open(f.context, &f.scene);
+        CHECK(f.store != NULL);
+        stp_view view = view_from(50);
+        stp_quality quality = {.splat_size = 4};
+        heap.fail_at = heap.count + n;
+        stp_result result = stp_select(f.context, f.store, &view, &quality, &f.list);
+        heap.fail_at = -1;
+        bool right = result == STP_OK ? f.list.count == 2 : result == STP_ERROR_OUT_OF_MEMORY;
+        int before = heap.count;
+        right = right && stp_select(f.context, f.store, &view, &quality, &f.list) == STP_OK;
+        right =
+            right && (result != STP_OK || heap.count == before); // a second call allocates nothing
+        tear_down(&f);
+        CHECK_EQUAL(0, heap.live_bytes);
+        CHECK(right);
+        if (result == STP_OK) {
+            CHECK(n >= 2);
+            break;
+        }
+    }
+}
+
+void test_select_depth_bounds_what_is_seen(test_state* test)
+{
+    // random boxes: points of the box that fall into the picture are never nearer than the depth given
+    uint32_t random = 12345;
+    for (int round = 0; round < 300; ++round) {
+        double v[9];
+        for (int k = 0; k < 9; ++k) {
+            random = random * 1664525u + 1013904223u;
+            v[k] = (double)(random >> 8) / 16777216.0 * 4.0 - 2.0;
+        }
+        stp_view view = {.eye = {v[0], v[1], v[2]},
+                         .target = {v[3], v[4], v[5]},
+                         .up = {0, 1, 0},
+                         .fov_degrees = 70,
+                         .width = 160,
+                         .height = 90,
+                         .ortho_height = round % 4 == 3 ? 1.5 : 0.0,
+                         .near_distance = 0.01};
+        stp_boxd box = {{v[6], v[7], v[8]}, {v[6] + 0.5, v[7] + 1.0, v[8] + 0.2}};
+        stp_view_frame frame;
+        CHECK(stp_view_frame_make(&view, &frame));
+        double depth = 0.0;
+        bool sees = stp_view_frame_sees(&frame, &box, &depth);
+        for (int i = 0; i < 500; ++i) {
+            stp_vec3d p = {box.min.x + 0.5 * (i % 8) / 7, box.min.y + (i / 8 % 8) / 7.0,
+                           box.min.z + 0.2 * (i / 64) / 7};
+            stp_vec3d q = stp_subd(p, frame.eye);
+            double z = stp_dotd(q, frame.forward), w = frame.parallel ? 1.0 : z;
+            double x = frame.center_x + frame.scale * stp_dotd(q, frame.right) / w;
+            double y = frame.center_y + frame.scale * stp_dotd(q, frame.down) / w;
+            bool seen = z >= frame.near_distance && x >= 0 && x < 160 && y >= 0 && y < 90;
+            CHECK(!seen || (sees && z >= depth - 1e-9));
+        }
+    }
+}
