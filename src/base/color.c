@@ -10,14 +10,10 @@ float stp_srgb8_to_linear(uint8_t value)
 
 uint8_t stp_linear_to_srgb8(float linear)
 {
-    int low = 0, high = 255; // how many thresholds are at or below `linear`
-    while (low < high) {
-        int middle = (low + high) / 2;
-        if (linear >= srgb_threshold[middle]) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
+    uint32_t reached =
+        0; // how many thresholds are at or below `linear`: found bit by bit, without branches
+    for (uint32_t step = 128; step != 0; step /= 2) {
+        reached += linear >= srgb_threshold[reached + step - 1] ? step : 0;
     }
-    return (uint8_t)low;
+    return (uint8_t)reached;
 }

@@ -9,6 +9,8 @@
 enum {
     PROBE_RESOLUTION = 128,
     PROBE_VIEWS = 4,
+    PROBE_VIEWS_LARGE = 2, ///< of a scene of more than PROBE_LARGE primitives
+    PROBE_LARGE = 1000000,
     RESOLUTION_AUTO_MOST = 8192, ///< of a picture that is nearly empty
     ATTEMPTS = 3,
 };
@@ -59,16 +61,17 @@ static stp_result probe_area(stp_capture_job* job, const stp_vec3d* directions, 
                              double* area)
 {
     stp_vec3d probes[PROBE_VIEWS];
-    uint32_t halves = 0, taken = 0;
+    bool large = stp_capture_primitive_count(job) > PROBE_LARGE;
+    uint32_t most = large ? PROBE_VIEWS_LARGE : PROBE_VIEWS, halves = 0, taken = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const stp_vec3d* d = &directions[i];
         bool upper = d->z > 0.0 || (d->z == 0.0 && (d->y > 0.0 || (d->y == 0.0 && d->x > 0.0)));
-        halves += upper;
-        if (upper && taken < PROBE_VIEWS) {
+        halves += upper ? 1 : 0;
+        if (upper && taken < most) {
             probes[taken++] = *d;
         } else if (upper) { // an even pick of all, whatever their number
-            uint32_t place = halves * PROBE_VIEWS / count;
-            probes[place < PROBE_VIEWS ? place : PROBE_VIEWS - 1] = *d;
+            uint32_t place = (uint32_t)((uint64_t)halves * 2 * most / count);
+            probes[place < most ? place : most - 1] = *d;
         }
     }
     if (taken == 0) {
@@ -97,7 +100,7 @@ static double clamp_resolution(double resolution, double most)
 static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                               uint64_t wanted, double* resolution)
 {
-    double area = 0.0, widest = stp_capture_widest(job, directions, count);
+    double area = 0.0, before = 0.0, widest = stp_capture_widest(job, directions, count);
     stp_result result = probe_area(job, directions, count, &area);
     for (int attempt = 0; result == STP_OK && attempt < ATTEMPTS; ++attempt) {
         double finest = widest / (double)RESOLUTION_AUTO_MOST;
@@ -112,9 +115,12 @@ static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions,
         double got = (double)job->covered_pixels;
         area = got * pixel_size * pixel_size;
         bool capped = *resolution >= (double)RESOLUTION_AUTO_MOST && got < (double)wanted;
-        if (capped || (got > 0.5 * (double)wanted && got < 2.0 * (double)wanted) || got < 16.0) {
+        bool near_enough = got > 0.5 * (double)wanted && got < 2.0 * (double)wanted;
+        bool no_more = attempt > 0 && got < (double)wanted && got < 1.5 * before; // points run out
+        if (capped || near_enough || no_more || got < 16.0) {
             break;
         }
+        before = got;
     }
     return result;
 }

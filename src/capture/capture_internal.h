@@ -81,17 +81,17 @@ void stp_capture_drop_bands(stp_capture_job* job);
 /// Turns the covered pixels of all bands into candidates; the columns have room for all.
 void stp_capture_resolve(const stp_capture_job* job, stp_candidates* candidates);
 
-/// The alpha of a mesh's material at a point of a triangle, read at full resolution.
-float stp_capture_alpha(const stp_scene* scene, const stp_mesh* mesh, uint32_t triangle,
-                        float weight1, float weight2);
+/// The alpha of a material at a point of a triangle, read at full resolution.
+float stp_capture_alpha(const stp_material* material, const stp_texture_pyramid* level0,
+                        const stp_mesh* mesh, uint32_t triangle, float weight1, float weight2);
 
 /// Where a use of a texture reads it, at a point of a triangle; false where the mesh has no
 /// coordinates.
 bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint32_t vertex,
                           double uv[2]);
 
-/// A texture with its levels, or with level 0 alone.
-stp_texture_pyramid stp_capture_texture_level0(const stp_texture* texture);
+/// A material's base colour texture without smaller levels; without any where the material has none.
+stp_texture_pyramid stp_capture_level0(const stp_scene* scene, const stp_material* material);
 
 STP_MUST_USE stp_result stp_capture_textures_create_empty(const stp_scene* scene,
                                                           stp_capture_textures** textures);

@@ -106,9 +106,9 @@ static bool holds_centre(double middle, double reach, uint32_t begin, uint32_t e
 
 /// What the mask of a part needs to answer.
 typedef struct mask_state {
-    const stp_scene* scene;
     const stp_mesh* mesh;
     const stp_material* material;
+    stp_texture_pyramid level0;
     uint64_t first_primitive;
 } mask_state;
 
@@ -116,7 +116,8 @@ static bool keep_masked(const void* user, uint32_t triangle, float weight1, floa
                         uint32_t x, uint32_t y)
 {
     const mask_state* state = user;
-    float alpha = stp_capture_alpha(state->scene, state->mesh, triangle, weight1, weight2);
+    float alpha =
+        stp_capture_alpha(state->material, &state->level0, state->mesh, triangle, weight1, weight2);
     if (state->material->alpha_mode == STP_ALPHA_MASK) {
         return alpha >= state->material->alpha_cutoff;
     }
@@ -150,7 +151,12 @@ static stp_result draw_mesh(const stp_capture_job* job, size_t part,
 {
     const stp_mesh* mesh = &job->scene->meshes[job->parts[part].part.index];
     const stp_material* material = &job->scene->materials[mesh->material];
-    mask_state mask = {job->scene, mesh, material, job->first_primitives[part]};
+    bool masked = material->alpha_mode != STP_ALPHA_OPAQUE;
+    mask_state mask = {
+        .mesh = mesh, .material = material, .first_primitive = job->first_primitives[part]};
+    if (masked) {
+        mask.level0 = stp_capture_level0(job->scene, material);
+    }
     stp_raster_matrix matrix = {.m = {[3] = {0.0f, 0.0f, 0.0f, 1.0f}}};
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) {
@@ -164,7 +170,7 @@ static stp_result draw_mesh(const stp_capture_job* job, size_t part,
         .indices = mesh->indices,
         .triangle_count = mesh->triangle_count,
         .offset = {projection->offset.x, projection->offset.y, projection->offset.z},
-        .keep = material->alpha_mode == STP_ALPHA_OPAQUE ? NULL : keep_masked,
+        .keep = masked ? keep_masked : NULL,
         .keep_user = &mask,
     };
     return stp_raster_triangles_in_band(target, band->row_begin, &matrix, 4.0f, &drawn,

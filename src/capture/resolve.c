@@ -165,7 +165,6 @@ static void triangle_color(const stp_capture_job* job, const current_part* part,
     }
     const stp_texture_pyramid* pyramid = &job->pyramids[use->texture];
     double uv[3][2];
-    stp_vec2 at = {0.0f, 0.0f};
     double u = 0.0, v = 0.0;
     for (int k = 0; k < 3; ++k) {
         if (!stp_capture_texcoord(mesh, use, t->corner[k], uv[k])) {
@@ -174,15 +173,11 @@ static void triangle_color(const stp_capture_job* job, const current_part* part,
         u += t->weight[k] * uv[k][0];
         v += t->weight[k] * uv[k][1];
     }
-    at = (stp_vec2){(float)u, (float)v};
+    stp_vec2 at = {(float)u, (float)v};
     float texel[4];
     stp_texture_sample(pyramid, at, texture_footprint(t, pyramid, uv), texel);
     if (material->alpha_mode == STP_ALPHA_BLEND) { // as the mask read it
-        stp_texture_pyramid level0 =
-            stp_capture_texture_level0(&job->scene->textures[use->texture]);
-        float sharp[4];
-        stp_texture_sample(&level0, at, 0.0f, sharp);
-        texel[3] = sharp[3];
+        texel[3] = stp_texture_sample_alpha(pyramid, at);
     }
     for (int c = 0; c < 4; ++c) {
         color[c] *= texel[c];

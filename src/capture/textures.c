@@ -2,24 +2,6 @@
 // What a capture reads of materials: texture coordinates, alpha, and mip levels of base colours.
 #include "capture/capture_internal.h"
 
-stp_texture_pyramid stp_capture_texture_level0(const stp_texture* texture)
-{
-    static const stp_texture_wrap wraps[] = {
-        [STP_WRAP_REPEAT] = STP_TEXTURE_REPEAT,
-        [STP_WRAP_CLAMP] = STP_TEXTURE_CLAMP,
-        [STP_WRAP_MIRROR] = STP_TEXTURE_MIRROR,
-    };
-    return (stp_texture_pyramid){
-        .level_count = 1,
-        .width = {texture->width},
-        .height = {texture->height},
-        .texels = {texture->texels},
-        .wrap_u = wraps[texture->wrap_u],
-        .wrap_v = wraps[texture->wrap_v],
-        .nearest = texture->nearest,
-    };
-}
-
 bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint32_t vertex,
                           double uv[2])
 {
@@ -45,10 +27,31 @@ static const stp_texture* used_texture(const stp_scene* scene, const stp_texture
     return texture->texels != NULL && texture->width != 0 && texture->height != 0 ? texture : NULL;
 }
 
-float stp_capture_alpha(const stp_scene* scene, const stp_mesh* mesh, uint32_t triangle,
-                        float weight1, float weight2)
+stp_texture_pyramid stp_capture_level0(const stp_scene* scene, const stp_material* material)
 {
-    const stp_material* material = &scene->materials[mesh->material];
+    const stp_texture* texture = used_texture(scene, &material->base_color_texture);
+    if (texture == NULL) {
+        return (stp_texture_pyramid){0};
+    }
+    static const stp_texture_wrap wraps[] = {
+        [STP_WRAP_REPEAT] = STP_TEXTURE_REPEAT,
+        [STP_WRAP_CLAMP] = STP_TEXTURE_CLAMP,
+        [STP_WRAP_MIRROR] = STP_TEXTURE_MIRROR,
+    };
+    return (stp_texture_pyramid){
+        .level_count = 1,
+        .width = {texture->width},
+        .height = {texture->height},
+        .texels = {texture->texels},
+        .wrap_u = wraps[texture->wrap_u],
+        .wrap_v = wraps[texture->wrap_v],
+        .nearest = texture->nearest,
+    };
+}
+
+float stp_capture_alpha(const stp_material* material, const stp_texture_pyramid* level0,
+                        const stp_mesh* mesh, uint32_t triangle, float weight1, float weight2)
+{
     const stp_texture_use* use = &material->base_color_texture;
     const uint32_t* corner = mesh->indices + 3 * (size_t)triangle;
     float weight[3] = {1.0f - weight1 - weight2, weight1, weight2};
@@ -60,8 +63,7 @@ float stp_capture_alpha(const stp_scene* scene, const stp_mesh* mesh, uint32_t t
         }
         alpha *= sum;
     }
-    const stp_texture* texture = used_texture(scene, use);
-    if (texture == NULL) {
+    if (level0->level_count == 0) {
         return alpha;
     }
     double at[2] = {0.0, 0.0};
@@ -73,10 +75,7 @@ float stp_capture_alpha(const stp_scene* scene, const stp_mesh* mesh, uint32_t t
         at[0] += (double)weight[k] * uv[0];
         at[1] += (double)weight[k] * uv[1];
     }
-    stp_texture_pyramid level0 = stp_capture_texture_level0(texture);
-    float color[4];
-    stp_texture_sample(&level0, (stp_vec2){(float)at[0], (float)at[1]}, 0.0f, color);
-    return alpha * color[3];
+    return alpha * stp_texture_sample_alpha(level0, (stp_vec2){(float)at[0], (float)at[1]});
 }
 
 stp_result stp_capture_textures_create_empty(const stp_scene* scene,
@@ -106,7 +105,7 @@ stp_result stp_capture_textures_add(stp_capture_textures* textures, const stp_ma
     if (pyramid->level_count != 0) {
         return STP_OK;
     }
-    stp_texture_pyramid level0 = stp_capture_texture_level0(texture);
+    stp_texture_pyramid level0 = stp_capture_level0(textures->scene, material);
     stp_result result = stp_texture_pyramid_create(textures->scene->context, texture->texels,
                                                    texture->width, texture->height, false, pyramid);
     if (result == STP_OK) {

@@ -142,6 +142,9 @@ void stp_texture_pyramid_destroy(stp_context* context, stp_texture_pyramid* pyra
 static uint32_t wrap(int64_t i, uint32_t size, stp_texture_wrap how)
 {
     int64_t n = size;
+    if (i >= 0 && i < n) {
+        return (uint32_t)i;
+    }
     if (how == STP_TEXTURE_CLAMP) {
         return (uint32_t)(i < 0 ? 0 : i >= n ? n - 1 : i);
     }
@@ -168,30 +171,54 @@ static float fraction_of(float value, int64_t whole)
     return rest > 0.0f && rest < 1.0f ? rest : 0.0f; // also not-a-number
 }
 
+/// The texels around a point: two columns, two rows, and the weights of the second of each.
+typedef struct texel_square {
+    uint32_t x[2], y[2];
+    float fx, fy;
+} texel_square;
+
+static texel_square find_square(const stp_texture_pyramid* pyramid, uint32_t level, stp_vec2 uv,
+                                bool nearest)
+{
+    uint32_t width = pyramid->width[level], height = pyramid->height[level];
+    float u = uv.x * (float)width, v = uv.y * (float)height;
+    u -= nearest ? 0.0f : 0.5f;
+    v -= nearest ? 0.0f : 0.5f;
+    int64_t x = floor_of(u), y = floor_of(v);
+    return (texel_square){
+        .x = {wrap(x, width, pyramid->wrap_u), wrap(x + 1, width, pyramid->wrap_u)},
+        .y = {wrap(y, height, pyramid->wrap_v), wrap(y + 1, height, pyramid->wrap_v)},
+        .fx = nearest ? 0.0f : fraction_of(u, x),
+        .fy = nearest ? 0.0f : fraction_of(v, y),
+    };
+}
+
 static void sample_level(const stp_texture_pyramid* pyramid, uint32_t level, stp_vec2 uv,
                          bool nearest, float weight, float sum[7])
 {
-    uint32_t width = pyramid->width[level], height = pyramid->height[level];
-    const uint8_t* texels = pyramid->texels[level];
-    float u = uv.x * (float)width, v = uv.y * (float)height;
-    if (nearest) {
-        uint32_t x = wrap(floor_of(u), width, pyramid->wrap_u);
-        uint32_t y = wrap(floor_of(v), height, pyramid->wrap_v);
-        add_texel(sum, texels + ((size_t)y * width + x) * 4, pyramid->linear, weight);
-        return;
-    }
-    u -= 0.5f;
-    v -= 0.5f;
-    int64_t x0 = floor_of(u), y0 = floor_of(v);
-    float fx = fraction_of(u, x0), fy = fraction_of(v, y0);
+    texel_square square = find_square(pyramid, level, uv, nearest);
     for (int j = 0; j < 2; ++j) {
-        uint32_t y = wrap(y0 + j, height, pyramid->wrap_v);
+        const uint8_t* row =
+            pyramid->texels[level] + (size_t)square.y[j] * pyramid->width[level] * 4;
         for (int i = 0; i < 2; ++i) {
-            uint32_t x = wrap(x0 + i, width, pyramid->wrap_u);
-            float w = weight * (i == 0 ? 1.0f - fx : fx) * (j == 0 ? 1.0f - fy : fy);
-            add_texel(sum, texels + ((size_t)y * width + x) * 4, pyramid->linear, w);
+            float w =
+                (i == 0 ? 1.0f - square.fx : square.fx) * (j == 0 ? 1.0f - square.fy : square.fy);
+            add_texel(sum, row + (size_t)square.x[i] * 4, pyramid->linear, weight * w);
         }
     }
+}
+
+float stp_texture_sample_alpha(const stp_texture_pyramid* pyramid, stp_vec2 uv)
+{
+    texel_square square = find_square(pyramid, 0, uv, pyramid->nearest);
+    float rows[2];
+    for (int j = 0; j < 2; ++j) {
+        const uint8_t* row = pyramid->texels[0] + (size_t)square.y[j] * pyramid->width[0] * 4 + 3;
+        float left = (float)row[(size_t)square.x[0] * 4],
+              right = (float)row[(size_t)square.x[1] * 4];
+        rows[j] = left + (right - left) * square.fx;
+    }
+    return (rows[0] + (rows[1] - rows[0]) * square.fy) / 255.0f;
 }
 
 void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint,

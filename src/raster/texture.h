@@ -35,3 +35,6 @@ void stp_texture_pyramid_destroy(stp_context* context, stp_texture_pyramid* pyra
 /// longer side of the pixel's image in the texture); out is linear RGBA, 0..1.
 void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint,
                         float out[4]);
+
+/// The alpha alone, at level 0.
+float stp_texture_sample_alpha(const stp_texture_pyramid* pyramid, stp_vec2 uv);

@@ -212,11 +212,8 @@ static bool transform_chunk(const stp_triangle_kernels* kernels,
 {
     const uint32_t* indices = mesh->indices + 3 * (size_t)begin;
     size_t corner_count = 3 * (size_t)chunk->triangle_count;
-    uint32_t least = UINT32_MAX, most = 0;
-    for (size_t i = 0; i < corner_count; ++i) {
-        least = indices[i] < least ? indices[i] : least;
-        most = indices[i] > most ? indices[i] : most;
-    }
+    uint32_t least, most;
+    kernels->find_range(indices, corner_count, &least, &most);
     if (most - least < corner_count) {
         chunk->indices = indices;
         chunk->index_base = least;

@@ -65,6 +65,7 @@ typedef struct stp_triangle_transform {
 
 /// One variant. `transform` writes up to STP_LANES_MOST - 1 elements past `count`.
 typedef struct stp_triangle_kernels {
+    void (*find_range)(const uint32_t* indices, size_t count, uint32_t* least, uint32_t* most);
     void (*transform)(const stp_triangle_transform* transform, const float* positions, size_t count,
                       int32_t* x, int32_t* y, float* nearness);
     void (*draw_chunk)(stp_triangle_chunk* chunk);

@@ -4,13 +4,13 @@
 // instructions.
 //
 // Most triangles of a capture are smaller than a pixel and hit no pixel centre; they leave after
-// the test of their bounding box, LANES at a time. Those up to TINY pixels wide are drawn LANES
+// the test of their bounding box, LANES at a time. Tiny ones are drawn LANES
 // triangles at a time, pixel by pixel; larger ones one at a time, LANES pixels of a row at once.
 #pragma once
 
 #include "raster/triangles_internal.h"
 
-enum { TINY = 4 };
+enum { TINY_WIDTH = 4, TINY_HEIGHT = 8 };
 
 static void transform_vertices(const stp_triangle_transform* transform, const float* positions,
                                size_t count, int32_t* x, int32_t* y, float* nearness)
@@ -54,49 +54,127 @@ static void transform_vertices(const stp_triangle_transform* transform, const fl
     }
 }
 
-static void draw_small(const stp_triangle_window* window, const stp_triangle_setup* setup,
-                       uint32_t id)
+static void find_range(const uint32_t* indices, size_t count, uint32_t* least, uint32_t* most)
 {
-    lanes_uint at[3], across[3];
-    uint32_t down[3], bias[3];
-    lanes_int lane = lanes_index();
+    uint32_t low = UINT32_MAX, high = 0;
+    for (size_t i = 0; i < count; ++i) {
+        low = indices[i] < low ? indices[i] : low;
+        high = indices[i] > high ? indices[i] : high;
+    }
+    *least = low;
+    *most = high;
+}
+
+/// The nearness of small triangles from their edge functions opposite to corners 1 and 2; `along` holds the
+/// differences of nearness from corner 0 to these corners.
+static inline lanes_float small_nearness(lanes_uint edge1, lanes_uint edge2,
+                                         lanes_float inverse_area, lanes_float n0,
+                                         const lanes_float along[2], lanes_float low,
+                                         lanes_float high)
+{
+    lanes_float w1 = __builtin_convertvector((lanes_int)edge1, lanes_float);
+    lanes_float w2 = __builtin_convertvector((lanes_int)edge2, lanes_float);
+    lanes_float nearness = n0 + (w1 * inverse_area) * along[0];
+    nearness = nearness + (w2 * inverse_area) * along[1];
+    nearness = lanes_select_float(nearness > low, nearness, low);
+    return lanes_select_float(nearness < high, nearness, high);
+}
+
+/// A small triangle, walked in lines: rows where it is wide, columns where it is high. LANES pixels of a line are
+/// looked at together.
+typedef struct small_walk {
+    lanes_uint at[3];    ///< edge functions with bias at the first LANES pixels of a line
+    uint32_t onwards[3]; ///< from there to the next LANES pixels
+    uint32_t across[3];  ///< from line to line
+    uint32_t bias[3];
+    lanes_float n0, along[2], inverse_area, low, high;
+} small_walk;
+
+static inline small_walk start_walk(const stp_triangle_setup* setup, bool in_columns)
+{
+    small_walk walk;
     for (int k = 0; k < 3; ++k) { // edge k is opposite to corner k
         stp_triangle_edge edge =
             stp_triangle_edge_make(setup->corner[(k + 1) % 3], setup->corner[(k + 2) % 3]);
-        uint32_t step = 0U - (uint32_t)(edge.dy * STP_SUBPIXEL);
-        uint32_t first =
-            (uint32_t)(stp_triangle_edge_at(&edge, setup->left, setup->top) + edge.bias);
-        at[k] = (lanes_uint)lane * step + first;
-        across[k] = (lanes_uint){0} + step * LANES;
-        down[k] = (uint32_t)(edge.dx * STP_SUBPIXEL);
-        bias[k] = (uint32_t)edge.bias;
+        uint32_t step_x = 0U - (uint32_t)(edge.dy * STP_SUBPIXEL);
+        uint32_t step_y = (uint32_t)(edge.dx * STP_SUBPIXEL);
+        uint32_t step = in_columns ? step_y : step_x;
+        int64_t first = stp_triangle_edge_at(&edge, setup->left, setup->top) + edge.bias;
+        walk.at[k] = (lanes_uint)lanes_index() * step + (uint32_t)first;
+        walk.onwards[k] = step * LANES;
+        walk.across[k] = in_columns ? step_x : step_y;
+        walk.bias[k] = (uint32_t)edge.bias;
     }
-    float inverse_area = 1.0f / (float)setup->area;
+    const lanes_float zero = {0};
     float n0 = setup->corner[0].nearness;
-    float n1 = setup->corner[1].nearness - n0, n2 = setup->corner[2].nearness - n0;
-    lanes_float low = (lanes_float){0} + setup->low, high = (lanes_float){0} + setup->high;
+    walk.n0 = zero + n0;
+    walk.along[0] = zero + (setup->corner[1].nearness - n0);
+    walk.along[1] = zero + (setup->corner[2].nearness - n0);
+    walk.inverse_area = zero + 1.0f / (float)setup->area;
+    walk.low = zero + setup->low;
+    walk.high = zero + setup->high;
+    return walk;
+}
+
+static inline lanes_int walk_nearness(const small_walk* walk, lanes_uint edge1, lanes_uint edge2)
+{
+    return (lanes_int)small_nearness(edge1 - walk->bias[1], edge2 - walk->bias[2],
+                                     walk->inverse_area, walk->n0, walk->along, walk->low,
+                                     walk->high);
+}
+
+static void draw_rows(const stp_triangle_window* window, const stp_triangle_setup* setup,
+                      uint32_t id)
+{
+    small_walk walk = start_walk(setup, false);
     for (int32_t row = setup->top; row <= setup->bottom; ++row) {
         uint64_t* pixels = stp_triangle_row(window, row);
-        lanes_uint e0 = at[0], e1 = at[1], e2 = at[2];
+        lanes_uint e0 = walk.at[0], e1 = walk.at[1], e2 = walk.at[2];
         for (int32_t column = setup->left; column <= setup->right; column += LANES) {
-            lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (column + lane <= setup->right);
+            lanes_int inside =
+                ~(lanes_int)(e0 | e1 | e2) & (column + lanes_index() <= setup->right);
             uint32_t bits = lanes_sign_bits(inside);
             if (bits != 0) {
-                lanes_float w1 = __builtin_convertvector((lanes_int)(e1 - bias[1]), lanes_float);
-                lanes_float w2 = __builtin_convertvector((lanes_int)(e2 - bias[2]), lanes_float);
-                lanes_float nearness = n0 + (w1 * inverse_area) * n1;
-                nearness = nearness + (w2 * inverse_area) * n2;
-                nearness = lanes_select_float(nearness > low, nearness, low);
-                nearness = lanes_select_float(nearness < high, nearness, high);
-                lanes_write(pixels + column, bits, (lanes_int)nearness, id);
+                lanes_write(pixels + column, bits, walk_nearness(&walk, e1, e2), id);
             }
-            e0 += across[0];
-            e1 += across[1];
-            e2 += across[2];
+            e0 += walk.onwards[0];
+            e1 += walk.onwards[1];
+            e2 += walk.onwards[2];
         }
-        at[0] += down[0];
-        at[1] += down[1];
-        at[2] += down[2];
+        for (int k = 0; k < 3; ++k) {
+            walk.at[k] += walk.across[k];
+        }
+    }
+}
+
+static void draw_columns(const stp_triangle_window* window, const stp_triangle_setup* setup,
+                         uint32_t id)
+{
+    small_walk walk = start_walk(setup, true);
+    for (int32_t column = setup->left; column <= setup->right; ++column) {
+        lanes_uint e0 = walk.at[0], e1 = walk.at[1], e2 = walk.at[2];
+        for (int32_t row = setup->top; row <= setup->bottom; row += LANES) {
+            lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (row + lanes_index() <= setup->bottom);
+            uint32_t bits = lanes_sign_bits(inside);
+            if (bits != 0) {
+                int32_t depth[LANES];
+                lanes_int nearness = walk_nearness(&walk, e1, e2);
+                memcpy(depth, &nearness, sizeof(depth));
+                uint64_t* place = stp_triangle_row(window, row) + column;
+                for (; bits != 0; bits &= bits - 1) {
+                    size_t lane = (size_t)__builtin_ctz(bits);
+                    uint64_t pixel = (uint64_t) ~(uint32_t)depth[lane] << 32 | id;
+                    uint64_t* at = place + lane * window->stride;
+                    *at = pixel < *at ? pixel : *at;
+                }
+            }
+            e0 += walk.onwards[0];
+            e1 += walk.onwards[1];
+            e2 += walk.onwards[2];
+        }
+        for (int k = 0; k < 3; ++k) {
+            walk.at[k] += walk.across[k];
+        }
     }
 }
 
@@ -132,8 +210,10 @@ static void draw_one(const stp_triangle_window* window, const stp_screen_vertex 
     if (!stp_triangle_set_up(window, corners, &setup)) {
         return;
     }
-    if (setup.small) {
-        draw_small(window, &setup, id);
+    if (setup.small && setup.bottom - setup.top > setup.right - setup.left) {
+        draw_columns(window, &setup, id);
+    } else if (setup.small) {
+        draw_rows(window, &setup, id);
     } else {
         draw_large(window, &setup, id);
     }
@@ -146,7 +226,7 @@ typedef struct batch {
     lanes_float nearness[3];
 } batch;
 
-/// Draws the triangles of `alive` (sign bits), none wider or higher than TINY pixels.
+/// Draws the triangles of `alive` (sign bits), none wider than TINY_WIDTH or higher than TINY_HEIGHT pixels.
 static void draw_tiny(const stp_triangle_window* window, const batch* b, lanes_int alive,
                       uint32_t first_id)
 {
@@ -183,30 +263,26 @@ static void draw_tiny(const stp_triangle_window* window, const batch* b, lanes_i
     lanes_float high = lanes_select_float(m1 > m2, m1, m2);
     low = lanes_select_float(n0 < low, n0, low);
     high = lanes_select_float(n0 > high, n0, high);
-    lanes_float n1 = m1 - n0, n2 = m2 - n0;
+    lanes_float along[2] = {m1 - n0, m2 - n0};
 
     int32_t left[LANES], top[LANES];
     memcpy(left, &b->left, sizeof(left));
     memcpy(top, &b->top, sizeof(top));
-    for (int32_t row = 0; row < TINY; ++row) {
+    for (int32_t row = 0; row < TINY_HEIGHT; ++row) {
         lanes_int in_row = alive & (b->height >= row);
         if (lanes_sign_bits(in_row) == 0) {
             break;
         }
         lanes_uint e0 = at[0], e1 = at[1], e2 = at[2];
-        for (int32_t column = 0; column < TINY; ++column) {
+        for (int32_t column = 0; column < TINY_WIDTH; ++column) {
             lanes_int here = in_row & (b->width >= column);
             if (lanes_sign_bits(here) == 0) {
                 break;
             }
             uint32_t bits = lanes_sign_bits(here & ~(lanes_int)(e0 | e1 | e2));
             if (bits != 0) {
-                lanes_float w1 = __builtin_convertvector((lanes_int)(e1 - bias[1]), lanes_float);
-                lanes_float w2 = __builtin_convertvector((lanes_int)(e2 - bias[2]), lanes_float);
-                lanes_float nearness = n0 + (w1 * inverse_area) * n1;
-                nearness = nearness + (w2 * inverse_area) * n2;
-                nearness = lanes_select_float(nearness > low, nearness, low);
-                nearness = lanes_select_float(nearness < high, nearness, high);
+                lanes_float nearness =
+                    small_nearness(e1 - bias[1], e2 - bias[2], inverse_area, n0, along, low, high);
                 float depth[LANES];
                 memcpy(depth, &nearness, sizeof(depth));
                 for (; bits != 0; bits &= bits - 1) {
@@ -285,7 +361,7 @@ static void draw_chunk(stp_triangle_chunk* chunk)
                    b.top;
         uint32_t single = lanes_sign_bits(min_x == STP_OUTSIDE);
         lanes_int hit = (b.width >= 0) & (b.height >= 0) & (min_x != STP_OUTSIDE);
-        lanes_int tiny = hit & (b.width < TINY) & (b.height < TINY) &
+        lanes_int tiny = hit & (b.width < TINY_WIDTH) & (b.height < TINY_HEIGHT) &
                          (max_x - min_x < STP_SMALL_EXTENT) & (max_y - min_y < STP_SMALL_EXTENT);
         uint32_t tiny_bits = lanes_sign_bits(tiny) & valid;
         single = (single | (lanes_sign_bits(hit) & ~tiny_bits)) & valid;

@@ -76,6 +76,7 @@ static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearne
 #include "raster/triangles_lanes.h"
 
 const stp_triangle_kernels stp_triangle_kernels_portable = {
+    .find_range = find_range,
     .transform = transform_vertices,
     .draw_chunk = draw_chunk,
     .draw_one = draw_one,

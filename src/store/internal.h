@@ -49,8 +49,13 @@ STP_MUST_USE stp_result stp_store_link_blocks(stp_store* store);
 /// Leaves the first `octave_count` octaves of a set, and what of its tables holds for them.
 void stp_store_cut_surfels(stp_surfels* surfels, uint32_t octave_count);
 
+/// Frees the columns of a set.
+void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record);
+
 /// The entry of the block table.
 const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index);
+/// Says that there is no such mesh, ...: STP_ERROR_ARGUMENT.
+stp_result stp_store_fail_index(const stp_store* store, const char* what, uint32_t index);
 /// Checks that a block is there, whole and right, and gives its first byte.
 STP_MUST_USE stp_result stp_store_verify_block(const stp_store* store, const stp_store_block* block,
                                                const unsigned char** bytes);

@@ -247,7 +247,7 @@ void stp_store_close(stp_store* store)
     stp_context* context = store->context;
     stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
     for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
-        stp_free(context, sets[i].memory);
+        stp_store_free_columns(context, &sets[i]);
     }
     for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
         stp_free(context, store->tables[type]);

@@ -43,11 +43,14 @@ typedef struct stp_store_texture_record {
     bool checked;
 } stp_store_texture_record;
 
+/// Memory of a set's columns; src/store/octaves.c.
+typedef struct stp_store_joined stp_store_joined;
+
 typedef struct stp_store_surfels_record {
     stp_surfels surfels;
     uint32_t first_octave, first_breakpoint;
-    uint32_t ready; ///< octaves checked and copied into the columns
-    void* memory;   ///< all columns
+    uint32_t ready;           ///< octaves checked and joined in the columns
+    stp_store_joined* joined; ///< memory of the columns
 } stp_store_surfels_record;
 
 typedef struct stp_store_octave {

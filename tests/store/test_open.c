@@ -92,7 +92,52 @@ void test_store_objects_can_wait(test_state* test)
     stp_context_destroy(context);
 }
 
+// Whether the columns of `a` begin with those of `b`.
+static bool begins_with(const stp_surfels* a, const stp_surfels* b)
+{
+    size_t n = b->count, entries = 0;
+    for (uint32_t k = 0; k < b->octave_count; ++k) {
+        entries += b->octave_ends[k];
+    }
+    return n == 0 || (memcmp(a->positions, b->positions, 6 * n) == 0 &&
+                      memcmp(a->normals, b->normals, 2 * n) == 0 &&
+                      memcmp(a->materials, b->materials, n) == 0 &&
+                      memcmp(a->colors, b->colors, 3 * entries) == 0 &&
+                      memcmp(a->coverages, b->coverages, entries) == 0);
+}
+
 void test_store_surfels_come_octave_by_octave(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_store *store = NULL, *other = NULL;
+    const char* path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip";
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &other));
+    uint32_t sets = stp_store_get_directory(store)->surfels_count, tried = 0;
+    for (uint32_t i = 0; i < sets; ++i) {
+        const stp_surfels* known = stp_store_describe_surfels(store, i);
+        stp_surfels got[STP_OCTAVE_LIMIT + 2], at_once;
+        CHECK_EQUAL(STP_OK, stp_store_get_surfels(other, i, &at_once));
+        for (uint32_t k = 0; k <= known->octave_count + 1; ++k) {
+            CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, k, &got[k]));
+            uint32_t octaves = k < known->octave_count ? k : known->octave_count;
+            CHECK_EQUAL(octaves, got[k].octave_count);
+            CHECK_EQUAL(octaves == 0 ? 0 : known->octave_ends[octaves - 1], got[k].count);
+            CHECK_EQUAL(octaves, stp_store_octaves_for(known, got[k].count));
+            for (uint32_t j = 0; j <= k; ++j) { // earlier answers stay valid
+                CHECK(begins_with(&at_once, &got[j]));
+            }
+            tried += 1;
+        }
+    }
+    CHECK(tried > 4);
+    stp_store_close(store);
+    stp_store_close(other);
+    stp_context_destroy(context);
+}
+
+void test_store_takes_memory_for_what_is_asked(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -100,21 +145,24 @@ void test_store_surfels_come_octave_by_octave(test_state* test)
     CHECK_EQUAL(
         STP_OK,
         stp_store_open(context, STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip", &store));
+    uint64_t open_bytes = stp_context_live_bytes(context);
     uint32_t sets = stp_store_get_directory(store)->surfels_count, tried = 0;
     for (uint32_t i = 0; i < sets; ++i) {
-        const stp_surfels* known = stp_store_describe_surfels(store, i);
-        stp_surfels first = {0}, next;
-        for (uint32_t k = 0; k <= known->octave_count + 1; ++k) {
-            CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, k, &next));
-            uint32_t octaves = k < known->octave_count ? k : known->octave_count;
-            CHECK_EQUAL(octaves, next.octave_count);
-            CHECK_EQUAL(octaves == 0 ? 0 : known->octave_ends[octaves - 1], next.count);
-            first = k == 1 ? next : first;
-            CHECK(k < 1 || next.positions == first.positions); // earlier answers stay valid
+        stp_surfels coarse, fine;
+        CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, 1, &coarse));
+        uint64_t coarse_bytes = stp_context_live_bytes(context) - open_bytes;
+        stp_store_release_surfels(store, i);
+        CHECK_EQUAL(open_bytes, stp_context_live_bytes(context));
+        CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &fine));
+        uint64_t fine_bytes = stp_context_live_bytes(context) - open_bytes;
+        if (fine.octave_count > 2) {
+            CHECK(coarse_bytes < fine_bytes);
             tried += 1;
         }
+        stp_store_release_surfels(store, i);
     }
-    CHECK(tried > 4);
+    CHECK(tried > 0);
+    CHECK_EQUAL(open_bytes, stp_context_live_bytes(context));
     stp_store_close(store);
     stp_context_destroy(context);
 }

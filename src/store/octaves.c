@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+// Surfels: columns joined from the blocks of their octaves, as many as are asked for.
+#include "store/internal.h"
+
+#include <string.h>
+
+// The head of a set's memory. Shorter columns that callers may still hold hang on behind.
+struct stp_store_joined {
+    struct stp_store_joined* older;
+};
+
+void stp_store_cut_surfels(stp_surfels* surfels, uint32_t octave_count)
+{
+    if (octave_count >= surfels->octave_count) {
+        return;
+    }
+    surfels->octave_count = octave_count;
+    surfels->count = octave_count == 0 ? 0 : surfels->octave_ends[octave_count - 1];
+    stp_prefix_table* table = &surfels->table;
+    while (table->size > 0 && table->count[table->size - 1] > surfels->count) {
+        table->size -= 1;
+    }
+    if (surfels->paper_count > surfels->count) { // the estimate needs its prefix
+        surfels->paper_count = 0;
+        surfels->paper_radius = 0.0f;
+    }
+}
+
+uint32_t stp_store_octaves_for(const stp_surfels* surfels, uint32_t count)
+{
+    uint32_t octaves = 0;
+    while (octaves < surfels->octave_count && stp_store_octave_begin(surfels, octaves) < count) {
+        octaves += 1;
+    }
+    return octaves;
+}
+
+void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record)
+{
+    while (record->joined != NULL) {
+        stp_store_joined* older = record->joined->older;
+        stp_free(context, record->joined);
+        record->joined = older;
+    }
+    record->ready = 0;
+    record->surfels.positions = NULL;
+    record->surfels.normals = NULL;
+    record->surfels.materials = NULL;
+    record->surfels.colors = NULL;
+    record->surfels.coverages = NULL;
+}
+
+void stp_store_release_surfels(stp_store* store, uint32_t index)
+{
+    stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
+    if (index < store->directory.surfels_count) {
+        stp_store_free_columns(store->context, &records[index]);
+    }
+}
+
+// The bytes of each column of a whole set.
+static void measure_columns(const stp_surfels* surfels, uint64_t sizes[STP_SURFEL_COLUMNS])
+{
+    uint64_t n = surfels->count;
+    uint64_t entries = stp_store_pyramid_begin(surfels, surfels->octave_count);
+    sizes[STP_SURFEL_POSITIONS] = 6 * n;
+    sizes[STP_SURFEL_NORMALS] = 2 * n;
+    sizes[STP_SURFEL_MATERIALS] = n;
+    sizes[STP_SURFEL_COLORS] = 3 * entries;
+    sizes[STP_SURFEL_COVERAGES] = entries;
+}
+
+// Room for all columns of a set, each 64-byte aligned; no more than a little above its blocks in the file.
+static stp_store_joined* reserve_columns(stp_context* context, stp_surfels* surfels)
+{
+    uint64_t sizes[STP_SURFEL_COLUMNS], offsets[STP_SURFEL_COLUMNS], end = STP_STORE_ALIGNMENT;
+    measure_columns(surfels, sizes);
+    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+        offsets[i] = end;
+        end = stp_store_align(end + sizes[i], STP_STORE_ALIGNMENT);
+    }
+    unsigned char* memory = stp_alloc(context, (size_t)end);
+    if (memory == NULL) {
+        return NULL;
+    }
+    surfels->positions = (uint16_t*)(void*)(memory + offsets[STP_SURFEL_POSITIONS]);
+    surfels->normals = (int8_t*)(memory + offsets[STP_SURFEL_NORMALS]);
+    surfels->materials = memory + offsets[STP_SURFEL_MATERIALS];
+    surfels->colors = memory + offsets[STP_SURFEL_COLORS];
+    surfels->coverages = memory + offsets[STP_SURFEL_COVERAGES];
+    return (stp_store_joined*)(void*)memory;
+}
+
+// Takes over the octaves that were joined before.
+static void copy_columns(stp_surfels* surfels, const stp_surfels* before)
+{
+    uint64_t sizes[STP_SURFEL_COLUMNS];
+    measure_columns(before, sizes);
+    memcpy(surfels->positions, before->positions, (size_t)sizes[STP_SURFEL_POSITIONS]);
+    memcpy(surfels->normals, before->normals, (size_t)sizes[STP_SURFEL_NORMALS]);
+    memcpy(surfels->materials, before->materials, (size_t)sizes[STP_SURFEL_MATERIALS]);
+    memcpy(surfels->colors, before->colors, (size_t)sizes[STP_SURFEL_COLORS]);
+    memcpy(surfels->coverages, before->coverages, (size_t)sizes[STP_SURFEL_COVERAGES]);
+}
+
+// Checks an octave's block and copies its columns to their places.
+static stp_result add_octave(const stp_store* store, uint32_t index, uint32_t octave,
+                             const stp_surfels* surfels)
+{
+    const stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
+    const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
+    uint32_t number = octaves[records[index].first_octave + octave].block;
+    const unsigned char* bytes = NULL;
+    stp_result result = stp_store_verify_block(store, stp_store_block_at(store, number), &bytes);
+    if (result != STP_OK || bytes == NULL) {
+        return result;
+    }
+    stp_store_column c[STP_STORE_COLUMN_LIMIT];
+    stp_store_surfel_columns(surfels, octave, c);
+    stp_store_judge judge = stp_store_own_judge(store);
+    result =
+        stp_store_judge_surfel_data(&judge, index, bytes + c[STP_SURFEL_MATERIALS].offset,
+                                    c[STP_SURFEL_MATERIALS].size, store->directory.shading_count);
+    if (result != STP_OK) {
+        return result;
+    }
+    size_t first = stp_store_octave_begin(surfels, octave);
+    size_t entry = (size_t)stp_store_pyramid_begin(surfels, octave);
+    void* targets[STP_SURFEL_COLUMNS] = {
+        [STP_SURFEL_POSITIONS] = surfels->positions + 3 * first,
+        [STP_SURFEL_NORMALS] = surfels->normals + 2 * first,
+        [STP_SURFEL_MATERIALS] = surfels->materials + first,
+        [STP_SURFEL_COLORS] = surfels->colors + 3 * entry,
+        [STP_SURFEL_COVERAGES] = surfels->coverages + entry,
+    };
+    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+        memcpy(targets[i], bytes + c[i].offset, (size_t)c[i].size);
+    }
+    return STP_OK;
+}
+
+// Joins the first `octave_count` octaves, more than there are ready, in new memory.
+static stp_result join_octaves(stp_store* store, uint32_t index, uint32_t octave_count)
+{
+    stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
+    stp_store_surfels_record* record = &records[index];
+    stp_surfels made = record->surfels, before = record->surfels;
+    stp_store_cut_surfels(&made, octave_count);
+    stp_store_cut_surfels(&before, record->ready);
+    stp_store_joined* joined = reserve_columns(store->context, &made);
+    if (joined == NULL) {
+        return stp_fail_memory(store->context);
+    }
+    if (record->ready != 0) {
+        copy_columns(&made, &before);
+    }
+    for (uint32_t octave = record->ready; octave < octave_count; ++octave) {
+        stp_result result = add_octave(store, index, octave, &made);
+        if (result != STP_OK) {
+            stp_free(store->context, joined);
+            return result;
+        }
+    }
+    joined->older = record->joined;
+    record->joined = joined;
+    record->ready = octave_count;
+    record->surfels.positions = made.positions;
+    record->surfels.normals = made.normals;
+    record->surfels.materials = made.materials;
+    record->surfels.colors = made.colors;
+    record->surfels.coverages = made.coverages;
+    return STP_OK;
+}
+
+stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index, uint32_t octave_count,
+                                        stp_surfels* surfels)
+{
+    if (index >= store->directory.surfels_count) {
+        return stp_store_fail_index(store, "surfel set", index);
+    }
+    const stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
+    const stp_store_surfels_record* record = &records[index];
+    if (octave_count > record->surfels.octave_count) {
+        octave_count = record->surfels.octave_count;
+    }
+    if (octave_count > record->ready) {
+        stp_result result = join_octaves(store, index, octave_count);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    *surfels = record->surfels;
+    stp_store_cut_surfels(surfels, octave_count);
+    return STP_OK;
+}
+
+stp_result stp_store_get_surfels(stp_store* store, uint32_t index, stp_surfels* surfels)
+{
+    return stp_store_get_surfels_prefix(store, index, STP_OCTAVE_LIMIT, surfels);
+}
