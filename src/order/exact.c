@@ -21,6 +21,7 @@
 enum {
     FRONT_ALL = 4096, // sets up to this size are one front
     PUSH_SIZE = 2048, // chosen points told to the tree at a time
+    AHEAD = 12,       // points whose memory is asked for before it is needed
     TASK_COUNT = 32,  // least number of subtrees that threads share
 };
 
@@ -65,11 +66,21 @@ static stp_chosen point_at(const stp_tree* tree, uint32_t position)
 static void emit(greedy* g, uint32_t position, float gap)
 {
     stp_order_output* out = g->output;
-    out->order[out->ordered] = g->ids[position];
+    out->order[out->ordered] = position; // becomes the point's number later: see name_chosen
     if (out->radii != NULL) {
         out->radii[out->ordered] = sqrtf(gap) / g->points->scale;
     }
     out->ordered += 1;
+}
+
+// Turns positions into numbers of points, from the `first` one on. Done for many at once, the waits for
+// memory overlap; done while choosing, each would hold up the next choice.
+static void name_chosen(greedy* g, const uint32_t* numbers, uint32_t first)
+{
+    uint32_t* order = g->output->order;
+    for (uint32_t i = first; i < g->output->ordered; ++i) {
+        order[i] = numbers[order[i]];
+    }
 }
 
 // Number of positions below one branch of a level.
@@ -118,11 +129,24 @@ static void collect_front(greedy* g, float floor)
     g->front_count = count;
 }
 
+static void prefetch_point(const stp_tree* tree, uint32_t position)
+{
+    const stp_leaf* leaf = &tree->leaves[position / STP_LEAF_SIZE];
+    uint32_t lane = position % STP_LEAF_SIZE;
+    __builtin_prefetch(&leaf->x[lane]);
+    __builtin_prefetch(&leaf->y[lane]);
+    __builtin_prefetch(&leaf->z[lane]);
+    __builtin_prefetch(&leaf->gap[lane]);
+}
+
 static void run_fill_front(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     greedy* g = user;
     for (size_t i = begin; i < end; ++i) {
+        if (i + AHEAD < end) {
+            prefetch_point(&g->tree, g->positions[i + AHEAD]);
+        }
         uint32_t position = g->positions[i], from = position % STP_LEAF_SIZE,
                  to = i % STP_LEAF_SIZE;
         const stp_leaf* source = &g->tree.leaves[position / STP_LEAF_SIZE];
@@ -176,15 +200,17 @@ static stp_result build_front(greedy* g)
 static float choose_from_front(greedy* g)
 {
     float gap = stp_tree_gap(&g->front);
-    uint32_t count = 0;
+    uint32_t count = 0, before = g->output->ordered;
     while (gap >= g->floor && g->output->ordered < g->output->wanted) {
         uint32_t at = g->kernels->farthest(&g->front);
-        emit(g, g->positions[at], gap);
+        emit(g, at, gap);
         g->is_chosen[at] = 1;
         count += 1;
         stp_chosen point = point_at(&g->front, at);
         gap = g->kernels->insert(&g->front, &point, g->floor);
     }
+    name_chosen(g, g->positions, before);
+    name_chosen(g, g->ids, before);
     // told to the tree along the curve: near points touch the same leaves
     g->first_chosen += g->chosen_count;
     g->chosen_count = 0;
@@ -271,6 +297,7 @@ static void choose_first(greedy* g)
 {
     uint32_t position = nearest_to_centre(g);
     emit(g, position, INFINITY);
+    name_chosen(g, g->ids, 0);
     g->chosen[0] = point_at(&g->tree, position);
     g->chosen_count = 1;
     push_chosen(g);

@@ -23,6 +23,26 @@ static inline eight outside(eight low, eight high, eight at)
     return eight_max(eight_set(0.0f), eight_max(eight_sub(low, at), eight_sub(at, high)));
 }
 
+// Squared distance from a point to the farthest corner of each child's box: no point in it is farther.
+static inline eight farthest_corner(const stp_branch* branch, point_eight at)
+{
+    eight x = eight_max(eight_sub(at.x, eight_load(branch->low_x)),
+                        eight_sub(eight_load(branch->high_x), at.x));
+    eight y = eight_max(eight_sub(at.y, eight_load(branch->low_y)),
+                        eight_sub(eight_load(branch->high_y), at.y));
+    eight z = eight_max(eight_sub(at.z, eight_load(branch->low_z)),
+                        eight_sub(eight_load(branch->high_z), at.z));
+    return eight_add(eight_add(eight_mul(x, x), eight_mul(y, y)), eight_mul(z, z));
+}
+
+// Lowers the gaps of the children in `mask` to what the point leaves of them at most.
+static inline void bound_gaps(stp_branch* branch, point_eight at, uint32_t mask)
+{
+    eight gap = eight_load(branch->gap);
+    eight bound = eight_min(gap, farthest_corner(branch, at));
+    eight_store(branch->gap, eight_blend(gap, bound, mask));
+}
+
 // The children that a point at `at` may change.
 static inline uint32_t reached(const stp_branch* branch, point_eight at)
 {
@@ -120,6 +140,23 @@ static inline uint32_t judge_facing(const stp_tree* tree, const stp_branch* bran
     return mask & ~(all_away & ~waiting);
 }
 
+// Asks for memory before it is needed. Most of the time goes into waiting for leaves.
+static inline void prefetch_bytes(const void* from, size_t size)
+{
+    for (size_t i = 0; i < size; i += 64) {
+        __builtin_prefetch((const char*)from + i, 1);
+    }
+}
+
+static inline void prefetch_leaf(const stp_tree* tree, uint32_t leaf)
+{
+    if (tree->pending[leaf].count != 0) {
+        prefetch_bytes(&tree->leaves[leaf], sizeof(stp_leaf));
+    } else {
+        prefetch_bytes(&tree->leaves[leaf].gap, sizeof(tree->leaves[leaf].gap));
+    }
+}
+
 static void push_to_leaves(stp_tree* tree, uint32_t index, const stp_chosen* chosen,
                            const uint32_t* list, uint32_t count)
 {
@@ -131,6 +168,7 @@ static void push_to_leaves(stp_tree* tree, uint32_t index, const stp_chosen* cho
         if (facing != NULL && mask != 0) {
             mask = judge_facing(tree, branch, facing, point, mask, &mixed);
         }
+        bound_gaps(branch, spread(point), mask & ~mixed);
         for (; mask != 0; mask &= mask - 1) {
             uint32_t child = lowest_bit(mask), leaf = index * STP_BRANCH_SIZE + child;
             stp_pending* pending = &tree->pending[leaf];
@@ -154,9 +192,20 @@ static void push(stp_tree* tree, uint32_t level, uint32_t index, const stp_chose
     uint32_t counts[STP_BRANCH_SIZE] = {0};
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t mask = reached(branch, spread(&chosen[list[i]]));
+        if (tree->normals == NULL) {
+            bound_gaps(branch, spread(&chosen[list[i]]), mask);
+        }
         for (; mask != 0; mask &= mask - 1) {
             uint32_t child = lowest_bit(mask);
             scratch[(size_t)child * count + counts[child]++] = list[i];
+        }
+    }
+    for (uint32_t child = 0; child < STP_BRANCH_SIZE && level == 1; ++child) {
+        if (counts[child] != 0) {
+            uint32_t below = index * STP_BRANCH_SIZE + child;
+            prefetch_bytes(&tree->levels[0][below], sizeof(stp_branch));
+            prefetch_bytes(&tree->pending[(size_t)below * STP_BRANCH_SIZE],
+                           STP_BRANCH_SIZE * sizeof(stp_pending));
         }
     }
     uint32_t* deeper = scratch + (size_t)STP_BRANCH_SIZE * count;
@@ -180,25 +229,63 @@ static uint32_t collect_leaf(const stp_leaf* leaf, uint32_t first, float floor, 
     return count;
 }
 
+// Collects from the leaves below a few neighbouring branches of level 0. First their pending lines are asked
+// for, then a few leaves ahead of the one at work.
+static uint32_t collect_leaves(stp_tree* tree, uint32_t first, uint32_t count,
+                               const stp_chosen* chosen, float floor, uint32_t* positions)
+{
+    enum { AHEAD = 4 };
+    uint32_t leaves[STP_BRANCH_SIZE * STP_BRANCH_SIZE], leaf_count = 0, found = 0;
+    for (uint32_t index = first; index < first + count; ++index) {
+        uint32_t below = eight_less(eight_load(tree->levels[0][index].gap), eight_set(floor));
+        for (uint32_t mask = ~below & 0xFF; mask != 0; mask &= mask - 1) {
+            leaves[leaf_count] = index * STP_BRANCH_SIZE + lowest_bit(mask);
+            __builtin_prefetch(&tree->pending[leaves[leaf_count++]], 1);
+        }
+    }
+    for (uint32_t i = 0; i < leaf_count + AHEAD; ++i) {
+        if (i < leaf_count) {
+            prefetch_leaf(tree, leaves[i]);
+        }
+        if (i < AHEAD) {
+            continue;
+        }
+        uint32_t leaf = leaves[i - AHEAD];
+        float* gap = &tree->levels[0][leaf / STP_BRANCH_SIZE].gap[leaf % STP_BRANCH_SIZE];
+        if (tree->pending[leaf].count != 0) {
+            *gap = catch_up(tree, leaf, chosen, *gap);
+        }
+        if (*gap >= floor) {
+            found +=
+                collect_leaf(&tree->leaves[leaf], leaf * STP_LEAF_SIZE, floor, positions + found);
+        }
+    }
+    return found;
+}
+
 static uint32_t collect(stp_tree* tree, uint32_t level, uint32_t index, const stp_chosen* chosen,
                         float floor, uint32_t* positions)
 {
+    if (level == 0) {
+        return collect_leaves(tree, index, 1, chosen, floor, positions);
+    }
     stp_branch* branch = &tree->levels[level][index];
-    uint32_t mask = ~eight_less(eight_load(branch->gap), eight_set(floor)) & 0xFF, count = 0;
+    uint32_t below = index * STP_BRANCH_SIZE, size = tree->level_sizes[level - 1], count = 0;
+    uint32_t mask = ~eight_less(eight_load(branch->gap), eight_set(floor)) & 0xFF;
+    if (mask == 0) {
+        return 0;
+    }
+    if (level == 1) {
+        size = size - below < STP_BRANCH_SIZE ? size - below : STP_BRANCH_SIZE;
+        count = collect_leaves(tree, below, size, chosen, floor, positions);
+        mask = (1u << size) - 1;
+    }
     for (; mask != 0; mask &= mask - 1) {
-        uint32_t child = lowest_bit(mask), below = index * STP_BRANCH_SIZE + child;
-        if (level != 0) {
-            count += collect(tree, level - 1, below, chosen, floor, positions + count);
-            branch->gap[child] = eight_highest(eight_load(tree->levels[level - 1][below].gap));
-        } else {
-            if (tree->pending[below].count != 0) {
-                branch->gap[child] = catch_up(tree, below, chosen, branch->gap[child]);
-            }
-            if (branch->gap[child] >= floor) {
-                count += collect_leaf(&tree->leaves[below], below * STP_LEAF_SIZE, floor,
-                                      positions + count);
-            }
+        uint32_t child = lowest_bit(mask);
+        if (level > 1) {
+            count += collect(tree, level - 1, below + child, chosen, floor, positions + count);
         }
+        branch->gap[child] = eight_highest(eight_load(tree->levels[level - 1][below + child].gap));
     }
     return count;
 }
