@@ -40,6 +40,7 @@ static stp_result order_points(const stp_points* points, const stp_team* team,
     case STP_ORDER_PAPER_FAST:
     case STP_ORDER_PAPER_TEXT:
     case STP_ORDER_BEST_OF_K:
+        return stp_order_sampled(points, team, desc, output);
     case STP_ORDER_EXACT:
         break;
     }

@@ -19,3 +19,5 @@ typedef struct stp_order_output {
 // Each fills the output. @return STP_OK, or STP_ERROR_OUT_OF_MEMORY or STP_ERROR_CANCELLED (logged)
 STP_MUST_USE stp_result stp_order_exact(const stp_points* points, const stp_team* team,
                                         const stp_order_desc* desc, stp_order_output* output);
+STP_MUST_USE stp_result stp_order_sampled(const stp_points* points, const stp_team* team,
+                                          const stp_order_desc* desc, stp_order_output* output);

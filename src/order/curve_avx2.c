@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: MIT
+// The curve's kernels, avx2.
+#if defined(__x86_64__)
+#define KERNELS stp_curve_kernels_avx2
+#include "order/curve_kernels.h"
+#else
+typedef int no_curve_here;
+#endif

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+// The grid's search, avx2.
+#if defined(__x86_64__)
+#include "order/vector_avx2.h"
+
+#define NEAREST stp_grid_nearest_avx2
+#include "order/grid_kernels.h"
+#else
+typedef int no_search_here;
+#endif

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: MIT
+// The grid's search, in plain C.
+#include "order/vector_portable.h"
+
+#define NEAREST stp_grid_nearest_portable
+#include "order/grid_kernels.h"

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+//
+// Points along a Morton curve, into the leaves of a tree. First all points are dealt out to 16^3 cells, together
+// with their positions so that later reading is sequential; then each cell is sorted on its own, in cache, and
+// turned into leaves. A leaf of 32 points takes as many bytes as 32 records, so all of this happens in the memory
+// of the leaves: a leaf is written when the records in its place have been read.
+#include "base/math.h"
+#include "base/processor.h"
+#include "base/sort.h"
+#include "order/curve.h"
+#include "order/points.h"
+
+#include <string.h>
+
+enum {
+    CHUNK_SIZE = 1 << 16, // points dealt out by one thread at a time
+    TASK_CELLS = 8,       // cells sorted by one thread at a time
+    TASKS = STP_CURVE_CELLS / TASK_CELLS,
+};
+
+_Static_assert(sizeof(stp_leaf) == STP_LEAF_SIZE * sizeof(stp_record), "sorted in place");
+
+// The points of leaves that a task shares with its neighbours.
+typedef struct shared_leaves {
+    stp_record first[STP_LEAF_SIZE], last[STP_LEAF_SIZE]; // by lane
+} shared_leaves;
+
+typedef struct sort_job {
+    const stp_points* points;
+    const stp_curve_kernels* kernels;
+    stp_curve curve;
+    stp_tree* tree;
+    stp_record* records; // in the memory of the leaves
+    uint32_t* ids;
+    uint16_t* cells;       // of each point
+    uint32_t* offsets;     // [chunk][cell]: where the chunk's next point of that cell goes
+    uint32_t* starts;      // [cell], and the end
+    shared_leaves* shared; // [task]
+    uint64_t* items;       // [worker][2][largest cell]
+    stp_record* copies;    // [worker][largest cell]
+    size_t largest;
+} sort_job;
+
+const stp_curve_kernels* stp_curve_kernels_select(void)
+{
+#if defined(__x86_64__)
+    stp_processor processor = stp_processor_detect();
+    if (processor == STP_PROCESSOR_AVX512) {
+        return &stp_curve_kernels_avx512;
+    }
+    if (processor == STP_PROCESSOR_AVX2) {
+        return &stp_curve_kernels_avx2;
+    }
+#endif
+    return &stp_curve_kernels_portable;
+}
+
+static void count_cells(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const sort_job* job = user;
+    uint32_t* counts = job->offsets + begin / CHUNK_SIZE * STP_CURVE_CELLS;
+    memset(counts, 0, STP_CURVE_CELLS * sizeof(counts[0]));
+    enum { BLOCK = 512 };
+    for (size_t block = begin; block < end; block += BLOCK) {
+        size_t block_end = end - block < BLOCK ? end : block + BLOCK;
+        job->kernels->cells(&job->curve, job->points->positions + 3 * block, block_end - block,
+                            job->cells + block);
+        for (size_t i = block; i < block_end; ++i) {
+            counts[job->cells[i]] += 1;
+        }
+    }
+}
+
+// Turns counts into places.
+static void place_cells(sort_job* job, size_t chunks)
+{
+    uint32_t sum = 0;
+    for (size_t cell = 0; cell < STP_CURVE_CELLS; ++cell) {
+        job->starts[cell] = sum;
+        for (size_t chunk = 0; chunk < chunks; ++chunk) {
+            uint32_t* entry = &job->offsets[chunk * STP_CURVE_CELLS + cell];
+            uint32_t count = *entry;
+            *entry = sum;
+            sum += count;
+        }
+        uint32_t size = sum - job->starts[cell];
+        job->largest = job->largest > size ? job->largest : size;
+    }
+    job->starts[STP_CURVE_CELLS] = sum;
+}
+
+static void deal_out(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const sort_job* job = user;
+    uint32_t* next = job->offsets + begin / CHUNK_SIZE * STP_CURVE_CELLS;
+    float scale = job->curve.scale;
+    for (size_t i = begin; i < end; ++i) {
+        const float* p = job->points->positions + 3 * i;
+        job->records[next[job->cells[i]]++] =
+            (stp_record){p[0] * scale, p[1] * scale, p[2] * scale, (uint32_t)i};
+    }
+}
+
+// Sorts items by their upper halves; equal ones keep their order.
+static uint64_t* sort_items(uint64_t* items, uint64_t* scratch, size_t count, unsigned bits)
+{
+    if (count > 48) {
+        return stp_sort_u64(items, scratch, count, 32, bits);
+    }
+    for (size_t i = 1; i < count; ++i) { // lower halves ascend, so whole items may be compared
+        uint64_t item = items[i];
+        size_t at = i;
+        for (; at > 0 && items[at - 1] > item; --at) {
+            items[at] = items[at - 1];
+        }
+        items[at] = item;
+    }
+    return items;
+}
+
+// Sorts runs of equal items that do not fit in a leaf by the remaining bits.
+static void refine_runs(const sort_job* job, const stp_record* records, uint64_t* items,
+                        uint64_t* scratch, size_t count)
+{
+    for (size_t begin = 0, end; begin < count; begin = end) {
+        for (end = begin + 1; end < count && items[end] >> 32 == items[begin] >> 32; ++end) {
+        }
+        if (end - begin <= STP_LEAF_SIZE) {
+            continue;
+        }
+        uint64_t* run = items + begin;
+        for (size_t i = 0; i < end - begin; ++i) {
+            uint32_t index = (uint32_t)run[i];
+            const stp_record* r = &records[index];
+            uint64_t place =
+                stp_curve_place(&job->curve, r->x, r->y, r->z, 0, STP_CURVE_FINEST_BITS);
+            run[i] = place << 32 | index;
+        }
+        uint64_t* sorted = sort_items(run, scratch, end - begin, 3 * STP_CURVE_FINEST_BITS);
+        if (sorted != run) {
+            memcpy(run, sorted, (end - begin) * sizeof(run[0]));
+        }
+    }
+}
+
+static void write_lane(const sort_job* job, uint32_t index, uint32_t lane, stp_record r)
+{
+    stp_leaf* leaf = &job->tree->leaves[index];
+    leaf->x[lane] = r.x;
+    leaf->y[lane] = r.y;
+    leaf->z[lane] = r.z;
+    leaf->gap[lane] = INFINITY;
+    if (job->tree->normals != NULL) {
+        const float* n = job->points->normals + 3 * (size_t)r.id;
+        stp_leaf_normals* normals = &job->tree->normals[index];
+        normals->x[lane] = n[0];
+        normals->y[lane] = n[1];
+        normals->z[lane] = n[2];
+    }
+}
+
+static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const sort_job* job = user;
+    uint64_t* items = job->items + (size_t)worker * 2 * job->largest;
+    uint64_t* scratch = items + job->largest;
+    stp_record* copies = job->copies + (size_t)worker * job->largest;
+    shared_leaves* shared = &job->shared[begin / TASK_CELLS];
+    // whole leaves are from `own` to `foreign`; what comes before and after is shared
+    uint32_t position = job->starts[begin];
+    uint32_t own = (uint32_t)(((uint64_t)position + STP_LEAF_SIZE - 1) / STP_LEAF_SIZE);
+    uint32_t foreign = job->starts[end] / STP_LEAF_SIZE;
+    stp_record leaf[STP_LEAF_SIZE];
+    for (size_t cell = begin; cell < end; ++cell) {
+        uint32_t first = job->starts[cell];
+        size_t count = job->starts[cell + 1] - first;
+        memcpy(copies, job->records + first, count * sizeof(copies[0]));
+        job->kernels->places(&job->curve, copies, count, items);
+        uint64_t* sorted = sort_items(items, scratch, count, 3 * STP_CURVE_FINE_BITS);
+        refine_runs(job, copies, sorted, sorted == items ? scratch : items, count);
+        for (size_t i = 0; i < count; ++i, ++position) {
+            stp_record r = copies[(uint32_t)sorted[i]];
+            uint32_t lane = position % STP_LEAF_SIZE, index = position / STP_LEAF_SIZE;
+            job->ids[position] = r.id;
+            stp_record* to = index < own ? shared->first : index < foreign ? leaf : shared->last;
+            to[lane] = r;
+            if (job->tree->normals != NULL) {
+                __builtin_prefetch(job->points->normals + 3 * (size_t)r.id);
+            }
+            if (to == leaf && lane == STP_LEAF_SIZE - 1) {
+                for (lane = 0; lane < STP_LEAF_SIZE; ++lane) {
+                    write_lane(job, index, lane, leaf[lane]);
+                }
+            }
+        }
+    }
+}
+
+// Fills the leaves that tasks share, now that all records have been read.
+static void write_shared(const sort_job* job)
+{
+    for (size_t task = 0; task < TASKS; ++task) {
+        const shared_leaves* shared = &job->shared[task];
+        uint32_t position = job->starts[task * TASK_CELLS],
+                 end = job->starts[(task + 1) * TASK_CELLS];
+        for (; position < end && position % STP_LEAF_SIZE != 0; ++position) {
+            uint32_t lane = position % STP_LEAF_SIZE;
+            write_lane(job, position / STP_LEAF_SIZE, lane, shared->first[lane]);
+        }
+        uint32_t last = end - end % STP_LEAF_SIZE;
+        for (position = position > last ? position : last; position < end; ++position) {
+            uint32_t lane = position % STP_LEAF_SIZE;
+            write_lane(job, position / STP_LEAF_SIZE, lane, shared->last[lane]);
+        }
+    }
+}
+
+static void sort_free(stp_context* context, sort_job* job)
+{
+    stp_free(context, job->cells);
+    stp_free(context, job->offsets);
+    stp_free(context, job->starts);
+    stp_free(context, job->shared);
+    stp_free(context, job->items);
+    stp_free(context, job->copies);
+}
+
+static stp_curve make_curve(const stp_points* points)
+{
+    stp_vec3 low = stp_scale(points->box.min, points->scale);
+    stp_vec3 size = stp_sub(stp_scale(points->box.max, points->scale), low);
+    float extent = stp_max(stp_max(size.x, size.y), size.z);
+    // half a cell less than the box, so that no rounding leads out of it
+    float cells = (float)(1u << STP_CURVE_BITS) - 0.5f;
+    return (stp_curve){points->scale, extent > 0.0f ? cells / extent : 0.0f, {low.x, low.y, low.z}};
+}
+
+stp_result stp_points_sort(const stp_points* points, const stp_team* team, stp_tree* tree,
+                           uint32_t* ids)
+{
+    stp_context* context = team->context;
+    size_t chunks = ((size_t)points->count + CHUNK_SIZE - 1) / CHUNK_SIZE;
+    sort_job job = {
+        .points = points,
+        .kernels = stp_curve_kernels_select(),
+        .curve = make_curve(points),
+        .tree = tree,
+        .records = (stp_record*)(void*)tree->leaves,
+        .ids = ids,
+    };
+    job.cells = STP_NEW_ARRAY(context, uint16_t, points->count);
+    job.offsets = STP_NEW_ARRAY(context, uint32_t, chunks * STP_CURVE_CELLS);
+    job.starts = STP_NEW_ARRAY(context, uint32_t, STP_CURVE_CELLS + 1);
+    job.shared = STP_NEW_ARRAY(context, shared_leaves, TASKS);
+    if (job.cells == NULL || job.offsets == NULL || job.starts == NULL || job.shared == NULL) {
+        sort_free(context, &job);
+        return stp_fail_memory(context);
+    }
+    stp_team_run(team, points->count, CHUNK_SIZE, count_cells, &job);
+    place_cells(&job, chunks);
+    job.items = STP_NEW_ARRAY(context, uint64_t, 2 * job.largest * team->threads);
+    job.copies = STP_NEW_ARRAY(context, stp_record, job.largest * team->threads);
+    if (job.items == NULL || job.copies == NULL) {
+        sort_free(context, &job);
+        return stp_fail_memory(context);
+    }
+    stp_team_run(team, points->count, CHUNK_SIZE, deal_out, &job);
+    stp_team_run(team, STP_CURVE_CELLS, TASK_CELLS, sort_cells, &job);
+    write_shared(&job);
+    sort_free(context, &job);
+    return STP_OK;
+}
