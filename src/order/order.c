@@ -1,42 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "base/clock.h"
-#include "base/rng.h"
 #include "order/order_kinds.h"
 
 #include <math.h>
-
-// A random permutation's beginning: each place swaps with a random later one (Fisher and Yates;
-// Durstenfeld 1964).
-static stp_result order_random(const stp_points* points, const stp_team* team,
-                               const stp_order_desc* desc, stp_order_output* output)
-{
-    double start = stp_clock_ms();
-    uint32_t* ids = STP_NEW_ARRAY(team->context, uint32_t, points->count);
-    if (ids == NULL) {
-        return stp_fail_memory(team->context);
-    }
-    for (uint32_t i = 0; i < points->count; ++i) {
-        ids[i] = i;
-    }
-    for (uint32_t i = 0; i < output->wanted; ++i) {
-        uint32_t other = i + stp_rng_below(desc->seed, i, points->count - i);
-        uint32_t id = ids[other];
-        ids[other] = ids[i];
-        ids[i] = id;
-        output->order[i] = id;
-    }
-    output->ordered = output->wanted;
-    stp_free(team->context, ids);
-    output->report.order_ms = stp_clock_ms() - start;
-    return STP_OK;
-}
 
 static stp_result order_points(const stp_points* points, const stp_team* team,
                                const stp_order_desc* desc, stp_order_output* output)
 {
     switch (desc->kind) {
     case STP_ORDER_RANDOM:
-        return order_random(points, team, desc, output);
+        return stp_order_random(points, team, desc, output);
     case STP_ORDER_PAPER_FAST:
     case STP_ORDER_PAPER_TEXT:
     case STP_ORDER_BEST_OF_K:

@@ -21,3 +21,5 @@ STP_MUST_USE stp_result stp_order_exact(const stp_points* points, const stp_team
                                         const stp_order_desc* desc, stp_order_output* output);
 STP_MUST_USE stp_result stp_order_sampled(const stp_points* points, const stp_team* team,
                                           const stp_order_desc* desc, stp_order_output* output);
+STP_MUST_USE stp_result stp_order_random(const stp_points* points, const stp_team* team,
+                                         const stp_order_desc* desc, stp_order_output* output);

@@ -13,6 +13,13 @@ typedef struct stp_points {
         scale; ///< a power of two: positions times it span about 1, so that squares cannot overflow
 } stp_points;
 
+/// A point's position, scaled.
+static inline stp_vec3 stp_points_scaled(const stp_points* points, uint32_t id)
+{
+    const float* p = points->positions + 3 * (size_t)id;
+    return (stp_vec3){p[0] * points->scale, p[1] * points->scale, p[2] * points->scale};
+}
+
 /// Finds box and scale. @return STP_OK, or STP_ERROR_ARGUMENT where a position is not finite
 /// (logged)
 STP_MUST_USE stp_result stp_points_measure(stp_points* points, const stp_team* team);

@@ -16,7 +16,7 @@
 #include "base/clock.h"
 #include "base/math.h"
 #include "base/rng.h"
-#include "order/grid.h"
+#include "order/cover.h"
 #include "order/order_kinds.h"
 
 #include <string.h>
@@ -76,12 +76,6 @@ static void end_round(schedule* plan)
     }
 }
 
-static stp_vec3 scaled_position(const stp_points* points, uint32_t id)
-{
-    const float* p = points->positions + 3 * (size_t)id;
-    return (stp_vec3){p[0] * points->scale, p[1] * points->scale, p[2] * points->scale};
-}
-
 // Draws `count` of the input without repetition; they end up at its end.
 static void draw(sampler* s, uint32_t count)
 {
@@ -97,7 +91,7 @@ static void draw(sampler* s, uint32_t count)
         __builtin_prefetch(s->points->positions + 3 * (size_t)id);
     }
     for (uint32_t i = 0; i < count; ++i) {
-        stp_vec3 p = scaled_position(s->points, s->input[s->left - count + i]);
+        stp_vec3 p = stp_points_scaled(s->points, s->input[s->left - count + i]);
         s->positions[3 * i] = p.x;
         s->positions[3 * i + 1] = p.y;
         s->positions[3 * i + 2] = p.z;
@@ -232,10 +226,7 @@ static stp_result sampler_create(sampler* s)
         s->input[i] = i;
     }
     s->left = count;
-    stp_vec3 low = stp_scale(s->points->box.min, s->points->scale);
-    stp_vec3 size = stp_sub(stp_scale(s->points->box.max, s->points->scale), low);
-    return stp_grid_create(context, &s->grid, (float[3]){low.x, low.y, low.z},
-                           stp_max(stp_max(size.x, size.y), size.z));
+    return stp_cover_create_grid(s->points, context, &s->grid);
 }
 
 static void sampler_destroy(sampler* s)
@@ -248,27 +239,6 @@ static void sampler_destroy(sampler* s)
     stp_free(s->context, s->squared);
     stp_free(s->context, s->ranking);
     stp_free(s->context, s->fate);
-}
-
-// The farthest any point lies from the order.
-static float measure_final_radius(const sampler* s)
-{
-    enum { BATCH = 256 };
-    float positions[3 * BATCH], squared[BATCH], most = 0.0f;
-    for (uint32_t begin = 0; begin < s->points->count; begin += BATCH) {
-        uint32_t count = s->points->count - begin < BATCH ? s->points->count - begin : BATCH;
-        for (uint32_t i = 0; i < count; ++i) {
-            stp_vec3 p = scaled_position(s->points, begin + i);
-            positions[3 * i] = p.x;
-            positions[3 * i + 1] = p.y;
-            positions[3 * i + 2] = p.z;
-        }
-        s->nearest(&s->grid, positions, count, squared);
-        for (uint32_t i = 0; i < count; ++i) {
-            most = stp_max(most, squared[i]);
-        }
-    }
-    return sqrtf(most) / s->points->scale;
 }
 
 static stp_result run_rounds(sampler* s)
@@ -313,7 +283,7 @@ stp_result stp_order_sampled(const stp_points* points, const stp_team* team,
     output->report.index_ms = created - start;
     output->report.order_ms = stp_clock_ms() - created;
     if (result == STP_OK && output->final_radius != NULL) {
-        *output->final_radius = measure_final_radius(&s);
+        result = stp_cover_radius(points, team, &s.grid, output->final_radius);
     }
     sampler_destroy(&s);
     return result;

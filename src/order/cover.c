@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "order/cover.h"
+
+#include "base/math.h"
+
+enum { GRAIN = 1 << 14, BATCH = 256 };
+
+stp_result stp_cover_create_grid(const stp_points* points, stp_context* context, stp_grid* grid)
+{
+    stp_vec3 low = stp_scale(points->box.min, points->scale);
+    stp_vec3 size = stp_sub(stp_scale(points->box.max, points->scale), low);
+    return stp_grid_create(context, grid, (float[3]){low.x, low.y, low.z},
+                           stp_max(stp_max(size.x, size.y), size.z));
+}
+
+typedef struct cover_job {
+    const stp_points* points;
+    const stp_grid* grid;
+    stp_grid_nearest nearest;
+    float* farthest; // squared, of each piece
+} cover_job;
+
+static void cover_piece(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const cover_job* job = user;
+    float positions[3 * BATCH], squared[BATCH], most = 0.0f;
+    for (size_t batch = begin; batch < end; batch += BATCH) {
+        uint32_t count = (uint32_t)(end - batch < BATCH ? end - batch : BATCH);
+        for (uint32_t i = 0; i < count; ++i) {
+            stp_vec3 p = stp_points_scaled(job->points, (uint32_t)batch + i);
+            positions[3 * i] = p.x;
+            positions[3 * i + 1] = p.y;
+            positions[3 * i + 2] = p.z;
+        }
+        job->nearest(job->grid, positions, count, squared);
+        for (uint32_t i = 0; i < count; ++i) {
+            most = stp_max(most, squared[i]);
+        }
+    }
+    job->farthest[begin / GRAIN] = most;
+}
+
+stp_result stp_cover_radius(const stp_points* points, const stp_team* team, const stp_grid* grid,
+                            float* radius)
+{
+    size_t pieces = ((size_t)points->count + GRAIN - 1) / GRAIN;
+    float* farthest = STP_NEW_ARRAY(team->context, float, pieces);
+    if (farthest == NULL) {
+        return stp_fail_memory(team->context);
+    }
+    cover_job job = {points, grid, stp_grid_nearest_select(), farthest};
+    stp_team_run(team, points->count, GRAIN, cover_piece, &job);
+    float most = 0.0f;
+    for (size_t i = 0; i < pieces; ++i) {
+        most = stp_max(most, farthest[i]);
+    }
+    stp_free(team->context, farthest);
+    *radius = sqrtf(most) / points->scale;
+    return STP_OK;
+}
