@@ -5,18 +5,19 @@
 
 enum { GRAIN = 1 << 14, BATCH = 256 };
 
-stp_result stp_cover_create_grid(const stp_points* points, stp_context* context, stp_grid* grid)
+stp_result stp_cover_create_grid(const stp_points* points, stp_context* context,
+                                 stp_near_grid* grid)
 {
     stp_vec3 low = stp_scale(points->box.min, points->scale);
     stp_vec3 size = stp_sub(stp_scale(points->box.max, points->scale), low);
-    return stp_grid_create(context, grid, (float[3]){low.x, low.y, low.z},
-                           stp_max(stp_max(size.x, size.y), size.z));
+    return stp_near_grid_create(context, grid, (float[3]){low.x, low.y, low.z},
+                                stp_max(stp_max(size.x, size.y), size.z));
 }
 
 typedef struct cover_job {
     const stp_points* points;
-    const stp_grid* grid;
-    stp_grid_nearest nearest;
+    const stp_near_grid* grid;
+    stp_near_grid_nearest nearest;
     float* farthest; // squared, of each piece
 } cover_job;
 
@@ -41,15 +42,15 @@ static void cover_piece(size_t begin, size_t end, uint32_t worker, void* user)
     job->farthest[begin / GRAIN] = most;
 }
 
-stp_result stp_cover_radius(const stp_points* points, const stp_team* team, const stp_grid* grid,
-                            float* radius)
+stp_result stp_cover_radius(const stp_points* points, const stp_team* team,
+                            const stp_near_grid* grid, float* radius)
 {
     size_t pieces = ((size_t)points->count + GRAIN - 1) / GRAIN;
     float* farthest = STP_NEW_ARRAY(team->context, float, pieces);
     if (farthest == NULL) {
         return stp_fail_memory(team->context);
     }
-    cover_job job = {points, grid, stp_grid_nearest_select(), farthest};
+    cover_job job = {points, grid, stp_near_grid_nearest_select(), farthest};
     stp_team_run(team, points->count, GRAIN, cover_piece, &job);
     float most = 0.0f;
     for (size_t i = 0; i < pieces; ++i) {

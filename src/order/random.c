@@ -10,8 +10,8 @@
 static stp_result measure_radii(const stp_points* points, const stp_team* team,
                                 stp_order_output* output)
 {
-    stp_grid grid;
-    stp_grid_nearest nearest = stp_grid_nearest_select();
+    stp_near_grid grid;
+    stp_near_grid_nearest nearest = stp_near_grid_nearest_select();
     stp_result result = stp_cover_create_grid(points, team->context, &grid);
     for (uint32_t i = 0; i < output->ordered && result == STP_OK; ++i) {
         stp_vec3 p = stp_points_scaled(points, output->order[i]);
@@ -20,12 +20,12 @@ static stp_result measure_radii(const stp_points* points, const stp_team* team,
             nearest(&grid, (float[3]){p.x, p.y, p.z}, 1, &squared);
             output->radii[i] = sqrtf(squared) / points->scale;
         }
-        result = stp_grid_add(&grid, p.x, p.y, p.z);
+        result = stp_near_grid_add(&grid, p.x, p.y, p.z);
     }
     if (result == STP_OK && output->final_radius != NULL) {
         result = stp_cover_radius(points, team, &grid, output->final_radius);
     }
-    stp_grid_destroy(&grid);
+    stp_near_grid_destroy(&grid);
     return result;
 }
 

@@ -43,8 +43,8 @@ typedef struct sampler {
     uint64_t seed, draw_count;
     uint32_t* input; // points not chosen: the first `left`; set aside: the last `aside`
     uint32_t left, aside;
-    stp_grid grid;
-    stp_grid_nearest nearest;
+    stp_near_grid grid;
+    stp_near_grid_nearest nearest;
     uint32_t capacity; // samples a round, at most
     float* positions;  // of a round's samples, scaled, 3 each
     float* squared;
@@ -129,7 +129,7 @@ static stp_result choose(sampler* s, uint32_t id, stp_vec3 p, float squared)
         out->radii[out->ordered] = sqrtf(squared) / s->points->scale;
     }
     out->ordered += 1;
-    return stp_grid_add(&s->grid, p.x, p.y, p.z);
+    return stp_near_grid_add(&s->grid, p.x, p.y, p.z);
 }
 
 static stp_vec3 sample_position(const sampler* s, uint32_t slot)
@@ -232,7 +232,7 @@ static stp_result sampler_create(sampler* s)
 static void sampler_destroy(sampler* s)
 {
     if (s->grid.context != NULL) {
-        stp_grid_destroy(&s->grid);
+        stp_near_grid_destroy(&s->grid);
     }
     stp_free(s->context, s->input);
     stp_free(s->context, s->positions);
@@ -272,7 +272,7 @@ stp_result stp_order_sampled(const stp_points* points, const stp_team* team,
         .plan = first_schedule(desc),
         .drop_factor = desc->drop_factor,
         .seed = desc->seed,
-        .nearest = stp_grid_nearest_select(),
+        .nearest = stp_near_grid_nearest_select(),
     };
     double start = stp_clock_ms();
     stp_result result = sampler_create(&s);

@@ -2,7 +2,7 @@
 #include "tests.h"
 
 #include "base/hash.h"
-#include "order/grid.h"
+#include "order/near_grid.h"
 #include "order/point_sets.h"
 
 #include <stipple/order.h>
@@ -224,7 +224,7 @@ void test_sampled_orders_survive_any_failed_allocation(test_state* test)
     free(c);
 }
 
-void test_grid_finds_the_nearest_of_any_points(test_state* test)
+void test_near_grid_finds_the_nearest_of_any_points(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
@@ -237,10 +237,10 @@ void test_grid_finds_the_nearest_of_any_points(test_state* test)
             stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
         }
         stp_vec3 size = stp_sub(box.max, box.min);
-        stp_grid grid;
-        CHECK_EQUAL(STP_OK,
-                    stp_grid_create(context, &grid, (float[3]){box.min.x, box.min.y, box.min.z},
-                                    stp_max(stp_max(size.x, size.y), size.z)));
+        stp_near_grid grid;
+        CHECK_EQUAL(STP_OK, stp_near_grid_create(context, &grid,
+                                                 (float[3]){box.min.x, box.min.y, box.min.z},
+                                                 stp_max(stp_max(size.x, size.y), size.z)));
         for (uint32_t i = 0; i < c->count; ++i) {
             const float* p = c->positions + 3 * i;
             float nearest = INFINITY, wide, plain;
@@ -249,12 +249,12 @@ void test_grid_finds_the_nearest_of_any_points(test_state* test)
                 stp_vec3 d = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
                 nearest = stp_min(nearest, (d.x * d.x + d.y * d.y) + d.z * d.z);
             }
-            stp_grid_nearest_select()(&grid, p, 1, &wide);
-            stp_grid_nearest_portable(&grid, p, 1, &plain);
+            stp_near_grid_nearest_select()(&grid, p, 1, &wide);
+            stp_near_grid_nearest_portable(&grid, p, 1, &plain);
             CHECK(wide == nearest && plain == nearest);
-            CHECK_EQUAL(STP_OK, stp_grid_add(&grid, p[0], p[1], p[2]));
+            CHECK_EQUAL(STP_OK, stp_near_grid_add(&grid, p[0], p[1], p[2]));
         }
-        stp_grid_destroy(&grid);
+        stp_near_grid_destroy(&grid);
         free(c);
     }
     stp_context_destroy(context);

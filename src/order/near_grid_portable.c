@@ -2,5 +2,5 @@
 // The grid's search, in plain C.
 #include "order/vector_portable.h"
 
-#define NEAREST stp_grid_nearest_portable
-#include "order/grid_kernels.h"
+#define NEAREST stp_near_grid_nearest_portable
+#include "order/near_grid_kernels.h"

@@ -2,7 +2,7 @@
 //
 // The grid's search, written once over the names of a vector_*.h and compiled once per kind of processor. The
 // includer defines NEAREST, the name of the function.
-#include "order/grid.h"
+#include "order/near_grid.h"
 
 #include <math.h>
 
@@ -16,10 +16,10 @@ typedef struct grid_query {
     eight nearest; // squared, in each lane
 } grid_query;
 
-static inline void search_block_chain(const stp_grid* grid, uint32_t index, grid_query* q)
+static inline void search_block_chain(const stp_near_grid* grid, uint32_t index, grid_query* q)
 {
     for (uint32_t next = index + 1; next != 0; next = grid->blocks[next - 1].next) {
-        const stp_grid_block* block = &grid->blocks[next - 1];
+        const stp_near_grid_block* block = &grid->blocks[next - 1];
         eight x = eight_sub(eight_load(block->x), q->x);
         eight y = eight_sub(eight_load(block->y), q->y);
         eight z = eight_sub(eight_load(block->z), q->z);
@@ -28,10 +28,11 @@ static inline void search_block_chain(const stp_grid* grid, uint32_t index, grid
     }
 }
 
-static inline void search_cell(const stp_grid* grid, uint32_t x, uint32_t y, uint32_t z,
+static inline void search_cell(const stp_near_grid* grid, uint32_t x, uint32_t y, uint32_t z,
                                grid_query* q)
 {
-    const stp_grid_slot* slot = &grid->slots[stp_grid_find(grid, stp_grid_cell(x, y, z))];
+    const stp_near_grid_slot* slot =
+        &grid->slots[stp_near_grid_find(grid, stp_near_grid_cell(x, y, z))];
     if (slot->cell != UINT64_MAX) {
         search_block_chain(grid, slot->block, q);
     }
@@ -42,14 +43,14 @@ typedef struct cell_range {
     int32_t low, high;
 } cell_range;
 
-static inline cell_range clip(const stp_grid* grid, int32_t low, int32_t high)
+static inline cell_range clip(const stp_near_grid* grid, int32_t low, int32_t high)
 {
     int32_t last = (int32_t)grid->limit - 1;
     return (cell_range){low < 0 ? 0 : low, high > last ? last : high};
 }
 
 // The shell of cells at `ring` cells around the given one.
-static void search_ring(const stp_grid* grid, const int32_t at[3], int32_t ring, grid_query* q)
+static void search_ring(const stp_near_grid* grid, const int32_t at[3], int32_t ring, grid_query* q)
 {
     cell_range x = clip(grid, at[0] - ring, at[0] + ring),
                y = clip(grid, at[1] - ring, at[1] + ring),
@@ -68,18 +69,18 @@ static void search_ring(const stp_grid* grid, const int32_t at[3], int32_t ring,
 }
 
 // The query's cell and its neighbours towards the nearer sides: the half cell around the query is covered.
-static inline void octant(const stp_grid* grid, const float* point, int32_t at[3],
+static inline void octant(const stp_near_grid* grid, const float* point, int32_t at[3],
                           cell_range range[3])
 {
     for (int axis = 0; axis < 3; ++axis) {
-        at[axis] = (int32_t)stp_grid_coordinate(grid, point[axis], axis);
+        at[axis] = (int32_t)stp_near_grid_coordinate(grid, point[axis], axis);
         float within = (point[axis] - grid->low[axis]) * grid->per_cell - (float)at[axis];
         range[axis] =
             within < 0.5f ? clip(grid, at[axis] - 1, at[axis]) : clip(grid, at[axis], at[axis] + 1);
     }
 }
 
-static float search(const stp_grid* grid, const float* point)
+static float search(const stp_near_grid* grid, const float* point)
 {
     grid_query q = {eight_set(point[0]), eight_set(point[1]), eight_set(point[2]),
                     eight_set(INFINITY)};
@@ -114,7 +115,7 @@ static float search(const stp_grid* grid, const float* point)
 }
 
 // Asks for the slots of the cells that a search begins with.
-static void prefetch_cells(const stp_grid* grid, const float* point)
+static void prefetch_cells(const stp_near_grid* grid, const float* point)
 {
     int32_t at[3];
     cell_range range[3];
@@ -123,12 +124,12 @@ static void prefetch_cells(const stp_grid* grid, const float* point)
         uint32_t x = (uint32_t)((corner & 1) != 0 ? range[0].high : range[0].low);
         uint32_t y = (uint32_t)((corner & 2) != 0 ? range[1].high : range[1].low);
         uint32_t z = (uint32_t)((corner & 4) != 0 ? range[2].high : range[2].low);
-        uint64_t hash = stp_grid_cell(x, y, z) * UINT64_C(0x9E3779B97F4A7C15);
+        uint64_t hash = stp_near_grid_cell(x, y, z) * UINT64_C(0x9E3779B97F4A7C15);
         __builtin_prefetch(&grid->slots[hash >> grid->slot_shift]);
     }
 }
 
-void NEAREST(const stp_grid* grid, const float* points, uint32_t count, float* squared)
+void NEAREST(const stp_near_grid* grid, const float* points, uint32_t count, float* squared)
 {
     for (uint32_t begin = 0; begin < count; begin += BATCH) {
         uint32_t end = count - begin < BATCH ? count : begin + BATCH;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "order/grid.h"
+#include "order/near_grid.h"
 
 #include "base/processor.h"
 
@@ -13,11 +13,11 @@ enum {
     FIRST_SLOTS_LOG2 = 10,
 };
 
-static stp_result set_slots(stp_grid* grid, uint32_t log2_count)
+static stp_result set_slots(stp_near_grid* grid, uint32_t log2_count)
 {
     size_t count = (size_t)1 << log2_count;
     if (grid->slots == NULL || grid->slot_shift != 64 - log2_count) {
-        stp_grid_slot* slots = STP_NEW_ARRAY(grid->context, stp_grid_slot, count);
+        stp_near_grid_slot* slots = STP_NEW_ARRAY(grid->context, stp_near_grid_slot, count);
         if (slots == NULL) {
             return stp_fail_memory(grid->context);
         }
@@ -30,31 +30,34 @@ static stp_result set_slots(stp_grid* grid, uint32_t log2_count)
     return STP_OK;
 }
 
-stp_result stp_grid_create(stp_context* context, stp_grid* grid, const float low[3], float extent)
+stp_result stp_near_grid_create(stp_context* context, stp_near_grid* grid, const float low[3],
+                                float extent)
 {
-    *grid = (stp_grid){.context = context, .low = {low[0], low[1], low[2]}, .limit = FIRST_LIMIT};
+    *grid =
+        (stp_near_grid){.context = context, .low = {low[0], low[1], low[2]}, .limit = FIRST_LIMIT};
     grid->cell_size = extent > 0.0f ? extent / FIRST_LIMIT : 1.0f;
     grid->per_cell = 1.0f / grid->cell_size;
     return set_slots(grid, FIRST_SLOTS_LOG2);
 }
 
-void stp_grid_destroy(stp_grid* grid)
+void stp_near_grid_destroy(stp_near_grid* grid)
 {
     stp_free(grid->context, grid->slots);
     stp_free(grid->context, grid->blocks);
     stp_free(grid->context, grid->former);
-    *grid = (stp_grid){0};
+    *grid = (stp_near_grid){0};
 }
 
-static stp_result new_block(stp_grid* grid, uint32_t* index)
+static stp_result new_block(stp_near_grid* grid, uint32_t* index)
 {
-    stp_grid_block* blocks = stp_grow_array(grid->context, grid->blocks, &grid->block_capacity,
-                                            (size_t)grid->block_count + 1, sizeof(grid->blocks[0]));
+    stp_near_grid_block* blocks =
+        stp_grow_array(grid->context, grid->blocks, &grid->block_capacity,
+                       (size_t)grid->block_count + 1, sizeof(grid->blocks[0]));
     if (blocks == NULL) {
         return stp_fail_memory(grid->context);
     }
     grid->blocks = blocks;
-    stp_grid_block* block = &blocks[grid->block_count];
+    stp_near_grid_block* block = &blocks[grid->block_count];
     for (int i = 0; i < STP_BLOCK_SIZE; ++i) {
         block->x[i] = block->y[i] = block->z[i] = INFINITY;
     }
@@ -64,11 +67,12 @@ static stp_result new_block(stp_grid* grid, uint32_t* index)
     return STP_OK;
 }
 
-static stp_result put(stp_grid* grid, float x, float y, float z)
+static stp_result put(stp_near_grid* grid, float x, float y, float z)
 {
-    uint64_t cell = stp_grid_cell(stp_grid_coordinate(grid, x, 0), stp_grid_coordinate(grid, y, 1),
-                                  stp_grid_coordinate(grid, z, 2));
-    stp_grid_slot* slot = &grid->slots[stp_grid_find(grid, cell)];
+    uint64_t cell = stp_near_grid_cell(stp_near_grid_coordinate(grid, x, 0),
+                                       stp_near_grid_coordinate(grid, y, 1),
+                                       stp_near_grid_coordinate(grid, z, 2));
+    stp_near_grid_slot* slot = &grid->slots[stp_near_grid_find(grid, cell)];
     bool fresh = slot->cell == UINT64_MAX;
     if (fresh || grid->blocks[slot->block].count == STP_BLOCK_SIZE) {
         uint32_t index = 0;
@@ -78,9 +82,9 @@ static stp_result put(stp_grid* grid, float x, float y, float z)
         }
         grid->blocks[index].next = fresh ? 0 : slot->block + 1;
         grid->cell_count += fresh;
-        *slot = (stp_grid_slot){cell, index};
+        *slot = (stp_near_grid_slot){cell, index};
     }
-    stp_grid_block* block = &grid->blocks[slot->block];
+    stp_near_grid_block* block = &grid->blocks[slot->block];
     block->x[block->count] = x;
     block->y[block->count] = y;
     block->z[block->count] = z;
@@ -89,9 +93,9 @@ static stp_result put(stp_grid* grid, float x, float y, float z)
 }
 
 // Puts all points into a grid of `limit` cells an axis and 2^`log2_count` slots.
-static stp_result rebuild(stp_grid* grid, uint32_t limit, uint32_t log2_count)
+static stp_result rebuild(stp_near_grid* grid, uint32_t limit, uint32_t log2_count)
 {
-    stp_grid_block* blocks = grid->blocks;
+    stp_near_grid_block* blocks = grid->blocks;
     size_t capacity = grid->block_capacity;
     uint32_t count = grid->block_count;
     stp_result result = set_slots(grid, log2_count);
@@ -114,7 +118,7 @@ static stp_result rebuild(stp_grid* grid, uint32_t limit, uint32_t log2_count)
     return result;
 }
 
-stp_result stp_grid_add(stp_grid* grid, float x, float y, float z)
+stp_result stp_near_grid_add(stp_near_grid* grid, float x, float y, float z)
 {
     stp_result result = put(grid, x, y, z);
     grid->point_count += 1;
@@ -129,12 +133,12 @@ stp_result stp_grid_add(stp_grid* grid, float x, float y, float z)
     return result;
 }
 
-stp_grid_nearest stp_grid_nearest_select(void)
+stp_near_grid_nearest stp_near_grid_nearest_select(void)
 {
 #if defined(__x86_64__)
     if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-        return stp_grid_nearest_avx2;
+        return stp_near_grid_nearest_avx2;
     }
 #endif
-    return stp_grid_nearest_portable;
+    return stp_near_grid_nearest_portable;
 }

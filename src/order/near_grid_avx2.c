@@ -3,8 +3,8 @@
 #if defined(__x86_64__)
 #include "order/vector_avx2.h"
 
-#define NEAREST stp_grid_nearest_avx2
-#include "order/grid_kernels.h"
+#define NEAREST stp_near_grid_nearest_avx2
+#include "order/near_grid_kernels.h"
 #else
 typedef int no_search_here;
 #endif
