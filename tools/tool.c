@@ -111,7 +111,11 @@ static void catch_interrupt(void)
     struct sigaction action = {.sa_handler = on_interrupt,
                                .sa_flags = (int)SA_RESETHAND | SA_RESTART};
     sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGINT, &action, NULL);
+    // a shell's background jobs are to ignore interrupts
+    struct sigaction before;
+    if (sigaction(SIGINT, NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
+        (void)sigaction(SIGINT, &action, NULL);
+    }
 }
 
 stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes,

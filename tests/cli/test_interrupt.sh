@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# An interrupt stops the work in good order. Arguments: executable, scratch folder.
+set -u
+mkdir -p "$2" && cd "$2" || exit 1
+command -v python3 > /dev/null || exit 77
+rm -rf ./*
+exec python3 - "$1" << 'END'
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+
+stipple = sys.argv[1]
+random.seed(1)
+def write_cloud(count):
+    points = "".join(f"{random.random():.6f} {random.random():.6f} {random.random():.6f}\n" for _ in range(count))
+    with open("cloud.ply", "w") as file:
+        file.write(f"ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n"
+                   f"property float z\nend_header\n{points}")
+
+write_cloud(150000)
+with open("cloud.stip", "w") as file:
+    file.write("what was there before")
+
+command = [stipple, "build", "cloud.ply", "-o", "cloud.stip", "--progress", "json"]
+process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+first = process.stderr.readline() # work has begun
+process.send_signal(signal.SIGINT)
+out, err = process.communicate(timeout=60)
+assert "stage" in json.loads(first), first
+assert process.returncode == 1, (process.returncode, err)
+assert out == "", out
+messages = [line for line in err.splitlines() if not line.startswith("{")]
+assert len(messages) == 1 and messages[0].startswith("stipple: stopped while at: "), err
+assert sorted(os.listdir()) == ["cloud.ply", "cloud.stip"], os.listdir()
+assert open("cloud.stip").read() == "what was there before"
+
+write_cloud(2000)
+
+# where interrupts are ignored from the start, they stay ignored
+def ignore():
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=ignore)
+process.stderr.readline()
+process.send_signal(signal.SIGINT)
+out, err = process.communicate(timeout=60)
+assert process.returncode == 0, (process.returncode, err)
+assert open("cloud.stip", "rb").read() != b"what was there before"
+END
