@@ -7,7 +7,9 @@
 
 stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)
 {
-    return stp_store_open(context, path, store);
+    // names and ids are not needed for a picture, and can be most of a directory
+    stp_store_open_desc desc = {.defer_objects = true};
+    return stp_store_open_with(context, path, &desc, store);
 }
 
 bool tool_find_view(const stp_store* store, const char* name, stp_view* view)

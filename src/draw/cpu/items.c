@@ -156,6 +156,20 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
     return result;
 }
 
+/// Reads the octaves that the prefix needs, and no finer ones.
+static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+{
+    const stp_surfels* known = stp_store_describe_surfels(r->store, draw->index);
+    uint32_t octaves = stp_store_octaves_for(known, draw->prefix > 0 ? draw->prefix : 1);
+    stp_result result =
+        stp_store_get_surfels_prefix(r->store, draw->index, octaves, &item->surfels);
+    if (result == STP_OK) {
+        item->count = draw->prefix < item->surfels.count ? draw->prefix : item->surfels.count;
+        choose_octave(item, item->count);
+    }
+    return result;
+}
+
 static stp_result prepare_item(cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
 {
     stp_result result = STP_OK;
@@ -164,11 +178,7 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_item* draw, cpu_i
     item->radius = draw->radius * scale;
     switch (draw->kind) {
     case STP_DRAW_SURFELS:
-        result = stp_store_get_surfels(r->store, draw->index, &item->surfels);
-        if (result == STP_OK) {
-            item->count = draw->prefix < item->surfels.count ? draw->prefix : item->surfels.count;
-            choose_octave(item, item->count);
-        }
+        result = find_surfels(r, draw, item);
         break;
     case STP_DRAW_MESH:
         result = find_mesh(r, draw->index, item);
