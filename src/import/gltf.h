@@ -183,6 +183,14 @@ void stp_gltf_free_buffers(stp_gltf* gltf);
 /// Decompresses all buffer views with EXT_meshopt_compression, in jobs.
 STP_MUST_USE stp_result stp_gltf_decompress_views(stp_gltf_scope* scope, stp_gltf* gltf);
 
+// gltf_limit.c
+
+/// Refuses meshes that claim absurdly more than the file holds.
+STP_MUST_USE stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf);
+/// The same for compressed buffer views; tells whether there are `any`.
+STP_MUST_USE stp_result stp_gltf_check_views(stp_gltf_scope* scope, const stp_gltf* gltf,
+                                             bool* any);
+
 // gltf_material.c, gltf_image.c
 
 /// Adds all materials and the textures they use to the scene.

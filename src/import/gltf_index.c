@@ -2,6 +2,7 @@
 // From the indices of a primitive to a list of triangles, and to the vertices that it uses:
 // exporters often let many primitives share one large array of vertices, of which each would
 // otherwise keep a copy.
+#include "base/sort.h"
 #include "import/gltf_primitive.h"
 
 #include <string.h>
@@ -146,6 +147,35 @@ static stp_result number_used(stp_gltf_scope* scope, uint32_t low, size_t range,
     return STP_OK;
 }
 
+// The same where the range is so large that even a look at all of it would be long.
+static stp_result number_sorted(stp_gltf_scope* scope, uint32_t* indices, size_t count,
+                                stp_gltf_selection* selection)
+{
+    stp_context* context = scope->gltf->context;
+    uint64_t* items = STP_NEW_ARRAY(context, uint64_t, count * 2);
+    uint32_t* map = STP_NEW_ARRAY(context, uint32_t, count);
+    if (items == NULL || map == NULL) {
+        stp_free(context, items);
+        stp_free(context, map);
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        items[i] = (uint64_t)indices[i] << 32 | i;
+    }
+    const uint64_t* sorted = stp_sort_u64(items, items + count, count, 32, 32);
+    size_t used = 0;
+    for (size_t i = 0; i < count; ++i) {
+        uint32_t index = (uint32_t)(sorted[i] >> 32);
+        if (used == 0 || map[used - 1] != index) {
+            map[used++] = index;
+        }
+        indices[(uint32_t)sorted[i]] = (uint32_t)(used - 1);
+    }
+    stp_free(context, items);
+    *selection = (stp_gltf_selection){.count = used, .map = map};
+    return STP_OK;
+}
+
 static stp_result select_vertices(stp_gltf_scope* scope, uint32_t* indices, size_t count,
                                   stp_gltf_selection* selection)
 {
@@ -159,6 +189,9 @@ static stp_result select_vertices(stp_gltf_scope* scope, uint32_t* indices, size
         return STP_OK;
     }
     size_t range = (size_t)high - low + 1;
+    if (range / 64 > count) {
+        return number_sorted(scope, indices, count, selection);
+    }
     if (range / 2 > count) {
         return number_used(scope, low, range, indices, count, selection);
     }

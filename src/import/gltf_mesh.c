@@ -4,11 +4,6 @@
 
 #include <string.h>
 
-// Accessors may be shared without end, so a small file could ask for any amount of memory. Honest
-// files share as well: what is read may be this much more than what is stored.
-#define ELEMENTS_ALWAYS_ALLOWED ((uint64_t)1 << 24)
-#define ELEMENTS_PER_BYTE 256
-
 typedef struct primitive_loop {
     const stp_gltf* gltf;
     stp_gltf_primitive* primitives;
@@ -63,44 +58,15 @@ static stp_result count_primitives(stp_gltf_scope* scope, stp_gltf* gltf, size_t
     return STP_OK;
 }
 
-// The elements that an accessor named by a member claims; 0 where there is none. Mistakes are left
-// to the reading itself.
-static uint64_t claimed_elements(const stp_gltf* gltf, const json_t* object, const char* key)
+static void plan_primitives(const stp_gltf* gltf, stp_gltf_primitive* primitives)
 {
-    const json_t* index = json_object_get(object, key);
-    size_t at = json_is_integer(index) && json_integer_value(index) >= 0
-                    ? (size_t)json_integer_value(index)
-                    : SIZE_MAX;
-    const json_t* accessor = json_array_get(gltf->lists[STP_GLTF_ACCESSORS], at);
-    json_int_t count = json_integer_value(json_object_get(accessor, "count"));
-    return count > 0 && count < STP_NONE ? (uint64_t)count : 0;
-}
-
-// Lays out the primitives and refuses a file that asks for absurdly more than it holds.
-static stp_result plan_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
-                                  stp_gltf_primitive* primitives)
-{
-    uint64_t elements = 0;
     for (size_t i = 0; i < gltf->variant_count; ++i) {
         const stp_gltf_variant* variant = &gltf->variants[i];
-        const json_t* mesh = json_array_get(gltf->lists[STP_GLTF_MESHES], variant->mesh);
-        const json_t* list = json_object_get(mesh, "primitives");
         for (size_t k = 0; k < variant->primitive_count; ++k) {
-            const json_t* json = json_array_get(list, k);
-            bool is_indexed = json_object_get(json, "indices") != NULL;
             primitives[variant->first_primitive + k] =
                 (stp_gltf_primitive){.variant = i, .index = k};
-            elements += is_indexed ? claimed_elements(gltf, json, "indices")
-                                   : claimed_elements(gltf, json_object_get(json, "attributes"),
-                                                      "POSITION");
         }
     }
-    if (elements > ELEMENTS_ALWAYS_ALLOWED && elements / ELEMENTS_PER_BYTE > gltf->content_bytes) {
-        return stp_gltf_fail(scope, STP_ERROR_LIMIT,
-                             "the meshes claim %llu vertices in a file of %zu bytes",
-                             (unsigned long long)elements, gltf->content_bytes);
-    }
-    return STP_OK;
 }
 
 static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, stp_gltf_part* part)
@@ -155,6 +121,9 @@ stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf)
 {
     size_t count;
     stp_result result = count_primitives(scope, gltf, &count);
+    if (result == STP_OK) {
+        result = stp_gltf_check_meshes(scope, gltf);
+    }
     if (result != STP_OK) {
         return result;
     }
@@ -164,12 +133,10 @@ stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf)
         stp_free(gltf->context, primitives);
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    result = plan_primitives(scope, gltf, primitives);
-    if (result == STP_OK) {
-        primitive_loop loop = {.gltf = gltf, .primitives = primitives};
-        stp_parallel_for(gltf->context, count, 1, read_job, &loop);
-        result = add_primitives(scope, gltf, primitives, count);
-    }
+    plan_primitives(gltf, primitives);
+    primitive_loop loop = {.gltf = gltf, .primitives = primitives};
+    stp_parallel_for(gltf->context, count, 1, read_job, &loop);
+    result = add_primitives(scope, gltf, primitives, count);
     for (size_t i = 0; i < count; ++i) {
         stp_gltf_free_primitive(gltf->context, &primitives[i]);
     }

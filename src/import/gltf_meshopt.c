@@ -188,15 +188,10 @@ static void decompress_job(size_t begin, size_t end, uint32_t worker, void* user
 stp_result stp_gltf_decompress_views(stp_gltf_scope* scope, stp_gltf* gltf)
 {
     size_t count = stp_gltf_count(gltf, STP_GLTF_BUFFER_VIEWS);
-    bool any = false;
-    for (size_t i = 0; !any && i < count; ++i) {
-        const json_t* json = json_array_get(gltf->lists[STP_GLTF_BUFFER_VIEWS], i);
-        const json_t* extensions = json_object_get(json, "extensions");
-        any = json_object_get(extensions, "EXT_meshopt_compression") != NULL ||
-              json_object_get(extensions, "KHR_meshopt_compression") != NULL;
-    }
-    if (!any) {
-        return STP_OK;
+    bool any;
+    stp_result result = stp_gltf_check_views(scope, gltf, &any);
+    if (result != STP_OK || !any) {
+        return result;
     }
     stp_result* results = STP_NEW_ZEROED(gltf->context, stp_result, count);
     gltf->decoded_views = STP_NEW_ZEROED(gltf->context, unsigned char*, count);
@@ -206,7 +201,6 @@ stp_result stp_gltf_decompress_views(stp_gltf_scope* scope, stp_gltf* gltf)
     }
     view_loop loop = {.gltf = gltf, .results = results};
     stp_parallel_for(gltf->context, count, 1, decompress_job, &loop);
-    stp_result result = STP_OK;
     for (size_t i = 0; result == STP_OK && i < count; ++i) {
         if (results[i] != STP_OK) {
             stp_free(gltf->context, gltf->decoded_views[i]);

@@ -328,8 +328,8 @@ void test_gltf_keeps_only_vertices_in_use(test_state* test)
 {
     struct {
         float positions[300];
-        uint32_t near[3], far[3];
-    } data = {.near = {50, 51, 52}, .far = {99, 0, 40}};
+        uint32_t few[3], far[3];
+    } data = {.few = {50, 51, 52}, .far = {99, 0, 40}};
     for (int i = 0; i < 300; ++i) {
         data.positions[i] = (float)i;
     }
@@ -348,7 +348,7 @@ void test_gltf_keeps_only_vertices_in_use(test_state* test)
     CHECK_EQUAL(2, run.scene->mesh_count);
     for (int m = 0; m < 2; ++m) {
         const stp_mesh* mesh = &run.scene->meshes[m];
-        const uint32_t* wanted = m == 0 ? data.near : data.far;
+        const uint32_t* wanted = m == 0 ? data.few : data.far;
         CHECK_EQUAL(3, mesh->vertex_count);
         for (int k = 0; k < 3; ++k) {
             CHECK(mesh->positions[3 * mesh->indices[k]] == (float)(3 * wanted[k]));
@@ -382,6 +382,34 @@ void test_gltf_points_take_colors_and_indices(test_state* test)
     CHECK_EQUAL(128, points->colors[3]);
     CHECK_EQUAL(255, points->colors[4]);
     CHECK_EQUAL(128, points->colors[6]); // 55/255 linear is 0.5 in sRGB
+    gltf_run_end(&run);
+}
+
+// One triangle of a thousand vertices, and a repeated one: numbers come from sorting.
+void test_gltf_numbers_few_vertices_of_many(test_state* test)
+{
+    struct {
+        float positions[3000];
+        uint16_t indices[6];
+    } data = {.indices = {999, 3, 500, 500, 999, 3}};
+    for (int i = 0; i < 3000; ++i) {
+        data.positions[i] = (float)i;
+    }
+    gltf_run run;
+    gltf_run_glb(&run,
+                 "{" ONE_NODE "'buffers':[{'byteLength':12012}],"
+                 "'bufferViews':[{'buffer':0,'byteLength':12000},"
+                 "{'buffer':0,'byteOffset':12000,'byteLength':12}],"
+                 "'accessors':[{'bufferView':0,'componentType':5126,'count':1000,'type':'VEC3'},"
+                 "{'bufferView':1,'componentType':5123,'count':6,'type':'SCALAR'}],"
+                 "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]}",
+                 &data, sizeof(data));
+    CHECK_EQUAL(STP_OK, run.result);
+    const stp_mesh* mesh = &run.scene->meshes[0];
+    CHECK_EQUAL(3, mesh->vertex_count);
+    for (int k = 0; k < 6; ++k) {
+        CHECK(mesh->positions[3 * mesh->indices[k]] == (float)(3 * data.indices[k]));
+    }
     gltf_run_end(&run);
 }
 
