@@ -90,8 +90,10 @@ stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf)
             compressed += compressed_bytes(gltf, primitive);
         }
     }
-    stp_result result =
-        check(scope, elements, ELEMENTS_ALWAYS_ALLOWED, ELEMENTS_PER_BYTE, "vertices and indices");
+    if (result == STP_OK) {
+        result = check(scope, elements, ELEMENTS_ALWAYS_ALLOWED, ELEMENTS_PER_BYTE,
+                       "vertices and indices");
+    }
     return result != STP_OK ? result
                             : check(scope, compressed, COMPRESSED_ALWAYS_ALLOWED,
                                     COMPRESSED_PER_BYTE, "bytes of compressed meshes");
