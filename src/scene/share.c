@@ -4,6 +4,7 @@
 // one node. Identity is by content (128-bit hashes), so it holds however often and wherever the
 // input wrote a thing.
 #include "base/hash.h"
+#include "scene/bounds.h"
 #include "scene/scene.h"
 
 #include <assert.h>
@@ -363,5 +364,5 @@ stp_result stp_scene_finish(stp_scene* scene)
     stp_free(scene->context, s.last_child);
     stp_free(scene->context, s.next_sibling);
     stp_free(scene->context, s.first_child);
-    return result;
+    return result == STP_OK && scene->root != STP_NONE ? stp_scene_tighten_root(scene) : result;
 }

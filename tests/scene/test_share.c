@@ -392,3 +392,23 @@ void test_graphs_do_not_depend_on_threads(test_state* test)
     CHECK_EQUAL(nodes[0], nodes[1]);
     CHECK_EQUAL(nodes[0], nodes[2]);
 }
+
+void test_root_bounds_are_tight_whatever_turns(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_scene* scene = NULL;
+    CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+    const double c = sqrt(0.5);
+    stp_affine left = {{{c, -c, 0, 0}, {c, c, 0, 0}, {0, 0, 1, 0}}};
+    stp_affine right = {{{c, c, 0, 0}, {-c, c, 0, 0}, {0, 0, 1, 0}}};
+    uint32_t mesh, outer;
+    CHECK(add_strip(scene, 3, 1.0f, &mesh)); // x from 1 to 3, y from 0 to 1
+    CHECK(add_object(scene, STP_NONE, left, 0, &outer));
+    CHECK(add_mesh_object(scene, outer, right, mesh, NULL));
+    CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+    stp_boxd box = scene->nodes[scene->root].bounds;
+    CHECK(fabs(box.min.x - 1.0) < 1e-9 && fabs(box.max.x - 3.0) < 1e-9);
+    CHECK(fabs(box.min.y) < 1e-9 && fabs(box.max.y - 1.0) < 1e-9);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
