@@ -149,7 +149,7 @@ static stp_result run_series(quality_run* run, const char* model, const char* se
     }
     quality_sums sums = {0};
     for (uint32_t i = 0; result == STP_OK && i < directions; ++i) {
-        char name[8];
+        char name[16];
         snprintf(name, sizeof(name), "d%u", i);
         stp_view view = {.width = run->width, .height = run->height};
         stp_camera_frame(name, &root->bounds, &view);
