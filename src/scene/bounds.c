@@ -5,7 +5,7 @@
 // made from the vertices themselves where they can be visited in reasonable time.
 #include "scene/bounds.h"
 
-#define MOST_VERTICES ((uint64_t)1 << 27) // about a second of one thread
+#define MOST_ELEMENTS ((uint64_t)1 << 26) // triangles and points: about a second of one thread
 
 typedef struct bounds_work {
     const stp_scene* scene;
@@ -13,68 +13,58 @@ typedef struct bounds_work {
     stp_boxd* boxes; ///< of each part
 } bounds_work;
 
+static stp_boxd measure_part(const stp_scene* scene, const stp_placed_part* placed)
+{
+    stp_boxd box = stp_boxd_empty();
+    bool is_mesh = placed->part.kind == STP_PART_MESH;
+    const stp_mesh* mesh = is_mesh ? &scene->meshes[placed->part.index] : NULL;
+    const stp_point_set* set = is_mesh ? NULL : &scene->point_sets[placed->part.index];
+    const float* positions = is_mesh ? mesh->positions : set->positions;
+    size_t count = is_mesh ? 3 * (size_t)mesh->triangle_count : set->point_count;
+    for (size_t i = 0; i < count; ++i) { // a vertex that no triangle uses does not count
+        const float* p = positions + 3 * (is_mesh ? (size_t)mesh->indices[i] : i);
+        stp_vec3d point = {(double)p[0], (double)p[1], (double)p[2]};
+        stp_boxd_add(&box, stp_affine_point(&placed->transform, point));
+    }
+    return box;
+}
+
 static void measure_parts(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     bounds_work* work = user;
     for (size_t i = begin; i < end; ++i) {
-        const stp_placed_part* placed = &work->parts[i];
-        bool mesh = placed->part.kind == STP_PART_MESH;
-        const stp_mesh* m = mesh ? &work->scene->meshes[placed->part.index] : NULL;
-        const stp_point_set* s = mesh ? NULL : &work->scene->point_sets[placed->part.index];
-        const float* positions = mesh ? m->positions : s->positions;
-        uint32_t count = mesh ? m->vertex_count : s->point_count;
-        stp_boxd box = stp_boxd_empty();
-        for (uint32_t v = 0; v < count; ++v) {
-            const float* p = positions + 3 * (size_t)v;
-            stp_vec3d point = {(double)p[0], (double)p[1], (double)p[2]};
-            stp_boxd_add(&box, stp_affine_point(&placed->transform, point));
-        }
-        work->boxes[i] = box;
+        work->boxes[i] = measure_part(work->scene, &work->parts[i]);
     }
-}
-
-static uint64_t count_vertices(const stp_scene* scene, const stp_placed_part* parts,
-                               size_t part_count)
-{
-    uint64_t count = 0;
-    for (size_t i = 0; i < part_count; ++i) {
-        stp_part part = parts[i].part;
-        count += part.kind == STP_PART_MESH ? scene->meshes[part.index].vertex_count
-                                            : scene->point_sets[part.index].point_count;
-    }
-    return count;
 }
 
 stp_result stp_scene_tighten_root(stp_scene* scene)
 {
     const stp_node* root = &scene->nodes[scene->root];
-    if (root->triangle_count + root->point_count > MOST_VERTICES) {
+    if (root->triangle_count + root->point_count > MOST_ELEMENTS) {
         return STP_OK; // each part has at least one of these, so there are not too many parts either
     }
     stp_placed_part* parts;
     size_t part_count;
     stp_result result =
-        stp_scene_flatten(scene, scene->root, (size_t)MOST_VERTICES, &parts, &part_count);
+        stp_scene_flatten(scene, scene->root, (size_t)MOST_ELEMENTS, &parts, &part_count);
     if (result != STP_OK) {
         return result;
     }
-    if (count_vertices(scene, parts, part_count) <= MOST_VERTICES) {
-        bounds_work work = {.scene = scene, .parts = parts};
-        work.boxes = STP_NEW_ARRAY(scene->context, stp_boxd, part_count);
-        if (work.boxes == NULL) {
-            stp_free(scene->context, parts);
-            return stp_fail_memory(scene->context);
-        }
-        stp_parallel_for(scene->context, part_count, 4, measure_parts, &work);
-        stp_boxd box = stp_boxd_empty();
-        for (size_t i = 0; i < part_count; ++i) {
-            stp_boxd_add(&box, work.boxes[i].min);
-            stp_boxd_add(&box, work.boxes[i].max);
-        }
-        scene->nodes[scene->root].bounds = box;
-        stp_free(scene->context, work.boxes);
+    bounds_work work = {.scene = scene, .parts = parts};
+    work.boxes = STP_NEW_ARRAY(scene->context, stp_boxd, part_count);
+    if (work.boxes == NULL) {
+        stp_free(scene->context, parts);
+        return stp_fail_memory(scene->context);
     }
+    stp_parallel_for(scene->context, part_count, 4, measure_parts, &work);
+    stp_boxd box = stp_boxd_empty();
+    for (size_t i = 0; i < part_count; ++i) {
+        stp_boxd_add(&box, work.boxes[i].min);
+        stp_boxd_add(&box, work.boxes[i].max);
+    }
+    scene->nodes[scene->root].bounds = box;
+    stp_free(scene->context, work.boxes);
     stp_free(scene->context, parts);
     return STP_OK;
 }
