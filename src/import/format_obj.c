@@ -23,6 +23,17 @@ static char* name_end(char* at)
     return at;
 }
 
+// Some programs write a space within a name as "\\ ".
+static void join_escaped(char* names)
+{
+    char* out = names;
+    for (const char* at = names; *at != '\0'; ++at) {
+        at += at[0] == '\\' && at[1] == ' ';
+        *out++ = *at;
+    }
+    *out = '\0';
+}
+
 static stp_result read_library(stp_obj* obj, const char* name)
 {
     uint32_t fresh = (uint32_t)obj->libraries.count, known;
@@ -47,6 +58,7 @@ static stp_result read_libraries(stp_obj* obj)
             char names[4097];
             memcpy(names, events[k].text, events[k].length);
             names[events[k].length] = '\0';
+            join_escaped(names);
             for (char* at = names; *at != '\0';) {
                 char* end = name_end(at);
                 char* next = *end != '\0' ? end + 1 + strspn(end + 1, " \t") : end;

@@ -271,29 +271,34 @@ static stp_result read_lines(mtl* m, stp_text at)
     return result != STP_OK ? result : end_material(m);
 }
 
+stp_result stp_mtl_parse(stp_import* import, const unsigned char* bytes, size_t size,
+                         stp_lookup* names)
+{
+    unsigned char* text = stp_alloc(import->context, size + 1);
+    if (text == NULL) {
+        return stp_fail_memory(import->context);
+    }
+    if (size != 0) {
+        memcpy(text, bytes, size);
+    }
+    text[size] = '\n';
+    mtl m = {.import = import,
+             .names = names,
+             .pictures = stp_pictures_create(import),
+             .end = text + size + 1};
+    stp_result result = read_lines(&m, text);
+    stp_pictures_destroy(&m.pictures);
+    stp_free(import->context, text);
+    return result;
+}
+
 stp_result stp_mtl_read(stp_import* import, const char* path, stp_lookup* names)
 {
     stp_mapped_file file;
     stp_result result = stp_file_map(import->context, path, &file);
-    if (result != STP_OK) {
-        return result;
+    if (result == STP_OK) {
+        result = stp_mtl_parse(import, file.bytes, file.size, names);
+        stp_file_unmap(&file);
     }
-    unsigned char* text = stp_alloc(import->context, file.size + 1);
-    if (text == NULL) {
-        result = stp_fail_memory(import->context);
-    } else {
-        if (file.size != 0) {
-            memcpy(text, file.bytes, file.size);
-        }
-        text[file.size] = '\n';
-        mtl m = {.import = import,
-                 .names = names,
-                 .pictures = stp_pictures_create(import),
-                 .end = text + file.size + 1};
-        result = read_lines(&m, text);
-        stp_pictures_destroy(&m.pictures);
-    }
-    stp_free(import->context, text);
-    stp_file_unmap(&file);
     return result;
 }

@@ -121,6 +121,10 @@ STP_MUST_USE stp_result stp_obj_build(stp_obj* obj);
 /// index of the material; the first of a name counts).
 STP_MUST_USE stp_result stp_mtl_read(stp_import* import, const char* path, stp_lookup* names);
 
+/// The same from memory.
+STP_MUST_USE stp_result stp_mtl_parse(stp_import* import, const unsigned char* bytes, size_t size,
+                                      stp_lookup* names);
+
 /// The whole of reading, with chunks of about `chunk_size` bytes, which change nothing but the
 /// speed.
 STP_MUST_USE stp_result stp_obj_read(stp_import* import, size_t chunk_size);

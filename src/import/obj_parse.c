@@ -399,6 +399,9 @@ static stp_result cut_chunks(stp_obj* obj, size_t chunk_size)
 {
     stp_text bytes = obj->import->file.bytes;
     size_t size = obj->import->file.size;
+    if (size == 0) {
+        return STP_OK; // no chunks: nothing was mapped either
+    }
     size_t whole = stp_whole_lines(bytes, size);
     // a last line that continues one before it must stay with it
     if (whole < size) {

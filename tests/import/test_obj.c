@@ -12,11 +12,12 @@ static stp_scene* import_obj(stp_context* context, const char* text, size_t chun
 {
     stp_scene* scene = NULL;
     *result = stp_scene_create(context, &scene);
-    stp_import import = {.context = context,
-                         .scene = scene,
-                         .path = "test.obj",
-                         .file = {(const unsigned char*)text, strlen(text)},
-                         .alone = true};
+    stp_import import = {
+        .context = context,
+        .scene = scene,
+        .path = "test.obj",
+        .file = {text[0] != '\0' ? (const unsigned char*)text : NULL, strlen(text)},
+        .alone = true};
     stp_object root = {.name = "test.obj", .parent = STP_NONE, .transform = stp_affine_identity()};
     if (*result == STP_OK) {
         *result = stp_scene_add_object(scene, &root, &import.root);

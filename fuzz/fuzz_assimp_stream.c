@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+//
+// build/fuzz/fuzz/fuzz_assimp_stream -max_total_time=60 -max_len=4096 build/corpus/fuzz_assimp_stream
+//
+// Any bytes as what the child process that runs assimp sends: refused, or a sound scene.
+#include "../tests/import/import_digest.h"
+#include "import/assimp_stream.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = (uint64_t)1 << 28};
+    stp_context* context;
+    if (stp_context_create(&context, &desc) != STP_OK) {
+        return 0;
+    }
+    stp_scene* scene;
+    if (stp_scene_create(context, &scene) == STP_OK) {
+        stp_import import = {
+            .context = context, .scene = scene, .path = "input.fbx", .alone = true};
+        stp_object root = {.parent = STP_NONE, .transform = stp_affine_identity()};
+        if (stp_scene_add_object(scene, &root, &import.root) == STP_OK &&
+            stp_assimp_read_stream(&import, data, size) == STP_OK) {
+            if (!scene_is_sound(scene) || stp_scene_finish(scene) == STP_ERROR_FORMAT) {
+                abort();
+            }
+        }
+        stp_scene_destroy(scene);
+    }
+    stp_context_destroy(context);
+    return 0;
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+//
+// build/fuzz/fuzz/fuzz_mtl -max_total_time=60 -max_len=4096 build/corpus/fuzz_mtl
+//
+// Any bytes as a material library: its materials have numbers in range.
+#include "import/obj.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = (uint64_t)1 << 28};
+    stp_context* context;
+    if (stp_context_create(&context, &desc) != STP_OK) {
+        return 0;
+    }
+    stp_scene* scene;
+    if (stp_scene_create(context, &scene) == STP_OK) {
+        stp_import import = {
+            .context = context, .scene = scene, .path = "input.obj", .alone = true};
+        stp_lookup names = {.context = context};
+        if (stp_mtl_parse(&import, data, size, &names) == STP_OK) {
+            for (size_t i = 0; i < scene->material_count; ++i) {
+                const stp_material* material = &scene->materials[i];
+                float parts[6] = {material->base_color[0], material->base_color[1],
+                                  material->base_color[2], material->base_color[3],
+                                  material->metallic,      material->roughness};
+                for (int k = 0; k < 6; ++k) {
+                    if (!(parts[k] >= 0.0f && parts[k] <= 1.0f)) {
+                        abort();
+                    }
+                }
+            }
+        }
+        stp_lookup_destroy(&names);
+        stp_scene_destroy(scene);
+    }
+    stp_context_destroy(context);
+    return 0;
+}
