@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Our side of the stream: every count, index and number is checked before use.
 #include "import/assimp_stream.h"
-#include "import/image.h"
 #include "import/surface.h"
 
 #include <string.h>
@@ -120,13 +119,12 @@ static stp_result read_texture(reader* r, uint32_t* index)
         if (bytes == NULL) {
             return fail_stream(r, "textures");
         }
-        if (!stp_picture_is_known(bytes, size[0])) {
-            stp_warn(r->context,
-                     "%s: an embedded picture is left out: it is neither PNG, JPEG nor WebP",
-                     r->import->path);
-            return STP_OK;
+        bool read;
+        result =
+            stp_picture_decode(r->import, "an embedded picture", bytes, size[0], &texture, &read);
+        if (result != STP_OK || !read) {
+            return result;
         }
-        result = stp_image_decode(r->context, r->import->path, bytes, size[0], &texture);
     } else {
         uint64_t texels = (uint64_t)size[0] * size[1];
         if (size[0] == 0 || texels > (uint64_t)(r->end - r->at) / 4) {

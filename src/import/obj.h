@@ -17,6 +17,8 @@
 #define STP_OBJ_RELATIVE_ZERO UINT32_C(0xc0000000) ///< the chunk's first element
 #define STP_OBJ_INDEX_LIMIT INT64_C(0x3fffffff)    ///< most elements of a kind
 
+#define STP_OBJ_NO_COLOR (-1.0f) ///< of a position without a colour among others that have one
+
 typedef struct stp_obj_corner {
     uint32_t position, texcoord, normal; ///< from 0; STP_OBJ_ABSENT: none
 } stp_obj_corner;
@@ -102,6 +104,13 @@ typedef struct stp_obj {
     stp_obj_array groups, meshes, runs; ///< stp_obj_group, stp_obj_mesh, stp_obj_run
     stp_lookup group_names, mesh_keys, material_names, libraries;
 } stp_obj;
+
+/// One of the numbers of `obj->colors`, 0..1; white where the file has none.
+static inline float stp_obj_color(const stp_obj* obj, size_t index)
+{
+    float value = obj->colors[index];
+    return value < 0.0f ? 1.0f : value * obj->color_scale;
+}
 
 /// Room for `count` more items; NULL where memory runs out. The caller adds to `count`.
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size);

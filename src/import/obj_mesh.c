@@ -189,7 +189,7 @@ static void write_vertex(const builder* b, uint32_t vertex, const stp_obj_corner
     }
     if (b->mesh.colors != NULL) {
         for (size_t i = 0; i < 3; ++i) {
-            float value = stp_srgb_to_linear(obj->colors[3 * p + i] * obj->color_scale);
+            float value = stp_srgb_to_linear(stp_obj_color(obj, 3 * p + i));
             b->mesh.colors[4 * v + i] = stp_unorm16(value);
         }
         b->mesh.colors[4 * v + 3] = 65535;

@@ -94,12 +94,13 @@ static bool add_color(parser* p, const double* rgb)
         return false;
     }
     for (size_t i = 0; i < 3 * missing; ++i) {
-        colors[i] = 1.0f;
+        colors[i] = STP_OBJ_NO_COLOR;
     }
-    for (int i = 0; i < 3; ++i) {
-        float value = rgb != NULL ? (float)rgb[i] : 1.0f;
-        colors[3 * missing + (size_t)i] = value;
-        chunk->color_max = value > chunk->color_max && isfinite(value) ? value : chunk->color_max;
+    for (size_t i = 0; i < 3; ++i) {
+        float value = rgb != NULL ? (float)rgb[i] : STP_OBJ_NO_COLOR;
+        bool good = rgb == NULL || (isfinite(value) && value >= 0.0f);
+        colors[3 * missing + i] = good ? value : 0.0f;
+        chunk->color_max = good && value > chunk->color_max ? value : chunk->color_max;
     }
     chunk->colors.count += missing + 1;
     return true;

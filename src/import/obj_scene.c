@@ -142,8 +142,7 @@ static stp_result add_points(stp_obj* obj)
             memcpy(set.normals + 3 * i, &normal, sizeof(normal));
         }
         for (size_t k = 0; obj->has_colors && k < 4; ++k) {
-            set.colors[4 * i + k] =
-                k == 3 ? 255 : stp_unorm8(obj->colors[3 * p + k] * obj->color_scale);
+            set.colors[4 * i + k] = k == 3 ? 255 : stp_unorm8(stp_obj_color(obj, 3 * p + k));
         }
     }
     stp_part part = {.kind = STP_PART_POINTS};

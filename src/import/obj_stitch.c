@@ -35,7 +35,7 @@ static void copy_chunk(stitch* s, size_t index)
     if (obj->has_colors) {
         float* colors = obj->colors + 3 * base->position;
         for (size_t i = 3 * chunk->colors.count; i < 3 * chunk->positions.count; ++i) {
-            colors[i] = 1.0f / obj->color_scale;
+            colors[i] = STP_OBJ_NO_COLOR;
         }
         copy_items(obj->colors, base->position, &chunk->colors, 3 * sizeof(float));
     }

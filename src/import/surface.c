@@ -64,11 +64,22 @@ void stp_pictures_destroy(stp_pictures* pictures)
     stp_lookup_destroy(&pictures->known);
 }
 
-bool stp_picture_is_known(const unsigned char* bytes, size_t size)
+stp_result stp_picture_decode(stp_import* import, const char* place, const unsigned char* bytes,
+                              size_t size, stp_texture* texture, bool* read)
 {
-    return size >= 12 &&
-           (memcmp(bytes, "\x89PNG", 4) == 0 || memcmp(bytes, "\xff\xd8\xff", 3) == 0 ||
-            (memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0));
+    stp_image_info info = {0};
+    stp_result result = stp_image_measure(bytes, size, &info);
+    if (result == STP_OK) {
+        result = stp_image_decode_measured(import->context, bytes, size, &info, texture);
+    }
+    *read = result == STP_OK;
+    if (result == STP_ERROR_OUT_OF_MEMORY) {
+        return stp_fail_memory(import->context);
+    }
+    if (result != STP_OK) {
+        stp_warn(import->context, "%s: %s is left out: %s", import->path, place, info.reason);
+    }
+    return STP_OK;
 }
 
 // Exporters write the path on their author's machine; the picture is most often delivered beside
@@ -89,22 +100,15 @@ static const char* without_root(const char* reference)
     return name;
 }
 
-static stp_result read_picture(stp_import* import, const char* place, const char* path,
-                               stp_texture* texture, bool* known)
+static stp_result read_picture(stp_import* import, const char* path, stp_texture* texture,
+                               bool* read)
 {
     stp_mapped_file file;
     stp_result result = stp_file_map(import->context, path, &file);
-    if (result != STP_OK) {
-        return result;
+    if (result == STP_OK) {
+        result = stp_picture_decode(import, path, file.bytes, file.size, texture, read);
+        stp_file_unmap(&file);
     }
-    *known = stp_picture_is_known(file.bytes, file.size);
-    if (*known) {
-        result = stp_image_decode(import->context, path, file.bytes, file.size, texture);
-    } else {
-        stp_warn(import->context, "%s: %s: \"%s\" is left out: it is neither PNG, JPEG nor WebP",
-                 import->path, place, path);
-    }
-    stp_file_unmap(&file);
     return result;
 }
 
@@ -127,11 +131,11 @@ stp_result stp_pictures_read(stp_pictures* pictures, const char* place, const ch
         *texture = found;
         return STP_OK;
     }
-    bool known;
-    stp_texture read = {.name = path, .wrap_u = wrap, .wrap_v = wrap};
-    result = read_picture(import, place, path, &read, &known);
-    if (result == STP_OK && known) {
-        result = stp_scene_add_texture(import->scene, &read, texture);
+    bool read;
+    stp_texture picture = {.name = path, .wrap_u = wrap, .wrap_v = wrap};
+    result = read_picture(import, path, &picture, &read);
+    if (result == STP_OK && read) {
+        result = stp_scene_add_texture(import->scene, &picture, texture);
     }
     return result != STP_OK ? result
                             : stp_lookup_add(&pictures->known, &key, sizeof(key), *texture, &found);

@@ -35,9 +35,12 @@ void stp_pictures_destroy(stp_pictures* pictures);
 /// Reads the picture that `reference` names as a texture. A drive letter or an absolute path is
 /// dropped: the picture is looked for beside the file. What is missing or no picture this library
 /// reads becomes a warning that begins with `place`, and STP_NONE.
-/// @return STP_OK; the failures of reading a damaged picture (logged)
+/// @return STP_OK; STP_ERROR_OUT_OF_MEMORY, STP_ERROR_IO (logged)
 STP_MUST_USE stp_result stp_pictures_read(stp_pictures* pictures, const char* place,
                                           const char* reference, stp_wrap wrap, uint32_t* texture);
 
-/// Whether the bytes begin like a picture that stp_image_decode reads.
-bool stp_picture_is_known(const unsigned char* bytes, size_t size);
+/// Decodes a picture into `texture`; what cannot be read becomes a warning about `place`, with *read false.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_picture_decode(stp_import* import, const char* place,
+                                           const unsigned char* bytes, size_t size,
+                                           stp_texture* texture, bool* read);

@@ -157,6 +157,47 @@ void test_obj_vertices_are_unique_triples(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_obj_large_mesh_with_threads(test_state* test)
+{
+    // large enough for all threads to work on one mesh; quads with seams in their texture coordinates
+    enum { SIDE = 160 };
+    size_t size = (size_t)SIDE * SIDE * 90, length = 0;
+    char* text = malloc(size);
+    CHECK(text != NULL);
+    for (int y = 0; y < SIDE; ++y) {
+        for (int x = 0; x < SIDE; ++x) {
+            length += (size_t)snprintf(text + length, size - length, "v %d.%d %d -%d.25\n", x,
+                                       y % 7, y, x * y % 13);
+        }
+    }
+    length += (size_t)snprintf(text + length, size - length, "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n");
+    for (int y = 0; y + 1 < SIDE; ++y) {
+        for (int x = 0; x + 1 < SIDE; ++x) {
+            int a = y * SIDE + x + 1, b = a + SIDE;
+            length += (size_t)snprintf(text + length, size - length, "f %d/1 %d/2 %d/3 %d/4\n", a,
+                                       a + 1, b + 1, b);
+        }
+    }
+    CHECK(length + 1 < size);
+    stp_hash wanted = {0};
+    for (uint32_t threads = 1; threads <= 4; ++threads) {
+        stp_context* context = test_context(NULL, threads, NULL);
+        stp_result result;
+        stp_scene* scene = import_obj(context, text, 60000, &result);
+        CHECK_EQUAL(STP_OK, result);
+        CHECK_EQUAL(2 * (SIDE - 1) * (SIDE - 1), scene->meshes[0].triangle_count);
+        // a position has as many vertices as quads around it
+        CHECK_EQUAL(4 * (SIDE - 1) * (SIDE - 1), scene->meshes[0].vertex_count);
+        CHECK(scene_is_sound(scene));
+        stp_hash hash = digest_scene(scene);
+        wanted = threads == 1 ? hash : wanted;
+        CHECK(stp_hash_equal(wanted, hash));
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+    free(text);
+}
+
 void test_obj_sparse_meshes(test_state* test)
 {
     // many small meshes that each use the first and the last of many positions
@@ -202,11 +243,18 @@ void test_obj_points_and_colors(test_state* test)
     stp_scene_destroy(scene);
 
     // colours written as bytes, and points named by index
-    scene =
-        import_obj(context, "v 0 0 0 255 0 51\nv 1 1 1 0 0 0\np -1\nf 1 2 2\np 1 2\n", 8, &result);
+    static const char bytes[] =
+        "v 0 0 0 255 0 51\nv 1 1 1 0 0 0\np -1\nf 1 2 2\np 1 2\nv 3 3 3\np 3\n";
+    for (size_t chunk = 8; chunk <= 100; chunk += 92) {
+        scene = import_obj(context, bytes, chunk, &result);
+        CHECK_EQUAL(STP_OK, result);
+        CHECK_EQUAL(255, scene->point_sets[0].colors[14]); // none written: white, in any chunk
+        stp_scene_destroy(scene);
+    }
+    scene = import_obj(context, bytes, 8, &result);
     CHECK_EQUAL(STP_OK, result);
     points = &scene->point_sets[0];
-    CHECK_EQUAL(3, points->point_count);
+    CHECK_EQUAL(4, points->point_count);
     CHECK(points->positions[0] == 1.0f && points->positions[3] == 0.0f);
     CHECK(points->colors[4] == 255 && points->colors[6] == 51);
     CHECK_EQUAL(65535, scene->meshes[0].colors[0]);
