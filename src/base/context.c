@@ -43,11 +43,13 @@ static void* default_alloc(size_t size, size_t alignment, void* user)
     if (size < HUGE_SIZE) {
         return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
     }
-    void* memory = aligned_alloc(HUGE_PAGE, (size + ALIGNMENT - 1) & ~(ALIGNMENT - 1));
-#if defined(MADV_HUGEPAGE)
-    if (memory != NULL) {
-        (void)madvise(memory, size & ~(HUGE_PAGE - 1), MADV_HUGEPAGE); // a wish: nothing depends on it
+    // unlike aligned_alloc, this takes sizes that are no multiple of the alignment
+    void* memory = NULL;
+    if (posix_memalign(&memory, HUGE_PAGE, size) != 0) {
+        return NULL;
     }
+#if defined(MADV_HUGEPAGE)
+    (void)madvise(memory, size & ~(HUGE_PAGE - 1), MADV_HUGEPAGE); // a wish: nothing depends on it
 #endif
     return memory;
 }
@@ -168,7 +170,8 @@ void stp_free(stp_context* context, void* memory)
     }
 }
 
-void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed, size_t size)
+void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed,
+                     size_t size)
 {
     if (array != NULL && needed <= *capacity) {
         return array;
@@ -214,7 +217,8 @@ stp_result stp_fail_memory(stp_context* context)
     uint64_t limit = context->desc.memory_limit_bytes;
     if (limit != 0) {
         return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
-                        "out of memory: the limit of %llu bytes is used up", (unsigned long long)limit);
+                        "out of memory: the limit of %llu bytes is used up",
+                        (unsigned long long)limit);
     }
     return stp_fail(context, STP_ERROR_OUT_OF_MEMORY, "out of memory");
 }

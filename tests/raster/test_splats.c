@@ -171,7 +171,8 @@ static int count_wrong(splat_scene* s, uint32_t index)
             !near_edge(s, index, x, y, radius, true)) { // the plane's depth
             double error = fabs((double)stp_raster_nearness(s->pixels[at]) - nearness);
             double per_unit = s->camera.parallel ? 0.05 : nearness * nearness / 0.05;
-            bool tiny = radius * focal / z < 0.5; // drawn as its centre's pixel, at its centre's depth
+            bool tiny =
+                radius * focal / z < 0.5; // drawn as its centre's pixel, at its centre's depth
             wrong += error > (tiny ? 1.0 : 0.02) * radius * per_unit + 1e-6 && nearness < 0.999;
         }
     }
