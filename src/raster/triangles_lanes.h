@@ -80,8 +80,13 @@ static inline lanes_float small_nearness(lanes_uint edge1, lanes_uint edge2,
     return lanes_select_float(nearness < high, nearness, high);
 }
 
-/// A small triangle, walked in lines: rows where it is wide, columns where it is high. LANES pixels of a line are
-/// looked at together.
+/// Pixels whose centres may be inside, ends included.
+typedef struct pixel_box {
+    int32_t left, right, top, bottom;
+} pixel_box;
+
+/// A small triangle, walked in lines: rows where it is wide, columns where it is high. LANES pixels
+/// of a line are looked at together.
 typedef struct small_walk {
     lanes_uint at[3];    ///< edge functions with bias at the first LANES pixels of a line
     uint32_t onwards[3]; ///< from there to the next LANES pixels
@@ -90,30 +95,23 @@ typedef struct small_walk {
     lanes_float n0, along[2], inverse_area, low, high;
 } small_walk;
 
-static inline small_walk start_walk(const stp_triangle_setup* setup, bool in_columns)
+/// Columns pay where rows would fill a quarter of a vector at most: their pixels are written one by one.
+static inline bool goes_in_columns(const pixel_box* box)
 {
-    small_walk walk;
-    for (int k = 0; k < 3; ++k) { // edge k is opposite to corner k
-        stp_triangle_edge edge =
-            stp_triangle_edge_make(setup->corner[(k + 1) % 3], setup->corner[(k + 2) % 3]);
-        uint32_t step_x = 0U - (uint32_t)(edge.dy * STP_SUBPIXEL);
-        uint32_t step_y = (uint32_t)(edge.dx * STP_SUBPIXEL);
-        uint32_t step = in_columns ? step_y : step_x;
-        int64_t first = stp_triangle_edge_at(&edge, setup->left, setup->top) + edge.bias;
-        walk.at[k] = (lanes_uint)lanes_index() * step + (uint32_t)first;
-        walk.onwards[k] = step * LANES;
-        walk.across[k] = in_columns ? step_x : step_y;
-        walk.bias[k] = (uint32_t)edge.bias;
-    }
-    const lanes_float zero = {0};
-    float n0 = setup->corner[0].nearness;
-    walk.n0 = zero + n0;
-    walk.along[0] = zero + (setup->corner[1].nearness - n0);
-    walk.along[1] = zero + (setup->corner[2].nearness - n0);
-    walk.inverse_area = zero + 1.0f / (float)setup->area;
-    walk.low = zero + setup->low;
-    walk.high = zero + setup->high;
-    return walk;
+    int32_t width = box->right - box->left;
+    return width < TINY_WIDTH && box->bottom - box->top > width;
+}
+
+/// Edge k, opposite to corner k: its value with bias at the box's first pixel, and its extent.
+static inline void set_edge(small_walk* walk, int k, uint32_t first, uint32_t dx, uint32_t dy,
+                            uint32_t bias, bool in_columns)
+{
+    uint32_t step_x = 0U - dy * STP_SUBPIXEL, step_y = dx * STP_SUBPIXEL;
+    uint32_t step = in_columns ? step_y : step_x;
+    walk->at[k] = (lanes_uint)lanes_index() * step + first;
+    walk->onwards[k] = step * LANES;
+    walk->across[k] = in_columns ? step_x : step_y;
+    walk->bias[k] = bias;
 }
 
 static inline lanes_int walk_nearness(const small_walk* walk, lanes_uint edge1, lanes_uint edge2)
@@ -123,16 +121,15 @@ static inline lanes_int walk_nearness(const small_walk* walk, lanes_uint edge1, 
                                      walk->high);
 }
 
-static void draw_rows(const stp_triangle_window* window, const stp_triangle_setup* setup,
-                      uint32_t id)
+static void draw_rows(const stp_triangle_window* window, const pixel_box* box,
+                      const small_walk* start, uint32_t id)
 {
-    small_walk walk = start_walk(setup, false);
-    for (int32_t row = setup->top; row <= setup->bottom; ++row) {
+    small_walk walk = *start; // a copy that no store of pixels can touch
+    for (int32_t row = box->top; row <= box->bottom; ++row) {
         uint64_t* pixels = stp_triangle_row(window, row);
         lanes_uint e0 = walk.at[0], e1 = walk.at[1], e2 = walk.at[2];
-        for (int32_t column = setup->left; column <= setup->right; column += LANES) {
-            lanes_int inside =
-                ~(lanes_int)(e0 | e1 | e2) & (column + lanes_index() <= setup->right);
+        for (int32_t column = box->left; column <= box->right; column += LANES) {
+            lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (column + lanes_index() <= box->right);
             uint32_t bits = lanes_sign_bits(inside);
             if (bits != 0) {
                 lanes_write(pixels + column, bits, walk_nearness(&walk, e1, e2), id);
@@ -147,14 +144,14 @@ static void draw_rows(const stp_triangle_window* window, const stp_triangle_setu
     }
 }
 
-static void draw_columns(const stp_triangle_window* window, const stp_triangle_setup* setup,
-                         uint32_t id)
+static void draw_columns(const stp_triangle_window* window, const pixel_box* box,
+                         const small_walk* start, uint32_t id)
 {
-    small_walk walk = start_walk(setup, true);
-    for (int32_t column = setup->left; column <= setup->right; ++column) {
+    small_walk walk = *start; // a copy that no store of pixels can touch
+    for (int32_t column = box->left; column <= box->right; ++column) {
         lanes_uint e0 = walk.at[0], e1 = walk.at[1], e2 = walk.at[2];
-        for (int32_t row = setup->top; row <= setup->bottom; row += LANES) {
-            lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (row + lanes_index() <= setup->bottom);
+        for (int32_t row = box->top; row <= box->bottom; row += LANES) {
+            lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (row + lanes_index() <= box->bottom);
             uint32_t bits = lanes_sign_bits(inside);
             if (bits != 0) {
                 int32_t depth[LANES];
@@ -176,6 +173,40 @@ static void draw_columns(const stp_triangle_window* window, const stp_triangle_s
             walk.at[k] += walk.across[k];
         }
     }
+}
+
+static inline void draw_walk(const stp_triangle_window* window, const pixel_box* box,
+                             const small_walk* walk, uint32_t id)
+{
+    if (goes_in_columns(box)) {
+        draw_columns(window, box, walk, id);
+    } else {
+        draw_rows(window, box, walk, id);
+    }
+}
+
+/// A small triangle by itself.
+static void draw_small(const stp_triangle_window* window, const stp_triangle_setup* setup,
+                       uint32_t id)
+{
+    pixel_box box = {setup->left, setup->right, setup->top, setup->bottom};
+    small_walk walk;
+    for (int k = 0; k < 3; ++k) {
+        stp_triangle_edge edge =
+            stp_triangle_edge_make(setup->corner[(k + 1) % 3], setup->corner[(k + 2) % 3]);
+        int64_t first = stp_triangle_edge_at(&edge, setup->left, setup->top) + edge.bias;
+        set_edge(&walk, k, (uint32_t)first, (uint32_t)edge.dx, (uint32_t)edge.dy,
+                 (uint32_t)edge.bias, goes_in_columns(&box));
+    }
+    const lanes_float zero = {0};
+    float n0 = setup->corner[0].nearness;
+    walk.n0 = zero + n0;
+    walk.along[0] = zero + (setup->corner[1].nearness - n0);
+    walk.along[1] = zero + (setup->corner[2].nearness - n0);
+    walk.inverse_area = zero + 1.0f / (float)setup->area;
+    walk.low = zero + setup->low;
+    walk.high = zero + setup->high;
+    draw_walk(window, &box, &walk, id);
 }
 
 static void draw_large(const stp_triangle_window* window, const stp_triangle_setup* setup,
@@ -210,10 +241,8 @@ static void draw_one(const stp_triangle_window* window, const stp_screen_vertex 
     if (!stp_triangle_set_up(window, corners, &setup)) {
         return;
     }
-    if (setup.small && setup.bottom - setup.top > setup.right - setup.left) {
-        draw_columns(window, &setup, id);
-    } else if (setup.small) {
-        draw_rows(window, &setup, id);
+    if (setup.small) {
+        draw_small(window, &setup, id);
     } else {
         draw_large(window, &setup, id);
     }
@@ -226,45 +255,58 @@ typedef struct batch {
     lanes_float nearness[3];
 } batch;
 
-/// Draws the triangles of `alive` (sign bits), none wider than TINY_WIDTH or higher than TINY_HEIGHT pixels.
-static void draw_tiny(const stp_triangle_window* window, const batch* b, lanes_int alive,
-                      uint32_t first_id)
+/// LANES small triangles ready to be drawn, turned so that their areas are positive.
+typedef struct batch_setup {
+    lanes_uint at[3]; ///< edge functions with bias at the first pixel of the box
+    lanes_uint dx[3], dy[3], bias[3];
+    lanes_float n0, along[2], inverse_area, low, high;
+} batch_setup;
+
+/// Sets up all lanes. @return the lanes whose triangles have an area
+static inline lanes_int set_up_batch(const batch* b, batch_setup* setup)
 {
     lanes_uint x0 = (lanes_uint)b->x[0], y0 = (lanes_uint)b->y[0];
     lanes_uint x1 = (lanes_uint)b->x[1] - x0, y1 = (lanes_uint)b->y[1] - y0;
     lanes_uint x2 = (lanes_uint)b->x[2] - x0, y2 = (lanes_uint)b->y[2] - y0;
     lanes_int area = (lanes_int)(x1 * y2 - y1 * x2);
-    alive &= area != 0;
-    lanes_int turned = area < 0;
+    lanes_int has_area = area != 0, turned = area < 0;
     area = lanes_select(turned, -area, area);
     lanes_uint ux1 = (lanes_uint)lanes_select(turned, (lanes_int)x2, (lanes_int)x1);
     lanes_uint uy1 = (lanes_uint)lanes_select(turned, (lanes_int)y2, (lanes_int)y1);
     lanes_uint ux2 = (lanes_uint)lanes_select(turned, (lanes_int)x1, (lanes_int)x2);
     lanes_uint uy2 = (lanes_uint)lanes_select(turned, (lanes_int)y1, (lanes_int)y2);
     // edges 1 -> 2, 2 -> 0, 0 -> 1: opposite to corners 0, 1, 2
-    lanes_uint dx[3] = {ux2 - ux1, -ux2, ux1}, dy[3] = {uy2 - uy1, -uy2, uy1};
+    const lanes_uint dx[3] = {ux2 - ux1, -ux2, ux1}, dy[3] = {uy2 - uy1, -uy2, uy1};
     lanes_uint cx = ((lanes_uint)b->left << STP_SUBPIXEL_BITS) + (uint32_t)STP_SUBPIXEL_HALF - x0;
     lanes_uint cy = ((lanes_uint)b->top << STP_SUBPIXEL_BITS) + (uint32_t)STP_SUBPIXEL_HALF - y0;
-    lanes_uint bias[3], at[3];
+    const lanes_uint from_x[3] = {cx - ux1, cx - ux2, cx}, from_y[3] = {cy - uy1, cy - uy2, cy};
     for (int k = 0; k < 3; ++k) {
         lanes_int not_left = ~((lanes_int)dy[k] < 0);
         lanes_int not_top = ((lanes_int)dy[k] != 0) | ((lanes_int)dx[k] <= 0);
-        bias[k] = (lanes_uint)(not_left & not_top); // 0 or -1
+        setup->bias[k] = (lanes_uint)(not_left & not_top); // 0 or -1
+        setup->dx[k] = dx[k];
+        setup->dy[k] = dy[k];
+        setup->at[k] = dx[k] * from_y[k] - dy[k] * from_x[k] + setup->bias[k];
     }
-    at[0] = dx[0] * (cy - uy1) - dy[0] * (cx - ux1) + bias[0];
-    at[1] = dx[1] * (cy - uy2) - dy[1] * (cx - ux2) + bias[1];
-    at[2] = dx[2] * cy - dy[2] * cx + bias[2];
-
-    lanes_float inverse_area = 1.0f / __builtin_convertvector(area, lanes_float);
     lanes_float n0 = b->nearness[0];
-    lanes_float m1 = lanes_select_float(turned, b->nearness[2], b->nearness[1]);
-    lanes_float m2 = lanes_select_float(turned, b->nearness[1], b->nearness[2]);
-    lanes_float low = lanes_select_float(m1 < m2, m1, m2);
-    lanes_float high = lanes_select_float(m1 > m2, m1, m2);
-    low = lanes_select_float(n0 < low, n0, low);
-    high = lanes_select_float(n0 > high, n0, high);
-    lanes_float along[2] = {m1 - n0, m2 - n0};
+    lanes_float n1 = lanes_select_float(turned, b->nearness[2], b->nearness[1]);
+    lanes_float n2 = lanes_select_float(turned, b->nearness[1], b->nearness[2]);
+    lanes_float low = lanes_select_float(n1 < n2, n1, n2);
+    lanes_float high = lanes_select_float(n1 > n2, n1, n2);
+    setup->n0 = n0;
+    setup->along[0] = n1 - n0;
+    setup->along[1] = n2 - n0;
+    setup->inverse_area = 1.0f / __builtin_convertvector(area, lanes_float);
+    setup->low = lanes_select_float(n0 < low, n0, low);
+    setup->high = lanes_select_float(n0 > high, n0, high);
+    return has_area;
+}
 
+/// Draws the triangles of `alive` (sign bits), none wider than TINY_WIDTH or higher than TINY_HEIGHT
+/// pixels: pixel by pixel of their boxes, all triangles at once.
+static void draw_tiny(const stp_triangle_window* window, const batch* b, batch_setup* setup,
+                      lanes_int alive, uint32_t first_id)
+{
     int32_t left[LANES], top[LANES];
     memcpy(left, &b->left, sizeof(left));
     memcpy(top, &b->top, sizeof(top));
@@ -273,16 +315,17 @@ static void draw_tiny(const stp_triangle_window* window, const batch* b, lanes_i
         if (lanes_sign_bits(in_row) == 0) {
             break;
         }
-        lanes_uint e0 = at[0], e1 = at[1], e2 = at[2];
+        lanes_uint e[3] = {setup->at[0], setup->at[1], setup->at[2]};
         for (int32_t column = 0; column < TINY_WIDTH; ++column) {
             lanes_int here = in_row & (b->width >= column);
             if (lanes_sign_bits(here) == 0) {
                 break;
             }
-            uint32_t bits = lanes_sign_bits(here & ~(lanes_int)(e0 | e1 | e2));
+            uint32_t bits = lanes_sign_bits(here & ~(lanes_int)(e[0] | e[1] | e[2]));
             if (bits != 0) {
-                lanes_float nearness =
-                    small_nearness(e1 - bias[1], e2 - bias[2], inverse_area, n0, along, low, high);
+                lanes_float nearness = small_nearness(e[1] - setup->bias[1], e[2] - setup->bias[2],
+                                                      setup->inverse_area, setup->n0, setup->along,
+                                                      setup->low, setup->high);
                 float depth[LANES];
                 memcpy(depth, &nearness, sizeof(depth));
                 for (; bits != 0; bits &= bits - 1) {
@@ -293,13 +336,49 @@ static void draw_tiny(const stp_triangle_window* window, const batch* b, lanes_i
                     *place = pixel < *place ? pixel : *place;
                 }
             }
-            e0 -= dy[0] << STP_SUBPIXEL_BITS;
-            e1 -= dy[1] << STP_SUBPIXEL_BITS;
-            e2 -= dy[2] << STP_SUBPIXEL_BITS;
+            for (int k = 0; k < 3; ++k) {
+                e[k] -= setup->dy[k] << STP_SUBPIXEL_BITS;
+            }
         }
-        at[0] += dx[0] << STP_SUBPIXEL_BITS;
-        at[1] += dx[1] << STP_SUBPIXEL_BITS;
-        at[2] += dx[2] << STP_SUBPIXEL_BITS;
+        for (int k = 0; k < 3; ++k) {
+            setup->at[k] += setup->dx[k] << STP_SUBPIXEL_BITS;
+        }
+    }
+}
+
+/// Draws the triangles of `lanes`, one after the other.
+static void draw_medium(const stp_triangle_window* window, const batch* b, const batch_setup* setup,
+                        uint32_t lanes, uint32_t first_id)
+{
+    const lanes_float zero = {0};
+    for (; lanes != 0; lanes &= lanes - 1) {
+        int lane = __builtin_ctz(lanes);
+        pixel_box box = {b->left[lane], b->left[lane] + b->width[lane], b->top[lane],
+                         b->top[lane] + b->height[lane]};
+        small_walk walk = {
+            .n0 = zero + setup->n0[lane],
+            .along = {zero + setup->along[0][lane], zero + setup->along[1][lane]},
+            .inverse_area = zero + setup->inverse_area[lane],
+            .low = zero + setup->low[lane],
+            .high = zero + setup->high[lane],
+        };
+        for (int k = 0; k < 3; ++k) {
+            set_edge(&walk, k, setup->at[k][lane], setup->dx[k][lane], setup->dy[k][lane],
+                     setup->bias[k][lane], goes_in_columns(&box));
+        }
+        draw_walk(window, &box, &walk, first_id + (uint32_t)lane);
+    }
+}
+
+static void draw_batch(const stp_triangle_window* window, const batch* b, lanes_int small,
+                       uint32_t valid, uint32_t first_id)
+{
+    batch_setup setup;
+    small &= set_up_batch(b, &setup); // lanes past the end have no area
+    lanes_int tiny = small & (b->width < TINY_WIDTH) & (b->height < TINY_HEIGHT);
+    draw_medium(window, b, &setup, lanes_sign_bits(small & ~tiny) & valid, first_id);
+    if (lanes_sign_bits(tiny) != 0) {
+        draw_tiny(window, b, &setup, tiny, first_id);
     }
 }
 
@@ -359,17 +438,16 @@ static void draw_chunk(stp_triangle_chunk* chunk)
         b.height = lanes_min((max_y - STP_SUBPIXEL_HALF) >> STP_SUBPIXEL_BITS,
                              zero + (window->row_end - 1)) -
                    b.top;
-        uint32_t single = lanes_sign_bits(min_x == STP_OUTSIDE);
         lanes_int hit = (b.width >= 0) & (b.height >= 0) & (min_x != STP_OUTSIDE);
-        lanes_int tiny = hit & (b.width < TINY_WIDTH) & (b.height < TINY_HEIGHT) &
-                         (max_x - min_x < STP_SMALL_EXTENT) & (max_y - min_y < STP_SMALL_EXTENT);
-        uint32_t tiny_bits = lanes_sign_bits(tiny) & valid;
-        single = (single | (lanes_sign_bits(hit) & ~tiny_bits)) & valid;
-        if (tiny_bits != 0) {
+        lanes_int small =
+            hit & (max_x - min_x < STP_SMALL_EXTENT) & (max_y - min_y < STP_SMALL_EXTENT);
+        uint32_t single =
+            (lanes_sign_bits(min_x == STP_OUTSIDE) | lanes_sign_bits(hit & ~small)) & valid;
+        if ((lanes_sign_bits(small) & valid) != 0) {
             for (int k = 0; k < 3; ++k) {
                 b.nearness[k] = (lanes_float)lanes_gather(nearness_words, index[k]);
             }
-            draw_tiny(window, &b, tiny, chunk->first_id + t);
+            draw_batch(window, &b, small, valid, chunk->first_id + t);
         }
         for (; single != 0; single &= single - 1) {
             draw_lane(chunk, t + (uint32_t)__builtin_ctz(single));
