@@ -74,6 +74,13 @@ void stp_capture_set_views(stp_capture_job* job, const stp_vec3d* directions, ui
 /// The longer side of the widest view, in scene units.
 double stp_capture_widest(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count);
 
+/// Draws parts [begin, end) into a buffer of the band's rows; ids count from the first one's first primitive.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (not logged)
+STP_MUST_USE stp_result stp_capture_draw_parts(const stp_capture_job* job,
+                                               const stp_capture_band* band, size_t begin,
+                                               size_t end, const stp_raster_target* target,
+                                               stp_arena* scratch);
+
 /// Draws all views; makes job->bands and covered_pixels.
 STP_MUST_USE stp_result stp_capture_draw(stp_capture_job* job);
 void stp_capture_drop_bands(stp_capture_job* job);
