@@ -50,7 +50,7 @@ static stp_result find_elements(stp_gltf_scope* scope, const stp_gltf_accessor* 
         *stride = view_stride != 0 ? view_stride : size;
     }
     size_t step = stride != NULL ? *stride : size;
-    if (step < size) {
+    if (size == 0 || step < size) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT,
                              "accessors[%u] has elements of %zu bytes, but bufferViews[%u] has a "
                              "stride of %zu",

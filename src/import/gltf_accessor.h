@@ -29,7 +29,7 @@ typedef struct stp_gltf_accessor {
 /// Which elements are wanted: `count` from `first` on, or those that `map` lists.
 typedef struct stp_gltf_selection {
     size_t first, count;
-    const uint32_t* map; ///< NULL: a run
+    uint32_t* map; ///< NULL: a run
 } stp_gltf_selection;
 
 /// Reads what an accessor says of its elements, without looking for them; bytes stays NULL.

@@ -35,14 +35,14 @@ static uint64_t accessor_count(const stp_gltf* gltf, const json_t* index)
 // and for each attribute that is sparse.
 static uint64_t primitive_elements(const stp_gltf* gltf, const json_t* primitive)
 {
-    const json_t* attributes = json_object_get(primitive, "attributes");
+    json_t* attributes = json_object_get(primitive, "attributes");
     const json_t* indices = json_object_get(primitive, "indices");
     uint64_t vertices = accessor_count(gltf, json_object_get(attributes, "POSITION"));
     uint64_t elements = indices != NULL ? accessor_count(gltf, indices) : vertices;
     elements += vertices * json_array_size(json_object_get(primitive, "targets"));
     const char* name;
     json_t* index;
-    json_object_foreach((json_t*)(uintptr_t)attributes, name, index)
+    json_object_foreach(attributes, name, index)
     {
         const json_t* accessor = follow(gltf, index, STP_GLTF_ACCESSORS);
         elements += json_object_get(accessor, "sparse") != NULL ? vertices : 0;

@@ -134,12 +134,13 @@ static stp_result read_geometry(stp_gltf_scope* scope, const json_t* mesh, const
 {
     uint32_t three[2] = {3, 3};
     stp_result result = stp_gltf_attribute(scope, vertices, "POSITION", three, positions);
-    if (result == STP_OK && *positions == NULL) {
-        result = stp_gltf_fail(scope, STP_ERROR_FORMAT, "POSITION has too few elements");
+    if (result != STP_OK) {
+        return result;
     }
-    if (result == STP_OK) {
-        result = check_finite(scope, *positions, vertices->selection.count);
+    if (*positions == NULL) {
+        return stp_gltf_fail(scope, STP_ERROR_FORMAT, "POSITION has too few elements");
     }
+    result = check_finite(scope, *positions, vertices->selection.count);
     if (result == STP_OK) {
         three[0] = three[1] = 3;
         result = stp_gltf_attribute(scope, vertices, "NORMAL", three, normals);
@@ -208,8 +209,9 @@ static stp_result read_point_colors(stp_gltf_scope* scope, const stp_gltf_vertic
         for (size_t c = 0; c < 3; ++c) {
             out[c] = stp_linear_to_srgb8(to_unit(colors[i * components + c]));
         }
-        out[3] =
-            components < 4 ? 255 : (uint8_t)(to_unit(colors[i * components + 3]) * 255.0f + 0.5f);
+        float alpha = components < 4 ? 1.0f : to_unit(colors[i * components + 3]);
+        float scaled = alpha * 255.0f + 0.5f;
+        out[3] = (uint8_t)scaled;
     }
     stp_free(context, colors);
     return points->colors != NULL ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
@@ -393,7 +395,7 @@ stp_result stp_gltf_read_primitive(stp_gltf_scope* scope, stp_gltf_primitive* pr
         result = mode == STP_GLTF_POINTS ? read_points(scope, mesh, json, &vertices, primitive)
                                          : read_triangles(scope, mesh, json, &vertices, primitive);
     }
-    stp_free(scope->gltf->context, (void*)(uintptr_t)vertices.selection.map);
+    stp_free(scope->gltf->context, vertices.selection.map);
     stp_draco_destroy(vertices.draco);
     return result;
 }

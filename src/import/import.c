@@ -27,7 +27,10 @@ static const char* base_name(const char* path)
 
 static char lower_case(char c)
 {
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+    if (c >= 'A' && c <= 'Z') {
+        return (char)(c - 'A' + 'a');
+    }
+    return c;
 }
 
 // Whether the file's extension is one of the words, whatever its case.
@@ -106,7 +109,11 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
     if (result != STP_OK) {
         return result;
     }
-    stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'y', 0.0);
+    char up = 'y';
+    if (import->desc.up != 0) {
+        up = import->desc.up;
+    }
+    stp_import_set_axes(import, up, 0.0);
     return importer->read(import);
 }
 
