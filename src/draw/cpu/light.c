@@ -4,7 +4,7 @@
 // nothing to set up. Metals keep half of their diffuse colour, since there is nothing for them to mirror.
 #include "draw/cpu/cpu.h"
 
-static const float sky = 0.40f, ground = 0.16f, key = 0.78f, fill = 0.08f;
+static const float sky = 0.28f, ground = 0.12f, key = 0.62f, fill = 0.08f;
 
 /// Highlight of a rough surface: the distribution of Trowbridge and Reitz, bounded.
 static float highlight(float roughness, float cosine)
