@@ -1,15 +1,165 @@
 // SPDX-License-Identifier: MIT
 #include "scene_file.h"
 
+#include "base/file.h"
+#include "base/hash.h"
+#include "build/build.h"
 #include "present/camera.h"
 
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// Part of the name of what is cached: to be raised when builds of the same input become different.
+static const char* const cache_version = "stipple-" STP_VERSION "-1";
+static const char* const parameters =
+    "{\"method\":\"blue\",\"metric\":\"side\",\"order\":\"exact\",\"threshold\":1000}";
+
+enum { SEARCHED_BYTES = 1 << 24 }; ///< of a model, for names of other files
+
+static bool is_stip(const stp_mapped_file* file)
+{
+    return file->size >= 4 && memcmp(file->bytes, "\x89STP", 4) == 0;
+}
+
+/// Makes a folder and those above it.
+static bool make_folders(char* path)
+{
+    for (char* slash = strchr(path + 1, '/'); slash != NULL; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        bool made = mkdir(path, 0777) == 0 || errno == EEXIST;
+        *slash = '/';
+        if (!made) {
+            return false;
+        }
+    }
+    return mkdir(path, 0777) == 0 || errno == EEXIST;
+}
+
+static bool contains(const stp_mapped_file* file, const char* text)
+{
+    size_t length = strlen(text), size = file->size < SEARCHED_BYTES ? file->size : SEARCHED_BYTES;
+    const unsigned char* at = file->bytes;
+    const unsigned char* end = at + size;
+    while (size >= length && (at = memchr(at, text[0], (size_t)(end - at))) != NULL) {
+        if ((size_t)(end - at) < length) {
+            return false;
+        }
+        if (memcmp(at, text, length) == 0) {
+            return true;
+        }
+        at += 1;
+    }
+    return false;
+}
+
+/// Some models name files beside them (buffers, pictures, materials): the hash takes in the names, sizes and times
+/// of those. The order in which the folder lists them does not matter.
+static void hash_neighbours(const char* path, const stp_mapped_file* file, stp_hash* hash)
+{
+    char folder[PATH_MAX];
+    const char* slash = strrchr(path, '/');
+    snprintf(folder, sizeof(folder), "%.*s", slash != NULL ? (int)(slash - path) : 1,
+             slash != NULL ? path : ".");
+    DIR* listing = opendir(folder);
+    stp_hash sum = {0};
+    for (struct dirent* entry; listing != NULL && (entry = readdir(listing)) != NULL;) {
+        char full[PATH_MAX + 260];
+        struct stat status;
+        snprintf(full, sizeof(full), "%s/%s", folder, entry->d_name);
+        if (strlen(entry->d_name) > 2 && contains(file, entry->d_name) &&
+            stat(full, &status) == 0) {
+            int64_t numbers[3] = {(int64_t)status.st_size, (int64_t)status.st_mtim.tv_sec,
+                                  (int64_t)status.st_mtim.tv_nsec};
+            stp_hash one = stp_hash_bytes((stp_hash){0}, entry->d_name, strlen(entry->d_name));
+            one = stp_hash_bytes(one, numbers, sizeof(numbers));
+            sum.low += one.low;
+            sum.high += one.high;
+        }
+    }
+    if (listing != NULL) {
+        closedir(listing);
+    }
+    *hash = stp_hash_bytes(*hash, &sum, sizeof(sum));
+}
+
+/// Where the cached build of a model is, or would be. @return false, with the message logged
+static bool cache_path(stp_context* context, const char* path, const stp_mapped_file* file,
+                       char out[PATH_MAX])
+{
+    const char* cache = getenv("XDG_CACHE_HOME");
+    const char* home = getenv("HOME");
+    char folder[PATH_MAX - 64];
+    int length;
+    if (cache != NULL && cache[0] == '/') {
+        length = snprintf(folder, sizeof(folder), "%s/stipple", cache);
+    } else if (home != NULL && home[0] == '/') {
+        length = snprintf(folder, sizeof(folder), "%s/.cache/stipple", home);
+    } else {
+        length = snprintf(folder, sizeof(folder), "/tmp/stipple-%ld", (long)getuid());
+    }
+    if (length < 0 || (size_t)length >= sizeof(folder) || !make_folders(folder)) {
+        (void)stp_fail(context, STP_ERROR_IO, "%s: the folder for built models cannot be made: %s",
+                       folder, strerror(errno));
+        return false;
+    }
+    stp_hash hash = stp_hash_bytes((stp_hash){0}, cache_version, strlen(cache_version));
+    hash = stp_hash_bytes(hash, parameters, strlen(parameters));
+    const char* name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
+    hash = stp_hash_bytes(hash, name, strlen(name)); // its extension may decide how it is read
+    if (file->size > 0) {
+        hash = stp_hash_bytes(hash, file->bytes, file->size);
+    }
+    const char* dot = strrchr(name, '.');
+    if (dot != NULL && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".obj") == 0)) {
+        hash_neighbours(path, file, &hash);
+    }
+    snprintf(out, PATH_MAX, "%s/%016llx%016llx.stip", folder, (unsigned long long)hash.high,
+             (unsigned long long)hash.low);
+    return true;
+}
+
+/// What the cache holds; NULL where there is nothing, or nothing that can be read.
+static stp_store* open_cached(stp_context* context, const char* path)
+{
+    struct stat status;
+    stp_store* store = NULL;
+    if (stat(path, &status) != 0 || stp_store_open(context, path, &store) != STP_OK) {
+        return NULL;
+    }
+    return store;
+}
 
 stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)
 {
-    // names and ids are not needed for a picture, and can be most of a directory
-    stp_store_open_desc desc = {.defer_objects = true};
-    return stp_store_open_with(context, path, &desc, store);
+    *store = NULL;
+    stp_mapped_file file;
+    stp_result result = stp_file_map(context, path, &file);
+    if (result != STP_OK) {
+        return result;
+    }
+    bool built = is_stip(&file);
+    char cached[PATH_MAX];
+    bool known = built || cache_path(context, path, &file, cached);
+    stp_file_unmap(&file);
+    if (built || !known) {
+        return built ? stp_store_open(context, path, store) : STP_ERROR_IO;
+    }
+    *store = open_cached(context, cached);
+    if (*store != NULL) {
+        stp_notice(context, "%s: taken from the cache, %s", path, cached);
+        return STP_OK;
+    }
+    stp_build_desc desc = {
+        .inputs = &path, .input_count = 1, .output = cached, .parameters_json = parameters};
+    stp_build_report report;
+    result = stp_build(context, &desc, &report);
+    return result != STP_OK ? result : stp_store_open(context, cached, store);
 }
 
 bool tool_find_view(const stp_store* store, const char* name, stp_view* view)

@@ -53,6 +53,40 @@ done
 "$stipple" render "$file" -o e.png --eye 9,9,9 --target 0,0,0 --up 0,0,1 --fov 40 --size 32x32 --supersample 2 \
     --light head --background 336699 --splat-size 2 --policy paper || fail "options"
 
+# a model is built into the cache once
+python3 - << 'END' || exit 1
+import struct
+with open("ball.obj", "w") as out:
+    from math import sin, cos, pi
+    n = 24
+    for i in range(n + 1):
+        for k in range(2 * n):
+            a, b = pi * i / n, pi * k / n
+            out.write(f"v {sin(a) * cos(b):.6f} {cos(a):.6f} {sin(a) * sin(b):.6f}\n")
+    for i in range(n):
+        for k in range(2 * n):
+            p = [i * 2 * n + k, i * 2 * n + (k + 1) % (2 * n), (i + 1) * 2 * n + (k + 1) % (2 * n), (i + 1) * 2 * n + k]
+            out.write("f " + " ".join(str(x + 1) for x in p) + "\n")
+END
+export XDG_CACHE_HOME=$PWD/cache
+rm -rf cache
+"$stipple" render ball.obj -o ball.png --size 64x64 -q || fail "a model"
+[ "$(ls cache/stipple | wc -l)" -eq 1 ] || fail "the cache holds $(ls cache/stipple)"
+"$stipple" render ball.obj -o again.png --size 64x64 -v 2> err || fail "a model again"
+grep -q "from the cache" err || fail "built twice: $(cat err)"
+cmp -s ball.png again.png || fail "the cache changes the picture"
+"$stipple" render ball.obj -o small.png --size 64x64 --splats 500 --json > small.json || fail "splats of a model"
+grep -q '"splats": 500' small.json || fail "exactly 500 splats: $(cat small.json)"
+echo "v 9 9 9" >> ball.obj
+"$stipple" render ball.obj -o third.png --size 64x64 -q || fail "a changed model"
+[ "$(ls cache/stipple | wc -l)" -eq 2 ] || fail "a changed model was not built"
+head -c 100 "$file" > "cache/stipple/$(ls cache/stipple | head -n 1)"
+head -c 100 "$file" > "cache/stipple/$(ls cache/stipple | tail -n 1)"
+"$stipple" render ball.obj -o fourth.png --size 64x64 -q 2> err || fail "a damaged cache: $(cat err)"
+cmp -s third.png fourth.png || fail "a damaged cache changes the picture"
+echo "not a model" > text.xyzzy
+refused 1 "text.xyzzy" text.xyzzy -o a.png
+
 refused 2 "needs one file" -o a.png
 refused 2 "needs -o" "$file"
 refused 2 "no view named" "$file" -o a.png --view nowhere
