@@ -175,8 +175,8 @@ static stp_result measure(stp_context* context, const stp_nearest* tree, const f
         result = estimate_area(context, points, point_count, &area);
     }
     // discs cannot be packed more tightly than on a hexagonal lattice (Lagae and Dutre 2008)
-    double widest = sqrt(2.0 * area / (1.7320508075688772 * (double)d->count));
-    d->relative_spacing_min = widest > 0.0 ? d->spacing_min / widest : 0.0;
+    d->even_spacing = sqrt(2.0 * area / (1.7320508075688772 * (double)d->count));
+    d->relative_spacing_min = d->even_spacing > 0.0 ? d->spacing_min / d->even_spacing : 0.0;
     stp_free(context, own);
     return result;
 }

@@ -10,8 +10,9 @@ typedef struct stp_distribution {
     double spacing_min, spacing_median; ///< distance to the nearest other point of the prefix
     double coverage_p50, coverage_p99,
         coverage_max;            ///< distance of each point of the set to the prefix
-    double relative_spacing_min; ///< spacing_min over the largest possible in an even spread of
-                                 ///< that many
+    double even_spacing;         ///< of that many on a hexagonal lattice as large as the set: the
+                                 ///< largest possible
+    double relative_spacing_min; ///< spacing_min over even_spacing
     double uncovered_fraction;   ///< of the set, farther from the prefix than its median spacing
 } stp_distribution;
 
