@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple order: the points of a file in such an order that every prefix covers them all evenly.
+#include "command.h"
+#include "point_file.h"
+
+#include <stipple/order.h>
+
+#include <stdio.h>
+
+static struct {
+    const char* output;
+    int order, metric;
+    uint64_t count, samples, interval, seed, threads;
+    double drop;
+    bool json, metric_given;
+} args;
+
+static const char order_names[] = "exact|paper-fast|paper-text|random|best-of-k";
+static const char metric_names[] = "side|euclidean";
+
+static const option* options(void)
+{
+    static const option table[] = {
+        {.name = "output",
+         .letter = 'o',
+         .type = OPTION_TEXT,
+         .argument = "ORDERED.ply",
+         .help = "where to write the ordered points",
+         .value = &args.output},
+        {.name = "order",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = order_names,
+         .help = "how to order; default exact",
+         .value = &args.order},
+        {.name = "metric",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = metric_names,
+         .help =
+             "side: points that face apart count as far apart; default, where there are normals",
+         .value = &args.metric,
+         .given = &args.metric_given},
+        {.name = "count",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "all|0..4294967295",
+         .help = "how many to write; default all",
+         .value = &args.count},
+        {.name = "samples",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "0..1000000",
+         .help = "random samples a round, of the paper's orders; default 200",
+         .value = &args.samples},
+        {.name = "interval",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "0..1000000000",
+         .help = "rounds until the paper's schedules change; default 500",
+         .value = &args.interval},
+        {.name = "drop",
+         .type = OPTION_NUMBER,
+         .argument = "F",
+         .words = "0..1",
+         .help = "drop samples nearer than F times the round's pick; default 0: none",
+         .value = &args.drop},
+        {.name = "seed",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .help = "of the random orders; default 0",
+         .value = &args.seed},
+        {.name = "threads",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "0..1024",
+         .help = "threads that work; default all processors",
+         .value = &args.threads},
+        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        {0},
+    };
+    return table;
+}
+
+// The word at `index` of a list separated by bars.
+static const char* word_at(const char* words, int index, char* buffer, size_t size)
+{
+    while (index > 0) {
+        index -= *words++ == '|';
+    }
+    size_t length = 0;
+    for (; words[length] != 0 && words[length] != '|' && length + 1 < size; ++length) {
+        buffer[length] = words[length];
+    }
+    buffer[length] = 0;
+    return buffer;
+}
+
+static int print_report(const stp_order_desc* desc, const stp_order_report* report,
+                        uint32_t candidates, uint32_t ordered, uint32_t threads)
+{
+    char order[16], metric[16];
+    word_at(order_names, args.order, order, sizeof(order));
+    word_at(metric_names, desc->metric == STP_METRIC_EUCLIDEAN, metric, sizeof(metric));
+    if (!args.json) {
+        printf("%u of %u points, %s, %s: index %.1f ms, order %.1f ms, %u thread%s\n", ordered,
+               candidates, order, metric, report->index_ms, report->order_ms, threads,
+               threads == 1 ? "" : "s");
+        return 0;
+    }
+    json_t* json =
+        json_pack("{s:s, s:s, s:I, s:I, s:f, s:f, s:I}", "order", order, "metric", metric,
+                  "candidates", (json_int_t)candidates, "count", (json_int_t)ordered, "index_ms",
+                  report->index_ms, "order_ms", report->order_ms, "threads", (json_int_t)threads);
+    return json != NULL ? tool_print_json(json) : tool_error("out of memory");
+}
+
+static int order_points(stp_context* context, const tool_points* points)
+{
+    static const stp_order_kind kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FAST,
+                                           STP_ORDER_PAPER_TEXT, STP_ORDER_RANDOM,
+                                           STP_ORDER_BEST_OF_K};
+    stp_order_desc desc = {
+        .kind = kinds[args.order],
+        .metric = args.metric == 1 || points->normals == NULL || args.order != 0
+                      ? STP_METRIC_EUCLIDEAN
+                      : STP_METRIC_SIDE,
+        .seed = args.seed,
+        .samples = (uint32_t)args.samples,
+        .interval = (uint32_t)args.interval,
+        .drop_factor = (float)args.drop,
+    };
+    uint32_t wanted =
+        args.count != 0 && args.count < points->count ? (uint32_t)args.count : points->count;
+    uint32_t* order = STP_NEW_ARRAY(context, uint32_t, wanted);
+    if (order == NULL) {
+        return tool_error("out of memory");
+    }
+    stp_order_report report;
+    uint32_t ordered;
+    stp_result result =
+        stp_order_points(context, &desc, points->positions, points->normals, points->count, wanted,
+                         order, NULL, &ordered, NULL, &report);
+    if (result == STP_OK) {
+        result = tool_write_points(context, args.output, points, order, ordered);
+    }
+    stp_free(context, order);
+    return result != STP_OK ? 1
+                            : print_report(&desc, &report, points->count, ordered,
+                                           stp_context_thread_count(context));
+}
+
+static int run(int argc, char** argv)
+{
+    if (argc != 1) {
+        return tool_usage_error("order: expected one file of points");
+    }
+    if (args.output == NULL) {
+        return tool_usage_error("order: expected -o ORDERED.ply");
+    }
+    stp_context* context = tool_context_create((uint32_t)args.threads, 0, NULL);
+    if (context == NULL) {
+        return 1;
+    }
+    tool_points points;
+    int code = 1;
+    if (tool_read_points(context, argv[0], NULL, &points) == STP_OK) {
+        if (args.metric_given && args.metric == 0 && points.normals == NULL) {
+            stp_warn(context, "%s: there are no normals: the metric is euclidean", argv[0]);
+        }
+        code = order_points(context, &points);
+        tool_points_destroy(context, &points);
+    }
+    stp_context_destroy(context);
+    return code;
+}
+
+const command command_order = {
+    .name = "order",
+    .arguments = "POINTS.ply -o ORDERED.ply",
+    .summary = "order points so that every prefix covers them evenly",
+    .text = "Reads the points of a file (of any format that can be imported; of meshes, the "
+            "vertices) and writes "
+            "them, with their normals and colours, as a binary PLY in the order asked for.\n"
+            "\n"
+            "The exact order is the greedy permutation: each point is the farthest from all before "
+            "it. Its first n "
+            "points leave no point of the file farther away than the distance at which point n + 1 "
+            "came in. Points "
+            "that coincide with an earlier one are left out. paper-fast and paper-text are the two "
+            "schedules of "
+            "Brandt et al. 2019, random is uniformly random, best-of-k takes the best of --samples "
+            "random "
+            "candidates each time.\n"
+            "\n"
+            "With the metric side, two points whose normals face apart count as farther from each "
+            "other than any "
+            "two that do not, so that both sides of a thin wall are covered.",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+#include "point_file.h"
+
+#include "base/bytes.h"
+#include "base/math.h"
+#include "import/import.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// What one part of the scene holds.
+typedef struct part_points {
+    uint32_t count;
+    const float* positions;
+    const float* normals;
+    const uint8_t* colors;
+} part_points;
+
+static part_points look_up(const stp_scene* scene, stp_part part)
+{
+    if (part.kind == STP_PART_MESH) {
+        const stp_mesh* mesh = &scene->meshes[part.index];
+        return (part_points){mesh->vertex_count, mesh->positions, mesh->normals, NULL};
+    }
+    const stp_point_set* set = &scene->point_sets[part.index];
+    return (part_points){set->point_count, set->positions, set->normals, set->colors};
+}
+
+// The file's own axes: the scene turned z to y where the file's up is z.
+static stp_vec3d own_axes(const stp_scene* scene, stp_vec3d p)
+{
+    bool z_up = scene->up != NULL && strcmp(scene->up, "z") == 0;
+    return z_up ? (stp_vec3d){p.x, -p.z, p.y} : p;
+}
+
+static void copy_part(const stp_scene* scene, const stp_placed_part* placed, tool_points* points,
+                      uint32_t first)
+{
+    part_points part = look_up(scene, placed->part);
+    double turn[3][3];
+    stp_affine_normal_matrix(&placed->transform, turn);
+    for (uint32_t i = 0; i < part.count; ++i) {
+        size_t from = 3 * (size_t)i, to = 3 * ((size_t)first + i);
+        stp_vec3d p = {(double)part.positions[from], (double)part.positions[from + 1],
+                       (double)part.positions[from + 2]};
+        p = own_axes(scene, stp_affine_point(&placed->transform, p));
+        points->positions[to] = (float)(p.x - points->origin[0]);
+        points->positions[to + 1] = (float)(p.y - points->origin[1]);
+        points->positions[to + 2] = (float)(p.z - points->origin[2]);
+        if (points->normals != NULL) {
+            stp_vec3d n = {0};
+            if (part.normals != NULL) {
+                const float* m = part.normals + from;
+                double v[3];
+                for (int r = 0; r < 3; ++r) {
+                    v[r] = turn[r][0] * (double)m[0] + turn[r][1] * (double)m[1] +
+                           turn[r][2] * (double)m[2];
+                }
+                n = own_axes(scene, stp_normalized((stp_vec3d){v[0], v[1], v[2]}));
+            }
+            points->normals[to] = (float)n.x;
+            points->normals[to + 1] = (float)n.y;
+            points->normals[to + 2] = (float)n.z;
+        }
+        if (points->colors != NULL) {
+            static const uint8_t white[4] = {255, 255, 255, 255};
+            memcpy(points->colors + 4 * ((size_t)first + i),
+                   part.colors != NULL ? part.colors + 4 * (size_t)i : white, 4);
+        }
+    }
+}
+
+static stp_result copy_parts(const stp_scene* scene, const char* path, const stp_placed_part* parts,
+                             size_t part_count, const double* origin, tool_points* points)
+{
+    stp_context* context = scene->context;
+    uint64_t count = 0;
+    bool normals = false, colors = false;
+    for (size_t i = 0; i < part_count; ++i) {
+        part_points part = look_up(scene, parts[i].part);
+        count += part.count;
+        normals = normals || part.normals != NULL;
+        colors = colors || part.colors != NULL;
+    }
+    if (count == 0 || count > UINT32_MAX) {
+        return stp_fail(context, STP_ERROR_LIMIT,
+                        "%s: expected between 1 and 2^32 - 1 points, found %llu", path,
+                        (unsigned long long)count);
+    }
+    points->count = (uint32_t)count;
+    stp_vec3d shift = {parts[0].transform.m[0][3], parts[0].transform.m[1][3],
+                       parts[0].transform.m[2][3]};
+    shift = own_axes(scene, shift);
+    memcpy(points->origin, origin != NULL ? origin : (double[3]){shift.x, shift.y, shift.z},
+           sizeof(points->origin));
+    points->positions = STP_NEW_ARRAY(context, float, 3 * count);
+    points->normals = normals ? STP_NEW_ARRAY(context, float, 3 * count) : NULL;
+    points->colors = colors ? STP_NEW_ARRAY(context, uint8_t, 4 * count) : NULL;
+    if (points->positions == NULL || (normals && points->normals == NULL) ||
+        (colors && points->colors == NULL)) {
+        return stp_fail_memory(context);
+    }
+    uint32_t first = 0;
+    for (size_t i = 0; i < part_count; ++i) {
+        copy_part(scene, &parts[i], points, first);
+        first += look_up(scene, parts[i].part).count;
+    }
+    return STP_OK;
+}
+
+stp_result tool_read_points(stp_context* context, const char* path, const double* origin,
+                            tool_points* points)
+{
+    *points = (tool_points){0};
+    stp_scene* scene = NULL;
+    stp_placed_part* parts = NULL;
+    size_t part_count = 0;
+    stp_result result = stp_scene_create(context, &scene);
+    result = result != STP_OK ? result : stp_import_file(scene, path, &(stp_import_desc){0});
+    result = result != STP_OK ? result : stp_scene_finish(scene);
+    if (result == STP_OK && scene->root == STP_NONE) {
+        result = stp_fail(context, STP_ERROR_FORMAT, "%s: expected points, found none", path);
+    }
+    if (result == STP_OK) {
+        result = stp_scene_flatten(scene, scene->root, SIZE_MAX, &parts, &part_count);
+    }
+    if (result == STP_OK) {
+        result = copy_parts(scene, path, parts, part_count, origin, points);
+    }
+    stp_free(context, parts);
+    stp_scene_destroy(scene);
+    if (result != STP_OK) {
+        tool_points_destroy(context, points);
+    }
+    return result;
+}
+
+void tool_points_destroy(stp_context* context, tool_points* points)
+{
+    stp_free(context, points->positions);
+    stp_free(context, points->normals);
+    stp_free(context, points->colors);
+    *points = (tool_points){0};
+}
+
+static stp_result write_header(stp_file_writer* writer, const tool_points* points, uint32_t count,
+                               bool doubles)
+{
+    char text[512];
+    const char* type = doubles ? "double" : "float";
+    int size = snprintf(
+        text, sizeof(text),
+        "ply\nformat binary_little_endian 1.0\ncomment ordered by stipple\n"
+        "element vertex %u\nproperty %s x\nproperty %s y\nproperty %s z\n%s%send_header\n",
+        count, type, type, type,
+        points->normals != NULL ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
+        points->colors != NULL ? "property uchar red\nproperty uchar green\nproperty "
+                                 "uchar blue\nproperty uchar alpha\n"
+                               : "");
+    return stp_file_writer_append(writer, text, (size_t)size);
+}
+
+static stp_result write_point(stp_file_writer* writer, const tool_points* points, size_t i,
+                              bool doubles)
+{
+    unsigned char bytes[40];
+    size_t size = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        float value = points->positions[3 * i + k];
+        if (doubles) {
+            stp_write_f64(bytes + size, (double)value + points->origin[k]);
+        } else {
+            stp_write_f32(bytes + size, value);
+        }
+        size += doubles ? 8 : 4;
+    }
+    for (size_t k = 0; k < 3 && points->normals != NULL; ++k, size += 4) {
+        stp_write_f32(bytes + size, points->normals[3 * i + k]);
+    }
+    if (points->colors != NULL) {
+        memcpy(bytes + size, points->colors + 4 * i, 4);
+        size += 4;
+    }
+    return stp_file_writer_append(writer, bytes, size);
+}
+
+stp_result tool_write_points(stp_context* context, const char* path, const tool_points* points,
+                             const uint32_t* order, uint32_t count)
+{
+    bool doubles = points->origin[0] != 0.0 || points->origin[1] != 0.0 || points->origin[2] != 0.0;
+    stp_file_writer* writer = NULL;
+    stp_result result = stp_file_writer_open(context, path, &writer);
+    if (result != STP_OK) {
+        return result;
+    }
+    result = write_header(writer, points, count, doubles);
+    for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
+        result = write_point(writer, points, order[i], doubles);
+    }
+    if (result != STP_OK) {
+        stp_file_writer_abort(writer);
+        return result;
+    }
+    return stp_file_writer_commit(writer);
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// Point sets from and to the command line.
+#pragma once
+
+#include "command.h"
+
+/// The points of a file: of its point sets, and the vertices of its meshes.
+typedef struct tool_points {
+    uint32_t count;
+    double origin
+        [3]; ///< to be added to the positions; not 0 only where floats would lose digits without it
+    float* positions; ///< 3 a point, along the file's own axes
+    float* normals;   ///< 3 a point, unit or zero; NULL: the file has none
+    uint8_t* colors;  ///< RGBA a point, sRGB; NULL: the file has none
+} tool_points;
+
+/// Reads a file of any importable format. `origin` (may be NULL: the file's own choice) replaces the origin, so
+/// that two files can be compared. Failures are logged by the context.
+STP_MUST_USE stp_result tool_read_points(stp_context* context, const char* path,
+                                         const double* origin, tool_points* points);
+void tool_points_destroy(stp_context* context, tool_points* points);
+
+/// Writes points in the given order as a binary PLY.
+STP_MUST_USE stp_result tool_write_points(stp_context* context, const char* path,
+                                          const tool_points* points, const uint32_t* order,
+                                          uint32_t count);
