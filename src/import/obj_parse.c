@@ -363,7 +363,6 @@ static stp_text skip_line(parser* p, stp_text line, stp_text at)
 static void parse_chunk(parser* p)
 {
     stp_text at = p->chunk->begin;
-    at += p->chunk->end - at > 3 && memcmp(at, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; // a byte order mark
     while (at < p->chunk->end) {
         stp_text line = at;
         at = read_line(p, line);
@@ -400,8 +399,12 @@ static stp_result cut_chunks(stp_obj* obj, size_t chunk_size)
 {
     stp_text bytes = obj->import->file.bytes;
     size_t size = obj->import->file.size;
+    if (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0) { // a byte order mark
+        bytes += 3;
+        size -= 3;
+    }
     if (size == 0) {
-        return STP_OK; // no chunks: nothing was mapped either
+        return STP_OK; // no chunks: perhaps nothing was mapped either
     }
     size_t whole = stp_whole_lines(bytes, size);
     // a last line that continues one before it must stay with it

@@ -139,6 +139,57 @@ void test_assimp_memory_is_limited(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_assimp_time_is_limited(test_state* test)
+{
+    // a polygon of many concave corners: assimp's triangulation takes time with the cube of them
+    enum { CORNERS = 30000 };
+    size_t size = (size_t)CORNERS * 40 + 2000, length;
+    char* text = malloc(size);
+    CHECK(text != NULL);
+    length = (size_t)snprintf(
+        text, size,
+        "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">"
+        "<library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" "
+        "count=\"%d\">",
+        3 * CORNERS);
+    for (int i = 0; i < CORNERS; ++i) {
+        double angle = 6.283185307179586 * i / CORNERS, radius = i % 2 == 0 ? 1.0 : 0.5;
+        length += (size_t)snprintf(text + length, size - length, "%.5f %.5f 0 ",
+                                   radius * cos(angle), radius * sin(angle));
+    }
+    length += (size_t)snprintf(
+        text + length, size - length,
+        "</float_array><technique_common><accessor source=\"#a\" count=\"%d\" stride=\"3\">"
+        "<param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"
+        "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source>"
+        "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>"
+        "<polylist count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
+        "<vcount>%d</vcount><p>",
+        CORNERS, CORNERS);
+    for (int i = 0; i < CORNERS; ++i) {
+        length += (size_t)snprintf(text + length, size - length, "%d ", i);
+    }
+    length += (size_t)snprintf(
+        text + length, size - length,
+        "</p></polylist></mesh></geometry></library_geometries><library_visual_scenes>"
+        "<visual_scene id=\"s\"><node id=\"n\"><instance_geometry "
+        "url=\"#g\"/></node></visual_scene>"
+        "</library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>");
+    CHECK(length < size);
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    stp_scene* scene;
+    CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+    stp_import_desc desc = {.helper_seconds = 1};
+    stp_result result = stp_import_memory(scene, "a.dae", text, length, &desc);
+    free(text);
+    CHECK_EQUAL(STP_ERROR_LIMIT, result);
+    CHECK_EQUAL(1, log.errors);
+    CHECK(strstr(log.text, "seconds") != NULL || strstr(log.text, "time") != NULL);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 // A stream as the child writes it, by hand.
 typedef struct stream {
     unsigned char bytes[4096];
