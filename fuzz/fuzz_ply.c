@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // build/fuzz/fuzz/fuzz_ply -max_total_time=60 -max_len=4096 build/corpus/fuzz_ply
+// Seeds: /usr/share/assimp/models/PLY/*.ply
 //
 // Any bytes as PLY: refused, or a sound scene.
 #include "../tests/import/import_digest.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // build/fuzz/fuzz/fuzz_stl -max_total_time=60 -max_len=4096 build/corpus/fuzz_stl
+// Seeds: /usr/share/assimp/models/STL/*.stl
 //
 // Any bytes as STL: refused, or a sound scene.
 #include "../tests/import/import_digest.h"
