@@ -46,8 +46,11 @@ static stp_vec3 hilly_ball(uint32_t face, float a, float b)
                             : (stp_vec3){a, b, s};
     p = stp_normalize(p);
     float height = 1.0f;
-    for (float scale = 3.0f, size = 0.12f; scale < 50.0f; scale *= 2.0f, size *= 0.5f) {
+    float scale = 3.0f, size = 0.12f;
+    for (int octave = 0; octave < 4; ++octave) {
         height += size * noise(p.x * scale, p.y * scale, p.z * scale);
+        scale *= 2.0f;
+        size *= 0.5f;
     }
     return stp_scale(p, height);
 }
@@ -67,8 +70,9 @@ static stp_result generate(stp_scene* scene, uint32_t cells)
     uint32_t* index = mesh.indices;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) {
         uint32_t in_face = v % face_vertices;
-        float a = (float)(in_face % side) / (float)cells * 2.0f - 1.0f;
-        float b = (float)(in_face / side) / (float)cells * 2.0f - 1.0f;
+        uint32_t column = in_face % side, row = in_face / side;
+        float a = (float)column / (float)cells * 2.0f - 1.0f;
+        float b = (float)row / (float)cells * 2.0f - 1.0f;
         stp_vec3 p = hilly_ball(v / face_vertices, a, b);
         memcpy(mesh.positions + 3 * (size_t)v, &p, sizeof(p));
     }

@@ -8,10 +8,9 @@ static void cube_directions(uint32_t count, stp_vec3d* directions)
     uint32_t made = 0;
     for (int step = 0; made < count; ++step) {
         for (int code = 0; code < 27; ++code) {
-            stp_vec3d d = {(double)(code % 3 - 1), (double)(code / 3 % 3 - 1),
-                           (double)(code / 9 - 1)};
-            if ((d.x != 0.0) + (d.y != 0.0) + (d.z != 0.0) == components[step]) {
-                directions[made++] = stp_normalized(d);
+            int x = code % 3 - 1, y = code / 3 % 3 - 1, z = code / 9 - 1;
+            if ((x != 0) + (y != 0) + (z != 0) == components[step]) {
+                directions[made++] = stp_normalized((stp_vec3d){(double)x, (double)y, (double)z});
             }
         }
     }

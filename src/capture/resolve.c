@@ -235,7 +235,8 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
                              const current_part* part, uint32_t triangle, uint32_t pixel,
                              stp_candidates* out, size_t i)
 {
-    double x = (double)(pixel % view->width) + 0.5, y = (double)(pixel / view->width) + 0.5;
+    uint32_t column = pixel % view->width, row = pixel / view->width;
+    double x = (double)column + 0.5, y = (double)row + 0.5;
     seen_triangle t = look_at(view, part, triangle, x, y);
     stp_vec3d position = {0};
     for (int k = 0; k < 3; ++k) {

@@ -120,7 +120,7 @@ stp_result stp_capture_textures_create(const stp_scene* scene, stp_capture_textu
 {
     stp_capture_textures* made = NULL;
     stp_result result = stp_capture_textures_create_empty(scene, &made);
-    for (size_t m = 0; m < scene->material_count && result == STP_OK; ++m) {
+    for (size_t m = 0; made != NULL && m < scene->material_count && result == STP_OK; ++m) {
         result = stp_capture_textures_add(made, &scene->materials[m]);
     }
     if (result != STP_OK) {

@@ -3,7 +3,7 @@
 
 #include "base/color.h"
 
-#include <string.h>
+#include <assert.h>
 
 /// Which texels of the larger level an output texel averages along one axis, and with what weights.
 /// An odd size n = 2 k + 1 becomes k: each output texel then covers 2 + 1/k texels, so that all
@@ -64,6 +64,21 @@ typedef struct reduce_work {
     bool linear;
 } reduce_work;
 
+/// The average of the texels that an output texel covers.
+static void average_texels(const reduce_work* work, const axis_taps* across, const axis_taps* down,
+                           float color[4])
+{
+    float sum[7] = {0};
+    for (uint32_t j = 0; j < down->count; ++j) {
+        const uint8_t* row = work->from + (size_t)(down->first + j) * work->from_width * 4;
+        for (uint32_t i = 0; i < across->count; ++i) {
+            add_texel(sum, row + (size_t)(across->first + i) * 4, work->linear,
+                      down->weight[j] * across->weight[i]);
+        }
+    }
+    finish_sum(sum, color);
+}
+
 static void reduce_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -72,15 +87,8 @@ static void reduce_rows(size_t begin, size_t end, uint32_t worker, void* user)
         axis_taps down = taps_of(work->from_height, work->height, (uint32_t)y);
         for (uint32_t x = 0; x < work->width; ++x) {
             axis_taps across = taps_of(work->from_width, work->width, x);
-            float sum[7] = {0}, color[4];
-            for (uint32_t j = 0; j < down.count; ++j) {
-                const uint8_t* row = work->from + (size_t)(down.first + j) * work->from_width * 4;
-                for (uint32_t i = 0; i < across.count; ++i) {
-                    add_texel(sum, row + (size_t)(across.first + i) * 4, work->linear,
-                              down.weight[j] * across.weight[i]);
-                }
-            }
-            finish_sum(sum, color);
+            float color[4];
+            average_texels(work, &across, &down, color);
             uint8_t* out = work->to + (y * work->width + x) * 4;
             for (int c = 0; c < 3; ++c) {
                 out[c] = work->linear ? to_byte(color[c]) : stp_linear_to_srgb8(color[c]);
@@ -141,6 +149,7 @@ void stp_texture_pyramid_destroy(stp_context* context, stp_texture_pyramid* pyra
 /// The texel a whole coordinate stands for.
 static uint32_t wrap(int64_t i, uint32_t size, stp_texture_wrap how)
 {
+    assert(size != 0);
     int64_t n = size;
     if (i >= 0 && i < n) {
         return (uint32_t)i;

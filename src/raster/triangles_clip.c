@@ -65,7 +65,7 @@ void stp_triangle_project(const stp_triangle_transform* transform, const float* 
 
 static double distance_to(int plane, const stp_screen_point* p, double nearness_limit)
 {
-    const double reach = (double)(STP_GUARD_BAND / STP_SUBPIXEL);
+    const double reach = (double)STP_GUARD_BAND / (double)STP_SUBPIXEL;
     switch (plane) {
     case PLANE_NEAR:
         return nearness_limit * p->w - p->n;

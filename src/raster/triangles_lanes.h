@@ -144,6 +144,20 @@ static void draw_rows(const stp_triangle_window* window, const pixel_box* box,
     }
 }
 
+/// Like lanes_write, but down a column.
+static inline void write_column(uint64_t* pixels, size_t stride, uint32_t bits, lanes_int nearness,
+                                uint32_t id)
+{
+    int32_t depth[LANES];
+    memcpy(depth, &nearness, sizeof(depth));
+    for (; bits != 0; bits &= bits - 1) {
+        size_t lane = (size_t)__builtin_ctz(bits);
+        uint64_t pixel = (uint64_t) ~(uint32_t)depth[lane] << 32 | id;
+        uint64_t* place = pixels + lane * stride;
+        *place = pixel < *place ? pixel : *place;
+    }
+}
+
 static void draw_columns(const stp_triangle_window* window, const pixel_box* box,
                          const small_walk* start, uint32_t id)
 {
@@ -154,16 +168,8 @@ static void draw_columns(const stp_triangle_window* window, const pixel_box* box
             lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (row + lanes_index() <= box->bottom);
             uint32_t bits = lanes_sign_bits(inside);
             if (bits != 0) {
-                int32_t depth[LANES];
-                lanes_int nearness = walk_nearness(&walk, e1, e2);
-                memcpy(depth, &nearness, sizeof(depth));
-                uint64_t* place = stp_triangle_row(window, row) + column;
-                for (; bits != 0; bits &= bits - 1) {
-                    size_t lane = (size_t)__builtin_ctz(bits);
-                    uint64_t pixel = (uint64_t) ~(uint32_t)depth[lane] << 32 | id;
-                    uint64_t* at = place + lane * window->stride;
-                    *at = pixel < *at ? pixel : *at;
-                }
+                write_column(stp_triangle_row(window, row) + column, window->stride, bits,
+                             walk_nearness(&walk, e1, e2), id);
             }
             e0 += walk.onwards[0];
             e1 += walk.onwards[1];
@@ -302,14 +308,26 @@ static inline lanes_int set_up_batch(const batch* b, batch_setup* setup)
     return has_area;
 }
 
+/// Writes one pixel of each triangle of `bits`: the same place in each one's box.
+static inline void write_lanes(const stp_triangle_window* window, const batch* b, int32_t row,
+                               int32_t column, uint32_t bits, lanes_float nearness,
+                               uint32_t first_id)
+{
+    float depth[LANES];
+    memcpy(depth, &nearness, sizeof(depth));
+    for (; bits != 0; bits &= bits - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(bits);
+        uint64_t* place = stp_triangle_row(window, b->top[lane] + row) + b->left[lane] + column;
+        uint64_t pixel = stp_raster_pixel(depth[lane], first_id + lane);
+        *place = pixel < *place ? pixel : *place;
+    }
+}
+
 /// Draws the triangles of `alive` (sign bits), none wider than TINY_WIDTH or higher than TINY_HEIGHT
 /// pixels: pixel by pixel of their boxes, all triangles at once.
 static void draw_tiny(const stp_triangle_window* window, const batch* b, batch_setup* setup,
                       lanes_int alive, uint32_t first_id)
 {
-    int32_t left[LANES], top[LANES];
-    memcpy(left, &b->left, sizeof(left));
-    memcpy(top, &b->top, sizeof(top));
     for (int32_t row = 0; row < TINY_HEIGHT; ++row) {
         lanes_int in_row = alive & (b->height >= row);
         if (lanes_sign_bits(in_row) == 0) {
@@ -326,15 +344,7 @@ static void draw_tiny(const stp_triangle_window* window, const batch* b, batch_s
                 lanes_float nearness = small_nearness(e[1] - setup->bias[1], e[2] - setup->bias[2],
                                                       setup->inverse_area, setup->n0, setup->along,
                                                       setup->low, setup->high);
-                float depth[LANES];
-                memcpy(depth, &nearness, sizeof(depth));
-                for (; bits != 0; bits &= bits - 1) {
-                    uint32_t lane = (uint32_t)__builtin_ctz(bits);
-                    uint64_t* place =
-                        stp_triangle_row(window, top[lane] + row) + left[lane] + column;
-                    uint64_t pixel = stp_raster_pixel(depth[lane], first_id + lane);
-                    *place = pixel < *place ? pixel : *place;
-                }
+                write_lanes(window, b, row, column, bits, nearness, first_id);
             }
             for (int k = 0; k < 3; ++k) {
                 e[k] -= setup->dy[k] << STP_SUBPIXEL_BITS;
@@ -412,7 +422,7 @@ static void draw_chunk(stp_triangle_chunk* chunk)
             for (int i = 0; i < 3 * LANES; ++i) {
                 padded[i] = chunk->index_base;
             }
-            memcpy(padded, indices, left_over * 3 * sizeof(uint32_t));
+            memcpy(padded, indices, (size_t)left_over * 3 * sizeof(uint32_t));
             indices = padded;
             valid = (1U << left_over) - 1;
         }
