@@ -217,17 +217,33 @@ static void sample_level(const stp_texture_pyramid* pyramid, uint32_t level, stp
     }
 }
 
-float stp_texture_sample_alpha(const stp_texture_pyramid* pyramid, stp_vec2 uv)
+static float sample_alpha(const stp_texture_pyramid* pyramid, uint32_t level, stp_vec2 uv,
+                          bool nearest)
 {
-    texel_square square = find_square(pyramid, 0, uv, pyramid->nearest);
+    texel_square square = find_square(pyramid, level, uv, nearest);
     float rows[2];
     for (int j = 0; j < 2; ++j) {
-        const uint8_t* row = pyramid->texels[0] + (size_t)square.y[j] * pyramid->width[0] * 4 + 3;
+        const uint8_t* row =
+            pyramid->texels[level] + (size_t)square.y[j] * pyramid->width[level] * 4 + 3;
         float left = (float)row[(size_t)square.x[0] * 4],
               right = (float)row[(size_t)square.x[1] * 4];
         rows[j] = left + (right - left) * square.fx;
     }
     return (rows[0] + (rows[1] - rows[0]) * square.fy) / 255.0f;
+}
+
+float stp_texture_sample_alpha(const stp_texture_pyramid* pyramid, stp_vec2 uv)
+{
+    return sample_alpha(pyramid, 0, uv, pyramid->nearest);
+}
+
+float stp_texture_sample_alpha_of(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint)
+{
+    uint32_t last = pyramid->level_count - 1, level = 0;
+    for (; level < last && footprint >= 1.5f; footprint *= 0.5f) {
+        level += 1;
+    }
+    return sample_alpha(pyramid, level, uv, level == 0 && pyramid->nearest);
 }
 
 void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint,

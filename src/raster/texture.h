@@ -38,3 +38,5 @@ void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float f
 
 /// The alpha alone, at level 0.
 float stp_texture_sample_alpha(const stp_texture_pyramid* pyramid, stp_vec2 uv);
+/// Alpha alone at a footprint, from the level nearest to it: for the many fragments of cut-outs.
+float stp_texture_sample_alpha_of(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint);

@@ -113,21 +113,29 @@ typedef struct cpu_keep {
     const cpu_renderer* renderer;
     const cpu_item* item;
     uint32_t first_triangle;
+    struct cpu_keep_memory* memory;
 } cpu_keep;
+
+/// What the last fragment's triangle had in common with its other fragments.
+typedef struct cpu_keep_memory {
+    uint32_t triangle; ///< UINT32_MAX: none yet
+    uint32_t vertex[3];
+    float w[3], density;
+} cpu_keep_memory;
+
 bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
                        uint32_t x, uint32_t y);
 bool cpu_item_needs_keep(const cpu_item* item);
 
-/// Base colour with texture and vertex colours, at a point of a triangle whose pixel has the given side in
-/// item units, seen at the given cosine.
-void cpu_mesh_color(const cpu_item* item, const cpu_corner_weights* at, float pixel_size,
-                    float out[4], float* footprint);
 stp_vec2 cpu_mesh_uv(const cpu_item* item, const stp_store_texture_use* use,
                      const cpu_corner_weights* at);
-/// Texels of `pyramid` that a pixel of side `pixel_size` (item units) spans at a triangle.
-float cpu_mesh_footprint(const cpu_item* item, const stp_store_texture_use* use,
-                         const stp_texture_pyramid* pyramid, const uint32_t vertex[3],
-                         float pixel_size);
+/// Texels of `pyramid` along one item unit of a triangle.
+float cpu_mesh_density(const cpu_item* item, const stp_store_texture_use* use,
+                       const stp_texture_pyramid* pyramid, const uint32_t vertex[3]);
+/// Base colour with texture and vertex colours, at a point of a triangle whose pixel has the given side in
+/// item units.
+void cpu_mesh_color(const cpu_item* item, const cpu_corner_weights* at, float pixel_size,
+                    float out[4]);
 
 /// What light falls on.
 typedef struct cpu_surface {

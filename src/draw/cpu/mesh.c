@@ -20,13 +20,12 @@ stp_vec2 cpu_mesh_uv(const cpu_item* item, const stp_store_texture_use* use,
     return (stp_vec2){t[0][0] * u + t[0][1] * v + t[0][2], t[1][0] * u + t[1][1] * v + t[1][2]};
 }
 
-float cpu_mesh_footprint(const cpu_item* item, const stp_store_texture_use* use,
-                         const stp_texture_pyramid* pyramid, const uint32_t vertex[3],
-                         float pixel_size)
+float cpu_mesh_density(const cpu_item* item, const stp_store_texture_use* use,
+                       const stp_texture_pyramid* pyramid, const uint32_t vertex[3])
 {
     const float* texcoords = item->mesh.texcoords[use->texcoord != 0 ? 1 : 0];
     if (texcoords == NULL) {
-        return 1.0f;
+        return 0.0f;
     }
     const float* a = texcoords + 2 * (size_t)vertex[0];
     const float* b = texcoords + 2 * (size_t)vertex[1];
@@ -41,36 +40,38 @@ float cpu_mesh_footprint(const cpu_item* item, const stp_store_texture_use* use,
     stp_vec3 across = stp_cross((stp_vec3){q[0] - p[0], q[1] - p[1], q[2] - p[2]},
                                 (stp_vec3){s[0] - p[0], s[1] - p[1], s[2] - p[2]});
     float area = stp_length(across);
-    float square = area > 0.0f ? texels / area * pixel_size * pixel_size : 1.0f;
-    return sqrtf(stp_clamp(square, 1e-6f, 1e12f));
+    return area > 0.0f ? sqrtf(stp_min(texels / area, FLT_MAX)) : 0.0f;
+}
+
+static float vertex_color(const cpu_item* item, const cpu_corner_weights* at, size_t channel)
+{
+    float sum = 0.0f;
+    for (int corner = 0; corner < 3; ++corner) {
+        sum +=
+            at->weight[corner] * (float)item->mesh.colors[4 * (size_t)at->vertex[corner] + channel];
+    }
+    return sum * (1.0f / 65535.0f);
 }
 
 void cpu_mesh_color(const cpu_item* item, const cpu_corner_weights* at, float pixel_size,
-                    float out[4], float* footprint)
+                    float out[4])
 {
     const stp_store_material* material = item->material;
     for (int k = 0; k < 4; ++k) {
         out[k] = material->base_color[k];
     }
-    *footprint = 1.0f;
     if (item->base_color != NULL) {
         const stp_store_texture_use* use = &material->base_color_texture;
         float texel[4];
-        *footprint = cpu_mesh_footprint(item, use, item->base_color, at->vertex, pixel_size);
-        stp_texture_sample(item->base_color, cpu_mesh_uv(item, use, at), *footprint, texel);
+        float density = cpu_mesh_density(item, use, item->base_color, at->vertex);
+        stp_texture_sample(item->base_color, cpu_mesh_uv(item, use, at), density * pixel_size,
+                           texel);
         for (int k = 0; k < 4; ++k) {
             out[k] *= texel[k];
         }
     }
-    if (item->mesh.colors != NULL) {
-        for (size_t k = 0; k < 4; ++k) {
-            float sum = 0.0f;
-            for (int corner = 0; corner < 3; ++corner) {
-                sum += at->weight[corner] *
-                       (float)item->mesh.colors[4 * (size_t)at->vertex[corner] + k];
-            }
-            out[k] *= sum * (1.0f / 65535.0f);
-        }
+    for (size_t k = 0; k < 4 && item->mesh.colors != NULL; ++k) {
+        out[k] *= vertex_color(item, at, k);
     }
 }
 
@@ -91,32 +92,55 @@ static float noise(uint64_t seed, uint32_t x, uint32_t y)
     return (float)(bits >> 40) * (1.0f / 16777216.0f);
 }
 
+static void remember_triangle(const cpu_keep* keep, uint32_t triangle)
+{
+    const cpu_item* item = keep->item;
+    cpu_keep_memory* memory = keep->memory;
+    const float* w = item->camera.matrix.m[3];
+    memory->triangle = triangle;
+    for (size_t k = 0; k < 3; ++k) {
+        memory->vertex[k] = item->mesh.indices[3 * (size_t)triangle + k];
+        const float* p = item->mesh.positions + 3 * (size_t)memory->vertex[k];
+        memory->w[k] = w[0] * (p[0] - item->offset[0]) + w[1] * (p[1] - item->offset[1]) +
+                       w[2] * (p[2] - item->offset[2]) + w[3];
+    }
+    memory->density = 0.0f;
+    if (item->base_color != NULL) {
+        memory->density = cpu_mesh_density(item, &item->material->base_color_texture,
+                                           item->base_color, memory->vertex);
+    }
+}
+
 bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
                        uint32_t x, uint32_t y)
 {
     const cpu_keep* keep = user;
     const cpu_item* item = keep->item;
-    const cpu_renderer* r = keep->renderer;
+    const cpu_keep_memory* memory = keep->memory;
     const stp_store_material* material = item->material;
-    size_t first = 3 * ((size_t)keep->first_triangle + triangle);
-    cpu_corner_weights at = {.weight = {1.0f - weight1 - weight2, weight1, weight2}};
-    float depth = 0.0f;
-    const float* w = item->camera.matrix.m[3];
-    for (size_t k = 0; k < 3; ++k) {
-        at.vertex[k] = item->mesh.indices[first + k];
-        const float* p = item->mesh.positions + 3 * (size_t)at.vertex[k];
-        depth += at.weight[k] * (w[0] * (p[0] - item->offset[0]) + w[1] * (p[1] - item->offset[1]) +
-                                 w[2] * (p[2] - item->offset[2]) + w[3]);
+    triangle += keep->first_triangle;
+    if (memory->triangle != triangle) {
+        remember_triangle(keep, triangle);
     }
-    float color[4], footprint;
-    float pixel = (item->camera.parallel ? 1.0f : depth) / (item->camera.pixel_scale * item->scale);
-    cpu_mesh_color(item, &at, pixel, color, &footprint);
-    uint64_t seed = (uint64_t)r->pattern << 32 | (item->first_id + keep->first_triangle + triangle);
+    cpu_corner_weights at = {.vertex = {memory->vertex[0], memory->vertex[1], memory->vertex[2]},
+                             .weight = {1.0f - weight1 - weight2, weight1, weight2}};
+    float alpha = material->base_color[3], footprint = 0.0f;
+    if (item->base_color != NULL) {
+        float depth = at.weight[0] * memory->w[0] + at.weight[1] * memory->w[1] +
+                      at.weight[2] * memory->w[2]; // W is 1 everywhere in parallel projection
+        footprint = memory->density * depth / (item->camera.pixel_scale * item->scale);
+        stp_vec2 uv = cpu_mesh_uv(item, &material->base_color_texture, &at);
+        alpha *= stp_texture_sample_alpha_of(item->base_color, uv, footprint);
+    }
+    if (item->mesh.colors != NULL) {
+        alpha *= vertex_color(item, &at, 3);
+    }
+    uint64_t seed = (uint64_t)keep->renderer->pattern << 32 | (item->first_id + triangle);
     if (material->alpha == STP_STORE_BLEND) {
-        return color[3] >= 1.0f || color[3] > noise(seed, x, y);
+        return alpha >= 1.0f || alpha > noise(seed, x, y);
     }
     // a cut-out averaged over many texels is no longer there or not: its alpha says how much of it is
     float fade = stp_clamp((footprint - 1.5f) / 2.5f, 0.0f, 1.0f);
     float cutoff = material->alpha_cutoff;
-    return color[3] >= (fade > 0.0f ? cutoff + (noise(seed, x, y) - cutoff) * fade : cutoff);
+    return alpha >= (fade > 0.0f ? cutoff + (noise(seed, x, y) - cutoff) * fade : cutoff);
 }

@@ -37,7 +37,8 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
 static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                            const stp_raster_target* target, cpu_worker* worker)
 {
-    cpu_keep keep = {.renderer = r, .item = item, .first_triangle = begin};
+    cpu_keep_memory memory = {.triangle = UINT32_MAX};
+    cpu_keep keep = {.renderer = r, .item = item, .first_triangle = begin, .memory = &memory};
     stp_raster_mesh mesh = {.positions = item->mesh.positions,
                             .vertex_count = item->mesh.vertex_count,
                             .indices = item->mesh.indices + 3 * (size_t)begin,

@@ -8,14 +8,18 @@ typedef struct shader {
     cpu_renderer* r;
     cpu_light light;
     const cpu_item* item; ///< that the last pixel belonged to
+    stp_vec3 row_start, column_step;
 } shader;
 
+/// Of unit length, or zero; the matrix is near unit scale, so floats do.
 static stp_vec3 turn_normal(const cpu_item* item, stp_vec3 n)
 {
     const float(*m)[3] = item->normal_matrix;
-    return stp_normalize((stp_vec3){m[0][0] * n.x + m[0][1] * n.y + m[0][2] * n.z,
-                                    m[1][0] * n.x + m[1][1] * n.y + m[1][2] * n.z,
-                                    m[2][0] * n.x + m[2][1] * n.y + m[2][2] * n.z});
+    stp_vec3 turned = {m[0][0] * n.x + m[0][1] * n.y + m[0][2] * n.z,
+                       m[1][0] * n.x + m[1][1] * n.y + m[1][2] * n.z,
+                       m[2][0] * n.x + m[2][1] * n.y + m[2][2] * n.z};
+    float square = stp_dot(turned, turned);
+    return square > 0.0f ? stp_scale(turned, 1.0f / sqrtf(square)) : (stp_vec3){0};
 }
 
 /// 16-bit octahedral.
@@ -108,10 +112,18 @@ static stp_vec3 smooth_normal(const cpu_item* item, const cpu_corner_weights* at
 {
     stp_vec3 sum = {0};
     for (int k = 0; k < 3 && item->mesh.normals != NULL; ++k) {
-        stp_vec3 n = stp_normalize(decode_normal(item->mesh.normals + 2 * (size_t)at->vertex[k]));
-        sum = stp_add(sum, stp_scale(n, at->weight[k]));
+        stp_vec3 n = decode_normal(item->mesh.normals + 2 * (size_t)at->vertex[k]);
+        sum = stp_add(sum, stp_scale(n, at->weight[k] / stp_length(n)));
     }
     return stp_dot(sum, sum) > 1e-6f ? sum : flat;
+}
+
+static void sample_texture(const cpu_item* item, const stp_store_texture_use* use,
+                           const stp_texture_pyramid* pyramid, const cpu_corner_weights* at,
+                           float pixel_size, float texel[4])
+{
+    float footprint = cpu_mesh_density(item, use, pyramid, at->vertex) * pixel_size;
+    stp_texture_sample(pyramid, cpu_mesh_uv(item, use, at), footprint, texel);
 }
 
 static void sample_materials(const cpu_item* item, const cpu_corner_weights* at, float pixel_size,
@@ -120,17 +132,13 @@ static void sample_materials(const cpu_item* item, const cpu_corner_weights* at,
     const stp_store_material* material = item->material;
     float texel[4];
     if (item->metallic_roughness != NULL) {
-        const stp_store_texture_use* use = &material->metallic_roughness_texture;
-        float footprint =
-            cpu_mesh_footprint(item, use, item->metallic_roughness, at->vertex, pixel_size);
-        stp_texture_sample(item->metallic_roughness, cpu_mesh_uv(item, use, at), footprint, texel);
+        sample_texture(item, &material->metallic_roughness_texture, item->metallic_roughness, at,
+                       pixel_size, texel);
         surface->roughness *= texel[1];
         surface->metallic *= texel[2];
     }
     if (item->emissive != NULL) {
-        const stp_store_texture_use* use = &material->emissive_texture;
-        float footprint = cpu_mesh_footprint(item, use, item->emissive, at->vertex, pixel_size);
-        stp_texture_sample(item->emissive, cpu_mesh_uv(item, use, at), footprint, texel);
+        sample_texture(item, &material->emissive_texture, item->emissive, at, pixel_size, texel);
         for (int k = 0; k < 3; ++k) {
             surface->emissive[k] *= texel[k];
         }
@@ -152,8 +160,8 @@ static void mesh_surface(const shader* s, const cpu_item* item, uint32_t triangl
     at.weight[0] = 1.0f - at.weight[1] - at.weight[2];
     float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
     float pixel = depth / (item->camera.pixel_scale * item->scale);
-    float color[4], footprint;
-    cpu_mesh_color(item, &at, pixel, color, &footprint);
+    float color[4];
+    cpu_mesh_color(item, &at, pixel, color);
     for (int k = 0; k < 3; ++k) {
         surface->color[k] = color[k];
     }
@@ -181,17 +189,29 @@ static const cpu_item* find_item(const shader* s, uint32_t id)
     return &r->items[low];
 }
 
-/// From a pixel towards the eye.
-static stp_vec3 direction_to_eye(const cpu_renderer* r, uint32_t x, uint32_t y)
+/// From a pixel towards the eye: (forward + right u + down v) turned round.
+static stp_vec3 direction_to_eye(const shader* s, uint32_t x)
 {
-    const stp_view_frame* f = &r->frame;
-    if (f->parallel) {
-        return stp_to_float(stp_scaled(f->forward, -1.0));
+    if (s->r->frame.parallel) {
+        return s->row_start;
     }
-    double u = ((double)x + 0.5 - f->center_x - r->shift_x) / f->scale;
-    double v = ((double)y + 0.5 - f->center_y - r->shift_y) / f->scale;
-    stp_vec3d d = stp_addd(stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)), f->forward);
-    return stp_to_float(stp_scaled(d, -1.0 / sqrt(stp_dotd(d, d))));
+    stp_vec3 d = stp_add(s->row_start, stp_scale(s->column_step, (float)x + 0.5f));
+    return stp_scale(d, 1.0f / sqrtf(stp_dot(d, d)));
+}
+
+/// What direction_to_eye needs for a row.
+static void begin_row(shader* s, uint32_t y)
+{
+    const cpu_renderer* r = s->r;
+    const stp_view_frame* f = &r->frame;
+    stp_vec3d start = stp_scaled(f->forward, -1.0);
+    if (!f->parallel) {
+        double u = (-f->center_x - r->shift_x) / f->scale;
+        double v = ((double)y + 0.5 - f->center_y - r->shift_y) / f->scale;
+        start = stp_subd(start, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
+    }
+    s->row_start = stp_to_float(start);
+    s->column_step = stp_to_float(stp_scaled(f->right, -1.0 / f->scale));
 }
 
 static void shade_pixel(shader* s, uint64_t pixel, uint32_t x, uint32_t y, float out[3])
@@ -212,7 +232,7 @@ static void shade_pixel(shader* s, uint64_t pixel, uint32_t x, uint32_t y, float
         point_surface(s, item, index, &surface);
         break;
     }
-    cpu_light_surface(&s->light, direction_to_eye(s->r, x, y), &surface, out);
+    cpu_light_surface(&s->light, direction_to_eye(s, x), &surface, out);
 }
 
 static uint8_t encode(const cpu_renderer* r, float linear)
@@ -269,32 +289,45 @@ static cpu_light make_light(const cpu_renderer* r)
     return (cpu_light){.toward = stp_to_float(toward), .up = stp_to_float(up)};
 }
 
+static void add_to_sum(cpu_renderer* r, size_t at, const float color[3], float coverage)
+{
+    float* sum = r->sums + 4 * at;
+    for (int k = 0; k < 3; ++k) {
+        float linear = color[k] < 1.0f ? color[k] : 1.0f; // so that glints do not outshine edges
+        sum[k] = r->sample == 0 ? linear : sum[k] + linear;
+    }
+    sum[3] = r->sample == 0 ? coverage : sum[3] + coverage;
+}
+
 void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* row, uint64_t* covered)
 {
     shader s = {.r = r, .light = make_light(r)};
+    const float nothing[3] = {0};
+    uint8_t empty[4];
+    write_pixel(r, nothing, 0.0f, empty);
     for (uint32_t y = begin; y < end; ++y) {
         merge_row(r, y, row);
+        begin_row(&s, y);
         for (uint32_t x = 0; x < r->width; ++x) {
             size_t at = (size_t)y * r->width + x;
-            float color[3] = {0}, coverage = 0.0f;
-            r->depth[at] = 0.0f;
-            if (row[x] != STP_RASTER_EMPTY) {
-                shade_pixel(&s, row[x], x, y, color);
-                coverage = 1.0f;
-                r->depth[at] = stp_raster_nearness(row[x]);
-            }
-            if (r->sample_count == 1) {
-                *covered += coverage > 0.0f;
-                write_pixel(r, color, coverage, r->image->pixels + 4 * at);
+            float color[3];
+            if (row[x] == STP_RASTER_EMPTY) {
+                r->depth[at] = 0.0f;
+                if (r->sample_count > 1) {
+                    add_to_sum(r, at, nothing, 0.0f);
+                } else {
+                    memcpy(r->image->pixels + 4 * at, empty, sizeof(empty));
+                }
                 continue;
             }
-            float* sum = r->sums + 4 * at;
-            for (int k = 0; k < 3; ++k) {
-                float linear =
-                    color[k] < 1.0f ? color[k] : 1.0f; // so that glints do not outshine edges
-                sum[k] = r->sample == 0 ? linear : sum[k] + linear;
+            shade_pixel(&s, row[x], x, y, color);
+            r->depth[at] = stp_raster_nearness(row[x]);
+            if (r->sample_count > 1) {
+                add_to_sum(r, at, color, 1.0f);
+            } else {
+                *covered += 1;
+                write_pixel(r, color, 1.0f, r->image->pixels + 4 * at);
             }
-            sum[3] = r->sample == 0 ? coverage : sum[3] + coverage;
         }
     }
 }

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+//
+// Whole pictures against those in tests/golden/draw. Machines may differ in the last bit of a tangent, so a few
+// pixels may be other ones and the rest a little lighter or darker: two tolerances. STP_WRITE_GOLDEN=1 writes the
+// pictures anew; look at them before committing.
+#include "tests.h"
+
+#include "base/octahedral.h"
+#include "draw/draw.h"
+#include "draw/support_store.h"
+#include "present/camera.h"
+#include "present/png.h"
+
+#include <stipple/order.h>
+
+#include <string.h>
+#include <sys/stat.h>
+
+enum {
+    SIDE = 208,
+    TOLERATED_LEVELS = 6,
+    TOLERATED_PIXELS = 40,
+    BALL_RINGS = 24,
+    BALL_SURFELS = 3000
+};
+enum {
+    BALL_VERTICES = (BALL_RINGS + 1) * (2 * BALL_RINGS + 1),
+    BALL_TRIANGLES = 4 * BALL_RINGS * BALL_RINGS
+};
+
+typedef struct ball {
+    float positions[3 * BALL_VERTICES], texcoords[2 * BALL_VERTICES];
+    int16_t normals[2 * BALL_VERTICES];
+    uint32_t indices[3 * BALL_TRIANGLES];
+    uint8_t texels[4 * 32 * 32];
+    uint16_t grid[3 * BALL_SURFELS];
+    int8_t codes[2 * BALL_SURFELS];
+    uint8_t materials[BALL_SURFELS], colors[3 * BALL_SURFELS], coverages[BALL_SURFELS];
+} ball;
+
+static int16_t to_16_bit(float v)
+{
+    return (int16_t)(v * 32767.0f + (v < 0.0f ? -0.5f : 0.5f));
+}
+
+static void encode_16(stp_vec3 n, int16_t out[2])
+{
+    float sum = fabsf(n.x) + fabsf(n.y) + fabsf(n.z), u = n.x / sum, v = n.y / sum;
+    if (n.z < 0.0f) {
+        float folded = (1.0f - fabsf(v)) * (u < 0.0f ? -1.0f : 1.0f);
+        v = (1.0f - fabsf(u)) * (v < 0.0f ? -1.0f : 1.0f);
+        u = folded;
+    }
+    out[0] = to_16_bit(u);
+    out[1] = to_16_bit(v);
+}
+
+// A ball of radius 1 with a chequered texture, one quarter of it cut out.
+static void make_ball_mesh(ball* b)
+{
+    const int columns = 2 * BALL_RINGS + 1;
+    for (int i = 0; i < BALL_VERTICES; ++i) {
+        double theta = STP_PI * (i / columns) / BALL_RINGS,
+               phi = STP_PI * (i % columns) / BALL_RINGS;
+        stp_vec3 n = {(float)(sin(theta) * sin(phi)), (float)cos(theta),
+                      (float)(sin(theta) * cos(phi))};
+        memcpy(b->positions + 3 * i, &n, sizeof(n));
+        encode_16(n, b->normals + 2 * i);
+        b->texcoords[2 * i] = (float)(i % columns) / (float)(columns - 1);
+        b->texcoords[2 * i + 1] = (float)(i / columns) / (float)BALL_RINGS;
+    }
+    uint32_t* out = b->indices;
+    for (int i = 0; i < BALL_RINGS * 2 * BALL_RINGS; ++i) {
+        uint32_t a = (uint32_t)(i / (2 * BALL_RINGS) * columns + i % (2 * BALL_RINGS)),
+                 c = a + (uint32_t)columns;
+        const uint32_t corners[6] = {a, c, c + 1, a, c + 1, a + 1};
+        memcpy(out, corners, sizeof(corners));
+        out += 6;
+    }
+    for (int i = 0; i < 32 * 32; ++i) {
+        int x = i % 32, y = i / 32;
+        bool light = (x / 4 + y / 4) % 2 == 0;
+        const uint8_t texel[4] = {light ? 230 : 40, light ? 200 : 90, light ? 120 : 160,
+                                  (x - 4) * (x - 4) + (y - 14) * (y - 14) < 20 ? 0 : 255};
+        memcpy(b->texels + 4 * i, texel, sizeof(texel));
+    }
+}
+
+static bool make_ball_surfels(stp_context* context, ball* b, stp_surfels* s)
+{
+    static float positions[3 * BALL_SURFELS], radii[BALL_SURFELS];
+    static uint32_t order[BALL_SURFELS];
+    for (int i = 0; i < BALL_SURFELS; ++i) {
+        double z = 1.0 - (2.0 * i + 1.0) / BALL_SURFELS, angle = 2.399963229728653 * i,
+               r = sqrt(1.0 - z * z);
+        const float p[3] = {(float)(r * cos(angle)), (float)(r * sin(angle)), (float)z};
+        memcpy(positions + 3 * i, p, sizeof(p));
+    }
+    stp_order_desc desc = {.metric = STP_METRIC_EUCLIDEAN};
+    uint32_t count = 0;
+    float final_radius = 0.0f;
+    if (stp_order_points(context, &desc, positions, NULL, BALL_SURFELS, BALL_SURFELS, order, radii,
+                         &count, &final_radius, NULL) != STP_OK ||
+        count != BALL_SURFELS) {
+        return false;
+    }
+    *s = (stp_surfels){.count = count,
+                       .origin = {-2, -2, -2},
+                       .step = 1.0f / 16384.0f,
+                       .positions = b->grid,
+                       .normals = b->codes,
+                       .materials = b->materials,
+                       .octave_count = 1,
+                       .octave_ends = {BALL_SURFELS},
+                       .colors = b->colors,
+                       .coverages = b->coverages,
+                       .candidate_radius = 0.04f,
+                       .paper_radius = 0.1f,
+                       .paper_count = 1000};
+    s->table.size = 2;
+    s->table.count[0] = 1;
+    s->table.radius[0] = 2.0f;
+    s->table.count[1] = count;
+    s->table.radius[1] = radii[count - 1];
+    for (uint32_t i = 0; i < count; ++i) {
+        const float* p = positions + 3 * (size_t)order[i];
+        for (uint32_t k = 0; k < 3; ++k) {
+            b->grid[3 * i + k] = (uint16_t)((p[k] + 2.0f) * 16384.0f + 0.5f);
+            b->colors[3 * i + k] = (uint8_t)(127.0f + 100.0f * p[k]);
+        }
+        stp_octahedral_encode((stp_vec3){p[0], p[1], p[2]}, b->codes + 2 * (size_t)i);
+        b->coverages[i] = p[1] < -0.4f ? 120 : 255;
+        b->materials[i] = 0;
+    }
+    return true;
+}
+
+// Two balls side by side: triangles on the left, surfels on the right.
+static stp_store* open_balls(stp_context* context, ball* b)
+{
+    static made_scene s;
+    s = (made_scene){.material_count = 1,
+                     .shading_count = 1,
+                     .texture_count = 1,
+                     .mesh_count = 1,
+                     .surfels_count = 1,
+                     .part_count = 2,
+                     .node_count = 3,
+                     .edge_count = 2};
+    make_ball_mesh(b);
+    if (!make_ball_surfels(context, b, &s.surfels[0])) {
+        return NULL;
+    }
+    s.materials[0] = made_material();
+    s.materials[0].roughness = 0.4f;
+    s.materials[0].alpha = STP_STORE_MASK;
+    s.materials[0].base_color_texture.texture = 0;
+    s.shadings[0] = (stp_shading){.roughness = 0.4f};
+    s.textures[0] = (stp_store_texture){.width = 32, .height = 32, .texels = b->texels};
+    s.meshes[0] = (stp_store_mesh){.vertex_count = BALL_VERTICES,
+                                   .triangle_count = BALL_TRIANGLES,
+                                   .bounds = {{-1, -1, -1}, {1, 1, 1}},
+                                   .positions = b->positions,
+                                   .normals = b->normals,
+                                   .texcoords = {b->texcoords, NULL},
+                                   .indices = b->indices};
+    s.parts[0] = s.parts[1] = (stp_store_part){STP_STORE_PART_MESH, 0};
+    stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
+    s.nodes[0] = (stp_store_node){.part_count = 1,
+                                  .surfels = STP_STORE_NONE,
+                                  .triangle_count = BALL_TRIANGLES,
+                                  .bounds = unit};
+    s.nodes[1] = s.nodes[0];
+    s.nodes[1].first_part = 1;
+    s.nodes[1].surfels = 0;
+    for (uint32_t i = 0; i < 2; ++i) {
+        s.edges[i] = (stp_store_edge){i, stp_affine_identity()};
+        s.edges[i].transform.m[0][3] = i == 0 ? -1.1 : 1.1;
+    }
+    s.nodes[2] = (stp_store_node){.first_part = 2,
+                                  .edge_count = 2,
+                                  .surfels = STP_STORE_NONE,
+                                  .triangle_count = 2 * BALL_TRIANGLES,
+                                  .bounds = {{-2.1, -1, -1}, {2.1, 1, 1}}};
+    return made_open(context, &s);
+}
+
+// Pixels that differ by more than is tolerated.
+static int count_different(const stp_image* a, const stp_image* b, stp_image* difference)
+{
+    int different = 0;
+    for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i) {
+        int most = 0;
+        for (size_t k = 0; k < 4; ++k) {
+            int d = abs(a->pixels[4 * i + k] - b->pixels[4 * i + k]);
+            most = d > most ? d : most;
+        }
+        memset(difference->pixels + 4 * i, most, 3);
+        difference->pixels[4 * i + 3] = 255;
+        different += most > TOLERATED_LEVELS;
+    }
+    return different;
+}
+
+// @return NULL where the picture is as it was, else what is wrong
+static const char* compare_golden(stp_context* context, const char* name, stp_image* got)
+{
+    char path[512];
+    snprintf(path, sizeof(path), STP_TEST_SOURCE_DIR "/tests/golden/draw/%s.png", name);
+    const char* write = getenv("STP_WRITE_GOLDEN");
+    if (write != NULL && strcmp(write, "1") == 0) {
+        return stp_png_write(context, got, path) == STP_OK ? NULL : "cannot be written";
+    }
+    stp_image expected = {0};
+    if (stp_png_read(context, path, &expected) != STP_OK) {
+        return "cannot be read";
+    }
+    static uint8_t pixels[SIDE * SIDE * 4];
+    stp_image difference = {SIDE, SIDE, pixels};
+    const char* wrong = NULL;
+    if (expected.width != SIDE || expected.height != SIDE) {
+        wrong = "has another size";
+    } else if (count_different(&expected, got, &difference) > TOLERATED_PIXELS) {
+        wrong =
+            "looks different: see expected, got and difference in the folder for temporary files";
+        const char* folder = getenv("TMPDIR");
+        const stp_image* pictures[3] = {&expected, got, &difference};
+        static const char* const kinds[3] = {"expected", "got", "difference"};
+        for (int i = 0; i < 3; ++i) {
+            snprintf(path, sizeof(path), "%s/stp_%s_%s.png", folder != NULL ? folder : "/tmp", name,
+                     kinds[i]);
+            if (stp_png_write(context, pictures[i], path) != STP_OK) {
+                break;
+            }
+        }
+    }
+    stp_free(context, expected.pixels);
+    return wrong;
+}
+
+static const char* draw_and_compare(stp_context* context, stp_store* store, const char* name,
+                                    stp_view view, stp_quality quality, stp_draw_style style)
+{
+    static uint8_t pixels[SIDE * SIDE * 4];
+    stp_image image = {SIDE, SIDE, pixels};
+    stp_renderer* renderer = NULL;
+    stp_draw_list list = {0};
+    stp_draw_stats stats;
+    stp_result result = stp_draw_cpu_create(context, store, &renderer);
+    if (result == STP_OK) {
+        result = stp_select(context, store, &view, &quality, &list);
+    }
+    if (result == STP_OK) {
+        result = stp_renderer_draw(renderer, &view, &list, &style, &image, &stats);
+    }
+    stp_renderer_destroy(renderer);
+    stp_draw_list_destroy(context, &list);
+    return result == STP_OK ? compare_golden(context, name, &image) : "cannot be drawn";
+}
+
+void test_pictures_look_as_they_did(test_state* test)
+{
+    static ball b;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    stp_store* store = open_balls(context, &b);
+    CHECK(store != NULL);
+    stp_view view = {.width = SIDE, .height = SIDE, .fov_degrees = 40};
+    stp_boxd box = {{-2.1, -1, -1}, {2.1, 1, 1}};
+    CHECK(stp_camera_frame("iso", &box, &view));
+    stp_view parallel = {.width = SIDE, .height = SIDE, .ortho_height = 1};
+    CHECK(stp_camera_frame("front", &box, &parallel));
+    const struct {
+        const char* name;
+        stp_view view;
+        stp_quality quality;
+        stp_draw_style style;
+    } cases[] = {
+        {"balls_splats", view, {.splat_size = 14}, {.splat_scale = 1}},
+        {"balls_dots", parallel, {.splat_size = 8}, {.splat_scale = 0.3f, .headlight = true}},
+        {"balls_smooth",
+         view,
+         {.reference = true},
+         {.supersample = 3, .background = true, .background_color = {40, 60, 90}}},
+    };
+    const char* wrong = NULL;
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]) && wrong == NULL; ++i) {
+        wrong = draw_and_compare(context, store, cases[i].name, cases[i].view, cases[i].quality,
+                                 cases[i].style);
+        if (wrong != NULL) {
+            fprintf(stderr, "%s %s\n", cases[i].name, wrong);
+        }
+    }
+    stp_store_close(store);
+    stp_context_destroy(context);
+    CHECK(wrong == NULL);
+}
