@@ -3,6 +3,7 @@
 
 #include "base/color.h"
 #include "import/image.h"
+#include "import/image_plain.h"
 
 #include <string.h>
 
@@ -69,15 +70,18 @@ stp_result stp_picture_decode(stp_import* import, const char* place, const unsig
 {
     stp_image_info info = {0};
     stp_result result = stp_image_measure(bytes, size, &info);
+    const char* reason = info.reason;
     if (result == STP_OK) {
         result = stp_image_decode_measured(import->context, bytes, size, &info, texture);
+    } else if (info.kind == STP_IMAGE_UNKNOWN && size != 0) {
+        result = stp_image_decode_plain(import->context, bytes, size, texture, &reason);
     }
     *read = result == STP_OK;
     if (result == STP_ERROR_OUT_OF_MEMORY) {
         return stp_fail_memory(import->context);
     }
     if (result != STP_OK) {
-        stp_warn(import->context, "%s: %s is left out: %s", import->path, place, info.reason);
+        stp_warn(import->context, "%s: %s is left out: %s", import->path, place, reason);
     }
     return STP_OK;
 }
