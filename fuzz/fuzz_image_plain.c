@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+//
+// build/fuzz/fuzz/fuzz_image_plain -max_total_time=60 -max_len=4096 build/corpus/fuzz_image_plain
+//
+// Any bytes as a TGA or BMP picture: refused, or as many texels as it says.
+#include "import/image_plain.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = (uint64_t)1 << 28};
+    stp_context* context;
+    if (stp_context_create(&context, &desc) != STP_OK) {
+        return 0;
+    }
+    stp_texture texture = {0};
+    const char* reason = NULL;
+    stp_result result = stp_image_decode_plain(context, data, size, &texture, &reason);
+    if (result == STP_OK) {
+        uint32_t sum = 0;
+        for (size_t i = 0; i < 4 * (size_t)texture.width * texture.height; ++i) {
+            sum += texture.texels[i];
+        }
+        if (sum == UINT32_MAX) { // reads every texel
+            abort();
+        }
+        stp_free(context, texture.texels);
+    } else if (reason == NULL) {
+        abort();
+    }
+    stp_context_destroy(context);
+    return 0;
+}
