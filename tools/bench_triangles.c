@@ -41,10 +41,9 @@ static bool make_grid(stp_context* context, float size, grid* out)
         return false;
     }
     for (size_t v = 0; v < vertices; ++v) {
-        float x =
-            (float)(v % (columns + 1)) * size + jitter(2 * v, 0.3f * size) - 0.5f * (float)WIDTH;
-        float y = (float)(v / (columns + 1)) * size + jitter(2 * v + 1, 0.3f * size) -
-                  0.5f * (float)HEIGHT;
+        size_t column = v % (columns + 1), row = v / (columns + 1);
+        float x = (float)column * size + jitter(2 * v, 0.3f * size) - 0.5f * (float)WIDTH;
+        float y = (float)row * size + jitter(2 * v + 1, 0.3f * size) - 0.5f * (float)HEIGHT;
         float depth = 1.5f + 0.3f * (x + y) / (float)WIDTH;
         float* p = out->positions + 3 * v;
         p[0] = x * depth / 1000.0f;

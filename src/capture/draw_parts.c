@@ -9,6 +9,10 @@
 /// How many pixels may be looked at to save a triangle.
 #define PIXELS_A_TRIANGLE 4.0
 
+/// What a byte would hold as opaque, and the least that it would hold at all.
+#define ALPHA_OPAQUE (254.5f / 255.0f)
+#define ALPHA_LEAST (1.0f / 255.0f)
+
 /// A part's way to the screen, about the middle of its box.
 typedef struct part_projection {
     double row[3][3], middle[3]; ///< x, y, nearness
@@ -77,12 +81,32 @@ static bool keep_masked(const void* user, uint32_t triangle, float weight1, floa
     if (state->material->alpha_mode == STP_ALPHA_MASK) {
         return alpha >= state->material->alpha_cutoff;
     }
-    if (alpha >= 254.5f / 255.0f) {
+    if (alpha >= ALPHA_OPAQUE) {
         return true;
     }
     uint64_t pixel = (uint64_t)y << 32 | x;
-    return alpha >= 1.0f / 255.0f &&
+    return alpha >= ALPHA_LEAST &&
            (stp_rng_hash(state->first_primitive + triangle, pixel) & 1) != 0;
+}
+
+/// What of a part is there at all, where its alpha is the same everywhere.
+typedef enum mask_kind { MASK_NOTHING, MASK_ALL, MASK_ASK } mask_kind;
+
+static mask_kind prepare_mask(const stp_capture_job* job, mask_state* mask)
+{
+    const stp_material* material = mask->material;
+    if (material->alpha_mode == STP_ALPHA_OPAQUE) {
+        return MASK_ALL;
+    }
+    mask->level0 = stp_capture_level0(job->scene, material);
+    if (mask->level0.level_count != 0 || mask->mesh->colors != NULL) {
+        return MASK_ASK;
+    }
+    float alpha = material->base_color[3];
+    if (material->alpha_mode == STP_ALPHA_MASK) {
+        return alpha >= material->alpha_cutoff ? MASK_ALL : MASK_NOTHING;
+    }
+    return alpha >= ALPHA_OPAQUE ? MASK_ALL : alpha >= ALPHA_LEAST ? MASK_ASK : MASK_NOTHING;
 }
 
 static stp_result draw_mesh(const stp_capture_job* job, size_t part,
@@ -90,12 +114,14 @@ static stp_result draw_mesh(const stp_capture_job* job, size_t part,
                             const stp_capture_band* band, uint64_t pass_begin, stp_arena* scratch)
 {
     const stp_mesh* mesh = &job->scene->meshes[job->parts[part].part.index];
-    const stp_material* material = &job->scene->materials[mesh->material];
-    bool masked = material->alpha_mode != STP_ALPHA_OPAQUE;
     mask_state mask = {
-        .mesh = mesh, .material = material, .first_primitive = job->first_primitives[part]};
-    if (masked) {
-        mask.level0 = stp_capture_level0(job->scene, material);
+        .mesh = mesh,
+        .material = &job->scene->materials[mesh->material],
+        .first_primitive = job->first_primitives[part],
+    };
+    mask_kind kind = prepare_mask(job, &mask);
+    if (kind == MASK_NOTHING) {
+        return STP_OK;
     }
     stp_raster_matrix matrix = {.m = {[3] = {0.0f, 0.0f, 0.0f, 1.0f}}};
     for (int r = 0; r < 3; ++r) {
@@ -110,7 +136,7 @@ static stp_result draw_mesh(const stp_capture_job* job, size_t part,
         .indices = mesh->indices,
         .triangle_count = mesh->triangle_count,
         .offset = {projection->offset.x, projection->offset.y, projection->offset.z},
-        .keep = masked ? keep_masked : NULL,
+        .keep = kind == MASK_ASK ? keep_masked : NULL,
         .keep_user = &mask,
     };
     return stp_raster_triangles_in_band(target, band->row_begin, &matrix, 4.0f, &drawn,

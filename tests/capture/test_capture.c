@@ -11,7 +11,7 @@
 /// A scene under construction, and its parts.
 typedef struct test_scene {
     stp_scene* scene;
-    stp_placed_part parts[8];
+    stp_placed_part parts[64];
     size_t part_count;
 } test_scene;
 
@@ -474,6 +474,64 @@ void test_capture_is_the_same_for_any_thread_count(test_state* test)
     stp_candidates_destroy(contexts[0], &first);
     for (int i = 0; i < 3; ++i) {
         stp_context_destroy(contexts[i]);
+    }
+}
+
+/// Parts that others hide are not drawn: the same comes out as when each part has a buffer of its own.
+void test_capture_hidden_parts_change_nothing(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    test_scene t = scene_over(context);
+    uint32_t ball, coarse;
+    CHECK(add_sphere(&t, 8, false, 0, &ball) && add_sphere(&t, 2, true, 0, &coarse));
+    for (uint64_t i = 0; i < 60; ++i) {
+        double at[3], size = 0.1 + (double)(stp_rng_hash(5, i) % 100) / 100.0;
+        for (uint64_t k = 0; k < 3; ++k) {
+            at[k] = (double)(stp_rng_hash(6, 3 * i + k) % 400) / 100.0;
+        }
+        place(&t, STP_PART_MESH, i % 3 == 0 ? coarse : ball,
+              scaled_and_moved(size, size, size, at[0], at[1], at[2]));
+    }
+    stp_capture_desc desc = {.resolution = 90};
+    stp_candidates together, apart;
+    CHECK_EQUAL(STP_OK, stp_capture_parts(t.scene, t.parts, t.part_count, &desc, &together));
+    CHECK_EQUAL(STP_OK,
+                stp_capture_parts_in_passes(t.scene, t.parts, t.part_count, &desc, 1, &apart));
+    CHECK(together.count > 10000);
+    CHECK(same_candidates(&together, &apart));
+    stp_candidates_destroy(context, &together);
+    stp_candidates_destroy(context, &apart);
+    stp_scene_destroy(t.scene);
+    stp_context_destroy(context);
+}
+
+static int stop(const char* stage, double fraction, void* user)
+{
+    (void)stage;
+    return fraction >= *(const double*)user;
+}
+
+void test_capture_can_be_stopped(test_state* test)
+{
+    double limits[] = {0.0, 0.5};
+    for (int i = 0; i < 2; ++i) {
+        test_heap heap = TEST_HEAP(-1);
+        stp_context_desc context_desc = {
+            .allocator = {.alloc = test_heap_alloc, .free = test_heap_free, .user = &heap},
+            .thread_count = 2,
+            .progress = stop,
+            .progress_user = &limits[i],
+        };
+        stp_context* context = NULL;
+        CHECK_EQUAL(STP_OK, stp_context_create(&context, &context_desc));
+        test_scene t = scene_over(context);
+        CHECK(add_everything(&t));
+        stp_candidates c;
+        CHECK_EQUAL(STP_ERROR_CANCELLED, capture(&t, 1000, 0, &c));
+        CHECK(c.positions == NULL);
+        stp_scene_destroy(t.scene);
+        stp_context_destroy(context);
+        CHECK_EQUAL(0, heap.live_bytes);
     }
 }
 
