@@ -45,7 +45,8 @@ typedef struct stp_order_report {
 /// Orders the best `wanted` of `point_count` points.
 ///
 /// Deterministic: the same bytes for any number of threads and any processor. Exact orders start with the
-/// point nearest to the centre of the bounding box and break ties by Morton position. Points that coincide
+/// point nearest to the centre of the bounding box and break ties by Morton position (with the side-aware metric,
+/// points of a cell of 1/16 of the box that face differently are apart on the curve). Points that coincide
 /// with a chosen one (distance 0) are never chosen by the exact kinds: fewer than `wanted` may come back.
 ///
 /// @param positions  3 floats a point, finite
@@ -56,7 +57,8 @@ typedef struct stp_order_report {
 /// @param ordered    receives how many were ordered
 /// @param final_radius receives the distance of the farthest point to the order; NULL: not wanted
 /// @param report     may be NULL
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, or STP_ERROR_ARGUMENT where a position is not
+/// finite
 STP_API STP_MUST_USE stp_result stp_order_points(stp_context* context, const stp_order_desc* desc,
                                                  const float* positions, const float* normals,
                                                  uint32_t point_count, uint32_t wanted,

@@ -137,6 +137,12 @@ static void prefetch_point(const stp_tree* tree, uint32_t position)
     __builtin_prefetch(&leaf->y[lane]);
     __builtin_prefetch(&leaf->z[lane]);
     __builtin_prefetch(&leaf->gap[lane]);
+    if (tree->normals != NULL) {
+        const stp_leaf_normals* normals = &tree->normals[position / STP_LEAF_SIZE];
+        __builtin_prefetch(&normals->x[lane]);
+        __builtin_prefetch(&normals->y[lane]);
+        __builtin_prefetch(&normals->z[lane]);
+    }
 }
 
 static void run_fill_front(size_t begin, size_t end, uint32_t worker, void* user)

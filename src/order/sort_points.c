@@ -2,7 +2,8 @@
 //
 // Points along a Morton curve, into the leaves of a tree. First all points are dealt out to 16^3 cells, together
 // with their positions so that later reading is sequential; then each cell is sorted on its own, in cache, and
-// turned into leaves. A leaf of 32 points takes as many bytes as 32 records, so all of this happens in the memory
+// turned into leaves. Where sides matter, points of a cell that face differently are kept apart, so that a leaf has
+// one side of a thin wall and not both. A leaf of 32 points takes as many bytes as 32 records, so all of this happens in the memory
 // of the leaves: a leaf is written when the records in its place have been read.
 #include "base/math.h"
 #include "base/processor.h"
@@ -16,6 +17,8 @@ enum {
     CHUNK_SIZE = 1 << 16, // points dealt out by one thread at a time
     TASK_CELLS = 8,       // cells sorted by one thread at a time
     TASKS = STP_CURVE_CELLS / TASK_CELLS,
+    SIDE_BITS = 3,
+    AHEAD = 16, // normals asked for before they are needed
 };
 
 _Static_assert(sizeof(stp_leaf) == STP_LEAF_SIZE * sizeof(stp_record), "sorted in place");
@@ -38,6 +41,7 @@ typedef struct sort_job {
     shared_leaves* shared; // [task]
     uint64_t* items;       // [worker][2][largest cell]
     stp_record* copies;    // [worker][largest cell]
+    stp_vec3* normals;     // [worker][largest cell]; NULL where sides do not matter
     size_t largest;
 } sort_job;
 
@@ -145,6 +149,39 @@ static void refine_runs(const sort_job* job, const stp_record* records, uint64_t
     }
 }
 
+// The axis along which a normal is longest, and its sign: 0..5.
+static uint64_t side_of(stp_vec3 n)
+{
+    float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
+    if (x >= y && x >= z) {
+        return n.x < 0.0f;
+    }
+    return y >= z ? 2 + (n.y < 0.0f) : 4 + (n.z < 0.0f);
+}
+
+// Copies the normals of a cell's points and puts their sides above their places.
+static void add_sides(const sort_job* job, const stp_record* records, stp_vec3* normals,
+                      uint64_t* items, size_t count)
+{
+    const float* all = job->points->normals;
+    for (size_t i = 0; i < count; ++i) {
+        if (i + AHEAD < count) {
+            __builtin_prefetch(all + 3 * (size_t)records[i + AHEAD].id);
+        }
+        const float* n = all + 3 * (size_t)records[i].id;
+        normals[i] = (stp_vec3){n[0], n[1], n[2]};
+        items[i] |= side_of(normals[i]) << (32 + 3 * STP_CURVE_FINE_BITS);
+    }
+}
+
+static void write_normal(const sort_job* job, uint32_t index, uint32_t lane, stp_vec3 n)
+{
+    stp_leaf_normals* normals = &job->tree->normals[index];
+    normals->x[lane] = n.x;
+    normals->y[lane] = n.y;
+    normals->z[lane] = n.z;
+}
+
 static void write_lane(const sort_job* job, uint32_t index, uint32_t lane, stp_record r)
 {
     stp_leaf* leaf = &job->tree->leaves[index];
@@ -152,13 +189,6 @@ static void write_lane(const sort_job* job, uint32_t index, uint32_t lane, stp_r
     leaf->y[lane] = r.y;
     leaf->z[lane] = r.z;
     leaf->gap[lane] = INFINITY;
-    if (job->tree->normals != NULL) {
-        const float* n = job->points->normals + 3 * (size_t)r.id;
-        stp_leaf_normals* normals = &job->tree->normals[index];
-        normals->x[lane] = n[0];
-        normals->y[lane] = n[1];
-        normals->z[lane] = n[2];
-    }
 }
 
 static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
@@ -167,6 +197,7 @@ static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
     uint64_t* items = job->items + (size_t)worker * 2 * job->largest;
     uint64_t* scratch = items + job->largest;
     stp_record* copies = job->copies + (size_t)worker * job->largest;
+    stp_vec3* normals = job->normals != NULL ? job->normals + (size_t)worker * job->largest : NULL;
     shared_leaves* shared = &job->shared[begin / TASK_CELLS];
     // whole leaves are from `own` to `foreign`; what comes before and after is shared
     uint32_t position = job->starts[begin];
@@ -178,7 +209,12 @@ static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
         size_t count = job->starts[cell + 1] - first;
         memcpy(copies, job->records + first, count * sizeof(copies[0]));
         job->kernels->places(&job->curve, copies, count, items);
-        uint64_t* sorted = sort_items(items, scratch, count, 3 * STP_CURVE_FINE_BITS);
+        unsigned bits = 3 * STP_CURVE_FINE_BITS;
+        if (normals != NULL) {
+            add_sides(job, copies, normals, items, count);
+            bits += SIDE_BITS;
+        }
+        uint64_t* sorted = sort_items(items, scratch, count, bits);
         refine_runs(job, copies, sorted, sorted == items ? scratch : items, count);
         for (size_t i = 0; i < count; ++i, ++position) {
             stp_record r = copies[(uint32_t)sorted[i]];
@@ -186,8 +222,8 @@ static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
             job->ids[position] = r.id;
             stp_record* to = index < own ? shared->first : index < foreign ? leaf : shared->last;
             to[lane] = r;
-            if (job->tree->normals != NULL) {
-                __builtin_prefetch(job->points->normals + 3 * (size_t)r.id);
+            if (normals != NULL) {
+                write_normal(job, index, lane, normals[(uint32_t)sorted[i]]);
             }
             if (to == leaf && lane == STP_LEAF_SIZE - 1) {
                 for (lane = 0; lane < STP_LEAF_SIZE; ++lane) {
@@ -225,6 +261,7 @@ static void sort_free(stp_context* context, sort_job* job)
     stp_free(context, job->shared);
     stp_free(context, job->items);
     stp_free(context, job->copies);
+    stp_free(context, job->normals);
 }
 
 static stp_curve make_curve(const stp_points* points)
@@ -262,7 +299,10 @@ stp_result stp_points_sort(const stp_points* points, const stp_team* team, stp_t
     place_cells(&job, chunks);
     job.items = STP_NEW_ARRAY(context, uint64_t, 2 * job.largest * team->threads);
     job.copies = STP_NEW_ARRAY(context, stp_record, job.largest * team->threads);
-    if (job.items == NULL || job.copies == NULL) {
+    if (tree->normals != NULL) {
+        job.normals = STP_NEW_ARRAY(context, stp_vec3, job.largest * team->threads);
+    }
+    if (job.items == NULL || job.copies == NULL || (tree->normals != NULL && job.normals == NULL)) {
         sort_free(context, &job);
         return stp_fail_memory(context);
     }

@@ -75,18 +75,11 @@ static inline uint32_t facing_away(const stp_leaf_normals* normals, int i, const
     return wide_less(wide_add(wide_add(x, y), z), wide_set(0.0f));
 }
 
-// Squared dissimilarity of the lanes in `away`: (distance + apart)^2. Only needed while some point
-// has not yet met a chosen one that faces its way, so it is not worth a kernel of its own.
-static wide squared_apart(wide squared, uint32_t away, float apart)
+// Squared dissimilarity, (distance + apart)^2 in the lanes of `away`. Roots are rounded correctly everywhere.
+static inline wide squared_apart(wide squared, uint32_t away, float apart)
 {
-    _Alignas(64) float lanes[WIDE];
-    wide_store(lanes, squared);
-    for (; away != 0; away &= away - 1) {
-        float* lane = &lanes[lowest_bit(away)];
-        float distance = sqrtf(*lane) + apart;
-        *lane = distance * distance;
-    }
-    return wide_load(lanes);
+    wide distance = wide_add(wide_root(squared), wide_set(apart));
+    return wide_blend(squared, wide_mul(distance, distance), away);
 }
 
 // Makes the gaps of a leaf what its pending points leave of them; `gap` is an upper bound of them.
@@ -152,6 +145,9 @@ static inline void prefetch_leaf(const stp_tree* tree, uint32_t leaf)
 {
     if (tree->pending[leaf].count != 0) {
         prefetch_bytes(&tree->leaves[leaf], sizeof(stp_leaf));
+        if (tree->pending[leaf].mixed != 0) {
+            prefetch_bytes(&tree->normals[leaf], sizeof(stp_leaf_normals));
+        }
     } else {
         prefetch_bytes(&tree->leaves[leaf].gap, sizeof(tree->leaves[leaf].gap));
     }

@@ -47,6 +47,11 @@ static inline eight eight_max(eight a, eight b)
     return _mm256_max_ps(a, b);
 }
 
+static inline eight eight_root(eight a)
+{
+    return _mm256_sqrt_ps(a);
+}
+
 static inline uint32_t eight_less(eight a, eight b)
 {
     return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ));
@@ -89,6 +94,7 @@ typedef eight wide;
 #define wide_mul eight_mul
 #define wide_min eight_min
 #define wide_max eight_max
+#define wide_root eight_root
 #define wide_less eight_less
 #define wide_equal eight_equal
 #define wide_blend eight_blend

@@ -49,6 +49,11 @@ static inline wide wide_max(wide a, wide b)
     return _mm512_max_ps(a, b);
 }
 
+static inline wide wide_root(wide a)
+{
+    return _mm512_sqrt_ps(a);
+}
+
 static inline uint32_t wide_less(wide a, wide b)
 {
     return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);

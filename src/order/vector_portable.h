@@ -3,6 +3,7 @@
 // and vector_avx512.h give the same names; `wide` goes through leaves, `eight` through branches.
 #pragma once
 
+#include <math.h>
 #include <stdint.h>
 
 enum { WIDE = 8 };
@@ -63,6 +64,12 @@ static inline eight eight_max(eight a, eight b)
     return a;
 }
 
+static inline eight eight_root(eight a)
+{
+    EACH_LANE a.lane[i_] = sqrtf(a.lane[i_]);
+    return a;
+}
+
 static inline uint32_t eight_less(eight a, eight b)
 {
     uint32_t mask = 0;
@@ -107,6 +114,7 @@ static inline float eight_lowest(eight a)
 #define wide_mul eight_mul
 #define wide_min eight_min
 #define wide_max eight_max
+#define wide_root eight_root
 #define wide_less eight_less
 #define wide_equal eight_equal
 #define wide_blend eight_blend

@@ -61,7 +61,7 @@ static int is_exact(stp_context* context, const exact_case* c, stp_order_metric 
     float* gaps = malloc(c->count * sizeof(*gaps));
     if (ids == NULL || place == NULL || gaps == NULL ||
         stp_points_measure(&points, &team) != STP_OK ||
-        stp_tree_create(context, &tree, c->count, true, false) != STP_OK) {
+        stp_tree_create(context, &tree, c->count, metric == STP_METRIC_SIDE, false) != STP_OK) {
         return 0;
     }
     int good = stp_points_sort(&points, &team, &tree, ids) == STP_OK;
