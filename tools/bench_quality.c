@@ -229,11 +229,14 @@ static int run_quality(const bench_options* options, json_t* results)
             run.width = 320;
             run.height = 180;
         }
+        const char* ending = strrchr(model, '.');
+        bool is_built = ending != NULL && strcmp(ending, ".stip") == 0;
         stp_build_desc desc = {.inputs = &model, .input_count = 1, .output = path};
         stp_build_report report;
-        result = stp_build(context, &desc, &report);
+        result = is_built ? STP_OK : stp_build(context, &desc, &report);
         if (result == STP_OK) {
-            result = measure_file(&run, path, model, options->quick, results);
+            const char* file = is_built ? model : path;
+            result = measure_file(&run, file, model, options->quick, results);
         }
         free_run(&run);
         stp_context_destroy(context);

@@ -39,6 +39,8 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     *frame = (stp_splat_frame){
         .target = target, .splats = splats, .camera = camera, .first_id = first_id};
     row_end = row_end < target->height ? row_end : target->height;
+    frame->rim_depth = splats->rim_depth;
+    frame->back_depth = splats->back_depth;
     frame->row_begin = (int32_t)row_begin;
     frame->row_end = (int32_t)row_end;
     fold_row(camera->matrix.m[0], splats, frame->x);
@@ -79,7 +81,8 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     frame->center_y = (float)(dot3(y, vz) / square / factor);
     frame->inverse_scale = (float)(1.0 / s);
     frame->slope_factor = frame->inverse_scale;
-    frame->near_w = (float)(4.0 * radius * factor);
+    frame->near_w =
+        (float)((4.0 + 2.0 * (double)(frame->rim_depth + frame->back_depth)) * radius * factor);
     frame->far_w = (float)(-radius * factor);
     return true;
 }

@@ -21,6 +21,13 @@ typedef struct stp_raster_splats {
     stp_vec3 origin;           ///< position = origin + step * value, in object space
     float step;
     float radius; ///< of every disk, object space; 0: the centre's pixel only
+    /// How far the rim of a disk lies behind its plane, in radii (0: not at all; the centre never
+    /// moves). Where disks overlap, the one with the nearest centre then wins, as in a Voronoi
+    /// diagram, and what sticks out of a wall across its edge does not hide the next wall.
+    float rim_depth;
+    /// How far a disk seen from behind lies behind its plane, in radii: it may fill a hole, but does
+    /// not hide what faces the viewer.
+    float back_depth;
     const uint8_t*
         coverages; ///< NULL, or 1 a splat: below 255 the disk is drawn with holes (hashed)
     const float*

@@ -83,10 +83,13 @@ static inline __m256i evaluate(const stp_splat_frame* f, const splat_batch* t, i
     __m256 least = _mm256_sub_ps(_mm256_setzero_ps(), most);
     change = _mm256_blendv_ps(change, most, _mm256_cmp_ps(change, most, _CMP_GT_OQ));
     change = _mm256_blendv_ps(change, least, _mm256_cmp_ps(change, least, _CMP_LT_OQ));
-    __m256 at = _mm256_add_ps(_mm256_set1_ps(t->nearness[i]), change);
+    __m256 limit = _mm256_set1_ps(t->limit[i]);
+    __m256 rim = _mm256_mul_ps(_mm256_min_ps(value, limit), _mm256_set1_ps(t->rim[i]));
+    __m256 at = _mm256_sub_ps(_mm256_add_ps(_mm256_set1_ps(t->nearness[i]), change), rim);
+    at = _mm256_max_ps(at, _mm256_set1_ps(SPLAT_LEAST_NEARNESS));
     at = _mm256_min_ps(at, _mm256_set1_ps(f->nearness_limit));
     *bits = _mm256_xor_si256(_mm256_castps_si256(at), _mm256_set1_epi32(-1));
-    return _mm256_castps_si256(_mm256_cmp_ps(value, _mm256_set1_ps(t->limit[i]), _CMP_LE_OQ));
+    return _mm256_castps_si256(_mm256_cmp_ps(value, limit, _CMP_LE_OQ));
 }
 
 /// Puts four pixels where `inside` (32-bit masks) holds. Depth bits always begin with a set bit, so

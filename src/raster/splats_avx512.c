@@ -69,10 +69,13 @@ static inline __mmask16 evaluate(const stp_splat_frame* f, const splat_batch* t,
     __m512 least = _mm512_sub_ps(_mm512_setzero_ps(), most);
     change = _mm512_mask_mov_ps(change, _mm512_cmp_ps_mask(change, most, _CMP_GT_OQ), most);
     change = _mm512_mask_mov_ps(change, _mm512_cmp_ps_mask(change, least, _CMP_LT_OQ), least);
-    __m512 at = _mm512_add_ps(_mm512_set1_ps(t->nearness[i]), change);
+    __m512 limit = _mm512_set1_ps(t->limit[i]);
+    __m512 rim = _mm512_mul_ps(_mm512_min_ps(value, limit), _mm512_set1_ps(t->rim[i]));
+    __m512 at = _mm512_sub_ps(_mm512_add_ps(_mm512_set1_ps(t->nearness[i]), change), rim);
+    at = _mm512_max_ps(at, _mm512_set1_ps(SPLAT_LEAST_NEARNESS));
     at = _mm512_min_ps(at, _mm512_set1_ps(f->nearness_limit));
     *bits = _mm512_xor_si512(_mm512_castps_si512(at), _mm512_set1_epi32(-1));
-    return _mm512_cmp_ps_mask(value, _mm512_set1_ps(t->limit[i]), _CMP_LE_OQ);
+    return _mm512_cmp_ps_mask(value, limit, _CMP_LE_OQ);
 }
 
 /// A disk within 4 x 4 pixels, all of them in the target.

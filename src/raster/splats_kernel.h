@@ -21,6 +21,7 @@ enum {
     SPLAT_EXTENT_LIMIT = 512 ///< half a side; larger disks are drawn in double precision
 };
 
+#define SPLAT_LEAST_NEARNESS 1e-30f
 #define SPLAT_FAR 1e6f ///< pixels: centres are brought within it, so that they fit a whole number
 
 typedef enum splat_kind {
@@ -45,8 +46,9 @@ typedef struct stp_splat_frame {
     float center_x, center_y;     ///< where the gaze meets the screen
     float inverse_scale;          ///< 1 / pixel_scale; 0 in parallel projection
     float slope_factor,
-        slope_constant;  ///< change of nearness a pixel: factor * nearness + constant
-    float near_w, far_w; ///< a disk with far_w < W < near_w is close to the eye
+        slope_constant;          ///< change of nearness a pixel: factor * nearness + constant
+    float rim_depth, back_depth; ///< in radii
+    float near_w, far_w;         ///< a disk with far_w < W < near_w is close to the eye
     float nearness_limit;
 } stp_splat_frame;
 
@@ -63,6 +65,7 @@ typedef struct splat_batch {
         limit[SPLAT_BATCH]; ///< the conic: u (a u + b v + p) + v (c v + q) <= limit
     float gx[SPLAT_BATCH], gy[SPLAT_BATCH],
         g_limit[SPLAT_BATCH]; ///< slope of nearness, and its clamp
+    float rim[SPLAT_BATCH];   ///< loss of nearness towards the rim, by value of the conic
 } splat_batch;
 
 typedef uint64_t (*splat_kernel)(const stp_splat_frame* frame);
@@ -215,6 +218,11 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
         float ey2 = (ay * ay + 1.0f) - (ny - ay * nz) * (ny - ay * nz) / square;
         float grow = radius / (1.0f - ratio);
         t->g_limit[i] = fabsf(slope) * grow; // from a radius before the centre to one behind it
+        float depth = fabsf(slope) * radius; // a step of one radius along the gaze
+        int32_t turned = (int32_t)(D > 0.0f) & (facing ^ 1) & (int32_t)(t->kind[i] == SPLAT_DISK);
+        float behind = turned != 0 ? f->back_depth : 0.0f;
+        t->rim[i] = f->rim_depth * depth / t->limit[i];
+        t->nearness[i] = t->nearness[i] - behind * depth;
         float ex = grow * sqrtf(ex2 > 0.0f ? ex2 : 0.0f) + 0.01f;
         float ey = grow * sqrtf(ey2 > 0.0f ? ey2 : 0.0f) + 0.01f;
         t->u0[i] = ex;
@@ -286,9 +294,11 @@ static inline bool disk_fragment(const stp_splat_frame* f, const splat_batch* t,
     float change = t->gx[i] * u + t->gy[i] * v, most = t->g_limit[i];
     change = change > most ? most : change;
     change = change < -most ? -most : change;
-    float at = t->nearness[i] + change;
+    float limit = t->limit[i];
+    float at = (t->nearness[i] + change) - (value < limit ? value : limit) * t->rim[i];
+    at = at > SPLAT_LEAST_NEARNESS ? at : SPLAT_LEAST_NEARNESS;
     *nearness = at < f->nearness_limit ? at : f->nearness_limit;
-    return value <= t->limit[i];
+    return value <= limit;
 }
 
 /// The part of a splat's box that lies in the target's rows: begin and end of columns and rows, end

@@ -10,7 +10,8 @@ typedef struct large_disk {
     double scale;                        ///< pixels per unit of x/z, or per unit
     double nearness;                     ///< times 1/z, or of z = 0
     double slope;                        ///< nearness per unit of z, parallel
-    double left, top;                    ///< parallel: pixel of x = 0, y = 0
+    double rim, behind; ///< how far the rim, and the whole disk, lie behind its plane
+    double left, top;   ///< parallel: pixel of x = 0, y = 0
     bool parallel;
 } large_disk;
 
@@ -55,6 +56,13 @@ static large_disk make_disk(const stp_splat_frame* frame, uint32_t index)
         disk.normal[1] = disk.parallel ? 0.0 : disk.center[1];
         disk.normal[2] = disk.parallel ? 1.0 : disk.center[2];
     }
+    double towards = disk.parallel
+                         ? disk.normal[2]
+                         : disk.normal[0] * disk.center[0] + disk.normal[1] * disk.center[1] +
+                               disk.normal[2] * disk.center[2];
+    bool is_behind = frame->splats->normals != NULL && towards > 0.0;
+    disk.rim = (double)frame->rim_depth * disk.radius;
+    disk.behind = is_behind ? (double)frame->back_depth * disk.radius : 0.0;
     const stp_raster_matrix* m = &camera->matrix;
     double n_at = row_dot(m->m[2], p) + (double)m->m[2][3];
     if (disk.parallel) {
@@ -82,23 +90,24 @@ static bool meet(const large_disk* disk, double x, double y, double* nearness)
         point[1] = (y - disk->top) / disk->scale;
         double up = n[0] * (point[0] - c[0]) + n[1] * (point[1] - c[1]);
         point[2] = c[2] - up / n[2];
-        *nearness = disk->nearness + disk->slope * (point[2] - c[2]);
     } else {
         double dx = (x - disk->right) / disk->scale, dy = (y - disk->down) / disk->scale;
         double t = (n[0] * c[0] + n[1] * c[1] + n[2] * c[2]) / (n[0] * dx + n[1] * dy + n[2]);
-        point[0] = t * dx;
-        point[1] = t * dy;
-        point[2] = t;
-        *nearness = disk->nearness / t;
         if (!(t > 0.0)) {
             return false;
         }
+        point[0] = t * dx;
+        point[1] = t * dy;
+        point[2] = t;
     }
     double square = 0.0;
     for (int k = 0; k < 3; ++k) {
         square += (point[k] - c[k]) * (point[k] - c[k]);
     }
-    return square <= disk->radius * disk->radius;
+    double limit = disk->radius * disk->radius;
+    double z = point[2] + disk->behind + disk->rim * (square / limit);
+    *nearness = disk->parallel ? disk->nearness + disk->slope * (z - c[2]) : disk->nearness / z;
+    return square <= limit;
 }
 
 /// First and last + 1 pixel that the disk's ball may touch along one axis, within [low, high).
@@ -170,7 +179,9 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
             bool in = meet(&disk, (double)x + 0.5, (double)y + 0.5, &nearness);
             if (!in && (double)x == center_x && (double)y == center_y) {
                 in = true;
-                nearness = disk.parallel ? disk.nearness : disk.nearness / disk.center[2];
+                double behind = disk.behind + disk.rim;
+                nearness = disk.parallel ? disk.nearness + disk.slope * behind
+                                         : disk.nearness / (disk.center[2] + behind);
             }
             if (!in || !(nearness > 0.0) || nearness > limit) {
                 continue;

@@ -221,6 +221,8 @@ void test_splats_variants_give_the_same_bits(test_state* test)
     for (int round = 0; round < 36; ++round) {
         double radius = 0.0004 * (double)(1u << (round % 9));
         make_scene(&s, 100 + (uint64_t)round, radius);
+        s.splats.rim_depth = (float)(round % 3) * 2.0f;
+        s.splats.back_depth = (float)(round % 2) * 1.5f;
         place_camera(&s, 0.3 * round, round % 3 == 0 ? 0.8 : 2.5, 60.0, round % 4 == 3,
                      round % 5 == 0);
         s.splats.coverages = round % 2 == 0 ? s.coverages : NULL;
@@ -437,4 +439,44 @@ void test_splats_cover_a_sphere_without_holes(test_state* test)
             }
         }
     }
+}
+
+// Two disks that face the eye, one a little nearer, half a radius apart; which of them each pixel shows.
+static int count_of_second(splat_scene* s, float rim, float back, bool away)
+{
+    make_scene(s, 1, 0.2);
+    place_camera(s, 0.0, 6.0, 150.0, true, false);
+    static const uint16_t positions[6] = {26000, 32768, 32768, 39000, 32768, 32768};
+    memcpy(s->positions, positions, sizeof(positions));
+    const float* gaze = s->camera.view[2];
+    stp_vec3 normal = {-gaze[0], -gaze[1], -gaze[2]}, other = {gaze[0], gaze[1], gaze[2]};
+    stp_octahedral_encode(normal, s->normals);
+    stp_octahedral_encode(away ? other : normal, s->normals + 2);
+    // the second is nearer, by a tenth of a radius
+    for (int k = 0; k < 3; ++k) {
+        s->positions[3 + k] = (uint16_t)((float)s->positions[3 + k] - gaze[k] * 0.005f * 65536.0f);
+    }
+    s->splats.end = 2;
+    s->splats.rim_depth = rim;
+    s->splats.back_depth = back;
+    clear(s);
+    stp_raster_draw_splats(&s->target, 0, HEIGHT, &s->camera, &s->splats, 0);
+    int count = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+        count += s->pixels[i] != STP_RASTER_EMPTY && stp_raster_id(s->pixels[i]) == 1;
+    }
+    return count;
+}
+
+void test_splats_that_overlap_share_the_ground(test_state* test)
+{
+    static splat_scene s;
+    int plain = count_of_second(&s, 0.0f, 0.0f, false); // the nearer one takes all it covers
+    int shared = count_of_second(&s, 4.0f, 0.0f, false);
+    CHECK(plain > 200);
+    CHECK(shared < plain * 95 / 100 && shared > plain * 60 / 100);
+    CHECK_EQUAL(plain, count_of_second(&s, 0.0f, 0.0f, true)); // sides do not matter unless asked
+    int behind = count_of_second(&s, 0.0f, 2.0f, true);
+    CHECK(behind < plain * 80 / 100 && behind > 0); // it stays only where nothing faces the eye
+    CHECK_EQUAL(plain, count_of_second(&s, 0.0f, 2.0f, false));
 }

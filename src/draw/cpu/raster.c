@@ -17,6 +17,12 @@ static const cpu_item* find_item(const cpu_renderer* r, uint32_t piece)
     return &r->items[low];
 }
 
+// In radii. Measured on a CAD assembly of fins and ribs from 26 directions, at the distance where its surfels
+// just suffice: the median SSIM of covered pixels rises from 0.48 (0, 0) over 0.62 (2, 0) to 0.69 (4, 2);
+// beyond, surfaces begin to show through those in front (`stipple bench quality`).
+#define RIM_DEPTH 4.0f
+#define BACK_DEPTH 2.0f
+
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         const stp_raster_target* target, cpu_worker* worker)
 {
@@ -27,6 +33,8 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.origin = item->surfels.origin;
         splats.step = item->surfels.step;
         splats.coverages = item->coverages;
+        splats.rim_depth = RIM_DEPTH;
+        splats.back_depth = BACK_DEPTH;
     } else {
         splats.points = item->points.positions;
     }
