@@ -1,53 +1,52 @@
 // SPDX-License-Identifier: MIT
 //
-// Points in the buckets of a hashed grid. A query takes the eight cells around a place: with cells
-// twice as wide as the reach of the query, they hold every point within reach.
-//
-//        +-----+-----+      x: the query; all points within reach (o) lie in its block of 2 x 2 (x
-//        2) cells. |    o|o    |      Cells that share a bucket by chance only add points that are
-//        too far away.
-//        +----ox-----+
-//        |     |     |
-//        +-----+-----+
+// Points in the buckets of a hashed grid, as columns: bucket by bucket, in ascending order within
+// each. Cells that share a bucket by chance only add points that are too far away for a query.
 #pragma once
 
 #include "base/context.h"
 
-enum { STP_GRID_PAGE = 256 };
+enum { STP_GRID_LANES = 16 }; ///< columns may be read so many points at a time, beyond their end
 
 typedef struct stp_grid {
-    const float* positions; ///< 3 a point; not owned
-    const float* normals;   ///< 3 a point; not owned
     uint32_t count;
-    float reach; ///< half a cell: how far a query sees
-    float inverse_cell;
-    uint32_t mask;    ///< number of buckets - 1
-    uint32_t* starts; ///< of each bucket in `items`, and the end
-    uint32_t* items;  ///< points by bucket, ascending within each
+    float cell, inverse_cell; ///< side of a cell, and one over it
+    float offset;             ///< cells begin at multiples of `cell`, plus this on each axis
+    uint32_t mask;            ///< number of buckets - 1
+    uint32_t* starts;         ///< of each bucket in the columns, and the end
+    uint32_t* index;
+    float *x, *y, *z, *nx, *ny, *nz; ///< positions and normals, in one block of memory
 } stp_grid;
 
-/// Builds a grid for queries of `reach` (above 0). A reach that would put very many points into
-/// each block is halved until it does not: queries then see less far (`reach` of the result).
+/// Builds a grid of every stride-th of some points with positions and normals, 3 floats each. `index`
+/// counts all of them.
 STP_MUST_USE stp_result stp_grid_create(stp_context* context, const float* positions,
-                                        const float* normals, uint32_t count, float reach,
-                                        stp_grid* grid);
+                                        const float* normals, uint32_t count, uint32_t stride,
+                                        float cell, float offset, stp_grid* grid);
 void stp_grid_destroy(stp_context* context, stp_grid* grid);
 
-/// The points of one block, copied side by side, page by page where there are many.
-typedef struct stp_grid_block {
-    int32_t cell[3];
-    bool valid;
-    uint32_t range_count, range, offset; ///< buckets of the block; where the next page starts
-    uint32_t begins[8], ends[8];
-    uint32_t count; ///< points in this page
-    uint32_t index[STP_GRID_PAGE];
-    float x[STP_GRID_PAGE], y[STP_GRID_PAGE], z[STP_GRID_PAGE];
-    float nx[STP_GRID_PAGE], ny[STP_GRID_PAGE], nz[STP_GRID_PAGE];
-} stp_grid_block;
+/// The cell, or the largest half, quarter, ... of it that leaves no crowd of points in a bucket.
+STP_MUST_USE stp_result stp_grid_choose_cell(stp_context* context, const float* positions,
+                                             uint32_t count, float cell, float* chosen);
 
-/// Loads the block around a place, or keeps it where it is the one loaded. Only its first page is
-/// loaded;
-/// @return whether there are more
-bool stp_grid_load(const stp_grid* grid, stp_grid_block* block, const float place[3]);
-/// Loads the next page; @return whether there are more. The block then has to be loaded anew.
-bool stp_grid_next(const stp_grid* grid, stp_grid_block* block);
+static inline int32_t stp_grid_cell(const stp_grid* grid, float coordinate)
+{
+    float cell = (coordinate - grid->offset) * grid->inverse_cell;
+    cell = cell < -1e9f ? -1e9f : cell > 1e9f ? 1e9f : cell;
+    int32_t truncated = (int32_t)cell;
+    return truncated - (cell < (float)truncated);
+}
+
+static inline uint32_t stp_grid_bucket(const stp_grid* grid, int32_t x, int32_t y, int32_t z)
+{
+    uint32_t hash =
+        (uint32_t)x * 0x9E3779B1u ^ (uint32_t)y * 0x85EBCA77u ^ (uint32_t)z * 0xC2B2AE3Du;
+    hash ^= hash >> 15;
+    hash *= 0x2C1B3C6Du;
+    return (hash ^ hash >> 13) & grid->mask;
+}
+
+/// Lists the points along a curve that keeps near what is near (Morton 1966): whoever visits them so
+/// finds the memory of their neighbours warm. `order` receives `count` indices.
+STP_MUST_USE stp_result stp_sort_spatially(stp_context* context, const float* positions,
+                                           uint32_t count, uint32_t* order);

@@ -1,40 +1,47 @@
 // SPDX-License-Identifier: MIT
 //
-// One walk over many samples that finds for each the surfel whose cell it lies in, and for each
-// surfel what lies in its disk. It is where finishing spends its time.
+// The two searches that finishing spends its time on: for each sample the surfel whose cell it lies in, and
+// for each surfel what lies in its disk.
 #pragma once
 
 #include "lod/grid.h"
+#include "lod/stencil.h"
 
-#include <stdatomic.h>
+/// For each sample the nearest surfel: of those on its side, the lower index where two are as near.
+typedef struct stp_nearest_search {
+    const stp_grid* surfels; ///< cells twice `radius` wide or wider; offset 0
+    const stp_grid*
+        samples; ///< the same cells, offset by half a cell: samples of one cell see the same surfels
+    float radius;      ///< how far a surfel may be away
+    bool two_sided;    ///< normals do not tell sides apart
+    uint32_t* nearest; ///< result: of each sample in the grid's order; UINT32_MAX: none in reach
+} stp_nearest_search;
 
-enum { STP_SUM_SHIFT = 40 };
+/// Searches on all threads. Results do not depend on their number.
+void stp_nearest_search_run(stp_context* context, const stp_nearest_search* search);
 
-typedef struct stp_neighbour_walk {
-    // the samples: candidates, or the surfels of a longer prefix
-    const float* positions; ///< 3 a sample
-    const float* normals;   ///< 3 a sample
-    uint32_t count;
-    uint32_t stride;           ///< every stride-th sample is walked
+/// What was found in a surfel's disk.
+typedef struct stp_disk {
+    uint64_t cells;     ///< of the stencil
+    uint64_t fractions; ///< sum over the samples
+    uint32_t count;     ///< of samples
+    bool solid;         ///< where asked to stop at that, count and sum mean nothing
+} stp_disk;
+
+/// For each surfel the samples in its disk.
+typedef struct stp_disk_search {
+    const stp_grid* samples;
+    const uint16_t* fractions; ///< what each sample adds to the sum, by its index; NULL: nothing
     float footprint;           ///< half the side of the square that a sample stands for; 0: a point
-    const uint16_t* fractions; ///< what each sample adds to `sums`; NULL: nothing
+    const float* positions;    ///< 3 a surfel
+    const float* normals;      ///< 3 a surfel
+    const uint32_t* visit;     ///< which surfels, best in an order that keeps near what is near
+    uint32_t count;            ///< of `visit`
+    float radius;              ///< of the disks
+    bool two_sided;            ///< normals do not tell sides apart
+    bool until_solid;          ///< stop where a disk is known to be solid
+    const stp_stencil* stencil;
+    stp_disk* disks; ///< result: of each surfel visited, by its index
+} stp_disk_search;
 
-    // the surfels
-    const stp_grid* grid; ///< over a prefix
-    const float* frames;  ///< 6 a surfel: two tangents of unit length; NULL: disks are not wanted
-    float disk_radius;
-    uint64_t disk_cells;  ///< of the stencil: what makes a disk full; all: nothing does
-    float nearest_radius; ///< how far a cell reaches at most
-    bool two_sided;       ///< normals do not tell sides apart
-
-    // results
-    uint32_t*
-        nearest; ///< surfel of each sample, UINT32_MAX where none is in reach; NULL: not wanted
-    _Atomic uint64_t* disks; ///< stencil cells hit in each surfel's disk; zero before
-    /// Of the samples in each surfel's disk: (count << STP_SUM_SHIFT) + the sum of their fractions;
-    /// zero before; NULL: not wanted. Not counted to the end where the disk is full.
-    _Atomic uint64_t* sums;
-} stp_neighbour_walk;
-
-/// Walks on all threads. Results do not depend on their number, but for sums of full disks.
-void stp_neighbour_walk_run(stp_context* context, const stp_neighbour_walk* walk);
+void stp_disk_search_run(stp_context* context, const stp_disk_search* search);

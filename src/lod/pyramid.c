@@ -18,9 +18,12 @@
 // Surfels that sample a disk cover to an eighth of its radius: then each cell of the stencil, a quarter wide,
 // that is full of surface holds at least one.
 #define SAMPLE_RADIUS 0.125f
-#define CELL_CANDIDATES                                                                            \
-    75.0 // where candidates do, each stands for up to so many of the disk's pixels
-#define LEAST_BELIEVED 0.4 // part of a fraction seen that is taken for true, whatever was counted
+// Where candidates do, each stands for up to so much of a disk's pixels.
+#define DISK_CANDIDATES 75.0
+// Cells that a disk reaches to each side; only orders that leave huge gaps would go beyond.
+#define MOST_CELLS 12.0f
+// Part of a fraction seen that is taken for true, whatever was counted.
+#define LEAST_BELIEVED 0.4
 
 // One entry of the pyramid.
 typedef struct entry {
@@ -39,34 +42,16 @@ typedef struct pyramid {
     stp_surfels* surfels;
     stp_stencil stencil;
     uint32_t linear[256];
-    float* frames;                         ///< two tangents a surfel
     entry* octaves[STP_OCTAVE_LIMIT];      ///< entries of each octave, in one array
-    uint16_t* fractions[STP_OCTAVE_LIMIT]; ///< the same fractions, as columns for walks
+    uint16_t* fractions[STP_OCTAVE_LIMIT]; ///< the same fractions, as columns for searches
     entry* entries;
     uint16_t* fraction_column;
     entry_sum* sums;
-    uint32_t* nearest; ///< of each sample of the walk made last
-    void* disk_memory;
-    _Atomic uint64_t* disks;
-    _Atomic uint64_t* disk_sums;
+    uint32_t* nearest; ///< of each sample, in its grid's order
+    stp_disk* disks;
+    uint32_t* spatial; ///< all surfels along a space-filling curve
+    uint32_t* visit;   ///< those of one prefix
 } pyramid;
-
-static void make_frames(size_t begin, size_t end, uint32_t worker, void* user)
-{
-    (void)worker;
-    pyramid* p = user;
-    for (size_t i = begin; i < end; ++i) {
-        const float* n = p->input->normals + 3 * i;
-        stp_vec3 normal = {n[0], n[1], n[2]};
-        float x = fabsf(n[0]), y = fabsf(n[1]), z = fabsf(n[2]);
-        stp_vec3 axis = {x <= y && x <= z, y < x && y <= z, z < x && z < y};
-        stp_vec3 first = stp_normalize(stp_cross(normal, axis));
-        stp_vec3 second = stp_cross(normal, first);
-        float* frame = p->frames + 6 * i;
-        frame[0] = first.x, frame[1] = first.y, frame[2] = first.z;
-        frame[3] = second.x, frame[4] = second.y, frame[5] = second.z;
-    }
-}
 
 // The shortest prefix dense enough to sample the disks of an octave; 0 where there is none:
 // candidates are.
@@ -92,36 +77,37 @@ static uint16_t to_fraction(double value)
     return (uint16_t)(value * 65535.0 + 0.5);
 }
 
-static void add_candidates(pyramid* p)
+static void add_sample(entry_sum* sum, const uint32_t color[3], uint64_t weight, uint64_t alpha)
 {
-    const stp_candidates* candidates = p->input->finish->candidates;
-    for (uint32_t i = 0; i < candidates->count; ++i) {
-        if (p->nearest[i] != UINT32_MAX) {
-            const uint8_t* c = candidates->colors + 4 * (size_t)i;
-            entry_sum* sum = &p->sums[p->nearest[i]];
+    for (int k = 0; k < 3; ++k) {
+        sum->color[k] += weight * color[k];
+    }
+    sum->weight += weight;
+    sum->alpha += alpha;
+    sum->count += 1;
+}
+
+static void add_candidates(pyramid* p, const stp_grid* samples)
+{
+    const uint8_t* colors = p->input->finish->candidates->colors;
+    for (uint32_t at = 0; at < samples->count; ++at) {
+        if (p->nearest[at] != UINT32_MAX) {
+            const uint8_t* c = colors + 4 * (size_t)samples->index[at];
+            uint32_t color[3] = {p->linear[c[0]], p->linear[c[1]], p->linear[c[2]]};
             uint64_t weight = c[3] > 0 ? c[3] : 1; // what is nearly clear has little say
-            for (int k = 0; k < 3; ++k) {
-                sum->color[k] += weight * p->linear[c[k]];
-            }
-            sum->weight += weight;
-            sum->alpha += c[3];
-            sum->count += 1;
+            add_sample(&p->sums[p->nearest[at]], color, weight, c[3]);
         }
     }
 }
 
-static void add_surfels(pyramid* p, const entry* finer, uint32_t count)
+// The samples may be more than the next finer octave; its own entries count.
+static void add_surfels(pyramid* p, const stp_grid* samples, const entry* finer, uint32_t count)
 {
-    for (uint32_t i = 0; i < count; ++i) {
-        if (p->nearest[i] != UINT32_MAX) {
-            entry_sum* sum = &p->sums[p->nearest[i]];
-            uint64_t weight = finer[i].fraction > 0 ? finer[i].fraction : 1;
-            for (int k = 0; k < 3; ++k) {
-                sum->color[k] += weight * finer[i].color[k];
-            }
-            sum->weight += weight;
-            sum->alpha += finer[i].alpha;
-            sum->count += 1;
+    for (uint32_t at = 0; at < samples->count; ++at) {
+        const entry* e = &finer[samples->index[at] < count ? samples->index[at] : 0];
+        if (p->nearest[at] != UINT32_MAX && samples->index[at] < count) {
+            add_sample(&p->sums[p->nearest[at]], e->color, e->fraction > 0 ? e->fraction : 1,
+                       e->alpha);
         }
     }
 }
@@ -157,17 +143,6 @@ static void average_octave(pyramid* p, uint32_t octave, const entry* finer, uint
     }
 }
 
-// The sum a walk left for one surfel.
-typedef struct disk_sum {
-    uint64_t count, total;
-} disk_sum;
-
-static disk_sum read_sum(const pyramid* p, uint32_t surfel)
-{
-    uint64_t sum = p->disk_sums[surfel];
-    return (disk_sum){sum >> STP_SUM_SHIFT, sum & (((uint64_t)1 << STP_SUM_SHIFT) - 1)};
-}
-
 static void set_fraction(pyramid* p, uint32_t octave, uint32_t surfel, double fraction)
 {
     p->octaves[octave][surfel].fraction = to_fraction(fraction);
@@ -185,16 +160,16 @@ static double usual_density(const stp_candidates* candidates)
     return candidates->direction_count != 0 ? 0.25 * candidates->direction_count : 1.0;
 }
 
-// Octaves whose disks were sampled by candidates. Their squares make thin things look too wide, and their number
-// tells better; but things may be hidden from some views, so the number alone is not believed either.
-static void cover_captured(pyramid* p, uint32_t octave, double disk_pixels, uint32_t stride)
+// Octaves whose disks were sampled by every stride-th candidate. Their squares make thin things look too wide, and
+// their number tells better; but things may be hidden from some views, so the number alone is not believed either.
+static void cover_captured(pyramid* p, uint32_t octave, double pixels, uint32_t stride)
 {
-    double full_count = usual_density(p->input->finish->candidates) * disk_pixels / stride;
+    double full_count = usual_density(p->input->finish->candidates) * pixels / stride;
     double believed = LEAST_BELIEVED / sqrt((double)stride);
     for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
-        double fraction = (double)stp_stencil_fraction(&p->stencil, p->disks[i]);
+        double fraction = (double)stp_stencil_fraction(&p->stencil, p->disks[i].cells);
         if (fraction < 1.0) {
-            double counted = (double)read_sum(p, i).count / full_count;
+            double counted = (double)p->disks[i].count / full_count;
             counted = counted < fraction * believed ? fraction * believed : counted;
             fraction = counted < fraction ? counted : fraction;
         }
@@ -206,116 +181,200 @@ static void cover_captured(pyramid* p, uint32_t octave, double disk_pixels, uint
 static void cover_sampled(pyramid* p, uint32_t octave)
 {
     for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
-        double fraction = (double)stp_stencil_fraction(&p->stencil, p->disks[i]);
-        disk_sum sum = read_sum(p, i);
-        fraction *= sum.count != 0 ? (double)sum.total / ((double)sum.count * 65535.0) : 1.0;
+        const stp_disk* disk = &p->disks[i];
+        double fraction = (double)stp_stencil_fraction(&p->stencil, disk->cells);
+        fraction *=
+            disk->count != 0 ? (double)disk->fractions / ((double)disk->count * 65535.0) : 1.0;
         set_fraction(p, octave, i, fraction);
     }
 }
 
-static uint32_t choose_stride(double disk_pixels)
+// How an octave is made.
+typedef struct octave_plan {
+    float radius;      ///< to what its prefix covers
+    float disk_radius; ///< of the disks drawn with it
+    uint32_t
+        sample_count; ///< surfels searched for colours, and for disks where those are dense enough
+    bool dense;       ///< they are; else disks are sampled by every stride-th candidate
+    uint32_t stride;
+    float cell; ///< of the grids
+} octave_plan;
+
+static float pixel_size(const pyramid* p)
 {
-    double stride = disk_pixels / CELL_CANDIDATES;
-    return stride < 1.0 ? 1 : stride > 64.0 ? 64 : (uint32_t)stride;
+    return (float)p->input->finish->candidates->pixel_size;
 }
 
-// Every stride-th candidate stands for as many pixels.
-static void stretch_footprint(stp_neighbour_walk* walk, uint32_t stride)
+// The area of a disk in pixels of the capture.
+static double disk_pixels(const pyramid* p, float radius)
 {
-    walk->stride = stride;
-    walk->footprint *= sqrtf((float)stride);
-    walk->footprint = stp_min(walk->footprint, walk->grid->reach - walk->disk_radius);
+    double pixels = pixel_size(p) > 0.0f ? (double)(radius / pixel_size(p)) : 1.0;
+    return STP_PI * pixels * pixels;
 }
 
-static void average_surfels(pyramid* p, uint32_t octave)
-{
-    const entry* finer = p->octaves[octave + 1];
-    add_surfels(p, finer, p->surfels->octave_ends[octave + 1]);
-    average_octave(p, octave, finer, 65535);
-}
-
-// Walks over the samples of one octave's cells and disks, and makes its entries.
-static void make_entries(pyramid* p, uint32_t octave, const stp_neighbour_walk* common,
-                         float radius)
+static stp_result plan_octave(const pyramid* p, uint32_t octave, octave_plan* plan)
 {
     const stp_surfels* s = p->surfels;
-    const stp_candidates* candidates = p->input->finish->candidates;
-    double pixel =
-        candidates->pixel_size > 0.0 ? candidates->pixel_size : (double)common->disk_radius;
-    double pixels = (double)common->disk_radius / pixel, disk_pixels = STP_PI * pixels * pixels;
-    stp_neighbour_walk captured = *common, surfels = *common;
-    captured.positions = candidates->positions;
-    captured.normals = candidates->normals;
-    captured.count = candidates->count;
-    surfels.positions = p->input->positions;
-    surfels.normals = p->input->normals;
-    surfels.nearest = p->nearest;
-    surfels.footprint = 0.0f;
-    if (octave + 1 == s->octave_count) {
-        captured.nearest = p->nearest;
-        stp_neighbour_walk_run(p->context, &captured);
-        add_candidates(p);
-        average_octave(p, octave, NULL, 255);
-        cover_captured(p, octave, disk_pixels, 1);
-        return;
+    uint32_t count = s->octave_ends[octave];
+    bool finest = octave + 1 == s->octave_count;
+    plan->radius = finest ? p->input->finish->final_radius : p->input->envelope[count];
+    plan->disk_radius = stp_max(plan->radius + p->input->candidate_radius, s->step);
+    plan->sample_count = finest ? 0 : s->octave_ends[octave + 1];
+    uint32_t dense = finest ? 0 : sample_count(p, plan->radius);
+    plan->dense = dense != 0 && dense >= plan->sample_count;
+    plan->sample_count = plan->dense ? dense : plan->sample_count;
+    double stride = disk_pixels(p, plan->disk_radius) / DISK_CANDIDATES;
+    plan->stride = finest || stride < 1.0 ? 1 : stride > 64.0 ? 64 : (uint32_t)stride;
+    float cell =
+        stp_max(2.002f * plan->radius, finest ? plan->disk_radius + pixel_size(p) : s->step);
+    stp_result result =
+        stp_grid_choose_cell(p->context, p->input->positions, count, cell, &plan->cell);
+    plan->radius = stp_min(plan->radius, plan->cell * 0.4995f);
+    return result;
+}
+
+static void find_nearest(pyramid* p, const octave_plan* plan, const stp_grid* surfels,
+                         const stp_grid* samples)
+{
+    stp_nearest_search search = {.surfels = surfels,
+                                 .samples = samples,
+                                 .radius = plan->radius * 1.0001f,
+                                 .two_sided = p->input->finish->two_sided,
+                                 .nearest = p->nearest};
+    stp_nearest_search_run(p->context, &search);
+}
+
+// Lists the surfels of a prefix along the curve.
+static uint32_t list_prefix(pyramid* p, uint32_t count)
+{
+    uint32_t listed = 0;
+    for (uint32_t i = 0; i < p->surfels->count; ++i) {
+        if (p->spatial[i] < count) {
+            p->visit[listed++] = p->spatial[i];
+        }
     }
-    uint32_t samples = sample_count(p, radius);
-    if (samples < s->octave_ends[octave + 1]) {
-        surfels.count = s->octave_ends[octave + 1];
-        surfels.frames = NULL;
-        stp_neighbour_walk_run(p->context, &surfels);
-        average_surfels(p, octave);
-        stretch_footprint(&captured, choose_stride(disk_pixels));
-        stp_neighbour_walk_run(p->context, &captured);
-        cover_captured(p, octave, disk_pixels, captured.stride);
-        return;
-    }
+    return listed;
+}
+
+static stp_disk_search begin_disk_search(pyramid* p, uint32_t octave, const octave_plan* plan,
+                                         const stp_grid* samples)
+{
+    return (stp_disk_search){
+        .samples = samples,
+        .positions = p->input->positions,
+        .normals = p->input->normals,
+        .visit = p->visit,
+        .count = list_prefix(p, p->surfels->octave_ends[octave]),
+        .radius = stp_min(plan->disk_radius, MOST_CELLS * samples->cell),
+        .two_sided = p->input->finish->two_sided,
+        .stencil = &p->stencil,
+        .disks = p->disks,
+    };
+}
+
+static void look_at_surfels(pyramid* p, uint32_t octave, const octave_plan* plan,
+                            const stp_grid* samples)
+{
+    stp_disk_search search = begin_disk_search(p, octave, plan, samples);
     uint32_t finer = octave + 1;
-    while (s->octave_ends[finer] < samples) {
+    while (p->surfels->octave_ends[finer] < plan->sample_count) {
         finer += 1;
     }
-    surfels.count = samples;
-    surfels.fractions = p->fractions[finer];
-    surfels.disk_cells = UINT64_MAX; // means are wanted, of full disks too
-    stp_neighbour_walk_run(p->context, &surfels);
-    average_surfels(p, octave);
+    search.fractions = p->fractions[finer];
+    stp_disk_search_run(p->context, &search);
     cover_sampled(p, octave);
+}
+
+// Half the side of the square that a candidate stands for. A pixel is up to 1.7 times as wide along a slope as
+// across: squares of twice its width leave no gaps.
+static float candidate_footprint(const pyramid* p, const octave_plan* plan)
+{
+    float gap = sqrtf((float)plan->stride);
+    return stp_min(pixel_size(p) * gap, plan->disk_radius);
+}
+
+static void look_at_candidates(pyramid* p, uint32_t octave, const octave_plan* plan,
+                               const stp_grid* samples)
+{
+    stp_disk_search search = begin_disk_search(p, octave, plan, samples);
+    search.footprint = candidate_footprint(p, plan);
+    search.until_solid = true;
+    stp_disk_search_run(p->context, &search);
+    cover_captured(p, octave, disk_pixels(p, search.radius), plan->stride);
+}
+
+static stp_result look_at_some_candidates(pyramid* p, uint32_t octave, const octave_plan* plan)
+{
+    const stp_candidates* c = p->input->finish->candidates;
+    float cell = plan->disk_radius + candidate_footprint(p, plan);
+    stp_grid samples;
+    stp_result result = stp_grid_create(p->context, c->positions, c->normals, c->count,
+                                        plan->stride, cell, 0.0f, &samples);
+    if (result == STP_OK) {
+        look_at_candidates(p, octave, plan, &samples);
+        stp_grid_destroy(p->context, &samples);
+    }
+    return result;
+}
+
+// The finest octave: colours of candidates.
+static stp_result make_finest(pyramid* p, uint32_t octave, const octave_plan* plan,
+                              const stp_grid* surfels)
+{
+    const stp_candidates* c = p->input->finish->candidates;
+    stp_grid samples;
+    stp_result result = stp_grid_create(p->context, c->positions, c->normals, c->count, 1,
+                                        plan->cell, 0.5f * plan->cell, &samples);
+    if (result == STP_OK) {
+        find_nearest(p, plan, surfels, &samples);
+        add_candidates(p, &samples);
+        average_octave(p, octave, NULL, 255);
+        look_at_candidates(p, octave, plan, &samples);
+        stp_grid_destroy(p->context, &samples);
+    }
+    return result;
+}
+
+// The others: colours of the next finer octave.
+static stp_result make_coarser(pyramid* p, uint32_t octave, const octave_plan* plan,
+                               const stp_grid* surfels)
+{
+    stp_grid samples;
+    stp_result result =
+        stp_grid_create(p->context, p->input->positions, p->input->normals, plan->sample_count, 1,
+                        plan->cell, 0.5f * plan->cell, &samples);
+    if (result != STP_OK) {
+        return result;
+    }
+    find_nearest(p, plan, surfels, &samples);
+    add_surfels(p, &samples, p->octaves[octave + 1], p->surfels->octave_ends[octave + 1]);
+    average_octave(p, octave, p->octaves[octave + 1], 65535);
+    if (plan->dense) {
+        look_at_surfels(p, octave, plan, &samples);
+    }
+    stp_grid_destroy(p->context, &samples);
+    return plan->dense ? STP_OK : look_at_some_candidates(p, octave, plan);
 }
 
 static stp_result make_octave(pyramid* p, uint32_t octave)
 {
     uint32_t count = p->surfels->octave_ends[octave];
-    bool last = octave + 1 == p->surfels->octave_count;
-    float radius = last ? p->input->finish->final_radius : p->input->envelope[count];
-    float disk_radius = stp_max(radius + p->input->candidate_radius, p->surfels->step);
-    stp_grid grid;
-    stp_result result = stp_grid_create(p->context, p->input->positions, p->input->normals, count,
-                                        1.5f * disk_radius, &grid);
+    memset(p->sums, 0, count * sizeof(*p->sums));
+    octave_plan plan;
+    stp_grid surfels;
+    stp_result result = plan_octave(p, octave, &plan);
+    if (result == STP_OK) {
+        result = stp_grid_create(p->context, p->input->positions, p->input->normals, count, 1,
+                                 plan.cell, 0.0f, &surfels);
+    }
     if (result != STP_OK) {
         return result;
     }
-    memset(p->sums, 0, count * sizeof(*p->sums));
-    for (uint32_t i = 0; i < count; ++i) {
-        atomic_store_explicit(&p->disks[i], 0, memory_order_relaxed);
-        atomic_store_explicit(&p->disk_sums[i], 0, memory_order_relaxed);
-    }
-    // a pixel is up to 1.7 times as wide along a slope as across: squares of twice its width leave no gaps
-    float footprint = (float)p->input->finish->candidates->pixel_size;
-    stp_neighbour_walk walk = {
-        .grid = &grid,
-        .stride = 1,
-        .footprint = stp_min(footprint, 0.33f * grid.reach),
-        .frames = p->frames,
-        .disk_radius = stp_min(disk_radius, 0.67f * grid.reach),
-        .disk_cells = p->stencil.disk,
-        .nearest_radius = stp_min(radius * 1.0001f, grid.reach),
-        .two_sided = p->input->finish->two_sided,
-        .disks = p->disks,
-        .sums = p->disk_sums,
-    };
-    make_entries(p, octave, &walk, radius);
-    stp_grid_destroy(p->context, &grid);
-    return STP_OK;
+    bool finest = octave + 1 == p->surfels->octave_count;
+    result =
+        finest ? make_finest(p, octave, &plan, &surfels) : make_coarser(p, octave, &plan, &surfels);
+    stp_grid_destroy(p->context, &surfels);
+    return result;
 }
 
 // Disks of one prefix overlap about twice, so each is drawn with a chance whose union is the
@@ -349,18 +408,17 @@ static stp_result allocate_pyramid(pyramid* p)
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         total += s->octave_ends[i];
     }
-    p->frames = STP_NEW_ARRAY(p->context, float, 6 * count);
     p->entries = STP_NEW_ARRAY(p->context, entry, total);
     p->fraction_column = STP_NEW_ARRAY(p->context, uint16_t, total);
     p->sums = STP_NEW_ARRAY(p->context, entry_sum, count);
     p->nearest = STP_NEW_ARRAY(p->context, uint32_t, samples > count ? samples : count);
-    p->disk_memory = stp_alloc_array(p->context, 2 * count, sizeof(*p->disks));
-    if (p->frames == NULL || p->entries == NULL || p->fraction_column == NULL || p->sums == NULL ||
-        p->nearest == NULL || p->disk_memory == NULL) {
+    p->disks = STP_NEW_ARRAY(p->context, stp_disk, count);
+    p->spatial = STP_NEW_ARRAY(p->context, uint32_t, count);
+    p->visit = STP_NEW_ARRAY(p->context, uint32_t, count);
+    if (p->entries == NULL || p->fraction_column == NULL || p->sums == NULL || p->nearest == NULL ||
+        p->disks == NULL || p->spatial == NULL || p->visit == NULL) {
         return stp_fail_memory(p->context);
     }
-    p->disks = p->disk_memory;
-    p->disk_sums = p->disks + count;
     total = 0;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         p->octaves[i] = p->entries + total;
@@ -372,12 +430,13 @@ static stp_result allocate_pyramid(pyramid* p)
 
 static void free_pyramid(pyramid* p)
 {
-    stp_free(p->context, p->disk_memory);
+    stp_free(p->context, p->visit);
+    stp_free(p->context, p->spatial);
+    stp_free(p->context, p->disks);
     stp_free(p->context, p->nearest);
     stp_free(p->context, p->sums);
     stp_free(p->context, p->fraction_column);
     stp_free(p->context, p->entries);
-    stp_free(p->context, p->frames);
 }
 
 stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input,
@@ -390,7 +449,7 @@ stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input
     }
     stp_result result = allocate_pyramid(&p);
     if (result == STP_OK) {
-        stp_parallel_for(context, surfels->count, 16384, make_frames, &p);
+        result = stp_sort_spatially(context, input->positions, surfels->count, p.spatial);
     }
     for (uint32_t octave = surfels->octave_count; result == STP_OK && octave > 0; --octave) {
         uint32_t done = surfels->octave_count - octave;

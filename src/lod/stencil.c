@@ -27,10 +27,8 @@ stp_stencil stp_stencil_make(void)
 
 float stp_stencil_fraction(const stp_stencil* stencil, uint64_t cells)
 {
-    for (int i = 0; i < 8; ++i) {
-        if ((cells & stencil->sectors[i]) == stencil->sectors[i]) {
-            return 1.0f;
-        }
+    if (stp_stencil_is_solid(stencil, cells)) {
+        return 1.0f;
     }
     float fraction = (float)__builtin_popcountll(cells & stencil->disk) /
                      (float)__builtin_popcountll(stencil->disk);

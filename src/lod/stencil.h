@@ -40,5 +40,15 @@ static inline uint64_t stp_stencil_cells(float u, float v, float half)
     return columns * UINT64_C(0x0101010101010101) & rows;
 }
 
+/// Whether one sector of the disk is full.
+static inline bool stp_stencil_is_solid(const stp_stencil* stencil, uint64_t cells)
+{
+    bool solid = false;
+    for (int i = 0; i < 8; ++i) {
+        solid = solid || (cells & stencil->sectors[i]) == stencil->sectors[i];
+    }
+    return solid;
+}
+
 /// The fraction of the disk that is surface, 0..1; exactly 1 where it is solid.
 float stp_stencil_fraction(const stp_stencil* stencil, uint64_t cells);

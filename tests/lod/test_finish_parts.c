@@ -4,7 +4,6 @@
 
 #include "lod/candidate_helpers.h"
 #include "lod/neighbours.h"
-#include "lod/stencil.h"
 
 static double random_in(uint64_t seed, uint64_t index, double low, double high)
 {
@@ -188,71 +187,110 @@ static void make_cloud(cloud* c, uint64_t seed, uint32_t count, double clumping)
                                               (float)random_in(seed, 7 * i + 4, -1, 1),
                                               (float)random_in(seed, 7 * i + 5, -1, 1)});
         for (uint32_t axis = 0; axis < 3; ++axis) {
-            c->positions[3 * i + axis] = (float)(spread * random_in(seed, 7 * i + axis, -1, 1));
+            c->positions[3 * i + axis] =
+                (float)(0.017 + spread * random_in(seed, 7 * i + axis, -1, 1));
         }
         memcpy(c->normals + 3 * (size_t)i, &n, sizeof(n));
     }
 }
 
-void test_grid_blocks_hold_all_in_reach(test_state* test)
+void test_grids_hold_each_point_in_its_cell(test_state* test)
 {
-    static cloud points, queries;
-    stp_context* context = test_context(NULL, 1, NULL);
+    static cloud points;
+    stp_context* context = test_context(NULL, 2, NULL);
     CHECK(context != NULL);
     for (int variant = 0; variant < 4; ++variant) {
         make_cloud(&points, (uint64_t)variant, variant == 3 ? 1 : 2000, variant == 2 ? 1e-4 : 1.0);
-        make_cloud(&queries, 50 + (uint64_t)variant, 200, 1.0);
-        float reach = variant == 0 ? 0.05f : 0.4f;
         stp_grid grid;
+        float cell = variant == 0 ? 0.05f : 0.4f;
         CHECK_EQUAL(STP_OK, stp_grid_create(context, points.positions, points.normals, points.count,
-                                            reach, &grid));
-        CHECK(grid.reach <= reach && (variant != 0 || grid.reach == reach));
-        stp_grid_block block;
-        block.valid = false;
-        for (uint32_t i = 0; i < queries.count; ++i) {
-            const float* q = queries.positions + 3 * (size_t)i;
-            uint8_t found[3000] = {0};
-            bool more = stp_grid_load(&grid, &block, q);
-            for (bool first = true; first || more; first = false) {
-                if (!first) {
-                    more = stp_grid_next(&grid, &block);
-                }
-                for (uint32_t k = 0; k < block.count; ++k) {
-                    found[block.index[k]] += 1;
-                    CHECK(block.x[k] == points.positions[3 * block.index[k]]);
-                    CHECK(block.nz[k] == points.normals[3 * block.index[k] + 2]);
-                }
-                if (first && !more) {
-                    break;
-                }
-            }
-            for (uint32_t k = 0; k < points.count; ++k) {
-                const float* p = points.positions + 3 * (size_t)k;
-                double x = (double)p[0] - (double)q[0], y = (double)p[1] - (double)q[1],
-                       z = (double)p[2] - (double)q[2];
-                bool near = sqrt(x * x + y * y + z * z) < (double)grid.reach * 0.9999;
-                CHECK(found[k] <= 1);
-                CHECK(found[k] == 1 || !near);
+                                            1, cell, 0.3f * cell, &grid));
+        CHECK_EQUAL(points.count, grid.starts[(size_t)grid.mask + 1]);
+        uint8_t seen[3000] = {0};
+        for (uint32_t bucket = 0; bucket <= grid.mask; ++bucket) {
+            for (uint32_t at = grid.starts[bucket]; at < grid.starts[bucket + 1]; ++at) {
+                const float* p = points.positions + 3 * (size_t)grid.index[at];
+                CHECK(p[0] == grid.x[at] && p[1] == grid.y[at] && p[2] == grid.z[at]);
+                CHECK(points.normals[3 * (size_t)grid.index[at] + 2] == grid.nz[at]);
+                CHECK_EQUAL(bucket, stp_grid_bucket(&grid, stp_grid_cell(&grid, p[0]),
+                                                    stp_grid_cell(&grid, p[1]),
+                                                    stp_grid_cell(&grid, p[2])));
+                CHECK(at == grid.starts[bucket] || grid.index[at] > grid.index[at - 1]);
+                seen[grid.index[at]] += 1;
             }
         }
+        for (uint32_t i = 0; i < points.count; ++i) {
+            CHECK_EQUAL(1, seen[i]);
+        }
+        float chosen;
+        CHECK_EQUAL(STP_OK,
+                    stp_grid_choose_cell(context, points.positions, points.count, cell, &chosen));
+        CHECK(variant == 2 ? chosen < 0.01f : chosen == cell); // a clump asks for smaller cells
         stp_grid_destroy(context, &grid);
     }
     stp_context_destroy(context);
 }
 
-void test_neighbour_walks_agree_with_brute_force(test_state* test)
+static float agreement_of(const cloud* a, uint32_t i, const cloud* b, uint32_t k)
+{
+    const float *n = a->normals + 3 * (size_t)i, *m = b->normals + 3 * (size_t)k;
+    return n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+}
+
+static float squared_between(const cloud* a, uint32_t i, const cloud* b, uint32_t k)
+{
+    const float *p = a->positions + 3 * (size_t)i, *q = b->positions + 3 * (size_t)k;
+    float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+    return x * x + y * y + z * z;
+}
+
+void test_nearest_surfels_agree_with_brute_force(test_state* test)
 {
     static cloud surfels, samples;
-    static _Atomic uint64_t disks[3000], sums[3000];
     static uint32_t nearest[3000];
-    static float frames[6 * 3000];
-    static uint16_t fractions[3000];
-    make_cloud(&surfels, 5, 600, 1.0);
-    make_cloud(&samples, 6, 3000, 1.0);
-    for (uint32_t i = 0; i < surfels.count; ++i) {
-        frames[6 * i] = frames[6 * i + 4] =
-            1.0f; // disks in the plane of x and y: the normals only tell sides
+    for (int variant = 0; variant < 6; ++variant) {
+        // with 1: nearly all in one block, more than are looked at together
+        make_cloud(&surfels, 5, 900, variant % 3 == 1 ? 1e-2 : 1.0);
+        make_cloud(&samples, 6, 3000, variant % 3 == 1 ? 1e-2 : 1.0);
+        float radius = variant % 3 == 2 ? 1.2f : 0.15f, cell = 2.002f * radius;
+        stp_context* context = test_context(NULL, variant < 3 ? 1 : 3, NULL);
+        stp_grid grid, sample_grid;
+        CHECK(context != NULL);
+        CHECK_EQUAL(STP_OK, stp_grid_create(context, surfels.positions, surfels.normals,
+                                            surfels.count, 1, cell, 0.0f, &grid));
+        CHECK_EQUAL(STP_OK, stp_grid_create(context, samples.positions, samples.normals,
+                                            samples.count, 1, cell, 0.5f * cell, &sample_grid));
+        stp_nearest_search search = {
+            .surfels = &grid, .samples = &sample_grid, .radius = radius, .nearest = nearest};
+        stp_nearest_search_run(context, &search);
+        for (uint32_t at = 0; at < samples.count; ++at) {
+            uint32_t best = UINT32_MAX, i = sample_grid.index[at];
+            float least = radius * radius;
+            for (uint32_t k = 0; k < surfels.count; ++k) {
+                float squared = squared_between(&samples, i, &surfels, k);
+                if (squared <= least && (squared < least || best == UINT32_MAX) &&
+                    agreement_of(&samples, i, &surfels, k) >= 0.0f) {
+                    least = squared;
+                    best = k;
+                }
+            }
+            CHECK_EQUAL(best, nearest[at]);
+        }
+        stp_grid_destroy(context, &sample_grid);
+        stp_grid_destroy(context, &grid);
+        stp_context_destroy(context);
     }
+}
+
+void test_disks_agree_with_brute_force(test_state* test)
+{
+    static cloud surfels, samples;
+    static stp_disk disks[3000];
+    static uint16_t fractions[3000];
+    static uint32_t visit[3000];
+    stp_stencil stencil = stp_stencil_make();
+    make_cloud(&surfels, 15, 300, 1.0);
+    make_cloud(&samples, 16, 3000, 1.0);
     for (uint32_t i = 0; i < samples.count; ++i) {
         fractions[i] = (uint16_t)(i * 20);
     }
@@ -260,55 +298,68 @@ void test_neighbour_walks_agree_with_brute_force(test_state* test)
         stp_context* context = test_context(NULL, threads, NULL);
         stp_grid grid;
         CHECK(context != NULL);
-        CHECK_EQUAL(STP_OK, stp_grid_create(context, surfels.positions, surfels.normals,
-                                            surfels.count, 0.25f, &grid));
-        memset((void*)(uintptr_t)disks, 0, sizeof(disks));
-        memset((void*)(uintptr_t)sums, 0, sizeof(sums));
-        stp_neighbour_walk walk = {.positions = samples.positions,
-                                   .normals = samples.normals,
-                                   .count = samples.count,
-                                   .stride = 1,
-                                   .footprint = 0.03f,
-                                   .fractions = fractions,
-                                   .disk_cells = UINT64_MAX,
-                                   .grid = &grid,
-                                   .frames = frames,
-                                   .disk_radius = 0.2f,
-                                   .nearest_radius = 0.15f,
-                                   .nearest = nearest,
-                                   .disks = disks,
-                                   .sums = sums};
-        stp_neighbour_walk_run(context, &walk);
-        for (uint32_t i = 0; i < samples.count; ++i) {
-            uint32_t best = UINT32_MAX;
-            float least = 0.15f * 0.15f;
-            for (uint32_t k = 0; k < surfels.count; ++k) {
-                float d[3], agreement = 0, squared = 0;
-                for (uint32_t axis = 0; axis < 3; ++axis) {
-                    d[axis] = samples.positions[3 * i + axis] - surfels.positions[3 * k + axis];
-                    agreement += samples.normals[3 * i + axis] * surfels.normals[3 * k + axis];
-                    squared += d[axis] * d[axis];
-                }
-                if (agreement >= 0 && squared <= least && (squared < least || best == UINT32_MAX)) {
-                    least = squared;
-                    best = k;
-                }
-                if (agreement >= 0 &&
-                    squared <= 0.2299f * 0.2299f) { // its cells are among those hit
-                    uint64_t cells = stp_stencil_cells(d[0] / 0.2f, d[1] / 0.2f, 0.0f);
-                    CHECK((cells & ~disks[k]) == 0);
+        CHECK_EQUAL(STP_OK, stp_grid_create(context, samples.positions, samples.normals,
+                                            samples.count, 1, 0.25f, 0.03f, &grid));
+        CHECK_EQUAL(STP_OK, stp_sort_spatially(context, surfels.positions, surfels.count, visit));
+        memset(disks, 0xff, sizeof(disks));
+        stp_disk_search search = {.samples = &grid,
+                                  .fractions = fractions,
+                                  .footprint = 0.03f,
+                                  .positions = surfels.positions,
+                                  .normals = surfels.normals,
+                                  .visit = visit,
+                                  .count = surfels.count,
+                                  .radius = 0.2f,
+                                  .stencil = &stencil,
+                                  .disks = disks};
+        stp_disk_search_run(context, &search);
+        uint32_t total = 0;
+        for (uint32_t k = 0; k < surfels.count; ++k) {
+            uint32_t least = 0, most = 0;
+            uint64_t sum = 0;
+            for (uint32_t i = 0; i < samples.count; ++i) {
+                float distance = sqrtf(squared_between(&samples, i, &surfels, k));
+                if (agreement_of(&samples, i, &surfels, k) >= 0.0f) {
+                    least += distance < 0.2299f;
+                    most += distance < 0.2301f;
+                    sum += distance < 0.23f ? fractions[i] : 0;
                 }
             }
-            CHECK_EQUAL(best, nearest[i]);
-        }
-        uint64_t total = 0;
-        for (uint32_t k = 0; k < surfels.count; ++k) {
-            total += sums[k] >> STP_SUM_SHIFT;
+            CHECK(disks[k].count >= least && disks[k].count <= most);
+            CHECK(least != most || disks[k].count != least || disks[k].fractions == sum);
+            CHECK((disks[k].cells == 0) == (disks[k].count == 0) || disks[k].cells == 0);
+            CHECK((disks[k].cells & ~stencil.disk) == 0);
+            total += disks[k].count;
         }
         CHECK(total > 1000);
         stp_grid_destroy(context, &grid);
         stp_context_destroy(context);
     }
+}
+
+void test_spatial_orders_are_permutations_that_stay_near(test_state* test)
+{
+    static cloud points;
+    static uint32_t order[3000];
+    make_cloud(&points, 3, 3000, 1.0);
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    CHECK_EQUAL(STP_OK, stp_sort_spatially(context, points.positions, points.count, order));
+    static uint8_t seen[3000];
+    double along = 0.0, as_given = 0.0;
+    for (uint32_t i = 0; i < points.count; ++i) {
+        seen[order[i]] += 1;
+        along +=
+            i > 0 ? sqrt((double)squared_between(&points, order[i], &points, order[i - 1])) : 0.0;
+        as_given += i > 0 ? sqrt((double)squared_between(&points, i, &points, i - 1)) : 0.0;
+    }
+    for (uint32_t i = 0; i < points.count; ++i) {
+        CHECK_EQUAL(1, seen[i]);
+    }
+    CHECK(along < 0.25 * as_given);
+    CHECK_EQUAL(STP_OK, stp_sort_spatially(context, points.positions, 1, order));
+    CHECK_EQUAL(0, order[0]);
+    stp_context_destroy(context);
 }
 
 void test_median_spacing_of_a_row(test_state* test)

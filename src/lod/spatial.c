@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "base/math.h"
+#include "base/sort.h"
+#include "lod/grid.h"
+
+#define AXIS_BITS 10u
+
+// Ten bits, two zero bits before each.
+static uint32_t spread_bits(uint32_t x)
+{
+    x = (x | x << 16) & 0x030000ffu;
+    x = (x | x << 8) & 0x0300f00fu;
+    x = (x | x << 4) & 0x030c30c3u;
+    return (x | x << 2) & 0x09249249u;
+}
+
+static uint32_t place_on_axis(float coordinate, float low, float scale)
+{
+    float place = (coordinate - low) * scale;
+    return place > 0.0f ? place < 1023.0f ? (uint32_t)place : 1023u : 0u;
+}
+
+stp_result stp_sort_spatially(stp_context* context, const float* positions, uint32_t count,
+                              uint32_t* order)
+{
+    uint64_t* keys = STP_NEW_ARRAY(context, uint64_t, 2 * (size_t)count);
+    if (keys == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_box box = stp_box_empty();
+    for (uint32_t i = 0; i < count; ++i) {
+        const float* p = positions + 3 * (size_t)i;
+        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
+    }
+    stp_vec3 extent = stp_sub(box.max, box.min);
+    float widest = stp_max(extent.x, stp_max(extent.y, extent.z));
+    float scale = widest > 0.0f ? 1023.0f / widest : 0.0f;
+    for (uint32_t i = 0; i < count; ++i) {
+        const float* p = positions + 3 * (size_t)i;
+        uint32_t code = spread_bits(place_on_axis(p[0], box.min.x, scale)) |
+                        spread_bits(place_on_axis(p[1], box.min.y, scale)) << 1 |
+                        spread_bits(place_on_axis(p[2], box.min.z, scale)) << 2;
+        keys[i] = (uint64_t)code << 32 | i;
+    }
+    const uint64_t* sorted = stp_sort_u64(keys, keys + count, count, 32, 3 * AXIS_BITS);
+    for (uint32_t i = 0; i < count; ++i) {
+        order[i] = (uint32_t)sorted[i];
+    }
+    stp_free(context, keys);
+    return STP_OK;
+}

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT
+// The whole way from a model to a file, on models written here.
+#include "tests.h"
+
+#include "build/build.h"
+#include "build/shadings.h"
+#include "store/store.h"
+
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct workshop {
+    char folder[64];
+    char model[128], points[128], output[128], other[128];
+} workshop;
+
+static bool write_text(const char* path, const char* text)
+{
+    FILE* file = fopen(path, "w");
+    bool written = file != NULL && fputs(text, file) >= 0;
+    return file != NULL && fclose(file) == 0 && written;
+}
+
+// A bumpy sheet of 2 * size * size triangles.
+static bool write_sheet(const char* path, int size)
+{
+    FILE* file = fopen(path, "w");
+    if (file == NULL) {
+        return false;
+    }
+    for (int y = 0; y <= size; ++y) {
+        for (int x = 0; x <= size; ++x) {
+            fprintf(file, "v %d %d %d\n", x, (x * 7 + y * 13) % 3, y);
+        }
+    }
+    for (int y = 0; y < size; ++y) {
+        for (int x = 0; x < size; ++x) {
+            int a = y * (size + 1) + x + 1, b = a + 1, c = a + size + 1, d = c + 1;
+            fprintf(file, "f %d %d %d\nf %d %d %d\n", a, c, b, b, c, d);
+        }
+    }
+    return fclose(file) == 0;
+}
+
+static bool open_workshop(workshop* w, int size)
+{
+    snprintf(w->folder, sizeof(w->folder), "/tmp/stp_build_XXXXXX");
+    if (mkdtemp(w->folder) == NULL) {
+        return false;
+    }
+    snprintf(w->model, sizeof(w->model), "%s/sheet.obj", w->folder);
+    snprintf(w->points, sizeof(w->points), "%s/points.ply", w->folder);
+    snprintf(w->output, sizeof(w->output), "%s/out.stip", w->folder);
+    snprintf(w->other, sizeof(w->other), "%s/other.stip", w->folder);
+    return write_sheet(w->model, size);
+}
+
+static void close_workshop(const workshop* w)
+{
+    unlink(w->model);
+    unlink(w->points);
+    unlink(w->output);
+    unlink(w->other);
+    rmdir(w->folder); // fails where something was left behind, which a test sees
+}
+
+static bool folder_is_gone(const workshop* w)
+{
+    struct stat status;
+    return stat(w->folder, &status) != 0;
+}
+
+static stp_result build_to(stp_context* context, const workshop* w, const char* output,
+                           uint32_t surfel_count, stp_build_report* report)
+{
+    const char* inputs[] = {w->model};
+    stp_build_desc desc = {
+        .inputs = inputs,
+        .input_count = 1,
+        .output = output,
+        .blue = {.surfel_count = surfel_count, .capture = {.wanted_candidates = 8000}},
+        .parameters_json = "{\"method\":\"blue\"}"};
+    return stp_build(context, &desc, report);
+}
+
+static bool same_files(stp_context* context, const char* a, const char* b)
+{
+    stp_mapped_file first, second;
+    if (stp_file_map(context, a, &first) != STP_OK) {
+        return false;
+    }
+    bool same = stp_file_map(context, b, &second) == STP_OK;
+    if (same) {
+        same = first.size == second.size && memcmp(first.bytes, second.bytes, first.size) == 0;
+        stp_file_unmap(&second);
+    }
+    stp_file_unmap(&first);
+    return same;
+}
+
+void test_builds_can_be_opened_and_checked(test_state* test)
+{
+    workshop w;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL && open_workshop(&w, 30));
+    stp_build_report report;
+    CHECK_EQUAL(STP_OK, build_to(context, &w, w.output, 0, &report));
+    CHECK(report.candidates > 2000 && report.total_s > 0.0);
+    CHECK_EQUAL(STP_OK, stp_store_check(context, w.output, false));
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
+    const stp_store_directory* d = stp_store_get_directory(store);
+    CHECK_EQUAL(1800, d->nodes[d->root].triangle_count);
+    CHECK_EQUAL(1, d->surfels_count);
+    CHECK_EQUAL(0, d->nodes[d->root].surfels);
+    CHECK(d->shading_count >= 1 && strcmp(d->build_json, "{\"method\":\"blue\"}") == 0);
+    CHECK(d->source_count == 1 && strcmp(d->sources[0].path, w.model) == 0);
+    stp_surfels s;
+    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &s));
+    CHECK_EQUAL(900, s.count);               // half the triangles (Brandt 5.2)
+    for (uint32_t i = 0; i < s.count; ++i) { // within the model's box, but for rounding
+        double x = (double)s.origin.x + (double)s.step * s.positions[3 * (size_t)i];
+        CHECK(x > -0.01 && x < 30.01);
+        CHECK(s.materials[i] < d->shading_count);
+    }
+    stp_store_close(store);
+    stp_context_destroy(context);
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w));
+}
+
+void test_builds_do_not_depend_on_threads(test_state* test)
+{
+    workshop w;
+    CHECK(open_workshop(&w, 30));
+    for (uint32_t threads = 1; threads <= 3; ++threads) {
+        stp_context* context = test_context(NULL, threads, NULL);
+        CHECK(context != NULL);
+        CHECK_EQUAL(STP_OK, build_to(context, &w, threads == 1 ? w.output : w.other, 700, NULL));
+        CHECK(threads == 1 || same_files(context, w.output, w.other));
+        stp_context_destroy(context);
+    }
+    close_workshop(&w);
+}
+
+void test_failed_builds_leave_the_former_file(test_state* test)
+{
+    workshop w;
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL && open_workshop(&w, 4));
+    CHECK(write_text(w.output, "former"));
+    CHECK(write_text(w.other, "former"));
+    CHECK(write_text(w.model, "this is no model\nf 1 2 3\n"));
+    CHECK(build_to(context, &w, w.output, 0, NULL) != STP_OK);
+    CHECK_EQUAL(1, log.errors);
+    CHECK(same_files(context, w.output, w.other));
+    unlink(w.model);
+    CHECK_EQUAL(STP_ERROR_IO, build_to(context, &w, w.output, 0, NULL));
+    CHECK_EQUAL(2, log.errors);
+    CHECK(same_files(context, w.output, w.other));
+    // an output that cannot be written fails before any input is read
+    CHECK_EQUAL(STP_ERROR_IO, build_to(context, &w, w.folder, 0, NULL));
+    CHECK(strstr(log.text, "regular file") != NULL);
+    stp_context_destroy(context);
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w));
+}
+
+static int stop_at_once(const char* stage, double fraction, void* user)
+{
+    (void)fraction;
+    return strcmp(stage, (const char*)user) == 0;
+}
+
+void test_builds_can_be_stopped_at_every_stage(test_state* test)
+{
+    static const char* const stages[] = {"import", "partition", "order", "finish", "write"};
+    workshop w;
+    CHECK(open_workshop(&w, 30));
+    CHECK(write_text(w.output, "former"));
+    CHECK(write_text(w.other, "former"));
+    for (int i = 0; i < 5; ++i) {
+        test_log log = {0};
+        char stage[32];
+        snprintf(stage, sizeof(stage), "%s", stages[i]);
+        stp_context_desc desc = {.thread_count = 2,
+                                 .log = test_log_message,
+                                 .log_user = &log,
+                                 .progress = stop_at_once,
+                                 .progress_user = stage};
+        stp_context* context = NULL;
+        CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+        CHECK_EQUAL(STP_ERROR_CANCELLED, build_to(context, &w, w.output, 0, NULL));
+        CHECK_EQUAL(1, log.errors);
+        CHECK(same_files(context, w.output, w.other));
+        stp_context_destroy(context);
+    }
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w));
+}
+
+// Allocations are many; the n-th fails for n along a geometric row, and for each of the first.
+void test_builds_survive_failing_allocator(test_state* test)
+{
+    workshop w;
+    CHECK(open_workshop(&w, 23));
+    bool built = false;
+    int failures = 0;
+    for (int n = 0; !built && n < 3000; n += 1 + n / 40) {
+        test_heap heap = TEST_HEAP(n);
+        test_log log = {0};
+        stp_context* context = test_context(&heap, 1, &log);
+        if (context != NULL) {
+            stp_result result = build_to(context, &w, w.output, 200, NULL);
+            bool failed = heap.count > n; // the failing allocation was asked for
+            built = !failed;
+            CHECK(built ? result == STP_OK : log.errors <= 1);
+            failures += result != STP_OK;
+            stp_context_destroy(context);
+        }
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+    CHECK(built && failures > 30);
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w));
+}
+
+void test_small_scenes_get_no_surfels(test_state* test)
+{
+    workshop w;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL && open_workshop(&w, 4)); // 32 triangles
+    const char* inputs[] = {w.model};
+    stp_build_desc desc = {.inputs = inputs, .input_count = 1, .output = w.output};
+    for (int i = 0; i < 3; ++i) {
+        desc.threshold = i == 0 ? 0 : i == 1 ? 32 : 31; // above so many triangles
+        CHECK_EQUAL(STP_OK, stp_build(context, &desc, NULL));
+        stp_store* store = NULL;
+        CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
+        const stp_store_directory* d = stp_store_get_directory(store);
+        CHECK_EQUAL(i == 2, d->surfels_count);
+        CHECK(i != 2 || stp_store_describe_surfels(store, 0)->count == 16);
+        stp_store_close(store);
+    }
+    stp_context_destroy(context);
+    close_workshop(&w);
+}
+
+void test_point_clouds_keep_every_point(test_state* test)
+{
+    enum { COUNT = 2000 };
+    workshop w;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL && open_workshop(&w, 4));
+    FILE* file = fopen(w.points, "w");
+    CHECK(file != NULL);
+    fprintf(file,
+            "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
+            "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+            "end_header\n",
+            COUNT);
+    for (int i = 0; i < COUNT; ++i) {
+        fprintf(file, "%d %d %d %d 20 30\n", i % 40, i / 40, (i * i) % 5, i % 256);
+    }
+    CHECK(fclose(file) == 0);
+    const char* inputs[] = {w.points};
+    stp_build_desc desc = {.inputs = inputs, .input_count = 1, .output = w.output};
+    stp_build_report report;
+    CHECK_EQUAL(STP_OK, stp_build(context, &desc, &report));
+    CHECK_EQUAL(COUNT, report.candidates);
+    stp_store* store = NULL;
+    stp_surfels s;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
+    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &s));
+    CHECK_EQUAL(COUNT, s.count);
+    CHECK(s.candidate_radius > 0.3f && s.candidate_radius < 1.5f); // points lie about 1 apart
+    stp_store_close(store);
+    stp_context_destroy(context);
+    close_workshop(&w);
+}
+
+void test_several_inputs_make_one_scene(test_state* test)
+{
+    workshop w;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL && open_workshop(&w, 10));
+    const char* inputs[] = {w.model, w.model};
+    stp_build_desc desc = {.inputs = inputs, .input_count = 2, .output = w.output};
+    CHECK_EQUAL(STP_OK, stp_build(context, &desc, NULL));
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
+    const stp_store_directory* d = stp_store_get_directory(store);
+    CHECK_EQUAL(2, d->source_count);
+    CHECK_EQUAL(400, d->nodes[d->root].triangle_count);
+    stp_store_close(store);
+    stp_context_destroy(context);
+    close_workshop(&w);
+}
+
+void test_shadings_are_exact_up_to_256(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    for (int count = 200; count <= 600; count += 200) {
+        stp_scene* scene = NULL;
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        for (int i = 0; i < count; ++i) {
+            stp_material material = stp_material_default();
+            material.roughness = (float)(i / 2) / (float)count; // each twice
+            material.unlit = i / 2 == 7;
+            uint32_t index;
+            CHECK_EQUAL(STP_OK, stp_scene_add_material(scene, &material, &index));
+            stp_mesh mesh = {.material = index};
+            CHECK_EQUAL(STP_OK, stp_scene_add_mesh(scene, &mesh, NULL));
+        }
+        stp_shading_set set;
+        CHECK_EQUAL(STP_OK, stp_make_shadings(scene, &set));
+        CHECK_EQUAL(count / 2 < 256 ? count / 2 : 256, set.count);
+        for (int i = 0; i < count; ++i) {
+            const stp_material* m = &scene->materials[i + 1];
+            const stp_shading* s = &set.shadings[set.of_material[i + 1]];
+            float error = fabsf(m->roughness - s->roughness);
+            CHECK(count / 2 <= 256 ? error == 0.0f : error < 0.01f);
+            CHECK_EQUAL(m->unlit, (s->flags & STP_SHADING_UNLIT) != 0);
+        }
+        stp_free(context, set.of_material);
+        stp_scene_destroy(scene);
+    }
+    stp_context_destroy(context);
+}

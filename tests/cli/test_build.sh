@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# stipple build and stipple info: files, JSON, exit codes. Arguments: executable, scratch folder.
+set -u
+stipple=$1
+scratch=$2
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+rm -rf ./*
+command -v python3 > /dev/null || exit 77
+failures=0
+
+fail()
+{
+    echo "FAIL: $*" >&2
+    failures=$((failures + 1))
+}
+
+# run CODE COMMAND ARGUMENTS...: stdout to out, stderr to err
+run()
+{
+    local wanted=$1
+    shift
+    "$stipple" "$@" > out 2> err
+    local code=$?
+    [ "$code" = "$wanted" ] || fail "$*: exit $code, not $wanted: $(cat err)"
+}
+
+figure()
+{
+    python3 -c 'import json, sys; d = json.load(open("out")); print(eval(sys.argv[1], {"d": d}))' "$1"
+}
+
+# a ball of 48 x 48 squares, with the poles; 4,512 triangles
+python3 - << 'END'
+import math
+n = 48
+with open("ball.obj", "w") as f:
+    for i in range(n + 1):
+        for k in range(n):
+            a, b = math.pi * i / n, 2 * math.pi * k / n
+            f.write(f"v {math.sin(a) * math.cos(b):.6f} {math.cos(a):.6f} {math.sin(a) * math.sin(b):.6f}\n")
+    for i in range(n):
+        for k in range(n):
+            a, b = i * n + k + 1, i * n + (k + 1) % n + 1
+            if i > 0:
+                f.write(f"f {a} {b} {a + n}\n")
+            if i < n - 1:
+                f.write(f"f {b} {b + n} {a + n}\n")
+END
+
+run 0 build ball.obj -o one.stip --threads 1 --json
+[ ! -s err ] || fail "messages: $(cat err)"
+wanted="bounds candidates file_bytes format_version instances methods nodes objects parts peak_bytes points seconds"
+wanted="$wanted sources splat_bytes surfels texture_bytes threads triangle_bytes triangles unique_nodes"
+wanted="$wanted unique_surfels unique_triangles unit up views"
+for key in $wanted; do
+    [ "$(figure "'$key' in d")" = True ] || fail "build --json lacks $key"
+done
+for key in import partition capture order finish write total; do
+    [ "$(figure "d['seconds']['$key'] >= 0")" = True ] || fail "seconds lacks $key"
+done
+[ "$(figure "d['triangles'], d['surfels'], d['methods'], d['threads']")" = "(4512, 2256, ['blue'], 1)" ] \
+    || fail "figures: $(cat out)"
+[ "$(figure "d['file_bytes']")" = "$(stat -c %s one.stip)" ] || fail "file_bytes: $(cat out)"
+[ "$(figure "d['splat_bytes'] / d['unique_surfels'] < 15.5")" = True ] || fail "surfels are fat: $(cat out)"
+
+run 0 build ball.obj -o three.stip --threads 3 --memory 2G --progress none
+cmp -s one.stip three.stip || fail "the file depends on threads or memory"
+grep -q 'triangles .* 4,512' out || fail "no figures: $(cat out)"
+STP_PROCESSOR=baseline "$stipple" build ball.obj -o base.stip --quiet > out 2> err || fail "baseline: $(cat err)"
+cmp -s one.stip base.stip || fail "the file depends on the processor"
+[ ! -s out ] || fail "--quiet prints: $(cat out)"
+run 0 build ball.obj -o random.stip --order random --seed 5 --metric euclidean --surfels 300 --json
+[ "$(figure "d['surfels']")" = 300 ] || fail "--surfels: $(cat out)"
+run 0 build ball.obj -o none.stip --threshold 5000 --json
+[ "$(figure "d['surfels'], d['methods']")" = "(0, [])" ] || fail "--threshold: $(cat out)"
+run 0 check one.stip
+
+run 0 info one.stip --json
+[ "$(figure "d['triangles'], d['surfels'], d['format_version'], d['parts'][0]['triangles']")" = \
+    "(4512, 2256, 1, 4512)" ] || fail "info: $(cat out)"
+[ "$(figure "'seconds' in d")" = False ] || fail "info has seconds"
+run 0 info ball.obj --json
+[ "$(figure "d['triangles'], d['surfels'], d['format_version'], d['sources'][0]['format']")" = \
+    "(4512, 0, None, 'obj')" ] || fail "info of a model: $(cat out)"
+run 0 info one.stip
+grep -q 'surfels .* 2,256' out || fail "info: $(cat out)"
+
+# failures: one sentence, nothing left behind, former files untouched
+cp one.stip kept.stip
+printf 'glTF\002\000\000\000' > broken.glb
+run 1 build broken.glb -o kept.stip
+[ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
+cmp -s one.stip kept.stip || fail "a failed build touched its output"
+run 1 build missing.obj -o kept.stip
+run 1 build ball.obj -o no/such/folder.stip
+run 1 build ball.obj -o /dev/null
+[ -c /dev/null ] || fail "/dev/null was replaced"
+run 1 build ball.obj -o kept.stip --memory 100K
+cmp -s one.stip kept.stip || fail "a build without memory touched its output"
+[ -z "$(find . -name '*.tmp-*')" ] || fail "left behind: $(find . -name '*.tmp-*')"
+run 1 info broken.glb
+run 1 info missing.stip
+run 2 build ball.obj
+run 2 build -o x.stip
+run 2 build ball.obj -o ball.obj
+run 2 build ball.obj -o x.stip --order best
+run 2 info
+exit $((failures > 0))
