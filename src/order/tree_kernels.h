@@ -35,22 +35,20 @@ static inline eight farthest_corner(const stp_branch* branch, point_eight at)
     return eight_add(eight_add(eight_mul(x, x), eight_mul(y, y)), eight_mul(z, z));
 }
 
-// Lowers the gaps of the children in `mask` to what the point leaves of them at most.
-static inline void bound_gaps(stp_branch* branch, point_eight at, uint32_t mask)
+// The gaps of the children, lowered in `mask` to what the point leaves of them at most.
+static inline eight bound_gaps(const stp_branch* branch, eight gap, point_eight at, uint32_t mask)
 {
-    eight gap = eight_load(branch->gap);
-    eight bound = eight_min(gap, farthest_corner(branch, at));
-    eight_store(branch->gap, eight_blend(gap, bound, mask));
+    return eight_blend(gap, eight_min(gap, farthest_corner(branch, at)), mask);
 }
 
 // The children that a point at `at` may change.
-static inline uint32_t reached(const stp_branch* branch, point_eight at)
+static inline uint32_t reached(const stp_branch* branch, eight gap, point_eight at)
 {
     eight x = outside(eight_load(branch->low_x), eight_load(branch->high_x), at.x);
     eight y = outside(eight_load(branch->low_y), eight_load(branch->high_y), at.y);
     eight z = outside(eight_load(branch->low_z), eight_load(branch->high_z), at.z);
     eight squared = eight_add(eight_add(eight_mul(x, x), eight_mul(y, y)), eight_mul(z, z));
-    return eight_less(squared, eight_load(branch->gap));
+    return eight_less(squared, gap);
 }
 
 static inline point_eight spread(const stp_chosen* point)
@@ -113,9 +111,8 @@ static float catch_up(const stp_tree* tree, uint32_t index, const stp_chosen* ch
 
 // Of the leaves in `mask`, takes away those that face away as a whole and are known to be nearer to
 // a point that does not; sets in `mixed` those that need a look at each normal.
-static inline uint32_t judge_facing(const stp_tree* tree, const stp_branch* branch,
-                                    const stp_facing* facing, const stp_chosen* point,
-                                    uint32_t mask, uint32_t* mixed)
+static inline uint32_t judge_facing(const stp_tree* tree, const stp_facing* facing, eight gap,
+                                    const stp_chosen* point, uint32_t mask, uint32_t* mixed)
 {
     eight normal_x = eight_set(point->normal_x), normal_y = eight_set(point->normal_y),
           normal_z = eight_set(point->normal_z);
@@ -128,7 +125,7 @@ static inline uint32_t judge_facing(const stp_tree* tree, const stp_branch* bran
     eight most = eight_add(eight_add(eight_max(x0, x1), eight_max(y0, y1)), eight_max(z0, z1));
     eight least = eight_add(eight_add(eight_min(x0, x1), eight_min(y0, y1)), eight_min(z0, z1));
     uint32_t all_away = eight_less(most, eight_set(0.0f));
-    uint32_t waiting = eight_less(eight_set(tree->apart_squared), eight_load(branch->gap));
+    uint32_t waiting = eight_less(eight_set(tree->apart_squared), gap);
     *mixed = eight_less(least, eight_set(0.0f));
     return mask & ~(all_away & ~waiting);
 }
@@ -158,23 +155,32 @@ static void push_to_leaves(stp_tree* tree, uint32_t index, const stp_chosen* cho
 {
     stp_branch* branch = &tree->levels[0][index];
     const stp_facing* facing = tree->facing != NULL ? &tree->facing[index] : NULL;
+    eight gap = eight_load(branch->gap); // kept in a register: the next point waits for it
     for (uint32_t i = 0; i < count; ++i) {
         const stp_chosen* point = &chosen[list[i]];
-        uint32_t mask = reached(branch, spread(point)), mixed = 0;
+        uint32_t mask = reached(branch, gap, spread(point)), mixed = 0;
         if (facing != NULL && mask != 0) {
-            mask = judge_facing(tree, branch, facing, point, mask, &mixed);
+            mask = judge_facing(tree, facing, gap, point, mask, &mixed);
         }
-        bound_gaps(branch, spread(point), mask & ~mixed);
+        if (mask != 0) {
+            gap = bound_gaps(branch, gap, spread(point), mask & ~mixed);
+        }
         for (; mask != 0; mask &= mask - 1) {
             uint32_t child = lowest_bit(mask), leaf = index * STP_BRANCH_SIZE + child;
             stp_pending* pending = &tree->pending[leaf];
-            pending->mixed = (uint16_t)(pending->mixed | (mixed >> child & 1) << pending->count);
-            pending->chosen[pending->count++] = list[i];
-            if (pending->count == STP_PENDING_SIZE) {
+            uint32_t at = pending->count++;
+            pending->chosen[at] = list[i];
+            if ((mixed >> child & 1) != 0) {
+                pending->mixed = (uint16_t)(pending->mixed | 1u << at);
+            }
+            if (at + 1 == STP_PENDING_SIZE) {
+                eight_store(branch->gap, gap);
                 branch->gap[child] = catch_up(tree, leaf, chosen, branch->gap[child]);
+                gap = eight_load(branch->gap);
             }
         }
     }
+    eight_store(branch->gap, gap);
 }
 
 static void push(stp_tree* tree, uint32_t level, uint32_t index, const stp_chosen* chosen,
@@ -186,10 +192,11 @@ static void push(stp_tree* tree, uint32_t level, uint32_t index, const stp_chose
     }
     stp_branch* branch = &tree->levels[level][index];
     uint32_t counts[STP_BRANCH_SIZE] = {0};
+    eight gap = eight_load(branch->gap);
     for (uint32_t i = 0; i < count; ++i) {
-        uint32_t mask = reached(branch, spread(&chosen[list[i]]));
-        if (tree->normals == NULL) {
-            bound_gaps(branch, spread(&chosen[list[i]]), mask);
+        uint32_t mask = reached(branch, gap, spread(&chosen[list[i]]));
+        if (tree->normals == NULL && mask != 0) {
+            gap = bound_gaps(branch, gap, spread(&chosen[list[i]]), mask);
         }
         for (; mask != 0; mask &= mask - 1) {
             uint32_t child = lowest_bit(mask);
@@ -204,6 +211,7 @@ static void push(stp_tree* tree, uint32_t level, uint32_t index, const stp_chose
                            STP_BRANCH_SIZE * sizeof(stp_pending));
         }
     }
+    eight_store(branch->gap, gap);
     uint32_t* deeper = scratch + (size_t)STP_BRANCH_SIZE * count;
     for (uint32_t child = 0; child < STP_BRANCH_SIZE; ++child) {
         if (counts[child] != 0) {
@@ -311,7 +319,8 @@ static float insert_below(stp_tree* tree, uint32_t level, uint32_t index, const 
                           float floor)
 {
     stp_branch* branch = &tree->levels[level][index];
-    for (uint32_t mask = reached(branch, spread(point)); mask != 0; mask &= mask - 1) {
+    for (uint32_t mask = reached(branch, eight_load(branch->gap), spread(point)); mask != 0;
+         mask &= mask - 1) {
         uint32_t child = lowest_bit(mask), below = index * STP_BRANCH_SIZE + child;
         float gap = level != 0 ? insert_below(tree, level - 1, below, point, floor)
                                : insert_in_leaf(tree, below, point);
