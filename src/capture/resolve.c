@@ -3,6 +3,8 @@
 #include "base/color.h"
 #include "capture/capture_internal.h"
 
+#include <string.h>
+
 enum { RESOLVE_GRAIN = 4096 };
 
 typedef struct resolve_state {
@@ -18,7 +20,27 @@ typedef struct current_part {
     const stp_mesh* mesh; ///< NULL: a point set
     const stp_point_set* points;
     uint32_t material;
+    bool plain;       ///< one colour all over: `color`
+    uint8_t color[4]; ///< sRGB
 } current_part;
+
+static uint8_t alpha_byte(const stp_material* material, float alpha)
+{
+    if (material->alpha_mode != STP_ALPHA_BLEND) {
+        return 255;
+    }
+    alpha = alpha < 1.0f ? alpha : 1.0f;
+    float scaled = alpha * 255.0f + 0.5f;
+    return scaled > 1.0f ? (uint8_t)scaled : 1;
+}
+
+static void encode_color(const stp_material* material, const float color[4], uint8_t out[4])
+{
+    for (int c = 0; c < 3; ++c) {
+        out[c] = stp_linear_to_srgb8(color[c]);
+    }
+    out[3] = alpha_byte(material, color[3]);
+}
 
 static void find_part(const stp_capture_job* job, uint64_t primitive, current_part* current)
 {
@@ -44,6 +66,12 @@ static void find_part(const stp_capture_job* job, uint64_t primitive, current_pa
     current->mesh = is_mesh ? &job->scene->meshes[which.index] : NULL;
     current->points = is_mesh ? NULL : &job->scene->point_sets[which.index];
     current->material = is_mesh ? current->mesh->material : current->points->material;
+    const stp_material* material = &job->scene->materials[current->material];
+    const stp_texture_use* use = &material->base_color_texture;
+    bool textured =
+        use->texture < job->scene->texture_count && job->pyramids[use->texture].level_count != 0;
+    current->plain = is_mesh && current->mesh->colors == NULL && !textured;
+    encode_color(material, material->base_color, current->color);
 }
 
 static stp_vec3d position_of(const float* positions, uint32_t vertex)
@@ -184,16 +212,6 @@ static void triangle_color(const stp_capture_job* job, const current_part* part,
     }
 }
 
-static uint8_t alpha_byte(const stp_material* material, float alpha)
-{
-    if (material->alpha_mode != STP_ALPHA_BLEND) {
-        return 255;
-    }
-    alpha = alpha < 1.0f ? alpha : 1.0f;
-    float scaled = alpha * 255.0f + 0.5f;
-    return scaled > 1.0f ? (uint8_t)scaled : 1;
-}
-
 static void store(stp_candidates* out, size_t i, stp_vec3d position, stp_vec3d normal)
 {
     float* p = out->positions + 3 * i;
@@ -243,12 +261,30 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
         position = stp_addd(position, stp_scaled(t.position[k], t.weight[k]));
     }
     store(out, i, position, triangle_normal(view, part, &t));
+    uint8_t* bytes = out->colors + 4 * i;
+    if (part->plain) {
+        memcpy(bytes, part->color, sizeof(part->color));
+        return;
+    }
     float color[4];
     triangle_color(job, part, &t, color);
-    for (int c = 0; c < 3; ++c) {
-        out->colors[4 * i + (size_t)c] = stp_linear_to_srgb8(color[c]);
+    encode_color(&job->scene->materials[part->material], color, bytes);
+}
+
+/// Asks for the memory that a triangle a few pixels on will need: neighbours on the screen may lie far apart.
+static void look_ahead(const stp_capture_job* job, const stp_capture_band* band, size_t i,
+                       size_t end, const current_part* part)
+{
+    enum { INDICES_AHEAD = 16, CORNERS_AHEAD = 8 };
+    uint64_t first = job->first_primitives[part->part], count = part->mesh->triangle_count;
+    uint64_t far = i + INDICES_AHEAD < end ? band->primitives[i + INDICES_AHEAD] - first : count;
+    uint64_t near = i + CORNERS_AHEAD < end ? band->primitives[i + CORNERS_AHEAD] - first : count;
+    if (far < count) {
+        __builtin_prefetch(part->mesh->indices + 3 * far);
     }
-    out->colors[4 * i + 3] = alpha_byte(&job->scene->materials[part->material], color[3]);
+    for (uint64_t k = 0; near < count && k < 3; ++k) {
+        __builtin_prefetch(part->mesh->positions + 3 * (size_t)part->mesh->indices[3 * near + k]);
+    }
 }
 
 /// Entries [begin, end) of one band become candidates from `first` on.
@@ -263,6 +299,7 @@ static void resolve_entries(const resolve_state* state, const stp_capture_band* 
         find_part(job, primitive, part);
         uint32_t within = (uint32_t)(primitive - job->first_primitives[part->part]);
         if (part->mesh != NULL) {
+            look_ahead(job, band, i, end, part);
             resolve_triangle(job, view, part, within, band->pixels[i], state->out, candidate);
         } else {
             resolve_point(job, view, part, within, state->out, candidate);
