@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "capture/capture_internal.h"
+#include "capture/fill.h"
 
 #define DEFAULT_CANDIDATES UINT64_C(1750000)
 
@@ -132,7 +133,7 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
     uint32_t count = desc->direction_count != 0 ? desc->direction_count : STP_CAPTURE_DIRECTIONS;
     uint64_t wanted = desc->wanted_candidates != 0 ? desc->wanted_candidates : DEFAULT_CANDIDATES;
     stp_vec3d* directions = STP_NEW_ARRAY(context, stp_vec3d, count);
-    uint32_t view_room = count > PROBE_VIEWS ? count : PROBE_VIEWS;
+    uint32_t view_room = (count > PROBE_VIEWS ? count : PROBE_VIEWS) + STP_CAPTURE_FILL_DIRECTIONS;
     job->views = STP_NEW_ARRAY(context, stp_capture_view, view_room);
     if (directions == NULL || job->views == NULL) {
         stp_free(context, directions);
@@ -156,6 +157,11 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
     candidates->resolution = (uint32_t)resolution;
     candidates->direction_count = count;
     stp_free(context, directions);
+    job->first_pixels = job->covered_pixels;
+    bool fill = !desc->no_fill && widest > 0.0 && count < STP_CAPTURE_FILL_DIRECTIONS;
+    if (result == STP_OK && fill) {
+        result = stp_capture_draw_fill(job, count, candidates->pixel_size);
+    }
     return result;
 }
 
@@ -169,7 +175,7 @@ static stp_result make_candidates(stp_capture_job* job, stp_candidates* candidat
     }
     size_t count = (size_t)job->covered_pixels;
     candidates->count = (uint32_t)count;
-    candidates->covered_pixels = count;
+    candidates->covered_pixels = job->first_pixels;
     if (count == 0) {
         return STP_OK;
     }
@@ -182,7 +188,10 @@ static stp_result make_candidates(stp_capture_job* job, stp_candidates* candidat
         return stp_fail_memory(context);
     }
     stp_capture_resolve(job, candidates);
-    return STP_OK;
+    uint32_t first = (uint32_t)job->first_pixels;
+    stp_result result = stp_capture_keep_missing(context, candidates, first);
+    candidates->filled = candidates->count - first;
+    return result;
 }
 
 /// Mip levels of what the parts use, where the caller has none.

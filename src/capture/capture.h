@@ -20,7 +20,8 @@ typedef struct stp_capture_desc {
                               ///< edges' middles. Any other: well spread over the sphere.
     uint32_t resolution; ///< pixels along the longer side of the widest picture; one scale for all
         ///< directions. Default: chosen so that about `wanted_candidates` come out.
-    uint64_t wanted_candidates;           ///< for the automatic resolution; default 1.75 million
+    uint64_t wanted_candidates; ///< for the automatic resolution; default 1.75 million
+    bool no_fill; ///< leave out what the directions miss (fill.h); 26 directions are never filled
     const stp_capture_textures* textures; ///< of this scene; NULL: made for this call
 } stp_capture_desc;
 
@@ -35,6 +36,7 @@ typedef struct stp_candidates {
     stp_vec3d origin;    ///< centre of the captured box: positions are relative to it
     double pixel_size;   ///< side of a capture pixel, scene units
     uint32_t resolution, direction_count;
+    uint32_t filled;                         ///< candidates at the end that the directions missed
     uint64_t covered_pixels, triangle_views; ///< for reports
     double raster_ms, resolve_ms;
 } stp_candidates;

@@ -50,6 +50,7 @@ typedef struct stp_capture_job {
     size_t band_count;
     stp_capture_band* bands;
     uint64_t covered_pixels;
+    uint64_t first_pixels; ///< of these, those of the directions asked for
 } stp_capture_job;
 
 /// From a part's own space to the captured space minus its centre.

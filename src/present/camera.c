@@ -4,14 +4,17 @@
 // picture.
 //
 // "d0".."d25" are for judging approximations from where they were not captured: the capture looks from the
-// eight corners, 54.7 degrees from the faces' directions (d0-d5), 35.3 from those of the edges (d6-d17), and
-// 41 from the eight on the horizon half-way between faces and edges (d18-d25).
+// corners of a cube, and from its faces and edges for what the corners miss. Directions to these 26 cut the sphere
+// into 48 equal triangles; d0 to d25 are the middles of 26 of them (the 24 that turn into each other, and two of
+// the others), 20 degrees from the nearest edge, 32 from a face and 27 from a corner.
 #include "present/camera.h"
 
 #include <string.h>
 
-#define C 0.92387953251128674 // cosine and sine of 22.5 degrees
-#define S 0.38268343236508977
+#define A                                                                                          \
+    0.85125413593678223 // the middle of the triangle (1, 0, 0), (1, 1, 0), (1, 1, 1) on the sphere
+#define B 0.47862549063280974
+#define C 0.21513724867401407
 
 typedef struct standard_view {
     const char* name;
@@ -23,20 +26,20 @@ static const standard_view views[] = {
     {"front", {0, 0, 1}, {0, 1, 0}},   {"back", {0, 0, -1}, {0, 1, 0}},
     {"left", {-1, 0, 0}, {0, 1, 0}},   {"right", {1, 0, 0}, {0, 1, 0}},
     {"top", {0, 1, 0}, {0, 0, -1}},    {"bottom", {0, -1, 0}, {0, 0, 1}},
-    {"iso", {1, 0.8, 1.2}, {0, 1, 0}}, {"d0", {1, 0, 0}, {0, 1, 0}},
-    {"d1", {-1, 0, 0}, {0, 1, 0}},     {"d2", {0, 1, 0}, {0, 0, -1}},
-    {"d3", {0, -1, 0}, {0, 0, 1}},     {"d4", {0, 0, 1}, {0, 1, 0}},
-    {"d5", {0, 0, -1}, {0, 1, 0}},     {"d6", {1, 1, 0}, {0, 1, 0}},
-    {"d7", {1, -1, 0}, {0, 1, 0}},     {"d8", {-1, 1, 0}, {0, 1, 0}},
-    {"d9", {-1, -1, 0}, {0, 1, 0}},    {"d10", {0, 1, 1}, {0, 1, 0}},
-    {"d11", {0, 1, -1}, {0, 1, 0}},    {"d12", {0, -1, 1}, {0, 1, 0}},
-    {"d13", {0, -1, -1}, {0, 1, 0}},   {"d14", {1, 0, 1}, {0, 1, 0}},
-    {"d15", {1, 0, -1}, {0, 1, 0}},    {"d16", {-1, 0, 1}, {0, 1, 0}},
-    {"d17", {-1, 0, -1}, {0, 1, 0}},   {"d18", {C, 0, S}, {0, 1, 0}},
-    {"d19", {S, 0, C}, {0, 1, 0}},     {"d20", {-S, 0, C}, {0, 1, 0}},
-    {"d21", {-C, 0, S}, {0, 1, 0}},    {"d22", {-C, 0, -S}, {0, 1, 0}},
-    {"d23", {-S, 0, -C}, {0, 1, 0}},   {"d24", {S, 0, -C}, {0, 1, 0}},
-    {"d25", {C, 0, -S}, {0, 1, 0}},
+    {"iso", {1, 0.8, 1.2}, {0, 1, 0}}, {"d0", {A, B, C}, {0, 1, 0}},
+    {"d1", {A, -B, -C}, {0, 1, 0}},    {"d2", {-A, B, -C}, {0, 1, 0}},
+    {"d3", {-A, -B, C}, {0, 1, 0}},    {"d4", {B, C, A}, {0, 1, 0}},
+    {"d5", {B, -C, -A}, {0, 1, 0}},    {"d6", {-B, C, -A}, {0, 1, 0}},
+    {"d7", {-B, -C, A}, {0, 1, 0}},    {"d8", {C, A, B}, {0, 1, 0}},
+    {"d9", {C, -A, -B}, {0, 1, 0}},    {"d10", {-C, A, -B}, {0, 1, 0}},
+    {"d11", {-C, -A, B}, {0, 1, 0}},   {"d12", {B, A, -C}, {0, 1, 0}},
+    {"d13", {B, -A, C}, {0, 1, 0}},    {"d14", {-B, A, C}, {0, 1, 0}},
+    {"d15", {-B, -A, -C}, {0, 1, 0}},  {"d16", {A, C, -B}, {0, 1, 0}},
+    {"d17", {A, -C, B}, {0, 1, 0}},    {"d18", {-A, C, B}, {0, 1, 0}},
+    {"d19", {-A, -C, -B}, {0, 1, 0}},  {"d20", {C, B, -A}, {0, 1, 0}},
+    {"d21", {C, -B, A}, {0, 1, 0}},    {"d22", {-C, B, A}, {0, 1, 0}},
+    {"d23", {-C, -B, -A}, {0, 1, 0}},  {"d24", {B, A, C}, {0, 1, 0}},
+    {"d25", {-A, -B, -C}, {0, 1, 0}},
 };
 enum { VIEW_COUNT = sizeof(views) / sizeof(views[0]) };
 
