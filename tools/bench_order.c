@@ -63,7 +63,8 @@ static bool capture(stp_context* context, const bench_options* options, stp_cand
                  ? result
                  : stp_scene_flatten(scene, scene->root, SIZE_MAX, &parts, &part_count);
     if (result == STP_OK) {
-        stp_capture_desc desc = {.wanted_candidates = options->quick ? 200000 : 1750000};
+        stp_capture_desc desc = {.no_fill = true,
+                                 .wanted_candidates = options->quick ? 200000 : 1750000};
         result = stp_capture_parts(scene, parts, part_count, &desc, candidates);
     }
     stp_free(context, parts);
