@@ -183,9 +183,20 @@ static stp_result make_candidates(stp_capture_job* job, stp_candidates* candidat
     candidates->normals = STP_NEW_ARRAY(context, float, 3 * count);
     candidates->colors = STP_NEW_ARRAY(context, uint8_t, 4 * count);
     candidates->materials = STP_NEW_ARRAY(context, uint32_t, count);
+    candidates->view_starts = STP_NEW_ZEROED(context, uint32_t, candidates->direction_count + 1);
     if (candidates->positions == NULL || candidates->normals == NULL ||
-        candidates->colors == NULL || candidates->materials == NULL) {
+        candidates->colors == NULL || candidates->materials == NULL ||
+        candidates->view_starts == NULL) {
         return stp_fail_memory(context);
+    }
+    for (size_t b = 0; b < job->band_count; ++b) {
+        uint32_t view = job->bands[b].view;
+        if (view < candidates->direction_count) {
+            candidates->view_starts[view + 1] += job->bands[b].count;
+        }
+    }
+    for (uint32_t view = 0; view < candidates->direction_count; ++view) {
+        candidates->view_starts[view + 1] += candidates->view_starts[view];
     }
     stp_capture_resolve(job, candidates);
     uint32_t first = (uint32_t)job->first_pixels;
@@ -270,5 +281,6 @@ void stp_candidates_destroy(stp_context* context, stp_candidates* candidates)
     stp_free(context, candidates->normals);
     stp_free(context, candidates->colors);
     stp_free(context, candidates->materials);
+    stp_free(context, candidates->view_starts);
     *candidates = (stp_candidates){0};
 }

@@ -33,8 +33,11 @@ typedef struct stp_candidates {
     uint8_t* colors;  ///< RGBA each, sRGB: base colour with texture and vertex colour; alpha of a
                       ///< blended one
     uint32_t* materials; ///< scene material
-    stp_vec3d origin;    ///< centre of the captured box: positions are relative to it
-    double pixel_size;   ///< side of a capture pixel, scene units
+    uint32_t*
+        view_starts;   ///< direction_count + 1: where the candidates of each direction begin; NULL
+                       ///< where there are none
+    stp_vec3d origin;  ///< centre of the captured box: positions are relative to it
+    double pixel_size; ///< side of a capture pixel, scene units
     uint32_t resolution, direction_count;
     uint32_t filled;                         ///< candidates at the end that the directions missed
     uint64_t covered_pixels, triangle_views; ///< for reports
