@@ -2,7 +2,7 @@
 """Lays PNG files (8-bit RGB or RGBA, as stipple writes them) out on one sheet, for the documents.
 
 usage: contact_sheet.py OUT.png COLUMNS IN.png...     cells are as large as the largest picture; smaller ones are
-enlarged by whole factors, without smoothing; IN.png@X,Y,W,H takes a part of the picture
+enlarged by whole factors, without smoothing; IN.png@X,Y,W,H takes a part of the picture, =IN.png keeps its size
 """
 import struct
 import sys
@@ -74,7 +74,7 @@ def write_png(path, width, rows):
 
 
 def load(name):
-    path, _, part = name.partition("@")
+    path, _, part = name.lstrip("=").partition("@")
     width, height, rows = read_png(path)
     if part:
         x, y, w, h = map(int, part.split(","))
@@ -96,11 +96,12 @@ def main():
         sys.exit(__doc__)
     out, columns, pictures = sys.argv[1], int(sys.argv[2]), [load(name) for name in sys.argv[3:]]
     cell_width, cell_height = max(p[0] for p in pictures), max(p[1] for p in pictures)
-    pictures = [enlarge(p, cell_width, cell_height) for p in pictures]
+    pictures = [p if name.startswith("=") else enlarge(p, cell_width, cell_height)
+                for name, p in zip(sys.argv[3:], pictures)]
     sheet = []
     for first in range(0, len(pictures), columns):
         line = pictures[first:first + columns]
-        for y in range(cell_height):
+        for y in range(max(height for _, height, _ in line)):
             row = b""
             for width, height, rows in line:
                 inside = y < height

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Standard views look along a fixed direction, from just far enough to see the whole box, and centre it in the
-// picture.
+// Standard views look along a fixed direction, from just far enough to see the whole box, whose middle is
+// the middle of the picture.
 //
 // "d0".."d25" are for judging approximations from where they were not captured: the capture looks from the
 // corners of a cube, and from its faces and edges for what the corners miss. Directions to these 26 cut the sphere
@@ -81,30 +81,22 @@ bool stp_camera_frame(const char* name, const stp_boxd* box, stp_view* view)
     view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
     double aspect = (double)view->width / (double)view->height;
     double slope_y = filled * tan(view->fov_degrees * (STP_PI / 360.0)), slope_x = slope_y * aspect;
-    // Each corner must be within the picture's four planes through the eye; at distance D from the middle, along
-    // x: x_i + slope z_i - slope D <= eye_x <= x_i - slope z_i + slope D, z towards the eye. Likewise for y.
-    double x_high = -DBL_MAX, x_low = DBL_MAX, y_high = -DBL_MAX, y_low = DBL_MAX, height = 0.0;
+    // The middle of the box is the middle of the picture; each corner must be within the picture's four planes
+    // through the eye: |x| <= slope (D - z) at distance D, z towards the eye.
+    double distance = 0.0, height = 0.0;
     for (int corner = 0; corner < 8; ++corner) {
         stp_vec3d p = {(corner & 1) != 0 ? half.x : -half.x, (corner & 2) != 0 ? half.y : -half.y,
                        (corner & 4) != 0 ? half.z : -half.z};
         double x = stp_dotd(right, p), y = stp_dotd(up, p), z = stp_dotd(toward, p);
-        x_high = fmax(x_high, x + slope_x * z);
-        x_low = fmin(x_low, x - slope_x * z);
-        y_high = fmax(y_high, y + slope_y * z);
-        y_low = fmin(y_low, y - slope_y * z);
+        distance = fmax(distance, z + fmax(fabs(x) / slope_x, fabs(y) / slope_y));
         height = fmax(height, 2.0 * fmax(fabs(y), fabs(x) / aspect) / filled);
     }
-    double distance = fmax((x_high - x_low) / (2.0 * slope_x), (y_high - y_low) / (2.0 * slope_y));
     distance = distance > 0.0 ? distance : 1.0; // a single point
-    double eye_x = 0.5 * (x_high + x_low), eye_y = 0.5 * (y_high + y_low);
     if (view->ortho_height > 0.0) {
         view->ortho_height = height > 0.0 ? height : 1.0;
         distance = 2.0 * sqrt(stp_dotd(half, half));
         distance = distance > 0.0 ? distance : 1.0;
-        eye_x = eye_y = 0.0;
     }
-    stp_vec3d middle = stp_addd(stp_scaled(right, eye_x), stp_scaled(up, eye_y));
-    center = stp_addd(center, middle);
     view->eye = stp_addd(center, stp_scaled(toward, distance));
     view->target = center;
     view->up = up;
