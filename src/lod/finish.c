@@ -141,7 +141,8 @@ static stp_result finish_surfels(stp_context* context, finish* f)
     choose_grid(f);
     s->count = f->input->count;
     s->candidate_radius = (float)(f->input->candidates->pixel_size * 0.70710678118654752);
-    s->octave_count = stp_choose_octaves(f->envelope, s->count, s->octave_ends);
+    s->octave_count =
+        stp_choose_octaves(f->envelope, s->candidate_radius, s->count, s->octave_ends);
     stp_result result = allocate_columns(context, s);
     if (result != STP_OK) {
         return result;

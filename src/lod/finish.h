@@ -30,10 +30,10 @@ STP_MUST_USE stp_result stp_finish_surfels(stp_context* context, const stp_finis
 void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin, float* step);
 
 /// Cuts an order into octaves, counted from its end: the last octave ends with the last surfel, the
-/// one before where the prefix covers twice the radius, and so on. `envelope[i]` is to what the
-/// first i cover.
-/// @return the number of octaves
-uint32_t stp_choose_octaves(const float* envelope, uint32_t count, uint32_t ends[STP_OCTAVE_LIMIT]);
+/// one before where disks are twice as large, and so on. `envelope[i]` is to what the first i cover;
+/// disks are larger by `margin`. @return the number of octaves
+uint32_t stp_choose_octaves(const float* envelope, float margin, uint32_t count,
+                            uint32_t ends[STP_OCTAVE_LIMIT]);
 
 /// The median distance to the nearest neighbour within the points (Brandt 4.1); `scratch` holds
 /// `count` floats.

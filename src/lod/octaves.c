@@ -37,18 +37,19 @@ void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin,
     *step = (float)size;
 }
 
-uint32_t stp_choose_octaves(const float* envelope, uint32_t count, uint32_t ends[STP_OCTAVE_LIMIT])
+uint32_t stp_choose_octaves(const float* envelope, float margin, uint32_t count,
+                            uint32_t ends[STP_OCTAVE_LIMIT])
 {
-    uint32_t last = count - 1; // the last surfel that did not coincide with an earlier one
-    while (last > 0 && !(envelope[last] > 0.0f)) {
+    uint32_t last = count - 1; // the last surfel whose disk is larger than none
+    while (last > 0 && !(envelope[last] + margin > 0.0f)) {
         last -= 1;
     }
     uint32_t reversed[STP_OCTAVE_LIMIT], size = 0;
     reversed[size++] = count;
     uint32_t end = last;
-    for (double radius = 2.0 * (double)envelope[last]; last > 0 && size < STP_OCTAVE_LIMIT;
-         radius *= 2.0) {
-        while (end > 0 && (double)envelope[end - 1] < radius) {
+    for (double radius = 2.0 * (double)(envelope[last] + margin);
+         last > 0 && size < STP_OCTAVE_LIMIT; radius *= 2.0) {
+        while (end > 0 && (double)(envelope[end - 1] + margin) < radius) {
             end -= 1;
         }
         if (end == 0 || isinf(envelope[end])) {

@@ -212,6 +212,14 @@ static double disk_pixels(const pyramid* p, float radius)
     return STP_PI * pixels * pixels;
 }
 
+// Half the side of the square that a candidate stands for. A pixel is up to 1.7 times as wide along a slope as
+// across: squares of twice its width leave no gaps.
+static float candidate_footprint(const pyramid* p, const octave_plan* plan)
+{
+    float gap = sqrtf((float)plan->stride);
+    return stp_min(pixel_size(p) * gap, plan->disk_radius);
+}
+
 static stp_result plan_octave(const pyramid* p, uint32_t octave, octave_plan* plan)
 {
     const stp_surfels* s = p->surfels;
@@ -225,8 +233,9 @@ static stp_result plan_octave(const pyramid* p, uint32_t octave, octave_plan* pl
     plan->sample_count = plan->dense ? dense : plan->sample_count;
     double stride = disk_pixels(p, plan->disk_radius) / DISK_CANDIDATES;
     plan->stride = finest || stride < 1.0 ? 1 : stride > 64.0 ? 64 : (uint32_t)stride;
-    float cell =
-        stp_max(2.002f * plan->radius, finest ? plan->disk_radius + pixel_size(p) : s->step);
+    // wide enough that few cells surround a disk
+    float wide = plan->disk_radius + (plan->dense ? 0.0f : candidate_footprint(p, plan));
+    float cell = stp_max(2.002f * plan->radius, wide);
     stp_result result =
         stp_grid_choose_cell(p->context, p->input->positions, count, cell, &plan->cell);
     plan->radius = stp_min(plan->radius, plan->cell * 0.4995f);
@@ -283,14 +292,6 @@ static void look_at_surfels(pyramid* p, uint32_t octave, const octave_plan* plan
     search.fractions = p->fractions[finer];
     stp_disk_search_run(p->context, &search);
     cover_sampled(p, octave);
-}
-
-// Half the side of the square that a candidate stands for. A pixel is up to 1.7 times as wide along a slope as
-// across: squares of twice its width leave no gaps.
-static float candidate_footprint(const pyramid* p, const octave_plan* plan)
-{
-    float gap = sqrtf((float)plan->stride);
-    return stp_min(pixel_size(p) * gap, plan->disk_radius);
 }
 
 static void look_at_candidates(pyramid* p, uint32_t octave, const octave_plan* plan,

@@ -281,6 +281,39 @@ void test_point_clouds_keep_every_point(test_state* test)
     close_workshop(&w);
 }
 
+// Scans hold points again and again, a hair apart: work must not grow with how near they are.
+void test_near_duplicates_cost_no_more(test_state* test)
+{
+    workshop w;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL && open_workshop(&w, 4));
+    FILE* file = fopen(w.points, "w");
+    CHECK(file != NULL);
+    fprintf(file, "ply\nformat ascii 1.0\nelement vertex 6000\nproperty float x\nproperty float y\n"
+                  "property float z\nend_header\n");
+    for (int i = 0; i < 6000; ++i) {
+        double hair = 1e-3 / (1 + i % 97);
+        fprintf(file, "%.9f %.9f %.9f\n", i / 3 % 50 + hair, i / 150 + hair * (i % 3), 2 * hair);
+    }
+    CHECK(fclose(file) == 0);
+    const char* inputs[] = {w.points};
+    stp_build_desc desc = {.inputs = inputs, .input_count = 1, .output = w.output};
+    stp_build_report report;
+    CHECK_EQUAL(STP_OK, stp_build(context, &desc, &report));
+    CHECK(report.finish_s < 1.5);
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
+    const stp_surfels* s = stp_store_describe_surfels(store, 0);
+    uint64_t entries = 0;
+    for (uint32_t i = 0; i < s->octave_count; ++i) {
+        entries += s->octave_ends[i];
+    }
+    CHECK(entries < 2 * (uint64_t)s->count);
+    stp_store_close(store);
+    stp_context_destroy(context);
+    close_workshop(&w);
+}
+
 void test_several_inputs_make_one_scene(test_state* test)
 {
     workshop w;

@@ -242,7 +242,8 @@ void test_spheres_are_solid_and_face_outwards(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     enum { COUNT = 30000 };
-    maker* m = maker_create(sqrt(4.0 * 3.14159 / COUNT));
+    maker* m = maker_create(
+        sqrt(2.0 * 4.0 * 3.14159 / COUNT)); // two candidates a square pixel, as eight views give
     add_sphere(m, COUNT, (stp_vec3){0, 0, 0});
     maker_order(m, 2000, 10.0f);
     m->candidates.origin = (stp_vec3d){400000.0, -3.0, 7e6}; // far out: precision must not suffer
