@@ -53,6 +53,8 @@ static void put_text(svg* s, const char* text)
     }
 }
 
+#define LEAST_DENSITY 0.002 // of the densest
+
 static double y_of(double value)
 {
     double part = value / top_value;
@@ -96,12 +98,19 @@ static void put_violin(svg* s, const plot_violin* v, double x, const char* fill)
 {
     double bins[BINS], half = VIOLIN_WIDTH * 0.42;
     fill_bins(v, bins);
+    int first = 0, last = BINS - 1; // no outline where there is nothing
+    while (first < last && bins[first] < LEAST_DENSITY) {
+        first += 1;
+    }
+    while (last > first && bins[last] < LEAST_DENSITY) {
+        last -= 1;
+    }
     put(s, "<path fill=\"%s\" stroke=\"#444\" stroke-width=\"0.7\" d=\"", fill);
     for (int side = 0; side < 2; ++side) {
-        for (int k = 0; k < BINS; ++k) {
-            int bin = side == 0 ? k : BINS - 1 - k;
+        for (int k = first; k <= last; ++k) {
+            int bin = side == 0 ? k : last - (k - first);
             double y = y_of((bin + 0.5) * top_value / BINS);
-            put(s, "%s%.2f %.2f", side == 0 && k == 0 ? "M" : "L",
+            put(s, "%s%.2f %.2f", side == 0 && k == first ? "M" : "L",
                 x + (side == 0 ? -half : half) * bins[bin], y);
         }
     }
