@@ -68,14 +68,19 @@ stp_result stp_capture_draw_fill(stp_capture_job* job, uint32_t count, double pi
     return result;
 }
 
-// A hash table of cells as large as the distance that is asked for; points of a cell lie together.
+typedef struct cell_point {
+    float position[3], normal[3];
+} cell_point;
+
+// A hash table of cells twice as wide as the distance that is asked for. Points of a cell lie together, and so do
+// cells that are neighbours along x: most questions stay within a cache line or two.
 typedef struct cell_grid {
     const stp_candidates* candidates;
     double scale; ///< cells per unit
     float reach;  ///< distance within which a candidate stands for another
     uint32_t mask;
     uint32_t* starts; ///< of each slot, and one more
-    uint32_t* points;
+    cell_point* points;
 } cell_grid;
 
 static int64_t cell_of(const cell_grid* grid, float coordinate)
@@ -86,12 +91,11 @@ static int64_t cell_of(const cell_grid* grid, float coordinate)
 
 static uint32_t slot_of(const cell_grid* grid, int64_t x, int64_t y, int64_t z)
 {
-    uint64_t key = (uint64_t)x * UINT64_C(0x9E3779B97F4A7C15) ^
-                   (uint64_t)y * UINT64_C(0xC2B2AE3D27D4EB4F) ^
-                   (uint64_t)z * UINT64_C(0x165667B19E3779F9);
+    uint64_t key =
+        (uint64_t)y * UINT64_C(0xC2B2AE3D27D4EB4F) ^ (uint64_t)z * UINT64_C(0x165667B19E3779F9);
     key ^= key >> 29;
     key *= UINT64_C(0xBF58476D1CE4E5B9);
-    return (uint32_t)(key >> 32) & grid->mask;
+    return ((uint32_t)(key >> 32) + (uint32_t)x) & grid->mask;
 }
 
 static uint32_t slot_of_point(const cell_grid* grid, uint32_t point)
@@ -108,7 +112,7 @@ static stp_result make_grid(stp_context* context, cell_grid* grid, uint32_t coun
     }
     grid->mask = slots - 1;
     grid->starts = STP_NEW_ZEROED(context, uint32_t, (size_t)slots + 1);
-    grid->points = STP_NEW_ARRAY(context, uint32_t, count);
+    grid->points = STP_NEW_ARRAY(context, cell_point, count);
     if (grid->starts == NULL || grid->points == NULL) {
         return stp_fail_memory(context);
     }
@@ -121,7 +125,10 @@ static stp_result make_grid(stp_context* context, cell_grid* grid, uint32_t coun
         grid->starts[slot] = sum;
     }
     for (uint32_t i = count; i-- > 0;) {
-        grid->points[--grid->starts[slot_of_point(grid, i)]] = i;
+        cell_point* point = &grid->points[--grid->starts[slot_of_point(grid, i)]];
+        memcpy(point->position, grid->candidates->positions + 3 * (size_t)i,
+               sizeof(point->position));
+        memcpy(point->normal, grid->candidates->normals + 3 * (size_t)i, sizeof(point->normal));
     }
     return STP_OK;
 }
@@ -130,9 +137,8 @@ static bool slot_has_stand_in(const cell_grid* grid, uint32_t slot, const float*
 {
     float least = grid->reach * grid->reach;
     for (uint32_t k = grid->starts[slot]; k < grid->starts[slot + 1]; ++k) {
-        size_t at = 3 * (size_t)grid->points[k];
-        const float* q = grid->candidates->positions + at;
-        const float* m = grid->candidates->normals + at;
+        const float* q = grid->points[k].position;
+        const float* m = grid->points[k].normal;
         float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
         if ((x * x + y * y) + z * z <= least && (n[0] * m[0] + n[1] * m[1]) + n[2] * m[2] > 0.0f) {
             return true;
