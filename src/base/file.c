@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#define _XOPEN_SOURCE 700 // realpath
 #include "base/file.h"
 
 #include <assert.h>
@@ -14,6 +15,7 @@
 
 #define BUFFER_SIZE ((size_t)1 << 20)
 #define MOST_ATTEMPTS 100u
+#define NAME_ROOM 48u // for what a temporary file's name adds
 
 stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file)
 {
@@ -74,10 +76,37 @@ static stp_result fail_io(const stp_file_writer* writer, const char* what)
                     strerror(errno));
 }
 
+// The file itself where the path is a link: renaming would replace the link, be it /dev/stdout.
+static stp_result resolve_link(stp_file_writer* writer)
+{
+    struct stat status;
+    if (lstat(writer->path, &status) != 0 || !S_ISLNK(status.st_mode)) {
+        return STP_OK;
+    }
+    char* target = realpath(writer->path, NULL);
+    if (target == NULL) {
+        return fail_io(writer, "written");
+    }
+    size_t length = strlen(target) + NAME_ROOM;
+    char* path = stp_alloc(writer->context, length);
+    if (path != NULL) {
+        snprintf(path, length, "%s", target);
+        stp_free(writer->context, writer->path);
+        writer->path = path;
+    }
+    free(target);
+    return path != NULL ? STP_OK : stp_fail_memory(writer->context);
+}
+
 // Makes a file beside the final one, of a name nobody else uses: another writer of the same path,
 // or what a killed process left behind, is not touched.
-static stp_result open_temporary(stp_file_writer* writer, size_t length)
+static stp_result open_temporary(stp_file_writer* writer)
 {
+    size_t length = strlen(writer->path) + NAME_ROOM;
+    writer->temporary = stp_alloc(writer->context, length);
+    if (writer->temporary == NULL) {
+        return stp_fail_memory(writer->context);
+    }
     struct stat status;
     if (stat(writer->path, &status) == 0 && !S_ISREG(status.st_mode)) {
         return stp_fail(writer->context, STP_ERROR_IO, "%s: is not a regular file", writer->path);
@@ -97,21 +126,26 @@ static stp_result open_temporary(stp_file_writer* writer, size_t length)
 
 stp_result stp_file_writer_open(stp_context* context, const char* path, stp_file_writer** writer)
 {
-    size_t length = strlen(path) + 48;
+    if (*path == '\0') {
+        return stp_fail(context, STP_ERROR_IO, "the name of the file to write is empty");
+    }
+    size_t length = strlen(path) + 1;
     stp_file_writer* made = STP_NEW_ZEROED(context, stp_file_writer, 1);
     if (made == NULL) {
         return stp_fail_memory(context);
     }
     made->context = context;
     made->path = stp_alloc(context, length);
-    made->temporary = stp_alloc(context, length);
     made->buffer = stp_alloc(context, BUFFER_SIZE);
-    if (made->path == NULL || made->temporary == NULL || made->buffer == NULL) {
+    if (made->path == NULL || made->buffer == NULL) {
         free_writer(made);
         return stp_fail_memory(context);
     }
     snprintf(made->path, length, "%s", path);
-    stp_result result = open_temporary(made, length);
+    stp_result result = resolve_link(made);
+    if (result == STP_OK) {
+        result = open_temporary(made);
+    }
     if (result != STP_OK) {
         free_writer(made);
         return result;

@@ -197,7 +197,36 @@ void test_file_writer_refuses_bad_targets(test_state* test)
     CHECK_EQUAL(STP_ERROR_IO, stp_file_writer_open(context, f.path, &writer));
     CHECK_EQUAL(STP_ERROR_IO, stp_file_writer_open(context, "/dev/null", &writer));
     CHECK_EQUAL(3, log.errors);
-    CHECK_EQUAL(0, count_entries(&f));
+    CHECK_EQUAL(STP_ERROR_IO, stp_file_writer_open(context, "", &writer));
+    CHECK_EQUAL(4, log.errors);
+    path_in(&f, "link", path);
+    CHECK_EQUAL(0, symlink("nothing", path));
+    CHECK_EQUAL(STP_ERROR_IO, stp_file_writer_open(context, path, &writer));
+    CHECK_EQUAL(5, log.errors);
+    CHECK_EQUAL(1, count_entries(&f));
+    unlink(path);
+    rmdir(f.path);
+    stp_context_destroy(context);
+}
+
+// As /dev/stdout is: the link stays, and what it points to is written.
+void test_file_writer_follows_links(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    folder f;
+    CHECK(context != NULL && make_folder(&f));
+    char path[128], link[128];
+    path_in(&f, "file", path);
+    path_in(&f, "link", link);
+    CHECK(write_text(context, path, "before"));
+    CHECK_EQUAL(0, symlink("file", link));
+    CHECK(write_text(context, link, "after"));
+    struct stat status;
+    CHECK(lstat(link, &status) == 0 && S_ISLNK(status.st_mode));
+    CHECK(holds_text(context, path, "after"));
+    CHECK_EQUAL(2, count_entries(&f));
+    unlink(link);
+    unlink(path);
     rmdir(f.path);
     stp_context_destroy(context);
 }
