@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #define DEFAULT_THRESHOLD 1000
 
@@ -18,7 +17,7 @@ static struct {
     const char* output;
     int method, order, metric, up, unit;
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed;
-    const char* progress;
+    int progress;
     bool json, threshold_given, up_given, unit_given;
 } args;
 
@@ -28,6 +27,7 @@ static const stp_order_kind order_kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FA
 static const char* const metric_names[] = {"side", "euclidean"};
 static const stp_order_metric metrics[] = {STP_METRIC_SIDE, STP_METRIC_EUCLIDEAN};
 static const char* const unit_names[] = {"m", "mm", "cm", "in", "ft", "us-ft"};
+static const char* const progress_names[] = {"auto", "bar", "json", "none"};
 static const double unit_metres[] = {1.0, 0.001, 0.01, 0.0254, 0.3048, 1200.0 / 3937.0};
 
 static const option* options(void)
@@ -123,8 +123,8 @@ static const option* options(void)
          .value = &args.unit,
          .given = &args.unit_given},
         {.name = "progress",
-         .type = OPTION_TEXT,
-         .argument = "auto|bar|json|none",
+         .type = OPTION_CHOICE,
+         .words = "auto|bar|json|none",
          .help = "progress on stderr; default a bar where that is a terminal",
          .value = &args.progress},
         {.name = "json", .help = "print one JSON object", .value = &args.json},
@@ -241,13 +241,6 @@ static int build(stp_context* context, int argc, char** argv)
     return result == STP_OK ? print_result(context, &report) : 1;
 }
 
-static bool is_same_file(const char* a, const char* b)
-{
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
 static int run(int argc, char** argv)
 {
     if (argc < 1) {
@@ -256,12 +249,16 @@ static int run(int argc, char** argv)
     if (args.output == NULL) {
         return tool_usage_error("build needs -o FILE.stip");
     }
+    if (strcmp(args.output, "-") == 0) {
+        return tool_usage_error("a build cannot be written to standard output; name a file");
+    }
     for (int i = 0; i < argc; ++i) {
-        if (is_same_file(argv[i], args.output)) {
+        if (tool_is_same_file(argv[i], args.output)) {
             return tool_usage_error("%s is an input, and would be written over", argv[i]);
         }
     }
-    stp_context* context = tool_context_create((uint32_t)args.threads, args.memory, args.progress);
+    stp_context* context =
+        tool_context_create((uint32_t)args.threads, args.memory, progress_names[args.progress]);
     if (context == NULL) {
         return 1;
     }

@@ -4,6 +4,7 @@
 #include "command.h"
 #include "picture.h"
 #include "scene_file.h"
+#include "tool.h"
 
 #include "base/clock.h"
 #include "draw/draw.h"
@@ -87,6 +88,7 @@ static const option* options(void)
         {.name = "ortho",
          .type = OPTION_NUMBER,
          .argument = "HEIGHT",
+         .words = "1e-9..1e12",
          .help =
              "parallel projection, of so many units from top to bottom; standard views choose it",
          .value = &args.ortho},
@@ -328,13 +330,16 @@ static int render(session* s, const char* path)
     return result != STP_OK ? 1 : args.json ? print_json(s) : 0;
 }
 
-static int check_arguments(int argc, stp_draw_style* style)
+static int check_arguments(int argc, const char* path, stp_draw_style* style)
 {
     if (argc != 1) {
         return tool_usage_error("render needs one file, and got %d", argc);
     }
     if (args.output == NULL) {
         return tool_usage_error("render needs -o OUT.png");
+    }
+    if (tool_is_same_file(path, args.output)) {
+        return tool_usage_error("%s is the scene, and would be written over", path);
     }
     if (args.json && strcmp(args.output, "-") == 0) {
         return tool_usage_error("standard output is for the figures; name a file");
@@ -364,7 +369,7 @@ static int run(int argc, char** argv)
                              .splat_count = args.splats,
                              .policy = (stp_policy)args.policy,
                              .reference = args.reference}};
-    int code = check_arguments(argc, &s.style);
+    int code = check_arguments(argc, argv[0], &s.style);
     if (code != 0) {
         return code;
     }

@@ -9,6 +9,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 // Messages may come from several threads; a message must not be cut in two by another, nor by the
@@ -147,6 +148,13 @@ void tool_end_progress(void)
     pthread_mutex_lock(&output_mutex);
     progress_clear(&progress);
     pthread_mutex_unlock(&output_mutex);
+}
+
+bool tool_is_same_file(const char* a, const char* b)
+{
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
 }
 
 int tool_finish_output(int code)

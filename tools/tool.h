@@ -21,6 +21,9 @@ const command* tool_find_command(const char* name);
 /// Whether escape sequences belong on this stream: a terminal, and neither NO_COLOR nor TERM=dumb.
 bool tool_has_color(FILE* stream);
 
+/// Whether both exist and are one file, by whatever names.
+bool tool_is_same_file(const char* a, const char* b);
+
 /// Takes the progress bar off the terminal, before anything else is printed there.
 void tool_end_progress(void);
 

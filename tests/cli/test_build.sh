@@ -104,5 +104,9 @@ run 2 build ball.obj
 run 2 build -o x.stip
 run 2 build ball.obj -o ball.obj
 run 2 build ball.obj -o x.stip --order best
+run 2 build ball.obj -o -
+[ ! -e ./- ] || fail "a file named -"
+run 2 build ball.obj -o x.stip --progress much
+run 1 build ball.obj -o ''
 run 2 info
 exit $((failures > 0))

@@ -95,6 +95,12 @@ refused 2 "gl backend" "$file" -o a.png --backend gl
 refused 2 "hexadecimal" "$file" -o a.png --background green
 refused 2 "names* a file" "$file" -o - --json
 refused 1 "nothing.stip" nothing.stip -o a.png
+cp "$file" same.stip
+ln -s same.stip link.stip
+refused 2 "written over" same.stip -o link.stip
+cmp -s "$file" same.stip || fail "render wrote over its scene"
+refused 2 "ortho" "$file" -o a.png --ortho -5
+refused 2 "ortho" "$file" -o a.png --ortho 0
 head -c 100 "$file" > short.stip
 refused 1 "short.stip" short.stip -o a.png
 refused 1 "no/folder" "$file" -o no/folder/a.png
