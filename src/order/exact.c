@@ -228,13 +228,19 @@ static float choose_from_front(greedy* g)
     return gap;
 }
 
+// Squared distance from a place to a child's box.
+static float box_distance(const stp_branch* branch, uint32_t child, stp_vec3 p)
+{
+    float x = stp_max(0.0f, stp_max(branch->low_x[child] - p.x, p.x - branch->high_x[child]));
+    float y = stp_max(0.0f, stp_max(branch->low_y[child] - p.y, p.y - branch->high_y[child]));
+    float z = stp_max(0.0f, stp_max(branch->low_z[child] - p.z, p.z - branch->high_z[child]));
+    return (x * x + y * y) + z * z;
+}
+
 // Whether a chosen point may change anything in a box.
 static bool reaches(const stp_chosen* p, const stp_branch* branch, uint32_t child)
 {
-    float x = stp_max(0.0f, stp_max(branch->low_x[child] - p->x, p->x - branch->high_x[child]));
-    float y = stp_max(0.0f, stp_max(branch->low_y[child] - p->y, p->y - branch->high_y[child]));
-    float z = stp_max(0.0f, stp_max(branch->low_z[child] - p->z, p->z - branch->high_z[child]));
-    return (x * x + y * y) + z * z < branch->gap[child];
+    return box_distance(branch, child, (stp_vec3){p->x, p->y, p->z}) < branch->gap[child];
 }
 
 // Tells one subtree about the phase's points, a list at a time.
@@ -278,25 +284,53 @@ static void push_chosen(greedy* g)
     }
 }
 
-// The position nearest to the centre of the box; the lowest of equally near ones.
+// The search for the position nearest to a place; the lowest of equally near ones.
+typedef struct nearest_search {
+    const stp_tree* tree;
+    stp_vec3 at;
+    float squared;
+    uint32_t position;
+} nearest_search;
+
+static void search_leaf(nearest_search* s, uint32_t index)
+{
+    for (uint32_t i = 0; i < STP_LEAF_SIZE; ++i) {
+        stp_chosen p = point_at(s->tree, index * STP_LEAF_SIZE + i);
+        float x = p.x - s->at.x, y = p.y - s->at.y, z = p.z - s->at.z;
+        float squared = (x * x + y * y) + z * z;
+        if (squared < s->squared) { // lanes past the end are copies of a lower one
+            s->squared = squared;
+            s->position = index * STP_LEAF_SIZE + i;
+        }
+    }
+}
+
+// Children in order, so that the lowest of equally near positions comes first; boxes are never farther than what
+// is in them, roundings included.
+static void search_branch(nearest_search* s, uint32_t level, uint32_t index)
+{
+    const stp_branch* branch = &s->tree->levels[level][index];
+    for (uint32_t child = 0; child < STP_BRANCH_SIZE; ++child) {
+        if (branch->gap[child] < 0.0f || !(box_distance(branch, child, s->at) < s->squared)) {
+            continue;
+        }
+        if (level == 0) {
+            search_leaf(s, index * STP_BRANCH_SIZE + child);
+        } else {
+            search_branch(s, level - 1, index * STP_BRANCH_SIZE + child);
+        }
+    }
+}
+
 static uint32_t nearest_to_centre(const greedy* g)
 {
     float scale = g->points->scale;
     stp_vec3 low = stp_scale(g->points->box.min, scale),
              high = stp_scale(g->points->box.max, scale);
-    stp_vec3 centre = stp_scale(stp_add(low, high), 0.5f);
-    float best = INFINITY;
-    uint32_t nearest = 0;
-    for (uint32_t position = 0; position < g->points->count; ++position) {
-        stp_chosen p = point_at(&g->tree, position);
-        float x = p.x - centre.x, y = p.y - centre.y, z = p.z - centre.z;
-        float squared = (x * x + y * y) + z * z;
-        if (squared < best) {
-            best = squared;
-            nearest = position;
-        }
-    }
-    return nearest;
+    nearest_search search = {
+        .tree = &g->tree, .at = stp_scale(stp_add(low, high), 0.5f), .squared = INFINITY};
+    search_branch(&search, g->tree.level_count - 1, 0);
+    return search.position;
 }
 
 static void choose_first(greedy* g)

@@ -23,9 +23,9 @@ enum {
 
 _Static_assert(sizeof(stp_leaf) == STP_LEAF_SIZE * sizeof(stp_record), "sorted in place");
 
-// The points of leaves that a task shares with its neighbours.
+// The positions of leaves that a task shares with its neighbours.
 typedef struct shared_leaves {
-    stp_record first[STP_LEAF_SIZE], last[STP_LEAF_SIZE]; // by lane
+    stp_leaf first, last;
 } shared_leaves;
 
 typedef struct sort_job {
@@ -107,21 +107,55 @@ static void deal_out(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Sorts items by their upper halves; equal ones keep their order.
+// Sorts items by their upper halves, in two passes; equal ones keep their order. A cell holds few points,
+// so what digits have to be counted, not what points are moved, is kept small.
 static uint64_t* sort_items(uint64_t* items, uint64_t* scratch, size_t count, unsigned bits)
 {
-    if (count > 48) {
-        return stp_sort_u64(items, scratch, count, 32, bits);
-    }
-    for (size_t i = 1; i < count; ++i) { // lower halves ascend, so whole items may be compared
-        uint64_t item = items[i];
-        size_t at = i;
-        for (; at > 0 && items[at - 1] > item; --at) {
-            items[at] = items[at - 1];
+    enum { DIGITS = 1 << (3 * STP_CURVE_FINE_BITS + SIDE_BITS + 1) / 2 };
+    if (count <= 48) {
+        for (size_t i = 1; i < count; ++i) { // lower halves ascend, so whole items may be compared
+            uint64_t item = items[i];
+            size_t at = i;
+            for (; at > 0 && items[at - 1] > item; --at) {
+                items[at] = items[at - 1];
+            }
+            items[at] = item;
         }
-        items[at] = item;
+        return items;
+    }
+    unsigned low_bits = (bits + 1) / 2, high = 32 + low_bits;
+    uint32_t mask = (1u << low_bits) - 1, low_sum = 0, high_sum = 0;
+    uint32_t low_starts[DIGITS], high_starts[DIGITS];
+    memset(low_starts, 0, (mask + 1) * sizeof(low_starts[0]));
+    memset(high_starts, 0, (mask + 1) * sizeof(high_starts[0]));
+    for (size_t i = 0; i < count; ++i) {
+        low_starts[items[i] >> 32 & mask] += 1;
+        high_starts[items[i] >> high] += 1;
+    }
+    for (uint32_t digit = 0; digit <= mask; ++digit) {
+        uint32_t low_size = low_starts[digit], high_size = high_starts[digit];
+        low_starts[digit] = low_sum;
+        high_starts[digit] = high_sum;
+        low_sum += low_size;
+        high_sum += high_size;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        scratch[low_starts[items[i] >> 32 & mask]++] = items[i];
+    }
+    for (size_t i = 0; i < count; ++i) {
+        items[high_starts[scratch[i] >> high]++] = scratch[i];
     }
     return items;
+}
+
+// Whether more than a leaf of sorted items are equal somewhere. Without a branch inside: it is asked for every point.
+static bool has_long_runs(const uint64_t* items, size_t count)
+{
+    uint32_t found = 0;
+    for (size_t i = STP_LEAF_SIZE; i < count; ++i) {
+        found |= (uint32_t)(items[i] >> 32) == (uint32_t)(items[i - STP_LEAF_SIZE] >> 32);
+    }
+    return found != 0;
 }
 
 // Sorts runs of equal items that do not fit in a leaf by the remaining bits.
@@ -142,21 +176,19 @@ static void refine_runs(const sort_job* job, const stp_record* records, uint64_t
                 stp_curve_place(&job->curve, r->x, r->y, r->z, 0, STP_CURVE_FINEST_BITS);
             run[i] = place << 32 | index;
         }
-        uint64_t* sorted = sort_items(run, scratch, end - begin, 3 * STP_CURVE_FINEST_BITS);
+        uint64_t* sorted = stp_sort_u64(run, scratch, end - begin, 32, 3 * STP_CURVE_FINEST_BITS);
         if (sorted != run) {
             memcpy(run, sorted, (end - begin) * sizeof(run[0]));
         }
     }
 }
 
-// The axis along which a normal is longest, and its sign: 0..5.
-static uint64_t side_of(stp_vec3 n)
+// The axis along which a normal is longest, and its sign: 0..5. Without branches, which nobody could predict.
+static uint64_t side_of(const float n[3])
 {
-    float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
-    if (x >= y && x >= z) {
-        return n.x < 0.0f;
-    }
-    return y >= z ? 2 + (n.y < 0.0f) : 4 + (n.z < 0.0f);
+    float x = fabsf(n[0]), y = fabsf(n[1]), z = fabsf(n[2]);
+    unsigned axis = (1u - ((unsigned)(x >= y) & (unsigned)(x >= z))) * (2u - (unsigned)(y >= z));
+    return 2 * axis + (n[axis] < 0.0f);
 }
 
 // Copies the normals of a cell's points and puts their sides above their places.
@@ -170,25 +202,33 @@ static void add_sides(const sort_job* job, const stp_record* records, stp_vec3* 
         }
         const float* n = all + 3 * (size_t)records[i].id;
         normals[i] = (stp_vec3){n[0], n[1], n[2]};
-        items[i] |= side_of(normals[i]) << (32 + 3 * STP_CURVE_FINE_BITS);
+        items[i] |= side_of(n) << (32 + 3 * STP_CURVE_FINE_BITS);
     }
 }
 
-static void write_normal(const sort_job* job, uint32_t index, uint32_t lane, stp_vec3 n)
-{
-    stp_leaf_normals* normals = &job->tree->normals[index];
-    normals->x[lane] = n.x;
-    normals->y[lane] = n.y;
-    normals->z[lane] = n.z;
-}
+// Points on their way from a cell to consecutive lanes of one leaf.
+typedef struct cell_points {
+    const stp_record* records;
+    const stp_vec3* normals; // NULL where sides do not matter
+    const uint64_t* sorted;  // lower halves: which of them comes next
+} cell_points;
 
-static void write_lane(const sort_job* job, uint32_t index, uint32_t lane, stp_record r)
+static void write_lanes(const cell_points* from, uint32_t count, uint32_t lane, stp_leaf* leaf,
+                        stp_leaf_normals* normals, uint32_t* ids)
 {
-    stp_leaf* leaf = &job->tree->leaves[index];
-    leaf->x[lane] = r.x;
-    leaf->y[lane] = r.y;
-    leaf->z[lane] = r.z;
-    leaf->gap[lane] = INFINITY;
+    for (uint32_t i = 0; i < count; ++i) {
+        const stp_record* r = &from->records[(uint32_t)from->sorted[i]];
+        leaf->x[lane + i] = r->x;
+        leaf->y[lane + i] = r->y;
+        leaf->z[lane + i] = r->z;
+        ids[i] = r->id;
+    }
+    for (uint32_t i = 0; i < count && from->normals != NULL; ++i) {
+        const stp_vec3* n = &from->normals[(uint32_t)from->sorted[i]];
+        normals->x[lane + i] = n->x;
+        normals->y[lane + i] = n->y;
+        normals->z[lane + i] = n->z;
+    }
 }
 
 static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
@@ -203,10 +243,12 @@ static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
     uint32_t position = job->starts[begin];
     uint32_t own = (uint32_t)(((uint64_t)position + STP_LEAF_SIZE - 1) / STP_LEAF_SIZE);
     uint32_t foreign = job->starts[end] / STP_LEAF_SIZE;
-    stp_record leaf[STP_LEAF_SIZE];
+    stp_leaf leaf;
+    for (uint32_t lane = 0; lane < STP_LEAF_SIZE; ++lane) {
+        leaf.gap[lane] = INFINITY;
+    }
     for (size_t cell = begin; cell < end; ++cell) {
-        uint32_t first = job->starts[cell];
-        size_t count = job->starts[cell + 1] - first;
+        uint32_t first = job->starts[cell], count = job->starts[cell + 1] - first;
         memcpy(copies, job->records + first, count * sizeof(copies[0]));
         job->kernels->places(&job->curve, copies, count, items);
         unsigned bits = 3 * STP_CURVE_FINE_BITS;
@@ -215,23 +257,31 @@ static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
             bits += SIDE_BITS;
         }
         uint64_t* sorted = sort_items(items, scratch, count, bits);
-        refine_runs(job, copies, sorted, sorted == items ? scratch : items, count);
-        for (size_t i = 0; i < count; ++i, ++position) {
-            stp_record r = copies[(uint32_t)sorted[i]];
+        if (has_long_runs(sorted, count)) {
+            refine_runs(job, copies, sorted, scratch, count);
+        }
+        for (uint32_t done = 0, now; done < count; done += now, position += now) {
             uint32_t lane = position % STP_LEAF_SIZE, index = position / STP_LEAF_SIZE;
-            job->ids[position] = r.id;
-            stp_record* to = index < own ? shared->first : index < foreign ? leaf : shared->last;
-            to[lane] = r;
-            if (normals != NULL) {
-                write_normal(job, index, lane, normals[(uint32_t)sorted[i]]);
-            }
-            if (to == leaf && lane == STP_LEAF_SIZE - 1) {
-                for (lane = 0; lane < STP_LEAF_SIZE; ++lane) {
-                    write_lane(job, index, lane, leaf[lane]);
-                }
+            now = count - done < STP_LEAF_SIZE - lane ? count - done : STP_LEAF_SIZE - lane;
+            stp_leaf* to = index < own ? &shared->first : index < foreign ? &leaf : &shared->last;
+            cell_points from = {copies, normals, sorted + done};
+            write_lanes(&from, now, lane, to, normals != NULL ? &job->tree->normals[index] : NULL,
+                        job->ids + position);
+            if (to == &leaf && lane + now == STP_LEAF_SIZE) {
+                memcpy(&job->tree->leaves[index], &leaf, sizeof(leaf));
             }
         }
     }
+}
+
+static void write_lane(const sort_job* job, uint32_t position, const stp_leaf* from)
+{
+    stp_leaf* leaf = &job->tree->leaves[position / STP_LEAF_SIZE];
+    uint32_t lane = position % STP_LEAF_SIZE;
+    leaf->x[lane] = from->x[lane];
+    leaf->y[lane] = from->y[lane];
+    leaf->z[lane] = from->z[lane];
+    leaf->gap[lane] = INFINITY;
 }
 
 // Fills the leaves that tasks share, now that all records have been read.
@@ -242,13 +292,11 @@ static void write_shared(const sort_job* job)
         uint32_t position = job->starts[task * TASK_CELLS],
                  end = job->starts[(task + 1) * TASK_CELLS];
         for (; position < end && position % STP_LEAF_SIZE != 0; ++position) {
-            uint32_t lane = position % STP_LEAF_SIZE;
-            write_lane(job, position / STP_LEAF_SIZE, lane, shared->first[lane]);
+            write_lane(job, position, &shared->first);
         }
         uint32_t last = end - end % STP_LEAF_SIZE;
         for (position = position > last ? position : last; position < end; ++position) {
-            uint32_t lane = position % STP_LEAF_SIZE;
-            write_lane(job, position / STP_LEAF_SIZE, lane, shared->last[lane]);
+            write_lane(job, position, &shared->last);
         }
     }
 }
