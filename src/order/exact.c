@@ -27,6 +27,11 @@ enum {
 
 static const float front_ratio = 0.81f; // (0.9 r)^2 / r^2
 
+// While few points are chosen, each of the gaps between them holds a good part of all points, and a front at
+// 0.9 r copies most of those to choose one. Phases cost little then: few leaves reach the floor.
+enum { EARLY = 50 };
+static const float early_ratio = 0.96f;
+
 typedef struct greedy {
     const stp_points* points;
     stp_team team;
@@ -402,7 +407,8 @@ static stp_result run_phases(greedy* g)
     stp_order_output* out = g->output;
     float gap = stp_tree_gap(&g->tree);
     while (gap > 0.0f && (out->ordered < out->wanted || out->final_radius != NULL)) {
-        float floor = g->points->count <= FRONT_ALL ? FLT_TRUE_MIN : gap * front_ratio;
+        float ratio = out->ordered < EARLY ? early_ratio : front_ratio;
+        float floor = g->points->count <= FRONT_ALL ? FLT_TRUE_MIN : gap * ratio;
         collect_front(g, stp_max(floor, FLT_TRUE_MIN));
         gap = stp_tree_gap(&g->tree);
         if (g->front_count == 0) {

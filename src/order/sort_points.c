@@ -18,7 +18,7 @@ enum {
     TASK_CELLS = 8,       // cells sorted by one thread at a time
     TASKS = STP_CURVE_CELLS / TASK_CELLS,
     SIDE_BITS = 3,
-    AHEAD = 16, // normals asked for before they are needed
+    AHEAD = 32, // normals asked for before they are needed
 };
 
 _Static_assert(sizeof(stp_leaf) == STP_LEAF_SIZE * sizeof(stp_record), "sorted in place");
@@ -198,7 +198,9 @@ static void add_sides(const sort_job* job, const stp_record* records, stp_vec3* 
     const float* all = job->points->normals;
     for (size_t i = 0; i < count; ++i) {
         if (i + AHEAD < count) {
-            __builtin_prefetch(all + 3 * (size_t)records[i + AHEAD].id);
+            const float* next = all + 3 * (size_t)records[i + AHEAD].id;
+            __builtin_prefetch(next);
+            __builtin_prefetch(next + 2);
         }
         const float* n = all + 3 * (size_t)records[i].id;
         normals[i] = (stp_vec3){n[0], n[1], n[2]};
