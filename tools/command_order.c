@@ -3,10 +3,12 @@
 // stipple order: the points of a file in such an order that every prefix covers them all evenly.
 #include "command.h"
 #include "point_file.h"
+#include "tool.h"
 
 #include <stipple/order.h>
 
 #include <stdio.h>
+#include <string.h>
 
 static struct {
     const char* output;
@@ -158,6 +160,12 @@ static int run(int argc, char** argv)
     }
     if (args.output == NULL) {
         return tool_usage_error("order: expected -o ORDERED.ply");
+    }
+    if (strcmp(args.output, "-") == 0) {
+        return tool_usage_error("order cannot write to standard output; name a file");
+    }
+    if (tool_is_same_file(argv[0], args.output)) {
+        return tool_usage_error("%s is the input, and would be written over", argv[0]);
     }
     stp_context* context = tool_context_create((uint32_t)args.threads, 0, NULL);
     if (context == NULL) {

@@ -87,6 +87,8 @@ grep -q 'cover max' out || fail "table: $(cat out)"
 
 run 2 order ball.ply
 run 2 order -o x.ply
+run 2 order ball.ply -o -
+run 2 order ball.ply -o ./ball.ply
 run 2 distribution
 run 2 distribution exact.ply --prefix 10,x
 run 1 order missing.ply -o x.ply
