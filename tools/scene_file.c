@@ -124,15 +124,20 @@ static bool cache_path(stp_context* context, const char* path, const stp_mapped_
     return true;
 }
 
-/// What the cache holds; NULL where there is nothing, or nothing that can be read.
+/// What the cache holds; NULL where there is nothing, or nothing whole. Its own context keeps quiet about damage:
+/// the file is then built anew.
 static stp_store* open_cached(stp_context* context, const char* path)
 {
     struct stat status;
+    stp_context* quiet = NULL;
     stp_store* store = NULL;
-    if (stat(path, &status) != 0 || stp_store_open(context, path, &store) != STP_OK) {
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode) ||
+        stp_context_create(&quiet, &(stp_context_desc){.thread_count = 1}) != STP_OK) {
         return NULL;
     }
-    return store;
+    bool whole = stp_store_check(quiet, path, false) == STP_OK;
+    stp_context_destroy(quiet);
+    return whole && stp_store_open(context, path, &store) == STP_OK ? store : NULL;
 }
 
 stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)

@@ -84,6 +84,12 @@ head -c 100 "$file" > "cache/stipple/$(ls cache/stipple | head -n 1)"
 head -c 100 "$file" > "cache/stipple/$(ls cache/stipple | tail -n 1)"
 "$stipple" render ball.obj -o fourth.png --size 64x64 -q 2> err || fail "a damaged cache: $(cat err)"
 cmp -s third.png fourth.png || fail "a damaged cache changes the picture"
+for cached in cache/stipple/*; do # the same with a header that is whole
+    size=$(stat -c %s "$cached")
+    printf '\377\377\377\377' | dd of="$cached" bs=1 seek=$((size - 2000)) conv=notrunc 2> /dev/null
+done
+"$stipple" render ball.obj -o fifth.png --size 64x64 -q 2> err || fail "a damaged block: $(cat err)"
+cmp -s third.png fifth.png || fail "a damaged block changes the picture"
 echo "not a model" > text.xyzzy
 refused 1 "text.xyzzy" text.xyzzy -o a.png
 
