@@ -179,6 +179,7 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
 {
     const float most = (float)SPLAT_EXTENT_LIMIT;
     int32_t facing = f->splats->normals == NULL;
+    float depth[SPLAT_BATCH], away[SPLAT_BATCH];
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         float ax = (t->sx[i] - f->center_x) * f->inverse_scale;
         float ay = (t->sy[i] - f->center_y) * f->inverse_scale;
@@ -218,11 +219,8 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
         float ey2 = (ay * ay + 1.0f) - (ny - ay * nz) * (ny - ay * nz) / square;
         float grow = radius / (1.0f - ratio);
         t->g_limit[i] = fabsf(slope) * grow; // from a radius before the centre to one behind it
-        float depth = fabsf(slope) * radius; // a step of one radius along the gaze
-        int32_t turned = (int32_t)(D > 0.0f) & (facing ^ 1) & (int32_t)(t->kind[i] == SPLAT_DISK);
-        float behind = turned != 0 ? f->back_depth : 0.0f;
-        t->rim[i] = f->rim_depth * depth / t->limit[i];
-        t->nearness[i] = t->nearness[i] - behind * depth;
+        depth[i] = fabsf(slope) * radius;    // a step of one radius along the gaze
+        away[i] = D;
         float ex = grow * sqrtf(ex2 > 0.0f ? ex2 : 0.0f) + 0.01f;
         float ey = grow * sqrtf(ey2 > 0.0f ? ey2 : 0.0f) + 0.01f;
         t->u0[i] = ex;
@@ -230,6 +228,13 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
         t->large[i] = 1 - ((int32_t)(ex < most) & (int32_t)(ey < most));
         t->sx[i] = t->sx[i] > -SPLAT_FAR ? t->sx[i] : -SPLAT_FAR; // also where it is not a number
         t->sy[i] = t->sy[i] > -SPLAT_FAR ? t->sy[i] : -SPLAT_FAR;
+    }
+    float back = facing == 0 ? f->back_depth : 0.0f;
+    for (int i = 0; i < SPLAT_BATCH; ++i) { // apart: gcc vectorises neither when they are one
+        float behind = away[i] > 0.0f ? back : 0.0f;
+        float moved = t->nearness[i] - behind * depth[i];
+        t->nearness[i] = t->kind[i] == SPLAT_DISK ? moved : t->nearness[i];
+        t->rim[i] = f->rim_depth * depth[i] / t->limit[i];
     }
 }
 
