@@ -38,7 +38,7 @@ static stp_result load_buffer(stp_gltf_scope* scope, size_t index, stp_gltf* glt
         buffer->bytes = gltf->chunk;
         buffer->size = gltf->chunk_size;
     } else if (uri == NULL) {
-        return STP_OK; // a placeholder for compressed views; whoever reads from it fails
+        return STP_OK; // stands in for compressed views; whoever reads from it fails
     } else if (stp_gltf_uri_is_data(uri)) {
         result = stp_gltf_uri_decode(scope, uri, &buffer->owned, &buffer->size);
         buffer->bytes = buffer->owned;
