@@ -7,7 +7,7 @@
 #include <immintrin.h>
 
 /// 24 grid coordinates, deinterleaved into eight of each.
-static inline void load_positions(const uint16_t* positions, float* x, float* y, float* z)
+static inline void load_eight_positions(const uint16_t* positions, float* x, float* y, float* z)
 {
     enum { Z = -1 };
     const __m128i* at = (const __m128i*)(const void*)positions;
@@ -34,7 +34,7 @@ static inline void load_positions(const uint16_t* positions, float* x, float* y,
 }
 
 /// Eight pairs of bytes.
-static inline void load_normals(const int8_t* normals, float* nu, float* nv)
+static inline void load_eight_normals(const int8_t* normals, float* nu, float* nv)
 {
     __m256i pairs = _mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i*)(const void*)normals));
     __m256i u = _mm256_srai_epi32(_mm256_slli_epi32(pairs, 24), 24);
@@ -194,62 +194,23 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
     return fragments + draw_disk_scalar(f, t, i, index, box);
 }
 
-static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t first,
-                                  uint32_t count)
+static inline void load_positions(const uint16_t* positions, splat_batch* t)
 {
-    const stp_raster_splats* splats = f->splats;
-    uint32_t there = count < SPLAT_BATCH ? (1u << count) - 1u : 0xFFFFu;
-    uint64_t fragments = 0;
-    project_batch(f, t);
-    for (uint32_t pixels = lanes_of(t, SPLAT_PIXEL) & there; pixels != 0; pixels &= pixels - 1) {
-        int i = __builtin_ctz(pixels);
-        fragments += draw_pixel(f, t, i, first + (uint32_t)i);
-    }
-    if ((lanes_of(t, SPLAT_DISK) & there) != 0) {
-        if (splats->normals != NULL && count == SPLAT_BATCH) {
-            load_normals(splats->normals + 2 * (size_t)first, t->nu, t->nv);
-            load_normals(splats->normals + 2 * (size_t)first + 16, t->nu + 8, t->nv + 8);
-        } else if (splats->normals != NULL) {
-            load_normals_scalar(f, first, count, t);
-        }
-        shape_batch(f, t);
-        box_batch(t);
-        sort_batch(f, t);
-        uint32_t smalls = lanes_of(t, SPLAT_SMALL) & there;
-        fetch_small(f, t, smalls);
-        for (uint32_t small = smalls; small != 0; small &= small - 1) {
-            int i = __builtin_ctz(small);
-            fragments += draw_small(f, t, i, first + (uint32_t)i);
-        }
-        for (uint32_t wide = lanes_of(t, SPLAT_WIDE) & there; wide != 0; wide &= wide - 1) {
-            int i = __builtin_ctz(wide);
-            fragments += draw_wide(f, t, i, first + (uint32_t)i);
-        }
-    }
-    for (uint32_t large = lanes_of(t, SPLAT_LARGE) & there; large != 0; large &= large - 1) {
-        fragments += stp_splats_draw_large(f, first + (uint32_t)__builtin_ctz(large));
-    }
-    return fragments;
+    load_eight_positions(positions, t->px, t->py, t->pz);
+    load_eight_positions(positions + 24, t->px + 8, t->py + 8, t->pz + 8);
 }
+
+static inline void load_normals(const int8_t* normals, splat_batch* t)
+{
+    load_eight_normals(normals, t->nu, t->nv);
+    load_eight_normals(normals + 16, t->nu + 8, t->nv + 8);
+}
+
+#include "raster/splats_batches.h"
 
 uint64_t stp_splats_draw_avx2(const stp_splat_frame* frame)
 {
-    const stp_raster_splats* splats = frame->splats;
-    uint64_t fragments = 0;
-    splat_batch t = {0};
-    for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
-        uint32_t left = splats->end - first;
-        uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
-        if (splats->positions != NULL && count == SPLAT_BATCH) {
-            const uint16_t* positions = splats->positions + 3 * (size_t)first;
-            load_positions(positions, t.px, t.py, t.pz);
-            load_positions(positions + 24, t.px + 8, t.py + 8, t.pz + 8);
-        } else {
-            load_positions_scalar(frame, first, count, &t);
-        }
-        fragments += draw_batch(frame, &t, first, count);
-    }
-    return fragments;
+    return draw_all(frame);
 }
 
 #else
