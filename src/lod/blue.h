@@ -14,6 +14,12 @@ typedef struct stp_blue_desc {
     stp_order_desc order;
     uint32_t
         surfel_count; ///< most surfels; 0: the paper's rule, min(200k, half the triangles) (5.2)
+    /// What everything below a node looks like already, by node of the scene: NULL or a set of count 0 where there
+    /// is none. Where a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4; design.md,
+    /// Capture), and the winning surfels themselves become candidates. NULL: always triangles.
+    const stp_surfels* const* sets;
+    const stp_shading*
+        shadings; ///< what the sets' material bytes stand for: the scene's, as for the result
 } stp_blue_desc;
 
 typedef struct stp_blue_report {

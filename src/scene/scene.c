@@ -198,6 +198,7 @@ stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint
         .transform = object->transform,
         .first_part = (uint32_t)scene->part_count,
         .first_instance = (uint32_t)scene->instance_count,
+        .use = STP_NONE,
         .flags = object->flags,
         .node = STP_NONE,
     };

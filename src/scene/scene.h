@@ -19,7 +19,9 @@
 #pragma once
 
 #include "base/arena.h"
+#include "base/hash.h"
 #include "base/math.h"
+#include "base/spill.h"
 
 #define STP_NONE UINT32_MAX
 
@@ -71,6 +73,10 @@ typedef struct stp_mesh {
     uint32_t* indices;   ///< 3 a triangle, each below vertex_count
     uint32_t material;
     stp_box bounds;
+    stp_hash content; ///< of its geometry, without the material; set by stp_scene_finish
+    double
+        grid_step; ///< of its positions when stored (base/position_grid.h); set by stp_scene_finish
+    bool spilled;  ///< its arrays lie in the scene's spill file and are not freed one by one
 } stp_mesh;
 
 typedef struct stp_point_set {
@@ -81,6 +87,8 @@ typedef struct stp_point_set {
     uint8_t* colors;  ///< optional: RGBA a point, sRGB
     uint32_t material;
     stp_box bounds;
+    stp_hash content;
+    bool spilled;
 } stp_point_set;
 
 typedef enum stp_part_kind { STP_PART_MESH, STP_PART_POINTS } stp_part_kind;
@@ -92,7 +100,8 @@ typedef struct stp_part {
 } stp_part;
 
 enum {
-    STP_OBJECT_MOVING = 1 /**< skinned or animated: never merged into a static ancestor's surfels */
+    STP_OBJECT_MOVING = 1, ///< skinned or animated: never merged into a static ancestor's surfels
+    STP_OBJECT_PROTOTYPE = 2, ///< seen only where other objects use it (stp_scene_add_use)
 };
 
 typedef struct stp_object {
@@ -103,6 +112,8 @@ typedef struct stp_object {
     uint32_t first_part, part_count;
     uint32_t first_instance,
         instance_count; ///< transforms of its parts within it; 0: one, the identity
+    uint32_t
+        use; ///< an object of lower index whose parts and children it shows as well; STP_NONE: none
     uint32_t flags;
     uint32_t node; ///< set by stp_scene_finish
 } stp_object;
@@ -121,6 +132,8 @@ typedef struct stp_node {
     stp_boxd bounds;                 ///< of everything below, in the node's own space
     uint64_t triangle_count;         ///< of everything below, instances counted each
     uint64_t point_count;
+    double area;      ///< of all triangles below, instances counted each; square units of its space
+    stp_hash content; ///< of everything below it: geometry, materials, textures, transforms, flags
 } stp_node;
 
 /// A named camera. `eye`, `target` and `up` in scene space.
@@ -160,9 +173,16 @@ typedef struct stp_scene {
     size_t node_count, edge_count, node_part_count;
     uint32_t root; ///< the node that holds everything; STP_NONE in an empty scene
 
+    stp_spill* spill; ///< NULL: everything stays in memory
+    uint64_t spill_above, bulk_bytes;
+
     double unit_metres; ///< length of one unit; 0 where the input does not say
     const char* up;     ///< the input's up axis, "y" or "z": what was turned to y
 } stp_scene;
+
+/// From now on, meshes, point sets and texels that are added move to `spill` once more than `above_bytes` of
+/// them are in memory. The spill must outlive the scene. See base/spill.h.
+void stp_scene_use_spill(stp_scene* scene, stp_spill* spill, uint64_t above_bytes);
 
 /// An empty scene with its default material.
 STP_MUST_USE stp_result stp_scene_create(stp_context* context, stp_scene** scene);
@@ -184,6 +204,9 @@ STP_MUST_USE stp_result stp_scene_add_object(stp_scene* scene, const stp_object*
 /// Adds to the object added last.
 STP_MUST_USE stp_result stp_scene_add_part(stp_scene* scene, stp_part part);
 STP_MUST_USE stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform);
+/// Makes the object added last show what an earlier one shows, below its own transform (the earlier one's
+/// transform does not count): a sub-assembly written once, used many times, also within others.
+STP_MUST_USE stp_result stp_scene_add_use(stp_scene* scene, uint32_t object);
 STP_MUST_USE stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view);
 STP_MUST_USE stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source);
 
