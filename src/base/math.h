@@ -151,6 +151,18 @@ static inline stp_affine stp_affine_identity(void)
     return (stp_affine){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 }
 
+static inline bool stp_affine_is_identity(const stp_affine* a)
+{
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 4; ++c) {
+            if (a->m[r][c] != (r == c ? 1.0 : 0.0)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 /// `a` after `b`.
 static inline stp_affine stp_affine_multiply(stp_affine a, stp_affine b)
 {

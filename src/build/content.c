@@ -185,6 +185,10 @@ static bool convert_names(stp_build_content* c, const stp_scene* scene)
                                         .parent = object->parent,
                                         .node = object->node,
                                         .transform = object->transform};
+        if ((object->flags & STP_OBJECT_PROTOTYPE) != 0) { // it stands nowhere by itself
+            objects[i].parent = STP_STORE_NONE;
+            objects[i].transform = (stp_affine){{{0}}};
+        }
     }
     for (size_t i = 0; i < scene->view_count; ++i) {
         const stp_scene_view* view = &scene->views[i];

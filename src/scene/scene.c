@@ -232,6 +232,13 @@ stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform)
     return STP_OK;
 }
 
+stp_result stp_scene_add_use(stp_scene* scene, uint32_t object)
+{
+    assert(scene->object_count > 0 && object < scene->object_count - 1);
+    scene->objects[scene->object_count - 1].use = object;
+    return STP_OK;
+}
+
 stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view)
 {
     stp_scene_view* views = GROW(scene, view);

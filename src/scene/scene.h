@@ -205,7 +205,9 @@ STP_MUST_USE stp_result stp_scene_add_object(stp_scene* scene, const stp_object*
 STP_MUST_USE stp_result stp_scene_add_part(stp_scene* scene, stp_part part);
 STP_MUST_USE stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform);
 /// Makes the object added last show what an earlier one shows, below its own transform (the earlier one's
-/// transform does not count): a sub-assembly written once, used many times, also within others.
+/// transform does not count): a sub-assembly written once, used many times, also within others. One use an
+/// object. Its instances place what it uses as well as its own parts. Where objects contain themselves that way,
+/// stp_scene_finish fails with STP_ERROR_FORMAT.
 STP_MUST_USE stp_result stp_scene_add_use(stp_scene* scene, uint32_t object);
 STP_MUST_USE stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view);
 STP_MUST_USE stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source);

@@ -3,53 +3,14 @@
 // From the tree of objects to the graph of nodes: identical meshes become one, identical subtrees
 // one node. Identity is by content (128-bit hashes), so it holds however often and wherever the
 // input wrote a thing.
-#include "base/hash.h"
 #include "scene/bounds.h"
+#include "scene/content_table.h"
 #include "scene/scene.h"
 
 #include <assert.h>
 #include <string.h>
 
-// An open-addressing table from content to index.
-typedef struct content_entry {
-    stp_hash hash;
-    uint32_t index; ///< STP_NONE: free
-} content_entry;
-
-typedef struct content_table {
-    content_entry* entries;
-    size_t mask;
-} content_table;
-
-static stp_result create_table(stp_context* context, size_t count, content_table* table)
-{
-    size_t size = 16;
-    while (size < 2 * count) {
-        size *= 2;
-    }
-    table->mask = size - 1;
-    table->entries = STP_NEW_ARRAY(context, content_entry, size);
-    if (table->entries == NULL) {
-        return stp_fail_memory(context);
-    }
-    memset(table->entries, 0xff, size * sizeof(content_entry));
-    return STP_OK;
-}
-
-// The index first stored under this content; `index` itself where it is new.
-static uint32_t find_or_add(content_table* table, stp_hash hash, uint32_t index)
-{
-    for (size_t slot = hash.low & table->mask;; slot = (slot + 1) & table->mask) {
-        content_entry* entry = &table->entries[slot];
-        if (entry->index == STP_NONE) {
-            *entry = (content_entry){.hash = hash, .index = index};
-            return index;
-        }
-        if (stp_hash_equal(entry->hash, hash)) {
-            return entry->index;
-        }
-    }
-}
+#define NODE_FLAGS ((uint32_t)STP_OBJECT_MOVING) // what a node has of its objects' flags
 
 static stp_hash hash_optional(stp_hash hash, const void* bytes, size_t size)
 {
@@ -99,41 +60,50 @@ static void measure_meshes(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-// Points every part at the first mesh with its content. The copies' arrays are freed.
+// Keeps the first mesh of each content, frees the others' arrays, and points every part at what is kept.
+static void keep_first_meshes(stp_scene* scene, uint32_t* first)
+{
+    stp_context* context = scene->context;
+    size_t kept = 0;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        stp_mesh* mesh = &scene->meshes[i];
+        if (first[i] == i) {
+            first[i] = (uint32_t)kept;
+            scene->meshes[kept++] = *mesh;
+            continue;
+        }
+        first[i] = first[first[i]];
+        void* arrays[] = {mesh->positions,    mesh->normals, mesh->texcoords[0],
+                          mesh->texcoords[1], mesh->colors,  mesh->indices};
+        for (size_t k = 0; k < sizeof(arrays) / sizeof(arrays[0]); ++k) {
+            stp_free(context, arrays[k]);
+        }
+    }
+    scene->mesh_count = kept;
+    for (size_t i = 0; i < scene->part_count; ++i) {
+        stp_part* part = &scene->parts[i];
+        part->index = part->kind == STP_PART_MESH ? first[part->index] : part->index;
+    }
+}
+
 static stp_result merge_meshes(stp_scene* scene)
 {
     stp_context* context = scene->context;
-    content_table table = {0};
+    stp_content_table table = {0};
     stp_hash* hashes = STP_NEW_ARRAY(context, stp_hash, scene->mesh_count);
     uint32_t* first = STP_NEW_ARRAY(context, uint32_t, scene->mesh_count);
-    stp_result result = hashes != NULL && first != NULL
-                            ? create_table(context, scene->mesh_count, &table)
-                            : stp_fail_memory(context);
+    stp_result result = hashes != NULL && first != NULL ? STP_OK : stp_fail_memory(context);
     if (result == STP_OK) {
         stp_parallel_for(context, scene->mesh_count, 16, measure_meshes,
                          &(hash_work){scene, hashes});
-        size_t kept = 0;
-        for (size_t i = 0; i < scene->mesh_count; ++i) {
-            uint32_t found = find_or_add(&table, hashes[i], (uint32_t)kept);
-            first[i] = found;
-            stp_mesh* mesh = &scene->meshes[i];
-            if (found == kept) {
-                scene->meshes[kept++] = *mesh;
-                continue;
-            }
-            void* arrays[] = {mesh->positions,    mesh->normals, mesh->texcoords[0],
-                              mesh->texcoords[1], mesh->colors,  mesh->indices};
-            for (size_t k = 0; k < sizeof(arrays) / sizeof(arrays[0]); ++k) {
-                stp_free(context, arrays[k]);
-            }
-        }
-        scene->mesh_count = kept;
-        for (size_t i = 0; i < scene->part_count; ++i) {
-            stp_part* part = &scene->parts[i];
-            part->index = part->kind == STP_PART_MESH ? first[part->index] : part->index;
-        }
     }
-    stp_free(context, table.entries);
+    for (size_t i = 0; result == STP_OK && i < scene->mesh_count; ++i) {
+        result = stp_content_table_find(context, &table, hashes[i], (uint32_t)i, &first[i]);
+    }
+    if (result == STP_OK) {
+        keep_first_meshes(scene, first);
+    }
+    stp_content_table_destroy(context, &table);
     stp_free(context, first);
     stp_free(context, hashes);
     return result;
@@ -145,15 +115,20 @@ static bool part_is_empty(const stp_scene* scene, stp_part part)
                                       : scene->point_sets[part.index].point_count == 0;
 }
 
-// What making the graph needs: the children of each object, and lists of contents.
+// What making the graph needs: the children of each object, and the contents of nodes.
 typedef struct share {
     stp_scene* scene;
-    uint32_t* first_child; ///< of each object; then STP_NONE
+    uint32_t*
+        first_child; ///< of each object; then STP_NONE; later the first that may lack its node
     uint32_t* next_sibling;
     uint32_t* last_child;
-    content_table table;
-    size_t edge_capacity, part_capacity, node_capacity;
+    uint8_t* states; ///< of each object: visit_state
+    uint32_t* stack; ///< objects whose nodes wait for others'
+    stp_content_table table;
+    size_t edge_capacity, part_capacity, node_capacity, stack_count, stack_capacity;
 } share;
+
+typedef enum visit_state { NOT_VISITED, WAITING, DONE } visit_state;
 
 static stp_result add_edge(share* s, const stp_edge* edge)
 {
@@ -237,45 +212,88 @@ static stp_result close_node(share* s, size_t first_edge, size_t first_part, uin
         .part_count = (uint32_t)(scene->node_part_count - first_part),
         .flags = flags,
     };
-    uint32_t found = find_or_add(&s->table, hash_node(scene, &node), (uint32_t)scene->node_count);
+    uint32_t found;
+    stp_result result = stp_content_table_find(scene->context, &s->table, hash_node(scene, &node),
+                                               (uint32_t)scene->node_count, &found);
+    if (result != STP_OK) {
+        return result;
+    }
     *index = found;
     if (found != scene->node_count) {
         scene->edge_count = first_edge;
         scene->node_part_count = first_part;
         return STP_OK;
     }
-    assert(scene->node_count < s->node_capacity);
+    stp_node* nodes = scene->node_count < STP_NONE
+                          ? stp_grow_array(scene->context, scene->nodes, &s->node_capacity,
+                                           scene->node_count + 1, sizeof(*nodes))
+                          : NULL;
+    if (nodes == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    scene->nodes = nodes;
     measure_node(scene, &node);
-    scene->nodes[scene->node_count++] = node;
+    nodes[scene->node_count++] = node;
     return STP_OK;
 }
 
-// The node of an object whose children have theirs. An object without anything below gets none.
-static stp_result share_object(share* s, uint32_t index)
+// What instances of the object place: its own parts, and what it uses.
+static stp_result add_own_content(share* s, const stp_object* object)
 {
     stp_scene* scene = s->scene;
-    stp_object* object = &scene->objects[index];
-    uint32_t content = STP_NONE; // the node of the object's instanced parts
-    size_t first_part = scene->node_part_count;
     stp_result result = STP_OK;
     for (uint32_t i = 0; result == STP_OK && i < object->part_count; ++i) {
         stp_part part = scene->parts[object->first_part + i];
         result = part_is_empty(scene, part) ? STP_OK : add_node_part(s, part);
     }
-    bool instanced = object->instance_count > 0 && scene->node_part_count > first_part;
-    if (result == STP_OK && instanced) {
-        result = close_node(s, scene->edge_count, first_part, object->flags, &content);
+    uint32_t used = object->use != STP_NONE ? scene->objects[object->use].node : STP_NONE;
+    if (result == STP_OK && used != STP_NONE) {
+        result = add_edge(s, &(stp_edge){.node = used, .transform = stp_affine_identity()});
+    }
+    return result;
+}
+
+// Closes the node of an object, unless it would only repeat the node of what the object uses: then it is that.
+static stp_result close_object(share* s, const stp_object* object, size_t first_edge,
+                               size_t first_part, uint32_t* index)
+{
+    stp_scene* scene = s->scene;
+    uint32_t used = object->use != STP_NONE ? scene->objects[object->use].node : STP_NONE;
+    uint32_t flags = object->flags & NODE_FLAGS;
+    bool single = scene->edge_count == first_edge + 1 && scene->node_part_count == first_part;
+    if (used != STP_NONE && single && scene->edges[first_edge].node == used &&
+        stp_affine_is_identity(&scene->edges[first_edge].transform) &&
+        (flags & ~scene->nodes[used].flags) == 0) {
+        scene->edge_count = first_edge;
+        *index = used;
+        return STP_OK;
+    }
+    return close_node(s, first_edge, first_part, flags, index);
+}
+
+// The node of an object when what it depends on has its nodes. An object without anything below gets none.
+static stp_result share_object(share* s, uint32_t index)
+{
+    stp_scene* scene = s->scene;
+    stp_object* object = &scene->objects[index];
+    uint32_t content = STP_NONE; // the node that is instanced
+    size_t first_edge = scene->edge_count, first_part = scene->node_part_count;
+    stp_result result = add_own_content(s, object);
+    bool hollow = scene->edge_count == first_edge && scene->node_part_count == first_part;
+    if (result == STP_OK && object->instance_count > 0 && !hollow) {
+        result = close_object(s, object, first_edge, first_part, &content);
+        first_edge = scene->edge_count;
         first_part = scene->node_part_count;
     }
-    size_t first_edge = scene->edge_count;
     for (uint32_t child = s->first_child[index]; result == STP_OK && child != STP_NONE;
          child = s->next_sibling[child]) {
         const stp_object* below = &scene->objects[child];
-        if (below->node != STP_NONE) {
+        if (below->node != STP_NONE && (below->flags & STP_OBJECT_PROTOTYPE) == 0) {
             result = add_edge(s, &(stp_edge){.node = below->node, .transform = below->transform});
         }
     }
-    for (uint32_t i = 0; result == STP_OK && instanced && i < object->instance_count; ++i) {
+    for (uint32_t i = 0; result == STP_OK && content != STP_NONE && i < object->instance_count;
+         ++i) {
         result =
             add_edge(s, &(stp_edge){.node = content,
                                     .transform = scene->instances[object->first_instance + i]});
@@ -284,7 +302,57 @@ static stp_result share_object(share* s, uint32_t index)
     if (result != STP_OK || empty) {
         return result;
     }
-    return close_node(s, first_edge, first_part, object->flags, &object->node);
+    return close_object(s, object, first_edge, first_part, &object->node);
+}
+
+static stp_result push_object(share* s, uint32_t index)
+{
+    stp_context* context = s->scene->context;
+    if (s->states[index] == WAITING) {
+        const char* name = s->scene->objects[index].name;
+        return stp_fail(
+            context, STP_ERROR_FORMAT,
+            "object %u (%s) would contain itself through the objects that are used in it", index,
+            name != NULL ? name : "no name");
+    }
+    uint32_t* stack =
+        stp_grow_array(context, s->stack, &s->stack_capacity, s->stack_count + 1, sizeof(*stack));
+    if (stack == NULL) {
+        return stp_fail_memory(context);
+    }
+    s->stack = stack;
+    s->states[index] = WAITING;
+    stack[s->stack_count++] = index;
+    return STP_OK;
+}
+
+// Something that must have its node before the object: a child, or what it uses; STP_NONE: nothing is missing.
+static uint32_t find_missing(share* s, uint32_t index)
+{
+    uint32_t* next = &s->last_child[index]; // where the search goes on
+    while (*next != STP_NONE && s->states[*next] == DONE) {
+        *next = s->next_sibling[*next];
+    }
+    uint32_t use = s->scene->objects[index].use;
+    return *next != STP_NONE ? *next : use != STP_NONE && s->states[use] != DONE ? use : STP_NONE;
+}
+
+// Gives nodes to an object and to all that it depends on.
+static stp_result share_depending(share* s, uint32_t index)
+{
+    stp_result result = s->states[index] != DONE ? push_object(s, index) : STP_OK;
+    while (result == STP_OK && s->stack_count > 0) {
+        uint32_t top = s->stack[s->stack_count - 1];
+        uint32_t missing = find_missing(s, top);
+        if (missing != STP_NONE) {
+            result = push_object(s, missing);
+            continue;
+        }
+        result = share_object(s, top);
+        s->states[top] = DONE;
+        s->stack_count -= 1;
+    }
+    return result;
 }
 
 // The root: what holds all objects without a parent.
@@ -294,7 +362,8 @@ static stp_result share_roots(share* s)
     size_t first_edge = scene->edge_count;
     for (uint32_t i = 0; i < scene->object_count; ++i) {
         const stp_object* object = &scene->objects[i];
-        if (object->parent == STP_NONE && object->node != STP_NONE) {
+        bool shown = (object->flags & STP_OBJECT_PROTOTYPE) == 0;
+        if (object->parent == STP_NONE && object->node != STP_NONE && shown) {
             stp_edge edge = {.node = object->node, .transform = object->transform};
             stp_result result = add_edge(s, &edge);
             if (result != STP_OK) {
@@ -331,36 +400,35 @@ static stp_result make_graph(share* s)
 {
     stp_scene* scene = s->scene;
     stp_context* context = scene->context;
-    s->node_capacity = 2 * scene->object_count + 1;
-    scene->nodes = STP_NEW_ARRAY(context, stp_node, s->node_capacity);
     s->first_child = STP_NEW_ARRAY(context, uint32_t, scene->object_count);
     s->next_sibling = STP_NEW_ARRAY(context, uint32_t, scene->object_count);
     s->last_child = STP_NEW_ARRAY(context, uint32_t, scene->object_count);
-    if (scene->nodes == NULL || s->first_child == NULL || s->next_sibling == NULL ||
-        s->last_child == NULL) {
+    s->states = STP_NEW_ZEROED(context, uint8_t, scene->object_count);
+    if (s->first_child == NULL || s->next_sibling == NULL || s->last_child == NULL ||
+        s->states == NULL) {
         return stp_fail_memory(context);
     }
-    stp_result result = create_table(context, s->node_capacity, &s->table);
-    if (result != STP_OK) {
-        return result;
-    }
     link_children(s);
+    memcpy(s->last_child, s->first_child, scene->object_count * sizeof(uint32_t));
+    stp_result result = STP_OK;
     for (size_t i = scene->object_count; result == STP_OK && i > 0; --i) {
-        result = share_object(s, (uint32_t)(i - 1)); // parents come before their children
+        result = share_depending(s, (uint32_t)(i - 1)); // parents come before their children
     }
     return result != STP_OK ? result : share_roots(s);
 }
 
 stp_result stp_scene_finish(stp_scene* scene)
 {
-    assert(scene->nodes == NULL && "finished already");
+    assert(scene->nodes == NULL && scene->root == STP_NONE && "finished already");
     stp_result result = merge_meshes(scene);
     if (result != STP_OK) {
         return result;
     }
     share s = {.scene = scene};
     result = make_graph(&s);
-    stp_free(scene->context, s.table.entries);
+    stp_content_table_destroy(scene->context, &s.table);
+    stp_free(scene->context, s.stack);
+    stp_free(scene->context, s.states);
     stp_free(scene->context, s.last_child);
     stp_free(scene->context, s.next_sibling);
     stp_free(scene->context, s.first_child);
