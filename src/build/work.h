@@ -7,6 +7,9 @@
 //   FILE.stip.work/  lock  segment-000000  segment-000001 ...
 //
 //   segment:  | magic, version | key 16, size 8, checksum 8 | bytes, padded to 64 | key ... |
+//
+// A segment holds up to 256 MiB, and a large result has one of its own. Each is mapped once, in full, so what was
+// given out stays where it is while the file grows. Opening reads the heads of the results only.
 #pragma once
 
 #include "base/context.h"
@@ -21,9 +24,13 @@ typedef struct stp_work_report {
 } stp_work_report;
 
 /// Opens or makes the folder and locks it. `fresh` empties it first. Only files of its own kind are ever removed.
-/// @return STP_OK; STP_ERROR_IO (logged): no permission, disk full, another build at work there
+/// @return STP_OK; STP_ERROR_IO (logged): no permission, disk full, another build at work there;
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_work_open(stp_context* context, const char* folder, bool fresh,
                                       stp_work** work);
+/// The same with segments of another size (a multiple of 64, at least 1024), for tests.
+STP_MUST_USE stp_result stp_work_open_with(stp_context* context, const char* folder, bool fresh,
+                                           size_t segment_bytes, stp_work** work);
 
 /// The bytes stored under `key`, 64-byte aligned, mapped, valid until the directory is closed; NULL: none. The
 /// checksum is verified the first time. Any thread.
@@ -31,15 +38,13 @@ const void* stp_work_find(stp_work* work, stp_hash key, size_t* size);
 
 /// Stores the pieces, one after the other, as one result, and gives its mapped bytes (`stored` may be NULL). A
 /// key stored already keeps its first content. Any thread.
-/// @return STP_OK, STP_ERROR_IO (logged), STP_ERROR_OUT_OF_MEMORY
-typedef struct stp_work_piece {
-    const void* bytes;
-    size_t size;
-} stp_work_piece;
+/// @return STP_OK, STP_ERROR_IO (logged once: where the disk is full, all that follow fail too, silently),
+/// STP_ERROR_OUT_OF_MEMORY (logged)
+typedef stp_bytes stp_work_piece;
 STP_MUST_USE stp_result stp_work_store(stp_work* work, stp_hash key, const stp_work_piece* pieces,
                                        size_t piece_count, const void** stored);
 
 void stp_work_get_report(const stp_work* work, stp_work_report* report);
 
-/// Unlocks and closes; `remove` deletes the directory with all results. NULL is allowed.
+/// Unlocks and closes; `remove` deletes all results, and the directory where nothing else is in it. NULL is allowed.
 void stp_work_close(stp_work* work, bool remove);
