@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "scene/scene.h"
+#include "scene/bulk.h"
 
 #include <assert.h>
 #include <string.h>
@@ -44,23 +44,6 @@ stp_result stp_scene_create(stp_context* context, stp_scene** scene)
     return STP_OK;
 }
 
-static void free_mesh(stp_context* context, const stp_mesh* mesh)
-{
-    stp_free(context, mesh->positions);
-    stp_free(context, mesh->normals);
-    stp_free(context, mesh->texcoords[0]);
-    stp_free(context, mesh->texcoords[1]);
-    stp_free(context, mesh->colors);
-    stp_free(context, mesh->indices);
-}
-
-static void free_point_set(stp_context* context, const stp_point_set* points)
-{
-    stp_free(context, points->positions);
-    stp_free(context, points->normals);
-    stp_free(context, points->colors);
-}
-
 void stp_scene_destroy(stp_scene* scene)
 {
     if (scene == NULL) {
@@ -68,14 +51,15 @@ void stp_scene_destroy(stp_scene* scene)
     }
     stp_context* context = scene->context;
     for (size_t i = 0; i < scene->mesh_count; ++i) {
-        free_mesh(context, &scene->meshes[i]);
+        stp_mesh_free_arrays(scene, &scene->meshes[i]);
     }
     for (size_t i = 0; i < scene->point_set_count; ++i) {
-        free_point_set(context, &scene->point_sets[i]);
+        stp_points_free_arrays(scene, &scene->point_sets[i]);
     }
     for (size_t i = 0; i < scene->texture_count; ++i) {
-        stp_free(context, scene->textures[i].texels);
+        stp_texture_free_texels(scene, &scene->textures[i]);
     }
+    stp_content_table_destroy(context, &scene->spilled);
     void* arrays[] = {scene->meshes,  scene->point_sets, scene->materials, scene->textures,
                       scene->objects, scene->parts,      scene->instances, scene->views,
                       scene->sources, scene->nodes,      scene->edges,     scene->node_parts};
@@ -118,40 +102,50 @@ static void give_index(uint32_t* index, size_t count)
 
 stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* index)
 {
+    stp_mesh added = *mesh;
+    added.spilled = false;
+    added.content = (stp_hash){0};
     stp_mesh* meshes = GROW_ARRAY(scene, meshes, mesh);
     if (meshes == NULL) {
-        free_mesh(scene->context, mesh);
+        scene->bulk_bytes += stp_mesh_bytes(&added);
+        stp_mesh_free_arrays(scene, &added);
         return stp_fail_memory(scene->context);
     }
     scene->meshes = meshes;
     give_index(index, scene->mesh_count);
     stp_mesh* kept = &meshes[scene->mesh_count++];
-    *kept = *mesh;
+    *kept = added;
     kept->bounds = stp_box_empty();
     for (uint32_t i = 0; i < kept->vertex_count; ++i) {
         const float* p = kept->positions + 3 * (size_t)i;
         stp_box_add(&kept->bounds, (stp_vec3){p[0], p[1], p[2]});
     }
-    return keep_text(scene, &kept->name);
+    stp_result result = stp_mesh_settle(scene, (uint32_t)(scene->mesh_count - 1));
+    return result != STP_OK ? result : keep_text(scene, &kept->name);
 }
 
 stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points, uint32_t* index)
 {
+    stp_point_set added = *points;
+    added.spilled = false;
+    added.content = (stp_hash){0};
     stp_point_set* sets = GROW(scene, point_set);
     if (sets == NULL) {
-        free_point_set(scene->context, points);
+        scene->bulk_bytes += stp_points_bytes(&added);
+        stp_points_free_arrays(scene, &added);
         return stp_fail_memory(scene->context);
     }
     scene->point_sets = sets;
     give_index(index, scene->point_set_count);
     stp_point_set* kept = &sets[scene->point_set_count++];
-    *kept = *points;
+    *kept = added;
     kept->bounds = stp_box_empty();
     for (uint32_t i = 0; i < kept->point_count; ++i) {
         const float* p = kept->positions + 3 * (size_t)i;
         stp_box_add(&kept->bounds, (stp_vec3){p[0], p[1], p[2]});
     }
-    return keep_text(scene, &kept->name);
+    stp_result result = stp_points_settle(scene, (uint32_t)(scene->point_set_count - 1));
+    return result != STP_OK ? result : keep_text(scene, &kept->name);
 }
 
 stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material, uint32_t* index)
@@ -169,16 +163,21 @@ stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material
 
 stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture, uint32_t* index)
 {
+    stp_texture added = *texture;
+    added.spilled = false;
+    added.content = (stp_hash){0};
     stp_texture* textures = GROW(scene, texture);
     if (textures == NULL) {
-        stp_free(scene->context, texture->texels);
+        scene->bulk_bytes += stp_texture_bytes(&added);
+        stp_texture_free_texels(scene, &added);
         return stp_fail_memory(scene->context);
     }
     scene->textures = textures;
     give_index(index, scene->texture_count);
     stp_texture* kept = &textures[scene->texture_count++];
-    *kept = *texture;
-    return keep_text(scene, &kept->name);
+    *kept = added;
+    stp_result result = stp_texture_settle(scene, (uint32_t)(scene->texture_count - 1));
+    return result != STP_OK ? result : keep_text(scene, &kept->name);
 }
 
 stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object, uint32_t* index)

@@ -22,6 +22,7 @@
 #include "base/hash.h"
 #include "base/math.h"
 #include "base/spill.h"
+#include "scene/content_table.h"
 
 #define STP_NONE UINT32_MAX
 
@@ -51,6 +52,7 @@ typedef struct stp_material {
     stp_texture_use base_color_texture;         ///< sRGB, alpha
     stp_texture_use metallic_roughness_texture; ///< linear: green roughness, blue metallic
     stp_texture_use emissive_texture;           ///< sRGB
+    stp_hash content; ///< of all that is seen of it, textures included; set by stp_scene_finish
 } stp_material;
 
 typedef struct stp_texture {
@@ -58,7 +60,9 @@ typedef struct stp_texture {
     uint32_t width, height;
     uint8_t* texels; ///< owned; RGBA rows, top first
     stp_wrap wrap_u, wrap_v;
-    bool nearest; ///< magnified without interpolation
+    bool nearest;     ///< magnified without interpolation
+    bool spilled;     ///< its texels lie in the scene's spill file
+    stp_hash content; ///< set by stp_scene_finish
 } stp_texture;
 
 /// Triangles of one material. Arrays are owned; those marked optional may be NULL.
@@ -76,7 +80,8 @@ typedef struct stp_mesh {
     stp_hash content; ///< of its geometry, without the material; set by stp_scene_finish
     double
         grid_step; ///< of its positions when stored (base/position_grid.h); set by stp_scene_finish
-    bool spilled;  ///< its arrays lie in the scene's spill file and are not freed one by one
+    double area;   ///< of its triangles; set by stp_scene_finish
+    bool spilled;  ///< its arrays lie in the scene's spill file, perhaps shared with other meshes
 } stp_mesh;
 
 typedef struct stp_point_set {
@@ -174,14 +179,17 @@ typedef struct stp_scene {
     uint32_t root; ///< the node that holds everything; STP_NONE in an empty scene
 
     stp_spill* spill; ///< NULL: everything stays in memory
-    uint64_t spill_above, bulk_bytes;
+    uint64_t spill_above;
+    uint64_t bulk_bytes;       ///< of meshes, point sets and textures that are in memory
+    stp_content_table spilled; ///< which mesh, point set or texture in the spill has a content
 
     double unit_metres; ///< length of one unit; 0 where the input does not say
     const char* up;     ///< the input's up axis, "y" or "z": what was turned to y
 } stp_scene;
 
 /// From now on, meshes, point sets and texels that are added move to `spill` once more than `above_bytes` of
-/// them are in memory. The spill must outlive the scene. See base/spill.h.
+/// them are in memory; what lies there already is not written again. The spill must outlive the scene. Adding
+/// then also fails with STP_ERROR_IO (logged). See base/spill.h.
 void stp_scene_use_spill(stp_scene* scene, stp_spill* spill, uint64_t above_bytes);
 
 /// An empty scene with its default material.

@@ -4,7 +4,8 @@
 // one node. Identity is by content (128-bit hashes), so it holds however often and wherever the
 // input wrote a thing.
 #include "scene/bounds.h"
-#include "scene/content_table.h"
+#include "scene/bulk.h"
+#include "scene/content.h"
 #include "scene/scene.h"
 
 #include <assert.h>
@@ -12,24 +13,11 @@
 
 #define NODE_FLAGS ((uint32_t)STP_OBJECT_MOVING) // what a node has of its objects' flags
 
-static stp_hash hash_optional(stp_hash hash, const void* bytes, size_t size)
+// What makes a mesh another: its geometry and its material.
+static stp_hash hash_mesh(stp_mesh* mesh)
 {
-    unsigned char present = bytes != NULL;
-    hash = stp_hash_bytes(hash, &present, 1);
-    return bytes != NULL ? stp_hash_bytes(hash, bytes, size) : hash;
-}
-
-static stp_hash hash_mesh(const stp_mesh* mesh)
-{
-    size_t vertices = mesh->vertex_count, triangles = mesh->triangle_count;
-    uint32_t head[3] = {mesh->vertex_count, mesh->triangle_count, mesh->material};
-    stp_hash hash = stp_hash_bytes((stp_hash){0}, head, sizeof(head));
-    hash = hash_optional(hash, mesh->positions, vertices * 3 * sizeof(float));
-    hash = hash_optional(hash, mesh->normals, vertices * 3 * sizeof(float));
-    hash = hash_optional(hash, mesh->texcoords[0], vertices * 2 * sizeof(float));
-    hash = hash_optional(hash, mesh->texcoords[1], vertices * 2 * sizeof(float));
-    hash = hash_optional(hash, mesh->colors, vertices * 4 * sizeof(uint16_t));
-    return hash_optional(hash, mesh->indices, triangles * 3 * sizeof(uint32_t));
+    mesh->content = stp_mesh_hash(mesh);
+    return stp_hash_bytes(mesh->content, &mesh->material, sizeof(mesh->material));
 }
 
 typedef struct hash_work {
@@ -63,7 +51,6 @@ static void measure_meshes(size_t begin, size_t end, uint32_t worker, void* user
 // Keeps the first mesh of each content, frees the others' arrays, and points every part at what is kept.
 static void keep_first_meshes(stp_scene* scene, uint32_t* first)
 {
-    stp_context* context = scene->context;
     size_t kept = 0;
     for (size_t i = 0; i < scene->mesh_count; ++i) {
         stp_mesh* mesh = &scene->meshes[i];
@@ -73,11 +60,7 @@ static void keep_first_meshes(stp_scene* scene, uint32_t* first)
             continue;
         }
         first[i] = first[first[i]];
-        void* arrays[] = {mesh->positions,    mesh->normals, mesh->texcoords[0],
-                          mesh->texcoords[1], mesh->colors,  mesh->indices};
-        for (size_t k = 0; k < sizeof(arrays) / sizeof(arrays[0]); ++k) {
-            stp_free(context, arrays[k]);
-        }
+        stp_mesh_free_arrays(scene, mesh);
     }
     scene->mesh_count = kept;
     for (size_t i = 0; i < scene->part_count; ++i) {

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The large arrays of meshes, point sets and textures: in memory, or in the scene's spill file.
+#pragma once
+
+#include "scene/scene.h"
+
+typedef struct stp_bulk_array {
+    void* bytes; ///< NULL: there is none
+    size_t size;
+} stp_bulk_array;
+
+enum { STP_MESH_ARRAYS = 6, STP_POINT_ARRAYS = 3 };
+
+// The arrays of a thing in a fixed order, and back.
+void stp_mesh_get_arrays(const stp_mesh* mesh, stp_bulk_array arrays[STP_MESH_ARRAYS]);
+void stp_mesh_set_arrays(stp_mesh* mesh, const stp_bulk_array arrays[STP_MESH_ARRAYS]);
+void stp_points_get_arrays(const stp_point_set* points, stp_bulk_array arrays[STP_POINT_ARRAYS]);
+void stp_points_set_arrays(stp_point_set* points, const stp_bulk_array arrays[STP_POINT_ARRAYS]);
+
+uint64_t stp_mesh_bytes(const stp_mesh* mesh);
+uint64_t stp_points_bytes(const stp_point_set* points);
+uint64_t stp_texture_bytes(const stp_texture* texture);
+
+// Free the arrays where they are the scene's memory, and take them off its count.
+void stp_mesh_free_arrays(stp_scene* scene, stp_mesh* mesh);
+void stp_points_free_arrays(stp_scene* scene, stp_point_set* points);
+void stp_texture_free_texels(stp_scene* scene, stp_texture* texture);
+
+// Count what was just added, and move it to the spill where there is too much in memory. Content that lies in
+// the spill already is not written again. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged); the
+// thing is whole in any case
+STP_MUST_USE stp_result stp_mesh_settle(stp_scene* scene, uint32_t index);
+STP_MUST_USE stp_result stp_points_settle(stp_scene* scene, uint32_t index);
+STP_MUST_USE stp_result stp_texture_settle(stp_scene* scene, uint32_t index);
+
+/// Gives each array room of its size in one piece of the spill.
+/// @return STP_OK or STP_ERROR_IO (logged; nothing changed). Any thread.
+STP_MUST_USE stp_result stp_bulk_alloc_spilled(stp_spill* spill, stp_bulk_array* arrays,
+                                               size_t count);
