@@ -360,6 +360,22 @@ stp_result stp_work_store(stp_work* work, stp_hash key, const stp_work_piece* pi
     return result;
 }
 
+void stp_work_forget(stp_work* work, stp_hash key)
+{
+    pthread_mutex_lock(&work->mutex);
+    stp_work_entry* entry = stp_work_index_find(&work->index, key);
+    if (entry != NULL && (entry->state == STP_WORK_GOOD || entry->state == STP_WORK_UNVERIFIED)) {
+        entry->state = STP_WORK_ABSENT;
+        atomic_fetch_add(&work->damaged, 1);
+    }
+    pthread_mutex_unlock(&work->mutex);
+}
+
+stp_context* stp_work_get_context(const stp_work* work)
+{
+    return work->context;
+}
+
 void stp_work_get_report(const stp_work* work, stp_work_report* report)
 {
     *report = (stp_work_report){

@@ -44,6 +44,11 @@ typedef stp_bytes stp_work_piece;
 STP_MUST_USE stp_result stp_work_store(stp_work* work, stp_hash key, const stp_work_piece* pieces,
                                        size_t piece_count, const void** stored);
 
+/// Takes a result for damaged, one that cannot be what its key says: it is found no more, and may be stored anew.
+/// What was given out stays readable. Any thread.
+void stp_work_forget(stp_work* work, stp_hash key);
+
+stp_context* stp_work_get_context(const stp_work* work);
 void stp_work_get_report(const stp_work* work, stp_work_report* report);
 
 /// Unlocks and closes; `remove` deletes all results, and the directory where nothing else is in it. NULL is allowed.

@@ -219,8 +219,7 @@ static bool are_octaves(const stp_surfels* surfels)
     return good;
 }
 
-stp_result stp_store_judge_surfels(const stp_store_judge* judge, uint32_t index,
-                                   const stp_surfels* surfels)
+const char* stp_store_surfels_fault(const stp_surfels* surfels)
 {
     const char* fault = NULL;
     float reach = surfels->step * 65535.0f;
@@ -239,6 +238,13 @@ stp_result stp_store_judge_surfels(const stp_store_judge* judge, uint32_t index,
     } else if (surfels->paper_count > surfels->count) {
         fault = "its paper count exceeds its count";
     }
+    return fault;
+}
+
+stp_result stp_store_judge_surfels(const stp_store_judge* judge, uint32_t index,
+                                   const stp_surfels* surfels)
+{
+    const char* fault = stp_store_surfels_fault(surfels);
     if (fault != NULL) {
         return stp_fail(judge->context, judge->failure, "%s: surfel set %u: %s", judge->path, index,
                         fault);
