@@ -29,12 +29,23 @@ static stp_result add_mesh(stp_scene* scene, const mesh_recipe* recipe, mesh_bui
         .triangle_count = (uint32_t)(builder->index_count / 3),
         .positions = builder->positions,
         .normals = builder->normals,
+        .colors = builder->colors,
         .indices = builder->indices,
         .material = recipe->material,
     };
     builder->positions = builder->normals = NULL;
+    builder->colors = NULL;
     builder->indices = NULL;
     return stp_scene_add_mesh(scene, &mesh, index);
+}
+
+size_t count_triangles(mesh_maker make, const void* parameters)
+{
+    mesh_builder builder;
+    mesh_builder_init(&builder, NULL);
+    builder.counting = true;
+    make(&builder, parameters);
+    return builder.index_count / 3;
 }
 
 stp_result make_meshes(stp_scene* scene, const mesh_recipe* recipes, size_t count,

@@ -12,8 +12,13 @@ typedef struct mesh_builder {
     stp_context* context;
     float* positions; ///< 3 a vertex
     float* normals;   ///< 3 a vertex
+    uint16_t* colors; ///< 4 a vertex, linear; NULL without mesh_builder_color
     uint32_t* indices;
     size_t vertex_count, index_count, vertex_capacity, index_capacity;
+    uint16_t color[4]; ///< of the vertices to come
+    bool colored;
+    bool flat;     ///< no normals are kept: faces are flat, and may share vertices around an edge
+    bool counting; ///< nothing is kept, only counted: what a recipe will make, for plans
     bool failed;
     stp_affine
         place; ///< what follows is moved by it (rotation, uniform scale, translation); identity at first
@@ -23,6 +28,8 @@ void mesh_builder_init(mesh_builder* builder, stp_context* context);
 void mesh_builder_destroy(mesh_builder* builder);
 /// @return the index of the vertex (0 after a failure)
 uint32_t mesh_builder_vertex(mesh_builder* builder, stp_vec3 position, stp_vec3 normal);
+/// The colour (linear, 0..1) of the vertices to come. A mesh with colours begins with such a call.
+void mesh_builder_color(mesh_builder* builder, double red, double green, double blue);
 void mesh_builder_triangle(mesh_builder* builder, uint32_t a, uint32_t b, uint32_t c);
 
 /// Makes one mesh: fills the builder. `parameters` is the element of the batch. Runs inside jobs.
@@ -35,6 +42,9 @@ typedef struct mesh_recipe {
     const void* parameters; ///< valid until the batch is made
     uint32_t material;
 } mesh_recipe;
+
+/// Triangles that a recipe makes, without making them.
+size_t count_triangles(mesh_maker make, const void* parameters);
 
 /// Makes meshes on all threads and adds them to the scene in the order of the list, a few hundred at a time, so
 /// that not all are in memory twice. `first_mesh` receives the index of the first.

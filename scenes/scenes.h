@@ -27,6 +27,19 @@ const scene_recipe* scene_recipes(void);
 STP_MUST_USE stp_result scene_make(stp_scene* scene, const char* name,
                                    const scene_options* options);
 
+#define SCENE_PREFIX "scene:"
+#define SCENES_VERSION "1" ///< to be raised when a scene becomes another: caches go by it
+
+/// The scene of that name; NULL where there is none.
+const scene_recipe* scene_find(const char* name);
+
+/// Whether an input of a command names a scene, not a file: it begins with SCENE_PREFIX.
+bool scene_is_input(const char* input);
+
+/// Adds the scene that an input names, "scene:paper,scale=0.1,seed=3" (the prefix may be missing): for
+/// stp_build_desc.generate. `user` is not used.
+STP_MUST_USE stp_result scene_make_input(stp_scene* scene, const char* input, void* user);
+
 // The parts of `paper`, each one object below `parent` (its index through `object`), placed by `place`. The space
 // of each has y up, metres, the ground at y = 0, and its content around the origin. `options->scale` scales the
 // amounts of Table 1 named here (objects; unique objects; triangles; unique triangles).

@@ -6,6 +6,7 @@
 #include "tool.h"
 
 #include "build/build.h"
+#include "scenes/scenes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -215,6 +216,7 @@ static int build(stp_context* context, int argc, char** argv)
     stp_build_desc desc = {
         .inputs = (const char* const*)argv,
         .input_count = (size_t)argc,
+        .generate = scene_make_input,
         .output = args.output,
         .import = {.up = (char)(!args.up_given ? 0
                                 : args.up == 0 ? 'y'
@@ -272,7 +274,9 @@ const command command_build = {
     .arguments = "INPUT... -o FILE.stip",
     .summary = "import models, order them into splats, write a .stip file",
     .text =
-        "Several inputs make one scene. What can be seen from outside is captured from all around, "
+        "Several inputs make one scene. An input may also be scene:NAME, a named procedural scene "
+        "(`stipple scene --list`), with settings after commas: scene:paper,scale=0.1,seed=3. What "
+        "can be seen from outside is captured from all around, "
         "and "
         "surfels are chosen from it in such an order that every prefix covers the whole evenly "
         "(Brandt et al. 2019). The original triangles are kept for close views.\n"

@@ -6,6 +6,7 @@
 
 #include "build/content.h"
 #include "import/import.h"
+#include "scenes/scenes.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -63,7 +64,10 @@ static int print_model(stp_context* context, const char* path)
     stp_scene* scene = NULL;
     stp_build_content content = {0};
     stp_result result = stp_scene_create(context, &scene);
-    result = result != STP_OK ? result : stp_import_file(scene, path, &(stp_import_desc){0});
+    if (result == STP_OK) {
+        result = scene_is_input(path) ? scene_make_input(scene, path, NULL)
+                                      : stp_import_file(scene, path, &(stp_import_desc){0});
+    }
     result = result != STP_OK ? result : stp_scene_finish(scene);
     result = result != STP_OK ? result : stp_build_content_create(scene, NULL, &content);
     int code = 1;

@@ -5,6 +5,7 @@
 #include "base/hash.h"
 #include "build/build.h"
 #include "present/camera.h"
+#include "scenes/scenes.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -88,7 +89,22 @@ static void hash_neighbours(const char* path, const stp_mapped_file* file, stp_h
     *hash = stp_hash_bytes(*hash, &sum, sizeof(sum));
 }
 
-/// Where the cached build of a model is, or would be. @return false, with the message logged
+/// What a model is, for the cache: its bytes, and those of files that it names.
+static void hash_model(const char* path, const stp_mapped_file* file, stp_hash* hash)
+{
+    const char* name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
+    *hash = stp_hash_bytes(*hash, name, strlen(name)); // its extension may decide how it is read
+    if (file->size > 0) {
+        *hash = stp_hash_bytes(*hash, file->bytes, file->size);
+    }
+    const char* dot = strrchr(name, '.');
+    if (dot != NULL && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".obj") == 0)) {
+        hash_neighbours(path, file, hash);
+    }
+}
+
+/// Where the cached build of a model is, or would be. `file` is NULL for a named scene, which is what its name and
+/// settings say. @return false, with the message logged
 static bool cache_path(stp_context* context, const char* path, const stp_mapped_file* file,
                        char out[PATH_MAX])
 {
@@ -110,14 +126,11 @@ static bool cache_path(stp_context* context, const char* path, const stp_mapped_
     }
     stp_hash hash = stp_hash_bytes((stp_hash){0}, cache_version, strlen(cache_version));
     hash = stp_hash_bytes(hash, parameters, strlen(parameters));
-    const char* name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
-    hash = stp_hash_bytes(hash, name, strlen(name)); // its extension may decide how it is read
-    if (file->size > 0) {
-        hash = stp_hash_bytes(hash, file->bytes, file->size);
-    }
-    const char* dot = strrchr(name, '.');
-    if (dot != NULL && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".obj") == 0)) {
-        hash_neighbours(path, file, &hash);
+    if (file != NULL) {
+        hash_model(path, file, &hash);
+    } else {
+        hash = stp_hash_bytes(hash, SCENES_VERSION, strlen(SCENES_VERSION));
+        hash = stp_hash_bytes(hash, path, strlen(path));
     }
     snprintf(out, PATH_MAX, "%s/%016llx%016llx.stip", folder, (unsigned long long)hash.high,
              (unsigned long long)hash.low);
@@ -143,15 +156,20 @@ static stp_store* open_cached(stp_context* context, const char* path)
 stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)
 {
     *store = NULL;
-    stp_mapped_file file;
-    stp_result result = stp_file_map(context, path, &file);
-    if (result != STP_OK) {
-        return result;
-    }
-    bool built = is_stip(&file);
     char cached[PATH_MAX];
-    bool known = built || cache_path(context, path, &file, cached);
-    stp_file_unmap(&file);
+    bool built = false, known;
+    if (scene_is_input(path)) {
+        known = cache_path(context, path, NULL, cached);
+    } else {
+        stp_mapped_file file;
+        stp_result mapped = stp_file_map(context, path, &file);
+        if (mapped != STP_OK) {
+            return mapped;
+        }
+        built = is_stip(&file);
+        known = built || cache_path(context, path, &file, cached);
+        stp_file_unmap(&file);
+    }
     if (built || !known) {
         return built ? stp_store_open(context, path, store) : STP_ERROR_IO;
     }
@@ -160,10 +178,13 @@ stp_result tool_open_scene(stp_context* context, const char* path, stp_store** s
         stp_notice(context, "%s: taken from the cache, %s", path, cached);
         return STP_OK;
     }
-    stp_build_desc desc = {
-        .inputs = &path, .input_count = 1, .output = cached, .parameters_json = parameters};
+    stp_build_desc desc = {.inputs = &path,
+                           .input_count = 1,
+                           .output = cached,
+                           .generate = scene_make_input,
+                           .parameters_json = parameters};
     stp_build_report report;
-    result = stp_build(context, &desc, &report);
+    stp_result result = stp_build(context, &desc, &report);
     return result != STP_OK ? result : stp_store_open(context, cached, store);
 }
 

@@ -5,6 +5,8 @@
 #include "build/content.h"
 #include "build/shadings.h"
 
+#include <string.h>
+
 #define DEFAULT_THRESHOLD 1000u // triangles (Brandt 5.2)
 
 // Everything a build makes on its way, in the order it is made.
@@ -34,7 +36,10 @@ static stp_result import_inputs(build* b)
     double start = stp_clock_ms();
     stp_result result = stp_scene_create(b->context, &b->scene);
     for (size_t i = 0; result == STP_OK && i < b->desc->input_count; ++i) {
-        result = stp_import_file(b->scene, b->desc->inputs[i], &b->desc->import);
+        const char* input = b->desc->inputs[i];
+        result = b->desc->generate != NULL && strncmp(input, "scene:", 6) == 0
+                     ? b->desc->generate(b->scene, input, b->desc->generate_user)
+                     : stp_import_file(b->scene, input, &b->desc->import);
     }
     double imported = stp_clock_ms();
     b->report->import_s = (imported - start) * 1e-3;

@@ -14,6 +14,9 @@ typedef struct stp_build_desc {
     stp_blue_desc blue;
     uint64_t
         threshold; ///< a node of triangles gets surfels above so many; default 1,000 (5.2); 1: always
+    /// Adds a named scene; NULL: "scene:" inputs are unknown.
+    stp_result (*generate)(stp_scene* scene, const char* name, void* user);
+    void* generate_user;
     const char* parameters_json; ///< written into the file: what the user asked for
 } stp_build_desc;
 

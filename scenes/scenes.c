@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "scenes/scenes.h"
+
+#include "scenes/small.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const scene_recipe recipes[] = {
+    {"boxes", "27 boxes of as many colours: the smallest scene", scene_make_boxes},
+    {"spheres", "a sphere of spheres of spheres: nested instancing", scene_make_spheres},
+    {"one-mesh", "one mesh of a million triangles times the scale", scene_make_one_mesh},
+    {0},
+};
+
+const scene_recipe* scene_recipes(void)
+{
+    return recipes;
+}
+
+const scene_recipe* scene_find(const char* name)
+{
+    for (const scene_recipe* recipe = recipes; recipe->name != NULL; ++recipe) {
+        if (strcmp(recipe->name, name) == 0) {
+            return recipe;
+        }
+    }
+    return NULL;
+}
+
+stp_result scene_make(stp_scene* scene, const char* name, const scene_options* options)
+{
+    const scene_recipe* recipe = scene_find(name);
+    if (recipe == NULL) {
+        return stp_fail(scene->context, STP_ERROR_ARGUMENT,
+                        "there is no scene \"%s\" (`stipple scene --list` names them)", name);
+    }
+    if (!(options->scale > 0.0) || options->scale > 1000.0) {
+        return stp_fail(scene->context, STP_ERROR_ARGUMENT,
+                        "scene %s: the scale must be above 0 and at most 1000", name);
+    }
+    scene->unit_metres = 1.0;
+    return recipe->make(scene, options);
+}
+
+// One setting, "scale=0.5" or "seed=3", of `length` characters.
+static bool read_setting(const char* text, size_t length, scene_options* options)
+{
+    char copy[64], *end;
+    if (length >= sizeof(copy)) {
+        return false;
+    }
+    memcpy(copy, text, length);
+    copy[length] = '\0';
+    if (strncmp(copy, "scale=", 6) == 0) {
+        options->scale = strtod(copy + 6, &end);
+        return end != copy + 6 && *end == '\0';
+    }
+    if (strncmp(copy, "seed=", 5) == 0 && copy[5] != '-') {
+        options->seed = strtoull(copy + 5, &end, 10);
+        return end != copy + 5 && *end == '\0';
+    }
+    return false;
+}
+
+bool scene_is_input(const char* input)
+{
+    return strncmp(input, SCENE_PREFIX, strlen(SCENE_PREFIX)) == 0;
+}
+
+stp_result scene_make_input(stp_scene* scene, const char* input, void* user)
+{
+    (void)user;
+    scene_options options = {.scale = 1.0};
+    const char* text = scene_is_input(input) ? input + strlen(SCENE_PREFIX) : input;
+    size_t length = strcspn(text, ",");
+    char name[64];
+    bool valid = length < sizeof(name);
+    if (valid) {
+        memcpy(name, text, length);
+        name[length] = '\0';
+    }
+    for (text += length; valid && *text == ','; text += length) {
+        length = strcspn(++text, ",");
+        valid = read_setting(text, length, &options);
+    }
+    if (!valid) {
+        return stp_fail(scene->context, STP_ERROR_ARGUMENT,
+                        "%s: expected " SCENE_PREFIX "NAME[,scale=NUMBER][,seed=NUMBER]", input);
+    }
+    stp_result result = scene_make(scene, name, &options);
+    return result != STP_OK
+               ? result
+               : stp_scene_add_source(scene, &(stp_source){.path = input, .format = "scene"});
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+//
+// Solids of houses and trees. With a flat builder, faces share vertices; else each face has its normals.
+#pragma once
+
+#include "scenes/mesh_builder.h"
+
+static inline stp_vec3 point3(double x, double y, double z)
+{
+    return (stp_vec3){(float)x, (float)y, (float)z};
+}
+
+/// Four corners, counter-clockwise as seen from its front.
+void solid_quad(mesh_builder* builder, stp_vec3 a, stp_vec3 b, stp_vec3 c, stp_vec3 d);
+/// A box: 12 triangles.
+void solid_box(mesh_builder* builder, stp_vec3 min, stp_vec3 max);
+
+/// A profile turned about the y axis: `profile` holds radius and height of each ring, from below to above. Smooth
+/// unless the builder is flat. A radius of 0 at an end closes it.
+void solid_lathe(mesh_builder* builder, const double (*profile)[2], int rings, int sides);
+/// Triangles of that.
+size_t lathe_triangles(const double (*profile)[2], int rings, int sides);
+
+/// A sphere of 20 * 4^levels triangles, smooth.
+void solid_sphere(mesh_builder* builder, stp_vec3 center, double radius, int levels);
