@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// What stands where in a glTF file in the making: scenes/gltf_file.h.
+#pragma once
+
+#include "scenes/gltf_file.h"
+
+/// A node of the file, in the order of the file: parents come first, siblings follow one another.
+typedef struct gltf_node {
+    uint32_t object;
+    uint32_t instance; ///< of its parts: this one only, without anything else; STP_NONE: the object
+    uint32_t content;  ///< object whose parts it shows; STP_NONE: none
+    uint32_t first_child; ///< node
+    uint32_t child_count;
+    bool part_only; ///< shows parts of a used object only, without a transform of its own
+} gltf_node;
+
+typedef enum gltf_region { GLTF_VERTICES, GLTF_COLORS, GLTF_INDICES, GLTF_REGIONS } gltf_region;
+
+/// A mesh in the file. Offsets count from the start of the region in its buffer.
+typedef struct gltf_mesh {
+    uint32_t buffer, first_accessor;
+    uint64_t offsets[GLTF_REGIONS];
+    uint32_t index_bytes; ///< 2 or 4
+} gltf_mesh;
+
+typedef struct gltf_buffer {
+    uint64_t sizes[GLTF_REGIONS]; ///< each a multiple of 4
+    uint32_t first_view;
+} gltf_buffer;
+
+typedef struct gltf_plan {
+    const stp_scene* scene;
+    gltf_node* nodes;
+    size_t node_count, node_capacity, root_count;
+    uint32_t* first_child; ///< of each object; then STP_NONE
+    uint32_t* next_sibling;
+    gltf_mesh* meshes;
+    uint32_t* mesh_of_object; ///< in the file; STP_NONE: none
+    uint32_t* lists;          ///< objects whose lists of parts are meshes after the scene's own
+    size_t list_count;
+    gltf_buffer* buffers;
+    size_t buffer_count, buffer_capacity;
+    uint32_t accessor_count, view_count;
+    uint32_t*
+        instance_accessor;   ///< of each object: the first of three; STP_NONE: no such extension
+    uint64_t instance_count; ///< in the last buffer, after its regions; 40 bytes each
+} gltf_plan;
+
+STP_MUST_USE stp_result gltf_plan_make(const stp_scene* scene, uint64_t most_buffer_bytes,
+                                       const char* path, gltf_plan* plan);
+void gltf_plan_destroy(gltf_plan* plan);
+
+uint64_t gltf_buffer_bytes(const gltf_plan* plan, size_t buffer);
+
+/// Translation, rotation (x, y, z, w) and scale; false where the map is not made of those.
+bool gltf_decompose(const stp_affine* affine, float translation[3], float rotation[4],
+                    float scale[3]);
+
+/// The instances' three views in the last buffer: translations, rotations, scales.
+static inline uint32_t gltf_instance_view(const gltf_plan* plan)
+{
+    return plan->view_count - 3;
+}

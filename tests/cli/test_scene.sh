@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# stipple scene: lists, writes, and is understood by the other commands.
+set -eu
+stipple=$1 scratch=$2
+rm -rf "$scratch"
+mkdir -p "$scratch"
+cd "$scratch"
+export XDG_CACHE_HOME=$scratch/cache
+
+fail() {
+    echo "FAILED: $*" >&2
+    exit 1
+}
+expect() { # exit code, command...
+    local wanted=$1 got=0
+    shift
+    "$@" >out 2>err || got=$?
+    [ "$got" = "$wanted" ] || fail "$* exits $got, not $wanted: $(cat err)"
+}
+
+expect 0 "$stipple" scene --list
+grep -q '^  boxes ' out || fail "the list has no boxes"
+expect 0 "$stipple" scene --list --json
+python3 -c 'import json; assert any(s["name"] == "boxes" for s in json.load(open("out"))["scenes"])'
+
+expect 0 "$stipple" scene boxes -o boxes.glb --json
+python3 -c 'import json; s = json.load(open("out")); assert s["unique_triangles"] == 324, s'
+expect 0 "$stipple" scene boxes -o boxes.gltf
+[ -s boxes.bin ] || fail "no binary file beside the .gltf"
+python3 - <<'PY'
+import json
+g = json.load(open("boxes.gltf"))
+assert g["asset"]["version"] == "2.0" and len(g["meshes"]) == 27 and len(g["cameras"]) == 2
+assert g["buffers"][0]["uri"] == "boxes.bin"
+PY
+for input in boxes.glb boxes.gltf scene:boxes; do
+    expect 0 "$stipple" info "$input" --json
+    python3 -c 'import json; i = json.load(open("out")); assert (i["triangles"], i["instances"]) == (324, 27), i'
+done
+expect 0 "$stipple" info scene:boxes,scale=8 --json
+python3 -c 'import json; assert json.load(open("out"))["instances"] == 216'
+
+expect 0 "$stipple" build scene:boxes -o a.stip --threshold 0 -q
+expect 0 "$stipple" check a.stip
+expect 0 "$stipple" render scene:boxes --view corner --size 64x64 -o a.png
+expect 0 "$stipple" render scene:boxes,seed=2 --view corner --size 64x64 -o b.png
+cmp -s a.png b.png && fail "another seed gives the same picture"
+
+expect 2 "$stipple" scene
+expect 2 "$stipple" scene nothing -o x.glb
+expect 2 "$stipple" scene boxes
+expect 2 "$stipple" scene boxes -o x.obj
+expect 2 "$stipple" scene boxes -o x.glb --scale 0
+expect 1 "$stipple" info scene:nothing
+expect 1 "$stipple" info scene:boxes,scale=-1
+expect 1 "$stipple" scene boxes -o no/such/folder/x.glb
+[ "$(wc -l <err)" = 1 ] || fail "not one sentence: $(cat err)"

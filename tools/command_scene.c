@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple scene: named procedural scenes as glTF files.
+#include "command.h"
+#include "tool.h"
+
+#include "scenes/gltf_file.h"
+#include "scenes/scenes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct {
+    const char* output;
+    double scale;
+    uint64_t seed, memory;
+    int progress;
+    bool list, json, scale_given;
+} args;
+
+static const char* const progress_names[] = {"auto", "bar", "json", "none"};
+
+static const option* options(void)
+{
+    static const option table[] = {
+        {.name = "output",
+         .letter = 'o',
+         .type = OPTION_TEXT,
+         .argument = "FILE",
+         .help = "the file to write: .glb, or .gltf with .bin files beside it",
+         .value = &args.output},
+        {.name = "list", .help = "name all scenes", .value = &args.list},
+        {.name = "scale",
+         .type = OPTION_NUMBER,
+         .argument = "S",
+         .help = "how much of its content is made; default 1, the whole",
+         .value = &args.scale,
+         .given = &args.scale_given},
+        {.name = "seed",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .help = "of everything random; default 0",
+         .value = &args.seed},
+        {.name = "memory",
+         .type = OPTION_SIZE,
+         .argument = "SIZE",
+         .words = "auto",
+         .help = "most memory to use, as 8G or 512M; default no limit",
+         .value = &args.memory},
+        {.name = "progress",
+         .type = OPTION_CHOICE,
+         .words = "auto|bar|json|none",
+         .help = "progress on stderr; default a bar where that is a terminal",
+         .value = &args.progress},
+        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        {0},
+    };
+    return table;
+}
+
+static int print_list(void)
+{
+    json_t* scenes = json_array();
+    for (const scene_recipe* recipe = scene_recipes(); recipe->name != NULL; ++recipe) {
+        if (args.json) {
+            (void)json_array_append_new(
+                scenes, json_pack("{s:s, s:s}", "name", recipe->name, "summary", recipe->summary));
+        } else {
+            printf("  %-15s %s\n", recipe->name, recipe->summary);
+        }
+    }
+    if (args.json) {
+        return tool_print_json(json_pack("{s:o}", "scenes", scenes));
+    }
+    json_decref(scenes);
+    return tool_finish_output(0);
+}
+
+static int print_figures(const char* name, const gltf_figures* f)
+{
+    if (args.json) {
+        return tool_print_json(
+            json_pack("{s:s, s:f, s:I, s:I, s:I, s:I, s:I, s:i}", "scene", name, "scale",
+                      args.scale, "seed", (json_int_t)args.seed, "nodes", (json_int_t)f->nodes,
+                      "meshes", (json_int_t)f->meshes, "unique_triangles", (json_int_t)f->triangles,
+                      "bytes", (json_int_t)f->bytes, "files", (int)f->files));
+    }
+    if (!tool_settings_get()->quiet) {
+        printf("%s: %llu nodes, %llu meshes of %llu triangles, %llu bytes in %u file%s\n",
+               args.output, (unsigned long long)f->nodes, (unsigned long long)f->meshes,
+               (unsigned long long)f->triangles, (unsigned long long)f->bytes, f->files,
+               f->files == 1 ? "" : "s");
+    }
+    return tool_finish_output(0);
+}
+
+static bool has_ending(const char* path, const char* ending)
+{
+    size_t length = strlen(path), size = strlen(ending);
+    return length > size && strcmp(path + length - size, ending) == 0;
+}
+
+static int run(int argc, char** argv)
+{
+    if (args.list) {
+        return argc == 0 ? print_list() : tool_usage_error("--list takes no scene");
+    }
+    if (argc != 1) {
+        return tool_usage_error("scene needs one name (`stipple scene --list`), and got %d", argc);
+    }
+    const char* name = scene_is_input(argv[0]) ? argv[0] + strlen(SCENE_PREFIX) : argv[0];
+    if (scene_find(name) == NULL) {
+        return tool_usage_error("there is no scene \"%s\" (`stipple scene --list` names them)",
+                                name);
+    }
+    args.scale = args.scale_given ? args.scale : 1.0;
+    if (!(args.scale > 0.0) || args.scale > 1000.0) {
+        return tool_usage_error("--scale must be above 0 and at most 1000");
+    }
+    if (args.output == NULL ||
+        !(has_ending(args.output, ".glb") || has_ending(args.output, ".gltf"))) {
+        return tool_usage_error("scene needs -o FILE.glb or -o FILE.gltf");
+    }
+    stp_context* context = tool_context_create(0, args.memory, progress_names[args.progress]);
+    if (context == NULL) {
+        return 1;
+    }
+    stp_scene* scene = NULL;
+    gltf_figures figures;
+    scene_options settings = {.scale = args.scale, .seed = args.seed};
+    stp_result result = stp_scene_create(context, &scene);
+    result = result != STP_OK ? result : scene_make(scene, name, &settings);
+    result = result != STP_OK ? result : gltf_file_write(scene, args.output, &figures);
+    tool_end_progress();
+    int code = result == STP_OK ? print_figures(name, &figures) : 1;
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+    return code;
+}
+
+const command command_scene = {
+    .name = "scene",
+    .arguments = "NAME -o FILE.glb|FILE.gltf",
+    .summary = "write a named procedural scene as glTF",
+    .text = "Scenes are made from their name, scale and seed, and are the same on every machine. "
+            "Meshes are written once, objects with their names as nodes, named views as cameras; "
+            "many instances of one mesh as EXT_mesh_gpu_instancing. What a scene uses several "
+            "times is written out, for glTF cannot share nodes: a scene of more than three million "
+            "nodes is refused. `stipple build scene:NAME,scale=S,seed=N` makes any scene directly, "
+            "as do info and render.\n"
+            "\n"
+            "A .glb holds at most 4 GiB; a .gltf has as many .bin files beside it as it needs.",
+    .options = options,
+    .run = run,
+};
