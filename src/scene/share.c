@@ -3,9 +3,11 @@
 // From the tree of objects to the graph of nodes: identical meshes become one, identical subtrees
 // one node. Identity is by content (128-bit hashes), so it holds however often and wherever the
 // input wrote a thing.
+#include "base/position_grid.h"
 #include "scene/bounds.h"
-#include "scene/bulk.h"
 #include "scene/content.h"
+#include "scene/measure.h"
+#include "scene/merge.h"
 #include "scene/scene.h"
 
 #include <assert.h>
@@ -13,83 +15,16 @@
 
 #define NODE_FLAGS ((uint32_t)STP_OBJECT_MOVING) // what a node has of its objects' flags
 
-// What makes a mesh another: its geometry and its material.
-static stp_hash hash_mesh(stp_mesh* mesh)
-{
-    mesh->content = stp_mesh_hash(mesh);
-    return stp_hash_bytes(mesh->content, &mesh->material, sizeof(mesh->material));
-}
-
-typedef struct hash_work {
-    const stp_scene* scene;
-    stp_hash* hashes;
-} hash_work;
-
-// The box of the vertices that triangles use: many meshes of one file may share an array of
-// vertices.
-static stp_box bound_triangles(const stp_mesh* mesh)
-{
-    stp_box box = stp_box_empty();
-    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i) {
-        const float* p = mesh->positions + 3 * (size_t)mesh->indices[i];
-        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
-    }
-    return box;
-}
-
 static void measure_meshes(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    hash_work* work = user;
+    stp_scene* scene = user;
     for (size_t i = begin; i < end; ++i) {
-        stp_mesh* mesh = &work->scene->meshes[i];
-        work->hashes[i] = hash_mesh(mesh);
-        mesh->bounds = bound_triangles(mesh);
-    }
-}
-
-// Keeps the first mesh of each content, frees the others' arrays, and points every part at what is kept.
-static void keep_first_meshes(stp_scene* scene, uint32_t* first)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < scene->mesh_count; ++i) {
         stp_mesh* mesh = &scene->meshes[i];
-        if (first[i] == i) {
-            first[i] = (uint32_t)kept;
-            scene->meshes[kept++] = *mesh;
-            continue;
-        }
-        first[i] = first[first[i]];
-        stp_mesh_free_arrays(scene, mesh);
+        stp_mesh_measure(mesh);
+        mesh->grid_step =
+            stp_choose_grid_step(mesh->positions, mesh->indices, mesh->triangle_count);
     }
-    scene->mesh_count = kept;
-    for (size_t i = 0; i < scene->part_count; ++i) {
-        stp_part* part = &scene->parts[i];
-        part->index = part->kind == STP_PART_MESH ? first[part->index] : part->index;
-    }
-}
-
-static stp_result merge_meshes(stp_scene* scene)
-{
-    stp_context* context = scene->context;
-    stp_content_table table = {0};
-    stp_hash* hashes = STP_NEW_ARRAY(context, stp_hash, scene->mesh_count);
-    uint32_t* first = STP_NEW_ARRAY(context, uint32_t, scene->mesh_count);
-    stp_result result = hashes != NULL && first != NULL ? STP_OK : stp_fail_memory(context);
-    if (result == STP_OK) {
-        stp_parallel_for(context, scene->mesh_count, 16, measure_meshes,
-                         &(hash_work){scene, hashes});
-    }
-    for (size_t i = 0; result == STP_OK && i < scene->mesh_count; ++i) {
-        result = stp_content_table_find(context, &table, hashes[i], (uint32_t)i, &first[i]);
-    }
-    if (result == STP_OK) {
-        keep_first_meshes(scene, first);
-    }
-    stp_content_table_destroy(context, &table);
-    stp_free(context, first);
-    stp_free(context, hashes);
-    return result;
 }
 
 static bool part_is_empty(const stp_scene* scene, stp_part part)
@@ -101,12 +36,11 @@ static bool part_is_empty(const stp_scene* scene, stp_part part)
 // What making the graph needs: the children of each object, and the contents of nodes.
 typedef struct share {
     stp_scene* scene;
-    uint32_t*
-        first_child; ///< of each object; then STP_NONE; later the first that may lack its node
+    uint32_t* first_child; ///< of each object; then STP_NONE
     uint32_t* next_sibling;
-    uint32_t* last_child;
-    uint8_t* states; ///< of each object: visit_state
-    uint32_t* stack; ///< objects whose nodes wait for others'
+    uint32_t* last_child; ///< of each object; later the first child that may lack its node
+    uint8_t* states;      ///< of each object: visit_state
+    uint32_t* stack;      ///< objects whose nodes wait for others'
     stp_content_table table;
     size_t edge_capacity, part_capacity, node_capacity, stack_count, stack_capacity;
 } share;
@@ -141,47 +75,6 @@ static stp_result add_node_part(share* s, stp_part part)
     return STP_OK;
 }
 
-static stp_hash hash_node(const stp_scene* scene, const stp_node* node)
-{
-    uint32_t head[3] = {node->edge_count, node->part_count, node->flags};
-    stp_hash hash = stp_hash_bytes((stp_hash){0}, head, sizeof(head));
-    for (uint32_t i = 0; i < node->part_count; ++i) {
-        stp_part part = scene->node_parts[node->first_part + i];
-        uint32_t words[2] = {(uint32_t)part.kind, part.index};
-        hash = stp_hash_bytes(hash, words, sizeof(words));
-    }
-    for (uint32_t i = 0; i < node->edge_count; ++i) {
-        const stp_edge* edge = &scene->edges[node->first_edge + i];
-        hash = stp_hash_bytes(hash, &edge->node, sizeof(edge->node));
-        hash = stp_hash_bytes(hash, edge->transform.m, sizeof(edge->transform.m));
-    }
-    return hash;
-}
-
-static void measure_node(const stp_scene* scene, stp_node* node)
-{
-    node->bounds = stp_boxd_empty();
-    for (uint32_t i = 0; i < node->part_count; ++i) {
-        stp_part part = scene->node_parts[node->first_part + i];
-        bool mesh = part.kind == STP_PART_MESH;
-        stp_box box =
-            mesh ? scene->meshes[part.index].bounds : scene->point_sets[part.index].bounds;
-        node->triangle_count += mesh ? scene->meshes[part.index].triangle_count : 0;
-        node->point_count += mesh ? 0 : scene->point_sets[part.index].point_count;
-        stp_boxd_add(&node->bounds, stp_to_double(box.min));
-        stp_boxd_add(&node->bounds, stp_to_double(box.max));
-    }
-    for (uint32_t i = 0; i < node->edge_count; ++i) {
-        const stp_edge* edge = &scene->edges[node->first_edge + i];
-        const stp_node* child = &scene->nodes[edge->node];
-        stp_boxd box = stp_affine_box(&edge->transform, child->bounds);
-        node->triangle_count += child->triangle_count;
-        node->point_count += child->point_count;
-        stp_boxd_add(&node->bounds, box.min);
-        stp_boxd_add(&node->bounds, box.max);
-    }
-}
-
 // Adds a node made of the edges and parts from `first_edge` and `first_part` to the ends of their
 // arrays, or finds one with that content and takes them back.
 static stp_result close_node(share* s, size_t first_edge, size_t first_part, uint32_t flags,
@@ -195,8 +88,9 @@ static stp_result close_node(share* s, size_t first_edge, size_t first_part, uin
         .part_count = (uint32_t)(scene->node_part_count - first_part),
         .flags = flags,
     };
+    node.content = stp_node_hash(scene, &node);
     uint32_t found;
-    stp_result result = stp_content_table_find(scene->context, &s->table, hash_node(scene, &node),
+    stp_result result = stp_content_table_find(scene->context, &s->table, node.content,
                                                (uint32_t)scene->node_count, &found);
     if (result != STP_OK) {
         return result;
@@ -215,7 +109,7 @@ static stp_result close_node(share* s, size_t first_edge, size_t first_part, uin
         return stp_fail_memory(scene->context);
     }
     scene->nodes = nodes;
-    measure_node(scene, &node);
+    stp_node_measure(scene, &node);
     nodes[scene->node_count++] = node;
     return STP_OK;
 }
@@ -403,10 +297,11 @@ static stp_result make_graph(share* s)
 stp_result stp_scene_finish(stp_scene* scene)
 {
     assert(scene->nodes == NULL && scene->root == STP_NONE && "finished already");
-    stp_result result = merge_meshes(scene);
+    stp_result result = stp_scene_merge(scene);
     if (result != STP_OK) {
         return result;
     }
+    stp_parallel_for(scene->context, scene->mesh_count, 4, measure_meshes, scene);
     share s = {.scene = scene};
     result = make_graph(&s);
     stp_content_table_destroy(scene->context, &s.table);

@@ -55,6 +55,7 @@ void test_meshes_differing_in_anything_stay_apart(test_state* test)
     enum { COUNT = 8 };
     uint32_t material;
     stp_material other = stp_material_default();
+    other.roughness = 0.5f;
     CHECK_EQUAL(STP_OK, stp_scene_add_material(scene, &other, &material));
     for (int i = 0; i < COUNT; ++i) {
         stp_mesh mesh = make_strip_mesh(context, 4, 0.0f);

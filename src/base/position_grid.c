@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+//
+// Only the octaves of lengths matter: the step is a power of two. What counts as the smallest triangles: runs of
+// triangles that the input wrote one after the other (mostly neighbours) by their median edge, so that a few
+// slivers do not make a whole mesh expensive; and, where the input's order says nothing, the shortest twentieth
+// of all edges.
+#include "base/position_grid.h"
+
+#include <float.h>
+#include <stdbool.h>
+#include <string.h>
+
+enum {
+    RUN_TRIANGLES = 32,
+    OCTAVES = 2048, // exponents of a double
+    EXPONENT_BIAS = 1023,
+    MARGIN =
+        6, // step: at most 1/64 of the short edges, so that quantised triangles still face where
+    LEAST_MARGIN =
+        4,    // they did; where sizes differ much, 1/16, and the largest triangles pay less for it
+    WIDE = 7, // octaves between short and typical edges from which on the margin falls
+    FLOAT_DIGITS = 23,
+};
+
+typedef struct octave_counts {
+    uint32_t count[OCTAVES]; ///< of squared lengths, by exponent
+    uint32_t least, most;    ///< exponents counted so far
+    uint64_t total;
+} octave_counts;
+
+static uint32_t exponent_of(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof(bits));
+    return (uint32_t)(bits >> 52) & (OCTAVES - 1);
+}
+
+static double power_of_two(int exponent)
+{
+    uint64_t bits = (uint64_t)(exponent + EXPONENT_BIAS) << 52;
+    double value;
+    memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+static void clear(octave_counts* counts)
+{
+    for (uint32_t i = counts->least; i <= counts->most && counts->total != 0; ++i) {
+        counts->count[i] = 0;
+    }
+    counts->least = OCTAVES - 1;
+    counts->most = 0;
+    counts->total = 0;
+}
+
+static void add(octave_counts* counts, uint32_t octave)
+{
+    counts->count[octave] += 1;
+    counts->least = octave < counts->least ? octave : counts->least;
+    counts->most = octave > counts->most ? octave : counts->most;
+    counts->total += 1;
+}
+
+/// The octave of the element of rank `rank` in ascending order; there are more than that.
+static uint32_t octave_at(const octave_counts* counts, uint64_t rank)
+{
+    uint64_t below = 0;
+    for (uint32_t i = counts->least; i < counts->most; ++i) {
+        below += counts->count[i];
+        if (below > rank) {
+            return i;
+        }
+    }
+    return counts->most;
+}
+
+static void add_edge(octave_counts* run, octave_counts* all, const float* a, const float* b)
+{
+    double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1],
+           z = (double)a[2] - (double)b[2];
+    double square = x * x + y * y + z * z;
+    if (square > 0.0) {
+        uint32_t octave = exponent_of(square);
+        add(run, octave);
+        add(all, octave);
+    }
+}
+
+static double largest_of(const float* p, double largest)
+{
+    for (int k = 0; k < 3; ++k) {
+        double size = p[k] < 0.0f ? -(double)p[k] : (double)p[k];
+        largest = size > largest ? size : largest;
+    }
+    return largest;
+}
+
+/// Of two lengths' octaves (of their squares) and the size of the numbers.
+static double choose(int shortest, int typical, double largest)
+{
+    int wide = (typical - shortest) / 2 - WIDE; // octaves of lengths
+    int margin = MARGIN - (wide > 0 ? (wide + 1) / 2 : 0);
+    margin = margin < LEAST_MARGIN ? LEAST_MARGIN : margin;
+    int floor_half = (shortest - EXPONENT_BIAS - ((shortest - EXPONENT_BIAS) & 1)) / 2;
+    int step = floor_half - margin;
+    int finest = (int)exponent_of(largest) - EXPONENT_BIAS - FLOAT_DIGITS;
+    step = step > finest ? step : finest;
+    return power_of_two(step > -149 ? step : -149);
+}
+
+double stp_choose_grid_step(const float* positions, const uint32_t* indices,
+                            uint32_t triangle_count)
+{
+    octave_counts run, all;
+    memset(&run, 0, sizeof(run));
+    memset(&all, 0, sizeof(all));
+    clear(&run);
+    clear(&all);
+    uint32_t shortest = OCTAVES - 1;
+    double largest = 0.0;
+    for (uint32_t t = 0; t < triangle_count; ++t) {
+        const float* p[3];
+        for (size_t k = 0; k < 3; ++k) {
+            p[k] = positions + 3 * (size_t)indices[3 * (size_t)t + k];
+            largest = largest_of(p[k], largest);
+        }
+        for (int k = 0; k < 3; ++k) {
+            add_edge(&run, &all, p[k], p[(k + 1) % 3]);
+        }
+        bool ends = (t + 1) % RUN_TRIANGLES == 0 || t + 1 == triangle_count;
+        if (ends && run.total != 0 && (run.total >= RUN_TRIANGLES || shortest == OCTAVES - 1)) {
+            uint32_t median = octave_at(&run, run.total / 2);
+            shortest = median < shortest ? median : shortest;
+        }
+        if (ends) {
+            clear(&run);
+        }
+    }
+    if (all.total == 0) { // no triangle has any extent: as fine as its numbers
+        return largest > 0.0 ? choose(0, 0, largest) : 1.0;
+    }
+    uint32_t low = octave_at(&all, all.total / 20);
+    return choose((int)(low < shortest ? low : shortest), (int)octave_at(&all, all.total / 2),
+                  largest);
+}
