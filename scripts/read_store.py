@@ -37,8 +37,15 @@ RECORDS = {
     12: ("views", "2I10d", "name:text reserved eye:3 target:3 up:3 fov_degrees"),
     13: ("sources", "2IQ", "path:text format:text bytes"),
     14: ("blocks", "4I2QfI", "kind owner octave crc offset size radius encoding"),
+    19: ("summary", "17Q6d4I", "FIGURES bounds_min:3 bounds_max:3 material_count texture_count mesh_count "
+                               "point_set_count"),
+    20: ("scene_parts", "2I17Q", "name:text object FIGURES"),
+    21: ("pages", "I", "crc"),
+    22: ("keys", "2Q", "low high"),
     17: ("objects", "4I12d", "name:text id:text parent node transform:12"),
 }
+FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
+           "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
 TEXT_SECTIONS = {15: "text", 16: "build", 18: "object_text"}
 KINDS = {1: "meshes", 2: "point_sets", 3: "textures", 4: "surfels"}
 
@@ -89,7 +96,21 @@ def read_sections(data, header):
         else:
             need(flags == 0, f"{place}: is critical, and not known")
     need(header["data_offset"] == align(end) and not any(data[end:header["data_offset"]]), "data_offset")
+    check_pages(data, header, sections)
     return sections
+
+
+def check_pages(data, header, sections):
+    if 21 not in sections:
+        return
+    pages = []
+    for i in range(header["section_count"]):
+        kind, _, begin, size = struct.unpack_from("<IIQQ", data, 128 + 40 * i)
+        pages += [zlib.crc32(data[at:min(at + 16384, begin + size)]) for at in range(begin, begin + size, 16384)
+                  if kind != 21]
+    offset, _, count, record_size = sections[21]
+    need(pages == [struct.unpack_from("<I", data, offset + i * record_size)[0] for i in range(count)],
+         "checksums of pages")
 
 
 def read_text(texts, offset):
@@ -125,7 +146,8 @@ def read_tables(data, sections):
         offset, _, count, record_size = sections.get(kind, (0, 0, 0, 1 << 20))
         need(record_size >= struct.calcsize("<" + layout), f"{name}: records are too short")
         text = texts[18] if name == "objects" else texts[15]
-        tables[name] = [read_record(struct.unpack_from("<" + layout, data, offset + i * record_size), names.split(),
+        tables[name] = [read_record(struct.unpack_from("<" + layout, data, offset + i * record_size),
+                                    names.replace("FIGURES", FIGURES).split(),
                                     text, f"{name} {i}") for i in range(count)]
     return tables
 
@@ -163,6 +185,11 @@ def check_graph(header, t):
     for i, texture in enumerate(t["textures"]):
         need(0 < texture["width"] <= 65536 and 0 < texture["height"] <= 65536, f"texture {i}: size")
         need(texture["wrap_u"] <= 2 and texture["wrap_v"] <= 2 and texture["nearest"] <= 1, f"texture {i}: wrap")
+    need(len(t["summary"]) <= 1 and len(t["scene_parts"]) <= (65 if t["summary"] else 0), "summary or scene parts")
+    for i, part in enumerate(t["scene_parts"]):
+        check_reference(part["object"], counts["objects"], f"scene part {i}: object")
+    need(counts["keys"] in (0, counts["surfels"] + counts["meshes"]), "keys")
+    t["keys"] = [f"{key['high']:016x}{key['low']:016x}" for key in t["keys"]]
     for name in ("meshes", "point_sets"):
         for i, thing in enumerate(t[name]):
             check_reference(thing["material"], counts["materials"], f"{name} {i}: material", False)

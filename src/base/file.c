@@ -44,6 +44,13 @@ stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file*
     return STP_OK;
 }
 
+void stp_file_expect_random(const stp_mapped_file* file)
+{
+    if (file->bytes != NULL) { // a hint: it does not matter where the system does not take it
+        (void)posix_madvise((void*)(uintptr_t)file->bytes, file->size, POSIX_MADV_RANDOM);
+    }
+}
+
 void stp_file_unmap(stp_mapped_file* file)
 {
     if (file->bytes != NULL) {

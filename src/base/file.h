@@ -13,6 +13,8 @@ typedef struct stp_mapped_file {
 /// Maps `path` for reading. Directories, devices and pipes are refused.
 /// @return STP_OK, or STP_ERROR_IO (logged, with the system's reason)
 STP_MUST_USE stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file);
+/// Says that few places of the file will be read, in no order: nothing is read ahead.
+void stp_file_expect_random(const stp_mapped_file* file);
 void stp_file_unmap(stp_mapped_file* file);
 
 /// A file in the making: bytes go to `path`.tmp-<process>-<number>, which becomes `path` at commit or

@@ -2,6 +2,8 @@
 // Goes through a whole file: every checksum, every padding byte, every invariant.
 #include "store/internal.h"
 
+#define SMALL_DIRECTORY ((uint64_t)512 << 10) // so much a quick check reads whole
+
 // Bulk data is judged in the file itself: a check needs no memory for it.
 static stp_result check_surfels(const stp_store* store, const stp_store_block* block)
 {
@@ -104,17 +106,34 @@ static stp_result check_blocks(stp_store* store, stp_store_check_report* report)
     return STP_OK;
 }
 
+// Header, section table and summary were checked when the file was opened.
+static stp_result check_partial(stp_store* store, stp_store_check_report* report)
+{
+    stp_result result = stp_store_check_head(store);
+    report->bytes_checked = store->section_end + store->bytes_checked;
+    return result;
+}
+
 stp_result stp_store_check_open(stp_store* store, bool quick, stp_store_check_report* report)
 {
+    const stp_store_section* blocks = store->known[STP_SECTION_BLOCKS];
     *report = (stp_store_check_report){
         .file_bytes = store->file.size,
-        .blocks = store->counts[STP_SECTION_BLOCKS],
-        .bytes_checked = store->data_offset,
+        .blocks = blocks != NULL ? blocks->count : 0,
     };
+    if (store->partial) {
+        return check_partial(store, report);
+    }
     stp_result result = stp_store_load_objects(store);
     for (uint32_t i = 0; i < store->section_count && result == STP_OK; ++i) {
-        result = stp_store_verify_section(store, &store->sections[i]);
+        const stp_store_section* section = &store->sections[i];
+        result = stp_store_verify_section(store, section);
+        if (result == STP_OK) {
+            result = stp_store_verify_range(store, section, 0, section->size);
+        }
     }
+    result = result != STP_OK ? result : stp_store_check_summary(store);
+    report->bytes_checked = store->data_offset;
     if (result == STP_OK && !quick) {
         result = check_blocks(store, report);
     }
@@ -126,7 +145,12 @@ stp_result stp_store_check_with_report(stp_context* context, const char* path, b
 {
     *report = (stp_store_check_report){0};
     stp_store* store = NULL;
-    stp_result result = stp_store_open(context, path, &store);
+    stp_store_open_desc desc = {.summary_only = quick};
+    stp_result result = stp_store_open_with(context, path, &desc, &store);
+    if (result == STP_OK && store->partial && store->data_offset <= SMALL_DIRECTORY) {
+        stp_store_close(store);
+        result = stp_store_open(context, path, &store);
+    }
     if (result == STP_OK) {
         result = stp_store_check_open(store, quick, report);
         stp_store_close(store);

@@ -12,19 +12,20 @@
 
 enum {
     STP_STORE_MAJOR = 1,
-    STP_STORE_MINOR = 0,
+    STP_STORE_MINOR = 1,
     STP_STORE_MAGIC_BYTES = 8,
     STP_STORE_HEADER_BYTES = 128,
     STP_STORE_SECTION_BYTES = 40,
     STP_STORE_SECTION_LIMIT = 256, ///< the root directory fits the first 16 KiB
     STP_STORE_ALIGNMENT = 64,      ///< of sections and blocks
     STP_STORE_COLUMN_ALIGNMENT = 16,
-    STP_STORE_RECORD_LIMIT = 160, ///< no record of version 1 is longer
+    STP_STORE_RECORD_LIMIT = 256, ///< no record of version 1 is longer
+    STP_STORE_PAGE_BYTES = 16384, ///< of a section, with a checksum of its own
     STP_STORE_TEXTURE_LIMIT = 65536,
     STP_STORE_SHADING_LIMIT = 256,
 };
 
-/// Section types. Those above 18 are reserved: 32 clusters of triangles, 33 bone weights, 34 point
+/// Section types. Those above 22 are reserved: 32 clusters of triangles, 33 bone weights, 34 point
 /// attributes; from 0x80000000 on they are free for private use.
 typedef enum stp_store_section_type {
     STP_SECTION_NODES = 1,
@@ -45,6 +46,10 @@ typedef enum stp_store_section_type {
     STP_SECTION_BUILD,
     STP_SECTION_OBJECTS,
     STP_SECTION_OBJECT_TEXT,
+    STP_SECTION_SUMMARY,
+    STP_SECTION_SCENE_PARTS,
+    STP_SECTION_PAGES,
+    STP_SECTION_KEYS,
     STP_SECTION_END ///< one more than the last known type
 } stp_store_section_type;
 

@@ -67,6 +67,7 @@ static stp_result read_fields(stp_store* store)
     if (stp_read_u16(p + 8) != STP_STORE_MAJOR || stp_read_u32(p + 12) != STP_STORE_HEADER_BYTES) {
         return fail_format(store, "the version or size of the header is not possible");
     }
+    store->minor = stp_read_u16(p + 10);
     store->file_bytes = stp_read_u64(p + 16);
     store->data_offset = stp_read_u64(p + 24);
     store->section_count = stp_read_u32(p + 32);
@@ -171,15 +172,4 @@ stp_result stp_store_read_header(stp_store* store)
         result = check_sizes(store);
     }
     return result == STP_OK ? read_sections(store) : result;
-}
-
-stp_result stp_store_verify_section(const stp_store* store, const stp_store_section* section)
-{
-    const unsigned char* bytes = store->file.bytes + section->offset;
-    if (stp_store_crc(0, bytes, (size_t)section->size) != section->crc) {
-        return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: the checksum of the section of type %u is wrong", store->path,
-                        section->type);
-    }
-    return STP_OK;
 }

@@ -17,6 +17,7 @@ struct stp_store {
     uint64_t file_bytes;  ///< as the header says
     uint64_t data_offset; ///< where the directory ends and blocks begin
     uint64_t section_end; ///< where the section table ends
+    uint32_t minor;       ///< version
     uint32_t section_count;
     stp_store_section sections[STP_STORE_SECTION_LIMIT];
     const stp_store_section* known[STP_SECTION_END]; ///< by type; NULL: the file has none
@@ -24,7 +25,13 @@ struct stp_store {
     void* tables[STP_SECTION_END]; ///< decoded records, by section type
     uint32_t counts[STP_SECTION_END];
     stp_store_directory directory;
+    stp_store_summary summary; ///< its parts are the table's
     bool objects_ready;
+    bool partial;           ///< opened for its summary: the graph and what hangs on it was not read
+    uint8_t* pages_checked; ///< a bit for each page of the directory
+    bool page_table_checked;
+    uint64_t bytes_checked;           ///< of the directory
+    struct stp_store_key_table* keys; ///< made when first asked for
 };
 
 static inline stp_store_judge stp_store_own_judge(const stp_store* store)
@@ -39,8 +46,31 @@ uint32_t stp_store_crc(uint32_t crc, const void* bytes, size_t size);
 STP_MUST_USE stp_result stp_store_read_header(stp_store* store);
 
 /// Checks the checksum of a section.
-STP_MUST_USE stp_result stp_store_verify_section(const stp_store* store,
+STP_MUST_USE stp_result stp_store_verify_section(stp_store* store,
                                                  const stp_store_section* section);
+/// The checked texts of a section; empty where there is none.
+STP_MUST_USE stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* text);
+/// Decodes the records of a section into `tables` and `counts`.
+STP_MUST_USE stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text* text);
+/// Summary and scene parts, decoded already.
+STP_MUST_USE stp_result stp_store_judge_summary(stp_store* store);
+/// Reads what an opening for the summary alone reads, instead of the directory.
+STP_MUST_USE stp_result stp_store_read_head(stp_store* store);
+/// Checks more of what stp_store_read_head leaves unread: some pages of each section.
+STP_MUST_USE stp_result stp_store_check_head(stp_store* store);
+
+/// Checks the pages of a section that hold some of its bytes, once each. Files without checksums of pages: the
+/// whole section.
+STP_MUST_USE stp_result stp_store_verify_range(stp_store* store, const stp_store_section* section,
+                                               uint64_t offset, uint64_t size);
+/// Checks the table of the pages' checksums itself, once.
+STP_MUST_USE stp_result stp_store_verify_page_table(stp_store* store);
+
+/// What the summary says against what the file holds.
+STP_MUST_USE stp_result stp_store_check_summary(stp_store* store);
+
+/// Frees the table of keys.
+void stp_store_free_keys(stp_store* store);
 
 /// Fits octaves, breakpoints and blocks to the sets, meshes, point sets and textures they belong
 /// to.

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-static stp_result read_text(const stp_store* store, uint32_t type, stp_store_text* text)
+stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* text)
 {
     const stp_store_section* section = store->known[type];
     *text = (stp_store_text){.context = store->context};
@@ -24,7 +24,7 @@ static stp_result read_text(const stp_store* store, uint32_t type, stp_store_tex
     return STP_OK;
 }
 
-static stp_result read_table(stp_store* store, uint32_t type, stp_store_text* text)
+stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text* text)
 {
     const stp_store_section* section = store->known[type];
     const stp_store_table* table = stp_store_table_of(type);
@@ -58,9 +58,18 @@ static stp_result read_table(stp_store* store, uint32_t type, stp_store_text* te
 static stp_result read_build(stp_store* store)
 {
     stp_store_text text;
-    stp_result result = read_text(store, STP_SECTION_BUILD, &text);
+    stp_result result = stp_store_read_text(store, STP_SECTION_BUILD, &text);
     store->directory.build_json = text.stored;
     return result;
+}
+
+static stp_result read_summary(stp_store* store, stp_store_text* text)
+{
+    stp_result result = stp_store_read_table(store, STP_SECTION_SUMMARY, text);
+    if (result == STP_OK) {
+        result = stp_store_read_table(store, STP_SECTION_SCENE_PARTS, text);
+    }
+    return result == STP_OK ? stp_store_judge_summary(store) : result;
 }
 
 static void fill_directory(stp_store* store)
@@ -114,10 +123,13 @@ static stp_result judge_records(const stp_store* store)
 static stp_result read_directory(stp_store* store)
 {
     stp_store_text text;
-    stp_result result = read_text(store, STP_SECTION_TEXT, &text);
+    stp_result result = stp_store_read_text(store, STP_SECTION_TEXT, &text);
     for (uint32_t type = STP_SECTION_NODES; type <= STP_SECTION_BLOCKS && result == STP_OK;
          ++type) {
-        result = read_table(store, type, &text);
+        result = stp_store_read_table(store, type, &text);
+    }
+    if (result == STP_OK) {
+        result = read_summary(store, &text);
     }
     if (result == STP_OK) {
         result = read_build(store);
@@ -145,13 +157,17 @@ stp_result stp_store_load_objects(stp_store* store)
     if (store->objects_ready) {
         return STP_OK;
     }
+    if (store->partial) {
+        return stp_fail(store->context, STP_ERROR_ARGUMENT, "%s: was opened for its summary alone",
+                        store->path);
+    }
     // a second try after a failed one begins anew
     stp_free(store->context, store->tables[STP_SECTION_OBJECTS]);
     store->tables[STP_SECTION_OBJECTS] = NULL;
     stp_store_text text;
-    stp_result result = read_text(store, STP_SECTION_OBJECT_TEXT, &text);
+    stp_result result = stp_store_read_text(store, STP_SECTION_OBJECT_TEXT, &text);
     if (result == STP_OK) {
-        result = read_table(store, STP_SECTION_OBJECTS, &text);
+        result = stp_store_read_table(store, STP_SECTION_OBJECTS, &text);
     }
     if (result != STP_OK) {
         return result;
@@ -192,7 +208,9 @@ static stp_result finish_open(stp_store* made, stp_store** store)
 {
     stp_result result = stp_store_read_header(made);
     if (result == STP_OK) {
-        result = read_directory(made);
+        const stp_store_section* summary = made->known[STP_SECTION_SUMMARY];
+        made->partial = made->desc.summary_only && summary != NULL && summary->count != 0;
+        result = made->partial ? stp_store_read_head(made) : read_directory(made);
     }
     if (result != STP_OK) {
         stp_store_close(made);
@@ -215,6 +233,9 @@ stp_result stp_store_open_with(stp_context* context, const char* path,
         return result;
     }
     made->mapped = true;
+    if (desc->summary_only) {
+        stp_file_expect_random(&made->file);
+    }
     return finish_open(made, store);
 }
 
@@ -252,6 +273,8 @@ void stp_store_close(stp_store* store)
     for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
         stp_free(context, store->tables[type]);
     }
+    stp_store_free_keys(store);
+    stp_free(context, store->pages_checked);
     if (store->mapped) {
         stp_file_unmap(&store->file);
     }
@@ -267,6 +290,16 @@ const stp_store_directory* stp_store_get_directory(const stp_store* store)
 uint64_t stp_store_file_bytes(const stp_store* store)
 {
     return store->file.size;
+}
+
+const stp_store_summary* stp_store_get_summary(const stp_store* store)
+{
+    return store->counts[STP_SECTION_SUMMARY] != 0 ? &store->summary : NULL;
+}
+
+uint32_t stp_store_format_minor(const stp_store* store)
+{
+    return store->minor;
 }
 
 uint32_t stp_store_format_version(const stp_store* store)

@@ -307,6 +307,45 @@ static void code_object(stp_store_codec* codec, void* element)
     code_affine(codec, &object->transform);
 }
 
+static void code_figures(stp_store_codec* codec, stp_store_figures* figures)
+{
+#define X(name) code_u64(codec, &figures->name);
+    STP_STORE_FIGURES(X)
+#undef X
+}
+
+static void code_summary(stp_store_codec* codec, void* element)
+{
+    stp_store_summary* summary = element;
+    code_figures(codec, &summary->figures);
+    code_vec3d(codec, &summary->bounds.min);
+    code_vec3d(codec, &summary->bounds.max);
+    code_u32(codec, &summary->material_count);
+    code_u32(codec, &summary->texture_count);
+    code_u32(codec, &summary->mesh_count);
+    code_u32(codec, &summary->point_set_count);
+}
+
+static void code_scene_part(stp_store_codec* codec, void* element)
+{
+    stp_store_scene_part* part = element;
+    code_text(codec, &part->name);
+    code_u32(codec, &part->object);
+    code_figures(codec, &part->figures);
+}
+
+static void code_page(stp_store_codec* codec, void* element)
+{
+    code_u32(codec, element);
+}
+
+static void code_key(stp_store_codec* codec, void* element)
+{
+    stp_store_key* key = element;
+    code_u64(codec, &key->hash.low);
+    code_u64(codec, &key->hash.high);
+}
+
 void stp_store_code_section(stp_store_codec* codec, stp_store_section* section)
 {
     code_u32(codec, &section->type);
@@ -340,6 +379,11 @@ const stp_store_table* stp_store_table_of(uint32_t type)
         [STP_SECTION_BUILD] = {NULL, 1, 1, NULL},
         [STP_SECTION_OBJECTS] = {"object", 112, sizeof(stp_store_object), code_object},
         [STP_SECTION_OBJECT_TEXT] = {NULL, 1, 1, NULL},
+        [STP_SECTION_SUMMARY] = {"summary", 200, sizeof(stp_store_summary), code_summary},
+        [STP_SECTION_SCENE_PARTS] = {"scene part", 144, sizeof(stp_store_scene_part),
+                                     code_scene_part},
+        [STP_SECTION_PAGES] = {"page", 4, sizeof(uint32_t), code_page},
+        [STP_SECTION_KEYS] = {"key", 16, sizeof(stp_store_key), code_key},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

@@ -4,6 +4,7 @@
 // ways, so that reader and writer cannot disagree.
 #pragma once
 
+#include "base/hash.h"
 #include "store/format.h"
 #include "store/store.h"
 
@@ -53,6 +54,11 @@ typedef struct stp_store_surfels_record {
     stp_store_joined* joined; ///< memory of the columns
 } stp_store_surfels_record;
 
+/// Under which a set or mesh was made.
+typedef struct stp_store_key {
+    stp_hash hash; ///< all zero: none
+} stp_store_key;
+
 typedef struct stp_store_octave {
     uint32_t end, block;
 } stp_store_octave;
@@ -87,6 +93,10 @@ typedef union stp_store_element {
     stp_store_source source;
     stp_store_block block;
     stp_store_object object;
+    stp_store_summary summary;
+    stp_store_scene_part scene_part;
+    stp_store_key key;
+    uint32_t page; ///< checksum
 } stp_store_element;
 
 /// By section type, below STP_SECTION_END.

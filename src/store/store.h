@@ -8,14 +8,12 @@
 // for.
 #pragma once
 
-#include "base/context.h"
-#include "base/math.h"
+#include "base/hash.h"
+#include "store/summary.h"
 
 #include <stipple/surfels.h>
 
 #define STP_STORE_NONE UINT32_MAX
-
-typedef struct stp_store stp_store;
 
 /// A use of a texture; see stp_texture_use in src/scene/scene.h.
 typedef struct stp_store_texture_use {
@@ -136,6 +134,10 @@ typedef struct stp_store_open_desc {
     bool accept_prefix;
     /// Leaves `objects` NULL (their count is known) until stp_store_load_objects.
     bool defer_objects;
+    /// Reads no more than what says what the file is: summary, views, sources and parameters of the build, a few
+    /// KB of a file of any size. The directory's other tables are empty and its root none. Files without a
+    /// summary (of version 1.0) are opened whole.
+    bool summary_only;
 } stp_store_open_desc;
 
 STP_MUST_USE stp_result stp_store_open_with(stp_context* context, const char* path,
@@ -152,8 +154,11 @@ STP_MUST_USE stp_result stp_store_load_objects(stp_store* store);
 void stp_store_close(stp_store* store);
 const stp_store_directory* stp_store_get_directory(const stp_store* store);
 uint64_t stp_store_file_bytes(const stp_store* store);
+/// What the file says it holds; NULL where it has no summary (see stp_store_summarise).
+const stp_store_summary* stp_store_get_summary(const stp_store* store);
 /// The major version of the format.
 uint32_t stp_store_format_version(const stp_store* store);
+uint32_t stp_store_format_minor(const stp_store* store);
 
 // What is known without touching bulk data: counts, bounds, octaves, prefix tables, materials.
 // Columns may be NULL. `index` must be below the directory's count.
@@ -189,10 +194,35 @@ typedef struct stp_store_check_report {
     uint64_t blocks; ///< in the file
 } stp_store_check_report;
 
+/// Every checksum and invariant of the file. `quick`: of the directory alone, and of a directory above 512 KiB only
+/// what a reader needs first: header, section table, summary, scene parts, views, sources and parameters with
+/// their texts, the checksums of all pages, and the first page of each section. Logs the first fault.
 STP_MUST_USE stp_result stp_store_check_with_report(stp_context* context, const char* path,
                                                     bool quick, stp_store_check_report* report);
-/// Every checksum and invariant of an open store (opened whole, not as a prefix).
+/// The same of an open store (not of one opened as a prefix); one opened for its summary is checked quickly.
 STP_MUST_USE stp_result stp_store_check_open(stp_store* store, bool quick,
                                              stp_store_check_report* report);
-/// Every checksum and invariant of the file; `quick`: of the directory alone. Logs the first fault.
 STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, bool quick);
+
+/// A surfel set or mesh as it lies in the file, checksums verified. Pointers live as long as the store.
+typedef struct stp_store_stored_surfels {
+    uint32_t index;                       ///< STP_STORE_NONE: the file has none of that key
+    const stp_surfels* surfels;           ///< without columns
+    const void* blocks[STP_OCTAVE_LIMIT]; ///< one for each octave (docs/format.md, Blocks)
+    size_t sizes[STP_OCTAVE_LIMIT];
+} stp_store_stored_surfels;
+
+typedef struct stp_store_stored_mesh {
+    uint32_t index;             ///< STP_STORE_NONE: the file has none of that key
+    const stp_store_mesh* mesh; ///< without columns
+    uint32_t present;           ///< its optional columns (STP_COLUMN_*)
+    const void* block;
+    size_t size;
+} stp_store_stored_mesh;
+
+// What was made under a content key (of several, the first). A table is made at the first call. One thread at a
+// time. @return STP_OK, also where there is none; STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_store_find_surfels_by_key(stp_store* store, stp_hash key,
+                                                      stp_store_stored_surfels* found);
+STP_MUST_USE stp_result stp_store_find_mesh_by_key(stp_store* store, stp_hash key,
+                                                   stp_store_stored_mesh* found);

@@ -6,12 +6,23 @@
 
 #include "base/bytes.h"
 #include "store/internal.h"
-#include "store/plan.h"
+#include "store/matter.h"
+#include "store/page_sums.h"
 
 #include <assert.h>
 #include <string.h>
 
-enum { SECTION_COUNT = STP_SECTION_END - 1 };
+// In the order of the file: first what says what the file is, last what a picture does not need.
+static const uint8_t section_order[] = {
+    STP_SECTION_SUMMARY,    STP_SECTION_SCENE_PARTS, STP_SECTION_VIEWS,    STP_SECTION_SOURCES,
+    STP_SECTION_BUILD,      STP_SECTION_NODES,       STP_SECTION_EDGES,    STP_SECTION_PARTS,
+    STP_SECTION_MATERIALS,  STP_SECTION_SHADINGS,    STP_SECTION_TEXTURES, STP_SECTION_MESHES,
+    STP_SECTION_POINT_SETS, STP_SECTION_SURFELS,     STP_SECTION_OCTAVES,  STP_SECTION_BREAKPOINTS,
+    STP_SECTION_BLOCKS,     STP_SECTION_TEXT,        STP_SECTION_OBJECTS,  STP_SECTION_OBJECT_TEXT,
+    STP_SECTION_KEYS,       STP_SECTION_PAGES,
+};
+
+enum { SECTION_COUNT = sizeof(section_order) };
 
 typedef struct writing {
     stp_context* context;
@@ -21,13 +32,16 @@ typedef struct writing {
     stp_store_plan plan;
     stp_store_section sections[STP_SECTION_END]; ///< by type
     stp_store_text text, object_text;
+    stp_store_summary summary;
     uint32_t crc; ///< of the section or block being written
+    stp_store_page_sums sums;
 } writing;
 
 static stp_result emit(writing* w, const void* bytes, size_t size)
 {
     w->crc = stp_store_crc(w->crc, bytes, size);
-    return stp_file_writer_append(w->file, bytes, size);
+    stp_result result = stp_store_page_sums_add(&w->sums, bytes, size);
+    return result == STP_OK ? stp_file_writer_append(w->file, bytes, size) : result;
 }
 
 // Zero bytes up to the next multiple; not part of any checksum.
@@ -46,6 +60,7 @@ static stp_result begin_section(writing* w, uint32_t type, uint64_t count)
     stp_result result = pad(w);
     uint32_t record_size = stp_store_table_of(type)->record_size;
     w->crc = 0;
+    stp_store_page_sums_begin(&w->sums, type);
     w->sections[type] = (stp_store_section){
         .type = type,
         .offset = stp_file_writer_size(w->file),
@@ -60,6 +75,7 @@ static stp_result end_section(writing* w, uint32_t type, stp_result result)
 {
     stp_store_section* section = &w->sections[type];
     section->crc = w->crc;
+    w->sums.open = false;
     assert(result != STP_OK || stp_file_writer_size(w->file) == section->offset + section->size);
     return result;
 }
@@ -200,6 +216,30 @@ static stp_result write_bytes(writing* w, uint32_t type, const void* bytes, size
     return end_section(w, type, result);
 }
 
+// One for each surfel set, then one for each mesh; none at all where nobody has one.
+static stp_result write_keys(writing* w)
+{
+    const stp_store_content* content = w->content;
+    uint32_t sets = content->directory.surfels_count, meshes = content->directory.mesh_count;
+    bool keyed = content->surfel_keys != NULL || content->mesh_keys != NULL;
+    uint64_t count = keyed ? (uint64_t)sets + meshes : 0;
+    stp_result result = begin_section(w, STP_SECTION_KEYS, count);
+    for (uint64_t i = 0; i < count && result == STP_OK; ++i) {
+        stp_store_element element = {0};
+        unsigned char bytes[STP_STORE_RECORD_LIMIT];
+        if (i < sets && content->surfel_keys != NULL) {
+            element.key.hash = content->surfel_keys[i];
+        } else if (i >= sets && content->mesh_keys != NULL) {
+            element.key.hash = content->mesh_keys[i - sets];
+        }
+        result = code_element(w, STP_SECTION_KEYS, (uint32_t)i, &element, bytes);
+        if (result == STP_OK) {
+            result = emit(w, bytes, stp_store_table_of(STP_SECTION_KEYS)->record_size);
+        }
+    }
+    return end_section(w, STP_SECTION_KEYS, result);
+}
+
 static stp_result write_section(writing* w, uint32_t type)
 {
     const stp_store_directory* d = &w->content->directory;
@@ -235,6 +275,14 @@ static stp_result write_section(writing* w, uint32_t type)
         return write_table(w, type, d->objects, d->object_count);
     case STP_SECTION_OBJECT_TEXT:
         return write_bytes(w, type, w->object_text.bytes, w->object_text.size);
+    case STP_SECTION_SUMMARY:
+        return write_table(w, type, &w->summary, 1);
+    case STP_SECTION_SCENE_PARTS:
+        return write_table(w, type, w->summary.parts, w->summary.part_count);
+    case STP_SECTION_KEYS:
+        return write_keys(w);
+    case STP_SECTION_PAGES: // what is written now is patched at the end
+        return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
         return write_sets(w, type);
     }
@@ -246,8 +294,8 @@ static stp_result write_directory(writing* w)
     static const unsigned char
         zeros[STP_STORE_HEADER_BYTES + SECTION_COUNT * STP_STORE_SECTION_BYTES] = {0};
     stp_result result = stp_file_writer_append(w->file, zeros, sizeof(zeros));
-    for (uint32_t type = STP_SECTION_NODES; type < STP_SECTION_END && result == STP_OK; ++type) {
-        result = write_section(w, type);
+    for (size_t i = 0; i < SECTION_COUNT && result == STP_OK; ++i) {
+        result = write_section(w, section_order[i]);
     }
     return result == STP_OK ? pad(w) : result;
 }
@@ -367,9 +415,28 @@ static stp_result patch_blocks(writing* w)
                               bytes + (size_t)i * section->record_size);
     }
     section->crc = stp_store_crc(0, bytes, (size_t)section->size);
+    stp_store_page_sums_replace(&w->sums, STP_SECTION_BLOCKS, bytes, (size_t)section->size);
     if (result == STP_OK) {
         result = stp_file_writer_patch(w->file, section->offset, bytes, (size_t)section->size);
     }
+    stp_free(w->context, bytes);
+    return result;
+}
+
+// The pages' checksums, now that those of the block table are known.
+static stp_result patch_pages(writing* w)
+{
+    stp_store_section* section = &w->sections[STP_SECTION_PAGES];
+    unsigned char* bytes = STP_NEW_ARRAY(w->context, unsigned char, (size_t)section->size + 1);
+    if (bytes == NULL) {
+        return stp_fail_memory(w->context);
+    }
+    for (size_t i = 0; i < w->sums.count; ++i) {
+        stp_write_u32(bytes + i * section->record_size, w->sums.crcs[i]);
+    }
+    section->crc = stp_store_crc(0, bytes, (size_t)section->size);
+    stp_result result =
+        stp_file_writer_patch(w->file, section->offset, bytes, (size_t)section->size);
     stp_free(w->context, bytes);
     return result;
 }
@@ -380,8 +447,8 @@ static stp_result patch_header(writing* w, uint64_t data_offset)
     const stp_store_directory* directory = &w->content->directory;
     unsigned char bytes[STP_STORE_HEADER_BYTES + SECTION_COUNT * STP_STORE_SECTION_BYTES] = {0};
     stp_store_codec codec = {.output = bytes, .offset = STP_STORE_HEADER_BYTES};
-    for (uint32_t type = STP_SECTION_NODES; type < STP_SECTION_END; ++type) {
-        stp_store_code_section(&codec, &w->sections[type]);
+    for (size_t i = 0; i < SECTION_COUNT; ++i) {
+        stp_store_code_section(&codec, &w->sections[section_order[i]]);
     }
     memcpy(bytes, STP_STORE_MAGIC, STP_STORE_MAGIC_BYTES);
     stp_write_u16(bytes + 8, STP_STORE_MAJOR);
@@ -441,6 +508,9 @@ static stp_result write_all(writing* w)
 {
     stp_result result = stp_store_plan_make(w->context, w->content, 0, &w->plan);
     if (result == STP_OK) {
+        result = stp_store_summarise_planned(w->context, w->content, &w->plan, &w->summary);
+    }
+    if (result == STP_OK) {
         result = stp_file_writer_open(w->context, w->path, &w->file);
     }
     if (result == STP_OK) {
@@ -457,6 +527,9 @@ static stp_result write_all(writing* w)
     result = write_blocks(w);
     if (result == STP_OK) {
         result = patch_blocks(w);
+    }
+    if (result == STP_OK) {
+        result = patch_pages(w);
     }
     if (result == STP_OK) {
         result = patch_header(w, data_offset);
@@ -477,6 +550,7 @@ stp_result stp_store_write(stp_context* context, const stp_store_content* conten
         .path = path,
         .text = {.context = context},
         .object_text = {.context = context},
+        .sums = {.context = context},
     };
     stp_result result = judge_content(&w);
     if (result == STP_OK) {
@@ -486,5 +560,7 @@ stp_result stp_store_write(stp_context* context, const stp_store_content* conten
     stp_store_plan_destroy(context, &w.plan);
     stp_free(context, w.text.bytes);
     stp_free(context, w.object_text.bytes);
+    stp_store_summary_destroy(context, &w.summary);
+    stp_free(context, w.sums.crcs);
     return result;
 }

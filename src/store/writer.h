@@ -7,13 +7,17 @@
 #include "store/store.h"
 
 /// Everything to be written. Counts of meshes etc. are those of `directory`.
-typedef struct stp_store_content {
+struct stp_store_content {
     stp_store_directory directory;
     const stp_store_mesh* meshes;
     const stp_store_point_set* point_sets;
     const stp_store_texture* textures;
     const stp_surfels* surfels;
-} stp_store_content;
+    const stp_store_census* census; ///< NULL: guessed from nodes and objects
+    // under which content keys they were made (all zero: none); NULL: none at all
+    const stp_hash* surfel_keys;
+    const stp_hash* mesh_keys;
+};
 
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged; nothing of a former file is lost)
 STP_MUST_USE stp_result stp_store_write(stp_context* context, const stp_store_content* content,

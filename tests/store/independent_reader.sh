@@ -9,6 +9,8 @@ mkdir -p "$folder"
 STP_STORE_SAMPLE="$folder/sample" "$tests" store_writes_samples_for_another_reader > "$folder/log"
 cp "$source"/tests/golden/store/v1/sample.stip "$folder/golden.stip"
 cp "$source"/tests/golden/store/v1/sample.json "$folder/golden.json"
+cp "$source"/tests/golden/store/v1/sample-1.1.stip "$folder/golden-1.1.stip"
+cp "$source"/tests/golden/store/v1/sample-1.1.json "$folder/golden-1.1.json"
 count=0
 for file in "$folder"/*.stip; do
     python3 "$source/scripts/read_store.py" "$file" --expect "${file%.stip}.json" > "${file%.stip}.out"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support_expected.h"
 
+#include <stdio.h>
 #include <zlib.h>
 
 static json_int_t crc(const void* bytes, size_t size)
@@ -194,15 +195,59 @@ static json_t* expected_sources(const stp_store_directory* d)
     return list;
 }
 
-json_t* sample_expected_json(const stp_store_content* content)
+static json_t* expected_figures(const stp_store_figures* figures)
 {
+    json_t* json = json_object();
+#define X(name) (void)json_object_set_new(json, #name, json_integer((json_int_t)figures->name));
+    STP_STORE_FIGURES(X)
+#undef X
+    return json;
+}
+
+static json_t* expected_scene_parts(const stp_store_summary* summary)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < summary->part_count; ++i) {
+        json_t* part = expected_figures(&summary->parts[i].figures);
+        (void)json_object_set_new(part, "name", text(summary->parts[i].name));
+        (void)json_object_set_new(part, "object", json_integer(summary->parts[i].object));
+        (void)json_array_append_new(list, part);
+    }
+    return list;
+}
+
+static json_t* expected_keys(const stp_store_content* content)
+{
+    json_t* list = json_array();
+    uint32_t sets = content->directory.surfels_count;
+    uint32_t count = sets + content->directory.mesh_count;
+    bool keyed = content->surfel_keys != NULL || content->mesh_keys != NULL;
+    for (uint32_t i = 0; keyed && i < count; ++i) {
+        const stp_hash* keys = i < sets ? content->surfel_keys : content->mesh_keys;
+        stp_hash key = keys != NULL ? keys[i < sets ? i : i - sets] : (stp_hash){0};
+        char digits[33];
+        snprintf(digits, sizeof(digits), "%016llx%016llx", (unsigned long long)key.high,
+                 (unsigned long long)key.low);
+        (void)json_array_append_new(list, json_string(digits));
+    }
+    return list;
+}
+
+json_t* sample_expected_json(const stp_store_content* content, const stp_store_summary* summary)
+{
+    json_t* head = expected_figures(&summary->figures);
+    (void)json_object_set_new(head, "bounds_min", triple(summary->bounds.min));
+    (void)json_object_set_new(head, "bounds_max", triple(summary->bounds.max));
+    (void)json_object_set_new(head, "mesh_count", json_integer(summary->mesh_count));
     const stp_store_directory* d = &content->directory;
     char up[2] = {d->up, '\0'};
     return json_pack(
-        "{s:[ii] s:I s:f s:s s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o}", "version", 1, 0, "root",
-        (json_int_t)d->root, "unit_metres", d->unit_metres, "up", up, "build", text(d->build_json),
-        "nodes", expected_nodes(d), "edges", expected_edges(d), "objects", expected_objects(d),
-        "materials", expected_materials(d), "meshes", expected_meshes(content), "point_sets",
-        expected_points(content), "textures", expected_textures(content), "surfels",
-        expected_surfels(content), "views", expected_views(d), "sources", expected_sources(d));
+        "{s:[ii] s:I s:f s:s s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:[o] s:o s:o}", "version",
+        1, 1, "root", (json_int_t)d->root, "unit_metres", d->unit_metres, "up", up, "build",
+        text(d->build_json), "nodes", expected_nodes(d), "edges", expected_edges(d), "objects",
+        expected_objects(d), "materials", expected_materials(d), "meshes", expected_meshes(content),
+        "point_sets", expected_points(content), "textures", expected_textures(content), "surfels",
+        expected_surfels(content), "views", expected_views(d), "sources", expected_sources(d),
+        "summary", head, "scene_parts", expected_scene_parts(summary), "keys",
+        expected_keys(content));
 }

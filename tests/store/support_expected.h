@@ -7,4 +7,4 @@
 #include <jansson.h>
 
 /// The caller's to free (json_decref); NULL where memory runs out.
-json_t* sample_expected_json(const stp_store_content* content);
+json_t* sample_expected_json(const stp_store_content* content, const stp_store_summary* summary);

@@ -30,6 +30,31 @@ static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t off
     }
 }
 
+// The checksums of the pages of all sections, in the section at `offset`.
+static inline void reseal_pages(unsigned char* bytes, size_t size, uint64_t table, uint64_t offset,
+                                uint64_t length, uint32_t record_size)
+{
+    uint64_t page = 0;
+    if (record_size < 4 || offset > size || length > size - offset) {
+        return;
+    }
+    for (uint64_t at = 0; at < table && STP_STORE_HEADER_BYTES + at + 40 <= size; at += 40) {
+        const unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + at;
+        uint64_t begin = stp_read_u64(entry + 8), left = stp_read_u64(entry + 16);
+        if (stp_read_u32(entry) == STP_SECTION_PAGES || begin > size || left > size - begin) {
+            continue;
+        }
+        while (left != 0 && (page + 1) * record_size <= length) {
+            uint64_t step = left < STP_STORE_PAGE_BYTES ? left : STP_STORE_PAGE_BYTES;
+            stp_write_u32(bytes + offset + page * record_size,
+                          reseal_crc(bytes, size, begin, step));
+            page += 1;
+            begin += step;
+            left -= step;
+        }
+    }
+}
+
 static inline void reseal(unsigned char* bytes, size_t size)
 {
     if (size < STP_STORE_HEADER_BYTES) {
@@ -44,7 +69,17 @@ static inline void reseal(unsigned char* bytes, size_t size)
         if (stp_read_u32(entry) == STP_SECTION_BLOCKS) {
             reseal_blocks(bytes, size, offset, length, stp_read_u32(entry + 32));
         }
-        stp_write_u32(entry + 36, reseal_crc(bytes, size, offset, length));
+    }
+    for (int pass = 0; pass < 2; ++pass) { // the section of checksums has one itself
+        for (uint64_t at = 0; at < table && STP_STORE_HEADER_BYTES + at + 40 <= size; at += 40) {
+            unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + at;
+            uint64_t offset = stp_read_u64(entry + 8), length = stp_read_u64(entry + 16);
+            if (pass == 0 && stp_read_u32(entry) == STP_SECTION_PAGES) {
+                reseal_pages(bytes, size, table, offset, length, stp_read_u32(entry + 32));
+            } else if (pass == 1) {
+                stp_write_u32(entry + 36, reseal_crc(bytes, size, offset, length));
+            }
+        }
     }
     stp_write_u32(bytes + 36, reseal_crc(bytes, size, STP_STORE_HEADER_BYTES, table));
     stp_write_u32(bytes + 124, reseal_crc(bytes, size, 0, 124));

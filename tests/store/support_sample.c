@@ -331,6 +331,47 @@ static void add_objects(dice* d, stp_store_content* content, uint32_t count)
     directory->sources = sources;
 }
 
+// Keys of most sets and meshes, in most samples.
+static void add_keys(dice* d, stp_store_content* content)
+{
+    const stp_store_directory* directory = &content->directory;
+    uint32_t count = directory->surfels_count + directory->mesh_count;
+    stp_hash* keys = take(d, count, sizeof(*keys));
+    for (uint32_t i = 0; d->complete && i < count; ++i) {
+        keys[i].low = below(d, 4) == 0 ? 0 : below(d, 3); // small: slots collide
+        keys[i].high = keys[i].low == 0 ? 0 : stp_rng_hash(d->seed, d->next++);
+    }
+    content->surfel_keys = below(d, 4) == 0 ? NULL : keys;
+    content->mesh_keys = below(d, 4) == 0 ? NULL : keys + directory->surfels_count;
+}
+
+// Without one, it is guessed.
+static void add_census(dice* d, stp_store_content* content)
+{
+    uint32_t count = below(d, 3), objects = content->directory.object_count;
+    stp_store_census* census = take(d, 1, sizeof(*census));
+    stp_store_census_part* parts = take(d, count, sizeof(*parts));
+    uint32_t* members = take(d, 2 * (size_t)count, sizeof(*members));
+    if (!d->complete || objects == 0 || below(d, 2) == 0) {
+        return;
+    }
+    census->objects = below(d, 100);
+    census->unique_objects = below(d, 100);
+    census->instances = below(d, 100);
+    census->part_count = count;
+    census->parts = parts;
+    for (uint32_t i = 0; i < count; ++i) {
+        parts[i].name = text(d, "part");
+        parts[i].member_count = 1 + below(d, 2);
+        parts[i].members = members + 2 * (size_t)i;
+        parts[i].objects = below(d, 50);
+        for (uint32_t k = 0; k < parts[i].member_count; ++k) {
+            members[2 * i + k] = below(d, objects);
+        }
+    }
+    content->census = census;
+}
+
 sample sample_make(stp_arena* arena, uint64_t seed)
 {
     dice d = {.arena = arena, .seed = seed, .complete = true};
@@ -348,6 +389,8 @@ sample sample_make(stp_arena* arena, uint64_t seed)
     directory->unit_metres = below(&d, 2) == 0 ? 0.0 : 0.001;
     directory->up = (char)('x' + (int)below(&d, 3));
     directory->build_json = below(&d, 2) == 0 ? NULL : "{\"seed\": 0}";
+    add_keys(&d, &made.content);
+    add_census(&d, &made.content);
     made.complete = d.complete;
     return made;
 }

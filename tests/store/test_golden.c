@@ -25,7 +25,10 @@ void test_store_writes_samples_for_another_reader(test_state* test)
         sample made = sample_make(&arena, seed);
         snprintf(path, sizeof(path), "%s-%llu.stip", name, (unsigned long long)seed);
         CHECK_EQUAL(STP_OK, stp_store_write(context, &made.content, path));
-        json_t* expected = sample_expected_json(&made.content);
+        stp_store_summary summary;
+        CHECK_EQUAL(STP_OK, stp_store_summarise_content(context, &made.content, &summary));
+        json_t* expected = sample_expected_json(&made.content, &summary);
+        stp_store_summary_destroy(context, &summary);
         CHECK(expected != NULL);
         snprintf(path, sizeof(path), "%s-%llu.json", name, (unsigned long long)seed);
         CHECK_EQUAL(0, json_dump_file(expected, path, JSON_INDENT(1) | JSON_REAL_PRECISION(17)));
@@ -39,20 +42,29 @@ void test_store_opens_version_1_for_ever(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
-    const char* path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip";
-    stp_arena arena = stp_arena_create(context, 1 << 16);
-    sample made = sample_make(&arena, GOLDEN_SEED);
-    stp_store* store = NULL;
-    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
-    const char* difference = sample_difference(&made.content, store);
-    stp_store_close(store);
-    stp_arena_destroy(&arena);
-    CHECK(difference == NULL);
-    CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
+    const char* const paths[] = {STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip",
+                                 STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.1.stip"};
+    for (uint32_t minor = 0; minor < 2; ++minor) {
+        stp_arena arena = stp_arena_create(context, 1 << 16);
+        sample made = sample_make(&arena, GOLDEN_SEED);
+        if (minor == 0) { // had neither keys nor a summary
+            made.content.surfel_keys = made.content.mesh_keys = NULL;
+            made.content.census = NULL;
+        }
+        stp_store* store = NULL;
+        CHECK_EQUAL(STP_OK, stp_store_open(context, paths[minor], &store));
+        CHECK_EQUAL(minor, stp_store_format_minor(store));
+        CHECK_EQUAL(minor == 1, stp_store_get_summary(store) != NULL);
+        const char* difference = sample_difference(&made.content, store);
+        stp_store_close(store);
+        stp_arena_destroy(&arena);
+        CHECK(difference == NULL);
+        CHECK_EQUAL(STP_OK, stp_store_check(context, paths[minor], false));
+    }
     stp_context_destroy(context);
 }
 
-// Holds as long as the writer writes version 1.0. Where it no longer should: a new golden beside
+// Holds as long as the writer writes version 1.1. Where it no longer should: a new golden beside
 // the old one.
 void test_store_writes_the_same_bytes_as_ever(test_state* test)
 {
@@ -66,8 +78,8 @@ void test_store_writes_the_same_bytes_as_ever(test_state* test)
     sample made = sample_make(&arena, GOLDEN_SEED);
     stp_result written = stp_store_write(context, &made.content, path);
     size_t golden_size = 0, size = 0;
-    unsigned char* golden =
-        sample_read_file(STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip", &golden_size);
+    unsigned char* golden = sample_read_file(
+        STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.1.stip", &golden_size);
     unsigned char* bytes = sample_read_file(path, &size);
     bool same =
         golden != NULL && bytes != NULL && size == golden_size && memcmp(golden, bytes, size) == 0;

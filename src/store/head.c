@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// What a file says of itself in its first pages: summary, scene parts, views, sources, parameters.
+#include "store/internal.h"
+
+#include <string.h>
+
+stp_result stp_store_judge_summary(stp_store* store)
+{
+    const stp_store_section* objects = store->known[STP_SECTION_OBJECTS];
+    uint64_t object_count = objects != NULL ? objects->count : 0;
+    uint32_t summaries = store->counts[STP_SECTION_SUMMARY];
+    uint32_t parts = store->counts[STP_SECTION_SCENE_PARTS];
+    if (summaries > 1 || parts > STP_STORE_SCENE_PARTS + 1 || (summaries == 0 && parts != 0)) {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: has %u summaries and %u scene parts, where one and at most %d can be",
+                        store->path, summaries, parts, STP_STORE_SCENE_PARTS + 1);
+    }
+    if (summaries == 0) {
+        return STP_OK;
+    }
+    store->summary = *(const stp_store_summary*)store->tables[STP_SECTION_SUMMARY];
+    store->summary.parts = store->tables[STP_SECTION_SCENE_PARTS];
+    store->summary.part_count = parts;
+    for (uint32_t i = 0; i < parts; ++i) {
+        uint32_t object = store->summary.parts[i].object;
+        if (object != STP_STORE_NONE && object >= object_count) {
+            return stp_fail(store->context, STP_ERROR_FORMAT,
+                            "%s: scene part %u: object %u does not exist (there are %llu)",
+                            store->path, i, object, (unsigned long long)object_count);
+        }
+    }
+    return STP_OK;
+}
+
+// Checks the pages that hold a text, up to its last byte.
+static stp_result verify_text(stp_store* store, const char* text)
+{
+    const stp_store_section* section = store->known[STP_SECTION_TEXT];
+    if (text == NULL) {
+        return STP_OK;
+    }
+    const char* base = (const char*)store->file.bytes + section->offset;
+    for (uint64_t at = (uint64_t)(text - base); at < section->size;) {
+        uint64_t end = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES;
+        end = end < section->size ? end : section->size;
+        stp_result result = stp_store_verify_range(store, section, at, end - at);
+        if (result != STP_OK || memchr(base + at, '\0', (size_t)(end - at)) != NULL) {
+            return result;
+        }
+        at = end;
+    }
+    return stp_fail(store->context, STP_ERROR_FORMAT,
+                    "%s: the texts of type %u do not end with a zero byte", store->path,
+                    STP_SECTION_TEXT);
+}
+
+static stp_result verify_texts(stp_store* store)
+{
+    const stp_store_directory* d = &store->directory;
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; result == STP_OK && i < store->summary.part_count; ++i) {
+        result = verify_text(store, store->summary.parts[i].name);
+    }
+    for (uint32_t i = 0; result == STP_OK && i < d->view_count; ++i) {
+        result = verify_text(store, d->views[i].name);
+    }
+    for (uint32_t i = 0; result == STP_OK && i < d->source_count; ++i) {
+        result = verify_text(store, d->sources[i].path);
+        result = result != STP_OK ? result : verify_text(store, d->sources[i].format);
+    }
+    return result;
+}
+
+stp_result stp_store_read_head(stp_store* store)
+{
+    static const uint32_t types[] = {STP_SECTION_SUMMARY, STP_SECTION_SCENE_PARTS,
+                                     STP_SECTION_VIEWS, STP_SECTION_SOURCES};
+    const stp_store_section* texts = store->known[STP_SECTION_TEXT];
+    stp_store_text text = {.context = store->context};
+    if (texts != NULL) { // checked where used
+        text.stored = (const char*)store->file.bytes + texts->offset;
+        text.size = (size_t)texts->size;
+    }
+    if (texts != NULL && texts->record_size != 1) {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: texts have records of %u bytes where 1 was expected", store->path,
+                        texts->record_size);
+    }
+    stp_result result = STP_OK;
+    for (size_t i = 0; result == STP_OK && i < sizeof(types) / sizeof(types[0]); ++i) {
+        result = stp_store_read_table(store, types[i], &text);
+    }
+    result = result != STP_OK ? result : stp_store_judge_summary(store);
+    result = result != STP_OK ? result : stp_store_read_text(store, STP_SECTION_BUILD, &text);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_store_directory* directory = &store->directory;
+    directory->build_json = text.stored;
+    directory->views = store->tables[STP_SECTION_VIEWS];
+    directory->view_count = store->counts[STP_SECTION_VIEWS];
+    directory->sources = store->tables[STP_SECTION_SOURCES];
+    directory->source_count = store->counts[STP_SECTION_SOURCES];
+    directory->root = STP_STORE_NONE; // the graph was not read
+    stp_store_judge judge = stp_store_own_judge(store);
+    result = stp_store_judge_graph(&judge, directory);
+    return result != STP_OK ? result : verify_texts(store);
+}
+
+stp_result stp_store_check_head(stp_store* store)
+{
+    stp_result result = stp_store_verify_page_table(store);
+    for (uint32_t i = 0; result == STP_OK && i < store->section_count; ++i) {
+        const stp_store_section* section = &store->sections[i];
+        uint64_t first =
+            section->size < STP_STORE_PAGE_BYTES ? section->size : STP_STORE_PAGE_BYTES;
+        if (section->type != STP_SECTION_PAGES) {
+            result = stp_store_verify_range(store, section, 0, first);
+        }
+    }
+    return result;
+}

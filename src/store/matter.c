@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "store/matter.h"
+
+static stp_result create_matter(stp_context* context, const stp_store_directory* directory,
+                                stp_store_matter* matter)
+{
+    *matter = (stp_store_matter){.directory = directory};
+    matter->meshes = STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->mesh_count + 1);
+    matter->point_sets =
+        STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->point_set_count + 1);
+    matter->textures =
+        STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->texture_count + 1);
+    matter->sets = STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->surfels_count + 1);
+    if (matter->meshes == NULL || matter->point_sets == NULL || matter->textures == NULL ||
+        matter->sets == NULL) {
+        stp_store_matter_destroy(context, matter);
+        return stp_fail_memory(context);
+    }
+    return STP_OK;
+}
+
+void stp_store_matter_destroy(stp_context* context, stp_store_matter* matter)
+{
+    stp_free(context, matter->meshes);
+    stp_free(context, matter->point_sets);
+    stp_free(context, matter->textures);
+    stp_free(context, matter->sets);
+    *matter = (stp_store_matter){0};
+}
+
+static stp_store_amount amount_of_surfels(const stp_surfels* surfels)
+{
+    stp_store_amount amount = {.count = surfels->count};
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    for (uint32_t k = 0; k < surfels->octave_count; ++k) {
+        amount.bytes += stp_store_surfel_columns(surfels, k, columns);
+    }
+    return amount;
+}
+
+static stp_store_amount amount_of_texture(const stp_store_texture* texture, uint64_t bytes)
+{
+    return (stp_store_amount){.count = (uint64_t)texture->width * texture->height, .bytes = bytes};
+}
+
+stp_result stp_store_matter_of_file(const stp_store* store, stp_store_matter* matter)
+{
+    const stp_store_directory* directory = &store->directory;
+    const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
+    const stp_store_point_record* point_sets = store->tables[STP_SECTION_POINT_SETS];
+    const stp_store_texture_record* textures = store->tables[STP_SECTION_TEXTURES];
+    stp_result result = create_matter(store->context, directory, matter);
+    if (result != STP_OK) {
+        return result;
+    }
+    for (uint32_t i = 0; i < directory->mesh_count; ++i) {
+        matter->meshes[i] = (stp_store_amount){
+            .count = meshes[i].mesh.triangle_count,
+            .bytes = stp_store_block_at(store, meshes[i].block)->size,
+            .material = meshes[i].mesh.material,
+        };
+    }
+    for (uint32_t i = 0; i < directory->point_set_count; ++i) {
+        matter->point_sets[i] = (stp_store_amount){
+            .count = point_sets[i].points.point_count,
+            .bytes = stp_store_block_at(store, point_sets[i].block)->size,
+            .material = point_sets[i].points.material,
+        };
+    }
+    for (uint32_t i = 0; i < directory->texture_count; ++i) {
+        matter->textures[i] = amount_of_texture(&textures[i].texture,
+                                                stp_store_block_at(store, textures[i].block)->size);
+    }
+    for (uint32_t i = 0; i < directory->surfels_count; ++i) {
+        matter->sets[i] = amount_of_surfels(stp_store_describe_surfels(store, i));
+    }
+    return STP_OK;
+}
+
+stp_result stp_store_matter_of_plan(stp_context* context, const stp_store_content* content,
+                                    const stp_store_plan* plan, stp_store_matter* matter)
+{
+    const stp_store_directory* directory = &content->directory;
+    stp_result result = create_matter(context, directory, matter);
+    if (result != STP_OK) {
+        return result;
+    }
+    for (uint32_t i = 0; i < directory->mesh_count; ++i) {
+        matter->meshes[i] = (stp_store_amount){
+            .count = content->meshes[i].triangle_count,
+            .bytes = plan->blocks[plan->mesh_blocks[i]].size,
+            .material = content->meshes[i].material,
+        };
+    }
+    for (uint32_t i = 0; i < directory->point_set_count; ++i) {
+        matter->point_sets[i] = (stp_store_amount){
+            .count = content->point_sets[i].point_count,
+            .bytes = plan->blocks[plan->point_blocks[i]].size,
+            .material = content->point_sets[i].material,
+        };
+    }
+    for (uint32_t i = 0; i < directory->texture_count; ++i) {
+        matter->textures[i] =
+            amount_of_texture(&content->textures[i], plan->blocks[plan->texture_blocks[i]].size);
+    }
+    for (uint32_t i = 0; i < directory->surfels_count; ++i) {
+        matter->sets[i] = amount_of_surfels(&content->surfels[i]);
+    }
+    return STP_OK;
+}
+
+// The only object below another (the last one seen), and how many there are.
+typedef struct below {
+    uint32_t count, last;
+} below;
+
+// Whether an object is a place for others and nothing itself.
+static bool is_place(const stp_store_directory* directory, uint32_t object, const below* children)
+{
+    return directory->nodes[directory->objects[object].node].part_count == 0 &&
+           children[object].count != 0;
+}
+
+// The object whose children are the parts; STP_STORE_NONE: those without a parent are.
+static uint32_t find_place(const stp_store_directory* directory, below* children)
+{
+    below roots = {0, STP_STORE_NONE};
+    for (uint32_t i = 0; i < directory->object_count; ++i) {
+        const stp_store_object* object = &directory->objects[i];
+        below* parent = object->parent != STP_STORE_NONE ? &children[object->parent] : &roots;
+        if (object->node != STP_STORE_NONE) {
+            *parent = (below){parent->count + 1, i};
+        }
+    }
+    uint32_t place = STP_STORE_NONE;
+    for (below at = roots; at.count == 1 && is_place(directory, at.last, children);) {
+        place = at.last;
+        at = children[place];
+    }
+    return place;
+}
+
+stp_result stp_store_guess_census(stp_context* context, const stp_store_directory* directory,
+                                  stp_store_census* census)
+{
+    *census = (stp_store_census){0};
+    size_t count = directory->object_count;
+    below* children = STP_NEW_ZEROED(context, below, count + 1);
+    stp_store_census_candidate* candidates =
+        STP_NEW_ARRAY(context, stp_store_census_candidate, count + 1);
+    stp_result result = STP_OK;
+    if (children == NULL || candidates == NULL) {
+        result = stp_fail_memory(context);
+    } else {
+        uint32_t place = find_place(directory, children);
+        size_t found = 0;
+        for (uint32_t i = 0; i < directory->object_count; ++i) {
+            const stp_store_object* object = &directory->objects[i];
+            if (object->parent == place && object->node != STP_STORE_NONE) {
+                candidates[found++] = (stp_store_census_candidate){
+                    .object = i,
+                    .triangles = directory->nodes[object->node].triangle_count,
+                    .name = object->name,
+                };
+            }
+        }
+        result = stp_store_census_create(context, candidates, found, census);
+    }
+    stp_free(context, candidates);
+    stp_free(context, children);
+    return result;
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "store/matter.h"
+
+#include <string.h>
+
+// Tallies with the census there is, or a guessed one.
+static stp_result tally(stp_context* context, const stp_store_matter* matter,
+                        const stp_store_census* census, stp_store_summary* summary)
+{
+    stp_store_census guessed = {0};
+    stp_result result = STP_OK;
+    if (census == NULL) {
+        result = stp_store_guess_census(context, matter->directory, &guessed);
+    }
+    if (result == STP_OK) {
+        const stp_store_census* used = census != NULL ? census : &guessed;
+        result = stp_store_tally(context, matter, used, census != NULL, summary);
+    }
+    // the names of its parts are the objects', but for "others", which is static
+    stp_store_census_destroy(context, &guessed);
+    return result;
+}
+
+stp_result stp_store_summarise_planned(stp_context* context, const stp_store_content* content,
+                                       const stp_store_plan* plan, stp_store_summary* summary)
+{
+    stp_store_matter matter;
+    *summary = (stp_store_summary){0};
+    stp_result result = stp_store_matter_of_plan(context, content, plan, &matter);
+    if (result == STP_OK) {
+        result = tally(context, &matter, content->census, summary);
+        stp_store_matter_destroy(context, &matter);
+    }
+    return result;
+}
+
+stp_result stp_store_summarise_content(stp_context* context, const stp_store_content* content,
+                                       stp_store_summary* summary)
+{
+    stp_store_plan plan;
+    *summary = (stp_store_summary){0};
+    stp_result result = stp_store_plan_make(context, content, 0, &plan);
+    if (result == STP_OK) {
+        result = stp_store_summarise_planned(context, content, &plan, summary);
+        stp_store_plan_destroy(context, &plan);
+    }
+    return result;
+}
+
+stp_result stp_store_summarise(stp_store* store, stp_store_summary* summary)
+{
+    stp_store_matter matter;
+    *summary = (stp_store_summary){0};
+    stp_result result = stp_store_load_objects(store);
+    if (result == STP_OK) {
+        result = stp_store_matter_of_file(store, &matter);
+    }
+    if (result == STP_OK) {
+        result = tally(store->context, &matter, NULL, summary);
+        stp_store_matter_destroy(store->context, &matter);
+    }
+    return result;
+}
+
+void stp_store_summary_destroy(stp_context* context, stp_store_summary* summary)
+{
+    stp_free(context, summary->parts);
+    *summary = (stp_store_summary){0};
+}
+
+// Whether the figures that the graph tells are those stored: what the input called objects is not in it.
+static bool are_figures_right(const stp_store_figures* stored, const stp_store_figures* found)
+{
+    stp_store_figures known = *found;
+    known.objects = stored->objects;
+    known.unique_objects = stored->unique_objects;
+    known.instances = stored->instances;
+    return memcmp(stored, &known, sizeof(known)) == 0;
+}
+
+static bool is_box_equal(const stp_boxd* a, const stp_boxd* b)
+{
+    return a->min.x <= b->min.x && a->min.x >= b->min.x && a->min.y <= b->min.y &&
+           a->min.y >= b->min.y && a->min.z <= b->min.z && a->min.z >= b->min.z &&
+           a->max.x <= b->max.x && a->max.x >= b->max.x && a->max.y <= b->max.y &&
+           a->max.y >= b->max.y && a->max.z <= b->max.z && a->max.z >= b->max.z;
+}
+
+stp_result stp_store_check_summary(stp_store* store)
+{
+    const stp_store_summary* stored = stp_store_get_summary(store);
+    if (stored == NULL) {
+        return STP_OK;
+    }
+    stp_context* context = store->context;
+    stp_store_summary found = {0};
+    stp_store_matter matter = {0};
+    stp_store_census census = {.part_count = stored->part_count};
+    census.parts = STP_NEW_ZEROED(context, stp_store_census_part, (size_t)stored->part_count + 1);
+    stp_result result =
+        census.parts != NULL ? stp_store_load_objects(store) : stp_fail_memory(context);
+    for (uint32_t i = 0; result == STP_OK && i < stored->part_count; ++i) {
+        census.parts[i].members = &stored->parts[i].object;
+        census.parts[i].member_count = stored->parts[i].object != STP_STORE_NONE;
+    }
+    if (result == STP_OK) {
+        result = stp_store_matter_of_file(store, &matter);
+    }
+    if (result == STP_OK) {
+        result = stp_store_tally(context, &matter, &census, true, &found);
+        stp_store_matter_destroy(context, &matter);
+    }
+    stp_free(context, census.parts);
+    if (result != STP_OK) {
+        return result;
+    }
+    const char* wrong = NULL;
+    if (!are_figures_right(&stored->figures, &found.figures) ||
+        !is_box_equal(&stored->bounds, &found.bounds)) {
+        wrong = "whole scene";
+    }
+    for (uint32_t i = 0; i < stored->part_count; ++i) {
+        if (stored->parts[i].object != STP_STORE_NONE &&
+            !are_figures_right(&stored->parts[i].figures, &found.parts[i].figures)) {
+            wrong = "scene part";
+        }
+    }
+    stp_store_summary_destroy(context, &found);
+    return wrong == NULL
+               ? STP_OK
+               : stp_fail(context, STP_ERROR_FORMAT,
+                          "%s: the summary of a %s is not what the file holds", store->path, wrong);
+}
