@@ -9,8 +9,11 @@
 #include <unistd.h>
 
 #define INTERVAL_MS 100.0
+#define SAMPLE_MS 50.0           // closer reports say little of speed
 #define ESTIMATE_AFTER_MS 1000.0 // an earlier guess of the time left would jump
-enum { BAR_WIDTH = 30 };
+#define LEAST_MEMORY_MS 500.0
+#define MEMORY 0.3 // the part of the time gone by that counts for what is to come
+enum { BAR_WIDTH = 20 };
 
 bool progress_choose(progress_state* state, const char* name, FILE* stream)
 {
@@ -27,66 +30,147 @@ bool progress_choose(progress_state* state, const char* name, FILE* stream)
     return true;
 }
 
-static void draw_bar(progress_state* state, double now)
+// An average that forgets, the slower the longer it has been going on.
+static void update_speed(progress_speed* speed, double now, double value)
+{
+    if (!speed->begun || value < speed->last_value) {
+        *speed =
+            (progress_speed){.begun = true, .start_ms = now, .last_ms = now, .last_value = value};
+        return;
+    }
+    double passed = now - speed->last_ms;
+    if (passed < SAMPLE_MS) {
+        return;
+    }
+    double memory = MEMORY * (now - speed->start_ms);
+    memory = memory > LEAST_MEMORY_MS ? memory : LEAST_MEMORY_MS;
+    double latest = (value - speed->last_value) / passed;
+    double weight = speed->per_ms > 0.0 ? passed / (passed + memory) : 1.0;
+    speed->per_ms += weight * (latest - speed->per_ms);
+    speed->last_ms = now;
+    speed->last_value = value;
+}
+
+static bool is_settled(const progress_speed* speed)
+{
+    return speed->per_ms > 0.0 && speed->last_ms - speed->start_ms >= ESTIMATE_AFTER_MS;
+}
+
+static double whole_way(const stp_progress_report* report)
+{
+    return report->overall >= 0.0 ? report->overall : report->fraction;
+}
+
+double progress_remaining_s(const progress_state* state)
+{
+    double way = whole_way(&state->report);
+    return is_settled(&state->way) && way > 0.01 ? (1.0 - way) / state->way.per_ms * 1e-3 : -1.0;
+}
+
+// What is counted in a second; negative: not known.
+static double rate_of(const progress_state* state)
+{
+    return state->report.unit != NULL && is_settled(&state->rate) ? 1e3 * state->rate.per_ms : -1.0;
+}
+
+static void print_rate(FILE* stream, double rate, const char* unit)
+{
+    static const char* const prefixes[] = {"", "k ", "M ", "G ", "T "};
+    int prefix = 0;
+    while (rate >= 999.5 && prefix < 4) {
+        rate *= 1e-3;
+        prefix += 1;
+    }
+    fprintf(stream, "  %.*f %s%s/s", rate < 9.95 ? 1 : 0, rate, prefixes[prefix], unit);
+}
+
+static void print_left(FILE* stream, double left)
+{
+    long seconds = left < 360000.0 ? (long)(left + 0.5) : 360000L;
+    long minutes = seconds / 60;
+    if (minutes < 60) {
+        fprintf(stream, "  %ld:%02ld left", minutes, seconds % 60);
+    } else {
+        fprintf(stream, "  %ld:%02ld:%02ld left", minutes / 60, minutes % 60, seconds % 60);
+    }
+}
+
+static void draw_bar(progress_state* state)
 {
     char bar[BAR_WIDTH + 1];
+    double way = whole_way(&state->report);
     for (int i = 0; i < BAR_WIDTH; ++i) {
-        bar[i] = (double)i < state->fraction * BAR_WIDTH ? '#' : '.';
+        bar[i] = (double)i < way * BAR_WIDTH ? '#' : '.';
     }
     bar[BAR_WIDTH] = 0;
-    fprintf(state->stream, "\r\033[K%-10s [%s] %3.0f %%", state->stage, bar,
-            100.0 * state->fraction);
-    double elapsed = now - state->stage_start_ms;
-    if (elapsed > ESTIMATE_AFTER_MS && state->fraction > 0.01) {
-        double left = elapsed * (1.0 - state->fraction) / state->fraction / 1000.0;
-        int minutes = (int)(left / 60.0);
-        if (minutes > 0) {
-            fprintf(state->stream, "  %d min %02d s left", minutes, (int)(left - 60.0 * minutes));
-        } else {
-            fprintf(state->stream, "  %d s left", (int)(left + 0.5));
-        }
+    fprintf(state->stream, "\r\033[K%-10s [%s] %3.0f %%", state->report.stage, bar, 100.0 * way);
+    double rate = rate_of(state), left = progress_remaining_s(state);
+    if (rate >= 0.0) {
+        print_rate(state->stream, rate, state->report.unit);
+    }
+    if (left >= 0.0) {
+        print_left(state->stream, left);
     }
     fflush(state->stream);
     state->drawn = true;
 }
 
+static json_t* real_or_null(double value)
+{
+    return value >= 0.0 ? json_real(value) : json_null();
+}
+
 static void print_line(const progress_state* state, double now)
 {
-    json_t* line = json_pack("{s:s, s:f, s:f}", "stage", state->stage, "fraction", state->fraction,
-                             "stage_ms", now - state->stage_start_ms);
+    const stp_progress_report* report = &state->report;
+    json_t* line = json_pack("{s:s, s:f, s:o, s:o, s:s?, s:o, s:f}", "stage", report->stage,
+                             "fraction", report->fraction, "overall", real_or_null(report->overall),
+                             "rate", real_or_null(rate_of(state)), "unit", report->unit,
+                             "remaining_s", real_or_null(progress_remaining_s(state)), "stage_ms",
+                             now - state->stage_start_ms);
     if (line != NULL) {
         json_dumpf(line, state->stream, JSON_COMPACT | JSON_REAL_PRECISION(6));
         putc('\n', state->stream);
+        fflush(state->stream);
         json_decref(line);
     }
 }
 
-void progress_report(progress_state* state, const char* stage, double fraction)
+void progress_report_at(progress_state* state, const stp_progress_report* report, double now_ms)
 {
     if (state->style == PROGRESS_NONE) {
         return;
     }
-    double now = stp_clock_ms();
-    fraction = fraction > 0.0 ? fraction < 1.0 ? fraction : 1.0 : 0.0;
-    bool changed = state->stage == NULL || strcmp(state->stage, stage) != 0;
-    bool ended = fraction >= 1.0 && state->fraction < 1.0;
+    const char* before = state->report.stage;
+    bool changed = before == NULL || strcmp(before, report->stage) != 0;
+    bool ended = report->fraction >= 1.0 && state->report.fraction < 1.0;
     if (changed) {
-        state->stage_start_ms = now;
+        state->stage_start_ms = now_ms;
+        state->rate = (progress_speed){0};
     }
-    state->stage = stage;
-    state->fraction = fraction;
-    if (!changed && !ended && now - state->shown_ms < INTERVAL_MS) {
+    if (changed && report->overall < 0.0) {
+        state->way = (progress_speed){0};
+    }
+    state->report = *report;
+    update_speed(&state->way, now_ms, whole_way(report));
+    update_speed(&state->rate, now_ms, (double)report->done);
+    if (!changed && !ended && now_ms - state->shown_ms < INTERVAL_MS) {
         return;
     }
-    if (state->style == PROGRESS_BAR) {
-        // a bar is for eyes: a quick succession of stages is not shown
-        if (now - state->shown_ms >= INTERVAL_MS) {
-            draw_bar(state, now);
-            state->shown_ms = now;
-        }
+    if (state->style == PROGRESS_JSON) {
+        print_line(state, now_ms);
+    } else if (now_ms - state->shown_ms >= INTERVAL_MS) {
+        draw_bar(state); // for eyes: a quick succession of stages is not shown
     } else {
-        print_line(state, now);
-        state->shown_ms = now;
+        return;
+    }
+    state->shown_ms = now_ms;
+}
+
+void progress_report(progress_state* state, const stp_progress_report* report)
+{
+    if (state->style != PROGRESS_NONE) {
+        progress_report_at(state, report, stp_clock_ms());
     }
 }
 

@@ -90,11 +90,11 @@ static void print_log(stp_log_level level, const char* message, void* user)
     }
 }
 
-static int report_progress(const char* stage, double fraction, void* user)
+static int report_progress(const stp_progress_report* report, void* user)
 {
     (void)user;
     pthread_mutex_lock(&output_mutex);
-    progress_report(&progress, stage, fraction);
+    progress_report(&progress, report);
     pthread_mutex_unlock(&output_mutex);
     return interrupted;
 }

@@ -53,6 +53,15 @@ typedef enum stp_log_level {
     STP_LOG_NOTICE,  ///< something worth knowing: an approximation, a default taken
 } stp_log_level;
 
+/// How far a long call is. What is counted has a unit; where nothing is, `total` is 0 and `unit` NULL.
+typedef struct stp_progress_report {
+    const char* stage;    ///< static text: "import", "capture", ...
+    double fraction;      ///< of the stage, 0..1
+    double overall;       ///< of the whole call, 0..1, never less than before; negative: not known
+    uint64_t done, total; ///< of the stage; `done` is 0..`total`
+    const char* unit;     ///< static text: "triangles", "nodes", ...
+} stp_progress_report;
+
 /// How to make a context. Zero means the default of each field.
 typedef struct stp_context_desc {
     stp_allocator allocator;
@@ -60,9 +69,9 @@ typedef struct stp_context_desc {
     /// once and must not call the library. Default: messages are dropped.
     void (*log)(stp_log_level level, const char* message, void* user);
     void* log_user;
-    /// Receives the progress of long work: `stage` (static text) and the fraction done, 0..1. Called only
-    /// on the thread that made the call. Return non-zero to stop the work with STP_ERROR_CANCELLED.
-    int (*progress)(const char* stage, double fraction, void* user);
+    /// Receives the progress of long work, often: a receiver that shows it should leave most reports out. Called
+    /// only on the thread that made the call. Return non-zero to stop the work with STP_ERROR_CANCELLED.
+    int (*progress)(const stp_progress_report* report, void* user);
     void* progress_user;
     uint32_t thread_count; ///< threads that work, the caller's included; default all processors
     uint64_t memory_limit_bytes; ///< an allocation beyond it fails; default no limit

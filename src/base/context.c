@@ -2,10 +2,9 @@
 #define _DEFAULT_SOURCE // madvise
 #include "base/context.h"
 
-#include "base/jobs.h"
+#include "base/context_internal.h"
 
 #include <assert.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,14 +15,6 @@
 #define MESSAGE_SIZE 1024
 #define HUGE_PAGE ((size_t)2 << 20)
 #define HUGE_SIZE ((size_t)4 << 20) // from here on, asking for huge pages saves more than it costs
-
-struct stp_context {
-    stp_allocator allocator;
-    stp_context_desc desc;
-    stp_jobs* jobs;
-    atomic_uint_fast64_t live_bytes;
-    atomic_uint_fast64_t peak_bytes;
-};
 
 const char* stp_result_string(stp_result result)
 {
@@ -77,7 +68,7 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* des
     if (made == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    *made = (stp_context){.allocator = allocator, .desc = *desc};
+    *made = (stp_context){.allocator = allocator, .desc = *desc, .overall = -1.0};
     atomic_init(&made->live_bytes, 0);
     atomic_init(&made->peak_bytes, 0);
     uint32_t threads = desc->thread_count != 0 ? desc->thread_count : processor_count();
@@ -237,21 +228,4 @@ void stp_notice(stp_context* context, const char* format, ...)
     va_start(list, format);
     log_message(context, STP_LOG_NOTICE, format, list);
     va_end(list);
-}
-
-stp_result stp_progress(stp_context* context, const char* stage, double fraction)
-{
-    const stp_context_desc* desc = &context->desc;
-    if (stp_jobs_running(context->jobs)) {
-        return STP_OK; // a part of a parallel loop: only the caller's own thread reports
-    }
-    if (desc->progress != NULL && desc->progress(stage, fraction, desc->progress_user) != 0) {
-        return stp_fail(context, STP_ERROR_CANCELLED, "stopped while at: %s", stage);
-    }
-    return STP_OK;
-}
-
-void stp_parallel_for(stp_context* context, size_t count, size_t grain, stp_job job, void* user)
-{
-    stp_jobs_run(context->jobs, count, grain, job, user);
 }

@@ -36,8 +36,20 @@ void stp_notice(stp_context* context, const char* format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /// Reports progress; @return STP_OK, or STP_ERROR_CANCELLED (already logged) when the caller wants to stop.
-/// Inside a parallel loop it does nothing.
+/// Inside a parallel loop it does nothing. Inside one that reports for itself it lets that one report, and tells
+/// whether it was stopped: long pieces should ask now and then. Any thread.
 STP_MUST_USE stp_result stp_progress(stp_context* context, const char* stage, double fraction);
+
+/// A stage of a long call, and its share of the whole time in any unit.
+typedef struct stp_stage {
+    const char* name;
+    double weight;
+} stp_stage;
+
+/// Names the stages to come, in order, so that reports know how far the whole is; 0 stages: that is not known.
+/// `stages` must live until the next plan. A stage reported that is none of them leaves the whole as it was. What was
+/// reached already is kept, so a better plan may replace a worse one; 0 stages in between begin anew.
+void stp_progress_plan(stp_context* context, const stp_stage* stages, size_t count);
 
 /// A piece of a loop: elements [begin, end). `worker` is below the thread count and is used by one piece
 /// at a time, so it may index per-worker state. What a piece computes must not depend on `worker`.
@@ -47,3 +59,22 @@ typedef void (*stp_job)(size_t begin, size_t end, uint32_t worker, void* user);
 /// included, and returns when all are done. Pieces are claimed in order. A call from inside a job runs
 /// serially, on that job's thread, with `worker` 0 of its own.
 void stp_parallel_for(stp_context* context, size_t count, size_t grain, stp_job job, void* user);
+
+/// What a loop says of itself. `total` 0: elements are counted, `unit` is theirs.
+typedef struct stp_loop_report {
+    const char* stage; ///< static text
+    const char* unit;  ///< static text
+    uint64_t total;    ///< what its pieces hand to stp_progress_add in all
+} stp_loop_report;
+
+/// A parallel loop that reports how far it is: the calling thread does so between its pieces, and while it waits for
+/// the others. Where the caller of the library or a piece (stp_parallel_stop) stops it, no further piece begins; those
+/// that ran are the first ones without a gap. Inside another loop it runs serially and leaves reporting to that one.
+/// @return STP_OK, STP_ERROR_CANCELLED (logged, except where a piece stopped it)
+STP_MUST_USE stp_result stp_parallel_for_reported(stp_context* context, size_t count, size_t grain,
+                                                  stp_job job, void* user,
+                                                  const stp_loop_report* report);
+/// Adds to what the loop that reports has done. From its pieces, any thread.
+void stp_progress_add(stp_context* context, uint64_t amount);
+/// Ends the loop that reports, from one of its pieces: one that failed, and said why.
+void stp_parallel_stop(stp_context* context);

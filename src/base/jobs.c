@@ -3,7 +3,10 @@
 
 #include <assert.h>
 #include <pthread.h>
-#include <stdatomic.h>
+#include <time.h>
+
+#define TICK_NS 50000000L
+#define SECOND_NS 1000000000L
 
 typedef struct worker_start {
     stp_jobs* jobs;
@@ -19,23 +22,31 @@ struct stp_jobs {
     uint32_t worker_count; ///< threads besides the caller's
     bool ending;
     bool running; ///< a loop is on: a nested one runs serially
-    size_t count, grain;
-    stp_job job;
-    void* user;
+    stp_jobs_loop loop;
     atomic_size_t next;
     pthread_t* threads;
     worker_start* starts;
 };
 
+static bool is_stopped(const stp_jobs_loop* loop)
+{
+    return loop->stopped != NULL && atomic_load(loop->stopped);
+}
+
 static void claim_pieces(stp_jobs* jobs, uint32_t worker)
 {
-    for (;;) {
-        size_t begin = atomic_fetch_add_explicit(&jobs->next, jobs->grain, memory_order_relaxed);
-        if (begin >= jobs->count) {
+    const stp_jobs_loop* loop = &jobs->loop;
+    // whoever claims a piece runs it, so those that ran have no gap
+    while (!is_stopped(loop)) {
+        size_t begin = atomic_fetch_add_explicit(&jobs->next, loop->grain, memory_order_relaxed);
+        if (begin >= loop->count) {
             return;
         }
-        size_t left = jobs->count - begin;
-        jobs->job(begin, begin + (left < jobs->grain ? left : jobs->grain), worker, jobs->user);
+        size_t left = loop->count - begin;
+        loop->job(begin, begin + (left < loop->grain ? left : loop->grain), worker, loop->user);
+        if (worker == 0 && loop->tick != NULL) {
+            loop->tick(loop->user);
+        }
     }
 }
 
@@ -74,7 +85,11 @@ stp_result stp_jobs_create(stp_jobs** jobs, stp_context* context, uint32_t threa
     }
     pthread_mutex_init(&made->mutex, NULL);
     pthread_cond_init(&made->work, NULL);
-    pthread_cond_init(&made->done, NULL);
+    pthread_condattr_t steady; // the clock of the wall may be set
+    pthread_condattr_init(&steady);
+    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
+    pthread_cond_init(&made->done, &steady);
+    pthread_condattr_destroy(&steady);
     atomic_init(&made->next, 0);
     made->threads = STP_NEW_ARRAY(context, pthread_t, thread_count);
     made->starts = STP_NEW_ARRAY(context, worker_start, thread_count);
@@ -117,31 +132,58 @@ uint32_t stp_jobs_thread_count(const stp_jobs* jobs)
     return jobs->worker_count + 1;
 }
 
-static void run_serially(size_t count, size_t grain, stp_job job, void* user)
+static void run_serially(const stp_jobs_loop* loop)
 {
-    for (size_t begin = 0; begin < count; begin += grain) {
-        job(begin, count - begin < grain ? count : begin + grain, 0, user);
+    size_t left = loop->count;
+    while (left > 0 && !is_stopped(loop)) {
+        size_t begin = loop->count - left;
+        size_t size = left < loop->grain ? left : loop->grain;
+        loop->job(begin, begin + size, 0, loop->user);
+        if (loop->tick != NULL) {
+            loop->tick(loop->user);
+        }
+        left -= size;
     }
 }
 
-void stp_jobs_run(stp_jobs* jobs, size_t count, size_t grain, stp_job job, void* user)
+// Waits until the workers are done; the mutex is held.
+static void wait_for_workers(stp_jobs* jobs)
 {
-    assert(grain > 0);
-    if (jobs->worker_count == 0 || count <= grain) {
-        run_serially(count, grain, job, user);
+    while (jobs->busy != 0) {
+        if (jobs->loop.tick == NULL) {
+            pthread_cond_wait(&jobs->done, &jobs->mutex);
+            continue;
+        }
+        struct timespec until;
+        (void)clock_gettime(CLOCK_MONOTONIC, &until);
+        until.tv_nsec += TICK_NS;
+        if (until.tv_nsec >= SECOND_NS) {
+            until.tv_nsec -= SECOND_NS;
+            until.tv_sec += 1;
+        }
+        if (pthread_cond_timedwait(&jobs->done, &jobs->mutex, &until) != 0) {
+            pthread_mutex_unlock(&jobs->mutex);
+            jobs->loop.tick(jobs->loop.user);
+            pthread_mutex_lock(&jobs->mutex);
+        }
+    }
+}
+
+void stp_jobs_run(stp_jobs* jobs, const stp_jobs_loop* loop)
+{
+    assert(loop->grain > 0);
+    if (jobs->worker_count == 0 || loop->count <= loop->grain) {
+        run_serially(loop);
         return;
     }
     pthread_mutex_lock(&jobs->mutex);
     if (jobs->running) {
         pthread_mutex_unlock(&jobs->mutex);
-        run_serially(count, grain, job, user);
+        run_serially(loop);
         return;
     }
     jobs->running = true;
-    jobs->count = count;
-    jobs->grain = grain;
-    jobs->job = job;
-    jobs->user = user;
+    jobs->loop = *loop;
     atomic_store_explicit(&jobs->next, 0, memory_order_relaxed);
     jobs->busy = jobs->worker_count;
     jobs->generation += 1;
@@ -151,9 +193,7 @@ void stp_jobs_run(stp_jobs* jobs, size_t count, size_t grain, stp_job job, void*
     claim_pieces(jobs, 0);
 
     pthread_mutex_lock(&jobs->mutex);
-    while (jobs->busy != 0) {
-        pthread_cond_wait(&jobs->done, &jobs->mutex);
-    }
+    wait_for_workers(jobs);
     jobs->running = false;
     pthread_mutex_unlock(&jobs->mutex);
 }

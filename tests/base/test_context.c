@@ -111,9 +111,9 @@ typedef struct stop_at {
     int calls, stop;
 } stop_at;
 
-static int stop_progress(const char* stage, double fraction, void* user)
+static int stop_progress(const stp_progress_report* report, void* user)
 {
-    (void)stage, (void)fraction;
+    (void)report;
     stop_at* s = user;
     return ++s->calls == s->stop;
 }

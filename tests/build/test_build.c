@@ -168,10 +168,9 @@ void test_failed_builds_leave_the_former_file(test_state* test)
     CHECK(folder_is_gone(&w));
 }
 
-static int stop_at_once(const char* stage, double fraction, void* user)
+static int stop_at_once(const stp_progress_report* report, void* user)
 {
-    (void)fraction;
-    return strcmp(stage, (const char*)user) == 0;
+    return strcmp(report->stage, (const char*)user) == 0;
 }
 
 void test_builds_can_be_stopped_at_every_stage(test_state* test)

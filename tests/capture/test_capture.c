@@ -517,10 +517,9 @@ void test_capture_hidden_parts_change_nothing(test_state* test)
     stp_context_destroy(context);
 }
 
-static int stop(const char* stage, double fraction, void* user)
+static int stop(const stp_progress_report* report, void* user)
 {
-    (void)stage;
-    return fraction >= *(const double*)user;
+    return report->fraction >= *(const double*)user;
 }
 
 void test_capture_can_be_stopped(test_state* test)

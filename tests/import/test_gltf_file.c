@@ -347,9 +347,9 @@ typedef struct stopper {
     int calls, stop_at;
 } stopper;
 
-static int stop_at_call(const char* stage, double fraction, void* user)
+static int stop_at_call(const stp_progress_report* report, void* user)
 {
-    (void)stage, (void)fraction;
+    (void)report;
     stopper* s = user;
     return s->calls++ == s->stop_at;
 }

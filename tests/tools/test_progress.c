@@ -15,6 +15,12 @@ static size_t read_back(FILE* stream, char* text, size_t size)
     return length;
 }
 
+static void report_stage(progress_state* state, const char* stage, double fraction)
+{
+    stp_progress_report report = {.stage = stage, .fraction = fraction, .overall = -1.0};
+    progress_report(state, &report);
+}
+
 void test_progress_json_is_one_object_a_line(test_state* test)
 {
     FILE* stream = tmpfile();
@@ -22,10 +28,10 @@ void test_progress_json_is_one_object_a_line(test_state* test)
     progress_state state;
     CHECK(progress_choose(&state, "json", stream));
     for (int i = 0; i <= 1000; ++i) {
-        progress_report(&state, "import \"it\"", i / 1000.0);
+        report_stage(&state, "import \"it\"", i / 1000.0);
     }
     for (int i = 0; i <= 1000; ++i) {
-        progress_report(&state, "order", i / 1000.0);
+        report_stage(&state, "order", i / 1000.0);
     }
     progress_clear(&state);
     char text[4096];
@@ -36,6 +42,9 @@ void test_progress_json_is_one_object_a_line(test_state* test)
         CHECK(object != NULL);
         const char* stage = json_string_value(json_object_get(object, "stage"));
         CHECK(stage != NULL && json_is_number(json_object_get(object, "stage_ms")));
+        CHECK(json_is_null(json_object_get(object, "overall")));
+        CHECK(json_is_null(json_object_get(object, "unit")));
+        CHECK(json_is_null(json_object_get(object, "rate")));
         ends += json_number_value(json_object_get(object, "fraction")) == 1.0;
         orders += strcmp(stage, "order") == 0;
         json_decref(object);
@@ -53,14 +62,14 @@ void test_progress_bar_leaves_nothing_behind(test_state* test)
     CHECK(stream != NULL);
     progress_state state;
     CHECK(progress_choose(&state, "bar", stream));
-    progress_report(&state, "capture", 0.425);
+    report_stage(&state, "capture", 0.425);
     char text[4096];
     CHECK(read_back(stream, text, sizeof(text)) > 0);
     CHECK(strncmp(text, "\r\033[K", 4) == 0);
-    CHECK(strstr(text, "capture") != NULL && strstr(text, "[#############....") != NULL);
+    CHECK(strstr(text, "capture") != NULL && strstr(text, "[#########....") != NULL);
     CHECK(strstr(text, " 42 %") != NULL && strchr(text, '\n') == NULL);
     size_t before = strlen(text);
-    progress_report(&state, "capture", 0.426); // too soon to be worth drawing
+    report_stage(&state, "capture", 0.426); // too soon to be worth drawing
     CHECK_EQUAL(before, read_back(stream, text, sizeof(text)));
     progress_clear(&state);
     CHECK_EQUAL(before + 4, read_back(stream, text, sizeof(text)));
@@ -78,12 +87,87 @@ void test_progress_is_silent_where_nobody_looks(test_state* test)
         CHECK(stream != NULL);
         progress_state state;
         CHECK(progress_choose(&state, names[i], stream));
-        progress_report(&state, "capture", 0.0);
-        progress_report(&state, "capture", 1.0);
+        report_stage(&state, "capture", 0.0);
+        report_stage(&state, "capture", 1.0);
         progress_clear(&state);
         char text[64];
         CHECK_EQUAL(0, read_back(stream, text, sizeof(text)));
         CHECK(!progress_choose(&state, "loud", stream));
         fclose(stream);
     }
+}
+
+// A build of a minute as the tool sees it: what was found in the work directory goes fast, the rest slowly.
+static stp_progress_report report_at(double second)
+{
+    double found = second < 2.0 ? second / 2.0 * 0.25 : 0.25;
+    double way = found + (second > 2.0 ? 0.75 * (second - 2.0) / 58.0 : 0.0);
+    return (stp_progress_report){.stage = "surfels",
+                                 .fraction = way,
+                                 .overall = 0.1 + 0.9 * way,
+                                 .done = (uint64_t)(way * 60e6),
+                                 .total = 60000000,
+                                 .unit = "triangles"};
+}
+
+void test_progress_estimates_what_is_left(test_state* test)
+{
+    FILE* stream = tmpfile();
+    CHECK(stream != NULL);
+    progress_state state;
+    CHECK(progress_choose(&state, "bar", stream));
+    double before = -1.0;
+    for (int i = 0; i <= 6000; ++i) {
+        double second = i * 0.01;
+        stp_progress_report report = report_at(second);
+        progress_report_at(&state, &report, 5000.0 + 1e3 * second);
+        double left = progress_remaining_s(&state);
+        CHECK((left >= 0.0) == (second >= 1.0)); // the first second tells nothing
+        // soon it is right although the beginning misled, and it does not jump
+        double true_left = 60.0 - second;
+        CHECK(second < 15.0 || (left > 0.9 * true_left - 0.1 && left < 1.1 * true_left + 0.1));
+        CHECK(second < 10.0 || (left < before + 0.5 && left > before - 0.5));
+        before = left;
+    }
+    static char text[200000];
+    CHECK(read_back(stream, text, sizeof(text)) > 0);
+    int drawn = 0;
+    for (const char* c = text; *c != 0; ++c) {
+        drawn += *c == '\r';
+    }
+    CHECK(drawn > 500 && drawn <= 602); // at most ten a second
+    CHECK(strstr(text, "surfels    [#############.......]  64 %  777 k triangles/s  0:31 left") !=
+          NULL);
+    fclose(stream);
+}
+
+void test_progress_tells_programs_rates(test_state* test)
+{
+    FILE* stream = tmpfile();
+    CHECK(stream != NULL);
+    progress_state state;
+    CHECK(progress_choose(&state, "json", stream));
+    for (int i = 0; i <= 3000; ++i) {
+        stp_progress_report report = report_at(i * 0.01);
+        progress_report_at(&state, &report, 1e3 + 10.0 * i);
+    }
+    static char text[200000];
+    CHECK(read_back(stream, text, sizeof(text)) > 0);
+    json_t* object = NULL;
+    int lines = 0;
+    for (char* line = strtok(text, "\n"); line != NULL; line = strtok(NULL, "\n")) {
+        json_decref(object);
+        object = json_loads(line, 0, NULL);
+        CHECK(object != NULL);
+        lines += 1;
+    }
+    CHECK(lines > 250 && lines <= 302);
+    CHECK(strcmp(json_string_value(json_object_get(object, "unit")), "triangles") == 0);
+    double rate = json_number_value(json_object_get(object, "rate"));
+    CHECK(rate > 700e3 && rate < 900e3);
+    double overall = json_number_value(json_object_get(object, "overall"));
+    CHECK(overall > 0.64 && overall < 0.67);
+    CHECK(json_number_value(json_object_get(object, "remaining_s")) > 25.0);
+    json_decref(object);
+    fclose(stream);
 }

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// What a context is, for the files of this room that make it up.
+#pragma once
+
+#include "base/jobs.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+/// A loop that reports how far it is, while it runs.
+typedef struct stp_reported_loop {
+    stp_context* context;
+    stp_loop_report report;
+    stp_job job;
+    void* user;
+    pthread_t caller; ///< the only thread that reports
+    atomic_uint_fast64_t done;
+    atomic_bool stopped;
+} stp_reported_loop;
+
+struct stp_context {
+    stp_allocator allocator;
+    stp_context_desc desc;
+    stp_jobs* jobs;
+    atomic_uint_fast64_t live_bytes;
+    atomic_uint_fast64_t peak_bytes;
+    // of the thread that calls; workers read `loop` while it is on
+    stp_reported_loop* loop;
+    const stp_stage* stages;
+    size_t stage_count;
+    double overall; ///< reached so far; negative: not known
+};

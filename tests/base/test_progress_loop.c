@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+// Loops that report how far they are.
+#include "tests.h"
+
+#include "base/clock.h"
+#include "base/context.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum { PIECES = 500 };
+
+typedef struct watch {
+    stp_context* context;
+    pthread_t caller;
+    atomic_uint reports;
+    unsigned stop_at; ///< the report that stops the loop; 0: none
+    bool strange;     ///< from another thread, or going back
+    stp_progress_report last;
+    atomic_uint ran[PIECES]; ///< by pieces
+    atomic_uint cancelled;   ///< pieces that heard of the end
+    size_t stopping;         ///< the piece that stops the loop; PIECES: none
+    bool adds;               ///< pieces say what they did
+} watch;
+
+static int see_report(const stp_progress_report* report, void* user)
+{
+    watch* w = user;
+    unsigned number = atomic_fetch_add(&w->reports, 1) + 1;
+    w->strange = w->strange || !pthread_equal(w->caller, pthread_self()) ||
+                 strcmp(report->stage, "walk") != 0 || report->fraction < w->last.fraction ||
+                 report->overall < w->last.overall || report->done < w->last.done ||
+                 report->done > report->total;
+    w->last = *report;
+    return number == w->stop_at;
+}
+
+static stp_context* watched_context(watch* w, uint32_t threads, test_log* log)
+{
+    w->caller = pthread_self();
+    w->stopping = PIECES;
+    w->last.overall = -1.0;
+    stp_context_desc desc = {.thread_count = threads,
+                             .log = test_log_message,
+                             .log_user = log,
+                             .progress = see_report,
+                             .progress_user = w};
+    return stp_context_create(&w->context, &desc) == STP_OK ? w->context : NULL;
+}
+
+static void count_inner(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    *(size_t*)user += end - begin;
+}
+
+static void walk(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    watch* w = user;
+    for (size_t i = begin; i < end; ++i) {
+        if (i == w->stopping) {
+            stp_parallel_stop(w->context);
+        }
+        // what a piece reports of its own is not told; its loops run in full whatever happens
+        if (stp_progress(w->context, "inside", 0.5) == STP_ERROR_CANCELLED) {
+            atomic_fetch_add(&w->cancelled, 1);
+        }
+        size_t inner = 0;
+        stp_parallel_for(w->context, 10, 3, count_inner, &inner);
+        atomic_fetch_add(&w->ran[i], inner == 10);
+        if (w->adds) {
+            stp_progress_add(w->context, 1000);
+        }
+    }
+}
+
+// How many pieces ran, where they are the first ones; else a number too large.
+static size_t count_prefix(watch* w)
+{
+    size_t count = 0;
+    while (count < PIECES && atomic_load(&w->ran[count]) == 1) {
+        count += 1;
+    }
+    for (size_t i = count; i < PIECES; ++i) {
+        if (atomic_load(&w->ran[i]) != 0) {
+            return SIZE_MAX;
+        }
+    }
+    return count;
+}
+
+void test_reported_loop_tells_how_far_it_is(test_state* test)
+{
+    static const stp_stage plan[] = {{"before", 1.0}, {"walk", 2.0}, {"after", 1.0}};
+    for (uint32_t threads = 1; threads <= 4; ++threads) {
+        for (int adds = 0; adds < 2; ++adds) {
+            static watch w;
+            memset(&w, 0, sizeof(w));
+            test_log log = {0};
+            stp_context* context = watched_context(&w, threads, &log);
+            CHECK(context != NULL);
+            w.adds = adds == 1;
+            stp_loop_report report = {"walk", adds ? "triangles" : "nodes",
+                                      adds ? PIECES * 1000 : 0};
+            if (adds == 1) {
+                stp_progress_plan(context, plan, 3);
+            }
+            CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, PIECES, 1, walk, &w, &report));
+            CHECK_EQUAL(PIECES, count_prefix(&w));
+            CHECK(!w.strange && w.reports > 2);
+            CHECK(w.last.fraction == 1.0 && w.last.done == w.last.total);
+            CHECK_EQUAL(adds ? PIECES * 1000 : PIECES, w.last.total);
+            CHECK(strcmp(w.last.unit, report.unit) == 0);
+            CHECK(adds ? w.last.overall == 0.75 : w.last.overall < 0.0);
+            CHECK_EQUAL(0, log.errors);
+            stp_context_destroy(context);
+        }
+    }
+}
+
+void test_reported_loop_stops_when_told_to(test_state* test)
+{
+    static const unsigned stops[] = {1, 2, 3, 50, 600};
+    for (uint32_t threads = 1; threads <= 4; ++threads) {
+        for (int i = 0; i < 5; ++i) {
+            static watch w;
+            memset(&w, 0, sizeof(w));
+            test_log log = {0};
+            stp_context* context = watched_context(&w, threads, &log);
+            CHECK(context != NULL);
+            w.stop_at = stops[i];
+            stp_loop_report report = {"walk", "nodes", 0};
+            stp_result result = stp_parallel_for_reported(context, PIECES, 1, walk, &w, &report);
+            CHECK_EQUAL(w.reports >= stops[i] ? STP_ERROR_CANCELLED : STP_OK, result);
+            CHECK_EQUAL(result != STP_OK, log.errors);
+            CHECK(result == STP_OK || strcmp(log.text, "stopped while at: walk") == 0);
+            CHECK(result == STP_OK || w.reports == stops[i]); // nothing is told afterwards
+            CHECK(count_prefix(&w) <= PIECES);
+            CHECK(i > 0 || count_prefix(&w) == 0);
+            // a later loop begins anew
+            w.stop_at = 0;
+            w.last = (stp_progress_report){.overall = -1.0};
+            for (size_t k = 0; k < PIECES; ++k) {
+                atomic_store(&w.ran[k], 0);
+            }
+            CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, PIECES, 7, walk, &w, &report));
+            CHECK_EQUAL(PIECES, count_prefix(&w));
+            CHECK(!w.strange);
+            stp_context_destroy(context);
+        }
+    }
+}
+
+void test_reported_loop_is_stopped_by_a_piece(test_state* test)
+{
+    for (uint32_t threads = 1; threads <= 4; ++threads) {
+        static watch w;
+        memset(&w, 0, sizeof(w));
+        test_log log = {0};
+        stp_context* context = watched_context(&w, threads, &log);
+        CHECK(context != NULL);
+        w.stopping = 20;
+        stp_loop_report report = {"walk", "nodes", 0};
+        CHECK_EQUAL(STP_ERROR_CANCELLED,
+                    stp_parallel_for_reported(context, PIECES, 1, walk, &w, &report));
+        size_t ran = count_prefix(&w);
+        CHECK(ran >= 21 && ran < PIECES);
+        CHECK(w.cancelled >= 1);    // the piece itself, and others that were at it
+        CHECK_EQUAL(0, log.errors); // the piece has said why
+        stp_context_destroy(context);
+    }
+}
+
+typedef struct patience {
+    watch w;
+    atomic_uint waiting;
+} patience;
+
+// A worker's piece lasts until the caller has reported a few times more; the caller's until there is such a piece.
+static void wait_for_reports(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)begin, (void)end;
+    patience* p = user;
+    double start = stp_clock_ms();
+    if (worker == 0) {
+        while (atomic_load(&p->waiting) == 0 && stp_clock_ms() - start < 10000.0) {
+        }
+        return;
+    }
+    atomic_fetch_add(&p->waiting, 1);
+    unsigned before = atomic_load(&p->w.reports);
+    while (atomic_load(&p->w.reports) < before + 3 && stp_clock_ms() - start < 10000.0) {
+    }
+}
+
+void test_reported_loop_tells_while_it_waits(test_state* test)
+{
+    static patience p;
+    memset(&p, 0, sizeof(p));
+    test_log log = {0};
+    stp_context* context = watched_context(&p.w, 2, &log);
+    CHECK(context != NULL);
+    stp_loop_report report = {"walk", "nodes", 0};
+    double start = stp_clock_ms();
+    CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, 2, 1, wait_for_reports, &p, &report));
+    CHECK(stp_clock_ms() - start < 10000.0);
+    CHECK(p.w.reports >= 4 && !p.w.strange);
+    stp_context_destroy(context);
+}
+
+static int keep_report(const stp_progress_report* report, void* user)
+{
+    *(stp_progress_report*)user = *report;
+    return 0;
+}
+
+void test_progress_of_the_whole_never_goes_back(test_state* test)
+{
+    stp_progress_report last;
+    stp_context_desc desc = {.thread_count = 1, .progress = keep_report, .progress_user = &last};
+    stp_context* context = NULL;
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    CHECK_EQUAL(STP_OK, stp_progress(context, "import", 0.5));
+    CHECK(last.overall < 0.0 && last.fraction == 0.5 && last.total == 0 && last.unit == NULL);
+    static const stp_stage rough[] = {{"import", 1.0}, {"surfels", 1.0}, {"write", 2.0}};
+    static const stp_stage better[] = {{"import", 1.0}, {"surfels", 8.0}, {"write", 1.0}};
+    stp_progress_plan(context, rough, 3);
+    CHECK_EQUAL(STP_OK, stp_progress(context, "import", 0.5));
+    CHECK(last.overall == 0.125);
+    CHECK_EQUAL(STP_OK, stp_progress(context, "import", 7.0));
+    CHECK(last.overall == 0.25 && last.fraction == 1.0);
+    stp_progress_plan(context, better, 3);
+    CHECK_EQUAL(STP_OK, stp_progress(context, "surfels", 0.0));
+    CHECK(last.overall == 0.25);
+    CHECK_EQUAL(STP_OK, stp_progress(context, "surfels", 0.5));
+    CHECK(last.overall == 0.5);
+    CHECK_EQUAL(STP_OK, stp_progress(context, "something else", 0.9));
+    CHECK(last.overall == 0.5);
+    CHECK_EQUAL(STP_OK, stp_progress(context, "write", 1.0));
+    CHECK(last.overall == 1.0);
+    stp_progress_plan(context, NULL, 0);
+    CHECK_EQUAL(STP_OK, stp_progress(context, "draw", 0.0));
+    CHECK(last.overall < 0.0);
+    stp_context_destroy(context);
+}
