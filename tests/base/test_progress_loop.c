@@ -109,7 +109,7 @@ void test_reported_loop_tells_how_far_it_is(test_state* test)
             }
             CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, PIECES, 1, walk, &w, &report));
             CHECK_EQUAL(PIECES, count_prefix(&w));
-            CHECK(!w.strange && w.reports > 2);
+            CHECK(!w.strange && w.reports >= 2); // other threads may be faster than the caller
             CHECK(w.last.fraction == 1.0 && w.last.done == w.last.total);
             CHECK_EQUAL(adds ? PIECES * 1000 : PIECES, w.last.total);
             CHECK(strcmp(w.last.unit, report.unit) == 0);
