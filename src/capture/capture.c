@@ -6,6 +6,7 @@
 #include "capture/fill.h"
 
 #define DEFAULT_CANDIDATES UINT64_C(1750000)
+#define HALF_DIAGONAL 0.70710678118654752
 
 enum {
     PROBE_RESOLUTION = 128,
@@ -13,6 +14,7 @@ enum {
     PROBE_VIEWS_LARGE = 2, ///< of a scene of more than PROBE_LARGE primitives
     PROBE_LARGE = 1000000,
     RESOLUTION_AUTO_MOST = 8192, ///< of a picture that is nearly empty
+    RESOLUTION_OF_SETS = 1024,   ///< where the caller forgot to say
     ATTEMPTS = 3,
 };
 
@@ -53,7 +55,7 @@ static stp_result count_primitives(stp_capture_job* job, stp_boxd* box)
         }
     }
     job->first_primitives[job->part_count] = sum;
-    return STP_OK;
+    return stp_capture_prepare_sets(job, box);
 }
 
 /// How much of the views is covered, in pixels of 1 scene unit: from a few small pictures. Opposite
@@ -145,9 +147,11 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
     if (!(widest > 0.0)) { // everything in one point
         stp_capture_set_views(job, directions, count, 1.0);
         result = stp_capture_draw(job);
-    } else if (desc->resolution != 0) {
-        resolution =
-            clamp_resolution((double)desc->resolution, (double)STP_CAPTURE_RESOLUTION_MOST);
+    } else if (desc->resolution != 0 || desc->pixel_size > 0.0 || job->set_count != 0) {
+        resolution = desc->pixel_size > 0.0  ? widest / desc->pixel_size
+                     : desc->resolution != 0 ? (double)desc->resolution
+                                             : (double)RESOLUTION_OF_SETS;
+        resolution = clamp_resolution(resolution, (double)STP_CAPTURE_RESOLUTION_MOST);
         stp_capture_set_views(job, directions, count, widest / resolution);
         result = stp_capture_draw(job);
     } else {
@@ -168,13 +172,14 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
 static stp_result make_candidates(stp_capture_job* job, stp_candidates* candidates)
 {
     stp_context* context = job->scene->context;
-    if (job->covered_pixels >= UINT32_MAX) {
+    uint64_t total = job->covered_pixels + stp_capture_seen_count(job);
+    if (total >= UINT32_MAX) {
         return stp_fail(context, STP_ERROR_LIMIT,
                         "capture: %llu candidates are too many: choose a lower resolution",
-                        (unsigned long long)job->covered_pixels);
+                        (unsigned long long)total);
     }
-    size_t count = (size_t)job->covered_pixels;
-    candidates->count = (uint32_t)count;
+    size_t count = (size_t)total;
+    candidates->count = (uint32_t)job->covered_pixels;
     candidates->covered_pixels = job->first_pixels;
     if (count == 0) {
         return STP_OK;
@@ -202,7 +207,9 @@ static stp_result make_candidates(stp_capture_job* job, stp_candidates* candidat
     uint32_t first = (uint32_t)job->first_pixels;
     stp_result result = stp_capture_keep_missing(context, candidates, first);
     candidates->filled = candidates->count - first;
-    return result;
+    candidates->surface_radius =
+        candidates->count != 0 ? candidates->pixel_size * HALF_DIAGONAL : 0.0;
+    return result == STP_OK ? stp_capture_resolve_sets(job, candidates) : result;
 }
 
 /// Mip levels of what the parts use, where the caller has none.
@@ -226,27 +233,54 @@ static stp_result find_textures(stp_capture_job* job, const stp_capture_desc* de
     return result;
 }
 
-stp_result stp_capture_parts_in_passes(const stp_scene* scene, const stp_placed_part* parts,
-                                       size_t part_count, const stp_capture_desc* desc,
-                                       uint64_t ids_a_pass, stp_candidates* candidates)
+// Numbers everything, and finds the box of all. @return whether there is anything, through `empty`
+static stp_result begin_job(stp_capture_job* job, bool* empty)
 {
-    stp_context* context = scene->context;
-    stp_capture_job job = {
+    stp_boxd box = stp_boxd_empty();
+    stp_result result = count_primitives(job, &box);
+    *empty = stp_boxd_is_empty(box);
+    if (result == STP_OK && !*empty) {
+        job->centre = stp_scaled(stp_addd(box.min, box.max), 0.5);
+        job->half_extent = stp_scaled(stp_subd(box.max, box.min), 0.5);
+    }
+    return result;
+}
+
+static void end_job(stp_capture_job* job)
+{
+    stp_context* context = job->scene->context;
+    stp_capture_drop_bands(job);
+    stp_capture_drop_sets(job);
+    stp_free(context, job->views);
+    stp_free(context, job->first_primitives);
+}
+
+static stp_capture_job make_job(const stp_scene* scene, const stp_capture_sources* sources,
+                                uint64_t ids_a_pass)
+{
+    return (stp_capture_job){
         .scene = scene,
-        .parts = parts,
-        .part_count = part_count,
+        .parts = sources->parts,
+        .part_count = sources->part_count,
+        .sets = sources->sets,
+        .set_count = sources->set_count,
         .ids_a_pass = ids_a_pass,
     };
+}
+
+stp_result stp_capture_all_in_passes(const stp_scene* scene, const stp_capture_sources* sources,
+                                     const stp_capture_desc* desc, uint64_t ids_a_pass,
+                                     stp_candidates* candidates)
+{
+    stp_context* context = scene->context;
+    stp_capture_job job = make_job(scene, sources, ids_a_pass);
     *candidates = (stp_candidates){0};
-    stp_boxd box = stp_boxd_empty();
+    bool empty = true;
     stp_capture_textures* own = NULL;
     double started = stp_clock_ms(), drawn = started;
     stp_result result = stp_progress(context, "capture", 0.0);
-    result = result == STP_OK ? count_primitives(&job, &box) : result;
-    bool empty = result == STP_OK && stp_boxd_is_empty(box);
+    result = result == STP_OK ? begin_job(&job, &empty) : result;
     if (result == STP_OK && !empty) {
-        job.centre = stp_scaled(stp_addd(box.min, box.max), 0.5);
-        job.half_extent = stp_scaled(stp_subd(box.max, box.min), 0.5);
         candidates->origin = job.centre;
         result = draw_views(&job, desc, candidates);
         drawn = stp_clock_ms();
@@ -254,18 +288,52 @@ stp_result stp_capture_parts_in_passes(const stp_scene* scene, const stp_placed_
         result = result == STP_OK ? find_textures(&job, desc, &own) : result;
         result = result == STP_OK ? make_candidates(&job, candidates) : result;
         candidates->triangle_views =
-            stp_capture_primitive_count(&job) * candidates->direction_count;
+            stp_capture_part_primitives(&job) * candidates->direction_count;
     }
     candidates->raster_ms = drawn - started;
     candidates->resolve_ms = stp_clock_ms() - drawn;
     stp_capture_textures_destroy(own);
-    stp_capture_drop_bands(&job);
-    stp_free(context, job.views);
-    stp_free(context, job.first_primitives);
+    end_job(&job);
     if (result != STP_OK) {
         stp_candidates_destroy(context, candidates);
     }
     return result;
+}
+
+stp_result stp_capture_count_all(const stp_scene* scene, const stp_capture_sources* sources,
+                                 const stp_capture_desc* desc, stp_capture_count* count)
+{
+    stp_capture_job job = make_job(scene, sources, UINT32_MAX - 1);
+    stp_capture_desc quick = *desc;
+    quick.no_fill = true;
+    stp_candidates none = {0};
+    bool empty = true;
+    *count = (stp_capture_count){0};
+    stp_result result = begin_job(&job, &empty);
+    if (result == STP_OK && !empty) {
+        result = draw_views(&job, &quick, &none);
+    }
+    if (result == STP_OK && !empty) {
+        count->pixels = job.covered_pixels;
+        count->surfels = stp_capture_seen_count(&job);
+        count->widest = none.pixel_size * (double)none.resolution;
+    }
+    end_job(&job);
+    return result;
+}
+
+stp_result stp_capture_all(const stp_scene* scene, const stp_capture_sources* sources,
+                           const stp_capture_desc* desc, stp_candidates* candidates)
+{
+    return stp_capture_all_in_passes(scene, sources, desc, UINT32_MAX - 1, candidates);
+}
+
+stp_result stp_capture_parts_in_passes(const stp_scene* scene, const stp_placed_part* parts,
+                                       size_t part_count, const stp_capture_desc* desc,
+                                       uint64_t ids_a_pass, stp_candidates* candidates)
+{
+    stp_capture_sources sources = {.parts = parts, .part_count = part_count};
+    return stp_capture_all_in_passes(scene, &sources, desc, ids_a_pass, candidates);
 }
 
 stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* parts,

@@ -11,6 +11,8 @@
 
 #include "scene/scene.h"
 
+#include <stipple/surfels.h>
+
 /// Mip levels of a scene's base colour textures. Making them takes as long as a small capture:
 /// whoever captures many nodes of one scene makes them once.
 typedef struct stp_capture_textures stp_capture_textures;
@@ -20,29 +22,57 @@ typedef struct stp_capture_desc {
                               ///< edges' middles. Any other: well spread over the sphere.
     uint32_t resolution; ///< pixels along the longer side of the widest picture; one scale for all
         ///< directions. Default: chosen so that about `wanted_candidates` come out.
+    double pixel_size;          ///< side of a pixel in scene units; 0: from `resolution`
     uint64_t wanted_candidates; ///< for the automatic resolution; default 1.75 million
     bool no_fill; ///< leave out what the directions miss (fill.h); 26 directions are never filled
     const stp_capture_textures* textures; ///< of this scene; NULL: made for this call
 } stp_capture_desc;
 
-/// Candidates as columns, in a fixed order (direction, row, column): independent of threads.
+/// Surfels that stand for what they were made from (Brandt 3.4): a prefix of a set, placed.
+typedef struct stp_placed_set {
+    const stp_surfels* surfels;
+    uint32_t prefix;      ///< how many of them, at least 1
+    float radius;         ///< of their disks, in the set's own space
+    stp_affine transform; ///< to the captured space
+} stp_placed_set;
+
+/// All that a capture looks at.
+typedef struct stp_capture_sources {
+    const stp_placed_part* parts;
+    size_t part_count;
+    const stp_placed_set* sets;
+    size_t set_count;
+} stp_capture_sources;
+
+/// Candidates as columns, in a fixed order: independent of threads. First those that were captured as pixels, by
+/// direction, row and column; then the surfels of sets that are visible, in the order of their sets.
 typedef struct stp_candidates {
     uint32_t count;
     float* positions; ///< 3 each, in the node's space minus `origin`
     float* normals;   ///< 3 each, unit, on the side of the surface that faces the viewer
     uint8_t* colors;  ///< RGBA each, sRGB: base colour with texture and vertex colour; alpha of a
-                      ///< blended one
-    uint32_t* materials; ///< scene material
+                      ///< blended one; of a surfel of a set, how much of its disk is surface
+    uint32_t* materials; ///< scene material; of a surfel of a set, its shading
     uint32_t*
-        view_starts;   ///< direction_count + 1: where the candidates of each direction begin; NULL
-                       ///< where there are none
-    stp_vec3d origin;  ///< centre of the captured box: positions are relative to it
-    double pixel_size; ///< side of a capture pixel, scene units
+        view_starts;    ///< direction_count + 1: where the candidates of each direction begin; NULL
+                        ///< where there are none
+    stp_vec3d origin;   ///< centre of the captured box: positions are relative to it
+    double pixel_size;  ///< side of a capture pixel, scene units
+    uint32_t set_count; ///< the last so many are surfels of sets
+    float set_radius;   ///< of their disks, the largest, scene units
+    double surface_radius; ///< how far surface that was seen may lie from a candidate; 0: half a
+                           ///< pixel's diagonal
     uint32_t resolution, direction_count;
-    uint32_t filled;                         ///< candidates at the end that the directions missed
+    uint32_t filled; ///< captured candidates, before those of sets, that the directions missed
     uint64_t covered_pixels, triangle_views; ///< for reports
     double raster_ms, resolve_ms;
 } stp_candidates;
+
+/// The first candidate that is a surfel of a set; their count where none is.
+static inline uint32_t stp_first_of_sets(const stp_candidates* candidates)
+{
+    return candidates->count - candidates->set_count;
+}
 
 /// Captures the parts (their transforms relative to the captured node's space).
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, or STP_ERROR_LIMIT where the
@@ -50,6 +80,23 @@ typedef struct stp_candidates {
 STP_MUST_USE stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* parts,
                                           size_t part_count, const stp_capture_desc* desc,
                                           stp_candidates* candidates);
+/// Captures parts and sets into the same pictures. The pixels that a disk wins yield its surfel, once however many
+/// they are, and never the place of the pixel: surfaces do not grow. A surfel that won none, because its neighbours
+/// did, is taken too where nothing stands before its centre. With sets, the desc must give the pixel's size.
+/// @return as stp_capture_parts
+STP_MUST_USE stp_result stp_capture_all(const stp_scene* scene, const stp_capture_sources* sources,
+                                        const stp_capture_desc* desc, stp_candidates* candidates);
+
+/// What a capture would find, without making candidates and without filling.
+typedef struct stp_capture_count {
+    uint64_t pixels;  ///< covered, of parts
+    uint64_t surfels; ///< visible, of sets
+    double widest;    ///< the longer side of the widest picture, scene units
+} stp_capture_count;
+STP_MUST_USE stp_result stp_capture_count_all(const stp_scene* scene,
+                                              const stp_capture_sources* sources,
+                                              const stp_capture_desc* desc,
+                                              stp_capture_count* count);
 void stp_candidates_destroy(stp_context* context, stp_candidates* candidates);
 
 /// The scene must outlive them.

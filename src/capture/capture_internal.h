@@ -7,6 +7,8 @@
 #include "raster/target.h"
 #include "raster/texture.h"
 
+#include <stdatomic.h>
+
 enum {
     STP_CAPTURE_DIRECTIONS = 8,
     STP_CAPTURE_RESOLUTION_LEAST = 4,
@@ -41,6 +43,11 @@ typedef struct stp_capture_job {
     const stp_placed_part* parts;
     size_t part_count;
     uint64_t* first_primitives; ///< of each part, and the count of all
+    const stp_placed_set* sets;
+    size_t set_count;
+    uint64_t* first_surfels; ///< of each set, and the count of all; primitives after those of parts
+    stp_boxd* set_boxes;     ///< of each set's disks, in the captured space
+    _Atomic uint32_t* seen;  ///< a bit a surfel
     stp_vec3d centre, half_extent;
     const stp_texture_pyramid* pyramids; ///< by texture
     uint64_t
@@ -63,9 +70,14 @@ static inline stp_affine stp_capture_placement(const stp_capture_job* job, size_
     return placement;
 }
 
-static inline uint64_t stp_capture_primitive_count(const stp_capture_job* job)
+static inline uint64_t stp_capture_part_primitives(const stp_capture_job* job)
 {
     return job->first_primitives[job->part_count];
+}
+
+static inline uint64_t stp_capture_primitive_count(const stp_capture_job* job)
+{
+    return stp_capture_part_primitives(job) + job->first_surfels[job->set_count];
 }
 
 /// Sets up the views: `directions` at a common pixel size.
@@ -81,6 +93,31 @@ STP_MUST_USE stp_result stp_capture_draw_parts(const stp_capture_job* job,
                                                const stp_capture_band* band, size_t begin,
                                                size_t end, const stp_raster_target* target,
                                                stp_arena* scratch);
+
+// Sets of surfels (splats.c): what they add to each step.
+
+/// Numbers the surfels, and adds their disks to the box. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box);
+void stp_capture_drop_sets(stp_capture_job* job);
+
+/// Draws the disks of sets [begin, end) into a buffer of the band's rows; ids count from `first_id`.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (not logged)
+STP_MUST_USE stp_result stp_capture_draw_sets(const stp_capture_job* job,
+                                              const stp_capture_band* band, size_t begin,
+                                              size_t end, uint32_t first_id,
+                                              const stp_raster_target* target, stp_arena* scratch);
+
+/// Marks the surfels that are visible in a band's finished buffer, and empties their pixels. `primitives`: of each
+/// pixel, where ids are not.
+void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band* band,
+                              const stp_raster_target* target, const uint64_t* primitives);
+
+uint64_t stp_capture_seen_count(const stp_capture_job* job);
+
+/// Writes the surfels seen behind the candidates there are; the columns have room for all.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_capture_resolve_sets(const stp_capture_job* job,
+                                                 stp_candidates* candidates);
 
 /// Draws all views; makes job->bands and covered_pixels.
 STP_MUST_USE stp_result stp_capture_draw(stp_capture_job* job);
@@ -107,7 +144,11 @@ STP_MUST_USE stp_result stp_capture_textures_create_empty(const stp_scene* scene
 STP_MUST_USE stp_result stp_capture_textures_add(stp_capture_textures* textures,
                                                  const stp_material* material);
 
-/// stp_capture_parts with fewer primitives a pass, for tests.
+/// stp_capture_all and stp_capture_parts with fewer primitives a pass, for tests.
+STP_MUST_USE stp_result stp_capture_all_in_passes(const stp_scene* scene,
+                                                  const stp_capture_sources* sources,
+                                                  const stp_capture_desc* desc, uint64_t ids_a_pass,
+                                                  stp_candidates* candidates);
 STP_MUST_USE stp_result stp_capture_parts_in_passes(const stp_scene* scene,
                                                     const stp_placed_part* parts, size_t part_count,
                                                     const stp_capture_desc* desc,

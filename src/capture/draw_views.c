@@ -24,6 +24,40 @@ typedef struct draw_state {
     atomic_bool failed;
 } draw_state;
 
+/// Keeps of each pixel what is nearer: what was drawn last, or what was there.
+static void merge_pass(draw_worker* worker, size_t pixel_count, uint64_t first_primitive)
+{
+    for (size_t i = 0; i < pixel_count; ++i) {
+        if (worker->pass[i] >> 32 < worker->pixels[i] >> 32) {
+            worker->pixels[i] = worker->pass[i];
+            worker->primitives[i] = first_primitive + stp_raster_id(worker->pass[i]);
+        }
+    }
+}
+
+/// Draws all sets likewise.
+static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capture_band* band,
+                                      const stp_raster_target* pass, size_t pixel_count,
+                                      draw_worker* worker)
+{
+    for (size_t begin = 0; begin < job->set_count;) {
+        size_t end = begin + 1;
+        while (end < job->set_count &&
+               job->first_surfels[end + 1] - job->first_surfels[begin] <= job->ids_a_pass) {
+            end += 1;
+        }
+        memset(worker->pass, 0xFF, pixel_count * sizeof(uint64_t));
+        stp_result result = stp_capture_draw_sets(job, band, begin, end, 0, pass, &worker->scratch);
+        if (result != STP_OK) {
+            return result;
+        }
+        merge_pass(worker, pixel_count,
+                   stp_capture_part_primitives(job) + job->first_surfels[begin]);
+        begin = end;
+    }
+    return STP_OK;
+}
+
 /// Draws all parts in as many passes as 32-bit ids need; then worker->primitives holds what is
 /// nearest.
 static stp_result draw_in_passes(const stp_capture_job* job, const stp_capture_band* band,
@@ -44,16 +78,25 @@ static stp_result draw_in_passes(const stp_capture_job* job, const stp_capture_b
         if (result != STP_OK) {
             return result;
         }
-        for (size_t i = 0; i < pixel_count; ++i) {
-            if (worker->pass[i] >> 32 < worker->pixels[i] >> 32) {
-                worker->pixels[i] = worker->pass[i];
-                worker->primitives[i] =
-                    job->first_primitives[begin] + stp_raster_id(worker->pass[i]);
-            }
-        }
+        merge_pass(worker, pixel_count, job->first_primitives[begin]);
         begin = end;
     }
-    return STP_OK;
+    return draw_sets_in_passes(job, band, &pass, pixel_count, worker);
+}
+
+static stp_result draw_at_once(const stp_capture_job* job, const stp_capture_band* band,
+                               const stp_raster_target* target, size_t pixel_count,
+                               draw_worker* worker)
+{
+    memset(worker->pixels, 0xFF, pixel_count * sizeof(uint64_t));
+    stp_result result = STP_OK;
+    if (job->part_count != 0) {
+        result = stp_capture_draw_parts(job, band, 0, job->part_count, target, &worker->scratch);
+    }
+    return result != STP_OK ? result
+                            : stp_capture_draw_sets(job, band, 0, job->set_count,
+                                                    (uint32_t)stp_capture_part_primitives(job),
+                                                    target, &worker->scratch);
 }
 
 /// Keeps what is covered of a band.
@@ -118,15 +161,10 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
             .stride = view->width,
             .pixels = worker->pixels,
         };
-        stp_result result = STP_OK;
-        if (state->passes) {
-            result = draw_in_passes(job, band, &target, pixel_count, worker);
-        } else {
-            memset(worker->pixels, 0xFF, pixel_count * sizeof(uint64_t));
-            result =
-                stp_capture_draw_parts(job, band, 0, job->part_count, &target, &worker->scratch);
-        }
+        stp_result result = state->passes ? draw_in_passes(job, band, &target, pixel_count, worker)
+                                          : draw_at_once(job, band, &target, pixel_count, worker);
         if (result == STP_OK) {
+            stp_capture_take_surfels(job, band, &target, state->passes ? worker->primitives : NULL);
             result = squeeze(context, worker, state->passes, first, pixel_count, band);
         }
         if (result != STP_OK) {

@@ -2,6 +2,7 @@
 #include "lod/blue.h"
 
 #include "base/clock.h"
+#include "lod/children.h"
 #include "lod/finish.h"
 #include "lod/points.h"
 
@@ -10,14 +11,11 @@
 #define LEAST_CANDIDATES 20000u   // a small object still wants its shape
 #define MOST_CANDIDATES 1750000u  // Brandt, Table 2
 #define NORMAL_SPACINGS 2.5f      // how far around a point its normal is taken from
-#define MOST_PARTS ((size_t)1 << 26)
 
 typedef struct blue {
     const stp_scene* scene;
     const stp_blue_desc* desc;
-    stp_placed_part* parts; ///< those that do not move
-    size_t part_count;
-    uint64_t triangle_count, point_count;
+    stp_source_list list; ///< what it is captured from; of those parts and sets that do not move
     stp_candidates candidates;
     stp_order_desc order_desc;
     bool from_points;
@@ -29,25 +27,11 @@ typedef struct blue {
 } blue;
 
 // Lists what does not move, and counts it.
-static stp_result list_parts(blue* b, uint32_t node)
+static stp_result list_sources(blue* b, uint32_t node, const stp_surfels* const* sets)
 {
-    stp_result result = stp_scene_flatten(b->scene, node, MOST_PARTS, &b->parts, &b->part_count);
-    if (result != STP_OK) {
-        return result;
-    }
-    size_t kept = 0;
-    for (size_t i = 0; i < b->part_count; ++i) {
-        if ((b->parts[i].flags & STP_OBJECT_MOVING) == 0) {
-            stp_part part = b->parts[i].part;
-            bool mesh = part.kind == STP_PART_MESH;
-            b->triangle_count += mesh ? b->scene->meshes[part.index].triangle_count : 0;
-            b->point_count += mesh ? 0 : b->scene->point_sets[part.index].point_count;
-            b->parts[kept++] = b->parts[i];
-        }
-    }
-    b->part_count = kept;
-    b->from_points = b->triangle_count == 0 && b->point_count != 0;
-    return STP_OK;
+    stp_source_list_destroy(b->scene->context, &b->list);
+    double pixel = stp_coarse_pixel(b->scene, node);
+    return stp_list_sources(b->scene, node, sets, pixel, STP_SOURCE_LIMIT, &b->list);
 }
 
 // A point cloud keeps every point; surfaces follow the paper's rule.
@@ -57,31 +41,47 @@ static uint64_t choose_count(const blue* b)
         return b->desc->surfel_count;
     }
     if (b->from_points) {
-        return b->point_count;
+        return b->list.point_count;
     }
-    uint64_t half = (b->triangle_count + b->point_count) / 2;
+    uint64_t half = (b->list.triangle_count + b->list.point_count) / 2;
     return half < 1 ? 1 : half < MOST_SURFELS ? half : MOST_SURFELS;
 }
 
-static stp_result make_candidates(blue* b)
+static stp_result make_point_candidates(blue* b)
 {
+    bool has_normals;
+    stp_result result = stp_candidates_from_points(b->scene, b->list.parts, b->list.part_count,
+                                                   &b->candidates, &has_normals);
+    b->two_sided = !has_normals;
+    b->order_desc.metric = has_normals ? b->order_desc.metric : STP_METRIC_EUCLIDEAN;
+    return result;
+}
+
+static stp_result capture_parts(blue* b, uint64_t count)
+{
+    stp_capture_desc capture = b->desc->capture;
+    if (capture.wanted_candidates == 0) {
+        uint64_t wanted = count * CANDIDATES_PER_SURFEL;
+        wanted = wanted < LEAST_CANDIDATES ? LEAST_CANDIDATES : wanted;
+        capture.wanted_candidates = wanted > MOST_CANDIDATES ? MOST_CANDIDATES : wanted;
+    }
+    return stp_capture_parts(b->scene, b->list.parts, b->list.part_count, &capture, &b->candidates);
+}
+
+// From the sets below the node where they are dense enough, else from its parts.
+static stp_result make_candidates(blue* b, uint32_t node)
+{
+    stp_result result = list_sources(b, node, b->desc->sets);
+    bool has_sets = b->list.set_count != 0, captured = false;
+    b->from_points = !has_sets && b->list.triangle_count == 0 && b->list.point_count != 0;
     uint64_t count = choose_count(b);
-    stp_result result;
     b->order_desc = b->desc->order;
-    if (b->from_points) {
-        bool has_normals;
-        result = stp_candidates_from_points(b->scene, b->parts, b->part_count, &b->candidates,
-                                            &has_normals);
-        b->two_sided = !has_normals;
-        b->order_desc.metric = has_normals ? b->order_desc.metric : STP_METRIC_EUCLIDEAN;
-    } else {
-        stp_capture_desc capture = b->desc->capture;
-        if (capture.wanted_candidates == 0) {
-            uint64_t wanted = count * CANDIDATES_PER_SURFEL;
-            wanted = wanted < LEAST_CANDIDATES ? LEAST_CANDIDATES : wanted;
-            capture.wanted_candidates = wanted > MOST_CANDIDATES ? MOST_CANDIDATES : wanted;
-        }
-        result = stp_capture_parts(b->scene, b->parts, b->part_count, &capture, &b->candidates);
+    if (result == STP_OK && has_sets) {
+        result = stp_capture_children(b->scene, node, b->desc, count, &b->candidates, &captured);
+        result = result == STP_OK && !captured ? list_sources(b, node, NULL) : result;
+    }
+    if (result == STP_OK && !captured && b->list.part_count != 0) {
+        result = b->from_points ? make_point_candidates(b) : capture_parts(b, count);
     }
     b->wanted = (uint32_t)(count < b->candidates.count ? count : b->candidates.count);
     return result;
@@ -138,11 +138,7 @@ static stp_result make(blue* b, uint32_t node, const uint8_t* shading_of_materia
                        stp_surfels* surfels, stp_blue_report* report)
 {
     double start = stp_clock_ms();
-    stp_result result = list_parts(b, node);
-    if (result != STP_OK || b->part_count == 0) {
-        return result;
-    }
-    result = make_candidates(b);
+    stp_result result = make_candidates(b, node);
     double captured = stp_clock_ms();
     report->capture_ms = captured - start;
     report->candidate_count = b->candidates.count;
@@ -172,6 +168,6 @@ stp_result stp_blue_make(const stp_scene* scene, uint32_t node, const uint8_t* s
     stp_free(scene->context, b.radii);
     stp_free(scene->context, b.order);
     stp_candidates_destroy(scene->context, &b.candidates);
-    stp_free(scene->context, b.parts);
+    stp_source_list_destroy(scene->context, &b.list);
     return result;
 }

@@ -46,6 +46,13 @@ static uint16_t quantise(double position, double origin, double step)
     return (uint16_t)(value < 0.0 ? 0.0 : value > 65535.0 ? 65535.0 : value);
 }
 
+static uint8_t shading_of(const stp_finish_input* input, uint32_t candidate)
+{
+    uint32_t material = input->candidates->materials[candidate];
+    return candidate < stp_first_of_sets(input->candidates) ? input->shading_of_material[material]
+                                                            : (uint8_t)material;
+}
+
 static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -62,8 +69,7 @@ static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
         s->positions[3 * i + 2] =
             quantise(centre.z + (double)p[2], (double)s->origin.z, (double)s->step);
         stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, s->normals + 2 * i);
-        s->materials[i] =
-            f->input->shading_of_material[f->input->candidates->materials[f->input->order[i]]];
+        s->materials[i] = shading_of(f->input, f->input->order[i]);
     }
 }
 
@@ -140,7 +146,9 @@ static stp_result finish_surfels(stp_context* context, finish* f)
     make_envelope(f);
     choose_grid(f);
     s->count = f->input->count;
-    s->candidate_radius = (float)(f->input->candidates->pixel_size * 0.70710678118654752);
+    double radius = f->input->candidates->surface_radius;
+    radius = radius > 0.0 ? radius : f->input->candidates->pixel_size * 0.70710678118654752;
+    s->candidate_radius = (float)radius;
     s->octave_count =
         stp_choose_octaves(f->envelope, s->candidate_radius, s->count, s->octave_ends);
     stp_result result = allocate_columns(context, s);

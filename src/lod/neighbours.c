@@ -142,8 +142,10 @@ static void hit_disk(disk_scan* scan, uint32_t at)
     stp_vec3 offset = {s->samples->x[at] - scan->query.x, s->samples->y[at] - scan->query.y,
                        s->samples->z[at] - scan->query.z};
     float u = stp_dot(offset, scan->tangents[0]), v = stp_dot(offset, scan->tangents[1]);
-    uint64_t cells = stp_stencil_cells(u, v, s->footprint / s->radius) & s->stencil->disk;
-    scan->disk.count += 1;
+    bool of_set = s->set_count != 0 && s->samples->index[at] >= s->sample_count - s->set_count;
+    float footprint = of_set ? s->set_footprint : s->footprint;
+    uint64_t cells = stp_stencil_cells(u, v, footprint / s->radius) & s->stencil->disk;
+    scan->disk.count += of_set ? s->set_weight : 1;
     scan->disk.fractions += s->fractions != NULL ? s->fractions[s->samples->index[at]] : 0;
     if ((cells & ~scan->disk.cells) != 0) {
         scan->disk.cells |= cells;

@@ -33,6 +33,10 @@ typedef struct stp_disk_search {
     const stp_grid* samples;
     const uint16_t* fractions; ///< what each sample adds to the sum, by its index; NULL: nothing
     float footprint;           ///< half the side of the square that a sample stands for; 0: a point
+    uint32_t set_count;        ///< the last samples by index, so many, are surfels of sets
+    uint32_t sample_count;     ///< of all by index, where there are some of sets
+    float set_footprint;       ///< of those; at most `footprint`
+    uint32_t set_weight;       ///< they count so many times
     const float* positions;    ///< 3 a surfel
     const float* normals;      ///< 3 a surfel
     const uint32_t* visit;     ///< which surfels, best in an order that keeps near what is near

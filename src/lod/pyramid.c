@@ -20,6 +20,11 @@
 #define SAMPLE_RADIUS 0.125f
 // Where candidates do, each stands for up to so much of a disk's pixels.
 #define DISK_CANDIDATES 75.0
+// Half the side of a square over the radius of a disk as large.
+#define DISK_SQUARE 0.88622693f
+// Surfels of sets say by their opacity how much of them is surface: their number says nothing, and is made so large
+// that it never counts.
+#define SET_WEIGHT 1024u
 // Cells that a disk reaches to each side; only orders that leave huge gaps would go beyond.
 #define MOST_CELLS 12.0f
 // Part of a fraction seen that is taken for true, whatever was counted.
@@ -212,12 +217,26 @@ static double disk_pixels(const pyramid* p, float radius)
     return STP_PI * pixels * pixels;
 }
 
-// Half the side of the square that a candidate stands for. A pixel is up to 1.7 times as wide along a slope as
-// across: squares of twice its width leave no gaps.
-static float candidate_footprint(const pyramid* p, const octave_plan* plan)
+// Half the side of the square that a captured candidate stands for. A pixel is up to 1.7 times as wide along a slope
+// as across: squares of twice its width leave no gaps.
+static float pixel_footprint(const pyramid* p, const octave_plan* plan)
 {
     float gap = sqrtf((float)plan->stride);
     return stp_min(pixel_size(p) * gap, plan->disk_radius);
+}
+
+// The same of a surfel of a set: the square is as large as its disk.
+static float set_footprint(const pyramid* p, const octave_plan* plan)
+{
+    float side = p->input->finish->candidates->set_radius * DISK_SQUARE;
+    return stp_min(side * sqrtf((float)plan->stride), plan->disk_radius);
+}
+
+static float candidate_footprint(const pyramid* p, const octave_plan* plan)
+{
+    const stp_candidates* c = p->input->finish->candidates;
+    float largest = c->set_count < c->count ? pixel_footprint(p, plan) : 0.0f;
+    return c->set_count != 0 ? stp_max(largest, set_footprint(p, plan)) : largest;
 }
 
 static stp_result plan_octave(const pyramid* p, uint32_t octave, octave_plan* plan)
@@ -298,7 +317,12 @@ static void look_at_candidates(pyramid* p, uint32_t octave, const octave_plan* p
                                const stp_grid* samples)
 {
     stp_disk_search search = begin_disk_search(p, octave, plan, samples);
+    const stp_candidates* c = p->input->finish->candidates;
     search.footprint = candidate_footprint(p, plan);
+    search.sample_count = c->count;
+    search.set_count = c->set_count;
+    search.set_footprint = set_footprint(p, plan);
+    search.set_weight = SET_WEIGHT;
     search.until_solid = true;
     stp_disk_search_run(p->context, &search);
     cover_captured(p, octave, disk_pixels(p, search.radius), plan->stride);

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+//
+// Sets of surfels as captures see them: where a surfel lies, which way it faces, what it looks like as one of a
+// prefix.
+#pragma once
+
+#include "base/stretch.h"
+#include "capture/capture_internal.h"
+
+#include <string.h>
+
+/// Which entries of the pyramid a prefix is drawn with (include/stipple/surfels.h).
+typedef struct stp_set_look {
+    size_t first;        ///< entry of surfel 0 in the prefix's octave
+    size_t first_before; ///< and in the octave before
+    uint32_t before;     ///< surfels that have entries there
+    float share;         ///< of the prefix's own octave, for those
+} stp_set_look;
+
+static inline stp_set_look stp_set_look_at(const stp_surfels* surfels, uint32_t prefix)
+{
+    stp_set_look look = {0};
+    uint32_t octave = 0;
+    while (octave + 1 < surfels->octave_count && surfels->octave_ends[octave] < prefix) {
+        look.first_before = look.first;
+        look.before = surfels->octave_ends[octave];
+        look.first += look.before;
+        octave += 1;
+    }
+    uint32_t end = surfels->octave_ends[octave];
+    look.share =
+        end > look.before ? (float)(prefix - look.before) / (float)(end - look.before) : 1.0f;
+    return look;
+}
+
+/// From a set to another space.
+typedef struct stp_set_placing {
+    const stp_surfels* surfels;
+    stp_affine placement;
+    double normal_matrix[3][3];
+} stp_set_placing;
+
+static inline stp_set_placing stp_set_placing_make(const stp_surfels* surfels,
+                                                   const stp_affine* placement)
+{
+    stp_set_placing placing = {.surfels = surfels, .placement = *placement};
+    stp_affine_normal_matrix(placement, placing.normal_matrix);
+    return placing;
+}
+
+stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel);
+
+/// Of unit length; by the inverse transpose, on the side it was on, mirrored or not.
+stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t surfel);
+
+/// From a set's own space to the captured space minus its centre.
+static inline stp_affine stp_capture_set_placement(const stp_capture_job* job, size_t set)
+{
+    stp_affine placement = job->sets[set].transform;
+    placement.m[0][3] -= job->centre.x;
+    placement.m[1][3] -= job->centre.y;
+    placement.m[2][3] -= job->centre.z;
+    return placement;
+}

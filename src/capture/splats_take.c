@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: MIT
+// Which surfels of sets a capture saw, and their candidates.
+#include "base/color.h"
+#include "base/octahedral.h"
+#include "capture/splats.h"
+
+#define LEAST_FACING 0.3    // cosine: flatter views do not judge whether a centre is visible
+#define DEPTH_TOLERANCE 0.5 // how far a centre may lie behind what is seen there, in radii
+#define WORDS_A_PIECE 512u  // words of bits resolved by one piece of a loop
+
+stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel)
+{
+    const stp_surfels* s = placing->surfels;
+    const uint16_t* value = s->positions + 3 * (size_t)surfel;
+    double step = (double)s->step;
+    stp_vec3d at = {(double)s->origin.x + step * (double)value[0],
+                    (double)s->origin.y + step * (double)value[1],
+                    (double)s->origin.z + step * (double)value[2]};
+    return stp_affine_point(&placing->placement, at);
+}
+
+stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t surfel)
+{
+    const int8_t* code = placing->surfels->normals + 2 * (size_t)surfel;
+    stp_vec3d n = stp_to_double(stp_octahedral_decode(code[0], code[1]));
+    const double(*m)[3] = placing->normal_matrix;
+    stp_vec3d turned = {m[0][0] * n.x + m[0][1] * n.y + m[0][2] * n.z,
+                        m[1][0] * n.x + m[1][1] * n.y + m[1][2] * n.z,
+                        m[2][0] * n.x + m[2][1] * n.y + m[2][2] * n.z};
+    turned = stp_normalized(turned);
+    return stp_dotd(turned, turned) > 0.5 ? turned : n; // a map that flattens everything
+}
+
+stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box)
+{
+    stp_context* context = job->scene->context;
+    job->first_surfels = STP_NEW_ARRAY(context, uint64_t, job->set_count + 1);
+    job->set_boxes = STP_NEW_ARRAY(context, stp_boxd, job->set_count + 1);
+    if (job->first_surfels == NULL || job->set_boxes == NULL) {
+        return stp_fail_memory(context);
+    }
+    uint64_t sum = 0;
+    for (size_t i = 0; i < job->set_count; ++i) {
+        const stp_placed_set* set = &job->sets[i];
+        stp_set_placing placing = stp_set_placing_make(set->surfels, &set->transform);
+        stp_boxd points = stp_boxd_empty();
+        for (uint32_t k = 0; k < set->prefix; ++k) {
+            stp_boxd_add(&points, stp_set_position(&placing, k));
+        }
+        double reach = (double)set->radius * stp_affine_stretch(&set->transform);
+        stp_vec3d margin = {reach, reach, reach};
+        job->set_boxes[i] = (stp_boxd){stp_subd(points.min, margin), stp_addd(points.max, margin)};
+        stp_boxd_add(box, job->set_boxes[i].min);
+        stp_boxd_add(box, job->set_boxes[i].max);
+        job->first_surfels[i] = sum;
+        sum += set->prefix;
+    }
+    job->first_surfels[job->set_count] = sum;
+    size_t words = (size_t)(sum / 32 + 1);
+    job->seen = STP_NEW_ZEROED(context, _Atomic uint32_t, words);
+    return job->seen != NULL ? STP_OK : stp_fail_memory(context);
+}
+
+void stp_capture_drop_sets(stp_capture_job* job)
+{
+    stp_context* context = job->scene->context;
+    stp_free(context, job->first_surfels);
+    stp_free(context, job->set_boxes);
+    stp_free(context, (void*)(uintptr_t)job->seen);
+    job->first_surfels = NULL;
+    job->set_boxes = NULL;
+    job->seen = NULL;
+}
+
+static bool was_seen(const stp_capture_job* job, uint64_t surfel)
+{
+    uint32_t word = atomic_load_explicit(&job->seen[surfel / 32], memory_order_relaxed);
+    return (word >> (surfel & 31) & 1) != 0;
+}
+
+static void mark_seen(const stp_capture_job* job, uint64_t surfel)
+{
+    if (!was_seen(job, surfel)) {
+        atomic_fetch_or_explicit(&job->seen[surfel / 32], UINT32_C(1) << (surfel & 31),
+                                 memory_order_relaxed);
+    }
+}
+
+// What it takes to look whether centres are visible.
+typedef struct sight {
+    const stp_capture_job* job;
+    const stp_capture_view* view;
+    const stp_capture_band* band;
+    const stp_raster_target* target;
+    stp_set_placing placing;
+    double row[3][3], at_zero[3]; ///< x, y, nearness of a value of the grid
+    double pixel, depth;          ///< scene units a pixel; nearness a scene unit
+    double radius;                ///< scene units
+} sight;
+
+static sight make_sight(const stp_capture_job* job, const stp_capture_band* band,
+                        const stp_raster_target* target, size_t set)
+{
+    const stp_placed_set* placed = &job->sets[set];
+    const stp_capture_view* view = &job->views[band->view];
+    stp_affine placement = stp_capture_set_placement(job, set);
+    sight s = {.job = job, .view = view, .band = band, .target = target};
+    s.placing = stp_set_placing_make(placed->surfels, &placement);
+    s.pixel = 1.0 / sqrt(stp_dotd(view->right, view->right));
+    s.depth = sqrt(stp_dotd(view->depth, view->depth));
+    s.radius = (double)placed->radius * stp_affine_stretch(&placed->transform);
+    stp_vec3d zero = stp_affine_point(&placement, stp_to_double(placed->surfels->origin));
+    const stp_vec3d axes[3] = {view->right, view->down, view->depth};
+    const double shifts[3] = {view->shift_x, view->shift_y, 1.5};
+    for (int r = 0; r < 3; ++r) {
+        s.at_zero[r] = stp_dotd(axes[r], zero) + shifts[r];
+        for (int c = 0; c < 3; ++c) {
+            stp_vec3d column = {placement.m[0][c], placement.m[1][c], placement.m[2][c]};
+            s.row[r][c] = stp_dotd(axes[r], column) * (double)placed->surfels->step;
+        }
+    }
+    return s;
+}
+
+// Whether nothing stands before a surfel's centre: its own plane, where the pixel's centre meets it, is not farther
+// than what the pixel shows.
+static bool is_centre_visible(const sight* s, uint32_t surfel)
+{
+    const uint16_t* value = s->placing.surfels->positions + 3 * (size_t)surfel;
+    double at[3];
+    for (int r = 0; r < 3; ++r) {
+        at[r] = s->row[r][0] * (double)value[0] + s->row[r][1] * (double)value[1] +
+                s->row[r][2] * (double)value[2] + s->at_zero[r];
+    }
+    if (!(at[0] >= 0.0 && at[0] < (double)s->view->width && at[1] >= (double)s->band->row_begin &&
+          at[1] < (double)s->band->row_end)) {
+        return false;
+    }
+    size_t column = (size_t)at[0], row = (size_t)at[1];
+    uint64_t pixel = s->target->pixels[(row - s->band->row_begin) * s->target->stride + column];
+    double seen = pixel != STP_RASTER_EMPTY ? (double)stp_raster_nearness(pixel) : 0.0;
+    double reach = s->radius * s->depth;
+    if (at[2] + (1.0 + DEPTH_TOLERANCE) * reach < seen) {
+        return false;
+    }
+    stp_vec3d n = stp_set_normal(&s->placing, surfel);
+    double facing = stp_dotd(n, s->view->toward);
+    if (facing < LEAST_FACING) {
+        return false;
+    }
+    double across = stp_dotd(n, s->view->right) * s->pixel * ((double)column + 0.5 - at[0]);
+    double along = stp_dotd(n, s->view->down) * s->pixel * ((double)row + 0.5 - at[1]);
+    double rise = -(across + along) * s->pixel / facing * s->depth;
+    rise = rise > reach ? reach : rise < -reach ? -reach : rise;
+    return at[2] + rise + DEPTH_TOLERANCE * reach >= seen;
+}
+
+// Whether a box's disks may reach into the band.
+static bool reaches_band(const stp_capture_job* job, const stp_capture_band* band, size_t set)
+{
+    const stp_capture_view* view = &job->views[band->view];
+    stp_boxd box = job->set_boxes[set];
+    stp_vec3d centre = stp_subd(stp_scaled(stp_addd(box.min, box.max), 0.5), job->centre);
+    stp_vec3d half = stp_scaled(stp_subd(box.max, box.min), 0.5);
+    double middle = stp_dotd(view->down, centre) + view->shift_y;
+    double reach = fabs(view->down.x) * half.x + fabs(view->down.y) * half.y +
+                   fabs(view->down.z) * half.z + 1.0;
+    return middle + reach >= (double)band->row_begin && middle - reach <= (double)band->row_end;
+}
+
+// Surfels won pixels: they are candidates. Where a disk covers no centre of a pixel, or its neighbours won all of
+// them, its own centre is looked at.
+void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band* band,
+                              const stp_raster_target* target, const uint64_t* primitives)
+{
+    if (job->set_count == 0) {
+        return;
+    }
+    uint64_t first = stp_capture_part_primitives(job);
+    size_t count = (size_t)target->height * target->width;
+    for (size_t i = 0; i < count; ++i) {
+        uint64_t primitive = primitives != NULL ? primitives[i] : stp_raster_id(target->pixels[i]);
+        if (target->pixels[i] != STP_RASTER_EMPTY && primitive >= first) {
+            mark_seen(job, primitive - first);
+        }
+    }
+    for (size_t set = 0; set < job->set_count; ++set) {
+        if (!reaches_band(job, band, set)) {
+            continue;
+        }
+        sight s = make_sight(job, band, target, set);
+        for (uint32_t i = 0; i < job->sets[set].prefix; ++i) {
+            if (!was_seen(job, job->first_surfels[set] + i) && is_centre_visible(&s, i)) {
+                mark_seen(job, job->first_surfels[set] + i);
+            }
+        }
+    }
+    for (size_t i = 0; i < count; ++i) { // what is left are the pixels of parts
+        uint64_t primitive = primitives != NULL ? primitives[i] : stp_raster_id(target->pixels[i]);
+        if (target->pixels[i] != STP_RASTER_EMPTY && primitive >= first) {
+            target->pixels[i] = STP_RASTER_EMPTY;
+        }
+    }
+}
+
+static uint64_t word_count(const stp_capture_job* job)
+{
+    return job->first_surfels[job->set_count] / 32 + 1;
+}
+
+static uint32_t word_at(const stp_capture_job* job, uint64_t word)
+{
+    return atomic_load_explicit(&job->seen[word], memory_order_relaxed);
+}
+
+uint64_t stp_capture_seen_count(const stp_capture_job* job)
+{
+    uint64_t sum = 0;
+    for (uint64_t word = 0; word < word_count(job); ++word) {
+        sum += (uint64_t)__builtin_popcount(word_at(job, word));
+    }
+    return sum;
+}
+
+typedef struct resolve_sets {
+    const stp_capture_job* job;
+    stp_candidates* out;
+    uint64_t* starts; ///< candidate of the first surfel seen, of each piece
+} resolve_sets;
+
+static void find_colour(const stp_surfels* s, const stp_set_look* look, uint32_t surfel,
+                        uint8_t rgba[4])
+{
+    const uint8_t* own = s->colors + 3 * (look->first + surfel);
+    const uint8_t* before = s->colors + 3 * (look->first_before + surfel);
+    float share = surfel < look->before ? look->share : 1.0f;
+    for (int k = 0; k < 3; ++k) {
+        rgba[k] = own[k];
+        if (share < 1.0f && before[k] != own[k]) {
+            float from = stp_srgb8_to_linear(before[k]), to = stp_srgb8_to_linear(own[k]);
+            rgba[k] = stp_linear_to_srgb8(from + (to - from) * share);
+        }
+    }
+    // disks overlap, so a code says less than the fraction that they cover together (pyramid.c)
+    float chance = (float)s->coverages[look->first + surfel] / 255.0f;
+    if (share < 1.0f) {
+        float other = (float)s->coverages[look->first_before + surfel] / 255.0f;
+        chance = other + (chance - other) * share;
+    }
+    float fraction = 1.0f - (1.0f - chance) * (1.0f - chance);
+    float scaled = fraction * 255.0f + 0.5f;
+    rgba[3] = scaled < 1.0f ? 1 : (uint8_t)scaled;
+}
+
+// The set that a surfel belongs to, at or after `set`.
+static size_t find_set(const stp_capture_job* job, uint64_t surfel, size_t set)
+{
+    if (set < job->set_count && surfel >= job->first_surfels[set] &&
+        surfel < job->first_surfels[set + 1]) {
+        return set;
+    }
+    size_t low = 0, high = job->set_count;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        *(surfel >= job->first_surfels[middle] ? &low : &high) = middle;
+    }
+    return low;
+}
+
+static void write_candidate(stp_candidates* out, size_t to, const stp_set_placing* placing,
+                            const stp_set_look* look, uint32_t surfel)
+{
+    stp_vec3 at = stp_to_float(stp_set_position(placing, surfel));
+    stp_vec3 normal = stp_to_float(stp_set_normal(placing, surfel));
+    memcpy(out->positions + 3 * to, &at, sizeof(at));
+    memcpy(out->normals + 3 * to, &normal, sizeof(normal));
+    find_colour(placing->surfels, look, surfel, out->colors + 4 * to);
+    out->materials[to] = placing->surfels->materials[surfel];
+}
+
+static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const resolve_sets* r = user;
+    const stp_capture_job* job = r->job;
+    uint64_t words = word_count(job);
+    for (size_t piece = begin; piece < end; ++piece) {
+        uint64_t first = piece * WORDS_A_PIECE, last = first + WORDS_A_PIECE;
+        size_t to = (size_t)r->starts[piece], set = SIZE_MAX;
+        stp_set_placing placing = {0};
+        stp_set_look look = {0};
+        for (uint64_t word = first; word < (last < words ? last : words); ++word) {
+            for (uint32_t bits = word_at(job, word); bits != 0; bits &= bits - 1) {
+                uint64_t surfel = 32 * word + (uint64_t)__builtin_ctz(bits);
+                size_t own = find_set(job, surfel, set);
+                if (own != set) {
+                    set = own;
+                    stp_affine placement = stp_capture_set_placement(job, set);
+                    placing = stp_set_placing_make(job->sets[set].surfels, &placement);
+                    look = stp_set_look_at(job->sets[set].surfels, job->sets[set].prefix);
+                }
+                write_candidate(r->out, to++, &placing, &look,
+                                (uint32_t)(surfel - job->first_surfels[set]));
+            }
+        }
+    }
+}
+
+stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* candidates)
+{
+    stp_context* context = job->scene->context;
+    uint64_t words = word_count(job);
+    size_t pieces = (size_t)((words + WORDS_A_PIECE - 1) / WORDS_A_PIECE);
+    resolve_sets r = {job, candidates, STP_NEW_ARRAY(context, uint64_t, pieces)};
+    if (r.starts == NULL) {
+        return stp_fail_memory(context);
+    }
+    uint64_t sum = candidates->count;
+    for (uint64_t word = 0; word < words; ++word) {
+        if (word % WORDS_A_PIECE == 0) {
+            r.starts[word / WORDS_A_PIECE] = sum;
+        }
+        sum += (uint64_t)__builtin_popcount(word_at(job, word));
+    }
+    stp_parallel_for(context, pieces, 1, resolve_pieces, &r);
+    stp_free(context, r.starts);
+    candidates->set_count = (uint32_t)(sum - candidates->count);
+    candidates->count = (uint32_t)sum;
+    for (size_t i = 0; candidates->set_count != 0 && i < job->set_count; ++i) {
+        const stp_placed_set* set = &job->sets[i];
+        float radius = (float)((double)set->radius * stp_affine_stretch(&set->transform));
+        candidates->set_radius = stp_max(candidates->set_radius, radius);
+    }
+    double reach = (double)candidates->set_radius;
+    candidates->surface_radius =
+        candidates->surface_radius > reach ? candidates->surface_radius : reach;
+    return STP_OK;
+}

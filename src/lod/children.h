@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+//
+// Hierarchical generation (Brandt 3.4): the candidates of a node from the surfels of what lies below it.
+#pragma once
+
+#include "lod/blue.h"
+#include "lod/sources.h"
+
+/// Most uses of parts and sets that one capture looks at (sources.h).
+#define STP_SOURCE_LIMIT ((size_t)1 << 19)
+
+/// A pixel for looking at a node before anything is known of it.
+double stp_coarse_pixel(const stp_scene* scene, uint32_t node);
+
+/// Captures the sources of a node at the pixel that gives about six candidates for each of `surfel_count` surfels
+/// where they come from sets, and seventeen where they come from triangles. Sets that are a little too coarse for
+/// that are used all the same: down to four candidates a surfel, the pixel follows them. Below that they are opened.
+/// @param captured  false where no set would be used: then nothing was captured
+/// @return as stp_capture_all
+STP_MUST_USE stp_result stp_capture_children(const stp_scene* scene, uint32_t node,
+                                             const stp_blue_desc* desc, uint64_t surfel_count,
+                                             stp_candidates* candidates, bool* captured);
