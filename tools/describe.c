@@ -62,7 +62,9 @@ static void sum_tables(const source* s, scene_figures* f)
                           (m->texcoords[0] != NULL ? 8u : 0u) +
                           (m->texcoords[1] != NULL ? 8u : 0u) + (m->colors != NULL ? 8u : 0u);
         f->unique_triangles += m->triangle_count;
-        f->triangle_bytes += m->vertex_count * vertex + m->triangle_count * (uint64_t)12;
+        f->triangle_bytes += s->store != NULL
+                                 ? stp_store_mesh_bytes(s->store, i)
+                                 : m->vertex_count * vertex + m->triangle_count * (uint64_t)12;
     }
     for (uint32_t i = 0; i < d->point_set_count; ++i) {
         const stp_store_point_set* p = points_at(s, i);

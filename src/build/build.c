@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "build/content.h"
+#include "build/meshes.h"
 #include "build/shadings.h"
 
 #include <string.h>
@@ -93,6 +94,9 @@ static stp_result write_file(build* b)
         d->shadings = b->shadings.shadings;
         d->shading_count = b->shadings.count;
         d->build_json = b->desc->parameters_json;
+        result = stp_code_meshes(b->scene, &b->content);
+    }
+    if (result == STP_OK) {
         result = stp_store_write(b->context, &b->content.content, b->desc->output);
     }
     b->report->write_s = (stp_clock_ms() - start) * 1e-3;

@@ -261,6 +261,11 @@ stp_result stp_build_content_create(const stp_scene* scene, const stp_surfels* s
 void stp_build_content_destroy(stp_build_content* content)
 {
     if (content->context != NULL) {
+        for (uint32_t i = 0; content->coded != NULL && i < content->content.directory.mesh_count;
+             ++i) {
+            stp_coded_mesh_destroy(content->context, &content->coded[i]);
+        }
+        stp_free(content->context, content->coded);
         stp_arena_destroy(&content->arena);
     }
     *content = (stp_build_content){0};

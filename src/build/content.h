@@ -10,6 +10,7 @@ typedef struct stp_build_content {
     stp_store_content content;
     stp_context* context;
     stp_arena arena;
+    stp_coded_mesh* coded; ///< one a mesh, once stp_code_meshes has been called
 } stp_build_content;
 
 /// Converts the scene, which must outlive the content. `surfels` (may be NULL) becomes what the root looks like

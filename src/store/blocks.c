@@ -43,6 +43,10 @@ stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* 
     }
     stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
     stp_store_mesh_record* record = &records[index];
+    if (stp_store_is_clustered(store, index)) {
+        return stp_fail(store->context, STP_ERROR_ARGUMENT,
+                        "%s: mesh %u is stored as clusters, not as columns", store->path, index);
+    }
     if (!record->checked) {
         const unsigned char* bytes = NULL;
         stp_result result =
@@ -71,6 +75,71 @@ stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* 
         record->checked = true;
     }
     *mesh = record->mesh;
+    return STP_OK;
+}
+
+bool stp_store_is_clustered(const stp_store* store, uint32_t index)
+{
+    const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
+    return stp_store_block_at(store, records[index].block)->kind == STP_BLOCK_CLUSTERS;
+}
+
+uint32_t stp_store_cluster_count(const stp_store* store, uint32_t index)
+{
+    const stp_store_clusters_record* records = store->tables[STP_SECTION_CLUSTERS];
+    return stp_store_is_clustered(store, index) ? records[index].cluster_count : 0;
+}
+
+uint64_t stp_store_mesh_bytes(const stp_store* store, uint32_t index)
+{
+    const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
+    return stp_store_block_at(store, records[index].block)->size;
+}
+
+static stp_result open_clusters(stp_store* store, uint32_t index,
+                                stp_store_clusters_record* clusters)
+{
+    const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
+    const stp_store_mesh_record* record = &records[index];
+    const stp_store_block* block = stp_store_block_at(store, record->block);
+    const unsigned char* bytes = NULL;
+    stp_result result = stp_store_verify_block(store, block, &bytes);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_clusters made;
+    const char* fault = stp_clusters_open(bytes, (size_t)block->size, &made);
+    if (fault == NULL &&
+        (made.cluster_count != clusters->cluster_count ||
+         made.triangle_count != record->mesh.triangle_count ||
+         made.vertex_count != record->mesh.vertex_count || made.present != record->present)) {
+        fault = "has clusters of other counts or columns than it says";
+    }
+    if (fault != NULL) {
+        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: mesh %u %s", store->path, index,
+                        fault);
+    }
+    clusters->clusters = made;
+    return STP_OK;
+}
+
+stp_result stp_store_get_clusters(stp_store* store, uint32_t index, stp_clusters* clusters)
+{
+    if (index >= store->directory.mesh_count) {
+        return stp_store_fail_index(store, "mesh", index);
+    }
+    if (!stp_store_is_clustered(store, index)) {
+        return stp_fail(store->context, STP_ERROR_ARGUMENT,
+                        "%s: mesh %u is stored as columns, not as clusters", store->path, index);
+    }
+    stp_store_clusters_record* records = store->tables[STP_SECTION_CLUSTERS];
+    if (records[index].clusters.bytes == NULL) {
+        stp_result result = open_clusters(store, index, &records[index]);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    *clusters = records[index].clusters;
     return STP_OK;
 }
 

@@ -79,6 +79,10 @@ static stp_result check_block(stp_store* store, const stp_store_block* block)
     switch (block->kind) {
     case STP_BLOCK_MESH:
         return check_mesh(store, block);
+    case STP_BLOCK_CLUSTERS: {
+        stp_clusters clusters;
+        return stp_store_get_clusters(store, block->owner, &clusters);
+    }
     case STP_BLOCK_POINT_SET:
         return check_points(store, block);
     case STP_BLOCK_SURFELS:

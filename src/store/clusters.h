@@ -4,11 +4,26 @@
 // the mesh's power-of-two grid with an origin per cluster, so that vertices shared by neighbouring clusters (and
 // by pieces of one mesh that was cut: same step) round to the same place and nothing cracks. docs/format.md is
 // the authority on the bytes.
+//
+// Triangles of a cluster stand in three groups, by how they are lit:
+//
+//   smooth: each corner has its vertex's normal | face: all have the first corner's | plain: their own plane's
+//
+// so hard edges need no vertices of their own, and flat parts hardly any normals.
 #pragma once
 
 #include "store/store.h"
 
-enum { STP_CLUSTER_TRIANGLES = 128, STP_CLUSTER_VERTICES = 256 };
+#include <string.h>
+
+enum {
+    STP_CLUSTER_TRIANGLES = 128,
+    STP_CLUSTER_VERTICES = 256,
+    STP_CLUSTER_NORMAL_LIMIT = 1023, ///< octahedral codes: this is 1
+    STP_CLUSTER_COLOR_LIMIT =
+        1023, ///< code of a full red, green, blue: the root of the linear value
+    STP_CLUSTER_ALPHA_LIMIT = 255,
+};
 
 /// A mesh coded: what the writer stores as one block. `bytes` may lie in a mapped file.
 typedef struct stp_coded_mesh {
@@ -20,7 +35,119 @@ typedef struct stp_coded_mesh {
 
 /// Codes a mesh on the grid of `step` (base/position_grid.h; pieces of one mesh are given the step of the
 /// whole; float arrays as in stp_store_mesh; normals octahedral 16 bit) into memory of the context
-/// (stp_free of `bytes`). Deterministic; may run inside jobs.
+/// (stp_free of `bytes`). Deterministic; may run inside jobs. Triangles are reordered.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT
 STP_MUST_USE stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh,
                                             double step, stp_coded_mesh* coded);
+
+/// Frees what stp_clusters_encode made.
+void stp_coded_mesh_destroy(stp_context* context, stp_coded_mesh* coded);
+
+/// A coded mesh opened for reading: pointers into its bytes.
+typedef struct stp_clusters {
+    const unsigned char* bytes; ///< NULL: none
+    size_t size;
+    uint32_t cluster_count, triangle_count, vertex_count;
+    uint32_t present; ///< STP_COLUMN_*
+    float step, texcoord_steps[2];
+} stp_clusters;
+
+/// Checks every count, size and index of a coded mesh, so that all below may be asked of it.
+/// @return what is wrong with it, NULL where nothing is
+const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clusters);
+
+/// What stp_clusters_encode had given for these bytes (opened).
+stp_coded_mesh stp_clusters_describe(const stp_clusters* clusters);
+
+typedef enum stp_cluster_channel {
+    STP_CLUSTER_X,
+    STP_CLUSTER_Y,
+    STP_CLUSTER_Z,
+    STP_CLUSTER_NORMAL_U,
+    STP_CLUSTER_NORMAL_V,
+    STP_CLUSTER_TEXCOORDS, ///< u, v of set 0, then of set 1
+    STP_CLUSTER_COLORS = STP_CLUSTER_TEXCOORDS + 4,
+    STP_CLUSTER_CHANNELS = STP_CLUSTER_COLORS + 4
+} stp_cluster_channel;
+
+/// Whole numbers of equal width, the lowest bit first: value i is origin + bits [i width, (i + 1) width).
+typedef struct stp_cluster_run {
+    const unsigned char* bits; ///< 8 bytes can be read from wherever a value begins
+    int32_t origin;
+    uint32_t width; ///< at most 32
+} stp_cluster_run;
+
+typedef struct stp_cluster {
+    uint32_t first_triangle; ///< of the mesh
+    uint32_t triangle_count, vertex_count;
+    uint32_t smooth_count,
+        face_count;         ///< the first triangles, and those after them; the others are plain
+    uint32_t normal_count;  ///< the first vertices: the others have none
+    const uint8_t* indices; ///< 3 a triangle, each below vertex_count
+    stp_cluster_run runs[STP_CLUSTER_CHANNELS]; ///< absent ones have no bits and are all 0
+} stp_cluster;
+
+/// `index` must be below cluster_count.
+void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster);
+/// A box around the cluster, without opening it; up to twice as large as it need be.
+stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index);
+uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t index);
+/// The cluster that triangle `triangle` (below triangle_count) belongs to.
+uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle);
+
+/// One value of a run.
+static inline int32_t stp_cluster_value(const stp_cluster_run* run, uint32_t i)
+{
+    uint64_t bits;
+    uint32_t at = i * run->width;
+    memcpy(&bits, run->bits + (at >> 3), sizeof(bits));
+    uint64_t mask = ((uint64_t)1 << run->width) - 1;
+    return (int32_t)((uint32_t)run->origin + (uint32_t)((bits >> (at & 7)) & mask));
+}
+
+static inline stp_vec3 stp_cluster_position(const stp_clusters* clusters,
+                                            const stp_cluster* cluster, uint32_t vertex)
+{
+    return (stp_vec3){
+        (float)stp_cluster_value(&cluster->runs[STP_CLUSTER_X], vertex) * clusters->step,
+        (float)stp_cluster_value(&cluster->runs[STP_CLUSTER_Y], vertex) * clusters->step,
+        (float)stp_cluster_value(&cluster->runs[STP_CLUSTER_Z], vertex) * clusters->step};
+}
+
+/// All positions, 3 floats a vertex.
+void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* cluster,
+                           float positions[3 * STP_CLUSTER_VERTICES]);
+
+/// The normals of a triangle's corners (`triangle` counts within the cluster), not of unit length; @return
+/// false where it has its plane's
+bool stp_cluster_normals(const stp_cluster* cluster, uint32_t triangle, stp_vec3 normals[3]);
+
+static inline stp_vec2 stp_cluster_texcoord(const stp_clusters* clusters,
+                                            const stp_cluster* cluster, uint32_t set,
+                                            uint32_t vertex)
+{
+    const stp_cluster_run* runs = &cluster->runs[STP_CLUSTER_TEXCOORDS + 2 * set];
+    return (stp_vec2){(float)stp_cluster_value(&runs[0], vertex) * clusters->texcoord_steps[set],
+                      (float)stp_cluster_value(&runs[1], vertex) * clusters->texcoord_steps[set]};
+}
+
+/// Linear red, green, blue, alpha: 1 is full.
+void stp_cluster_color(const stp_cluster* cluster, uint32_t vertex, float color[4]);
+
+/// The clusters of a mesh that is stored so; checked on first use, pointers into the file. One thread at a time.
+/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED, STP_ERROR_ARGUMENT (a mesh of columns); logged
+STP_MUST_USE stp_result stp_store_get_clusters(stp_store* store, uint32_t index,
+                                               stp_clusters* clusters);
+
+/// A whole mesh decoded: triangles in the order of the clusters, three vertices each. For tools and tests.
+typedef struct stp_decoded_mesh {
+    uint32_t triangle_count;
+    float* positions;    ///< 9 a triangle
+    float* normals;      ///< 9 a triangle, unit; zero for those of degenerate triangles' planes
+    float* texcoords[2]; ///< NULL, or 6 a triangle
+    float* colors;       ///< NULL, or 12 a triangle
+} stp_decoded_mesh;
+
+STP_MUST_USE stp_result stp_clusters_decode(stp_context* context, const stp_clusters* clusters,
+                                            stp_decoded_mesh* mesh);
+void stp_decoded_mesh_destroy(stp_context* context, stp_decoded_mesh* mesh);

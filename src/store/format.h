@@ -25,7 +25,7 @@ enum {
     STP_STORE_SHADING_LIMIT = 256,
 };
 
-/// Section types. Those above 22 are reserved: 32 clusters of triangles, 33 bone weights, 34 point
+/// Section types. Those above 22 are reserved: 33 bone weights, 34 point
 /// attributes; from 0x80000000 on they are free for private use.
 typedef enum stp_store_section_type {
     STP_SECTION_NODES = 1,
@@ -50,7 +50,8 @@ typedef enum stp_store_section_type {
     STP_SECTION_SCENE_PARTS,
     STP_SECTION_PAGES,
     STP_SECTION_KEYS,
-    STP_SECTION_END ///< one more than the last known type
+    STP_SECTION_CLUSTERS = 32, ///< which meshes are coded; critical
+    STP_SECTION_END            ///< one more than the last known type
 } stp_store_section_type;
 
 enum {
@@ -62,6 +63,7 @@ typedef enum stp_store_block_kind {
     STP_BLOCK_POINT_SET,
     STP_BLOCK_TEXTURE,
     STP_BLOCK_SURFELS,
+    STP_BLOCK_CLUSTERS, ///< a coded mesh
     STP_BLOCK_END
 } stp_store_block_kind;
 

@@ -146,7 +146,7 @@ static stp_result read_sections(stp_store* store)
             return stp_fail(store->context, STP_ERROR_FORMAT, "%s: section %u of type %u %s",
                             store->path, i, section->type, fault);
         }
-        if (section->type != 0 && section->type < STP_SECTION_END) {
+        if (stp_store_table_of(section->type)->record_size != 0) {
             store->known[section->type] = section;
         } else if ((section->flags & STP_SECTION_CRITICAL) != 0) {
             return stp_fail(store->context, STP_ERROR_UNSUPPORTED,

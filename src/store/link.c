@@ -45,10 +45,9 @@ static stp_result judge_blocks(const stp_store* store)
 static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_block wanted)
 {
     static const char* const names[STP_BLOCK_END] = {
-        [STP_BLOCK_MESH] = "mesh",
-        [STP_BLOCK_POINT_SET] = "point set",
-        [STP_BLOCK_TEXTURE] = "texture",
-        [STP_BLOCK_SURFELS] = "surfel set",
+        [STP_BLOCK_MESH] = "mesh",       [STP_BLOCK_POINT_SET] = "point set",
+        [STP_BLOCK_TEXTURE] = "texture", [STP_BLOCK_SURFELS] = "surfel set",
+        [STP_BLOCK_CLUSTERS] = "mesh",
     };
     if (index >= store->counts[STP_SECTION_BLOCKS]) {
         return fail_format(store, names[wanted.kind], wanted.owner, "its block does not exist");
@@ -161,6 +160,12 @@ static stp_result link_sets(stp_store* store)
     return STP_OK;
 }
 
+static bool is_coded(const stp_store* store, uint32_t mesh)
+{
+    const stp_store_clusters_record* records = store->tables[STP_SECTION_CLUSTERS];
+    return records != NULL && records[mesh].cluster_count != STP_STORE_NONE;
+}
+
 static stp_result link_mesh(const stp_store* store, uint32_t index)
 {
     const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
@@ -175,6 +180,12 @@ static stp_result link_mesh(const stp_store* store, uint32_t index)
     if (record->present > (STP_COLUMN_NORMALS | STP_COLUMN_COLORS | STP_COLUMN_TEXCOORDS_0 |
                            STP_COLUMN_TEXCOORDS_1)) {
         return fail_format(store, "mesh", index, "has columns that are not of this version");
+    }
+    if (is_coded(store, index)) { // how large it is, its block alone says
+        wanted.kind = STP_BLOCK_CLUSTERS;
+        wanted.size = record->block < store->counts[STP_SECTION_BLOCKS]
+                          ? stp_store_block_at(store, record->block)->size
+                          : 0;
     }
     return judge_block(store, record->block, wanted);
 }
@@ -210,6 +221,13 @@ static stp_result link_texture(const stp_store* store, uint32_t index)
 stp_result stp_store_link_blocks(stp_store* store)
 {
     stp_result result = judge_blocks(store);
+    if (result == STP_OK && store->known[STP_SECTION_CLUSTERS] != NULL &&
+        store->counts[STP_SECTION_CLUSTERS] != store->counts[STP_SECTION_MESHES]) {
+        result =
+            stp_fail(store->context, STP_ERROR_FORMAT,
+                     "%s: says of %u meshes whether they are clusters, and has %u", store->path,
+                     store->counts[STP_SECTION_CLUSTERS], store->counts[STP_SECTION_MESHES]);
+    }
     if (result == STP_OK) {
         result = link_sets(store);
     }

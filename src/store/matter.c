@@ -86,8 +86,9 @@ stp_result stp_store_matter_of_plan(stp_context* context, const stp_store_conten
         return result;
     }
     for (uint32_t i = 0; i < directory->mesh_count; ++i) {
+        const stp_coded_mesh* coded = stp_store_coded_mesh(content, i);
         matter->meshes[i] = (stp_store_amount){
-            .count = content->meshes[i].triangle_count,
+            .count = coded != NULL ? coded->triangle_count : content->meshes[i].triangle_count,
             .bytes = plan->blocks[plan->mesh_blocks[i]].size,
             .material = content->meshes[i].material,
         };

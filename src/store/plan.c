@@ -5,6 +5,12 @@
 
 #include <stdlib.h>
 
+const stp_coded_mesh* stp_store_coded_mesh(const stp_store_content* content, uint32_t index)
+{
+    const stp_coded_mesh* coded = content->coded_meshes;
+    return coded != NULL && coded[index].bytes != NULL ? &coded[index] : NULL;
+}
+
 uint32_t stp_store_mesh_present(const stp_store_mesh* mesh)
 {
     return (mesh->normals != NULL ? (uint32_t)STP_COLUMN_NORMALS : 0) |
@@ -96,6 +102,12 @@ static void add_blocks(const stp_store_content* content, const double* set_scale
     }
     for (uint32_t i = 0; i < directory->mesh_count; ++i) {
         const stp_store_mesh* mesh = &content->meshes[i];
+        const stp_coded_mesh* coded = stp_store_coded_mesh(content, i);
+        if (coded != NULL) {
+            *next++ =
+                (stp_store_block){.kind = STP_BLOCK_CLUSTERS, .owner = i, .size = coded->size};
+            continue;
+        }
         *next++ = (stp_store_block){
             .kind = STP_BLOCK_MESH,
             .owner = i,
@@ -131,6 +143,7 @@ static int rank_of(uint32_t kind)
     case STP_BLOCK_TEXTURE:
         return 1;
     case STP_BLOCK_MESH:
+    case STP_BLOCK_CLUSTERS:
         return 2;
     default:
         return 3;
@@ -167,6 +180,7 @@ static void place_blocks(uint64_t data_offset, const uint32_t* first_octaves, st
             plan->octave_blocks[first_octaves[block->owner] + block->octave] = i;
             break;
         case STP_BLOCK_MESH:
+        case STP_BLOCK_CLUSTERS:
             plan->mesh_blocks[block->owner] = i;
             break;
         case STP_BLOCK_POINT_SET:

@@ -22,6 +22,9 @@ STP_MUST_USE stp_result stp_store_plan_make(stp_context* context, const stp_stor
                                             uint64_t data_offset, stp_store_plan* plan);
 void stp_store_plan_destroy(stp_context* context, stp_store_plan* plan);
 
+/// NULL: the mesh is written as floats.
+const stp_coded_mesh* stp_store_coded_mesh(const stp_store_content* content, uint32_t index);
+
 /// Which optional columns there are.
 uint32_t stp_store_mesh_present(const stp_store_mesh* mesh);
 uint32_t stp_store_points_present(const stp_store_point_set* points);

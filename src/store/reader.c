@@ -132,6 +132,9 @@ static stp_result read_directory(stp_store* store)
         result = read_summary(store, &text);
     }
     if (result == STP_OK) {
+        result = stp_store_read_table(store, STP_SECTION_CLUSTERS, &text);
+    }
+    if (result == STP_OK) {
         result = read_build(store);
     }
     if (result != STP_OK) {

@@ -346,6 +346,12 @@ static void code_key(stp_store_codec* codec, void* element)
     code_u64(codec, &key->hash.high);
 }
 
+static void code_clusters(stp_store_codec* codec, void* element)
+{
+    stp_store_clusters_record* record = element;
+    code_u32(codec, &record->cluster_count);
+}
+
 void stp_store_code_section(stp_store_codec* codec, stp_store_section* section)
 {
     code_u32(codec, &section->type);
@@ -384,6 +390,8 @@ const stp_store_table* stp_store_table_of(uint32_t type)
                                      code_scene_part},
         [STP_SECTION_PAGES] = {"page", 4, sizeof(uint32_t), code_page},
         [STP_SECTION_KEYS] = {"key", 16, sizeof(stp_store_key), code_key},
+        [STP_SECTION_CLUSTERS] = {"mesh's clusters", 4, sizeof(stp_store_clusters_record),
+                                  code_clusters},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

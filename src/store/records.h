@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/hash.h"
+#include "store/clusters.h"
 #include "store/format.h"
 #include "store/store.h"
 
@@ -31,6 +32,12 @@ typedef struct stp_store_mesh_record {
     uint32_t present, block;
     bool checked;
 } stp_store_mesh_record;
+
+/// Of each mesh, where any is coded.
+typedef struct stp_store_clusters_record {
+    uint32_t cluster_count; ///< STP_STORE_NONE: the mesh is not coded
+    stp_clusters clusters;  ///< without bytes until they are checked
+} stp_store_clusters_record;
 
 typedef struct stp_store_point_record {
     stp_store_point_set points;
@@ -97,9 +104,10 @@ typedef union stp_store_element {
     stp_store_scene_part scene_part;
     stp_store_key key;
     uint32_t page; ///< checksum
+    stp_store_clusters_record clusters;
 } stp_store_element;
 
-/// By section type, below STP_SECTION_END.
+/// By section type; of one that is none, or not known, everything is 0.
 const stp_store_table* stp_store_table_of(uint32_t type);
 
 /// The root directory's own entries.

@@ -166,6 +166,12 @@ const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t i
 const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, uint32_t index);
 const stp_store_texture* stp_store_describe_texture(const stp_store* store, uint32_t index);
 const stp_surfels* stp_store_describe_surfels(const stp_store* store, uint32_t index);
+/// Whether a mesh is stored as clusters (store/clusters.h): then stp_store_get_mesh does not give it.
+bool stp_store_is_clustered(const stp_store* store, uint32_t index);
+/// 0 for a mesh of columns.
+uint32_t stp_store_cluster_count(const stp_store* store, uint32_t index);
+/// Bytes of a mesh in the file, without the directory's.
+uint64_t stp_store_mesh_bytes(const stp_store* store, uint32_t index);
 
 // Each checks the data on first use and gives pointers into the file that live as long as the
 // store. One thread at a time. On a bad checksum or index: STP_ERROR_FORMAT, logged.

@@ -5,6 +5,7 @@
 #include "store/writer.h"
 
 #include "base/bytes.h"
+#include "store/clusters_layout.h"
 #include "store/internal.h"
 #include "store/matter.h"
 #include "store/page_sums.h"
@@ -14,15 +15,15 @@
 
 // In the order of the file: first what says what the file is, last what a picture does not need.
 static const uint8_t section_order[] = {
-    STP_SECTION_SUMMARY,    STP_SECTION_SCENE_PARTS, STP_SECTION_VIEWS,    STP_SECTION_SOURCES,
-    STP_SECTION_BUILD,      STP_SECTION_NODES,       STP_SECTION_EDGES,    STP_SECTION_PARTS,
-    STP_SECTION_MATERIALS,  STP_SECTION_SHADINGS,    STP_SECTION_TEXTURES, STP_SECTION_MESHES,
-    STP_SECTION_POINT_SETS, STP_SECTION_SURFELS,     STP_SECTION_OCTAVES,  STP_SECTION_BREAKPOINTS,
-    STP_SECTION_BLOCKS,     STP_SECTION_TEXT,        STP_SECTION_OBJECTS,  STP_SECTION_OBJECT_TEXT,
-    STP_SECTION_KEYS,       STP_SECTION_PAGES,
+    STP_SECTION_SUMMARY,     STP_SECTION_SCENE_PARTS, STP_SECTION_VIEWS,    STP_SECTION_SOURCES,
+    STP_SECTION_BUILD,       STP_SECTION_NODES,       STP_SECTION_EDGES,    STP_SECTION_PARTS,
+    STP_SECTION_MATERIALS,   STP_SECTION_SHADINGS,    STP_SECTION_TEXTURES, STP_SECTION_MESHES,
+    STP_SECTION_POINT_SETS,  STP_SECTION_SURFELS,     STP_SECTION_OCTAVES,  STP_SECTION_BREAKPOINTS,
+    STP_SECTION_BLOCKS,      STP_SECTION_CLUSTERS,    STP_SECTION_TEXT,     STP_SECTION_OBJECTS,
+    STP_SECTION_OBJECT_TEXT, STP_SECTION_KEYS,        STP_SECTION_PAGES,
 };
 
-enum { SECTION_COUNT = sizeof(section_order) };
+enum { SECTION_LIMIT = sizeof(section_order) };
 
 typedef struct writing {
     stp_context* context;
@@ -30,6 +31,8 @@ typedef struct writing {
     const char* path;
     stp_file_writer* file;
     stp_store_plan plan;
+    uint32_t types[SECTION_LIMIT]; ///< of the sections, as they lie in the file
+    uint32_t section_count;
     stp_store_section sections[STP_SECTION_END]; ///< by type
     stp_store_text text, object_text;
     stp_store_summary summary;
@@ -63,6 +66,7 @@ static stp_result begin_section(writing* w, uint32_t type, uint64_t count)
     stp_store_page_sums_begin(&w->sums, type);
     w->sections[type] = (stp_store_section){
         .type = type,
+        .flags = type == STP_SECTION_CLUSTERS ? STP_SECTION_CRITICAL : 0,
         .offset = stp_file_writer_size(w->file),
         .size = count * record_size,
         .count = count,
@@ -118,6 +122,23 @@ static stp_result write_table(writing* w, uint32_t type, const void* elements, u
     return end_section(w, type, result);
 }
 
+static stp_store_mesh_record make_mesh(const writing* w, uint32_t index)
+{
+    const stp_coded_mesh* coded = stp_store_coded_mesh(w->content, index);
+    stp_store_mesh_record record = {
+        .mesh = w->content->meshes[index],
+        .present = stp_store_mesh_present(&w->content->meshes[index]),
+        .block = w->plan.mesh_blocks[index],
+    };
+    if (coded != NULL) {
+        record.mesh.vertex_count = coded->vertex_count;
+        record.mesh.triangle_count = coded->triangle_count;
+        record.mesh.bounds = coded->bounds;
+        record.present = clusters_read_present(coded->bytes);
+    }
+    return record;
+}
+
 // The records of meshes, point sets, textures and sets: the content's, with the blocks they refer
 // to.
 static stp_store_element make_record(const writing* w, uint32_t type, uint32_t index)
@@ -126,10 +147,13 @@ static stp_store_element make_record(const writing* w, uint32_t type, uint32_t i
     stp_store_element element = {0};
     switch (type) {
     case STP_SECTION_MESHES:
-        element.mesh.mesh = content->meshes[index];
-        element.mesh.present = stp_store_mesh_present(&content->meshes[index]);
-        element.mesh.block = w->plan.mesh_blocks[index];
+        element.mesh = make_mesh(w, index);
         break;
+    case STP_SECTION_CLUSTERS: {
+        const stp_coded_mesh* coded = stp_store_coded_mesh(content, index);
+        element.clusters.cluster_count = coded != NULL ? coded->cluster_count : STP_STORE_NONE;
+        break;
+    }
     case STP_SECTION_POINT_SETS:
         element.points.points = content->point_sets[index];
         element.points.present = stp_store_points_present(&content->point_sets[index]);
@@ -257,6 +281,7 @@ static stp_result write_section(writing* w, uint32_t type)
     case STP_SECTION_TEXTURES:
         return write_records(w, type, d->texture_count);
     case STP_SECTION_MESHES:
+    case STP_SECTION_CLUSTERS:
         return write_records(w, type, d->mesh_count);
     case STP_SECTION_POINT_SETS:
         return write_records(w, type, d->point_set_count);
@@ -288,14 +313,31 @@ static stp_result write_section(writing* w, uint32_t type)
     }
 }
 
+// Those of clusters only where there are any: before texts and objects, which readers may leave for later.
+static void list_sections(writing* w)
+{
+    bool any_coded = false;
+    for (uint32_t i = 0; i < w->content->directory.mesh_count; ++i) {
+        any_coded = any_coded || stp_store_coded_mesh(w->content, i) != NULL;
+    }
+    w->section_count = 0;
+    for (size_t i = 0; i < SECTION_LIMIT; ++i) {
+        if (section_order[i] != STP_SECTION_CLUSTERS || any_coded) {
+            w->types[w->section_count++] = section_order[i];
+        }
+    }
+}
+
 // Reserves header and section table, and writes every section.
 static stp_result write_directory(writing* w)
 {
     static const unsigned char
-        zeros[STP_STORE_HEADER_BYTES + SECTION_COUNT * STP_STORE_SECTION_BYTES] = {0};
-    stp_result result = stp_file_writer_append(w->file, zeros, sizeof(zeros));
-    for (size_t i = 0; i < SECTION_COUNT && result == STP_OK; ++i) {
-        result = write_section(w, section_order[i]);
+        zeros[STP_STORE_HEADER_BYTES + SECTION_LIMIT * STP_STORE_SECTION_BYTES] = {0};
+    list_sections(w);
+    stp_result result = stp_file_writer_append(
+        w->file, zeros, STP_STORE_HEADER_BYTES + w->section_count * STP_STORE_SECTION_BYTES);
+    for (uint32_t i = 0; i < w->section_count && result == STP_OK; ++i) {
+        result = write_section(w, w->types[i]);
     }
     return result == STP_OK ? pad(w) : result;
 }
@@ -369,6 +411,23 @@ static stp_result write_octave(writing* w, uint32_t index, uint32_t octave)
     return write_columns(w, sources, columns, STP_SURFEL_COLUMNS);
 }
 
+// Coded meshes may be more than memory holds: each is checked when its turn comes to be written.
+static stp_result write_clusters(writing* w, uint32_t index)
+{
+    const stp_coded_mesh* coded = stp_store_coded_mesh(w->content, index);
+    stp_clusters clusters;
+    const char* fault = stp_clusters_open(coded->bytes, coded->size, &clusters);
+    if (fault == NULL && (clusters.cluster_count != coded->cluster_count ||
+                          clusters.triangle_count != coded->triangle_count ||
+                          clusters.vertex_count != coded->vertex_count)) {
+        fault = "has clusters of other counts than it says";
+    }
+    if (fault != NULL) {
+        return stp_fail(w->context, STP_ERROR_ARGUMENT, "%s: mesh %u %s", w->path, index, fault);
+    }
+    return emit(w, coded->bytes, coded->size);
+}
+
 static stp_result write_block(writing* w, const stp_store_block* block)
 {
     switch (block->kind) {
@@ -376,6 +435,8 @@ static stp_result write_block(writing* w, const stp_store_block* block)
         return write_octave(w, block->owner, block->octave);
     case STP_BLOCK_MESH:
         return write_mesh(w, block->owner);
+    case STP_BLOCK_CLUSTERS:
+        return write_clusters(w, block->owner);
     case STP_BLOCK_POINT_SET:
         return write_points(w, block->owner);
     default:
@@ -445,10 +506,11 @@ static stp_result patch_pages(writing* w)
 static stp_result patch_header(writing* w, uint64_t data_offset)
 {
     const stp_store_directory* directory = &w->content->directory;
-    unsigned char bytes[STP_STORE_HEADER_BYTES + SECTION_COUNT * STP_STORE_SECTION_BYTES] = {0};
+    unsigned char bytes[STP_STORE_HEADER_BYTES + SECTION_LIMIT * STP_STORE_SECTION_BYTES] = {0};
+    size_t size = STP_STORE_HEADER_BYTES + w->section_count * STP_STORE_SECTION_BYTES;
     stp_store_codec codec = {.output = bytes, .offset = STP_STORE_HEADER_BYTES};
-    for (size_t i = 0; i < SECTION_COUNT; ++i) {
-        stp_store_code_section(&codec, &w->sections[section_order[i]]);
+    for (uint32_t i = 0; i < w->section_count; ++i) {
+        stp_store_code_section(&codec, &w->sections[w->types[i]]);
     }
     memcpy(bytes, STP_STORE_MAGIC, STP_STORE_MAGIC_BYTES);
     stp_write_u16(bytes + 8, STP_STORE_MAJOR);
@@ -456,14 +518,14 @@ static stp_result patch_header(writing* w, uint64_t data_offset)
     stp_write_u32(bytes + 12, STP_STORE_HEADER_BYTES);
     stp_write_u64(bytes + 16, stp_file_writer_size(w->file));
     stp_write_u64(bytes + 24, data_offset);
-    stp_write_u32(bytes + 32, SECTION_COUNT);
-    stp_write_u32(bytes + 36, stp_store_crc(0, bytes + STP_STORE_HEADER_BYTES,
-                                            sizeof(bytes) - STP_STORE_HEADER_BYTES));
+    stp_write_u32(bytes + 32, w->section_count);
+    stp_write_u32(bytes + 36,
+                  stp_store_crc(0, bytes + STP_STORE_HEADER_BYTES, size - STP_STORE_HEADER_BYTES));
     stp_write_u32(bytes + 40, directory->root);
     stp_write_f64(bytes + 48, directory->unit_metres);
     bytes[56] = (unsigned char)directory->up;
     stp_write_u32(bytes + 124, stp_store_crc(0, bytes, 124));
-    return stp_file_writer_patch(w->file, 0, bytes, sizeof(bytes));
+    return stp_file_writer_patch(w->file, 0, bytes, size);
 }
 
 // Whatever the reader would refuse is refused here.
@@ -478,8 +540,12 @@ static stp_result judge_content(const writing* w)
     for (uint32_t i = 0; i < d->mesh_count && result == STP_OK; ++i) {
         const stp_store_mesh* mesh = &w->content->meshes[i];
         result = stp_store_judge_material(&judge, "mesh", i, mesh->material, d->material_count);
-        if (result == STP_OK) {
+        const stp_coded_mesh* coded = stp_store_coded_mesh(w->content, i);
+        if (result == STP_OK && coded == NULL) {
             result = stp_store_judge_mesh_data(&judge, i, mesh);
+        } else if (result == STP_OK && coded->size < CLUSTERS_HEADER_BYTES) {
+            result = stp_fail(w->context, STP_ERROR_ARGUMENT, "%s: mesh %u has too few bytes",
+                              w->path, i);
         }
     }
     for (uint32_t i = 0; i < d->point_set_count && result == STP_OK; ++i) {

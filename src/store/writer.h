@@ -4,12 +4,16 @@
 // is the whole scene. Written aside, synced, renamed.
 #pragma once
 
+#include "store/clusters.h"
 #include "store/store.h"
 
 /// Everything to be written. Counts of meshes etc. are those of `directory`.
 struct stp_store_content {
     stp_store_directory directory;
     const stp_store_mesh* meshes;
+    /// One a mesh; NULL, or entries without bytes: the mesh is written as floats. Where there are bytes, only
+    /// name and material of the mesh are read, and its columns may be NULL.
+    const stp_coded_mesh* coded_meshes;
     const stp_store_point_set* point_sets;
     const stp_store_texture* textures;
     const stp_surfels* surfels;
@@ -19,6 +23,7 @@ struct stp_store_content {
     const stp_hash* mesh_keys;
 };
 
-/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged; nothing of a former file is lost)
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_ARGUMENT (content that no reader would
+/// take) (logged; nothing of a former file is lost)
 STP_MUST_USE stp_result stp_store_write(stp_context* context, const stp_store_content* content,
                                         const char* path);

@@ -12,10 +12,13 @@
 #include "raster/texture.h"
 #include "raster/triangles.h"
 #include "select/view_frame.h"
+#include "store/clusters.h"
+#include "store/format.h"
 
 enum {
     CPU_PIECE_SPLATS = 16384,
     CPU_PIECE_TRIANGLES = 4096,
+    CPU_PIECE_CLUSTERS = 32,
     CPU_BAND_ROWS = 8,
     CPU_ENCODE_SIZE = 16384,
 };
@@ -31,7 +34,8 @@ typedef struct cpu_item {
     stp_draw_kind kind;
     uint32_t first_id, count;
     uint32_t first_piece;
-    stp_raster_camera camera; ///< of positions minus `offset`
+    uint32_t unit_count, piece_units; ///< splats, triangles or clusters: in all, and of a piece
+    stp_raster_camera camera;         ///< of positions minus `offset`
     float offset[3];
     float normal_matrix[3][3]; ///< item to scene, not of unit scale
     float scale;               ///< scene units per item unit
@@ -41,8 +45,10 @@ typedef struct cpu_item {
     const uint8_t* low_colors; ///< of the octave before, for the first `low_count`
     const uint8_t* coverages;
     uint32_t low_count;
-    float blend; ///< share of `colors` there
-    stp_store_mesh mesh;
+    float blend;           ///< share of `colors` there
+    stp_store_mesh mesh;   ///< of columns, or
+    stp_clusters clusters; ///< of clusters: then it has bytes
+    bool reads_texcoords[2];
     stp_store_point_set points;
     const stp_store_material* material;
     const stp_texture_pyramid* base_color;
@@ -102,40 +108,63 @@ void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* row
 /// Turns the sums of all samples into the picture.
 void cpu_average_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered);
 
-/// A point of a triangle.
-typedef struct cpu_corner_weights {
-    uint32_t vertex[3];
-    float weight[3];
-} cpu_corner_weights;
+/// A triangle with all that its corners have.
+typedef struct cpu_triangle {
+    float position[3][3]; ///< minus the item's offset
+    float texcoord[2][3][2];
+    float color[3][4];  ///< linear, 1 is full
+    stp_vec3 normal[3]; ///< not of unit length
+    bool has_texcoord[2], has_color, has_normal;
+} cpu_triangle;
+
+/// 16-bit octahedral; not of unit length.
+stp_vec3 cpu_decode_normal(const int16_t* code);
+
+/// Reads triangles one after the other; those that lie near the one before are found faster.
+typedef struct cpu_reader {
+    const cpu_item* item; ///< that the last triangle belonged to; NULL: none yet
+    uint32_t index;       ///< of the last triangle
+    cpu_triangle triangle;
+    const cpu_item* cluster_item; ///< that the open cluster belongs to; NULL: none
+    stp_cluster cluster;
+} cpu_reader;
+
+/// Triangle `index` of a mesh item; valid until the next call.
+const cpu_triangle* cpu_read_triangle(cpu_reader* reader, const cpu_item* item, uint32_t index);
+
+/// What the last fragment's triangle had in common with its other fragments.
+typedef struct cpu_keep_memory {
+    uint32_t triangle; ///< UINT32_MAX: none yet
+    float w[3], density;
+    cpu_reader reader;
+} cpu_keep_memory;
 
 /// Whether a fragment of a cut-out or transparent material is there.
 typedef struct cpu_keep {
     const cpu_renderer* renderer;
     const cpu_item* item;
     uint32_t first_triangle;
-    struct cpu_keep_memory* memory;
+    cpu_keep_memory* memory;
 } cpu_keep;
-
-/// What the last fragment's triangle had in common with its other fragments.
-typedef struct cpu_keep_memory {
-    uint32_t triangle; ///< UINT32_MAX: none yet
-    uint32_t vertex[3];
-    float w[3], density;
-} cpu_keep_memory;
 
 bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
                        uint32_t x, uint32_t y);
 bool cpu_item_needs_keep(const cpu_item* item);
 
-stp_vec2 cpu_mesh_uv(const cpu_item* item, const stp_store_texture_use* use,
-                     const cpu_corner_weights* at);
+stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,
+                     const float weight[3]);
 /// Texels of `pyramid` along one item unit of a triangle.
-float cpu_mesh_density(const cpu_item* item, const stp_store_texture_use* use,
-                       const stp_texture_pyramid* pyramid, const uint32_t vertex[3]);
+float cpu_mesh_density(const cpu_triangle* triangle, const stp_store_texture_use* use,
+                       const stp_texture_pyramid* pyramid);
 /// Base colour with texture and vertex colours, at a point of a triangle whose pixel has the given side in
 /// item units.
-void cpu_mesh_color(const cpu_item* item, const cpu_corner_weights* at, float pixel_size,
-                    float out[4]);
+void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const float weight[3],
+                    float pixel_size, float out[4]);
+
+/// Draws clusters [begin, end) of an item, without those outside the view.
+/// @return false where memory runs out
+bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
+                       const stp_raster_target* target, cpu_worker* worker);
 
 /// What light falls on.
 typedef struct cpu_surface {

@@ -134,16 +134,25 @@ void cpu_destroy_textures(cpu_renderer* r)
 
 static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
 {
-    stp_result result = stp_store_get_mesh(r->store, index, &item->mesh);
+    const stp_store_mesh* known = stp_store_describe_mesh(r->store, index);
+    stp_result result = stp_store_is_clustered(r->store, index)
+                            ? stp_store_get_clusters(r->store, index, &item->clusters)
+                            : stp_store_get_mesh(r->store, index, &item->mesh);
     if (result != STP_OK) {
         return result;
     }
-    stp_box box = item->mesh.bounds;
+    stp_box box = known->bounds;
     item->offset[0] = 0.5f * (box.min.x + box.max.x);
     item->offset[1] = 0.5f * (box.min.y + box.max.y);
     item->offset[2] = 0.5f * (box.min.z + box.max.z);
-    item->count = item->mesh.triangle_count;
-    const stp_store_material* material = &r->directory->materials[item->mesh.material];
+    item->count = known->triangle_count;
+    item->unit_count = item->count;
+    item->piece_units = CPU_PIECE_TRIANGLES;
+    if (item->clusters.bytes != NULL) {
+        item->unit_count = item->clusters.cluster_count;
+        item->piece_units = CPU_PIECE_CLUSTERS;
+    }
+    const stp_store_material* material = &r->directory->materials[known->material];
     item->material = material;
     result = find_texture(r, &material->base_color_texture, false, &item->base_color);
     if (result == STP_OK) {
@@ -152,6 +161,14 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
     }
     if (result == STP_OK) {
         result = find_texture(r, &material->emissive_texture, false, &item->emissive);
+    }
+    const stp_store_texture_use* uses[] = {&material->base_color_texture,
+                                           &material->metallic_roughness_texture,
+                                           &material->emissive_texture};
+    for (int i = 0; i < 3; ++i) {
+        if (uses[i]->texture != STP_STORE_NONE) {
+            item->reads_texcoords[uses[i]->texcoord != 0 ? 1 : 0] = true;
+        }
     }
     return result;
 }
@@ -213,9 +230,12 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list)
         if (result != STP_OK) {
             return result;
         }
-        uint32_t size = item->kind == STP_DRAW_MESH ? CPU_PIECE_TRIANGLES : CPU_PIECE_SPLATS;
+        if (item->kind != STP_DRAW_MESH) {
+            item->unit_count = item->count;
+            item->piece_units = CPU_PIECE_SPLATS;
+        }
         item->first_piece = (uint32_t)pieces;
-        pieces += ((uint64_t)item->count + size - 1) / size;
+        pieces += ((uint64_t)item->unit_count + item->piece_units - 1) / item->piece_units;
         r->item_count = i + 1;
     }
     r->piece_count = (uint32_t)pieces; // at most one an id and one an item

@@ -3,58 +3,54 @@
 #include "base/rng.h"
 #include "draw/cpu/cpu.h"
 
-stp_vec2 cpu_mesh_uv(const cpu_item* item, const stp_store_texture_use* use,
-                     const cpu_corner_weights* at)
+stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,
+                     const float weight[3])
 {
-    const float* texcoords = item->mesh.texcoords[use->texcoord != 0 ? 1 : 0];
-    if (texcoords == NULL) {
+    int set = use->texcoord != 0 ? 1 : 0;
+    if (!triangle->has_texcoord[set]) {
         return (stp_vec2){0};
     }
     float u = 0.0f, v = 0.0f;
     for (int k = 0; k < 3; ++k) {
-        const float* uv = texcoords + 2 * (size_t)at->vertex[k];
-        u += at->weight[k] * uv[0];
-        v += at->weight[k] * uv[1];
+        const float* uv = triangle->texcoord[set][k];
+        u += weight[k] * uv[0];
+        v += weight[k] * uv[1];
     }
     const float(*t)[3] = use->transform;
     return (stp_vec2){t[0][0] * u + t[0][1] * v + t[0][2], t[1][0] * u + t[1][1] * v + t[1][2]};
 }
 
-float cpu_mesh_density(const cpu_item* item, const stp_store_texture_use* use,
-                       const stp_texture_pyramid* pyramid, const uint32_t vertex[3])
+float cpu_mesh_density(const cpu_triangle* triangle, const stp_store_texture_use* use,
+                       const stp_texture_pyramid* pyramid)
 {
-    const float* texcoords = item->mesh.texcoords[use->texcoord != 0 ? 1 : 0];
-    if (texcoords == NULL) {
+    int set = use->texcoord != 0 ? 1 : 0;
+    if (!triangle->has_texcoord[set]) {
         return 0.0f;
     }
-    const float* a = texcoords + 2 * (size_t)vertex[0];
-    const float* b = texcoords + 2 * (size_t)vertex[1];
-    const float* c = texcoords + 2 * (size_t)vertex[2];
+    const float *a = triangle->texcoord[set][0], *b = triangle->texcoord[set][1],
+                *c = triangle->texcoord[set][2];
     const float(*t)[3] = use->transform;
     float turned = fabsf(t[0][0] * t[1][1] - t[0][1] * t[1][0]);
     float uv_area = fabsf((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) * turned;
     float texels = uv_area * (float)pyramid->width[0] * (float)pyramid->height[0];
-    const float* p = item->mesh.positions + 3 * (size_t)vertex[0];
-    const float* q = item->mesh.positions + 3 * (size_t)vertex[1];
-    const float* s = item->mesh.positions + 3 * (size_t)vertex[2];
+    const float *p = triangle->position[0], *q = triangle->position[1], *s = triangle->position[2];
     stp_vec3 across = stp_cross((stp_vec3){q[0] - p[0], q[1] - p[1], q[2] - p[2]},
                                 (stp_vec3){s[0] - p[0], s[1] - p[1], s[2] - p[2]});
     float area = stp_length(across);
     return area > 0.0f ? sqrtf(stp_min(texels / area, FLT_MAX)) : 0.0f;
 }
 
-static float vertex_color(const cpu_item* item, const cpu_corner_weights* at, size_t channel)
+static float vertex_color(const cpu_triangle* triangle, const float weight[3], int channel)
 {
     float sum = 0.0f;
     for (int corner = 0; corner < 3; ++corner) {
-        sum +=
-            at->weight[corner] * (float)item->mesh.colors[4 * (size_t)at->vertex[corner] + channel];
+        sum += weight[corner] * triangle->color[corner][channel];
     }
-    return sum * (1.0f / 65535.0f);
+    return sum;
 }
 
-void cpu_mesh_color(const cpu_item* item, const cpu_corner_weights* at, float pixel_size,
-                    float out[4])
+void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const float weight[3],
+                    float pixel_size, float out[4])
 {
     const stp_store_material* material = item->material;
     for (int k = 0; k < 4; ++k) {
@@ -63,15 +59,15 @@ void cpu_mesh_color(const cpu_item* item, const cpu_corner_weights* at, float pi
     if (item->base_color != NULL) {
         const stp_store_texture_use* use = &material->base_color_texture;
         float texel[4];
-        float density = cpu_mesh_density(item, use, item->base_color, at->vertex);
-        stp_texture_sample(item->base_color, cpu_mesh_uv(item, use, at), density * pixel_size,
-                           texel);
+        float density = cpu_mesh_density(triangle, use, item->base_color);
+        stp_texture_sample(item->base_color, cpu_mesh_uv(triangle, use, weight),
+                           density * pixel_size, texel);
         for (int k = 0; k < 4; ++k) {
             out[k] *= texel[k];
         }
     }
-    for (size_t k = 0; k < 4 && item->mesh.colors != NULL; ++k) {
-        out[k] *= vertex_color(item, at, k);
+    for (int k = 0; k < 4 && triangle->has_color; ++k) {
+        out[k] *= vertex_color(triangle, weight, k);
     }
 }
 
@@ -82,7 +78,8 @@ bool cpu_item_needs_keep(const cpu_item* item)
         return false;
     }
     float least = material->alpha == STP_STORE_MASK ? material->alpha_cutoff : 1.0f;
-    return item->base_color != NULL || item->mesh.colors != NULL || material->base_color[3] < least;
+    bool colors = item->mesh.colors != NULL || (item->clusters.present & STP_COLUMN_COLORS) != 0;
+    return item->base_color != NULL || colors || material->base_color[3] < least;
 }
 
 /// 0..1, from what and where; the same for the same picture.
@@ -92,22 +89,21 @@ static float noise(uint64_t seed, uint32_t x, uint32_t y)
     return (float)(bits >> 40) * (1.0f / 16777216.0f);
 }
 
-static void remember_triangle(const cpu_keep* keep, uint32_t triangle)
+static void remember_triangle(const cpu_keep* keep, uint32_t index)
 {
     const cpu_item* item = keep->item;
     cpu_keep_memory* memory = keep->memory;
     const float* w = item->camera.matrix.m[3];
-    memory->triangle = triangle;
-    for (size_t k = 0; k < 3; ++k) {
-        memory->vertex[k] = item->mesh.indices[3 * (size_t)triangle + k];
-        const float* p = item->mesh.positions + 3 * (size_t)memory->vertex[k];
-        memory->w[k] = w[0] * (p[0] - item->offset[0]) + w[1] * (p[1] - item->offset[1]) +
-                       w[2] * (p[2] - item->offset[2]) + w[3];
+    const cpu_triangle* triangle = cpu_read_triangle(&memory->reader, item, index);
+    memory->triangle = index;
+    for (int k = 0; k < 3; ++k) {
+        const float* p = triangle->position[k];
+        memory->w[k] = w[0] * p[0] + w[1] * p[1] + w[2] * p[2] + w[3];
     }
     memory->density = 0.0f;
     if (item->base_color != NULL) {
-        memory->density = cpu_mesh_density(item, &item->material->base_color_texture,
-                                           item->base_color, memory->vertex);
+        memory->density =
+            cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
     }
 }
 
@@ -122,18 +118,18 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
     if (memory->triangle != triangle) {
         remember_triangle(keep, triangle);
     }
-    cpu_corner_weights at = {.vertex = {memory->vertex[0], memory->vertex[1], memory->vertex[2]},
-                             .weight = {1.0f - weight1 - weight2, weight1, weight2}};
+    const cpu_triangle* corners = &memory->reader.triangle;
+    float weight[3] = {1.0f - weight1 - weight2, weight1, weight2};
     float alpha = material->base_color[3], footprint = 0.0f;
     if (item->base_color != NULL) {
-        float depth = at.weight[0] * memory->w[0] + at.weight[1] * memory->w[1] +
-                      at.weight[2] * memory->w[2]; // W is 1 everywhere in parallel projection
+        float depth = weight[0] * memory->w[0] + weight[1] * memory->w[1] +
+                      weight[2] * memory->w[2]; // W is 1 everywhere in parallel projection
         footprint = memory->density * depth / (item->camera.pixel_scale * item->scale);
-        stp_vec2 uv = cpu_mesh_uv(item, &material->base_color_texture, &at);
+        stp_vec2 uv = cpu_mesh_uv(corners, &material->base_color_texture, weight);
         alpha *= stp_texture_sample_alpha_of(item->base_color, uv, footprint);
     }
-    if (item->mesh.colors != NULL) {
-        alpha *= vertex_color(item, &at, 3);
+    if (corners->has_color) {
+        alpha *= vertex_color(corners, weight, 3);
     }
     uint64_t seed = (uint64_t)keep->renderer->pattern << 32 | (item->first_id + triangle);
     if (material->alpha == STP_STORE_BLEND) {

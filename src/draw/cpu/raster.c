@@ -75,10 +75,13 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
         while (item < last && item[1].first_piece <= piece) {
             item += 1;
         }
-        uint32_t size = item->kind == STP_DRAW_MESH ? CPU_PIECE_TRIANGLES : CPU_PIECE_SPLATS;
+        uint32_t size = item->piece_units;
         uint32_t from = (piece - item->first_piece) * size;
-        uint32_t to = item->count - from < size ? item->count : from + size;
-        if (item->kind == STP_DRAW_MESH) {
+        uint32_t to = item->unit_count - from < size ? item->unit_count : from + size;
+        if (item->clusters.bytes != NULL) {
+            bool enough = cpu_draw_clusters(r, item, from, to, &target, worker);
+            worker->failed = worker->failed || !enough;
+        } else if (item->kind == STP_DRAW_MESH) {
             draw_triangles(r, item, from, to, &target, worker);
         } else {
             draw_splats(r, item, from, to, &target, worker);

@@ -8,6 +8,7 @@ typedef struct shader {
     cpu_renderer* r;
     cpu_light light;
     const cpu_item* item; ///< that the last pixel belonged to
+    cpu_reader* reader;
     stp_vec3 row_start, column_step;
 } shader;
 
@@ -20,17 +21,6 @@ static stp_vec3 turn_normal(const cpu_item* item, stp_vec3 n)
                        m[2][0] * n.x + m[2][1] * n.y + m[2][2] * n.z};
     float square = stp_dot(turned, turned);
     return square > 0.0f ? stp_scale(turned, 1.0f / sqrtf(square)) : (stp_vec3){0};
-}
-
-/// 16-bit octahedral.
-static stp_vec3 decode_normal(const int16_t* code)
-{
-    float u = (float)code[0] * (1.0f / 32767.0f), v = (float)code[1] * (1.0f / 32767.0f);
-    float z = 1.0f - fabsf(u) - fabsf(v);
-    float fold = z < 0.0f ? -z : 0.0f;
-    u += u >= 0.0f ? -fold : fold;
-    v += v >= 0.0f ? -fold : fold;
-    return (stp_vec3){u, v, z};
 }
 
 static void set_material(const stp_store_material* material, cpu_surface* surface)
@@ -84,19 +74,9 @@ static void point_surface(const shader* s, const cpu_item* item, uint32_t index,
     }
     if (item->points.normals != NULL) {
         surface->normal =
-            turn_normal(item, decode_normal(item->points.normals + 2 * (size_t)index));
+            turn_normal(item, cpu_decode_normal(item->points.normals + 2 * (size_t)index));
     } else {
         surface->unlit = true;
-    }
-}
-
-static void corner_positions(const cpu_item* item, const uint32_t vertex[3], float corners[3][3])
-{
-    for (int k = 0; k < 3; ++k) {
-        const float* p = item->mesh.positions + 3 * (size_t)vertex[k];
-        for (int c = 0; c < 3; ++c) {
-            corners[k][c] = p[c] - item->offset[c];
-        }
     }
 }
 
@@ -108,67 +88,64 @@ static stp_vec3 flat_normal(const float c[3][3])
 }
 
 /// The normal between the corners' normals, on the side of the triangle that is seen.
-static stp_vec3 smooth_normal(const cpu_item* item, const cpu_corner_weights* at, stp_vec3 flat)
+static stp_vec3 smooth_normal(const cpu_triangle* triangle, const float weight[3], stp_vec3 flat)
 {
     stp_vec3 sum = {0};
-    for (int k = 0; k < 3 && item->mesh.normals != NULL; ++k) {
-        stp_vec3 n = decode_normal(item->mesh.normals + 2 * (size_t)at->vertex[k]);
-        sum = stp_add(sum, stp_scale(n, at->weight[k] / stp_length(n)));
+    for (int k = 0; k < 3 && triangle->has_normal; ++k) {
+        stp_vec3 n = triangle->normal[k];
+        sum = stp_add(sum, stp_scale(n, weight[k] / stp_length(n)));
     }
     return stp_dot(sum, sum) > 1e-6f ? sum : flat;
 }
 
-static void sample_texture(const cpu_item* item, const stp_store_texture_use* use,
-                           const stp_texture_pyramid* pyramid, const cpu_corner_weights* at,
+static void sample_texture(const cpu_triangle* triangle, const stp_store_texture_use* use,
+                           const stp_texture_pyramid* pyramid, const float weight[3],
                            float pixel_size, float texel[4])
 {
-    float footprint = cpu_mesh_density(item, use, pyramid, at->vertex) * pixel_size;
-    stp_texture_sample(pyramid, cpu_mesh_uv(item, use, at), footprint, texel);
+    float footprint = cpu_mesh_density(triangle, use, pyramid) * pixel_size;
+    stp_texture_sample(pyramid, cpu_mesh_uv(triangle, use, weight), footprint, texel);
 }
 
-static void sample_materials(const cpu_item* item, const cpu_corner_weights* at, float pixel_size,
-                             cpu_surface* surface)
+static void sample_materials(const cpu_item* item, const cpu_triangle* triangle,
+                             const float weight[3], float pixel_size, cpu_surface* surface)
 {
     const stp_store_material* material = item->material;
     float texel[4];
     if (item->metallic_roughness != NULL) {
-        sample_texture(item, &material->metallic_roughness_texture, item->metallic_roughness, at,
-                       pixel_size, texel);
+        sample_texture(triangle, &material->metallic_roughness_texture, item->metallic_roughness,
+                       weight, pixel_size, texel);
         surface->roughness *= texel[1];
         surface->metallic *= texel[2];
     }
     if (item->emissive != NULL) {
-        sample_texture(item, &material->emissive_texture, item->emissive, at, pixel_size, texel);
+        sample_texture(triangle, &material->emissive_texture, item->emissive, weight, pixel_size,
+                       texel);
         for (int k = 0; k < 3; ++k) {
             surface->emissive[k] *= texel[k];
         }
     }
 }
 
-static void mesh_surface(const shader* s, const cpu_item* item, uint32_t triangle, uint32_t x,
+static void mesh_surface(const shader* s, const cpu_item* item, uint32_t index, uint32_t x,
                          uint32_t y, float nearness, cpu_surface* surface)
 {
     const cpu_renderer* r = s->r;
-    cpu_corner_weights at;
-    for (size_t k = 0; k < 3; ++k) {
-        at.vertex[k] = item->mesh.indices[3 * (size_t)triangle + k];
-    }
-    float corners[3][3];
-    corner_positions(item, at.vertex, corners);
+    const cpu_triangle* triangle = cpu_read_triangle(s->reader, item, index);
+    const float(*corners)[3] = triangle->position;
+    float weight[3];
     stp_raster_weights(&item->camera.matrix, corners[0], corners[1], corners[2], (float)x + 0.5f,
-                       (float)y + 0.5f, &at.weight[1], &at.weight[2]);
-    at.weight[0] = 1.0f - at.weight[1] - at.weight[2];
+                       (float)y + 0.5f, &weight[1], &weight[2]);
+    weight[0] = 1.0f - weight[1] - weight[2];
     float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
     float pixel = depth / (item->camera.pixel_scale * item->scale);
     float color[4];
-    cpu_mesh_color(item, &at, pixel, color);
+    cpu_mesh_color(item, triangle, weight, pixel, color);
     for (int k = 0; k < 3; ++k) {
         surface->color[k] = color[k];
     }
     set_material(item->material, surface);
-    sample_materials(item, &at, pixel, surface);
-    stp_vec3 flat = flat_normal((const float(*)[3])corners);
-    surface->normal = turn_normal(item, smooth_normal(item, &at, flat));
+    sample_materials(item, triangle, weight, pixel, surface);
+    surface->normal = turn_normal(item, smooth_normal(triangle, weight, flat_normal(corners)));
 }
 
 static const cpu_item* find_item(const shader* s, uint32_t id)
@@ -301,7 +278,8 @@ static void add_to_sum(cpu_renderer* r, size_t at, const float color[3], float c
 
 void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* row, uint64_t* covered)
 {
-    shader s = {.r = r, .light = make_light(r)};
+    cpu_reader reader = {0};
+    shader s = {.r = r, .light = make_light(r), .reader = &reader};
     const float nothing[3] = {0};
     uint8_t empty[4];
     write_pixel(r, nothing, 0.0f, empty);

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: MIT
+// A mesh becomes clusters: sorted along a curve, cut where 128 triangles or 256 vertices are full, packed.
+#include "store/clusters_encode.h"
+
+#include "base/context.h"
+
+enum {
+    TEXCOORD_EXPONENT = -16,
+    FLOAT_DIGITS = 23
+}; // a sixteenth of a texel of an 8k texture at most
+
+typedef struct encoding {
+    stp_context* context;
+    cluster_maker* maker;
+    unsigned char* entries;
+    unsigned char* data;
+    size_t entry_count, entry_capacity, data_size, data_capacity;
+    int step_exponent, texcoord_exponents[2];
+    int32_t least[3], most[3];
+    uint64_t vertex_count;
+} encoding;
+
+/// Little-endian, the lowest bit first. @return the end
+static unsigned char* pack_values(const int32_t* values, uint32_t count, int32_t origin,
+                                  uint32_t width, unsigned char* out)
+{
+    uint64_t bits = 0;
+    uint32_t filled = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        bits |= (uint64_t)((uint32_t)values[i] - (uint32_t)origin) << filled;
+        filled += width;
+        if (filled >= 32) {
+            stp_write_u32(out, (uint32_t)bits);
+            out += 4;
+            bits >>= 32;
+            filled -= 32;
+        }
+    }
+    for (; filled > 0; filled -= filled < 8 ? filled : 8) {
+        *out++ = (unsigned char)bits;
+        bits >>= 8;
+    }
+    return out;
+}
+
+static uint8_t find_width(const int32_t* values, uint32_t count, int32_t* origin)
+{
+    int32_t least = values[0], most = values[0];
+    for (uint32_t i = 1; i < count; ++i) {
+        least = values[i] < least ? values[i] : least;
+        most = values[i] > most ? values[i] : most;
+    }
+    *origin = least;
+    uint32_t range = (uint32_t)most - (uint32_t)least;
+    return (uint8_t)(range != 0 ? 32 - __builtin_clz(range) : 0);
+}
+
+size_t clusters_pack(const cluster_maker* m, clusters_entry* entry, unsigned char* bytes)
+{
+    int32_t origins[STP_CLUSTER_CHANNELS] = {0};
+    uint8_t widths[STP_CLUSTER_CHANNELS] = {0};
+    uint32_t counts[STP_CLUSTER_CHANNELS], extra = 0;
+    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
+        counts[i] = clusters_values(m->present, i, m->vertex_count, entry->normal_count);
+        if (counts[i] != 0) {
+            widths[i] = find_width(m->values[i], counts[i], &origins[i]);
+            extra += i > STP_CLUSTER_Z;
+        }
+    }
+    memcpy(entry->origin, origins, sizeof(entry->origin));
+    memcpy(entry->width, widths, sizeof(entry->width));
+    uint32_t table = clusters_table_bytes(extra), channel = 0;
+    memset(bytes, 0, table);
+    for (uint32_t i = STP_CLUSTER_Z + 1; i < STP_CLUSTER_CHANNELS; ++i) {
+        if (counts[i] != 0) {
+            stp_write_u32(bytes + 4 * channel, (uint32_t)origins[i]);
+            bytes[4 * extra + channel] = widths[i];
+            channel += 1;
+        }
+    }
+    unsigned char* out = bytes + table;
+    memcpy(out, m->corners, 3 * (size_t)m->triangle_count);
+    out += 3 * (size_t)m->triangle_count;
+    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
+        if (widths[i] != 0) {
+            out = pack_values(m->values[i], counts[i], origins[i], widths[i], out);
+        }
+    }
+    while (((size_t)(out - bytes) & 3) != 0) {
+        *out++ = 0;
+    }
+    return (size_t)(out - bytes);
+}
+
+/// @return false where memory runs out
+static bool append_cluster(encoding* e, uint32_t first_triangle)
+{
+    if (e->data_capacity - e->data_size < CLUSTER_MOST_BYTES) {
+        unsigned char* data = stp_grow_array(e->context, e->data, &e->data_capacity,
+                                             e->data_size + CLUSTER_MOST_BYTES, 1);
+        e->data = data != NULL ? data : e->data;
+        if (data == NULL) {
+            return false;
+        }
+    }
+    if (e->entry_count == e->entry_capacity) {
+        unsigned char* entries = stp_grow_array(e->context, e->entries, &e->entry_capacity,
+                                                e->entry_count + 1, CLUSTERS_ENTRY_BYTES);
+        e->entries = entries != NULL ? entries : e->entries;
+        if (entries == NULL) {
+            return false;
+        }
+    }
+    clusters_entry entry = {.offset = (uint32_t)(e->data_size / 4),
+                            .first_triangle = first_triangle};
+    cluster_maker_finish(e->maker, &entry);
+    e->data_size += clusters_pack(e->maker, &entry, e->data + e->data_size);
+    for (int k = 0; k < 3; ++k) {
+        const int32_t* values = e->maker->values[k];
+        for (uint32_t v = 0; v < e->maker->vertex_count; ++v) {
+            e->least[k] = values[v] < e->least[k] ? values[v] : e->least[k];
+            e->most[k] = values[v] > e->most[k] ? values[v] : e->most[k];
+        }
+    }
+    e->vertex_count += e->maker->vertex_count;
+    clusters_write_entry(e->entries + e->entry_count * CLUSTERS_ENTRY_BYTES, &entry);
+    e->entry_count += 1;
+    return true;
+}
+
+static stp_result cut_clusters(encoding* e, const uint64_t* order, uint32_t triangle_count)
+{
+    for (uint32_t at = 0; at < triangle_count;) {
+        uint32_t first = at, left = triangle_count - at, most = STP_CLUSTER_TRIANGLES;
+        if (left > most && left < 2 * most) {
+            most = (left + 1) / 2; // no cluster of a few left-over triangles
+        }
+        cluster_maker_begin(e->maker);
+        while (at < triangle_count && at - first < most &&
+               cluster_maker_add(e->maker, order != NULL ? (uint32_t)order[at] : at)) {
+            at += 1;
+        }
+        if (!append_cluster(e, first)) {
+            return stp_fail_memory(e->context);
+        }
+        if (e->data_size / 4 > UINT32_MAX - CLUSTER_MOST_BYTES - e->entry_count * 8) {
+            return stp_fail(e->context, STP_ERROR_LIMIT,
+                            "a mesh of %u triangles does not fit into one block", triangle_count);
+        }
+    }
+    return STP_OK;
+}
+
+/// Header, entries and clusters in one piece of memory.
+static stp_result join(const encoding* e, uint32_t triangle_count, stp_coded_mesh* coded)
+{
+    size_t entry_bytes = e->entry_count * CLUSTERS_ENTRY_BYTES;
+    size_t begin = CLUSTERS_HEADER_BYTES + entry_bytes;
+    size_t size = begin + e->data_size + CLUSTERS_PADDING_BYTES;
+    unsigned char* bytes = stp_alloc(e->context, size);
+    if (bytes == NULL) {
+        return stp_fail_memory(e->context);
+    }
+    memset(bytes, 0, CLUSTERS_HEADER_BYTES);
+    stp_write_u32(bytes, (uint32_t)e->entry_count);
+    stp_write_u32(bytes + 4, triangle_count);
+    stp_write_u32(bytes + 8, (uint32_t)e->vertex_count);
+    stp_write_u16(bytes + 12, (uint16_t)e->maker->present);
+    stp_write_u16(bytes + 14, (uint16_t)(int16_t)e->step_exponent);
+    stp_write_u16(bytes + 16, (uint16_t)(int16_t)e->texcoord_exponents[0]);
+    stp_write_u16(bytes + 18, (uint16_t)(int16_t)e->texcoord_exponents[1]);
+    for (size_t i = 0; i < e->entry_count; ++i) {
+        unsigned char* entry = e->entries + i * CLUSTERS_ENTRY_BYTES;
+        stp_write_u32(entry, stp_read_u32(entry) + (uint32_t)(begin / 4));
+    }
+    if (e->entry_count != 0) {
+        memcpy(bytes + CLUSTERS_HEADER_BYTES, e->entries, entry_bytes);
+        memcpy(bytes + begin, e->data, e->data_size);
+    }
+    memset(bytes + begin + e->data_size, 0, CLUSTERS_PADDING_BYTES);
+    *coded = (stp_coded_mesh){.bytes = bytes,
+                              .size = size,
+                              .cluster_count = (uint32_t)e->entry_count,
+                              .triangle_count = triangle_count,
+                              .vertex_count = (uint32_t)e->vertex_count};
+    if (e->entry_count != 0) {
+        float step = clusters_power_of_two(e->step_exponent);
+        const int32_t *a = e->least, *b = e->most;
+        coded->bounds = (stp_box){
+            {(float)a[0] * step, (float)a[1] * step, (float)a[2] * step},
+            {(float)b[0] * step, (float)b[1] * step, (float)b[2] * step},
+        };
+    }
+    return STP_OK;
+}
+
+static int exponent_of(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof(bits));
+    return (int)(bits >> 52 & 2047) - 1023;
+}
+
+static float find_largest(const float* numbers, size_t count)
+{
+    float largest = 0.0f;
+    for (size_t i = 0; i < count; ++i) {
+        largest = stp_max(largest, fabsf(numbers[i]));
+    }
+    return largest;
+}
+
+/// Steps and what tells vertices apart. @return false where the mesh is too large for its step
+static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
+{
+    cluster_maker* m = e->maker;
+    e->step_exponent = exponent_of(step);
+    double largest = (double)find_largest(mesh->positions, 3 * (size_t)mesh->vertex_count);
+    if (!(step > 0.0) || e->step_exponent < CLUSTERS_EXPONENT_LEAST ||
+        e->step_exponent > CLUSTERS_EXPONENT_MOST ||
+        !(largest / step <= (double)CLUSTERS_NUMBER_LIMIT)) {
+        return false;
+    }
+    m->mesh = mesh;
+    m->inverse_step = 1.0 / step;
+    m->key_count = 3;
+    for (uint32_t k = 0; k < 3; ++k) {
+        m->key_channels[k] = k;
+        e->least[k] = INT32_MAX;
+        e->most[k] = INT32_MIN;
+    }
+    m->present = mesh->normals != NULL ? STP_COLUMN_NORMALS : 0;
+    for (uint32_t set = 0; set < 2; ++set) {
+        if (mesh->texcoords[set] == NULL) {
+            continue;
+        }
+        m->present |= set == 0 ? STP_COLUMN_TEXCOORDS_0 : STP_COLUMN_TEXCOORDS_1;
+        double size = (double)find_largest(mesh->texcoords[set], 2 * (size_t)mesh->vertex_count);
+        int exponent = exponent_of(size) - FLOAT_DIGITS;
+        exponent = exponent > TEXCOORD_EXPONENT ? exponent : TEXCOORD_EXPONENT;
+        exponent = exponent < CLUSTERS_EXPONENT_MOST ? exponent : CLUSTERS_EXPONENT_MOST;
+        e->texcoord_exponents[set] = exponent;
+        m->texcoord_inverses[set] = 1.0 / (double)clusters_power_of_two(exponent);
+        m->key_channels[m->key_count++] = STP_CLUSTER_TEXCOORDS + 2 * set;
+        m->key_channels[m->key_count++] = STP_CLUSTER_TEXCOORDS + 2 * set + 1;
+    }
+    if (mesh->colors != NULL) {
+        m->present |= STP_COLUMN_COLORS;
+        for (uint32_t k = 0; k < 4; ++k) {
+            m->key_channels[m->key_count++] = STP_CLUSTER_COLORS + k;
+        }
+    }
+    return true;
+}
+
+static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh* coded)
+{
+    uint32_t count = mesh->triangle_count;
+    uint64_t *items = NULL, *scratch = NULL, *order = NULL;
+    stp_result result = STP_OK;
+    if (count > STP_CLUSTER_TRIANGLES) {
+        items = STP_NEW_ARRAY(e->context, uint64_t, count);
+        scratch = STP_NEW_ARRAY(e->context, uint64_t, count);
+        if (items == NULL || scratch == NULL) {
+            result = stp_fail_memory(e->context);
+        } else {
+            order = clusters_sort(mesh, items, scratch);
+            stp_free(e->context, order == items ? scratch : items);
+            items = order;
+            scratch = NULL;
+        }
+    }
+    if (result == STP_OK) {
+        result = cut_clusters(e, order, count);
+    }
+    stp_free(e->context, items);
+    stp_free(e->context, scratch);
+    if (result == STP_OK && e->vertex_count > UINT32_MAX) {
+        result = stp_fail(e->context, STP_ERROR_LIMIT,
+                          "a mesh of %u triangles needs more vertices than can be numbered", count);
+    }
+    return result == STP_OK ? join(e, count, coded) : result;
+}
+
+stp_result stp_clusters_encode(stp_context* context, const stp_store_mesh* mesh, double step,
+                               stp_coded_mesh* coded)
+{
+    *coded = (stp_coded_mesh){0};
+    encoding e = {.context = context, .maker = STP_NEW_ZEROED(context, cluster_maker, 1)};
+    if (e.maker == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_result result = STP_OK;
+    if (!prepare(&e, mesh, step)) {
+        result = stp_fail(context, STP_ERROR_LIMIT,
+                          "mesh %s: its numbers are too large to be rounded to steps of %g",
+                          mesh->name != NULL ? mesh->name : "without a name", step);
+    } else {
+        result = encode(&e, mesh, coded);
+    }
+    stp_free(context, e.data);
+    stp_free(context, e.entries);
+    stp_free(context, e.maker);
+    return result;
+}
+
+void stp_coded_mesh_destroy(stp_context* context, stp_coded_mesh* coded)
+{
+    stp_free(context, (void*)(uintptr_t)coded->bytes);
+    *coded = (stp_coded_mesh){0};
+}

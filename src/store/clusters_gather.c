@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+// One cluster filled triangle by triangle: vertices rounded, welded, and given normals only where the plane of the
+// rounded triangle would not do.
+#include "base/octahedral.h"
+#include "store/clusters_encode.h"
+
+// Squared cosine of a third of a degree: directions that differ by less shade alike in 8 bits.
+#define ALIKE 0.999964
+
+/// A triangle's corners before they are vertices.
+typedef struct corner {
+    int32_t values[STP_CLUSTER_CHANNELS];
+    uint32_t slot;
+} corner;
+
+typedef struct direction {
+    double x, y, z;
+} direction;
+
+static int32_t round_to_grid(double value)
+{
+    double limit = (double)CLUSTERS_NUMBER_LIMIT;
+    value = value > limit ? limit : value < -limit ? -limit : value;
+    int32_t whole = (int32_t)value;
+    double rest = value - whole; // exact
+    return whole + (rest >= 0.5) - (rest < -0.5);
+}
+
+static int32_t round_normal(int16_t code)
+{
+    int32_t scaled = 2 * STP_CLUSTER_NORMAL_LIMIT * (int32_t)code;
+    return (scaled + (scaled < 0 ? -32767 : 32767)) / (2 * 32767);
+}
+
+static int32_t round_color(uint16_t linear)
+{
+    return (int32_t)(sqrtf((float)linear * (1.0f / 65535.0f)) * STP_CLUSTER_COLOR_LIMIT + 0.5f);
+}
+
+static void read_corner(const cluster_maker* m, uint32_t vertex, corner* c)
+{
+    const stp_store_mesh* mesh = m->mesh;
+    for (size_t k = 0; k < 3; ++k) {
+        c->values[k] =
+            round_to_grid((double)mesh->positions[3 * (size_t)vertex + k] * m->inverse_step);
+    }
+    for (size_t set = 0; set < 2; ++set) {
+        for (size_t k = 0; k < 2 && mesh->texcoords[set] != NULL; ++k) {
+            c->values[STP_CLUSTER_TEXCOORDS + 2 * set + k] = round_to_grid(
+                (double)mesh->texcoords[set][2 * (size_t)vertex + k] * m->texcoord_inverses[set]);
+        }
+    }
+    if (mesh->colors != NULL) {
+        const uint16_t* color = mesh->colors + 4 * (size_t)vertex;
+        for (size_t k = 0; k < 3; ++k) {
+            c->values[STP_CLUSTER_COLORS + k] = round_color(color[k]);
+        }
+        c->values[STP_CLUSTER_COLORS + 3] = (color[3] + 128) / 257;
+    }
+    uint32_t hash = 0;
+    for (uint32_t i = 0; i < m->key_count; ++i) {
+        hash = (hash ^ (uint32_t)c->values[m->key_channels[i]]) * 0x9e3779b1u;
+        hash ^= hash >> 15;
+    }
+    c->slot = hash * 0x85ebca77u >> 22;
+}
+
+static direction cross(direction a, direction b)
+{
+    return (direction){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static double dot(direction a, direction b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static bool are_alike(direction a, direction b)
+{
+    double agreement = dot(a, b);
+    return agreement > 0.0 && agreement * agreement >= ALIKE * (dot(a, a) * dot(b, b));
+}
+
+/// 16-bit octahedral, not of unit length.
+static direction unfold_normal(const int16_t* code)
+{
+    double x = code[0], y = code[1];
+    double z = 32767.0 - fabs(x) - fabs(y);
+    double fold = z < 0.0 ? -z : 0.0;
+    x += x >= 0.0 ? -fold : fold;
+    y += y >= 0.0 ? -fold : fold;
+    return (direction){x, y, z};
+}
+
+/// Of the rounded triangle; not of unit length.
+static direction rounded_plane(const corner c[3])
+{
+    direction edge[2];
+    for (int k = 0; k < 2; ++k) {
+        edge[k] = (direction){(double)c[k + 1].values[0] - (double)c[0].values[0],
+                              (double)c[k + 1].values[1] - (double)c[0].values[1],
+                              (double)c[k + 1].values[2] - (double)c[0].values[2]};
+    }
+    return cross(edge[0], edge[1]);
+}
+
+static direction true_plane(const stp_store_mesh* mesh, const uint32_t* vertex)
+{
+    direction edge[2];
+    const float* a = mesh->positions + 3 * (size_t)vertex[0];
+    for (int k = 0; k < 2; ++k) {
+        const float* b = mesh->positions + 3 * (size_t)vertex[k + 1];
+        edge[k] = (direction){(double)b[0] - (double)a[0], (double)b[1] - (double)a[1],
+                              (double)b[2] - (double)a[2]};
+    }
+    return cross(edge[0], edge[1]);
+}
+
+/// How a triangle is to be lit, and the normals of its corners (of the first alone, where it is a face).
+static cluster_group choose_group(const cluster_maker* m, const uint32_t* vertex, corner c[3])
+{
+    const stp_store_mesh* mesh = m->mesh;
+    direction rounded = rounded_plane(c);
+    if (!(dot(rounded, rounded) > 0.0)) {
+        return GROUP_PLAIN; // nobody will see it
+    }
+    if (mesh->normals == NULL) {
+        direction plane = true_plane(mesh, vertex);
+        double square = dot(plane, plane);
+        if (!(square > 0.0) || are_alike(rounded, plane)) {
+            return GROUP_PLAIN;
+        }
+        double scale = 1.0 / sqrt(square);
+        int16_t code[2];
+        stp_octahedral_encode16((stp_vec3){(float)(plane.x * scale), (float)(plane.y * scale),
+                                           (float)(plane.z * scale)},
+                                code);
+        c[0].values[STP_CLUSTER_NORMAL_U] = round_normal(code[0]);
+        c[0].values[STP_CLUSTER_NORMAL_V] = round_normal(code[1]);
+        return GROUP_FACE;
+    }
+    direction normal[3];
+    for (size_t k = 0; k < 3; ++k) {
+        const int16_t* code = mesh->normals + 2 * (size_t)vertex[k];
+        normal[k] = unfold_normal(code);
+        c[k].values[STP_CLUSTER_NORMAL_U] = round_normal(code[0]);
+        c[k].values[STP_CLUSTER_NORMAL_V] = round_normal(code[1]);
+    }
+    if (!are_alike(normal[0], normal[1]) || !are_alike(normal[0], normal[2])) {
+        return GROUP_SMOOTH;
+    }
+    return are_alike(normal[0], rounded) && are_alike(normal[1], rounded) &&
+                   are_alike(normal[2], rounded)
+               ? GROUP_PLAIN
+               : GROUP_FACE;
+}
+
+static bool is_same(const cluster_maker* m, uint32_t vertex, const corner* c)
+{
+    bool same = true;
+    for (uint32_t i = 0; i < m->key_count; ++i) {
+        uint32_t channel = m->key_channels[i];
+        same = same && m->values[channel][vertex] == c->values[channel];
+    }
+    return same;
+}
+
+typedef enum wanted { WANT_ANY, WANT_NORMAL, WANT_NONE } wanted;
+
+/// A vertex at the corner's place, with the given normal, with none, or any; STP_CLUSTER_VERTICES: there is none.
+static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want,
+                            const int32_t normal[2])
+{
+    for (uint32_t link = m->slots[c->slot]; link != 0; link = m->next[link - 1]) {
+        uint32_t v = link - 1;
+        bool fits = want == WANT_ANY || (want == WANT_NONE && !m->has_normal[v]) ||
+                    (want == WANT_NORMAL && m->has_normal[v] &&
+                     m->values[STP_CLUSTER_NORMAL_U][v] == normal[0] &&
+                     m->values[STP_CLUSTER_NORMAL_V][v] == normal[1]);
+        if (fits && is_same(m, v, c)) {
+            return v;
+        }
+    }
+    return STP_CLUSTER_VERTICES;
+}
+
+static uint32_t add_vertex(cluster_maker* m, const corner* c)
+{
+    uint32_t v = m->vertex_count++;
+    for (uint32_t i = 0; i < m->key_count; ++i) {
+        m->values[m->key_channels[i]][v] = c->values[m->key_channels[i]];
+    }
+    m->has_normal[v] = false;
+    m->next[v] = m->slots[c->slot];
+    m->slots[c->slot] = (uint16_t)(v + 1);
+    return v;
+}
+
+static uint32_t give_normal(cluster_maker* m, uint32_t vertex, const int32_t normal[2])
+{
+    m->values[STP_CLUSTER_NORMAL_U][vertex] = normal[0];
+    m->values[STP_CLUSTER_NORMAL_V][vertex] = normal[1];
+    m->has_normal[vertex] = true;
+    return vertex;
+}
+
+static uint32_t any_vertex(cluster_maker* m, const corner* c)
+{
+    uint32_t v = find_vertex(m, c, WANT_ANY, NULL);
+    return v < STP_CLUSTER_VERTICES ? v : add_vertex(m, c);
+}
+
+static uint32_t smooth_vertex(cluster_maker* m, const corner* c)
+{
+    const int32_t* normal = c->values + STP_CLUSTER_NORMAL_U;
+    uint32_t v = find_vertex(m, c, WANT_NORMAL, normal);
+    if (v < STP_CLUSTER_VERTICES) {
+        return v;
+    }
+    v = find_vertex(m, c, WANT_NONE, NULL);
+    return give_normal(m, v < STP_CLUSTER_VERTICES ? v : add_vertex(m, c), normal);
+}
+
+/// Turns the triangle so that its first corner is a vertex with its normal: one that has it, one that has none
+/// yet, or a new one.
+static void face_vertices(cluster_maker* m, const corner c[3], uint8_t out[3])
+{
+    const int32_t* normal = c[0].values + STP_CLUSTER_NORMAL_U;
+    uint32_t first = STP_CLUSTER_VERTICES, turn = 0;
+    for (uint32_t k = 0; k < 6 && first == STP_CLUSTER_VERTICES; ++k) {
+        first = find_vertex(m, &c[k % 3], k < 3 ? WANT_NORMAL : WANT_NONE, normal);
+        turn = first < STP_CLUSTER_VERTICES ? k % 3 : 0;
+    }
+    if (first == STP_CLUSTER_VERTICES) {
+        first = add_vertex(m, &c[0]);
+    }
+    if (!m->has_normal[first]) {
+        give_normal(m, first, normal);
+    }
+    out[0] = (uint8_t)first;
+    out[1] = (uint8_t)any_vertex(m, &c[(turn + 1) % 3]);
+    out[2] = (uint8_t)any_vertex(m, &c[(turn + 2) % 3]);
+}
+
+void cluster_maker_begin(cluster_maker* m)
+{
+    m->triangle_count = 0;
+    m->vertex_count = 0;
+    memset(m->slots, 0, sizeof(m->slots));
+}
+
+bool cluster_maker_add(cluster_maker* m, uint32_t triangle)
+{
+    if (m->triangle_count == STP_CLUSTER_TRIANGLES || m->vertex_count > STP_CLUSTER_VERTICES - 3) {
+        return false;
+    }
+    const uint32_t* vertex = m->mesh->indices + 3 * (size_t)triangle;
+    corner c[3];
+    for (int k = 0; k < 3; ++k) {
+        read_corner(m, vertex[k], &c[k]);
+    }
+    cluster_group group = choose_group(m, vertex, c);
+    uint8_t* out = m->corners[m->triangle_count];
+    if (group == GROUP_FACE) {
+        face_vertices(m, c, out);
+    } else {
+        for (int k = 0; k < 3; ++k) {
+            out[k] =
+                (uint8_t)(group == GROUP_SMOOTH ? smooth_vertex(m, &c[k]) : any_vertex(m, &c[k]));
+        }
+    }
+    m->groups[m->triangle_count++] = (uint8_t)group;
+    return true;
+}
+
+static uint32_t order_vertices(cluster_maker* m)
+{
+    uint8_t place[STP_CLUSTER_VERTICES];
+    uint32_t normals = 0, count = m->vertex_count;
+    for (uint32_t v = 0; v < count; ++v) {
+        normals += m->has_normal[v] ? 1 : 0;
+    }
+    for (uint32_t v = 0, with = 0, without = normals; v < count; ++v) {
+        place[v] = (uint8_t)(m->has_normal[v] ? with++ : without++);
+    }
+    for (uint32_t i = 0; i < m->key_count + 2; ++i) {
+        uint32_t channel =
+            i < m->key_count ? m->key_channels[i] : STP_CLUSTER_NORMAL_U + (i - m->key_count);
+        int32_t moved[STP_CLUSTER_VERTICES];
+        for (uint32_t v = 0; v < count; ++v) {
+            moved[place[v]] = m->values[channel][v];
+        }
+        memcpy(m->values[channel], moved, count * sizeof(moved[0]));
+    }
+    for (uint32_t t = 0; t < m->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            m->corners[t][k] = place[m->corners[t][k]];
+        }
+    }
+    return normals;
+}
+
+void cluster_maker_finish(cluster_maker* m, clusters_entry* entry)
+{
+    uint8_t sorted[STP_CLUSTER_TRIANGLES][3];
+    uint32_t ends[GROUP_COUNT], at = 0;
+    for (uint32_t group = 0; group < GROUP_COUNT; ++group) {
+        for (uint32_t t = 0; t < m->triangle_count; ++t) {
+            if (m->groups[t] == group) {
+                memcpy(sorted[at++], m->corners[t], sizeof(sorted[0]));
+            }
+        }
+        ends[group] = at;
+    }
+    memcpy(m->corners, sorted, at * sizeof(sorted[0]));
+    entry->triangle_count = (uint8_t)m->triangle_count;
+    entry->last_vertex = (uint8_t)(m->vertex_count - 1);
+    entry->smooth_count = (uint8_t)ends[GROUP_SMOOTH];
+    entry->face_count = (uint8_t)(ends[GROUP_FACE] - ends[GROUP_SMOOTH]);
+    entry->normal_count = (uint16_t)order_vertices(m);
+}
