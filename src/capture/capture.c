@@ -8,14 +8,17 @@
 #define DEFAULT_CANDIDATES UINT64_C(1750000)
 #define HALF_DIAGONAL 0.70710678118654752
 
+// What of the outlines of its box an object usually covers.
+#define PROBE_COVERED 0.5
+// A first view that promises between so many times the candidates that are wanted is kept.
+#define PROBE_LEAST 0.75
+#define PROBE_MOST 1.35
+
 enum {
-    PROBE_RESOLUTION = 128,
-    PROBE_VIEWS = 4,
-    PROBE_VIEWS_LARGE = 2, ///< of a scene of more than PROBE_LARGE primitives
-    PROBE_LARGE = 1000000,
     RESOLUTION_AUTO_MOST = 8192, ///< of a picture that is nearly empty
     RESOLUTION_OF_SETS = 1024,   ///< where the caller forgot to say
     ATTEMPTS = 3,
+    FILL_ROOM = 4, ///< room for so many times fewer candidates is kept for the fill
 };
 
 /// Whether a box has numbers that can be worked with; parts that have not are not drawn.
@@ -58,37 +61,12 @@ static stp_result count_primitives(stp_capture_job* job, stp_boxd* box)
     return stp_capture_prepare_sets(job, box);
 }
 
-/// How much of the views is covered, in pixels of 1 scene unit: from a few small pictures. Opposite
-/// directions see the same outline, so only one of them is drawn.
-static stp_result probe_area(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
-                             double* area)
+/// The area of the box's outline in a view: what the view can cover at most.
+static double outline_area(const stp_capture_job* job, stp_vec3d toward)
 {
-    stp_vec3d probes[PROBE_VIEWS];
-    bool large = stp_capture_primitive_count(job) > PROBE_LARGE;
-    uint32_t most = large ? PROBE_VIEWS_LARGE : PROBE_VIEWS, halves = 0, taken = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        const stp_vec3d* d = &directions[i];
-        bool upper = d->z > 0.0 || (d->z == 0.0 && (d->y > 0.0 || (d->y == 0.0 && d->x > 0.0)));
-        halves += upper ? 1 : 0;
-        if (upper && taken < most) {
-            probes[taken++] = *d;
-        } else if (upper) { // an even pick of all, whatever their number
-            uint32_t place = (uint32_t)((uint64_t)halves * 2 * most / count);
-            probes[place < most ? place : most - 1] = *d;
-        }
-    }
-    if (taken == 0) {
-        probes[taken++] = directions[0];
-    }
-    double pixel_size = stp_capture_widest(job, probes, taken) / (double)PROBE_RESOLUTION;
-    stp_capture_set_views(job, probes, taken, pixel_size);
-    stp_result result = stp_capture_draw(job);
-    if (result == STP_OK) {
-        double mean = (double)job->covered_pixels / (double)taken;
-        *area = mean * (double)count * pixel_size * pixel_size;
-        stp_capture_drop_bands(job);
-    }
-    return result;
+    stp_vec3d h = job->half_extent;
+    return 4.0 *
+           (fabs(toward.x) * h.y * h.z + fabs(toward.y) * h.x * h.z + fabs(toward.z) * h.x * h.y);
 }
 
 static double clamp_resolution(double resolution, double most)
@@ -99,21 +77,57 @@ static double clamp_resolution(double resolution, double most)
     return resolution < most ? resolution : most;
 }
 
+/// The pixel size at which an area gives the wanted pixels; resolutions are whole numbers.
+static double choose_pixel_size(double area, uint64_t wanted, double widest, double* resolution)
+{
+    double finest = widest / (double)RESOLUTION_AUTO_MOST;
+    double pixel_size = area > 0.0 ? sqrt(area / (double)wanted) : finest;
+    *resolution = clamp_resolution(widest / pixel_size, (double)RESOLUTION_AUTO_MOST);
+    *resolution = (double)(uint32_t)(*resolution + 0.5);
+    return widest / *resolution;
+}
+
+static bool is_point(const stp_capture_job* job)
+{
+    stp_vec3d h = job->half_extent;
+    return !(h.x > 0.0 || h.y > 0.0 || h.z > 0.0);
+}
+
+/// Draws the first view at a resolution guessed from the box, and estimates how much of all views is covered,
+/// in square units.
+static stp_result probe_area(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
+                             uint64_t wanted, double widest, double* resolution, double* area)
+{
+    double outlines = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        outlines += outline_area(job, directions[i]);
+    }
+    double pixel_size = choose_pixel_size(outlines * PROBE_COVERED, wanted, widest, resolution);
+    stp_capture_set_views(job, directions, count, pixel_size);
+    stp_result result = stp_capture_draw(job, 0, 1);
+    double first = outline_area(job, directions[0]);
+    double share = first > 0.0 ? outlines / first : (double)count;
+    *area = (double)job->covered_pixels * share * pixel_size * pixel_size;
+    return result;
+}
+
 /// Draws the views at a resolution at which about `wanted` candidates come out.
 static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                               uint64_t wanted, double* resolution)
 {
     double area = 0.0, before = 0.0, widest = stp_capture_widest(job, directions, count);
-    stp_result result = probe_area(job, directions, count, &area);
+    stp_result result = probe_area(job, directions, count, wanted, widest, resolution, &area);
+    double probed = area * (*resolution / widest) * (*resolution / widest);
+    uint32_t drawn = probed > PROBE_LEAST * (double)wanted && probed < PROBE_MOST * (double)wanted;
     for (int attempt = 0; result == STP_OK && attempt < ATTEMPTS; ++attempt) {
-        double finest = widest / (double)RESOLUTION_AUTO_MOST;
-        double pixel_size = area > 0.0 ? sqrt(area / (double)wanted) : finest;
-        *resolution = clamp_resolution(widest / pixel_size, (double)RESOLUTION_AUTO_MOST);
-        *resolution = (double)(uint32_t)(*resolution + 0.5);
-        pixel_size = widest / *resolution;
-        stp_capture_drop_bands(job);
-        stp_capture_set_views(job, directions, count, pixel_size);
-        result = stp_capture_draw(job);
+        double pixel_size = widest / *resolution;
+        if (drawn == 0) {
+            pixel_size = choose_pixel_size(area, wanted, widest, resolution);
+            stp_capture_drop_bands(job);
+            stp_capture_set_views(job, directions, count, pixel_size);
+        }
+        result = stp_capture_draw(job, drawn, count);
+        drawn = 0;
         // thin parts may have slipped through the probe: then what was drawn is the better probe
         double got = (double)job->covered_pixels;
         area = got * pixel_size * pixel_size;
@@ -135,8 +149,7 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
     uint32_t count = desc->direction_count != 0 ? desc->direction_count : STP_CAPTURE_DIRECTIONS;
     uint64_t wanted = desc->wanted_candidates != 0 ? desc->wanted_candidates : DEFAULT_CANDIDATES;
     stp_vec3d* directions = STP_NEW_ARRAY(context, stp_vec3d, count);
-    uint32_t view_room = (count > PROBE_VIEWS ? count : PROBE_VIEWS) + STP_CAPTURE_FILL_DIRECTIONS;
-    job->views = STP_NEW_ARRAY(context, stp_capture_view, view_room);
+    job->views = STP_NEW_ARRAY(context, stp_capture_view, count);
     if (directions == NULL || job->views == NULL) {
         stp_free(context, directions);
         return stp_fail_memory(context);
@@ -146,14 +159,14 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
     stp_result result = STP_OK;
     if (!(widest > 0.0)) { // everything in one point
         stp_capture_set_views(job, directions, count, 1.0);
-        result = stp_capture_draw(job);
+        result = stp_capture_draw(job, 0, count);
     } else if (desc->resolution != 0 || desc->pixel_size > 0.0 || job->set_count != 0) {
         resolution = desc->pixel_size > 0.0  ? widest / desc->pixel_size
                      : desc->resolution != 0 ? (double)desc->resolution
                                              : (double)RESOLUTION_OF_SETS;
         resolution = clamp_resolution(resolution, (double)STP_CAPTURE_RESOLUTION_MOST);
         stp_capture_set_views(job, directions, count, widest / resolution);
-        result = stp_capture_draw(job);
+        result = stp_capture_draw(job, 0, count);
     } else {
         result = draw_wanted(job, directions, count, wanted, &resolution);
     }
@@ -161,55 +174,57 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
     candidates->resolution = (uint32_t)resolution;
     candidates->direction_count = count;
     stp_free(context, directions);
-    job->first_pixels = job->covered_pixels;
-    bool fill = !desc->no_fill && widest > 0.0 && count < STP_CAPTURE_FILL_DIRECTIONS;
-    if (result == STP_OK && fill) {
-        result = stp_capture_draw_fill(job, count, candidates->pixel_size);
-    }
     return result;
 }
 
-static stp_result make_candidates(stp_capture_job* job, stp_candidates* candidates)
+static stp_result find_view_starts(const stp_capture_job* job, stp_candidates* candidates)
 {
-    stp_context* context = job->scene->context;
-    uint64_t total = job->covered_pixels + stp_capture_seen_count(job);
-    if (total >= UINT32_MAX) {
-        return stp_fail(context, STP_ERROR_LIMIT,
-                        "capture: %llu candidates are too many: choose a lower resolution",
-                        (unsigned long long)total);
-    }
-    size_t count = (size_t)total;
-    candidates->count = (uint32_t)job->covered_pixels;
-    candidates->covered_pixels = job->first_pixels;
-    if (count == 0) {
-        return STP_OK;
-    }
-    candidates->positions = STP_NEW_ARRAY(context, float, 3 * count);
-    candidates->normals = STP_NEW_ARRAY(context, float, 3 * count);
-    candidates->colors = STP_NEW_ARRAY(context, uint8_t, 4 * count);
-    candidates->materials = STP_NEW_ARRAY(context, uint32_t, count);
-    candidates->view_starts = STP_NEW_ZEROED(context, uint32_t, candidates->direction_count + 1);
-    if (candidates->positions == NULL || candidates->normals == NULL ||
-        candidates->colors == NULL || candidates->materials == NULL ||
-        candidates->view_starts == NULL) {
-        return stp_fail_memory(context);
+    candidates->view_starts =
+        STP_NEW_ZEROED(job->scene->context, uint32_t, candidates->direction_count + 1);
+    if (candidates->view_starts == NULL) {
+        return stp_fail_memory(job->scene->context);
     }
     for (size_t b = 0; b < job->band_count; ++b) {
-        uint32_t view = job->bands[b].view;
-        if (view < candidates->direction_count) {
-            candidates->view_starts[view + 1] += job->bands[b].count;
-        }
+        candidates->view_starts[job->bands[b].view + 1] += job->bands[b].count;
     }
     for (uint32_t view = 0; view < candidates->direction_count; ++view) {
         candidates->view_starts[view + 1] += candidates->view_starts[view];
     }
-    stp_capture_resolve(job, candidates);
-    uint32_t first = (uint32_t)job->first_pixels;
-    stp_result result = stp_capture_keep_missing(context, candidates, first);
-    candidates->filled = candidates->count - first;
+    return STP_OK;
+}
+
+static stp_result make_candidates(stp_capture_job* job, const stp_capture_desc* desc,
+                                  stp_candidates* candidates)
+{
+    stp_context* context = job->scene->context;
+    uint64_t first = job->covered_pixels;
+    candidates->covered_pixels = first;
+    if (first == 0 && job->set_count == 0) {
+        return STP_OK;
+    }
+    bool fill = !desc->no_fill && candidates->direction_count < STP_CAPTURE_FILL_DIRECTIONS &&
+                !is_point(job);
+    stp_fill_map map = {0};
+    stp_result result = find_view_starts(job, candidates);
+    if (result == STP_OK && fill) {
+        result = stp_fill_map_create(job, candidates, &map);
+    }
+    if (result == STP_OK) {
+        result = stp_capture_append(job, fill ? first / FILL_ROOM : 0, candidates);
+    }
+    if (result == STP_OK && fill) {
+        stp_fill_map_set_surface(context, &map, candidates);
+        result = stp_capture_fill(job, &map, candidates);
+        candidates->filled = candidates->count - (uint32_t)first;
+    }
+    stp_fill_map_destroy(context, &map);
     candidates->surface_radius =
         candidates->count != 0 ? candidates->pixel_size * HALF_DIAGONAL : 0.0;
-    return result == STP_OK ? stp_capture_resolve_sets(job, candidates) : result;
+    if (result == STP_OK && job->set_count != 0) {
+        result = stp_capture_make_room(job, stp_capture_seen_count(job), 0, candidates);
+        result = result == STP_OK ? stp_capture_resolve_sets(job, candidates) : result;
+    }
+    return result;
 }
 
 /// Mip levels of what the parts use, where the caller has none.
@@ -286,7 +301,7 @@ stp_result stp_capture_all_in_passes(const stp_scene* scene, const stp_capture_s
         drawn = stp_clock_ms();
         result = result == STP_OK ? stp_progress(context, "capture", 0.5) : result;
         result = result == STP_OK ? find_textures(&job, desc, &own) : result;
-        result = result == STP_OK ? make_candidates(&job, candidates) : result;
+        result = result == STP_OK ? make_candidates(&job, desc, candidates) : result;
         candidates->triangle_views =
             stp_capture_part_primitives(&job) * candidates->direction_count;
     }
@@ -341,14 +356,4 @@ stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* part
                              stp_candidates* candidates)
 {
     return stp_capture_parts_in_passes(scene, parts, part_count, desc, UINT32_MAX - 1, candidates);
-}
-
-void stp_candidates_destroy(stp_context* context, stp_candidates* candidates)
-{
-    stp_free(context, candidates->positions);
-    stp_free(context, candidates->normals);
-    stp_free(context, candidates->colors);
-    stp_free(context, candidates->materials);
-    stp_free(context, candidates->view_starts);
-    *candidates = (stp_candidates){0};
 }

@@ -37,6 +37,8 @@ typedef struct stp_capture_band {
     uint64_t* primitives; ///< what covers each: a triangle or point, numbered through all parts
 } stp_capture_band;
 
+struct stp_fill_map;
+
 /// What all steps read.
 typedef struct stp_capture_job {
     const stp_scene* scene;
@@ -57,7 +59,8 @@ typedef struct stp_capture_job {
     size_t band_count;
     stp_capture_band* bands;
     uint64_t covered_pixels;
-    uint64_t first_pixels; ///< of these, those of the directions asked for
+    uint64_t room;                        ///< candidates that the columns have room for
+    const struct stp_fill_map* stand_ins; ///< pixels that it knows are not kept; NULL: all are
 } stp_capture_job;
 
 /// From a part's own space to the captured space minus its centre.
@@ -119,12 +122,22 @@ uint64_t stp_capture_seen_count(const stp_capture_job* job);
 STP_MUST_USE stp_result stp_capture_resolve_sets(const stp_capture_job* job,
                                                  stp_candidates* candidates);
 
-/// Draws all views; makes job->bands and covered_pixels.
-STP_MUST_USE stp_result stp_capture_draw(stp_capture_job* job);
+/// Draws views [begin, end): adds to job->bands and covered_pixels. Where it fails, there are no bands.
+STP_MUST_USE stp_result stp_capture_draw(stp_capture_job* job, uint32_t begin, uint32_t end);
 void stp_capture_drop_bands(stp_capture_job* job);
 
-/// Turns the covered pixels of all bands into candidates; the columns have room for all.
-void stp_capture_resolve(const stp_capture_job* job, stp_candidates* candidates);
+/// Columns with room for so many more candidates, and for `spare` ones where they have to grow.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY or STP_ERROR_LIMIT (logged)
+STP_MUST_USE stp_result stp_capture_make_room(stp_capture_job* job, uint64_t more, uint64_t spare,
+                                              stp_candidates* candidates);
+
+/// Turns the covered pixels of all bands into candidates behind those that are there, and empties the bands.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY or STP_ERROR_LIMIT (logged)
+STP_MUST_USE stp_result stp_capture_append(stp_capture_job* job, uint64_t spare,
+                                           stp_candidates* candidates);
+
+/// Turns the covered pixels of all bands into candidates from `first` on; the columns have room for all.
+void stp_capture_resolve(const stp_capture_job* job, stp_candidates* candidates, size_t first);
 
 /// The alpha of a material at a point of a triangle, read at full resolution.
 float stp_capture_alpha(const stp_material* material, const stp_texture_pyramid* level0,

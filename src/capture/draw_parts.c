@@ -4,6 +4,7 @@
 #include "base/rng.h"
 #include "base/sort.h"
 #include "capture/capture_internal.h"
+#include "capture/fill.h"
 #include "raster/triangles.h"
 
 /// How many pixels may be looked at to save a triangle.
@@ -151,6 +152,10 @@ static void draw_points(const stp_capture_job* job, size_t part, const part_proj
     const stp_point_set* points = &job->scene->point_sets[job->parts[part].part.index];
     uint32_t first_id = (uint32_t)(job->first_primitives[part] - pass_begin);
     for (uint32_t i = 0; i < points->point_count; ++i) {
+        if (job->stand_ins != NULL &&
+            stp_fill_knows_point(job->stand_ins, job->first_primitives[part] + i)) {
+            continue;
+        }
         const float* p = points->positions + 3 * (size_t)i;
         double x = (double)(p[0] - projection->offset.x), y = (double)(p[1] - projection->offset.y);
         double z = (double)(p[2] - projection->offset.z), screen[3];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The first half of a capture: from parts to covered pixels.
 #include "capture/capture_internal.h"
+#include "capture/fill.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -19,6 +20,7 @@ typedef struct draw_worker {
 typedef struct draw_state {
     stp_capture_job* job;
     draw_worker* workers;
+    size_t first_band;  ///< to be drawn
     size_t band_pixels; ///< of the largest band
     bool passes;        ///< more than one is needed
     atomic_bool failed;
@@ -147,7 +149,7 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
     stp_context* context = job->scene->context;
     draw_worker* worker = &state->workers[worker_index];
     for (size_t i = begin; i < end && !atomic_load(&state->failed); ++i) {
-        stp_capture_band* band = &job->bands[i];
+        stp_capture_band* band = &job->bands[state->first_band + i];
         const stp_capture_view* view = &job->views[band->view];
         if (!prepare_worker(context, worker, state->band_pixels, state->passes)) {
             atomic_store(&state->failed, true);
@@ -165,6 +167,9 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
                                           : draw_at_once(job, band, &target, pixel_count, worker);
         if (result == STP_OK) {
             stp_capture_take_surfels(job, band, &target, state->passes ? worker->primitives : NULL);
+            if (job->stand_ins != NULL) {
+                stp_fill_drop_known(job->stand_ins, view, band->row_begin, &target);
+            }
             result = squeeze(context, worker, state->passes, first, pixel_count, band);
         }
         if (result != STP_OK) {
@@ -175,14 +180,15 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
 
 /// Cuts the views into bands: few, as each draws all that touches it, but no larger than a buffer
 /// may be, and enough for all threads.
-static stp_result make_bands(stp_capture_job* job, size_t* band_pixels)
+static stp_result make_bands(stp_capture_job* job, uint32_t begin, uint32_t end,
+                             size_t* band_pixels)
 {
     stp_context* context = job->scene->context;
     uint32_t threads = stp_context_thread_count(context);
-    uint32_t parallel = threads > 1 ? (2 * threads + job->view_count - 1) / job->view_count : 1;
-    size_t capacity = 0;
+    uint32_t parallel = threads > 1 ? (2 * threads + end - begin - 1) / (end - begin) : 1;
+    size_t capacity = job->band_count;
     *band_pixels = 0;
-    for (uint32_t v = 0; v < job->view_count; ++v) {
+    for (uint32_t v = begin; v < end; ++v) {
         const stp_capture_view* view = &job->views[v];
         uint64_t most = BAND_BYTES / sizeof(uint64_t) / view->width;
         uint64_t even = ((uint64_t)view->height + parallel - 1) / parallel;
@@ -219,22 +225,23 @@ void stp_capture_drop_bands(stp_capture_job* job)
     job->covered_pixels = 0;
 }
 
-stp_result stp_capture_draw(stp_capture_job* job)
+stp_result stp_capture_draw(stp_capture_job* job, uint32_t begin, uint32_t end)
 {
     stp_context* context = job->scene->context;
     draw_state state = {
         .job = job,
+        .first_band = job->band_count,
         .passes = stp_capture_primitive_count(job) > job->ids_a_pass,
     };
     atomic_init(&state.failed, false);
     uint32_t threads = stp_context_thread_count(context);
     state.workers = STP_NEW_ZEROED(context, draw_worker, threads);
-    if (state.workers == NULL || make_bands(job, &state.band_pixels) != STP_OK) {
+    if (state.workers == NULL || make_bands(job, begin, end, &state.band_pixels) != STP_OK) {
         stp_free(context, state.workers);
         stp_capture_drop_bands(job);
         return stp_fail_memory(context);
     }
-    stp_parallel_for(context, job->band_count, 1, draw_bands, &state);
+    stp_parallel_for(context, job->band_count - state.first_band, 1, draw_bands, &state);
     for (uint32_t i = 0; i < threads; ++i) {
         stp_free(context, state.workers[i].pixels);
         stp_free(context, state.workers[i].pass);
@@ -248,7 +255,7 @@ stp_result stp_capture_draw(stp_capture_job* job)
         stp_capture_drop_bands(job);
         return stp_fail_memory(context);
     }
-    for (size_t i = 0; i < job->band_count; ++i) {
+    for (size_t i = state.first_band; i < job->band_count; ++i) {
         job->covered_pixels += job->bands[i].count;
     }
     return STP_OK;

@@ -1,9 +1,186 @@
 // SPDX-License-Identifier: MIT
 #include "capture/fill.h"
 
+#include "base/processor.h"
+#include "capture/fill_kernel.h"
+
 #include <string.h>
 
-#define QUERY_GRAIN ((size_t)4096)
+enum {
+    CORNERS = 8,
+    FACES_AND_CORNERS = 14,
+    GRAIN = 16384,
+    /// Where further directions find less than one in so many candidates, no more are asked.
+    WORTH_A_LOOK = 1000,
+};
+
+static size_t words_a_row(const stp_capture_view* view)
+{
+    return ((size_t)view->width + 31) / 32;
+}
+
+static void to_floats(stp_vec3d v, float out[3])
+{
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+static void mark_band(stp_fill_map* map, const stp_capture_band* band)
+{
+    const stp_capture_view* view = &map->views[band->view];
+    stp_fill_word* words = map->words + map->starts[band->view];
+    size_t row = band->row_begin, row_start = row * view->width; // pixel at which it begins
+    for (uint32_t i = 0; i < band->count; ++i) {
+        while (band->pixels[i] - row_start >= view->width) {
+            row += 1;
+            row_start += view->width;
+        }
+        size_t column = band->pixels[i] - row_start;
+        words[row * words_a_row(view) + column / 32].covered |= (uint32_t)1 << column % 32;
+    }
+}
+
+static bool has_points(const stp_capture_job* job)
+{
+    for (size_t i = 0; i < job->part_count; ++i) {
+        if (job->parts[i].part.kind == STP_PART_POINTS) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Marks triangles too; nobody asks for them.
+static stp_result mark_points(const stp_capture_job* job, stp_fill_map* map)
+{
+    size_t words = (size_t)(stp_capture_primitive_count(job) / 64) + 1;
+    map->points = STP_NEW_ZEROED(job->scene->context, uint64_t, words);
+    if (map->points == NULL) {
+        return stp_fail_memory(job->scene->context);
+    }
+    for (size_t b = 0; b < job->band_count; ++b) {
+        const stp_capture_band* band = &job->bands[b];
+        for (uint32_t i = 0; i < band->count; ++i) {
+            uint64_t primitive = band->primitives[i];
+            map->points[primitive / 64] |= (uint64_t)1 << primitive % 64;
+        }
+    }
+    return STP_OK;
+}
+
+stp_result stp_fill_map_create(const stp_capture_job* job, const stp_candidates* candidates,
+                               stp_fill_map* map)
+{
+    *map = (stp_fill_map){
+        .views = job->views, .view_count = job->view_count, .pixel_size = candidates->pixel_size};
+    size_t total = 0;
+    for (uint32_t v = 0; v < job->view_count; ++v) {
+        map->starts[v] = total;
+        total += words_a_row(&job->views[v]) * job->views[v].height;
+    }
+    map->words = STP_NEW_ZEROED(job->scene->context, stp_fill_word, total);
+    map->surface = STP_NEW_ARRAY(job->scene->context, stp_fill_surface, job->covered_pixels);
+    if (map->words == NULL || map->surface == NULL) {
+        return stp_fail_memory(job->scene->context);
+    }
+    for (size_t b = 0; b < job->band_count; ++b) {
+        mark_band(map, &job->bands[b]);
+    }
+    uint32_t sum = 0;
+    for (size_t i = 0; i < total; ++i) { // candidates are in the same order: view, row, column
+        map->words[i].first = sum;
+        sum += (uint32_t)__builtin_popcount(map->words[i].covered);
+    }
+    return has_points(job) ? mark_points(job, map) : STP_OK;
+}
+
+typedef struct surface_job {
+    const stp_fill_map* map;
+    const stp_candidates* candidates;
+} surface_job;
+
+static void write_surface(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const surface_job* job = user;
+    const stp_candidates* c = job->candidates;
+    uint32_t view = 0;
+    for (size_t i = begin; i < end; ++i) {
+        while (i >= c->view_starts[view + 1]) {
+            view += 1;
+        }
+        float depth[3];
+        to_floats(job->map->views[view].depth, depth);
+        const float *p = c->positions + 3 * i, *n = c->normals + 3 * i;
+        stp_fill_surface* surface = &job->map->surface[i];
+        surface->nearness = (depth[0] * p[0] + depth[1] * p[1]) + depth[2] * p[2] + 1.5f;
+        surface->normal = 0;
+        for (int k = 0; k < 3; ++k) {
+            uint32_t bits = (uint32_t)(int32_t)(n[k] * 511.0f) & 1023u;
+            surface->normal |= bits << (10 * k);
+        }
+    }
+}
+
+void stp_fill_map_set_surface(stp_context* context, stp_fill_map* map,
+                              const stp_candidates* candidates)
+{
+    surface_job job = {map, candidates};
+    stp_parallel_for(context, candidates->view_starts[map->view_count], GRAIN, write_surface, &job);
+}
+
+void stp_fill_map_destroy(stp_context* context, stp_fill_map* map)
+{
+    stp_free(context, map->points);
+    stp_free(context, map->surface);
+    stp_free(context, map->words);
+    *map = (stp_fill_map){0};
+}
+
+/// The axis along which a coordinate of a view grows by one a step.
+static stp_vec3d step_of(stp_vec3d axis)
+{
+    return stp_scaled(axis, 1.0 / stp_dotd(axis, axis));
+}
+
+void stp_fill_drop_known(const stp_fill_map* map, const stp_capture_view* view, uint32_t first_row,
+                         const stp_raster_target* target)
+{
+    stp_fill_query query = {
+        .surface = map->surface,
+        .look_count = map->view_count,
+    };
+    stp_vec3d x = step_of(view->right), y = step_of(view->down), z = step_of(view->depth);
+    stp_vec3d origin = stp_addd(stp_scaled(x, -view->shift_x), stp_scaled(y, -view->shift_y));
+    to_floats(x, query.x);
+    to_floats(y, query.y);
+    to_floats(z, query.z);
+    to_floats(stp_addd(origin, stp_scaled(z, -1.5)), query.origin);
+    to_floats(view->toward, query.toward);
+    for (uint32_t v = 0; v < map->view_count; ++v) {
+        const stp_capture_view* first = &map->views[v];
+        stp_fill_look* look = &query.looks[v];
+        to_floats(first->right, look->x);
+        to_floats(first->down, look->y);
+        to_floats(first->depth, look->z);
+        double pixels = 1.0 / (sqrt(stp_dotd(first->depth, first->depth)) * map->pixel_size);
+        look->pixels_a_nearness = (float)pixels;
+        look->x_shift = (float)first->shift_x;
+        look->y_shift = (float)first->shift_y;
+        look->width = (float)first->width;
+        look->height = (float)first->height;
+        look->words_a_row = words_a_row(first);
+        look->words = map->words + map->starts[v];
+    }
+#if defined(__x86_64__)
+    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
+        stp_fill_drop_avx2(&query, first_row, target);
+        return;
+    }
+#endif
+    stp_fill_drop_portable(&query, first_row, target);
+}
 
 // Of the corners, faces and edges of a cube, those that were not drawn: 8 and 14 directions are the first of
 // them (capture.h); a spiral shares none.
@@ -11,212 +188,45 @@ static uint32_t find_directions(uint32_t count, stp_vec3d* directions)
 {
     stp_vec3d all[STP_CAPTURE_FILL_DIRECTIONS];
     stp_capture_directions(STP_CAPTURE_FILL_DIRECTIONS, all);
-    uint32_t shared = count == 8 || count == 14 ? count : 0;
+    uint32_t shared = count == CORNERS || count == FACES_AND_CORNERS ? count : 0;
     uint32_t left = STP_CAPTURE_FILL_DIRECTIONS - shared;
     memcpy(directions, all + shared, left * sizeof(all[0]));
     return left;
 }
 
-// Puts the bands of the further views behind the first ones'.
-static stp_result append_bands(stp_capture_job* job, const stp_capture_job* first)
+// Draws some further views, and appends what they find.
+static stp_result look_further(stp_capture_job* job, const stp_fill_map* map,
+                               const stp_vec3d* directions, uint32_t count,
+                               stp_candidates* candidates)
 {
-    stp_context* context = job->scene->context;
-    size_t count = first->band_count + job->band_count;
-    stp_capture_band* bands = STP_NEW_ARRAY(context, stp_capture_band, count);
-    if (bands == NULL) {
-        return stp_fail_memory(context);
-    }
-    for (size_t i = 0; i < job->band_count; ++i) {
-        job->bands[i].view += first->view_count;
-    }
-    if (first->band_count > 0) {
-        memcpy(bands, first->bands, first->band_count * sizeof(*bands));
-    }
-    if (job->band_count > 0) {
-        memcpy(bands + first->band_count, job->bands, job->band_count * sizeof(*bands));
-    }
-    stp_free(context, first->bands);
-    stp_free(context, job->bands);
-    job->bands = bands;
-    job->band_count = count;
-    job->covered_pixels += first->covered_pixels;
-    return STP_OK;
-}
-
-stp_result stp_capture_draw_fill(stp_capture_job* job, uint32_t count, double pixel_size)
-{
-    stp_vec3d directions[STP_CAPTURE_FILL_DIRECTIONS];
-    uint32_t more = find_directions(count, directions);
-    stp_capture_job first = *job;
-    job->views = first.views + first.view_count;
-    job->bands = NULL;
-    job->band_count = 0;
-    job->covered_pixels = 0;
-    stp_capture_set_views(job, directions, more, pixel_size);
-    stp_result result = stp_capture_draw(job);
+    stp_capture_view views[STP_CAPTURE_FILL_DIRECTIONS];
+    stp_capture_job further = *job;
+    further.views = views;
+    further.bands = NULL;
+    further.band_count = 0;
+    further.covered_pixels = 0;
+    further.stand_ins = map;
+    stp_capture_set_views(&further, directions, count, candidates->pixel_size);
+    stp_result result = stp_capture_draw(&further, 0, count);
     if (result == STP_OK) {
-        result = append_bands(job, &first);
+        result = stp_capture_append(&further, 0, candidates);
     }
-    if (result != STP_OK) { // what was drawn first is still the job's, to be dropped by its owner
-        stp_capture_drop_bands(job);
-        job->bands = first.bands;
-        job->band_count = first.band_count;
-        job->covered_pixels = first.covered_pixels;
-    }
-    job->views = first.views;
-    job->view_count = first.view_count + more;
+    job->room = further.room;
+    stp_capture_drop_bands(&further);
     return result;
 }
 
-typedef struct cell_point {
-    float position[3], normal[3];
-} cell_point;
-
-// A hash table of cells twice as wide as the distance that is asked for. Points of a cell lie together, and so do
-// cells that are neighbours along x: most questions stay within a cache line or two.
-typedef struct cell_grid {
-    const stp_candidates* candidates;
-    double scale; ///< cells per unit
-    float reach;  ///< distance within which a candidate stands for another
-    uint32_t mask;
-    uint32_t* starts; ///< of each slot, and one more
-    cell_point* points;
-} cell_grid;
-
-static int64_t cell_of(const cell_grid* grid, float coordinate)
+stp_result stp_capture_fill(stp_capture_job* job, const stp_fill_map* map,
+                            stp_candidates* candidates)
 {
-    double at = (double)coordinate * grid->scale + 0x1p31;
-    return at > 0.0 && at < 0x1p32 ? (int64_t)at : 0;
-}
-
-static uint32_t slot_of(const cell_grid* grid, int64_t x, int64_t y, int64_t z)
-{
-    uint64_t key =
-        (uint64_t)y * UINT64_C(0xC2B2AE3D27D4EB4F) ^ (uint64_t)z * UINT64_C(0x165667B19E3779F9);
-    key ^= key >> 29;
-    key *= UINT64_C(0xBF58476D1CE4E5B9);
-    return ((uint32_t)(key >> 32) + (uint32_t)x) & grid->mask;
-}
-
-static uint32_t slot_of_point(const cell_grid* grid, uint32_t point)
-{
-    const float* p = grid->candidates->positions + 3 * (size_t)point;
-    return slot_of(grid, cell_of(grid, p[0]), cell_of(grid, p[1]), cell_of(grid, p[2]));
-}
-
-static stp_result make_grid(stp_context* context, cell_grid* grid, uint32_t count)
-{
-    uint32_t slots = 64;
-    while (slots < count && slots < UINT32_C(1) << 30) {
-        slots *= 2;
+    stp_vec3d directions[STP_CAPTURE_FILL_DIRECTIONS];
+    uint32_t count = find_directions(candidates->direction_count, directions);
+    uint32_t first = candidates->count, faces = FACES_AND_CORNERS - CORNERS;
+    faces = faces < count ? faces : count;
+    stp_result result = look_further(job, map, directions, faces, candidates);
+    bool worth = job->set_count != 0 || candidates->count - first >= first / WORTH_A_LOOK;
+    if (result == STP_OK && worth && faces < count) {
+        result = look_further(job, map, directions + faces, count - faces, candidates);
     }
-    grid->mask = slots - 1;
-    grid->starts = STP_NEW_ZEROED(context, uint32_t, (size_t)slots + 1);
-    grid->points = STP_NEW_ARRAY(context, cell_point, count);
-    if (grid->starts == NULL || grid->points == NULL) {
-        return stp_fail_memory(context);
-    }
-    for (uint32_t i = 0; i < count; ++i) {
-        grid->starts[slot_of_point(grid, i)] += 1;
-    }
-    uint32_t sum = 0;
-    for (uint32_t slot = 0; slot <= slots; ++slot) { // ends first; filling turns them into starts
-        sum += grid->starts[slot];
-        grid->starts[slot] = sum;
-    }
-    for (uint32_t i = count; i-- > 0;) {
-        cell_point* point = &grid->points[--grid->starts[slot_of_point(grid, i)]];
-        memcpy(point->position, grid->candidates->positions + 3 * (size_t)i,
-               sizeof(point->position));
-        memcpy(point->normal, grid->candidates->normals + 3 * (size_t)i, sizeof(point->normal));
-    }
-    return STP_OK;
-}
-
-static bool slot_has_stand_in(const cell_grid* grid, uint32_t slot, const float* p, const float* n)
-{
-    float least = grid->reach * grid->reach;
-    for (uint32_t k = grid->starts[slot]; k < grid->starts[slot + 1]; ++k) {
-        const float* q = grid->points[k].position;
-        const float* m = grid->points[k].normal;
-        float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-        if ((x * x + y * y) + z * z <= least && (n[0] * m[0] + n[1] * m[1]) + n[2] * m[2] > 0.0f) {
-            return true;
-        }
-    }
-    return false;
-}
-
-// Whether a candidate of the first views stands for this one. Cells are twice the reach wide, so eight hold
-// all that is near enough.
-static bool has_stand_in(const cell_grid* grid, uint32_t point)
-{
-    const float* p = grid->candidates->positions + 3 * (size_t)point;
-    const float* n = grid->candidates->normals + 3 * (size_t)point;
-    int64_t low[3], high[3];
-    for (int k = 0; k < 3; ++k) {
-        low[k] = cell_of(grid, p[k] - grid->reach);
-        high[k] = cell_of(grid, p[k] + grid->reach);
-    }
-    for (int64_t z = low[2]; z <= high[2]; ++z) {
-        for (int64_t y = low[1]; y <= high[1]; ++y) {
-            for (int64_t x = low[0]; x <= high[0]; ++x) {
-                if (slot_has_stand_in(grid, slot_of(grid, x, y, z), p, n)) {
-                    return true;
-                }
-            }
-        }
-    }
-    return false;
-}
-
-typedef struct query {
-    const cell_grid* grid;
-    uint32_t first;
-    uint8_t* keep; ///< of each candidate from `first` on
-} query;
-
-static void query_range(size_t begin, size_t end, uint32_t worker, void* user)
-{
-    (void)worker;
-    query* q = user;
-    for (size_t i = begin; i < end; ++i) {
-        q->keep[i] = !has_stand_in(q->grid, q->first + (uint32_t)i);
-    }
-}
-
-static void move_candidate(stp_candidates* c, size_t from, size_t to)
-{
-    memmove(c->positions + 3 * to, c->positions + 3 * from, 3 * sizeof(float));
-    memmove(c->normals + 3 * to, c->normals + 3 * from, 3 * sizeof(float));
-    memmove(c->colors + 4 * to, c->colors + 4 * from, 4);
-    c->materials[to] = c->materials[from];
-}
-
-stp_result stp_capture_keep_missing(stp_context* context, stp_candidates* candidates,
-                                    uint32_t first)
-{
-    size_t more = candidates->count - first;
-    if (more == 0) {
-        return STP_OK;
-    }
-    float reach = (float)candidates->pixel_size;
-    cell_grid grid = {.candidates = candidates, .scale = 0.5 / (double)reach, .reach = reach};
-    uint8_t* keep = STP_NEW_ARRAY(context, uint8_t, more);
-    stp_result result = keep != NULL ? make_grid(context, &grid, first) : stp_fail_memory(context);
-    if (result == STP_OK) {
-        query q = {&grid, first, keep};
-        stp_parallel_for(context, more, QUERY_GRAIN, query_range, &q);
-        size_t kept = first;
-        for (size_t i = 0; i < more; ++i) {
-            if (keep[i] != 0) {
-                move_candidate(candidates, first + i, kept++);
-            }
-        }
-        candidates->count = (uint32_t)kept;
-    }
-    stp_free(context, grid.starts);
-    stp_free(context, grid.points);
-    stp_free(context, keep);
     return result;
 }

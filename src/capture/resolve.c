@@ -10,6 +10,7 @@ enum { RESOLVE_GRAIN = 4096 };
 typedef struct resolve_state {
     const stp_capture_job* job;
     stp_candidates* out;
+    size_t first; ///< candidate of the first pixel
 } resolve_state;
 
 /// The part whose primitives are being resolved; found anew only where it changes.
@@ -320,15 +321,15 @@ static void resolve_range(size_t begin, size_t end, uint32_t worker, void* user)
         size_t from = begin > first ? begin - first : 0;
         size_t to = end - first < band->count ? end - first : band->count;
         if (from < to) {
-            resolve_entries(state, band, from, to, first + from, &part);
+            resolve_entries(state, band, from, to, state->first + first + from, &part);
         }
         first += band->count;
     }
 }
 
-void stp_capture_resolve(const stp_capture_job* job, stp_candidates* candidates)
+void stp_capture_resolve(const stp_capture_job* job, stp_candidates* candidates, size_t first)
 {
-    resolve_state state = {job, candidates};
+    resolve_state state = {job, candidates, first};
     stp_parallel_for(job->scene->context, (size_t)job->covered_pixels, RESOLVE_GRAIN, resolve_range,
                      &state);
 }

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// The columns of candidates: memory for them, and covered pixels put into them.
+#include "capture/capture_internal.h"
+
+#include <string.h>
+
+// Moves a column to memory with room for more.
+static bool move_column(stp_context* context, void** column, size_t count, size_t room, size_t size)
+{
+    void* moved = stp_alloc_array(context, room, size);
+    if (moved == NULL) {
+        return false;
+    }
+    if (count != 0) {
+        memcpy(moved, *column, count * size);
+    }
+    stp_free(context, *column);
+    *column = moved;
+    return true;
+}
+
+static stp_result move_columns(stp_context* context, stp_candidates* c, size_t room)
+{
+    void *positions = c->positions, *normals = c->normals, *colors = c->colors;
+    void* materials = c->materials;
+    bool moved = move_column(context, &positions, c->count, room, 3 * sizeof(float)) &&
+                 move_column(context, &normals, c->count, room, 3 * sizeof(float)) &&
+                 move_column(context, &colors, c->count, room, 4) &&
+                 move_column(context, &materials, c->count, room, sizeof(uint32_t));
+    c->positions = positions;
+    c->normals = normals;
+    c->colors = colors;
+    c->materials = materials;
+    return moved ? STP_OK : stp_fail_memory(context);
+}
+
+stp_result stp_capture_make_room(stp_capture_job* job, uint64_t more, uint64_t spare,
+                                 stp_candidates* candidates)
+{
+    stp_context* context = job->scene->context;
+    uint64_t count = candidates->count + more;
+    if (count >= UINT32_MAX) {
+        return stp_fail(context, STP_ERROR_LIMIT,
+                        "capture: %llu candidates are too many: choose a lower resolution",
+                        (unsigned long long)count);
+    }
+    if (count <= job->room) {
+        return STP_OK;
+    }
+    job->room = count + spare;
+    return move_columns(context, candidates, (size_t)job->room);
+}
+
+stp_result stp_capture_append(stp_capture_job* job, uint64_t spare, stp_candidates* candidates)
+{
+    stp_result result = stp_capture_make_room(job, job->covered_pixels, spare, candidates);
+    if (result == STP_OK) {
+        stp_capture_resolve(job, candidates, candidates->count);
+        candidates->count += (uint32_t)job->covered_pixels;
+        stp_capture_drop_bands(job);
+    }
+    return result;
+}
+
+void stp_candidates_destroy(stp_context* context, stp_candidates* candidates)
+{
+    stp_free(context, candidates->positions);
+    stp_free(context, candidates->normals);
+    stp_free(context, candidates->colors);
+    stp_free(context, candidates->materials);
+    stp_free(context, candidates->view_starts);
+    *candidates = (stp_candidates){0};
+}
