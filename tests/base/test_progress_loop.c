@@ -63,6 +63,9 @@ static void walk(size_t begin, size_t end, uint32_t worker, void* user)
         if (i == w->stopping) {
             stp_parallel_stop(w->context);
         }
+        while (i > w->stopping && stp_progress(w->context, "inside", 0.5) == STP_OK) {
+            // the piece that stops the loop may be slow
+        }
         // what a piece reports of its own is not told; its loops run in full whatever happens
         if (stp_progress(w->context, "inside", 0.5) == STP_ERROR_CANCELLED) {
             atomic_fetch_add(&w->cancelled, 1);

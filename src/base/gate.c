@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "base/gate.h"
+
+#include "base/context_internal.h"
+
+#include <assert.h>
+#include <time.h>
+
+#define REPORT_NS 50000000L
+#define SECOND_NS 1000000000L
+
+struct stp_gate {
+    stp_context* context;
+    uint64_t budget;
+    pthread_mutex_t mutex;
+    pthread_cond_t moved;     ///< somebody left, or the next one in line may look
+    stp_gate_ticket* inside;  ///< who is inside
+    uint64_t bytes, peak;     ///< announced by those inside
+    uint64_t jobs;            ///< of them, those from pieces of a loop
+    uint64_t arrived, called; ///< numbers in line: the next to be given out, the next to go in
+};
+
+stp_result stp_gate_create(stp_context* context, uint64_t budget_bytes, stp_gate** gate)
+{
+    stp_gate* made = STP_NEW_ZEROED(context, stp_gate, 1);
+    if (made == NULL) {
+        return stp_fail_memory(context);
+    }
+    made->context = context;
+    made->budget = budget_bytes != 0 ? budget_bytes : UINT64_MAX;
+    pthread_mutex_init(&made->mutex, NULL);
+    pthread_condattr_t steady;
+    pthread_condattr_init(&steady);
+    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
+    pthread_cond_init(&made->moved, &steady);
+    pthread_condattr_destroy(&steady);
+    *gate = made;
+    return STP_OK;
+}
+
+void stp_gate_destroy(stp_gate* gate)
+{
+    if (gate != NULL) {
+        assert(gate->inside == NULL && "a job is still inside");
+        pthread_cond_destroy(&gate->moved);
+        pthread_mutex_destroy(&gate->mutex);
+        stp_free(gate->context, gate);
+    }
+}
+
+static bool is_inside(const stp_gate* gate, pthread_t thread)
+{
+    const stp_gate_ticket* ticket = gate->inside;
+    while (ticket != NULL && !pthread_equal(ticket->holder, thread)) {
+        ticket = ticket->next;
+    }
+    return ticket != NULL;
+}
+
+static bool has_room(const stp_gate* gate, const stp_gate_ticket* ticket)
+{
+    bool fits = ticket->bytes <= gate->budget && gate->bytes <= gate->budget - ticket->bytes;
+    // nobody inside, or only who began the loop and waits for it
+    return fits || gate->jobs == 0;
+}
+
+static void admit(stp_gate* gate, stp_gate_ticket* ticket)
+{
+    ticket->next = gate->inside;
+    gate->inside = ticket;
+    gate->bytes += ticket->bytes;
+    gate->peak = gate->bytes > gate->peak ? gate->bytes : gate->peak;
+    gate->jobs += ticket->in_loop;
+}
+
+// Sleeps until something changes, for a while at most; the mutex is free meanwhile, and when the loop reports.
+static stp_result wait_for_move(stp_gate* gate)
+{
+    struct timespec until;
+    (void)clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_nsec += REPORT_NS;
+    if (until.tv_nsec >= SECOND_NS) {
+        until.tv_nsec -= SECOND_NS;
+        until.tv_sec += 1;
+    }
+    (void)pthread_cond_timedwait(&gate->moved, &gate->mutex, &until);
+    pthread_mutex_unlock(&gate->mutex);
+    stp_result result = stp_progress(gate->context, "wait", 0.0);
+    pthread_mutex_lock(&gate->mutex);
+    return result;
+}
+
+// Waits in line; the mutex is held.
+static stp_result wait_in_line(stp_gate* gate, const stp_gate_ticket* ticket)
+{
+    uint64_t number = gate->arrived++;
+    stp_result result = STP_OK;
+    // one that gives up keeps its place until it is called, so that the line moves on
+    while (number != gate->called || (result == STP_OK && !has_room(gate, ticket))) {
+        stp_result told = wait_for_move(gate);
+        result = result != STP_OK ? result : told;
+    }
+    gate->called += 1;
+    pthread_cond_broadcast(&gate->moved);
+    return result;
+}
+
+stp_result stp_gate_enter(stp_gate* gate, uint64_t bytes, stp_gate_ticket* ticket)
+{
+    *ticket = (stp_gate_ticket){
+        .bytes = bytes,
+        .holder = pthread_self(),
+        .in_loop = gate->context->loop != NULL || stp_jobs_running(gate->context->jobs),
+    };
+    stp_result result = STP_OK;
+    pthread_mutex_lock(&gate->mutex);
+    if (!is_inside(gate, ticket->holder)) {
+        result = wait_in_line(gate, ticket);
+    }
+    if (result == STP_OK) {
+        admit(gate, ticket);
+    }
+    pthread_mutex_unlock(&gate->mutex);
+    return result;
+}
+
+void stp_gate_leave(stp_gate* gate, stp_gate_ticket* ticket)
+{
+    pthread_mutex_lock(&gate->mutex);
+    stp_gate_ticket** at = &gate->inside;
+    while (*at != ticket) {
+        at = &(*at)->next;
+    }
+    *at = ticket->next;
+    gate->bytes -= ticket->bytes;
+    gate->jobs -= ticket->in_loop;
+    pthread_cond_broadcast(&gate->moved);
+    pthread_mutex_unlock(&gate->mutex);
+}
+
+uint64_t stp_gate_peak_bytes(stp_gate* gate)
+{
+    pthread_mutex_lock(&gate->mutex);
+    uint64_t peak = gate->peak;
+    pthread_mutex_unlock(&gate->mutex);
+    return peak;
+}
