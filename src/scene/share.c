@@ -5,7 +5,7 @@
 // input wrote a thing.
 #include "base/position_grid.h"
 #include "scene/bounds.h"
-#include "scene/content.h"
+#include "scene/graph.h"
 #include "scene/measure.h"
 #include "scene/merge.h"
 #include "scene/scene.h"
@@ -41,78 +41,11 @@ typedef struct share {
     uint32_t* last_child; ///< of each object; later the first child that may lack its node
     uint8_t* states;      ///< of each object: visit_state
     uint32_t* stack;      ///< objects whose nodes wait for others'
-    stp_content_table table;
-    size_t edge_capacity, part_capacity, node_capacity, stack_count, stack_capacity;
+    stp_graph graph;
+    size_t stack_count, stack_capacity;
 } share;
 
 typedef enum visit_state { NOT_VISITED, WAITING, DONE } visit_state;
-
-static stp_result add_edge(share* s, const stp_edge* edge)
-{
-    stp_scene* scene = s->scene;
-    stp_edge* edges = scene->edge_count < STP_NONE
-                          ? stp_grow_array(scene->context, scene->edges, &s->edge_capacity,
-                                           scene->edge_count + 1, sizeof(*edges))
-                          : NULL;
-    if (edges == NULL) {
-        return stp_fail_memory(scene->context);
-    }
-    scene->edges = edges;
-    edges[scene->edge_count++] = *edge;
-    return STP_OK;
-}
-
-static stp_result add_node_part(share* s, stp_part part)
-{
-    stp_scene* scene = s->scene;
-    stp_part* parts = stp_grow_array(scene->context, scene->node_parts, &s->part_capacity,
-                                     scene->node_part_count + 1, sizeof(*parts));
-    if (parts == NULL) {
-        return stp_fail_memory(scene->context);
-    }
-    scene->node_parts = parts;
-    parts[scene->node_part_count++] = part;
-    return STP_OK;
-}
-
-// Adds a node made of the edges and parts from `first_edge` and `first_part` to the ends of their
-// arrays, or finds one with that content and takes them back.
-static stp_result close_node(share* s, size_t first_edge, size_t first_part, uint32_t flags,
-                             uint32_t* index)
-{
-    stp_scene* scene = s->scene;
-    stp_node node = {
-        .first_edge = (uint32_t)first_edge,
-        .edge_count = (uint32_t)(scene->edge_count - first_edge),
-        .first_part = (uint32_t)first_part,
-        .part_count = (uint32_t)(scene->node_part_count - first_part),
-        .flags = flags,
-    };
-    node.content = stp_node_hash(scene, &node);
-    uint32_t found;
-    stp_result result = stp_content_table_find(scene->context, &s->table, node.content,
-                                               (uint32_t)scene->node_count, &found);
-    if (result != STP_OK) {
-        return result;
-    }
-    *index = found;
-    if (found != scene->node_count) {
-        scene->edge_count = first_edge;
-        scene->node_part_count = first_part;
-        return STP_OK;
-    }
-    stp_node* nodes = scene->node_count < STP_NONE
-                          ? stp_grow_array(scene->context, scene->nodes, &s->node_capacity,
-                                           scene->node_count + 1, sizeof(*nodes))
-                          : NULL;
-    if (nodes == NULL) {
-        return stp_fail_memory(scene->context);
-    }
-    scene->nodes = nodes;
-    stp_node_measure(scene, &node);
-    nodes[scene->node_count++] = node;
-    return STP_OK;
-}
 
 // What instances of the object place: its own parts, and what it uses.
 static stp_result add_own_content(share* s, const stp_object* object)
@@ -121,11 +54,12 @@ static stp_result add_own_content(share* s, const stp_object* object)
     stp_result result = STP_OK;
     for (uint32_t i = 0; result == STP_OK && i < object->part_count; ++i) {
         stp_part part = scene->parts[object->first_part + i];
-        result = part_is_empty(scene, part) ? STP_OK : add_node_part(s, part);
+        result = part_is_empty(scene, part) ? STP_OK : stp_graph_add_part(&s->graph, part);
     }
     uint32_t used = object->use != STP_NONE ? scene->objects[object->use].node : STP_NONE;
+    const stp_affine identity = stp_affine_identity();
     if (result == STP_OK && used != STP_NONE) {
-        result = add_edge(s, &(stp_edge){.node = used, .transform = stp_affine_identity()});
+        result = stp_graph_add_edge(&s->graph, used, &identity);
     }
     return result;
 }
@@ -145,7 +79,7 @@ static stp_result close_object(share* s, const stp_object* object, size_t first_
         *index = used;
         return STP_OK;
     }
-    return close_node(s, first_edge, first_part, flags, index);
+    return stp_graph_close_node(&s->graph, first_edge, first_part, flags, index);
 }
 
 // The node of an object when what it depends on has its nodes. An object without anything below gets none.
@@ -166,14 +100,13 @@ static stp_result share_object(share* s, uint32_t index)
          child = s->next_sibling[child]) {
         const stp_object* below = &scene->objects[child];
         if (below->node != STP_NONE && (below->flags & STP_OBJECT_PROTOTYPE) == 0) {
-            result = add_edge(s, &(stp_edge){.node = below->node, .transform = below->transform});
+            result = stp_graph_add_edge(&s->graph, below->node, &below->transform);
         }
     }
     for (uint32_t i = 0; result == STP_OK && content != STP_NONE && i < object->instance_count;
          ++i) {
         result =
-            add_edge(s, &(stp_edge){.node = content,
-                                    .transform = scene->instances[object->first_instance + i]});
+            stp_graph_add_edge(&s->graph, content, &scene->instances[object->first_instance + i]);
     }
     bool empty = scene->edge_count == first_edge && scene->node_part_count == first_part;
     if (result != STP_OK || empty) {
@@ -241,8 +174,7 @@ static stp_result share_roots(share* s)
         const stp_object* object = &scene->objects[i];
         bool shown = (object->flags & STP_OBJECT_PROTOTYPE) == 0;
         if (object->parent == STP_NONE && object->node != STP_NONE && shown) {
-            stp_edge edge = {.node = object->node, .transform = object->transform};
-            stp_result result = add_edge(s, &edge);
+            stp_result result = stp_graph_add_edge(&s->graph, object->node, &object->transform);
             if (result != STP_OK) {
                 return result;
             }
@@ -251,7 +183,7 @@ static stp_result share_roots(share* s)
     if (scene->edge_count == first_edge) {
         return STP_OK;
     }
-    return close_node(s, first_edge, scene->node_part_count, 0, &scene->root);
+    return stp_graph_close_node(&s->graph, first_edge, scene->node_part_count, 0, &scene->root);
 }
 
 static void link_children(share* s)
@@ -302,9 +234,9 @@ stp_result stp_scene_finish(stp_scene* scene)
         return result;
     }
     stp_parallel_for(scene->context, scene->mesh_count, 4, measure_meshes, scene);
-    share s = {.scene = scene};
+    share s = {.scene = scene, .graph = {.scene = scene}};
     result = make_graph(&s);
-    stp_content_table_destroy(scene->context, &s.table);
+    stp_graph_destroy(&s.graph);
     stp_free(scene->context, s.stack);
     stp_free(scene->context, s.states);
     stp_free(scene->context, s.last_child);

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// A hierarchy of boxes: what is near each other is in one group, and no group has too many members.
+#pragma once
+
+#include "base/context.h"
+#include "base/math.h"
+
+/// Has children, or members: the boxes order[first] to order[first + count - 1].
+typedef struct stp_group {
+    uint32_t first, count;             ///< all boxes below it
+    uint32_t first_child, child_count; ///< 0: `count` members
+    uint32_t depth;                    ///< splits above it
+} stp_group;
+
+/// The first group holds all; children have higher indices than parents. All zero at first; may be used again.
+typedef struct stp_grouping {
+    uint32_t* order;
+    stp_group* groups;
+    size_t group_count;
+    size_t order_capacity, group_capacity;
+} stp_grouping;
+
+enum { STP_GROUP_LIMIT = 256 };
+
+/// Groups `count` boxes (at least 1), at most `most` (2 to STP_GROUP_LIMIT) members or children each. Boxes may
+/// coincide, be empty of volume, or of any size. Time O(count log count).
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_group_boxes(stp_context* context, const stp_boxd* boxes, uint32_t count,
+                                        uint32_t most, stp_grouping* grouping);
+void stp_grouping_destroy(stp_context* context, stp_grouping* grouping);
