@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scenes/scenes.h"
 
+#include "scenes/industry.h"
 #include "scenes/small.h"
 
 #include <stdlib.h>
@@ -10,6 +11,8 @@ static const scene_recipe recipes[] = {
     {"boxes", "27 boxes of as many colours: the smallest scene", scene_make_boxes},
     {"spheres", "a sphere of spheres of spheres: nested instancing", scene_make_spheres},
     {"one-mesh", "one mesh of a million triangles times the scale", scene_make_one_mesh},
+    {"power-plant", "one coal-fired power plant: pipes, steelwork, a turbine in its hall",
+     scene_make_power_plant},
     {0},
 };
 

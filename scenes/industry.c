@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#include "scenes/industry.h"
+
+typedef struct named_view {
+    const char* name;
+    stp_vec3d eye, target;
+    double fov;
+} named_view;
+
+static stp_result build_alone(stp_scene* scene, const scene_options* options, const char* name,
+                              void (*make_plan)(assembly_plan* plan), const plan_counts* counts,
+                              const named_view* views, size_t view_count)
+{
+    assembly_plan plan;
+    plan_begin(&plan, scene->context, options->seed);
+    make_plan(&plan);
+    plan_fit(&plan, counts, options->scale);
+    stp_affine still = stp_affine_identity();
+    stp_result result = plan_build(&plan, scene, STP_NONE, name, &still, NULL);
+    plan_end(&plan);
+    for (size_t i = 0; result == STP_OK && i < view_count; ++i) {
+        const named_view* view = &views[i];
+        result = add_view(scene, view->name, view->eye, view->target, view->fov);
+    }
+    return result;
+}
+
+stp_result scene_make_power_plant(stp_scene* scene, const scene_options* options)
+{
+    static const plan_counts counts = {283, 283, 11543421, 11543421};
+    static const named_view views[] = {
+        {"overview", {-120, 85, 150}, {0, 15, 0}, 50},
+        {"boiler", {14, 20, 42}, {-20, 30, 0}, 60},
+        {"inside boiler house", {-35, 9.8, 16}, {-8, 14, -4}, 75},
+        {"turbine hall", {9, 13.5, 10}, {50, 8, -4}, 70},
+        {"below the turbines", {12, 2, 4}, {60, 4, -6}, 75},
+        {"switchyard", {4, 5, -44}, {45, 5, -68}, 60},
+        {"tank farm", {-8, 7, -40}, {-56, 4, -66}, 60},
+    };
+    return build_alone(scene, options, "power plant", plan_power_plant, &counts, views,
+                       sizeof(views) / sizeof(views[0]));
+}
