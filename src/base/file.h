@@ -35,3 +35,6 @@ uint64_t stp_file_writer_size(const stp_file_writer* writer);
 STP_MUST_USE stp_result stp_file_writer_commit(stp_file_writer* writer);
 /// Removes the temporary file and ends the writer. NULL is allowed.
 void stp_file_writer_abort(stp_file_writer* writer);
+
+/// Removes what killed writers of `path` left beside it: their temporary files, where no such process lives.
+void stp_file_remove_stale(stp_context* context, const char* path);

@@ -231,6 +231,48 @@ void test_file_writer_follows_links(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_file_remove_stale_takes_what_dead_writers_left(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    folder f;
+    CHECK(context != NULL && make_folder(&f));
+    char path[128], name[128], text[64];
+    path_in(&f, "out.bin", path);
+    pid_t child = fork();
+    CHECK(child >= 0);
+    if (child == 0) {
+        stp_file_writer* writer = NULL;
+        stp_result result = stp_file_writer_open(context, path, &writer);
+        raise(SIGKILL);
+        _exit(result == STP_OK);
+    }
+    CHECK(waitpid(child, NULL, 0) == child);
+    CHECK_EQUAL(1, count_entries(&f));
+    snprintf(text, sizeof(text), "out.bin.tmp-%ld-0", (long)child);
+    path_in(&f, text, name);
+    CHECK(access(name, F_OK) == 0);
+    static const char* const others[] = {"%s/out.bin.tmp-%ld-", "%s/out.bin.tmp-%ld-0x",
+                                         "%s/other.bin.tmp-%ld-0", "%s/out.bin.tmp-%ld",
+                                         "%s/out.bin.tmp-0%ld-0"};
+    for (int i = 0; i < 5; ++i) {
+        snprintf(name, sizeof(name), others[i], f.path, (long)child);
+        CHECK(write_text(context, name, "another file"));
+    }
+    stp_file_writer* writer = NULL; // of a process that lives
+    CHECK_EQUAL(STP_OK, stp_file_writer_open(context, path, &writer));
+    CHECK_EQUAL(7, count_entries(&f));
+    stp_file_remove_stale(context, path);
+    CHECK_EQUAL(6, count_entries(&f));
+    CHECK_EQUAL(STP_OK, stp_file_writer_commit(writer));
+    for (int i = 0; i < 5; ++i) {
+        snprintf(name, sizeof(name), others[i], f.path, (long)child);
+        CHECK_EQUAL(0, unlink(name));
+    }
+    unlink(path);
+    CHECK_EQUAL(0, rmdir(f.path));
+    stp_context_destroy(context);
+}
+
 // Run in a child whose files may not grow beyond 2 MB: as on a full disk. Exit code 0: as promised.
 static int write_beyond_limit(const char* path)
 {
