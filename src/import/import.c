@@ -82,6 +82,7 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
     bool first = import->root == 0;
     double unit = unit_metres > 0.0 ? unit_metres : import->desc.unit_metres;
     double scale = 1.0;
+    import->unit_metres = unit;
     if (first) {
         scene->unit_metres = unit;
         scene->up = up == 'z' ? "z" : "y";
@@ -94,6 +95,25 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
     stp_affine y_up = {{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}};
     stp_affine z_up = {{{scale, 0, 0, 0}, {0, 0, scale, 0}, {0, -scale, 0, 0}}};
     scene->objects[import->root].transform = up == 'z' ? z_up : y_up;
+}
+
+// Several inputs in one scene have one unit; where that is a guess, the user should know.
+static void judge_units(const stp_import* import, double scene_unit)
+{
+    const stp_scene* scene = import->scene;
+    if (scene->source_count < 2) {
+        return;
+    }
+    if (import->unit_metres == 0.0 && scene->unit_metres > 0.0) {
+        stp_warn(import->context,
+                 "%s: does not say its unit of length: taken to be that of the other inputs, %g m",
+                 import->path, scene->unit_metres);
+    } else if (import->unit_metres > 0.0 && scene_unit == 0.0) {
+        stp_warn(import->context,
+                 "%s: its unit of length is %g m: taken to be that of the inputs before it, which "
+                 "do not say theirs",
+                 import->path, import->unit_metres);
+    }
 }
 
 static stp_result read_with(const stp_importer* importer, stp_import* import)
@@ -113,8 +133,13 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
     if (import->desc.up != 0) {
         up = import->desc.up;
     }
+    double scene_unit = import->scene->unit_metres;
     stp_import_set_axes(import, up, 0.0);
-    return importer->read(import);
+    result = importer->read(import);
+    if (result == STP_OK) {
+        judge_units(import, scene_unit);
+    }
+    return result;
 }
 
 static stp_result import_mapped(stp_import* import)

@@ -24,7 +24,8 @@ typedef struct stp_import {
     stp_mapped_file file;
     stp_import_desc desc;
     uint32_t root;
-    bool alone; ///< the bytes came from memory: no file beside it may be read
+    double unit_metres; ///< of the file, once its axes are set; 0: unknown
+    bool alone;         ///< the bytes came from memory: no file beside it may be read
 } stp_import;
 
 typedef struct stp_importer {
@@ -40,7 +41,8 @@ typedef struct stp_importer {
 } stp_importer;
 
 /// Reads one file into the scene (which stp_scene_finish must not have seen yet). The format is
-/// found by content, then by extension.
+/// found by content, then by extension. Several files make one scene: its unit is the first known one, the
+/// others are scaled to it, and a file that does not say its unit is taken to be in it, with a warning.
 /// @return STP_OK; STP_ERROR_IO, STP_ERROR_TRUNCATED, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED,
 /// STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY, each with one logged sentence that names file and
 /// place
