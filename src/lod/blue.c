@@ -6,11 +6,12 @@
 #include "lod/finish.h"
 #include "lod/points.h"
 
-#define MOST_SURFELS 200000u      // Brandt 5.2
-#define CANDIDATES_PER_SURFEL 17u // 1.75 million for 100 thousand (Brandt, Table 2)
-#define LEAST_CANDIDATES 20000u   // a small object still wants its shape
-#define MOST_CANDIDATES 1750000u  // Brandt, Table 2
-#define NORMAL_SPACINGS 2.5f      // how far around a point its normal is taken from
+#define MOST_SURFELS 200000u // Brandt 5.2
+// Half and twice as many candidates give pictures of the same SSIM (docs/performance.md).
+#define CANDIDATES_PER_SURFEL 6u
+#define LEAST_CANDIDATES 20000u  // a small object still wants its shape
+#define MOST_CANDIDATES 1750000u // Brandt, Table 2
+#define NORMAL_SPACINGS 2.5f     // how far around a point its normal is taken from
 
 typedef struct blue {
     const stp_scene* scene;

@@ -7,6 +7,7 @@
 #define MOST_IN_BUCKET 200.0
 #define MOST_HALVINGS 32
 #define GRAIN 32768
+#define AHEAD 24 // points that memory is asked for in advance
 
 typedef struct filling {
     stp_grid* grid;
@@ -33,6 +34,10 @@ static void fill_columns(size_t begin, size_t end, uint32_t worker, void* user)
     const filling* f = user;
     stp_grid* grid = f->grid;
     for (size_t at = begin; at < end; ++at) {
+        if (at + AHEAD < end) {
+            __builtin_prefetch(f->positions + 3 * (size_t)grid->index[at + AHEAD]);
+            __builtin_prefetch(f->normals + 3 * (size_t)grid->index[at + AHEAD]);
+        }
         const float* p = f->positions + 3 * (size_t)grid->index[at];
         const float* n = f->normals + 3 * (size_t)grid->index[at];
         grid->x[at] = p[0];

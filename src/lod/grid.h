@@ -37,13 +37,15 @@ static inline int32_t stp_grid_cell(const stp_grid* grid, float coordinate)
     return truncated - (cell < (float)truncated);
 }
 
+/// Cells lie together in blocks of 4 x 4 x 4: whoever goes from bucket to bucket stays near for a while.
 static inline uint32_t stp_grid_bucket(const stp_grid* grid, int32_t x, int32_t y, int32_t z)
 {
-    uint32_t hash =
-        (uint32_t)x * 0x9E3779B1u ^ (uint32_t)y * 0x85EBCA77u ^ (uint32_t)z * 0xC2B2AE3Du;
+    uint32_t cx = (uint32_t)x, cy = (uint32_t)y, cz = (uint32_t)z;
+    uint32_t hash = (cx >> 2) * 0x9E3779B1u ^ (cy >> 2) * 0x85EBCA77u ^ (cz >> 2) * 0xC2B2AE3Du;
     hash ^= hash >> 15;
     hash *= 0x2C1B3C6Du;
-    return (hash ^ hash >> 13) & grid->mask;
+    hash ^= hash >> 13;
+    return (hash << 6 | (cz & 3) << 4 | (cy & 3) << 2 | (cx & 3)) & grid->mask;
 }
 
 /// Lists the points along a curve that keeps near what is near (Morton 1966): whoever visits them so

@@ -19,7 +19,7 @@
 // that is full of surface holds at least one.
 #define SAMPLE_RADIUS 0.125f
 // Where candidates do, each stands for up to so much of a disk's pixels.
-#define DISK_CANDIDATES 75.0
+#define DISK_CANDIDATES 32.0
 // Half the side of a square over the radius of a disk as large.
 #define DISK_SQUARE 0.88622693f
 // Surfels of sets say by their opacity how much of them is surface: their number says nothing, and is made so large
@@ -29,6 +29,7 @@
 #define MOST_CELLS 12.0f
 // Part of a fraction seen that is taken for true, whatever was counted.
 #define LEAST_BELIEVED 0.4
+#define AHEAD 24u // samples that memory is asked for in advance
 
 // One entry of the pyramid.
 typedef struct entry {
@@ -52,7 +53,8 @@ typedef struct pyramid {
     entry* entries;
     uint16_t* fraction_column;
     entry_sum* sums;
-    uint32_t* nearest; ///< of each sample, in its grid's order
+    stp_grid candidates; ///< all, in cells made for the finest octave
+    uint32_t* nearest;   ///< of each sample, in its grid's order
     stp_disk* disks;
     uint32_t* spatial; ///< all surfels along a space-filling curve
     uint32_t* visit;   ///< those of one prefix
@@ -96,6 +98,10 @@ static void add_candidates(pyramid* p, const stp_grid* samples)
 {
     const uint8_t* colors = p->input->finish->candidates->colors;
     for (uint32_t at = 0; at < samples->count; ++at) {
+        if (at + AHEAD < samples->count) {
+            __builtin_prefetch(colors + 4 * (size_t)samples->index[at + AHEAD]);
+            __builtin_prefetch(&p->sums[p->nearest[at + AHEAD] & INT32_MAX]);
+        }
         if (p->nearest[at] != UINT32_MAX) {
             const uint8_t* c = colors + 4 * (size_t)samples->index[at];
             uint32_t color[3] = {p->linear[c[0]], p->linear[c[1]], p->linear[c[2]]};
@@ -332,6 +338,10 @@ static stp_result look_at_some_candidates(pyramid* p, uint32_t octave, const oct
 {
     const stp_candidates* c = p->input->finish->candidates;
     float cell = plan->disk_radius + candidate_footprint(p, plan);
+    if (plan->stride == 1 && cell <= MOST_CELLS * p->candidates.cell) {
+        look_at_candidates(p, octave, plan, &p->candidates);
+        return STP_OK;
+    }
     stp_grid samples;
     stp_result result = stp_grid_create(p->context, c->positions, c->normals, c->count,
                                         plan->stride, cell, 0.0f, &samples);
@@ -347,15 +357,13 @@ static stp_result make_finest(pyramid* p, uint32_t octave, const octave_plan* pl
                               const stp_grid* surfels)
 {
     const stp_candidates* c = p->input->finish->candidates;
-    stp_grid samples;
     stp_result result = stp_grid_create(p->context, c->positions, c->normals, c->count, 1,
-                                        plan->cell, 0.5f * plan->cell, &samples);
+                                        plan->cell, 0.5f * plan->cell, &p->candidates);
     if (result == STP_OK) {
-        find_nearest(p, plan, surfels, &samples);
-        add_candidates(p, &samples);
+        find_nearest(p, plan, surfels, &p->candidates);
+        add_candidates(p, &p->candidates);
         average_octave(p, octave, NULL, 255);
-        look_at_candidates(p, octave, plan, &samples);
-        stp_grid_destroy(p->context, &samples);
+        look_at_candidates(p, octave, plan, &p->candidates);
     }
     return result;
 }
@@ -455,6 +463,7 @@ static stp_result allocate_pyramid(pyramid* p)
 
 static void free_pyramid(pyramid* p)
 {
+    stp_grid_destroy(p->context, &p->candidates);
     stp_free(p->context, p->visit);
     stp_free(p->context, p->spatial);
     stp_free(p->context, p->disks);
