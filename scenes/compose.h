@@ -7,8 +7,6 @@
 stp_affine place_at(double x, double y, double z);
 /// Turned about the vertical axis by a part of a full turn, scaled, then moved.
 stp_affine place_turned(double x, double y, double z, double turns, double scale);
-/// Scaled along each axis, then moved.
-stp_affine place_box(stp_vec3d origin, stp_vec3d size);
 
 /// An opaque material that is no metal; colours as sRGB, 0xRRGGBB.
 STP_MUST_USE stp_result add_plain_material(stp_scene* scene, const char* name, uint32_t srgb,

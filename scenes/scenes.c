@@ -13,6 +13,10 @@ static const scene_recipe recipes[] = {
     {"one-mesh", "one mesh of a million triangles times the scale", scene_make_one_mesh},
     {"power-plant", "one coal-fired power plant: pipes, steelwork, a turbine in its hall",
      scene_make_power_plant},
+    {"forest", "a thousand trees of six kinds on hilly ground, with a road", scene_make_forest},
+    {"city-small", "the middle of a Roman city: a sixteenth of it", scene_make_small_city},
+    {"city", "a Roman city of 26,878 unique objects", scene_make_city},
+    {"terrain", "the terrain of paper alone", scene_make_terrain},
     {0},
 };
 

@@ -20,6 +20,10 @@ static const unsigned char box_faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1,
 
 void solid_box(mesh_builder* builder, stp_vec3 min, stp_vec3 max)
 {
+    if (builder->counting) {
+        builder->index_count += 36;
+        return;
+    }
     stp_vec3 corners[8];
     for (int i = 0; i < 8; ++i) {
         corners[i] = (stp_vec3){(i & 1) != 0 ? max.x : min.x, (i & 2) != 0 ? max.y : min.y,
@@ -46,17 +50,18 @@ void solid_box(mesh_builder* builder, stp_vec3 min, stp_vec3 max)
 }
 
 // The outward slope of a profile at a ring, from its neighbours.
-static stp_vec3 ring_normal(const double (*profile)[2], int rings, int ring)
+static stp_vec3 ring_normal(const lathe_ring* profile, int rings, int ring)
 {
     int below = ring > 0 ? ring - 1 : 0, above = ring + 1 < rings ? ring + 1 : ring;
-    return point3(profile[above][1] - profile[below][1], profile[below][0] - profile[above][0], 0);
+    return point3(profile[above].height - profile[below].height,
+                  profile[below].radius - profile[above].radius, 0);
 }
 
-static uint32_t add_ring(mesh_builder* builder, const double (*profile)[2], int rings, int ring,
+static uint32_t add_ring(mesh_builder* builder, const lathe_ring* profile, int rings, int ring,
                          int sides)
 {
     stp_vec3 slope = ring_normal(profile, rings, ring);
-    double radius = profile[ring][0], height = profile[ring][1];
+    double radius = profile[ring].radius, height = profile[ring].height;
     if (!(radius > 0.0)) {
         return mesh_builder_vertex(builder, point3(0, height, 0),
                                    point3(0, ring == 0 ? -1.0 : 1.0, 0));
@@ -72,14 +77,18 @@ static uint32_t add_ring(mesh_builder* builder, const double (*profile)[2], int 
     return first;
 }
 
-void solid_lathe(mesh_builder* builder, const double (*profile)[2], int rings, int sides)
+void solid_lathe(mesh_builder* builder, const lathe_ring* profile, int rings, int sides)
 {
+    if (builder->counting) {
+        builder->index_count += 3 * lathe_triangles(profile, rings, sides);
+        return;
+    }
     uint32_t below = 0;
     for (int ring = 0; ring < rings; ++ring) {
         uint32_t above = add_ring(builder, profile, rings, ring, sides);
         for (int i = 0; ring > 0 && i < sides; ++i) {
             uint32_t k = (uint32_t)i, next = (uint32_t)((i + 1) % sides);
-            bool tip = !(profile[ring][0] > 0.0), base = !(profile[ring - 1][0] > 0.0);
+            bool tip = !(profile[ring].radius > 0.0), base = !(profile[ring - 1].radius > 0.0);
             if (!tip) {
                 mesh_builder_triangle(builder, below + (base ? 0 : k), above + k, above + next);
             }
@@ -91,12 +100,12 @@ void solid_lathe(mesh_builder* builder, const double (*profile)[2], int rings, i
     }
 }
 
-size_t lathe_triangles(const double (*profile)[2], int rings, int sides)
+size_t lathe_triangles(const lathe_ring* profile, int rings, int sides)
 {
     size_t count = 0;
     for (int ring = 1; ring < rings; ++ring) {
-        count += (size_t)sides *
-                 ((profile[ring][0] > 0.0 ? 1u : 0u) + (profile[ring - 1][0] > 0.0 ? 1u : 0u));
+        count += (size_t)sides * ((profile[ring].radius > 0.0 ? 1u : 0u) +
+                                  (profile[ring - 1].radius > 0.0 ? 1u : 0u));
     }
     return count;
 }
@@ -130,6 +139,10 @@ void solid_sphere(mesh_builder* builder, stp_vec3 center, double radius, int lev
         {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
         {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
         {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+    if (builder->counting) {
+        builder->index_count += (size_t)60 << (2 * levels);
+        return;
+    }
     stp_vec3 corners[12];
     uint32_t indices[12];
     for (int i = 0; i < 12; ++i) {

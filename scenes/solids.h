@@ -15,11 +15,15 @@ void solid_quad(mesh_builder* builder, stp_vec3 a, stp_vec3 b, stp_vec3 c, stp_v
 /// A box: 12 triangles.
 void solid_box(mesh_builder* builder, stp_vec3 min, stp_vec3 max);
 
-/// A profile turned about the y axis: `profile` holds radius and height of each ring, from below to above. Smooth
+typedef struct lathe_ring {
+    double radius, height;
+} lathe_ring;
+
+/// A profile turned about the y axis: Rings go from below to above. Smooth
 /// unless the builder is flat. A radius of 0 at an end closes it.
-void solid_lathe(mesh_builder* builder, const double (*profile)[2], int rings, int sides);
+void solid_lathe(mesh_builder* builder, const lathe_ring* profile, int rings, int sides);
 /// Triangles of that.
-size_t lathe_triangles(const double (*profile)[2], int rings, int sides);
+size_t lathe_triangles(const lathe_ring* profile, int rings, int sides);
 
 /// A sphere of 20 * 4^levels triangles, smooth.
 void solid_sphere(mesh_builder* builder, stp_vec3 center, double radius, int levels);

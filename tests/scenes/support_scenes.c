@@ -5,10 +5,15 @@
 
 scene_sums sum_scene(const stp_scene* scene)
 {
-    scene_sums sums = {.unique_objects = scene->mesh_count};
-    for (size_t i = 0; i < scene->mesh_count; ++i) {
-        sums.unique_triangles += scene->meshes[i].triangle_count;
+    scene_sums sums = {0};
+    bool* used = calloc(scene->mesh_count + 1, sizeof(*used));
+    for (size_t i = 0; used != NULL && i < scene->node_part_count; ++i) {
+        uint32_t mesh = scene->node_parts[i].index;
+        sums.unique_objects += used[mesh] ? 0 : 1;
+        sums.unique_triangles += used[mesh] ? 0 : scene->meshes[mesh].triangle_count;
+        used[mesh] = true;
     }
+    free(used);
     uint64_t* placed = calloc(scene->node_count + 1, sizeof(*placed));
     for (size_t i = 0; placed != NULL && i < scene->node_count; ++i) {
         const stp_node* node = &scene->nodes[i];

@@ -139,7 +139,7 @@ void test_scenes_survive_any_failed_allocation(test_state* test)
 {
     for (const scene_recipe* recipe = scene_recipes(); recipe->name != NULL; ++recipe) {
         bool done = false;
-        for (int n = 0; !done && n < 400; n += 1 + n / 4) {
+        for (int n = 0; !done && n < 300; n += 1 + n / 2) {
             test_heap heap = TEST_HEAP(n);
             stp_context* context = test_context(&heap, 1, NULL);
             if (context == NULL) {
