@@ -2,12 +2,9 @@
 #include "base/gate.h"
 
 #include "base/context_internal.h"
+#include "base/wait.h"
 
 #include <assert.h>
-#include <time.h>
-
-#define REPORT_NS 50000000L
-#define SECOND_NS 1000000000L
 
 struct stp_gate {
     stp_context* context;
@@ -29,11 +26,7 @@ stp_result stp_gate_create(stp_context* context, uint64_t budget_bytes, stp_gate
     made->context = context;
     made->budget = budget_bytes != 0 ? budget_bytes : UINT64_MAX;
     pthread_mutex_init(&made->mutex, NULL);
-    pthread_condattr_t steady;
-    pthread_condattr_init(&steady);
-    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
-    pthread_cond_init(&made->moved, &steady);
-    pthread_condattr_destroy(&steady);
+    stp_condition_init(&made->moved);
     *gate = made;
     return STP_OK;
 }
@@ -73,23 +66,6 @@ static void admit(stp_gate* gate, stp_gate_ticket* ticket)
     gate->jobs += ticket->in_loop;
 }
 
-// Sleeps until something changes, for a while at most; the mutex is free meanwhile, and when the loop reports.
-static stp_result wait_for_move(stp_gate* gate)
-{
-    struct timespec until;
-    (void)clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_nsec += REPORT_NS;
-    if (until.tv_nsec >= SECOND_NS) {
-        until.tv_nsec -= SECOND_NS;
-        until.tv_sec += 1;
-    }
-    (void)pthread_cond_timedwait(&gate->moved, &gate->mutex, &until);
-    pthread_mutex_unlock(&gate->mutex);
-    stp_result result = stp_progress(gate->context, "wait", 0.0);
-    pthread_mutex_lock(&gate->mutex);
-    return result;
-}
-
 // Waits in line; the mutex is held.
 static stp_result wait_in_line(stp_gate* gate, const stp_gate_ticket* ticket)
 {
@@ -97,7 +73,7 @@ static stp_result wait_in_line(stp_gate* gate, const stp_gate_ticket* ticket)
     stp_result result = STP_OK;
     // one that gives up keeps its place until it is called, so that the line moves on
     while (number != gate->called || (result == STP_OK && !has_room(gate, ticket))) {
-        stp_result told = wait_for_move(gate);
+        stp_result told = stp_condition_wait_reported(gate->context, &gate->moved, &gate->mutex);
         result = result != STP_OK ? result : told;
     }
     gate->called += 1;

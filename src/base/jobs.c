@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "base/jobs.h"
 
+#include "base/wait.h"
+
 #include <assert.h>
 #include <pthread.h>
-#include <time.h>
-
-#define TICK_NS 50000000L
-#define SECOND_NS 1000000000L
 
 typedef struct worker_start {
     stp_jobs* jobs;
@@ -85,11 +83,7 @@ stp_result stp_jobs_create(stp_jobs** jobs, stp_context* context, uint32_t threa
     }
     pthread_mutex_init(&made->mutex, NULL);
     pthread_cond_init(&made->work, NULL);
-    pthread_condattr_t steady; // the clock of the wall may be set
-    pthread_condattr_init(&steady);
-    pthread_condattr_setclock(&steady, CLOCK_MONOTONIC);
-    pthread_cond_init(&made->done, &steady);
-    pthread_condattr_destroy(&steady);
+    stp_condition_init(&made->done);
     atomic_init(&made->next, 0);
     made->threads = STP_NEW_ARRAY(context, pthread_t, thread_count);
     made->starts = STP_NEW_ARRAY(context, worker_start, thread_count);
@@ -154,14 +148,7 @@ static void wait_for_workers(stp_jobs* jobs)
             pthread_cond_wait(&jobs->done, &jobs->mutex);
             continue;
         }
-        struct timespec until;
-        (void)clock_gettime(CLOCK_MONOTONIC, &until);
-        until.tv_nsec += TICK_NS;
-        if (until.tv_nsec >= SECOND_NS) {
-            until.tv_nsec -= SECOND_NS;
-            until.tv_sec += 1;
-        }
-        if (pthread_cond_timedwait(&jobs->done, &jobs->mutex, &until) != 0) {
+        if (!stp_condition_wait(&jobs->done, &jobs->mutex)) {
             pthread_mutex_unlock(&jobs->mutex);
             jobs->loop.tick(jobs->loop.user);
             pthread_mutex_lock(&jobs->mutex);
