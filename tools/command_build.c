@@ -188,13 +188,14 @@ static int print_result(stp_context* context, const stp_build_report* report)
 {
     uint64_t peak_bytes = stp_context_peak_bytes(context);
     stp_store* store = NULL;
-    if (stp_store_open(context, args.output, &store) != STP_OK) {
+    stp_store_open_desc desc = {.summary_only = true};
+    if (stp_store_open_with(context, args.output, &desc, &store) != STP_OK) {
         return 1;
     }
     scene_figures figures;
     int code = 0;
-    if (!describe_store(store, &figures)) {
-        code = tool_error("out of memory");
+    if (describe_store(context, store, &figures) != STP_OK) {
+        code = 1;
     } else if (args.json) {
         json_t* json = describe_json(&figures);
         (void)json_object_set_new(json, "seconds", seconds_json(report));

@@ -4,6 +4,7 @@
 #include "command.h"
 #include "describe.h"
 
+#include "build/census.h"
 #include "build/content.h"
 #include "import/import.h"
 #include "scenes/scenes.h"
@@ -31,11 +32,11 @@ static const option* options(void)
     return table;
 }
 
-static int print_figures(const char* path, bool described, scene_figures* figures)
+static int print_figures(const char* path, stp_result described, scene_figures* figures)
 {
     int code = 0;
-    if (!described) {
-        code = tool_error("out of memory");
+    if (described != STP_OK) {
+        code = 1;
     } else if (args.json) {
         json_t* json = describe_json(figures);
         code = json != NULL ? tool_print_json(json) : tool_error("out of memory");
@@ -49,11 +50,12 @@ static int print_figures(const char* path, bool described, scene_figures* figure
 static int print_store(stp_context* context, const char* path)
 {
     stp_store* store = NULL;
-    if (stp_store_open(context, path, &store) != STP_OK) {
+    stp_store_open_desc desc = {.summary_only = true};
+    if (stp_store_open_with(context, path, &desc, &store) != STP_OK) {
         return 1;
     }
     scene_figures figures;
-    bool described = describe_store(store, &figures);
+    stp_result described = describe_store(context, store, &figures);
     int code = print_figures(path, described, &figures);
     stp_store_close(store);
     return code;
@@ -63,20 +65,24 @@ static int print_model(stp_context* context, const char* path)
 {
     stp_scene* scene = NULL;
     stp_build_content content = {0};
+    stp_store_census census = {0};
     stp_result result = stp_scene_create(context, &scene);
     if (result == STP_OK) {
         result = scene_is_input(path) ? scene_make_input(scene, path, NULL)
                                       : stp_import_file(scene, path, &(stp_import_desc){0});
     }
     result = result != STP_OK ? result : stp_scene_finish(scene);
+    result = result != STP_OK ? result : stp_build_census(scene, &census);
     result = result != STP_OK ? result : stp_build_content_create(scene, NULL, &content);
     int code = 1;
     if (result == STP_OK) {
         scene_figures figures;
-        bool described = describe_content(&content.content, &figures);
+        content.content.census = &census;
+        stp_result described = describe_content(context, &content.content, &figures);
         code = print_figures(path, described, &figures);
     }
     stp_build_content_destroy(&content);
+    stp_store_census_destroy(context, &census);
     stp_scene_destroy(scene);
     return code;
 }
@@ -113,12 +119,18 @@ const command command_info = {
     .name = "info",
     .arguments = "FILE",
     .summary = "say what a .stip file or a model holds",
-    .text = "Prints counts of triangles, points, surfels, nodes, objects and instances, with and "
-            "without "
-            "instancing; bytes; size, unit and up axis; sources, named views and top-level parts. "
-            "Of a .stip "
-            "file only the directory is read, however large the file; a model is imported, but not "
-            "built.",
+    .text =
+        "Prints a table of the scene's parts: objects, levels of detail (nodes with surfels), "
+        "triangles, points and surfels, each with all instances and, in parentheses, without; "
+        "and the bytes they take. Then nodes, instances, bytes a surfel and a triangle, size, "
+        "unit and up axis, sources and named views. --json has all figures of every part.\n"
+        "\n"
+        "A part is an object below the uppermost one, or below what that holds alone, and so "
+        "on; beyond 64, the smallest are one part, \"others\". An object is what the input calls "
+        "one thing with a shape.\n"
+        "\n"
+        "Of a .stip file only its first pages are read, however large it is (files of version "
+        "1.0: the directory); a model is imported, but not built.",
     .options = options,
     .run = run,
 };

@@ -7,35 +7,35 @@
 
 #include <jansson.h>
 
-/// One top-level object: an input file, as a rule.
-typedef struct part_figures {
-    const char* name; ///< may be NULL
-    uint64_t objects, instances, triangles, points;
-} part_figures;
-
-/// Counts; where things are instanced, `unique_...` counts each once. Sums stop at the largest number.
 typedef struct scene_figures {
-    uint64_t nodes, unique_nodes, objects, instances, triangles, unique_triangles, points,
-        unique_points;
-    uint64_t surfels, unique_surfels;
-    uint64_t splat_bytes, triangle_bytes, point_bytes, texture_bytes;
-    part_figures* parts;
-    size_t part_count;
+    stp_store_summary summary;
+    stp_context* context; ///< whose memory the summary takes; NULL: it is the store's
+    const stp_store_directory* directory; ///< views, sources, unit and up axis of it are looked at
     uint64_t file_bytes;
-    uint32_t format_version; ///< 0: not a .stip
-    const stp_store_directory* directory;
+    uint32_t format_version, format_minor; ///< 0: not a .stip
 } scene_figures;
 
-/// Of an open store: no bulk data is read. @return false where memory runs out
-bool describe_store(const stp_store* store, scene_figures* figures);
+/// Of an open store: what it says of itself, or what its tables say where it does not. No bulk data is read.
+STP_MUST_USE stp_result describe_store(stp_context* context, stp_store* store,
+                                       scene_figures* figures);
 /// Of what a writer would be given.
-bool describe_content(const stp_store_content* content, scene_figures* figures);
+STP_MUST_USE stp_result describe_content(stp_context* context, const stp_store_content* content,
+                                         scene_figures* figures);
 void describe_destroy(scene_figures* figures);
 
 /// As `info --json` prints it; NULL where memory runs out.
 json_t* describe_json(const scene_figures* figures);
 /// As `info` prints it, on stdout.
 void describe_print(const char* path, const scene_figures* figures);
+
+/// The table of parts, and their sum: the layout of the paper's Table 1, on stdout.
+void describe_print_table(const stp_store_summary* summary);
+/// A count as people read it: 12,345 or 2.35 G.
+const char* describe_count(uint64_t count, char out[32]);
+/// 554 MB, in powers of 1000.
+const char* describe_bytes(uint64_t bytes, char out[32]);
+/// Prints a text from a file, without bytes that could steer a terminal.
+void describe_text(const char* text);
 
 /// The name of a unit of length, "mm"; NULL where there is none of that length.
 const char* describe_unit(double metres);

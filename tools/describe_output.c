@@ -40,26 +40,29 @@ static json_t* vector_json(stp_vec3d v)
     return json_pack("[f, f, f]", v.x, v.y, v.z);
 }
 
-static json_t* bounds_json(const stp_store_directory* d)
+static json_t* bounds_json(const stp_store_summary* summary)
 {
-    if (d->root == STP_STORE_NONE || stp_boxd_is_empty(d->nodes[d->root].bounds)) {
+    stp_boxd box = summary->bounds;
+    if (stp_boxd_is_empty(box)) {
         return json_null();
     }
-    stp_boxd box = d->nodes[d->root].bounds;
     return json_pack("{s:o, s:o}", "min", vector_json(box.min), "max", vector_json(box.max));
 }
 
-static json_t* parts_json(const scene_figures* f)
+static void set_figures(json_t* object, const stp_store_figures* figures)
+{
+#define X(name) set_count(object, #name, figures->name);
+    STP_STORE_FIGURES(X)
+#undef X
+}
+
+static json_t* parts_json(const stp_store_summary* summary)
 {
     json_t* parts = json_array();
-    for (size_t i = 0; i < f->part_count; ++i) {
-        const part_figures* part = &f->parts[i];
+    for (uint32_t i = 0; i < summary->part_count; ++i) {
         json_t* entry = json_object();
-        (void)json_object_set_new(entry, "name", text_json(part->name));
-        set_count(entry, "objects", part->objects);
-        set_count(entry, "instances", part->instances);
-        set_count(entry, "triangles", part->triangles);
-        set_count(entry, "points", part->points);
+        (void)json_object_set_new(entry, "name", text_json(summary->parts[i].name));
+        set_figures(entry, &summary->parts[i].figures);
         (void)json_array_append_new(parts, entry);
     }
     return parts;
@@ -101,91 +104,83 @@ static json_t* unit_json(double metres)
 json_t* describe_json(const scene_figures* f)
 {
     const stp_store_directory* d = f->directory;
+    bool stored = f->format_version != 0;
     json_t* json = json_object();
     json_t* methods = json_array();
-    if (f->unique_surfels != 0) {
+    if (f->summary.figures.unique_surfels != 0) {
         (void)json_array_append_new(methods, json_string("blue"));
     }
     (void)json_object_set_new(json, "format_version",
-                              f->format_version != 0 ? count_json(f->format_version) : json_null());
+                              stored ? count_json(f->format_version) : json_null());
+    (void)json_object_set_new(json, "format_minor",
+                              stored ? count_json(f->format_minor) : json_null());
     set_count(json, "file_bytes", f->file_bytes);
     (void)json_object_set_new(json, "methods", methods);
-    const struct {
-        const char* key;
-        uint64_t count;
-    } counts[] = {
-        {"nodes", f->nodes},
-        {"unique_nodes", f->unique_nodes},
-        {"objects", f->objects},
-        {"instances", f->instances},
-        {"triangles", f->triangles},
-        {"unique_triangles", f->unique_triangles},
-        {"points", f->points},
-        {"unique_points", f->unique_points},
-        {"surfels", f->surfels},
-        {"unique_surfels", f->unique_surfels},
-        {"splat_bytes", f->splat_bytes},
-        {"triangle_bytes", f->triangle_bytes},
-        {"point_bytes", f->point_bytes},
-        {"texture_bytes", f->texture_bytes},
-        {"materials", d->material_count},
-        {"textures", d->texture_count},
-    };
-    for (size_t i = 0; i < sizeof(counts) / sizeof(counts[0]); ++i) {
-        set_count(json, counts[i].key, counts[i].count);
-    }
+    set_figures(json, &f->summary.figures);
+    set_count(json, "materials", f->summary.material_count);
+    set_count(json, "textures", f->summary.texture_count);
     char up[2] = {d->up, 0};
-    (void)json_object_set_new(json, "bounds", bounds_json(d));
+    (void)json_object_set_new(json, "bounds", bounds_json(&f->summary));
     (void)json_object_set_new(json, "unit", unit_json(d->unit_metres));
     (void)json_object_set_new(json, "up", json_string(up));
     (void)json_object_set_new(json, "sources", sources_json(d));
     (void)json_object_set_new(json, "views", views_json(d));
-    (void)json_object_set_new(json, "parts", parts_json(f));
+    (void)json_object_set_new(json, "parts", parts_json(&f->summary));
     return json;
 }
 
-// 1234567 as 1,234,567.
-static const char* group(uint64_t count, char out[32])
+const char* describe_count(uint64_t count, char out[32])
 {
-    char digits[24];
-    int length = snprintf(digits, sizeof(digits), "%llu", (unsigned long long)count), at = 0;
-    for (int i = 0; i < length; ++i) {
-        if (i > 0 && (length - i) % 3 == 0) {
-            out[at++] = ',';
+    static const char units[] = "kMGTPE";
+    if (count < 1000) {
+        snprintf(out, 32, "%u", (unsigned)count);
+    } else if (count < 100000) {
+        snprintf(out, 32, "%u,%03u", (unsigned)(count / 1000), (unsigned)(count % 1000));
+    } else {
+        double value = (double)count;
+        int unit = -1;
+        while (value >= 999.5 && unit < 5) {
+            value /= 1000.0;
+            unit += 1;
         }
-        out[at++] = digits[i];
+        int digits = value < 9.995 ? 2 : value < 99.95 ? 1 : 0;
+        snprintf(out, 32, "%.*f %c", digits, value, units[unit]);
     }
-    out[at] = 0;
     return out;
 }
 
-static const char* bytes_text(uint64_t bytes, char out[32])
+const char* describe_bytes(uint64_t bytes, char out[32])
 {
-    static const char* const units[] = {"bytes", "KB", "MB", "GB", "TB"};
+    static const char* const units[] = {"B", "KB", "MB", "GB", "TB", "PB", "EB"};
     double value = (double)bytes;
     int unit = 0;
-    while (value >= 1000.0 && unit < 4) {
+    while (value >= 999.5 && unit < 6) {
         value /= 1000.0;
         unit += 1;
     }
-    snprintf(out, 32,
-             unit == 0       ? "%.0f %s"
-             : value < 100.0 ? "%.1f %s"
-                             : "%.0f %s",
-             value, units[unit]);
+    int digits = unit == 0 ? 0 : value < 9.995 ? 2 : value < 99.95 ? 1 : 0;
+    snprintf(out, 32, "%.*f %s", digits, value, units[unit]);
     return out;
 }
 
-// A line of the table: total, and what is unique where that differs.
+void describe_text(const char* text)
+{
+    for (; text != NULL && *text != 0; ++text) {
+        unsigned char c = (unsigned char)*text;
+        putchar(c < 0x20 || c == 0x7f ? '?' : c);
+    }
+}
+
+// A line below the table: total, and what is unique where that differs.
 static void print_count(const char* label, uint64_t total, uint64_t unique)
 {
     char a[32], b[32];
     if (total == 0 && unique == 0) {
         return;
     }
-    printf("  %-12s %15s", label, group(total, a));
+    printf("  %-12s %10s", label, describe_count(total, a));
     if (unique != total) {
-        printf("   (%s unique)", group(unique, b));
+        printf("  (%s unique)", describe_count(unique, b));
     }
     printf("\n");
 }
@@ -194,86 +189,67 @@ static void print_bytes(const char* label, uint64_t bytes, uint64_t count, const
 {
     char text[32];
     if (bytes != 0) {
-        printf("  %-12s %15s", label, bytes_text(bytes, text));
+        printf("  %-12s %10s", label, describe_bytes(bytes, text));
         if (count != 0) {
-            printf("   (%.1f bytes a %s)", (double)bytes / (double)count, each);
+            printf("  (%.1f bytes a %s)", (double)bytes / (double)count, each);
         }
         printf("\n");
     }
 }
 
-// Text from the file, without bytes that could steer a terminal.
-static void print_text(const char* text)
+static void print_place(const scene_figures* f)
 {
-    for (; text != NULL && *text != 0; ++text) {
-        unsigned char c = (unsigned char)*text;
-        putchar(c < 0x20 || c == 0x7f ? '?' : c);
-    }
-}
-
-static void print_place(const stp_store_directory* d)
-{
-    const char* unit = describe_unit(d->unit_metres);
-    if (d->root != STP_STORE_NONE) {
-        stp_boxd box = d->nodes[d->root].bounds;
+    const char* unit = describe_unit(f->directory->unit_metres);
+    stp_boxd box = f->summary.bounds;
+    if (!stp_boxd_is_empty(box)) {
         printf("  %-12s %.6g x %.6g x %.6g%s%s, from (%.6g, %.6g, %.6g)\n", "size",
                box.max.x - box.min.x, box.max.y - box.min.y, box.max.z - box.min.z,
                unit != NULL ? " " : "", unit != NULL ? unit : "", box.min.x, box.min.y, box.min.z);
     }
-    if (unit == NULL && d->unit_metres > 0.0) {
-        printf("  %-12s %.9g m\n", "unit", d->unit_metres);
+    if (unit == NULL && f->directory->unit_metres > 0.0) {
+        printf("  %-12s %.9g m\n", "unit", f->directory->unit_metres);
     } else {
         printf("  %-12s %s\n", "unit", unit != NULL ? unit : "unknown");
     }
-    printf("  %-12s %c\n", "up", d->up);
+    printf("  %-12s %c\n", "up", f->directory->up);
 }
 
-static void print_lists(const scene_figures* f)
+static void print_lists(const stp_store_directory* d)
 {
-    const stp_store_directory* d = f->directory;
     char text[32];
     for (uint32_t i = 0; i < d->source_count; ++i) {
         printf("  %-12s ", i == 0 ? "sources" : "");
-        print_text(d->sources[i].path);
-        printf(" (%s, %s)\n", d->sources[i].format != NULL ? d->sources[i].format : "unknown",
-               bytes_text(d->sources[i].bytes, text));
+        describe_text(d->sources[i].path);
+        printf(" (");
+        describe_text(d->sources[i].format != NULL ? d->sources[i].format : "unknown");
+        printf(", %s)\n", describe_bytes(d->sources[i].bytes, text));
     }
     for (uint32_t i = 0; i < d->view_count; ++i) {
-        printf("  %-12s ", i == 0 ? "views" : "");
-        print_text(d->views[i].name != NULL ? d->views[i].name : "(no name)");
-        printf("\n");
+        printf(i == 0 ? "  %-12s " : ", ", "views");
+        describe_text(d->views[i].name != NULL ? d->views[i].name : "(no name)");
     }
-    for (size_t i = 0; f->part_count > 1 && i < f->part_count && i < 20; ++i) {
-        printf("  %-12s %15s triangles   ", i == 0 ? "parts" : "",
-               group(f->parts[i].triangles, text));
-        print_text(f->parts[i].name != NULL ? f->parts[i].name : "(no name)");
-        printf("\n");
-    }
-    if (f->part_count > 20) {
-        printf("  %-12s and %zu more (all with --json)\n", "", f->part_count - 20);
-    }
+    printf(d->view_count != 0 ? "\n" : "");
 }
 
 void describe_print(const char* path, const scene_figures* f)
 {
+    const stp_store_figures* figures = &f->summary.figures;
     char text[32];
-    print_text(path);
-    printf(": %s", bytes_text(f->file_bytes, text));
+    describe_text(path);
+    printf(": %s", describe_bytes(f->file_bytes, text));
     if (f->format_version != 0) {
-        printf(", .stip version %u", f->format_version);
+        printf(", .stip version %u.%u", f->format_version, f->format_minor);
     }
+    printf("\n\n");
+    describe_print_table(&f->summary);
     printf("\n");
-    print_count("triangles", f->triangles, f->unique_triangles);
-    print_count("points", f->points, f->unique_points);
-    print_count("surfels", f->surfels, f->unique_surfels);
-    print_count("nodes", f->nodes, f->unique_nodes);
-    print_count("objects", f->objects, f->objects);
-    print_count("instances", f->instances, f->instances);
-    print_count("materials", f->directory->material_count, f->directory->material_count);
-    print_bytes("splats", f->splat_bytes, f->unique_surfels, "surfel");
-    print_bytes("geometry", f->triangle_bytes, f->unique_triangles, "triangle");
-    print_bytes("point sets", f->point_bytes, f->unique_points, "point");
-    print_bytes("textures", f->texture_bytes, 0, "");
-    print_place(f->directory);
-    print_lists(f);
+    print_count("nodes", figures->nodes, figures->unique_nodes);
+    print_count("instances", figures->instances, figures->instances);
+    print_count("materials", f->summary.material_count, f->summary.material_count);
+    print_bytes("splats", figures->splat_bytes, figures->unique_surfels, "surfel");
+    print_bytes("geometry", figures->triangle_bytes, figures->unique_triangles, "triangle");
+    print_bytes("point sets", figures->point_bytes, figures->unique_points, "point");
+    print_bytes("textures", figures->texture_bytes, 0, "");
+    print_place(f);
+    print_lists(f->directory);
 }

@@ -2,6 +2,7 @@
 #include "build/build.h"
 
 #include "base/clock.h"
+#include "build/census.h"
 #include "build/content.h"
 #include "build/meshes.h"
 #include "build/shadings.h"
@@ -18,6 +19,7 @@ typedef struct build {
     stp_scene* scene;
     stp_shading_set shadings;
     stp_surfels surfels; ///< of the root; count 0: none
+    stp_store_census census;
     stp_build_content content;
 } build;
 
@@ -49,6 +51,9 @@ static stp_result import_inputs(build* b)
     }
     if (result == STP_OK) {
         result = stp_scene_finish(b->scene);
+    }
+    if (result == STP_OK) {
+        result = stp_build_census(b->scene, &b->census);
     }
     b->report->partition_s = (stp_clock_ms() - imported) * 1e-3;
     return result;
@@ -94,6 +99,7 @@ static stp_result write_file(build* b)
         d->shadings = b->shadings.shadings;
         d->shading_count = b->shadings.count;
         d->build_json = b->desc->parameters_json;
+        b->content.content.census = &b->census;
         result = stp_code_meshes(b->scene, &b->content);
     }
     if (result == STP_OK) {
@@ -115,6 +121,7 @@ stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build
     result = result != STP_OK ? result : make_surfels(&b);
     result = result != STP_OK ? result : write_file(&b);
     stp_build_content_destroy(&b.content);
+    stp_store_census_destroy(context, &b.census);
     stp_surfels_destroy(context, &b.surfels);
     stp_free(context, b.shadings.of_material);
     stp_scene_destroy(b.scene);

@@ -65,7 +65,7 @@ done
 
 run 0 build ball.obj -o three.stip --threads 3 --memory 2G --progress none
 cmp -s one.stip three.stip || fail "the file depends on threads or memory"
-grep -q 'triangles .* 4,512' out || fail "no figures: $(cat out)"
+grep -q '^  total .* 4,512 .* 2,256 ' out || fail "no figures: $(cat out)"
 STP_PROCESSOR=baseline "$stipple" build ball.obj -o base.stip --quiet > out 2> err || fail "baseline: $(cat err)"
 cmp -s one.stip base.stip || fail "the file depends on the processor"
 [ ! -s out ] || fail "--quiet prints: $(cat out)"
@@ -83,7 +83,7 @@ run 0 info ball.obj --json
 [ "$(figure "d['triangles'], d['surfels'], d['format_version'], d['sources'][0]['format']")" = \
     "(4512, 0, None, 'obj')" ] || fail "info of a model: $(cat out)"
 run 0 info one.stip
-grep -q 'surfels .* 2,256' out || fail "info: $(cat out)"
+grep -q '^  total .* 4,512 .* 2,256 ' out || fail "info: $(cat out)"
 
 # failures: one sentence, nothing left behind, former files untouched
 cp one.stip kept.stip
