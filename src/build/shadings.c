@@ -2,7 +2,9 @@
 #include "build/shadings.h"
 
 #include "base/color.h"
+#include "base/hash.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 // The mean of a texture's channels, as stored and as light.
@@ -93,6 +95,78 @@ static float shading_distance(const stp_shading* a, const stp_shading* b)
     return sum + ((flags & STP_SHADING_DOUBLE_SIDED) != 0 ? 4.0f : 0.0f);
 }
 
+// A shading by its content, on its way to a place in the table.
+typedef struct shading_place {
+    stp_hash hash;
+    uint32_t material; ///< the first that has it
+    uint32_t place;
+} shading_place;
+
+// By hash; of equal ones, the first comes first.
+static int compare_places(const void* left, const void* right)
+{
+    const shading_place *a = left, *b = right;
+    if (a->hash.low != b->hash.low) {
+        return a->hash.low < b->hash.low ? -1 : 1;
+    }
+    if (a->hash.high != b->hash.high) {
+        return a->hash.high < b->hash.high ? -1 : 1;
+    }
+    return a->material < b->material ? -1 : a->material > b->material ? 1 : 0;
+}
+
+// What stands in places that nobody has.
+static stp_shading make_unused(void)
+{
+    stp_shading shading;
+    memset(&shading, 0, sizeof(shading));
+    shading.roughness = 1.0f;
+    return shading;
+}
+
+// Where every shading gets a place of its own: the one its hash names, or the next free one, for one after the
+// other in the order of their hashes. Surfels of a former build keep their meaning when other materials come and
+// go, but for the few whose places collide. @return false where there are too many
+static bool place_shadings(const reduction* r, shading_place* places, stp_shading_set* set)
+{
+    size_t used = 0;
+    for (size_t i = 0; i < r->scene->material_count; ++i) {
+        if (r->used[i]) {
+            stp_hash hash = stp_hash_bytes((stp_hash){0}, &r->exact[i], sizeof(r->exact[i]));
+            places[used++] = (shading_place){.hash = hash, .material = (uint32_t)i};
+        }
+    }
+    qsort(places, used, sizeof(*places), compare_places);
+    bool taken[STP_SHADING_LIMIT] = {false};
+    size_t distinct = 0;
+    for (size_t i = 0; i < used; ++i) {
+        if (i > 0 && stp_hash_equal(places[i].hash, places[i - 1].hash)) {
+            places[i].place = places[i - 1].place;
+            continue;
+        }
+        if (++distinct > STP_SHADING_LIMIT) {
+            return false;
+        }
+        uint32_t place = (uint32_t)(places[i].hash.high % STP_SHADING_LIMIT);
+        while (taken[place]) {
+            place = (place + 1) % STP_SHADING_LIMIT;
+        }
+        taken[place] = true;
+        places[i].place = place;
+    }
+    for (int i = 0; i < STP_SHADING_LIMIT; ++i) {
+        set->shadings[i] = make_unused();
+    }
+    set->count = 1;
+    for (size_t i = 0; i < used; ++i) {
+        uint32_t place = places[i].place;
+        set->shadings[place] = r->exact[places[i].material];
+        set->of_material[places[i].material] = (uint8_t)place;
+        set->count = place + 1 > set->count ? place + 1 : set->count;
+    }
+    return true;
+}
+
 // Farthest first: each next shading is the one farthest from those taken (the first of several), until all
 // are met or there is no room.
 static void choose_shadings(reduction* r, stp_shading_set* set)
@@ -140,19 +214,23 @@ stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set)
     r.used = STP_NEW_ZEROED(context, bool, count);
     r.distance = STP_NEW_ARRAY(context, float, count);
     set->of_material = STP_NEW_ZEROED(context, uint8_t, count);
-    bool made = r.means != NULL && r.exact != NULL && r.used != NULL && r.distance != NULL &&
-                set->of_material != NULL;
+    shading_place* places = STP_NEW_ARRAY(context, shading_place, count);
+    bool made = places != NULL && r.means != NULL && r.exact != NULL && r.used != NULL &&
+                r.distance != NULL && set->of_material != NULL;
     if (made) {
         stp_parallel_for(context, scene->texture_count, 1, measure_textures, &r);
         for (size_t i = 0; i < count; ++i) {
             r.exact[i] = make_shading(&r, &scene->materials[i]);
         }
         mark_used(&r);
-        choose_shadings(&r, set);
+        if (!place_shadings(&r, places, set)) {
+            choose_shadings(&r, set);
+        }
     } else {
         stp_free(context, set->of_material);
         set->of_material = NULL;
     }
+    stp_free(context, places);
     stp_free(context, r.distance);
     stp_free(context, r.used);
     stp_free(context, r.exact);

@@ -15,6 +15,7 @@ typedef struct stp_shading_set {
     uint8_t* of_material; ///< for each scene material (stp_free)
 } stp_shading_set;
 
-/// Exact where the used materials need at most 256; else 256 that differ most, and the nearest of them for
+/// Exact where the used materials need at most 256: the index of each is then told by its content, so that it
+/// stays the same when others come and go (but where two want the same index); indices between may be nobody's. Else 256 that differ most, and the nearest of them for
 /// each material. Textures of metallic, roughness and emission count by their mean.
 STP_MUST_USE stp_result stp_make_shadings(const stp_scene* scene, stp_shading_set* set);

@@ -348,7 +348,7 @@ void test_shadings_are_exact_up_to_256(test_state* test)
         }
         stp_shading_set set;
         CHECK_EQUAL(STP_OK, stp_make_shadings(scene, &set));
-        CHECK_EQUAL(count / 2 < 256 ? count / 2 : 256, set.count);
+        CHECK(set.count <= 256 && (int)set.count >= (count < 512 ? count / 2 : 256));
         for (int i = 0; i < count; ++i) {
             const stp_material* m = &scene->materials[i + 1];
             const stp_shading* s = &set.shadings[set.of_material[i + 1]];
@@ -358,6 +358,68 @@ void test_shadings_are_exact_up_to_256(test_state* test)
         }
         stp_free(context, set.of_material);
         stp_scene_destroy(scene);
+    }
+    stp_context_destroy(context);
+}
+
+// The shadings of `count` materials, without every `without`-th; their indices by the number of the material.
+static bool place_materials(stp_context* context, int count, int without, bool reversed,
+                            int places[], stp_shading_set* set)
+{
+    stp_scene* scene = NULL;
+    bool made = stp_scene_create(context, &scene) == STP_OK;
+    int numbers[256];
+    for (int k = 0; made && k < count; ++k) {
+        int i = reversed ? count - 1 - k : k;
+        places[i] = -1;
+        if (without != 0 && i % without == 0) {
+            continue;
+        }
+        stp_material material = stp_material_default();
+        material.roughness = (float)i / 256.0f;
+        uint32_t index = 0;
+        made = stp_scene_add_material(scene, &material, &index) == STP_OK &&
+               stp_scene_add_mesh(scene, &(stp_mesh){.material = index}, NULL) == STP_OK;
+        numbers[index - 1] = i;
+    }
+    made = made && stp_make_shadings(scene, set) == STP_OK;
+    for (size_t i = 1; made && i < scene->material_count; ++i) {
+        places[numbers[i - 1]] = set->of_material[i];
+    }
+    if (made) {
+        stp_free(context, set->of_material);
+    }
+    stp_scene_destroy(scene);
+    return made;
+}
+
+void test_shadings_keep_their_indices_when_others_come_and_go(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    static const int counts[] = {1, 2, 10, 60, 200, 256};
+    for (size_t k = 0; k < sizeof(counts) / sizeof(counts[0]); ++k) {
+        int count = counts[k], all[256], again[256], fewer[256], moved = 0, left = 0;
+        stp_shading_set set, other;
+        CHECK(place_materials(context, count, 0, false, all, &set));
+        CHECK(place_materials(context, count, 0, true, again, &other));
+        CHECK_EQUAL(set.count, other.count); // the order of materials does not matter
+        CHECK(memcmp(all, again, (size_t)count * sizeof(int)) == 0);
+        CHECK(memcmp(set.shadings, other.shadings, set.count * sizeof(set.shadings[0])) == 0);
+        bool taken[256] = {false};
+        for (int i = 0; i < count; ++i) {
+            CHECK(all[i] >= 0 && all[i] < (int)set.count && !taken[all[i]]);
+            taken[all[i]] = true;
+            CHECK(set.shadings[all[i]].roughness == (float)i / 256.0f);
+        }
+        CHECK(taken[set.count - 1]);
+        CHECK(place_materials(context, count, 3, false, fewer, &other)); // a third has gone
+        for (int i = 0; i < count; ++i) {
+            left += fewer[i] >= 0;
+            moved += fewer[i] >= 0 && fewer[i] != all[i];
+        }
+        CHECK(moved * 10 <= left || count > 60);
+        CHECK(count > 200 || moved * 2 <= left);
     }
     stp_context_destroy(context);
 }
