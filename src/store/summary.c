@@ -86,6 +86,16 @@ static bool is_box_equal(const stp_boxd* a, const stp_boxd* b)
            a->max.y >= b->max.y && a->max.z <= b->max.z && a->max.z >= b->max.z;
 }
 
+static bool is_whole_right(const stp_store_summary* stored, const stp_store_summary* found)
+{
+    return are_figures_right(&stored->figures, &found->figures) &&
+           is_box_equal(&stored->bounds, &found->bounds) &&
+           stored->material_count == found->material_count &&
+           stored->texture_count == found->texture_count &&
+           stored->mesh_count == found->mesh_count &&
+           stored->point_set_count == found->point_set_count;
+}
+
 stp_result stp_store_check_summary(stp_store* store)
 {
     const stp_store_summary* stored = stp_store_get_summary(store);
@@ -114,11 +124,7 @@ stp_result stp_store_check_summary(stp_store* store)
     if (result != STP_OK) {
         return result;
     }
-    const char* wrong = NULL;
-    if (!are_figures_right(&stored->figures, &found.figures) ||
-        !is_box_equal(&stored->bounds, &found.bounds)) {
-        wrong = "whole scene";
-    }
+    const char* wrong = is_whole_right(stored, &found) ? NULL : "whole scene";
     for (uint32_t i = 0; i < stored->part_count; ++i) {
         if (stored->parts[i].object != STP_STORE_NONE &&
             !are_figures_right(&stored->parts[i].figures, &found.parts[i].figures)) {
