@@ -41,7 +41,8 @@ static void measure_parts(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result stp_scene_tighten_root(stp_scene* scene)
 {
     const stp_node* root = &scene->nodes[scene->root];
-    if (root->triangle_count + root->point_count > MOST_ELEMENTS) {
+    if (root->triangle_count > MOST_ELEMENTS ||
+        root->point_count > MOST_ELEMENTS - root->triangle_count) {
         return STP_OK; // each part has at least one of these, so there are not too many parts either
     }
     stp_placed_part* parts;
