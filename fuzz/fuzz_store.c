@@ -104,6 +104,52 @@ static uint64_t use_surfels(stp_store* store)
     return total;
 }
 
+static uint64_t use_summary(const stp_store* store)
+{
+    const stp_store_summary* summary = stp_store_get_summary(store);
+    uint64_t total = 0;
+    for (uint32_t i = 0; summary != NULL && i < summary->part_count; ++i) {
+        total += sum_text(summary->parts[i].name) + summary->parts[i].figures.triangles;
+    }
+    return total;
+}
+
+// What the file has under the first keys it names, and under none.
+static uint64_t use_keys(stp_store* store, const uint8_t* data, size_t size)
+{
+    uint64_t total = 0;
+    for (size_t at = 0; at + sizeof(stp_hash) <= size && at < 20000; at += 4) {
+        stp_hash key;
+        stp_store_stored_surfels surfels;
+        stp_store_stored_mesh mesh;
+        memcpy(&key, data + at, sizeof(key));
+        if (stp_store_find_surfels_by_key(store, key, &surfels) != STP_OK ||
+            stp_store_find_mesh_by_key(store, key, &mesh) != STP_OK) {
+            break;
+        }
+        for (uint32_t k = 0; surfels.surfels != NULL && k < surfels.surfels->octave_count; ++k) {
+            total += sum(surfels.blocks[k], surfels.sizes[k]);
+        }
+        total += sum(mesh.block, mesh.size);
+    }
+    return total;
+}
+
+// What is read of a file to describe it, and what a quick check adds.
+static uint64_t use_head(stp_context* context, const void* bytes, size_t size)
+{
+    stp_store_open_desc desc = {.summary_only = true};
+    stp_store* store = NULL;
+    if (stp_store_open_memory(context, "fuzz", bytes, size, &desc, &store) != STP_OK) {
+        return 0;
+    }
+    stp_store_check_report report;
+    uint64_t total = use_directory(store) + use_summary(store);
+    total += (uint64_t)stp_store_check_open(store, true, &report);
+    stp_store_close(store);
+    return total;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
     stp_context* context = NULL;
@@ -124,6 +170,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
             continue;
         }
         sink = sink + use_directory(store) + use_meshes(store) + use_surfels(store);
+        sink = sink + use_summary(store) + use_keys(store, data, size);
         stp_store_check_report report;
         if (prefix == 0) {
             stp_result result = stp_store_check_open(store, false, &report);
@@ -131,6 +178,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
         }
         stp_store_close(store);
     }
+    sink = sink + use_head(context, bytes, size);
     free(bytes);
     stp_context_destroy(context);
     return 0;

@@ -348,7 +348,7 @@ static void add_keys(dice* d, stp_store_content* content)
 // Without one, it is guessed.
 static void add_census(dice* d, stp_store_content* content)
 {
-    uint32_t count = below(d, 3), objects = content->directory.object_count;
+    uint32_t count = 1 + below(d, 2), objects = content->directory.object_count;
     stp_store_census* census = take(d, 1, sizeof(*census));
     stp_store_census_part* parts = take(d, count, sizeof(*parts));
     uint32_t* members = take(d, 2 * (size_t)count, sizeof(*members));

@@ -9,7 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip"
+#define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.1.stip"
+#define GOLDEN_1_0 STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip"
 
 static const stp_store_open_desc whole = {0};
 
@@ -111,7 +112,7 @@ static unsigned char* section_entry(unsigned char* bytes, uint32_t type)
 void test_store_opens_newer_minor_versions(test_state* test)
 {
     size_t size = 0;
-    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    unsigned char* bytes = sample_read_file(GOLDEN_1_0, &size);
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(bytes != NULL && context != NULL);
     stp_store* store = NULL;

@@ -1,0 +1,136 @@
+#!/usr/bin/env bash
+# stipple info: the table of parts, JSON, and files of any size. Arguments: executable, scratch folder, source folder.
+set -u
+stipple=$1
+scratch=$2
+golden=$3/tests/golden/store/v1
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+rm -rf ./*
+command -v python3 > /dev/null || exit 77
+failures=0
+
+fail()
+{
+    echo "FAIL: $*" >&2
+    failures=$((failures + 1))
+}
+
+# run CODE COMMAND ARGUMENTS...: stdout to out, stderr to err
+run()
+{
+    local wanted=$1
+    shift
+    "$stipple" "$@" > out 2> err
+    local code=$?
+    [ "$code" = "$wanted" ] || fail "$*: exit $code, not $wanted: $(cat err)"
+}
+
+figure()
+{
+    python3 -c 'import json, sys; d = json.load(open("out")); print(eval(sys.argv[1], {"d": d}))' "$1"
+}
+
+# a plant: a hall with 40 uses of one motor (a mesh of two materials), and a wall; below one site
+python3 - << 'END'
+import base64
+import json
+import struct
+positions, indices = [], []
+for y in range(31):
+    for x in range(31):
+        positions += [x / 30, (x * 7 + y * 3) % 5 / 20, y / 30]
+for y in range(30):
+    for x in range(30):
+        a = y * 31 + x
+        indices += [a, a + 31, a + 1, a + 1, a + 31, a + 32]
+data = struct.pack(f"<{len(positions)}f", *positions) + struct.pack(f"<{len(indices)}I", *indices)
+size = len(positions) * 4
+motors = [{"name": f"motor {i}", "mesh": 0, "translation": [2 * i, 0, 0]} for i in range(40)]
+json.dump({
+    "asset": {"version": "2.0"},
+    "scene": 0,
+    "scenes": [{"nodes": [0]}],
+    "nodes": [{"name": "site", "children": [1, 2]},
+              {"name": "hall", "children": list(range(3, 43))},
+              {"name": "wall\u00e9", "mesh": 1, "translation": [0, 5, 0]}] + motors,
+    "materials": [{"name": "steel"}, {"name": "paint", "pbrMetallicRoughness": {"roughnessFactor": 0.5}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0},
+                               {"attributes": {"POSITION": 0}, "indices": 2, "material": 1}]},
+               {"primitives": [{"attributes": {"POSITION": 0}, "indices": 2, "material": 0}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 961, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 0.2, 1]},
+                  {"bufferView": 1, "componentType": 5125, "count": 4800, "type": "SCALAR"},
+                  {"bufferView": 1, "byteOffset": 19200, "componentType": 5125, "count": 600, "type": "SCALAR"}],
+    "bufferViews": [{"buffer": 0, "byteLength": size}, {"buffer": 0, "byteOffset": size, "byteLength": 21600}],
+    "buffers": [{"byteLength": len(data),
+                 "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
+}, open("plant.gltf", "w"))
+END
+
+parts="[(p['name'], p['objects'], p['unique_objects'], p['triangles'], p['unique_triangles'], p['instances']) for p in d['parts']]"
+wanted="[('hall', 40, 1, 72000, 1800, 80), ('wallé', 1, 1, 200, 200, 1)]"
+run 0 info plant.gltf --json
+[ "$(figure "$parts")" = "$wanted" ] || fail "parts of a model: $(figure "$parts")"
+[ "$(figure "d['objects'], d['unique_objects'], d['triangles'], d['format_version']")" = "(41, 2, 72200, None)" ] \
+    || fail "figures of a model: $(cat out)"
+run 0 build plant.gltf -o plant.stip --quiet
+run 0 info plant.stip --json
+[ "$(figure "$parts")" = "$wanted" ] || fail "parts: $(figure "$parts")"
+[ "$(figure "d['objects'], d['unique_objects'], d['triangles'], d['format_version']")" = "(41, 2, 72200, 1)" ] \
+    || fail "figures: $(cat out)"
+[ "$(figure "d['splat_bytes'] > 0 and d['lods'] > 0 and d['unique_lods'] > 0 and d['surfels'] > 0")" = True ] \
+    || fail "surfels: $(cat out)"
+keys="objects unique_objects lods unique_lods triangles unique_triangles points surfels unique_surfels
+      triangle_bytes splat_bytes texture_bytes"
+for key in $keys; do
+    [ "$(figure "all('$key' in p for p in d['parts'])")" = True ] || fail "parts lack $key"
+done
+
+# the table: aligned, each part and the sum
+run 0 info plant.stip
+for line in '^  hall +40 +\(1\) .* 72,000 +\(1,800\) ' '^  wallé +1 +\(1\) .* 200 +\(200\) ' \
+    '^  total +41 +\(2\) .* 72,200 +\(' '^  sources +plant.gltf \(gltf, ' '^plant.stip: .*, .stip version 1\.'; do
+    grep -Eq "$line" out || fail "no line $line: $(cat out)"
+done
+python3 - << 'END' || fail "columns are not aligned: $(cat out)"
+lines = open("out", encoding="utf-8").read().split("\n\n")[1].splitlines()
+assert len(lines) == 4, lines
+assert len({len(line) for line in lines}) == 1, lines
+END
+
+# a file of version 1.0 has no summary: its tables tell
+run 0 info "$golden/sample.stip" --json
+[ "$(figure "d['format_version'], d['format_minor']")" = "(1, 0)" ] || fail "version 1.0: $(cat out)"
+run 0 info "$golden/sample-1.1.stip" --json
+[ "$(figure "d['format_minor'], len(d['parts']) > 0, len(d['views']) > 0")" = "(1, True, True)" ] \
+    || fail "version 1.1: $(cat out)"
+run 0 info "$golden/sample.stip"
+
+# names cannot steer a terminal; long ones are cut between characters
+python3 - << 'END'
+import json
+scene = json.load(open("plant.gltf"))
+scene["nodes"][1]["name"] = "\u001b[31m" + 40 * "\u00e9"
+json.dump(scene, open("odd.gltf", "w"))
+END
+run 0 info odd.gltf
+grep -q "$(printf '\033')" out && fail "an escape sequence from the file"
+python3 -c 'open("out", encoding="utf-8").read()' || fail "a name was cut within a character"
+
+# damage in what it reads is found, and told in one sentence
+python3 - "$golden/sample-1.1.stip" << 'END'
+import struct
+import sys
+data = bytearray(open(sys.argv[1], "rb").read())
+for i in range(struct.unpack_from("<I", data, 32)[0]):
+    kind, _, offset, _ = struct.unpack_from("<IIQQ", data, 128 + 40 * i)
+    if kind == 19:
+        data[offset + 8] ^= 1
+open("damaged.stip", "wb").write(data)
+END
+run 1 info damaged.stip
+[ ! -s out ] || fail "output: $(cat out)"
+[ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
+grep -q 'checksum of the section of type 19' err || fail "fault: $(cat err)"
+run 1 check damaged.stip --quick
+exit $((failures != 0))
