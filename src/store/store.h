@@ -222,7 +222,7 @@ typedef struct stp_store_stored_mesh {
     uint32_t index;             ///< STP_STORE_NONE: the file has none of that key
     const stp_store_mesh* mesh; ///< without columns
     uint32_t present;           ///< its optional columns (STP_COLUMN_*)
-    const void* block;
+    const void* block; ///< columns; of a clustered mesh (stp_store_is_clustered) its clusters
     size_t size;
 } stp_store_stored_mesh;
 
