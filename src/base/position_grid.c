@@ -20,6 +20,9 @@ enum {
         4,    // they did; where sizes differ much, 1/16, and the largest triangles pay less for it
     WIDE = 7, // octaves between short and typical edges from which on the margin falls
     FLOAT_DIGITS = 23,
+    NUMBER_BITS = 29,  // a coordinate is less than 2^30 steps
+    STEP_LEAST = -149, // the least float
+    STEP_MOST = 96,    // 2^31 of them are finite
 };
 
 typedef struct octave_counts {
@@ -101,11 +104,16 @@ static double choose(int shortest, int typical, double largest)
     int wide = (typical - shortest) / 2 - WIDE; // octaves of lengths
     int margin = MARGIN - (wide > 0 ? (wide + 1) / 2 : 0);
     margin = margin < LEAST_MARGIN ? LEAST_MARGIN : margin;
-    int floor_half = (shortest - EXPONENT_BIAS - ((shortest - EXPONENT_BIAS) & 1)) / 2;
-    int step = floor_half - margin;
-    int finest = (int)exponent_of(largest) - EXPONENT_BIAS - FLOAT_DIGITS;
-    step = step > finest ? step : finest;
-    return power_of_two(step > -149 ? step : -149);
+    int low = (shortest - EXPONENT_BIAS - ((shortest - EXPONENT_BIAS) & 1)) / 2;
+    int top = (int)exponent_of(largest) - EXPONENT_BIAS;
+    int step = low - margin;
+    if (step <
+        top - FLOAT_DIGITS) { // finer than the largest number is a float: only as far as needed
+        step = low - LEAST_MARGIN < top - FLOAT_DIGITS ? low - LEAST_MARGIN : top - FLOAT_DIGITS;
+    }
+    step = step > top - NUMBER_BITS ? step : top - NUMBER_BITS;
+    step = step < STEP_MOST ? step : STEP_MOST;
+    return power_of_two(step > STEP_LEAST ? step : STEP_LEAST);
 }
 
 double stp_choose_grid_step(const float* positions, const uint32_t* indices,
@@ -137,7 +145,9 @@ double stp_choose_grid_step(const float* positions, const uint32_t* indices,
         }
     }
     if (all.total == 0) { // no triangle has any extent: as fine as its numbers
-        return largest > 0.0 ? choose(0, 0, largest) : 1.0;
+        int top = (int)exponent_of(largest);
+        return largest > 0.0 ? choose(2 * top - EXPONENT_BIAS, 2 * top - EXPONENT_BIAS, largest)
+                             : 1.0;
     }
     uint32_t low = octave_at(&all, all.total / 20);
     return choose((int)(low < shortest ? low : shortest), (int)octave_at(&all, all.total / 2),

@@ -17,6 +17,7 @@ typedef struct direction {
     double x, y, z;
 } direction;
 
+/// To the nearest, upwards where two are.
 static int32_t round_to_grid(double value)
 {
     double limit = (double)CLUSTERS_NUMBER_LIMIT;
