@@ -43,11 +43,12 @@ RECORDS = {
     21: ("pages", "I", "crc"),
     22: ("keys", "2Q", "low high"),
     17: ("objects", "4I12d", "name:text id:text parent node transform:12"),
+    32: ("clusters", "I", "cluster_count"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
 TEXT_SECTIONS = {15: "text", 16: "build", 18: "object_text"}
-KINDS = {1: "meshes", 2: "point_sets", 3: "textures", 4: "surfels"}
+KINDS = {1: "meshes", 2: "point_sets", 3: "textures", 4: "surfels", 5: "meshes"}
 
 
 def need(condition, what):
@@ -188,6 +189,9 @@ def check_graph(header, t):
     need(len(t["summary"]) <= 1 and len(t["scene_parts"]) <= (65 if t["summary"] else 0), "summary or scene parts")
     for i, part in enumerate(t["scene_parts"]):
         check_reference(part["object"], counts["objects"], f"scene part {i}: object")
+    need(counts["clusters"] in (0, counts["meshes"]), "clusters")
+    for i, mesh in enumerate(t["meshes"]):
+        mesh["cluster_count"] = t["clusters"][i]["cluster_count"] if t["clusters"] else NONE
     need(counts["keys"] in (0, counts["surfels"] + counts["meshes"]), "keys")
     t["keys"] = [f"{key['high']:016x}{key['low']:016x}" for key in t["keys"]]
     for name in ("meshes", "point_sets"):
@@ -224,6 +228,8 @@ def gather_sets(t):
 def block_columns(t, block):
     """The record that a block belongs to, its columns with their sizes, and how they are aligned."""
     record = t[KINDS[block["kind"]]][block["owner"]]
+    if block["kind"] == 5:
+        return record, [], 1
     n = record.get("vertex_count", record.get("point_count", 0))
     has = record.get("present", 0)
     corners = [("positions", 12 * n), ("normals", 4 * n * (has & 1))]
@@ -249,6 +255,75 @@ def check_content(t, record, block, name, column, place):
         need(max(column, default=-1) < len(t["shadings"]), f"{place}: materials")
 
 
+class Cluster:
+    """One cluster of a coded mesh: its triangles' corners, and their numbers by channel."""
+
+    def __init__(self, data, at, entry, present):
+        self.offset, self.first_triangle = struct.unpack_from("<2I", data, entry)
+        self.triangle_count, last_vertex, self.smooth, self.faces, zero = struct.unpack_from("<5B", data, entry + 23)
+        self.normal_count, reserved = struct.unpack_from("<2H", data, entry + 28)
+        self.vertex_count = last_vertex + 1
+        need(4 * self.offset == at and zero == 0 and reserved == 0, "a cluster is not in its place")
+        need(1 <= self.triangle_count <= 128 and self.smooth + self.faces <= self.triangle_count and
+             self.normal_count <= self.vertex_count, "counts of a cluster")
+        counts = [self.vertex_count] * 3
+        sizes = [(2, self.normal_count), (2, self.vertex_count * (present >> 2 & 1)),
+                 (2, self.vertex_count * (present >> 3 & 1)), (4, self.vertex_count * (present >> 1 & 1))]
+        extra = sum(channels for channels, count in sizes if count)
+        origins = struct.unpack_from("<3i", data, entry + 8) + struct.unpack_from(f"<{extra}i", data, at)
+        widths = data[entry + 20:entry + 23] + data[at + 4 * extra:at + 5 * extra]
+        table = 4 * extra + align(extra, 4)
+        need(all(width <= 32 for width in widths) and not any(data[at + 5 * extra:at + table]), "widths of a cluster")
+        at += table
+        self.indices = data[at:at + 3 * self.triangle_count]
+        at += 3 * self.triangle_count
+        for channels, count in sizes:
+            counts += [count] * channels
+        self.values, channel = [], 0
+        for count in counts:
+            if count == 0:
+                self.values.append([])
+                continue
+            size = (count * widths[channel] + 7) // 8
+            bits = int.from_bytes(data[at:at + size], "little")
+            width, origin = widths[channel], origins[channel]
+            self.values.append([origin + (bits >> i * width & (1 << width) - 1) for i in range(count)])
+            at, channel = at + size, channel + 1
+        self.end = align(at, 4)
+        need(max(self.indices) < self.vertex_count, "indices of a cluster")
+        for i, index in enumerate(self.indices):
+            if i < 3 * self.smooth or (i < 3 * (self.smooth + self.faces) and i % 3 == 0):
+                need(index < self.normal_count, "a corner without a normal")
+
+    def corners(self, channels, triangles, first=False):
+        """The values of these channels at the corners of the first triangles (or of their first corner)."""
+        return [self.values[c][self.indices[i - i % 3 if first and i >= 3 * self.smooth else i]]
+                for i in range(3 * triangles) for c in channels if self.values[c]]
+
+
+def read_clusters(data, begin, end, record):
+    count, triangles, vertices, present, step, u, v, reserved = struct.unpack_from("<3IH3hI", data, begin)
+    need((count, triangles, vertices, present, reserved) == (record["cluster_count"], record["triangle_count"],
+                                                            record["vertex_count"], record["present"], 0), "counts")
+    need(all(-149 <= exponent <= 96 for exponent in (step, u, v)), "steps")
+    record["step"] = 2.0 ** step
+    at, first, sums = 24 + 32 * count, 0, dict.fromkeys(("corners", "normals", "texcoords_0", "texcoords_1", "colors"), 0)
+    block = data[begin:end]
+    for i in range(count):
+        cluster = Cluster(block, at, 24 + 32 * i, present)
+        need(cluster.first_triangle == first, "triangles do not follow each other")
+        lit = cluster.smooth + cluster.faces
+        for name, values in (("corners", cluster.corners((0, 1, 2), cluster.triangle_count)),
+                             ("normals", cluster.corners((3, 4), lit, True)),
+                             ("texcoords_0", cluster.corners((5, 6), cluster.triangle_count)),
+                             ("texcoords_1", cluster.corners((7, 8), cluster.triangle_count)),
+                             ("colors", cluster.corners((9, 10, 11, 12), cluster.triangle_count))):
+            sums[name] = zlib.crc32(struct.pack(f"<{len(values)}i", *values), sums[name])
+        at, first, vertices = cluster.end, first + cluster.triangle_count, vertices - cluster.vertex_count
+    need(first == triangles and vertices == 0 and at + 8 == len(block) and not any(block[at:]), "end")
+    record["columns"] = sums
+
+
 def read_blocks(data, header, t):
     end, radius, owned = header["data_offset"], math.inf, set()
     for i, block in enumerate(t["blocks"]):
@@ -264,10 +339,19 @@ def read_blocks(data, header, t):
             continue
         need(block["encoding"] == 0, f"{place}: encoding")
         need(block["owner"] < len(t[KINDS[block["kind"]]]), f"{place}: owner")
+        if KINDS[block["kind"]] == "meshes":
+            coded = t["meshes"][block["owner"]]["cluster_count"] != NONE
+            need(coded == (block["kind"] == 5), f"{place}: its mesh is stored otherwise")
         record, columns, alignment = block_columns(t, block)
         named = record["blocks"][block["octave"]] if block["kind"] == 4 else record["block"]
         need(named == i and (block["kind"] == 4 or block["octave"] == 0), f"{place}: its owner has another")
         owned.add((block["kind"], block["owner"], block["octave"]))
+        if block["kind"] == 5:
+            try:
+                read_clusters(data, begin, end, record)
+            except (ValueError, struct.error) as fault:
+                raise ValueError(f"{place}: clusters: {fault}") from fault
+            continue
         at, sums = 0, record.setdefault("columns", {})
         for name, size in columns:
             start = align(at, alignment) if size else at

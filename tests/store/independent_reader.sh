@@ -11,6 +11,8 @@ cp "$source"/tests/golden/store/v1/sample.stip "$folder/golden.stip"
 cp "$source"/tests/golden/store/v1/sample.json "$folder/golden.json"
 cp "$source"/tests/golden/store/v1/sample-1.1.stip "$folder/golden-1.1.stip"
 cp "$source"/tests/golden/store/v1/sample-1.1.json "$folder/golden-1.1.json"
+cp "$source"/tests/golden/store/v1/clusters-1.1.stip "$folder/clusters.stip"
+cp "$source"/tests/golden/store/v1/clusters-1.1.json "$folder/clusters.json"
 count=0
 for file in "$folder"/*.stip; do
     python3 "$source/scripts/read_store.py" "$file" --expect "${file%.stip}.json" > "${file%.stip}.out"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "support_sample.h"
 
+#include "store/clusters.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -105,6 +107,22 @@ static bool same_mesh(const stp_store_mesh* a, stp_store* store, uint32_t index)
            same_bytes(a->indices, b.indices, 12 * (size_t)a->triangle_count);
 }
 
+static bool same_clusters(const stp_store_content* content, stp_store* store, uint32_t index)
+{
+    const stp_coded_mesh* a = &content->coded_meshes[index];
+    const stp_store_mesh* mesh = &content->meshes[index];
+    const stp_store_mesh* known = stp_store_describe_mesh(store, index);
+    stp_clusters b;
+    return stp_store_is_clustered(store, index) &&
+           stp_store_get_clusters(store, index, &b) == STP_OK && a->size == b.size &&
+           memcmp(a->bytes, b.bytes, a->size) == 0 &&
+           stp_store_cluster_count(store, index) == a->cluster_count &&
+           stp_store_mesh_bytes(store, index) == a->size && same_text(mesh->name, known->name) &&
+           mesh->material == known->material && known->vertex_count == a->vertex_count &&
+           known->triangle_count == a->triangle_count &&
+           memcmp(&known->bounds, &a->bounds, sizeof(a->bounds)) == 0;
+}
+
 static bool same_points(const stp_store_point_set* a, stp_store* store, uint32_t index)
 {
     stp_store_point_set b;
@@ -157,7 +175,10 @@ const char* sample_difference(const stp_store_content* content, stp_store* store
     const stp_store_directory* directory = &content->directory;
     const char* difference = directory_difference(directory, stp_store_get_directory(store));
     for (uint32_t i = 0; difference == NULL && i < directory->mesh_count; ++i) {
-        difference = same_mesh(&content->meshes[i], store, i) ? NULL : "a mesh";
+        bool coded = content->coded_meshes != NULL && content->coded_meshes[i].bytes != NULL;
+        bool same =
+            coded ? same_clusters(content, store, i) : same_mesh(&content->meshes[i], store, i);
+        difference = same ? NULL : "a mesh";
     }
     for (uint32_t i = 0; difference == NULL && i < directory->point_set_count; ++i) {
         difference = same_points(&content->point_sets[i], store, i) ? NULL : "a point set";

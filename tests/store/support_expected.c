@@ -87,11 +87,72 @@ static json_t* expected_materials(const stp_store_directory* d)
     return list;
 }
 
+typedef struct corner_sums {
+    json_int_t corners, normals, texcoords[2], colors;
+} corner_sums;
+
+static json_int_t add_values(json_int_t sum, const stp_cluster* cluster, int channel, int count,
+                             uint32_t vertex)
+{
+    for (int k = 0; k < count; ++k) {
+        int32_t value = stp_cluster_value(&cluster->runs[channel + k], vertex);
+        sum = (json_int_t)crc32_z((uLong)sum, (const void*)&value, sizeof(value));
+    }
+    return sum;
+}
+
+// Checksums of the numbers of all triangles' corners.
+static corner_sums sum_corners(const stp_clusters* clusters)
+{
+    corner_sums sums = {0};
+    for (uint32_t i = 0; i < clusters->cluster_count; ++i) {
+        stp_cluster c;
+        stp_clusters_get(clusters, i, &c);
+        for (uint32_t k = 0; k < 3 * c.triangle_count; ++k) {
+            uint32_t lit = c.smooth_count + c.face_count, t = k / 3, v = c.indices[k];
+            sums.corners = add_values(sums.corners, &c, STP_CLUSTER_X, 3, v);
+            if (t < lit) {
+                uint32_t from = t < c.smooth_count ? v : c.indices[3 * t];
+                sums.normals = add_values(sums.normals, &c, STP_CLUSTER_NORMAL_U, 2, from);
+            }
+            for (int set = 0; set < 2; ++set) {
+                bool has = (clusters->present >> (2 + set) & 1) != 0;
+                sums.texcoords[set] = add_values(sums.texcoords[set], &c,
+                                                 STP_CLUSTER_TEXCOORDS + 2 * set, has ? 2 : 0, v);
+            }
+            bool colored = (clusters->present >> 1 & 1) != 0;
+            sums.colors = add_values(sums.colors, &c, STP_CLUSTER_COLORS, colored ? 4 : 0, v);
+        }
+    }
+    return sums;
+}
+
+static json_t* expected_clusters(const stp_store_mesh* mesh, const stp_coded_mesh* coded)
+{
+    stp_clusters clusters;
+    if (stp_clusters_open(coded->bytes, coded->size, &clusters) != NULL) {
+        return NULL;
+    }
+    corner_sums sums = sum_corners(&clusters);
+    json_t* columns = json_pack("{s:I s:I s:I s:I s:I}", "corners", sums.corners, "normals",
+                                sums.normals, "texcoords_0", sums.texcoords[0], "texcoords_1",
+                                sums.texcoords[1], "colors", sums.colors);
+    return json_pack("{s:o s:I s:I s:I s:I s:f s:o}", "name", text(mesh->name), "vertex_count",
+                     (json_int_t)coded->vertex_count, "triangle_count",
+                     (json_int_t)coded->triangle_count, "material", (json_int_t)mesh->material,
+                     "cluster_count", (json_int_t)coded->cluster_count, "step",
+                     (double)clusters.step, "columns", columns);
+}
+
 static json_t* expected_meshes(const stp_store_content* content)
 {
     json_t* list = json_array();
     for (uint32_t i = 0; i < content->directory.mesh_count; ++i) {
         const stp_store_mesh* m = &content->meshes[i];
+        if (content->coded_meshes != NULL && content->coded_meshes[i].bytes != NULL) {
+            json_array_append_new(list, expected_clusters(m, &content->coded_meshes[i]));
+            continue;
+        }
         size_t n = m->vertex_count;
         json_t* columns =
             json_pack("{s:I s:I s:I s:I s:I s:I}", "positions", crc(m->positions, 12 * n),

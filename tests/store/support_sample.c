@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support_sample.h"
 
+#include "base/position_grid.h"
 #include "base/rng.h"
 
 #include <stdio.h>
@@ -393,4 +394,34 @@ sample sample_make(stp_arena* arena, uint64_t seed)
     add_census(&d, &made.content);
     made.complete = d.complete;
     return made;
+}
+
+bool sample_code_meshes(stp_arena* arena, sample* made)
+{
+    uint32_t count = made->content.directory.mesh_count;
+    stp_coded_mesh* list = stp_arena_alloc_array(arena, (size_t)count + 1, sizeof(*list));
+    for (uint32_t i = 0; list != NULL && i < count; ++i) {
+        const stp_store_mesh* mesh = &made->content.meshes[i];
+        list[i] = (stp_coded_mesh){0};
+        if (i % 2 != 0) {
+            continue;
+        }
+        double step = stp_choose_grid_step(mesh->positions, mesh->indices, mesh->triangle_count);
+        stp_coded_mesh coded;
+        if (stp_clusters_encode(arena->context, mesh, step, &coded) != STP_OK) {
+            return false;
+        }
+        void* bytes = stp_arena_alloc(arena, coded.size);
+        if (bytes != NULL) {
+            memcpy(bytes, coded.bytes, coded.size);
+            list[i] = coded;
+            list[i].bytes = bytes;
+        }
+        stp_coded_mesh_destroy(arena->context, &coded);
+        if (bytes == NULL) {
+            return false;
+        }
+    }
+    made->content.coded_meshes = list;
+    return list != NULL;
 }
