@@ -5,6 +5,7 @@
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_store -max_total_time=60 -max_len=20000 corpus tests/golden/store/v1
 // Seeds: tests/golden/store/v1/*.stip
 #include "../tests/store/support_reseal.h"
+#include "store/clusters.h"
 #include "store/store.h"
 
 #include <stdlib.h>
@@ -50,13 +51,49 @@ static uint64_t use_directory(stp_store* store)
     return total;
 }
 
+static uint64_t use_clusters(stp_store* store, uint32_t mesh)
+{
+    stp_clusters clusters;
+    uint64_t total = 0;
+    if (stp_store_get_clusters(store, mesh, &clusters) != STP_OK) {
+        return 0;
+    }
+    for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
+        stp_cluster c;
+        float positions[3 * STP_CLUSTER_VERTICES], color[4];
+        stp_box box = stp_clusters_bounds(&clusters, i);
+        stp_clusters_get(&clusters, i, &c);
+        stp_cluster_positions(&clusters, &c, positions);
+        total += sum(positions, 12 * (size_t)c.vertex_count) + sum(&box, sizeof(box));
+        for (uint32_t v = 0; v < c.vertex_count; ++v) {
+            stp_vec2 uv[2] = {stp_cluster_texcoord(&clusters, &c, 0, v),
+                              stp_cluster_texcoord(&clusters, &c, 1, v)};
+            stp_cluster_color(&c, v, color);
+            total += sum(uv, sizeof(uv)) + sum(color, sizeof(color));
+        }
+        for (uint32_t t = 0; t < c.triangle_count; ++t) {
+            stp_vec3 normals[3];
+            total += stp_cluster_normals(&c, t, normals) ? sum(normals, sizeof(normals)) : 0;
+            for (uint32_t k = 0; k < 3; ++k) {
+                total += c.indices[3 * t + k] < c.vertex_count ? 1 : (abort(), 0);
+            }
+        }
+        if (stp_clusters_find(&clusters, c.first_triangle) != i) {
+            abort();
+        }
+    }
+    return total;
+}
+
 static uint64_t use_meshes(stp_store* store)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     uint64_t total = 0;
     for (uint32_t i = 0; i < d->mesh_count; ++i) {
         stp_store_mesh m;
-        if (stp_store_get_mesh(store, i, &m) == STP_OK) {
+        if (stp_store_is_clustered(store, i)) {
+            total += use_clusters(store, i);
+        } else if (stp_store_get_mesh(store, i, &m) == STP_OK) {
             size_t n = m.vertex_count;
             total += sum_text(m.name) + sum(m.positions, 12 * n) + sum(m.normals, 4 * n) +
                      sum(m.texcoords[0], 8 * n) + sum(m.texcoords[1], 8 * n) + sum(m.colors, 8 * n);

@@ -109,6 +109,7 @@ stp_store* made_open(stp_context* context, made_scene* scene)
                       .up = 'y',
                       .build_json = "{}"},
         .meshes = scene->meshes,
+        .coded_meshes = scene->coded_meshes,
         .point_sets = scene->point_sets,
         .textures = scene->textures,
         .surfels = scene->surfels,
