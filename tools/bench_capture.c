@@ -112,7 +112,7 @@ static stp_scene* load(stp_context* context, const bench_options* options)
 
 /// Times of one round, milliseconds.
 typedef struct lap {
-    double render, create, order[COUNTS];
+    double render, create, filled, order[COUNTS]; ///< `filled`: all of a capture with its fill
     uint64_t triangle_views;
     uint32_t candidates, views, resolution;
 } lap;
@@ -152,15 +152,27 @@ static stp_result run_round(const stp_scene* scene, const stp_placed_part* parts
     };
     result = order_candidates(scene->context, &candidates, out);
     stp_candidates_destroy(scene->context, &candidates);
+    stp_capture_desc with_fill = *desc;
+    with_fill.no_fill = false;
+    if (result == STP_OK) {
+        result = stp_capture_parts(scene, parts, part_count, &with_fill, &candidates);
+    }
+    if (result == STP_OK) {
+        out->filled = candidates.raster_ms + candidates.resolve_ms;
+        stp_candidates_destroy(scene->context, &candidates);
+    }
     return result;
 }
 
 static void report(const lap* rounds, uint32_t threads, json_t* results)
 {
-    double render[REPEATS], create[REPEATS], order[COUNTS][REPEATS];
+    double render[REPEATS], create[REPEATS], filled[REPEATS], ratio[REPEATS];
+    double order[COUNTS][REPEATS];
     for (int i = 0; i < REPEATS; ++i) {
         render[i] = rounds[i].render;
         create[i] = rounds[i].create;
+        filled[i] = rounds[i].filled;
+        ratio[i] = filled[i] / (render[i] + create[i]);
         for (int k = 0; k < COUNTS; ++k) {
             order[k][i] = rounds[i].order[k];
         }
@@ -177,6 +189,8 @@ static void report(const lap* rounds, uint32_t threads, json_t* results)
     bench_set_count(entry.figures, "candidates", rounds[0].candidates);
     bench_set_number(entry.figures, "render_ms", render_ms);
     bench_set_number(entry.figures, "create_ms", bench_median(create, REPEATS));
+    bench_set_number(entry.figures, "with_fill_ms", bench_median(filled, REPEATS));
+    bench_set_number(entry.figures, "with_fill_ratio", bench_median(ratio, REPEATS));
     for (int k = 0; k < COUNTS; ++k) {
         char key[32];
         snprintf(key, sizeof(key), "order_%uk_ms", counts[k] / 1000);
