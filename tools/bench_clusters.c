@@ -71,8 +71,8 @@ static stp_result code_mesh(stp_context* context, const stp_scene* scene, const 
 /// Rows of boxes and turned parts with hard edges, as CAD programs write them.
 static stp_result add_parts(stp_scene* scene, uint32_t count)
 {
-    static const double profile[][2] = {{0.0, 0.0},  {0.4, 0.0}, {0.4, 0.6}, {0.25, 0.7},
-                                        {0.25, 1.4}, {0.2, 1.5}, {0.0, 1.5}};
+    static const lathe_ring profile[] = {{0.0, 0.0},  {0.4, 0.0}, {0.4, 0.6}, {0.25, 0.7},
+                                         {0.25, 1.4}, {0.2, 1.5}, {0.0, 1.5}};
     mesh_builder builder;
     mesh_builder_init(&builder, scene->context);
     for (uint32_t i = 0; i < count; ++i) {
