@@ -223,8 +223,11 @@ stp_result stp_capture_fill(stp_capture_job* job, const stp_fill_map* map,
     uint32_t count = find_directions(candidates->direction_count, directions);
     uint32_t first = candidates->count, faces = FACES_AND_CORNERS - CORNERS;
     faces = faces < count ? faces : count;
+    uint64_t seen = stp_capture_seen_count(job);
     stp_result result = look_further(job, map, directions, faces, candidates);
-    bool worth = job->set_count != 0 || candidates->count - first >= first / WORTH_A_LOOK;
+    uint64_t found = candidates->count - first, more = stp_capture_seen_count(job) - seen;
+    bool worth = job->set_count == 0 ? found >= first / WORTH_A_LOOK
+                                     : found > first / WORTH_A_LOOK || more > seen / WORTH_A_LOOK;
     if (result == STP_OK && worth && faces < count) {
         result = look_further(job, map, directions + faces, count - faces, candidates);
     }

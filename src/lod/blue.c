@@ -11,6 +11,7 @@
 #define CANDIDATES_PER_SURFEL 6u
 #define LEAST_CANDIDATES 20000u  // a small object still wants its shape
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
+#define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
 #define NORMAL_SPACINGS 2.5f     // how far around a point its normal is taken from
 
 typedef struct blue {
@@ -32,6 +33,7 @@ static stp_result list_sources(blue* b, uint32_t node, const stp_surfels* const*
 {
     stp_source_list_destroy(b->scene->context, &b->list);
     double pixel = stp_coarse_pixel(b->scene, node);
+    pixel = sets != NULL ? pixel : pixel * FINE_PIXEL;
     return stp_list_sources(b->scene, node, sets, pixel, STP_SOURCE_LIMIT, &b->list);
 }
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "lod/children.h"
 
-#define WANTED_OF_SETS 6.0   // candidates a surfel: evenly spread already, each once
-#define LEAST_OF_SETS 4.0    // what will do
+#define WANTED_OF_SETS 9.0 // candidates a surfel: evenly spread already, each once
+#define LEAST_OF_SETS 4.0  // what will do where more would open up to a great many triangles
+#define MANY_TRIANGLES UINT64_C(8000000)
 #define WANTED_OF_PARTS 17.0 // as where there are only triangles (blue.c)
 #define LEAST_CANDIDATES 20000.0
 #define MOST_CANDIDATES 1750000.0
 #define PROBE_CANDIDATES 30000.0
-#define COARSE_RESOLUTION 128.0
+#define COARSE_RESOLUTION 8.0
 #define MOST_RESOLUTION 16384.0
 #define LEAST_SHARE 0.02 // of candidates from sets, below which triangles are captured as ever
 #define NEAR_ENOUGH 1.1
@@ -61,7 +62,9 @@ static double wanted(const children* c, double of_sets)
     double count = c->surfel_count * (of_sets + (WANTED_OF_PARTS - of_sets) * parts);
     double least = LEAST_CANDIDATES * of_sets / WANTED_OF_SETS;
     count = count < least ? least : count;
-    return count < MOST_CANDIDATES ? count : MOST_CANDIDATES;
+    double most = LEAST_OF_SETS * c->surfel_count;
+    most = most > MOST_CANDIDATES ? most : MOST_CANDIDATES;
+    return count < most ? count : most;
 }
 
 // Looks for the pixel at which so many candidates come out, and lists its sources. Candidates grow with the square of
@@ -110,16 +113,20 @@ static stp_result probe(children* c, double* widest)
     return result;
 }
 
-// Leaves the list of the pixel to be used.
+// Leaves the list of the pixel to be used. Finer pixels open more sets, down to sets that are dense enough; but
+// below the last of them are triangles. Where these are too many, sets that are a little too coarse are used all the
+// same.
 static stp_result choose_pixel(children* c)
 {
-    stp_result result = find_pixel(c, LEAST_OF_SETS, 0.0);
-    double largest = c->pixel, needed = c->list.coarsest;
-    if (result == STP_OK) {
-        result = find_pixel(c, WANTED_OF_SETS, 0.0);
+    stp_result result = find_pixel(c, WANTED_OF_SETS, 0.0);
+    if (result != STP_OK || c->list.part_triangles <= MANY_TRIANGLES) {
+        return result;
     }
-    double pixel = needed < largest ? needed * (1.0 + 1e-6) : largest;
-    return result == STP_OK && pixel > c->pixel ? list_at(c, pixel) : result;
+    double finest = c->pixel;
+    result = find_pixel(c, LEAST_OF_SETS, 0.0);
+    double needed = c->list.coarsest * (1.0 + 1e-6);
+    needed = needed > finest ? needed : finest;
+    return result == STP_OK && needed < c->pixel ? list_at(c, needed) : result;
 }
 
 static stp_result capture_once(children* c, stp_candidates* candidates)
@@ -132,7 +139,8 @@ static stp_result capture_once(children* c, stp_candidates* candidates)
 
 static bool uses_sets(const children* c)
 {
-    return c->list.surfels > LEAST_SHARE * estimate(c);
+    return c->list.surfels > LEAST_SHARE * estimate(c) ||
+           (c->list.set_count != 0 && c->list.triangle_count > MANY_TRIANGLES);
 }
 
 static stp_result capture(children* c, stp_candidates* candidates, bool* captured)

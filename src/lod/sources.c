@@ -111,7 +111,9 @@ static stp_result add_part(walk* w, const frame* f, stp_part part)
     parts[list->part_count++] =
         (stp_placed_part){.part = part, .transform = f->transform, .flags = f->flags};
     bool mesh = part.kind == STP_PART_MESH;
-    list->triangle_count += mesh ? w->scene->meshes[part.index].triangle_count : 0;
+    uint32_t triangles = mesh ? w->scene->meshes[part.index].triangle_count : 0;
+    list->triangle_count += triangles;
+    list->part_triangles += triangles;
     list->point_count += mesh ? 0 : w->scene->point_sets[part.index].point_count;
     return STP_OK;
 }
@@ -242,7 +244,7 @@ static stp_result walk_once(walk* w, uint32_t node)
 static void clear_list(stp_source_list* list)
 {
     list->part_count = list->set_count = 0;
-    list->triangle_count = list->point_count = list->thinned = 0;
+    list->triangle_count = list->point_count = list->part_triangles = list->thinned = 0;
     list->surfels = list->pixels = list->coarsest = 0.0;
 }
 

@@ -21,6 +21,7 @@ typedef struct stp_source_list {
     stp_placed_set* sets;
     size_t part_count, part_capacity, set_count, set_capacity;
     uint64_t triangle_count, point_count; ///< of all the list stands for
+    uint64_t part_triangles;              ///< of the parts alone
     double surfels;                       ///< of all sets' prefixes
     double pixels;    ///< about how many the parts cover in eight directions, were nothing hidden
     double coarsest;  ///< the smallest pixel at which all of the listed sets are dense enough
