@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "lod/children.h"
 
-#define WANTED_OF_SETS 9.0 // candidates a surfel: evenly spread already, each once
-#define LEAST_OF_SETS 4.0  // what will do where more would open up to a great many triangles
-#define MANY_TRIANGLES UINT64_C(8000000)
-#define WANTED_OF_PARTS 17.0 // as where there are only triangles (blue.c)
+#define WANTED_EACH 7.0 // candidates a surfel: evenly spread already, each once
+#define LEAST_EACH 4.0
 #define LEAST_CANDIDATES 20000.0
 #define MOST_CANDIDATES 1750000.0
 #define PROBE_CANDIDATES 30000.0
 #define COARSE_RESOLUTION 8.0
 #define MOST_RESOLUTION 16384.0
+#define TOO_MANY_TRIANGLES UINT64_C(8000000)
 #define LEAST_SHARE 0.02 // of candidates from sets, below which triangles are captured as ever
 #define NEAR_ENOUGH 1.1
 #define TRIES 6
@@ -46,34 +45,25 @@ static double estimate(const children* c)
     return c->list.surfels + c->list.pixels;
 }
 
-static double share_of_parts(const children* c)
-{
-    double all = estimate(c);
-    return all > 0.0 ? c->list.pixels / all : 1.0;
-}
-
-// How many candidates are wanted of a list, where sets are to give `of_sets` a surfel.
-static double wanted(const children* c, double of_sets)
+// How many candidates are wanted where there are to be so many for each surfel.
+static double wanted(const children* c, double each)
 {
     if (c->desc->capture.wanted_candidates != 0) {
         return (double)c->desc->capture.wanted_candidates;
     }
-    double parts = share_of_parts(c);
-    double count = c->surfel_count * (of_sets + (WANTED_OF_PARTS - of_sets) * parts);
-    double least = LEAST_CANDIDATES * of_sets / WANTED_OF_SETS;
-    count = count < least ? least : count;
-    double most = LEAST_OF_SETS * c->surfel_count;
+    double count = c->surfel_count * each, most = c->surfel_count * LEAST_EACH;
+    double least = LEAST_CANDIDATES * each / WANTED_EACH;
     most = most > MOST_CANDIDATES ? most : MOST_CANDIDATES;
+    count = count < least ? least : count;
     return count < most ? count : most;
 }
 
 // Looks for the pixel at which so many candidates come out, and lists its sources. Candidates grow with the square of
 // the resolution, or less where sets have no more surfels.
-static stp_result find_pixel(children* c, double of_sets, double fixed_count)
+static stp_result find_pixel(children* c, double goal)
 {
     stp_result result = STP_OK;
     for (int i = 0; i < TRIES && result == STP_OK; ++i) {
-        double goal = fixed_count > 0.0 ? fixed_count : wanted(c, of_sets);
         double ratio = estimate(c) * c->seen / goal;
         if (!(ratio > 0.0) || (ratio < NEAR_ENOUGH && ratio > 1.0 / NEAR_ENOUGH)) {
             break;
@@ -96,7 +86,7 @@ static stp_capture_sources sources_of(const children* c)
 // A small capture tells how much of what is there can be seen.
 static stp_result probe(children* c, double* widest)
 {
-    stp_result result = find_pixel(c, 0.0, PROBE_CANDIDATES);
+    stp_result result = find_pixel(c, PROBE_CANDIDATES);
     stp_capture_desc desc = c->desc->capture;
     desc.pixel_size = c->pixel;
     stp_capture_sources sources = sources_of(c);
@@ -113,20 +103,30 @@ static stp_result probe(children* c, double* widest)
     return result;
 }
 
+// So many candidates a surfel, where finer pixels would open sets down to more than so many triangles.
+typedef struct density {
+    double each;
+    uint64_t triangles;
+} density;
+
 // Leaves the list of the pixel to be used. Finer pixels open more sets, down to sets that are dense enough; but
-// below the last of them are triangles. Where these are too many, sets that are a little too coarse are used all the
-// same.
+// below the last of them are triangles. The more these are, the coarser sets are used all the same.
 static stp_result choose_pixel(children* c)
 {
-    stp_result result = find_pixel(c, WANTED_OF_SETS, 0.0);
-    if (result != STP_OK || c->list.part_triangles <= MANY_TRIANGLES) {
-        return result;
+    static const density tries[] = {
+        {WANTED_EACH, 2000000}, {6.0, 2000000}, {LEAST_EACH, UINT64_MAX}};
+    stp_result result = STP_OK;
+    double finest = 0.0;
+    for (int i = 0; result == STP_OK; ++i) {
+        result = find_pixel(c, wanted(c, tries[i].each));
+        if (result != STP_OK || c->list.part_triangles <= tries[i].triangles) {
+            break;
+        }
+        finest = c->pixel;
     }
-    double finest = c->pixel;
-    result = find_pixel(c, LEAST_OF_SETS, 0.0);
-    double needed = c->list.coarsest * (1.0 + 1e-6);
+    double needed = c->list.coarsest * (1.0 + 1e-6); // finer, as long as no more is opened
     needed = needed > finest ? needed : finest;
-    return result == STP_OK && needed < c->pixel ? list_at(c, needed) : result;
+    return result == STP_OK && finest > 0.0 && needed < c->pixel ? list_at(c, needed) : result;
 }
 
 static stp_result capture_once(children* c, stp_candidates* candidates)
@@ -140,7 +140,7 @@ static stp_result capture_once(children* c, stp_candidates* candidates)
 static bool uses_sets(const children* c)
 {
     return c->list.surfels > LEAST_SHARE * estimate(c) ||
-           (c->list.set_count != 0 && c->list.triangle_count > MANY_TRIANGLES);
+           (c->list.set_count != 0 && c->list.triangle_count > TOO_MANY_TRIANGLES);
 }
 
 static stp_result capture(children* c, stp_candidates* candidates, bool* captured)

@@ -12,10 +12,9 @@
 /// A pixel for looking at a node before anything is known of it.
 double stp_coarse_pixel(const stp_scene* scene, uint32_t node);
 
-/// Captures the sources of a node at the pixel that gives about nine candidates for each of `surfel_count` surfels
-/// where they come from sets, and seventeen where they come from triangles: a small capture tells how much is
-/// hidden. Sets too coarse for that are opened. Where this leads to more than eight million triangles, sets are used
-/// that are less dense, down to four candidates a surfel.
+/// Captures the sources of a node at the pixel that gives about seven candidates for each of `surfel_count` surfels; a
+/// small capture tells how much is hidden. Sets too coarse for that are opened. Where this leads to more than two million triangles, sets are used that
+/// give only six candidates a surfel, or as many as they have, at least four.
 /// @param captured  false where no set would be used: then nothing was captured
 /// @return as stp_capture_all
 STP_MUST_USE stp_result stp_capture_children(const stp_scene* scene, uint32_t node,
