@@ -127,8 +127,11 @@ static stp_result collect_items(partition* p, uint32_t index)
         for (uint32_t i = 0; result == STP_OK && i < node->edge_count; ++i) {
             stp_edge edge = p->old_edges[node->first_edge + i];
             edge.transform = stp_affine_multiply(at.transform, edge.transform);
-            result = p->dissolved[edge.node] ? push(p, &edge)
-                                             : add_node_item(p, p->made[edge.node], edge.transform);
+            uint8_t dissolved = p->dissolved[edge.node];
+            bool dissolves = dissolved == STP_DISSOLVED ||
+                             (dissolved == STP_DISSOLVED_IN_ROOT && index == p->scene->root);
+            result =
+                dissolves ? push(p, &edge) : add_node_item(p, p->made[edge.node], edge.transform);
         }
     }
     return result;

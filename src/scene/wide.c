@@ -31,6 +31,30 @@ static bool is_as_wide(stp_boxd child, stp_boxd parent)
     return true;
 }
 
+// Marks the chain of single nodes below the root, with the node of several things at its end. Where the chain moves
+// nothing, that node simply becomes the root.
+static void mark_root_chain(const stp_scene* scene, uint8_t* found)
+{
+    stp_affine transform = stp_affine_identity();
+    uint32_t end = scene->root;
+    while (count_items(&scene->nodes[end]) == 1) {
+        const stp_node* node = &scene->nodes[end];
+        if (node->edge_count == 0 || node->flags != 0) {
+            return;
+        }
+        const stp_edge* edge = &scene->edges[node->first_edge];
+        transform = stp_affine_multiply(transform, edge->transform);
+        end = edge->node;
+    }
+    if (stp_affine_is_identity(&transform) || scene->nodes[end].flags != 0) {
+        return;
+    }
+    for (uint32_t at = scene->root; at != end;) {
+        at = scene->edges[scene->nodes[at].first_edge].node;
+        found[at] = STP_DISSOLVED_IN_ROOT;
+    }
+}
+
 stp_result stp_find_wide(const stp_scene* scene, uint8_t** wide)
 {
     stp_context* context = scene->context;
@@ -56,12 +80,13 @@ stp_result stp_find_wide(const stp_scene* scene, uint8_t** wide)
             if (uses[edge->node] == 1 && child->flags == 0 && count_items(child) > 1 &&
                 nested[edge->node] < MOST_NESTED &&
                 is_as_wide(stp_affine_box(&edge->transform, child->bounds), node->bounds)) {
-                found[edge->node] = 1;
+                found[edge->node] = STP_DISSOLVED;
                 uint8_t depth = (uint8_t)(nested[edge->node] + 1);
                 nested[i] = depth > nested[i] ? depth : nested[i];
             }
         }
     }
+    mark_root_chain(scene, found);
     stp_free(context, nested);
     stp_free(context, uses);
     *wide = found;

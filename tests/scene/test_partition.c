@@ -429,6 +429,42 @@ void test_chains_are_collapsed(test_state* test)
     stp_context_destroy(context);
 }
 
+// What turns and scales a whole input stands not between the root and what is in it.
+void test_roots_hold_things_themselves(test_state* test)
+{
+    for (int variant = 0; variant < 3; ++variant) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = NULL;
+        uint32_t mesh, file, axes;
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        CHECK(add_strip(scene, 1, 0.0f, &mesh));
+        stp_affine turn = {{{2, 0, 0, 0}, {0, 0, 2, 0}, {0, -2, 0, 0}}};
+        stp_affine transform = variant == 0 ? stp_affine_identity() : turn;
+        uint32_t flags = variant == 2 ? STP_OBJECT_MOVING : 0u;
+        CHECK(add_object(scene, STP_NONE, transform, flags, &file));
+        CHECK(add_object(scene, file, stp_affine_identity(), 0, &axes));
+        for (int i = 0; i < 10; ++i) {
+            CHECK(add_mesh_object(scene, axes, make_translation(i, i % 2, 0), mesh, NULL));
+        }
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        stp_partition_desc desc = {.leaf_triangles = 100, .child_count = 4};
+        triangles before, after;
+        CHECK(list_triangles(scene, scene->root, &before));
+        CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &desc));
+        CHECK(judge_graph(scene, &desc) == NULL);
+        CHECK(list_triangles(scene, scene->root, &after));
+        CHECK(same_triangles(&before, &after));
+        const stp_node* root = &scene->nodes[scene->root];
+        CHECK_EQUAL(variant == 2, root->edge_count == 1);
+        CHECK_EQUAL(variant == 0, scene->objects[file].node == scene->root);
+        CHECK_EQUAL(variant != 2, scene->objects[file].node == scene->objects[axes].node);
+        stp_free(context, before.keys);
+        stp_free(context, after.keys);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}
+
 static stp_hash digest(const stp_scene* scene)
 {
     stp_hash hash = {0};
