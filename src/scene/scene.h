@@ -101,7 +101,7 @@ typedef enum stp_part_kind { STP_PART_MESH, STP_PART_POINTS } stp_part_kind;
 /// A mesh or a point set, by index.
 typedef struct stp_part {
     stp_part_kind kind;
-    uint32_t index;
+    uint32_t index; ///< of an object whose mesh the partition has cut: STP_NONE
 } stp_part;
 
 enum {
