@@ -65,7 +65,7 @@ static stp_result add_trees(stp_scene* scene, const clearing* c, uint32_t side, 
 
 stp_result scene_make_forest(stp_scene* scene, const scene_options* options)
 {
-    uint32_t side = (uint32_t)sqrt(TREES * options->scale), material, ground, first;
+    uint32_t side = (uint32_t)sqrt(TREES * options->scale), material = 0, ground, first;
     side = side < 2 ? 2 : side;
     clearing c = {.seed = options->seed, .half = 0.5 * SPACING * side + 12.0};
     c.cells = (int)c.half;
