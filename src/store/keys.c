@@ -137,8 +137,8 @@ stp_result stp_store_find_mesh_by_key(stp_store* store, stp_hash key, stp_store_
         return result;
     }
     const stp_store_key_table* t = store->keys;
-    uint32_t index =
-        find_slot(t->keys + store->directory.surfels_count, t->mesh_slots, t->mesh_mask, key);
+    const stp_store_key* keys = t->keys != NULL ? t->keys + store->directory.surfels_count : NULL;
+    uint32_t index = find_slot(keys, t->mesh_slots, t->mesh_mask, key);
     if (index == STP_STORE_NONE) {
         return STP_OK;
     }
