@@ -282,12 +282,15 @@ static void solve_factors(fit_task* task, double unique, double total)
 
 void plan_fit(assembly_plan* plan, const plan_counts* wanted, double scale)
 {
-    enum { ROUNDS = 6 };
+    enum { ROUNDS = 14 };
     if (plan->failed) {
         return;
     }
     fit_task task = {plan, scale, scale,
-                     (double)wanted->triangles / (double)wanted->unique_triangles, scale};
+                     plan->common_uses > 0.0
+                         ? plan->common_uses
+                         : (double)wanted->triangles / (double)wanted->unique_triangles,
+                     scale};
     count_uses(plan);
     stp_parallel_for(plan->context, plan->mesh_count, 4, count_designed, &task);
     double unique = (double)wanted->unique_triangles * scale;
@@ -299,13 +302,13 @@ void plan_fit(assembly_plan* plan, const plan_counts* wanted, double scale)
         plan_counts got = plan_count(plan);
         double unique_off = unique - (double)got.unique_triangles;
         double total_off = total - (double)got.triangles;
-        const double near = 3e-4 * 3e-4;
+        const double near = 6e-4 * 6e-4;
         if (unique_off * unique_off < near * unique * unique &&
             total_off * total_off < near * total * total) {
             break;
         }
-        unique_aim += unique_off;
-        total_aim += total_off;
+        unique_aim += 1.25 * unique_off; // more, since some shapes cannot follow
+        total_aim += 1.25 * total_off;
         if (unique_aim <= 0.0 || total_aim <= 0.0) {
             break; // so little that the simplest forms of all parts are too much
         }

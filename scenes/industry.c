@@ -40,3 +40,32 @@ stp_result scene_make_power_plant(stp_scene* scene, const scene_options* options
     return build_alone(scene, options, "power plant", plan_power_plant, &counts, views,
                        sizeof(views) / sizeof(views[0]));
 }
+
+stp_result scene_make_bakery_line(stp_scene* scene, const scene_options* options)
+{
+    static const plan_counts counts = {1400, 480, 53000000, 26500000};
+    static const named_view views[] = {
+        {"overview", {-30, 14, 26}, {-12, 1, 0}, 60},
+        {"mixers", {-36, 3, 5}, {-48, 1.2, -1}, 60},
+        {"make-up", {-38, 2.6, 3.4}, {-24, 1, 0}, 60},
+        {"oven", {-9.5, 2.0, 2.6}, {6, 1.2, -0.6}, 65},
+        {"inside oven", {-5, 1.16, 0.2}, {6, 1.05, 0}, 70},
+        {"packing", {31, 2.4, 3.5}, {42, 1, 0}, 65},
+    };
+    return build_alone(scene, options, "bakery line", plan_bakery_line, &counts, views,
+                       sizeof(views) / sizeof(views[0]));
+}
+
+stp_result scene_make_car_factory(stp_scene* scene, const scene_options* options)
+{
+    static const named_view views[] = {
+        {"overview", {-150, 8.5, 90}, {20, 0, -30}, 60},
+        {"body shop", {-68, 4.5, -54}, {-20, 1, -61}, 60},
+        {"robots", {-44, 2.2, -55}, {-33, 1.2, -60}, 60},
+        {"final assembly", {40, 2.6, 8}, {80, 0.8, 14}, 60},
+        {"press shop", {-146, 4, -10}, {-112, 3, -40}, 60},
+        {"paint shop", {26, 3, -50}, {70, 2, -62}, 60},
+    };
+    return build_alone(scene, options, "car factory", plan_car_factory, &car_factory_counts, views,
+                       sizeof(views) / sizeof(views[0]));
+}

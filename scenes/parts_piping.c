@@ -30,7 +30,8 @@ static void along(shaper* s, stp_vec3d from, stp_vec3d to, double r, double grou
         stp_vec3d at = stp_addd(from, stp_scaled(way, (i + 0.25) / supports));
         bool across = way.z * way.z > way.x * way.x;
         stp_affine before = shaper_push(s, place_by_turn(at.x, at.y, at.z, across ? 0 : 0.25));
-        detail_pipe_support(s, r, at.y - ground);
+        double leg = at.y - ground; // higher ones hang on steelwork
+        detail_pipe_support(s, r, leg < 2.6 ? leg : 0.0);
         shaper_pop(s, before);
     }
     int welds = shaper_amount(s, 1 + (int)(length / 3.0));

@@ -17,6 +17,10 @@ static const scene_recipe recipes[] = {
     {"city-small", "the middle of a Roman city: a sixteenth of it", scene_make_small_city},
     {"city", "a Roman city of 26,878 unique objects", scene_make_city},
     {"terrain", "the terrain of paper alone", scene_make_terrain},
+    {"bakery-line", "a line that makes doughnuts, from the mixers to the pallets",
+     scene_make_bakery_line},
+    {"car-factory", "presses, welding robots, paint shop, and cars in all states",
+     scene_make_car_factory},
     {0},
 };
 

@@ -138,6 +138,9 @@ void shape_ball(shaper* s, double radius, double height, int sides)
 static stp_vec3d carry(stp_vec3d side, stp_vec3d step, stp_vec3d old_way, stp_vec3d new_way)
 {
     double c1 = stp_dotd(step, step);
+    if (c1 < 1e-20) {
+        return side;
+    }
     stp_vec3d r = stp_subd(side, stp_scaled(step, 2.0 / c1 * stp_dotd(step, side)));
     stp_vec3d t = stp_subd(old_way, stp_scaled(step, 2.0 / c1 * stp_dotd(step, old_way)));
     stp_vec3d v = stp_subd(new_way, t);

@@ -22,7 +22,18 @@ typedef struct industry_part {
 
 static const industry_part power_plants = {
     plan_power_plants,           &power_plants_counts, scene_add_power_plants, 900, 900, 160,
-    UINT64_C(0x2ad8d7768395930b)};
+    UINT64_C(0x6881d55af37f0633)};
+
+static const industry_part bakery = {
+    plan_bakery, &bakery_counts, scene_add_bakery, 122, 62, 14, UINT64_C(0xc4ee806f3f49f7fc)};
+
+static const industry_part car_factory = {plan_car_factory,
+                                          &car_factory_counts,
+                                          scene_add_car_factory,
+                                          300,
+                                          202,
+                                          20,
+                                          UINT64_C(0x5d0779fb49fbfcf2)};
 
 static bool within(uint64_t got, double wanted, double tolerance)
 {
@@ -162,6 +173,26 @@ void test_industry_power_plants_counts(test_state* test)
 void test_industry_power_plants_small(test_state* test)
 {
     check_small(test, &power_plants);
+}
+
+void test_industry_bakery_counts(test_state* test)
+{
+    check_full_counts(test, &bakery);
+}
+
+void test_industry_bakery_small(test_state* test)
+{
+    check_small(test, &bakery);
+}
+
+void test_industry_car_factory_counts(test_state* test)
+{
+    check_full_counts(test, &car_factory);
+}
+
+void test_industry_car_factory_small(test_state* test)
+{
+    check_small(test, &car_factory);
 }
 
 // Every shape is closed, and its faces and normals look outwards: the volume that its faces enclose is that
