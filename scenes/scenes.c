@@ -2,6 +2,7 @@
 #include "scenes/scenes.h"
 
 #include "scenes/industry.h"
+#include "scenes/paper.h"
 #include "scenes/small.h"
 
 #include <stdlib.h>
@@ -21,6 +22,10 @@ static const scene_recipe recipes[] = {
      scene_make_bakery_line},
     {"car-factory", "presses, welding robots, paint shop, and cars in all states",
      scene_make_car_factory},
+    {"paper", "the benchmark of Brandt et al. 2019: 2.35 G triangles, 86 M unique",
+     scene_make_paper},
+    {"paper-huge", "the same unique content 441 times: a trillion triangles",
+     scene_make_paper_huge},
     {0},
 };
 

@@ -26,8 +26,12 @@ double terrain_height(const terrain_map* map, double x, double z)
     double road = smooth_step((terrain_road_distance(map, x, z) - 6.0) / 60.0);
     double broad =
         46.0 * noise2(seed, x / 900.0, z / 900.0) + 18.0 * noise2(seed + 1, x / 370.0, z / 370.0);
+    double end_x = 0.5 * TILE_SIZE * TILE_COLUMNS - (x < 0.0 ? -x : x);
+    double end_z = 0.5 * TILE_SIZE * TILE_ROWS - (z < 0.0 ? -z : z);
+    double edge =
+        smooth_step((end_x < end_z ? end_x : end_z) / 300.0); // copies join at level edges
     double fine = 4.0 * noise2_octaves(seed + 2, x / 90.0, z / 90.0, 3);
-    double height = flat * (broad + fine * road);
+    double height = edge * flat * (broad + fine * road);
     return height - (1.0 - flat) * (0.12 + 0.03 * noise2(seed + 9, x / 11.0, z / 11.0));
 }
 

@@ -7,7 +7,7 @@
 const terrain_site terrain_sites[SITE_COUNT] = {
     [SITE_CITY] = {-1850.0, 250.0, 430.0, 330.0},
     [SITE_CAR_FACTORY] = {-300.0, 900.0, 180.0, 130.0},
-    [SITE_BAKERY] = {250.0, -650.0, 90.0, 60.0},
+    [SITE_BAKERY] = {400.0, -650.0, 90.0, 60.0},
     [SITE_POWER_PLANTS] = {1650.0, 350.0, 480.0, 480.0},
 };
 
@@ -44,7 +44,7 @@ static const road roads[ROAD_COUNT] = {
     {5, {{-150, 100}, {-190, 300}, {-330, 480}, {-320, 640}, {-300, 760}}},
     // the crossing to the bakery, and on to the north edge
     {7,
-     {{-150, 100}, {-80, -150}, {30, -380}, {120, -560}, {100, -850}, {-40, -1200}, {-60, -1640}}},
+     {{-150, 100}, {-80, -150}, {90, -380}, {270, -540}, {260, -850}, {-40, -1200}, {-60, -1640}}},
     // the west edge, around the city, to the south edge
     {7,
      {{-2540, -450},
