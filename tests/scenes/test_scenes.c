@@ -13,8 +13,8 @@
 // Scenes of machines stay large at any scale; they have tests of their own.
 static const scene_recipe* next_quick(const scene_recipe* recipe)
 {
-    static const char* const slow[] = {"power-plant", "paper",  "paper-huge",
-                                       "car-factory", "bakery", "twenty-million"};
+    static const char* const slow[] = {"power-plant", "bakery-line", "paper",         "paper-huge",
+                                       "car-factory", "bakery",      "twenty-million"};
     for (size_t i = 0; recipe->name != NULL && i < sizeof(slow) / sizeof(slow[0]); ++i) {
         if (strcmp(recipe->name, slow[i]) == 0) {
             recipe += 1;
