@@ -18,8 +18,8 @@ static struct {
     const char* output;
     int method, order, metric, up, unit;
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed;
-    int progress;
-    bool json, threshold_given, up_given, unit_given;
+    int progress, capture;
+    bool json, threshold_given, up_given, unit_given, resume, fresh;
 } args;
 
 static const char* const order_names[] = {"exact", "paper-fast", "paper-text", "random"};
@@ -28,6 +28,7 @@ static const stp_order_kind order_kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FA
 static const char* const metric_names[] = {"side", "euclidean"};
 static const stp_order_metric metrics[] = {STP_METRIC_SIDE, STP_METRIC_EUCLIDEAN};
 static const char* const unit_names[] = {"m", "mm", "cm", "in", "ft", "us-ft"};
+static const char* const capture_names[] = {"splats", "triangles"};
 static const char* const progress_names[] = {"auto", "bar", "json", "none"};
 static const double unit_metres[] = {1.0, 0.001, 0.01, 0.0254, 0.3048, 1200.0 / 3937.0};
 
@@ -82,6 +83,12 @@ static const option* options(void)
          .help = "a node gets surfels above so many triangles; default 1000",
          .value = &args.threshold,
          .given = &args.threshold_given},
+        {.name = "capture",
+         .type = OPTION_CHOICE,
+         .words = "splats|triangles",
+         .help = "what upper nodes capture: their children's surfels where dense enough (the "
+                 "default), or always triangles",
+         .value = &args.capture},
         {.name = "resolution",
          .type = OPTION_COUNT,
          .argument = "PX|auto",
@@ -106,6 +113,13 @@ static const option* options(void)
          .words = "auto",
          .help = "most memory to use, as 8G or 512M; default no limit",
          .value = &args.memory},
+        {.name = "resume",
+         .help = "take up a build that was killed, and what has not changed of a former one; the "
+                 "default",
+         .value = &args.resume},
+        {.name = "fresh",
+         .help = "start anew; nothing is taken from a former build",
+         .value = &args.fresh},
         {.name = "seed",
          .type = OPTION_COUNT,
          .argument = "N",
@@ -138,11 +152,11 @@ static const option* options(void)
 // stand in it. NULL where memory runs out.
 static char* parameters_json(void)
 {
-    json_t* json =
-        json_pack("{s:s, s:s, s:s, s:I, s:I}", "method", "blue", "order", order_names[args.order],
-                  "metric", metric_names[args.metric], "threshold",
-                  (json_int_t)(args.threshold_given ? args.threshold : DEFAULT_THRESHOLD), "seed",
-                  (json_int_t)args.seed);
+    json_t* json = json_pack(
+        "{s:s, s:s, s:s, s:s, s:I, s:I}", "method", "blue", "order", order_names[args.order],
+        "metric", metric_names[args.metric], "capture", capture_names[args.capture], "threshold",
+        (json_int_t)(args.threshold_given ? args.threshold : DEFAULT_THRESHOLD), "seed",
+        (json_int_t)args.seed);
     const struct {
         const char* key;
         uint64_t value;
@@ -170,17 +184,22 @@ static char* parameters_json(void)
 
 static json_t* seconds_json(const stp_build_report* r)
 {
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "import", r->import_s, "partition",
-                     r->partition_s, "capture", r->capture_s, "order", r->order_s, "finish",
-                     r->finish_s, "write", r->write_s, "total", r->total_s);
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "import", r->import_s,
+                     "partition", r->partition_s, "capture", r->capture_s, "order", r->order_s,
+                     "finish", r->finish_s, "surfel_threads", r->surfel_thread_s, "clusters",
+                     r->clusters_s, "write", r->write_s, "total", r->total_s);
 }
 
 static void print_seconds(const stp_build_report* r)
 {
     printf("  %-12s %.2f s (import %.2f, partition %.2f, capture %.2f, order %.2f, finish %.2f, "
-           "write %.2f)\n",
+           "clusters %.2f, write %.2f)\n",
            "built in", r->total_s, r->import_s, r->partition_s, r->capture_s, r->order_s,
-           r->finish_s, r->write_s);
+           r->finish_s, r->clusters_s, r->write_s);
+    if (r->sets_found + r->meshes_found > 0) {
+        printf("  %-12s %u of %u surfel sets, %u of %u meshes\n", "unchanged", r->sets_found,
+               r->sets_found + r->sets_made, r->meshes_found, r->meshes_found + r->meshes_made);
+    }
 }
 
 // Says what was written, from the file itself.
@@ -202,6 +221,12 @@ static int print_result(stp_context* context, const stp_build_report* report)
         (void)json_object_set_new(json, "peak_bytes", json_integer((json_int_t)peak_bytes));
         (void)json_object_set_new(json, "threads", json_integer(stp_context_thread_count(context)));
         (void)json_object_set_new(json, "candidates", json_integer((json_int_t)report->candidates));
+        (void)json_object_set_new(json, "unchanged",
+                                  json_pack("{s:I, s:I, s:I, s:I}", "surfel_sets",
+                                            (json_int_t)report->sets_found, "surfel_sets_made",
+                                            (json_int_t)report->sets_made, "meshes",
+                                            (json_int_t)report->meshes_found, "meshes_made",
+                                            (json_int_t)report->meshes_made));
         code = json != NULL ? tool_print_json(json) : tool_error("out of memory");
     } else if (!tool_settings_get()->quiet) {
         describe_print(args.output, &figures);
@@ -232,6 +257,9 @@ static int build(stp_context* context, int argc, char** argv)
                            .interval = (uint32_t)args.interval},
                  .surfel_count = (uint32_t)args.surfels},
         .threshold = args.threshold_given && args.threshold == 0 ? 1 : args.threshold,
+        .from_triangles = args.capture == 1,
+        .fresh = args.fresh,
+        .memory_bytes = args.memory,
     };
     char* parameters = parameters_json();
     if (parameters == NULL) {
@@ -248,6 +276,9 @@ static int run(int argc, char** argv)
 {
     if (argc < 1) {
         return tool_usage_error("build needs at least one input");
+    }
+    if (args.resume && args.fresh) {
+        return tool_usage_error("--resume and --fresh exclude each other");
     }
     if (args.output == NULL) {
         return tool_usage_error("build needs -o FILE.stip");
@@ -282,8 +313,14 @@ const command command_build = {
         "surfels are chosen from it in such an order that every prefix covers the whole evenly "
         "(Brandt et al. 2019). The original triangles are kept for close views.\n"
         "\n"
+        "Every node of the scene above the threshold gets surfels of its own, from the bottom up. "
+        "Each result is kept in FILE.stip.work until the file is written: a build that was killed "
+        "goes on where it was when it is run again, and gives the same bytes. Where FILE.stip is "
+        "there already, what has not changed since is taken from it.\n"
+        "\n"
         "The same inputs and options give the same file, byte for byte, on any machine and for any "
-        "number of threads. The file is written aside and renamed: a build that fails or is "
+        "number of threads and any limit of memory. The file is written aside and renamed: a build "
+        "that fails or is "
         "interrupted leaves a former file as it was.",
     .options = options,
     .run = run,

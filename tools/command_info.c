@@ -73,7 +73,7 @@ static int print_model(stp_context* context, const char* path)
     }
     result = result != STP_OK ? result : stp_scene_finish(scene);
     result = result != STP_OK ? result : stp_build_census(scene, &census);
-    result = result != STP_OK ? result : stp_build_content_create(scene, NULL, &content);
+    result = result != STP_OK ? result : stp_build_content_create(scene, NULL, 0, NULL, &content);
     int code = 1;
     if (result == STP_OK) {
         scene_figures figures;

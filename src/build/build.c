@@ -5,21 +5,35 @@
 #include "build/census.h"
 #include "build/content.h"
 #include "build/meshes.h"
-#include "build/shadings.h"
+#include "build/nodes.h"
+#include "build/plan.h"
 
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #define DEFAULT_THRESHOLD 1000u // triangles (Brandt 5.2)
+#define RESERVE_BYTES                                                                              \
+    (UINT64_C(64) << 20) // for the directory and its texts, when the file is written
+#define LEAST_BUDGET (UINT64_C(64) << 20) // one node at a time is made whatever the limit
+#define FILE_MEMORY_SHARE 4u // of the limit, for meshes before they go to the spill file
 
 // Everything a build makes on its way, in the order it is made.
 typedef struct build {
     stp_context* context;
     const stp_build_desc* desc;
     stp_build_report* report;
+    char* work_folder;
+    stp_work* work;
+    stp_former* former; ///< NULL: none
+    stp_spill* spill;
     stp_scene* scene;
     stp_shading_set shadings;
-    stp_surfels surfels; ///< of the root; count 0: none
     stp_store_census census;
+    stp_build_plan plan;
+    stp_build_nodes nodes;
+    stp_build_meshes meshes;
+    stp_hash* surfel_keys; ///< one a step of the plan
     stp_build_content content;
 } build;
 
@@ -34,55 +48,144 @@ static stp_result try_output(stp_context* context, const char* path)
     return result;
 }
 
+// What the build may use: the limit asked for, or most of the machine.
+static uint64_t usable_bytes(const build* b)
+{
+    if (b->desc->memory_bytes != 0) {
+        return b->desc->memory_bytes;
+    }
+    long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGE_SIZE);
+    uint64_t all = pages > 0 && page_size > 0 ? (uint64_t)pages * (uint64_t)page_size : 0;
+    return all / 4 * 3;
+}
+
+static stp_result open_work(build* b)
+{
+    size_t size = strlen(b->desc->output) + sizeof(".work");
+    b->work_folder = stp_alloc(b->context, size);
+    if (b->work_folder == NULL) {
+        return stp_fail_memory(b->context);
+    }
+    snprintf(b->work_folder, size, "%s.work", b->desc->output);
+    stp_result result = stp_work_open(b->context, b->work_folder, b->desc->fresh, &b->work);
+    b->former = result == STP_OK && !b->desc->fresh ? stp_former_open(b->desc->output) : NULL;
+    return result != STP_OK ? result : stp_spill_create(b->context, b->work_folder, &b->spill);
+}
+
+static stp_result import_input(build* b, const char* input)
+{
+    static const char prefix[] = "scene:";
+    if (b->desc->generate != NULL && strncmp(input, prefix, sizeof(prefix) - 1) == 0) {
+        return b->desc->generate(b->scene, input, b->desc->generate_user);
+    }
+    return stp_import_file(b->scene, input, &b->desc->import);
+}
+
 static stp_result import_inputs(build* b)
 {
     double start = stp_clock_ms();
     stp_result result = stp_scene_create(b->context, &b->scene);
+    if (result == STP_OK) {
+        stp_scene_use_spill(b->scene, b->spill, usable_bytes(b) / FILE_MEMORY_SHARE);
+    }
     for (size_t i = 0; result == STP_OK && i < b->desc->input_count; ++i) {
-        const char* input = b->desc->inputs[i];
-        result = b->desc->generate != NULL && strncmp(input, "scene:", 6) == 0
-                     ? b->desc->generate(b->scene, input, b->desc->generate_user)
-                     : stp_import_file(b->scene, input, &b->desc->import);
+        result = import_input(b, b->desc->inputs[i]);
     }
     double imported = stp_clock_ms();
     b->report->import_s = (imported - start) * 1e-3;
-    if (result == STP_OK) {
-        result = stp_progress(b->context, "partition", 0.0);
-    }
-    if (result == STP_OK) {
-        result = stp_scene_finish(b->scene);
-    }
-    if (result == STP_OK) {
-        result = stp_build_census(b->scene, &b->census);
-    }
+    result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.0);
+    result = result != STP_OK ? result : stp_scene_finish(b->scene);
+    result = result != STP_OK ? result : stp_build_census(b->scene, &b->census);
+    result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.5);
+    result = result != STP_OK ? result : stp_scene_partition(b->scene, &b->desc->partition);
     b->report->partition_s = (stp_clock_ms() - imported) * 1e-3;
     return result;
 }
 
-// Whether a node is worth surfels: it has more triangles than the threshold, or is a point cloud.
-static bool wants_surfels(const build* b, uint32_t node)
+// Splits the time that surfels took by what the threads did in it.
+static void report_surfels(build* b, double seconds)
 {
-    if (node == STP_NONE) {
-        return false;
-    }
-    uint64_t threshold = b->desc->threshold != 0 ? b->desc->threshold : DEFAULT_THRESHOLD;
-    const stp_node* n = &b->scene->nodes[node];
-    return n->triangle_count > threshold || n->point_count != 0;
+    const stp_build_nodes* nodes = &b->nodes;
+    double all_ms = nodes->capture_ms + nodes->order_ms + nodes->finish_ms;
+    double share = all_ms > 0.0 ? seconds / all_ms : 0.0;
+    b->report->capture_s = nodes->capture_ms * share;
+    b->report->order_s = nodes->order_ms * share;
+    b->report->finish_s = nodes->finish_ms * share;
+    b->report->surfel_thread_s = all_ms * 1e-3;
+    b->report->candidates = nodes->candidates;
+    b->report->sets_made = nodes->made;
+    b->report->sets_found = nodes->found;
 }
 
 static stp_result make_surfels(build* b)
 {
+    const stp_build_desc* desc = b->desc;
+    double start = stp_clock_ms();
     stp_result result = stp_make_shadings(b->scene, &b->shadings);
-    if (result != STP_OK || !wants_surfels(b, b->scene->root)) {
+    if (result != STP_OK) {
         return result;
     }
-    stp_blue_report report;
-    result = stp_blue_make(b->scene, b->scene->root, b->shadings.of_material, &b->desc->blue,
-                           &b->surfels, &report);
-    b->report->capture_s = report.capture_ms * 1e-3;
-    b->report->order_s = report.order_ms * 1e-3;
-    b->report->finish_s = report.finish_ms * 1e-3;
-    b->report->candidates = report.candidate_count;
+    stp_build_plan_desc plan = {
+        .blue = &desc->blue,
+        .shading_of_material = b->shadings.of_material,
+        .shadings = b->shadings.shadings,
+        .threshold = desc->threshold != 0 ? desc->threshold : DEFAULT_THRESHOLD,
+        .from_triangles = desc->from_triangles,
+    };
+    result = stp_build_plan_make(b->scene, &plan, &b->plan);
+    if (result != STP_OK) {
+        return result;
+    }
+    uint64_t usable = usable_bytes(b), used = stp_context_live_bytes(b->context) + RESERVE_BYTES;
+    stp_build_nodes_desc nodes = {
+        .plan = &b->plan,
+        .blue = &desc->blue,
+        .shading_of_material = b->shadings.of_material,
+        .shadings = b->shadings.shadings,
+        .shading_count = b->shadings.count,
+        .from_triangles = desc->from_triangles,
+        .memory_bytes = usable > used + LEAST_BUDGET ? usable - used : LEAST_BUDGET,
+        .work = b->work,
+        .former = b->former,
+    };
+    result = stp_build_nodes_make(b->scene, &nodes, &b->nodes);
+    if (result == STP_OK) {
+        report_surfels(b, (stp_clock_ms() - start) * 1e-3);
+    }
+    return result;
+}
+
+static stp_result code_meshes(build* b)
+{
+    double start = stp_clock_ms();
+    stp_result result = stp_build_meshes_make(b->scene, b->work, b->former, &b->meshes);
+    b->report->clusters_s = (stp_clock_ms() - start) * 1e-3;
+    b->report->meshes_made = b->meshes.made;
+    b->report->meshes_found = b->meshes.found;
+    return result;
+}
+
+static stp_result make_content(build* b)
+{
+    b->surfel_keys = STP_NEW_ZEROED(b->context, stp_hash, b->plan.step_count);
+    if (b->surfel_keys == NULL) {
+        return stp_fail_memory(b->context);
+    }
+    for (uint32_t i = 0; i < b->plan.step_count; ++i) {
+        b->surfel_keys[i] = b->plan.steps[i].key;
+    }
+    stp_result result = stp_build_content_create(b->scene, b->nodes.sets, b->plan.step_count,
+                                                 b->plan.step_of, &b->content);
+    if (result == STP_OK) {
+        stp_store_content* content = &b->content.content;
+        content->census = &b->census;
+        content->coded_meshes = b->meshes.coded;
+        content->mesh_keys = b->meshes.keys;
+        content->surfel_keys = b->surfel_keys;
+        content->directory.shadings = b->shadings.shadings;
+        content->directory.shading_count = b->shadings.count;
+        content->directory.build_json = b->desc->parameters_json;
+    }
     return result;
 }
 
@@ -90,23 +193,33 @@ static stp_result write_file(build* b)
 {
     double start = stp_clock_ms();
     stp_result result = stp_progress(b->context, "write", 0.0);
-    if (result == STP_OK) {
-        const stp_surfels* surfels = b->surfels.count != 0 ? &b->surfels : NULL;
-        result = stp_build_content_create(b->scene, surfels, &b->content);
-    }
-    if (result == STP_OK) {
-        stp_store_directory* d = &b->content.content.directory;
-        d->shadings = b->shadings.shadings;
-        d->shading_count = b->shadings.count;
-        d->build_json = b->desc->parameters_json;
-        b->content.content.census = &b->census;
-        result = stp_code_meshes(b->scene, &b->content);
-    }
-    if (result == STP_OK) {
-        result = stp_store_write(b->context, &b->content.content, b->desc->output);
-    }
+    result = result != STP_OK ? result : make_content(b);
+    result = result != STP_OK ? result
+                              : stp_store_write(b->context, &b->content.content, b->desc->output);
     b->report->write_s = (stp_clock_ms() - start) * 1e-3;
     return result;
+}
+
+// The work directory goes once the output holds what was in it, or where there is nothing in it.
+static void close_build(build* b, bool written)
+{
+    stp_work_report kept = {0};
+    if (b->work != NULL) {
+        stp_work_get_report(b->work, &kept);
+        b->report->work_bytes = kept.stored_bytes + kept.found_bytes;
+    }
+    stp_build_content_destroy(&b->content);
+    stp_free(b->context, b->surfel_keys);
+    stp_build_meshes_destroy(b->context, &b->meshes);
+    stp_build_nodes_destroy(b->context, &b->nodes);
+    stp_build_plan_destroy(b->context, &b->plan);
+    stp_store_census_destroy(b->context, &b->census);
+    stp_free(b->context, b->shadings.of_material);
+    stp_scene_destroy(b->scene);
+    stp_spill_destroy(b->spill);
+    stp_former_close(b->former);
+    stp_work_close(b->work, written || kept.stored + kept.found == 0);
+    stp_free(b->context, b->work_folder);
 }
 
 stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build_report* report)
@@ -116,15 +229,17 @@ stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build
     *report = (stp_build_report){0};
     double start = stp_clock_ms();
     build b = {.context = context, .desc = desc, .report = report};
+    static const stp_stage stages[] = {
+        {"import", 5.0}, {"partition", 3.0}, {"surfels", 80.0}, {"clusters", 6.0}, {"write", 6.0}};
+    stp_progress_plan(context, stages, sizeof(stages) / sizeof(stages[0]));
     stp_result result = try_output(context, desc->output);
+    result = result != STP_OK ? result : open_work(&b);
     result = result != STP_OK ? result : import_inputs(&b);
     result = result != STP_OK ? result : make_surfels(&b);
+    result = result != STP_OK ? result : code_meshes(&b);
     result = result != STP_OK ? result : write_file(&b);
-    stp_build_content_destroy(&b.content);
-    stp_store_census_destroy(context, &b.census);
-    stp_surfels_destroy(context, &b.surfels);
-    stp_free(context, b.shadings.of_material);
-    stp_scene_destroy(b.scene);
+    close_build(&b, result == STP_OK);
+    stp_progress_plan(context, NULL, 0);
     report->total_s = (stp_clock_ms() - start) * 1e-3;
     return result;
 }

@@ -1,28 +1,43 @@
 // SPDX-License-Identifier: MIT
 //
-// The offline driver: import, order, write.
+// The offline driver: import, partition, surfels bottom-up, clusters, write.
+//
+// What is made on the way is kept in a work directory beside the output, FILE.stip.work, until the file is written:
+// a build that was killed goes on from there. A former output of the same name serves likewise: what has not
+// changed since is taken from it.
 #pragma once
 
 #include "import/import.h"
 #include "lod/blue.h"
+#include "scene/partition.h"
 
 typedef struct stp_build_desc {
-    const char* const* inputs;
+    const char* const* inputs; ///< files, or "scene:NAME" for `generate`
     size_t input_count;
     const char* output;
     stp_import_desc import;
-    stp_blue_desc blue;
+    stp_partition_desc partition;
+    stp_blue_desc blue; ///< `sets` and `shadings` are the build's own business
     uint64_t
         threshold; ///< a node of triangles gets surfels above so many; default 1,000 (5.2); 1: always
+    bool from_triangles; ///< upper nodes capture triangles, not their children's surfels (3.4)
+    bool fresh;          ///< nothing is taken from a former build
+    uint64_t
+        memory_bytes; ///< what the context may use; 0: no limit. The most goes to nodes in the making
+    const char* parameters_json; ///< written into the file: what the user asked for
     /// Adds a named scene; NULL: "scene:" inputs are unknown.
     stp_result (*generate)(stp_scene* scene, const char* name, void* user);
     void* generate_user;
-    const char* parameters_json; ///< written into the file: what the user asked for
 } stp_build_desc;
 
 typedef struct stp_build_report {
-    double import_s, partition_s, capture_s, order_s, finish_s, write_s, total_s;
+    double import_s, partition_s, clusters_s, write_s, total_s;
+    double capture_s, order_s, finish_s; ///< shares of the time that surfels took
+    double surfel_thread_s;              ///< time of all threads for surfels
     uint64_t candidates;
+    uint32_t sets_made, sets_found; ///< surfel sets made, and taken from a former build
+    uint32_t meshes_made, meshes_found;
+    uint64_t work_bytes; ///< of the work directory, at its largest
 } stp_build_report;
 
 /// Builds one scene from the inputs and writes it. @return STP_OK or what the stages return (logged)

@@ -39,11 +39,11 @@ static const int16_t* convert_normals(stp_build_content* c, const float* normals
     return out;
 }
 
+// Their triangles are written as clusters (build/meshes.h), which have normals of their own.
 static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
 {
     stp_store_mesh* meshes = STP_ARENA_ARRAY(&c->arena, stp_store_mesh, scene->mesh_count);
-    bool made = meshes != NULL;
-    for (size_t i = 0; made && i < scene->mesh_count; ++i) {
+    for (size_t i = 0; meshes != NULL && i < scene->mesh_count; ++i) {
         const stp_mesh* mesh = &scene->meshes[i];
         meshes[i] = (stp_store_mesh){
             .name = mesh->name,
@@ -52,14 +52,13 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
             .material = mesh->material,
             .bounds = mesh->bounds,
             .positions = mesh->positions,
-            .normals = convert_normals(c, mesh->normals, mesh->vertex_count, &made),
             .texcoords = {mesh->texcoords[0], mesh->texcoords[1]},
             .colors = mesh->colors,
             .indices = mesh->indices,
         };
     }
     c->content.meshes = meshes;
-    return made;
+    return meshes != NULL;
 }
 
 static bool convert_point_sets(stp_build_content* c, const stp_scene* scene)
@@ -133,7 +132,14 @@ static bool convert_textures(stp_build_content* c, const stp_scene* scene)
     return textures != NULL;
 }
 
-static bool convert_graph(stp_build_content* c, const stp_scene* scene)
+// A set without surfels (nothing can be seen from outside) is none.
+static uint32_t find_set(const stp_build_content* c, const uint32_t* set_of_node, size_t node)
+{
+    uint32_t set = set_of_node != NULL ? set_of_node[node] : STP_STORE_NONE;
+    return set != STP_STORE_NONE && c->content.surfels[set].count != 0 ? set : STP_STORE_NONE;
+}
+
+static bool convert_graph(stp_build_content* c, const stp_scene* scene, const uint32_t* set_of_node)
 {
     stp_store_node* nodes = STP_ARENA_ARRAY(&c->arena, stp_store_node, scene->node_count);
     stp_store_edge* edges = STP_ARENA_ARRAY(&c->arena, stp_store_edge, scene->edge_count);
@@ -148,7 +154,7 @@ static bool convert_graph(stp_build_content* c, const stp_scene* scene)
             .edge_count = node->edge_count,
             .first_part = node->first_part,
             .part_count = node->part_count,
-            .surfels = i == scene->root && c->content.surfels != NULL ? 0 : STP_STORE_NONE,
+            .surfels = find_set(c, set_of_node, i),
             .flags = node->flags & STP_OBJECT_MOVING,
             .triangle_count = node->triangle_count,
             .point_count = node->point_count,
@@ -233,14 +239,15 @@ static bool convert_counts(stp_store_directory* d, const stp_scene* scene)
     return true;
 }
 
-stp_result stp_build_content_create(const stp_scene* scene, const stp_surfels* surfels,
+stp_result stp_build_content_create(const stp_scene* scene, const stp_surfels* sets,
+                                    uint32_t set_count, const uint32_t* set_of_node,
                                     stp_build_content* content)
 {
     *content = (stp_build_content){.context = scene->context,
                                    .arena = stp_arena_create(scene->context, BLOCK_SIZE)};
     stp_store_directory* d = &content->content.directory;
-    content->content.surfels = surfels;
-    d->surfels_count = surfels != NULL;
+    content->content.surfels = sets;
+    d->surfels_count = set_count;
     d->root = scene->root;
     d->unit_metres = scene->unit_metres;
     d->up = scene->up[0];
@@ -248,7 +255,7 @@ stp_result stp_build_content_create(const stp_scene* scene, const stp_surfels* s
         return stp_fail(scene->context, STP_ERROR_LIMIT,
                         "the scene has more parts than a file can number");
     }
-    bool made = convert_graph(content, scene) && convert_names(content, scene) &&
+    bool made = convert_graph(content, scene, set_of_node) && convert_names(content, scene) &&
                 convert_materials(content, scene) && convert_textures(content, scene) &&
                 convert_meshes(content, scene) && convert_point_sets(content, scene);
     if (!made) {
@@ -261,11 +268,6 @@ stp_result stp_build_content_create(const stp_scene* scene, const stp_surfels* s
 void stp_build_content_destroy(stp_build_content* content)
 {
     if (content->context != NULL) {
-        for (uint32_t i = 0; content->coded != NULL && i < content->content.directory.mesh_count;
-             ++i) {
-            stp_coded_mesh_destroy(content->context, &content->coded[i]);
-        }
-        stp_free(content->context, content->coded);
         stp_arena_destroy(&content->arena);
     }
     *content = (stp_build_content){0};

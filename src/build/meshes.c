@@ -3,6 +3,23 @@
 
 #include "base/octahedral.h"
 #include "base/position_grid.h"
+#include "build/piece.h"
+
+#include <pthread.h>
+#include <string.h>
+
+// Part of every key: to be raised when the same mesh gives other bytes.
+static const char* const code_version = "stipple-clusters-1";
+
+typedef struct run {
+    const stp_scene* scene;
+    stp_work* work;
+    stp_former* former;
+    stp_build_meshes* meshes;
+    pthread_mutex_t mutex;        ///< of the counts and the result
+    pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
+    stp_result result;            ///< the first failure
+} run;
 
 uint32_t stp_material_texcoords(const stp_material* material)
 {
@@ -52,40 +69,94 @@ stp_result stp_code_mesh(stp_context* context, const stp_mesh* mesh, uint32_t te
     return result;
 }
 
-typedef struct code_work {
-    const stp_scene* scene;
-    stp_build_content* content;
-    stp_result* results;
-} code_work;
+static stp_hash make_key(const stp_mesh* mesh, uint32_t texcoords)
+{
+    stp_hash key = stp_hash_bytes((stp_hash){0}, code_version, strlen(code_version));
+    key = stp_hash_bytes(key, &mesh->content, sizeof(mesh->content));
+    key = stp_hash_bytes(key, &mesh->grid_step, sizeof(mesh->grid_step));
+    return stp_hash_bytes(key, &texcoords, sizeof(texcoords));
+}
+
+static bool find_mesh(run* r, stp_hash key, stp_coded_mesh* coded)
+{
+    if (stp_piece_find_mesh(r->work, key, coded)) {
+        return true;
+    }
+    pthread_mutex_lock(&r->former_mutex);
+    bool found = r->former != NULL && stp_former_take_mesh(r->former, key, r->work, coded);
+    pthread_mutex_unlock(&r->former_mutex);
+    return found;
+}
+
+static stp_result make_mesh(run* r, const stp_mesh* mesh, uint32_t texcoords, stp_hash key,
+                            stp_coded_mesh* coded)
+{
+    stp_coded_mesh made;
+    stp_result result = stp_code_mesh(r->scene->context, mesh, texcoords, &made);
+    if (result == STP_OK) {
+        result = stp_piece_store_mesh(r->work, key, &made, coded);
+        stp_coded_mesh_destroy(r->scene->context, &made);
+    }
+    return result;
+}
 
 static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
-    const code_work* work = user;
-    const stp_scene* scene = work->scene;
+    run* r = user;
+    stp_build_meshes* meshes = r->meshes;
     for (size_t i = begin; i < end; ++i) {
-        const stp_mesh* mesh = &scene->meshes[i];
-        uint32_t texcoords = stp_material_texcoords(&scene->materials[mesh->material]);
-        work->results[i] = stp_code_mesh(scene->context, mesh, texcoords, &work->content->coded[i]);
+        const stp_mesh* mesh = &r->scene->meshes[i];
+        uint32_t texcoords = stp_material_texcoords(&r->scene->materials[mesh->material]);
+        stp_hash key = make_key(mesh, texcoords);
+        meshes->keys[i] = key;
+        bool found = find_mesh(r, key, &meshes->coded[i]);
+        stp_result result = found ? STP_OK : make_mesh(r, mesh, texcoords, key, &meshes->coded[i]);
+        pthread_mutex_lock(&r->mutex);
+        r->result = r->result != STP_OK ? r->result : result;
+        meshes->made += !found;
+        meshes->found += found;
+        pthread_mutex_unlock(&r->mutex);
+        stp_progress_add(r->scene->context, mesh->triangle_count);
+        if (result != STP_OK) {
+            stp_parallel_stop(r->scene->context);
+        }
     }
 }
 
-stp_result stp_code_meshes(const stp_scene* scene, stp_build_content* content)
+stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work, stp_former* former,
+                                 stp_build_meshes* meshes)
 {
     stp_context* context = scene->context;
-    size_t count = scene->mesh_count;
-    content->coded = STP_NEW_ZEROED(context, stp_coded_mesh, count + 1);
-    code_work work = {scene, content, STP_NEW_ZEROED(context, stp_result, count + 1)};
-    stp_result result = STP_OK;
-    if (content->coded == NULL || work.results == NULL) {
-        result = stp_fail_memory(context);
-    } else {
-        stp_parallel_for(context, count, 1, code_some, &work);
-        for (size_t i = 0; i < count && result == STP_OK; ++i) {
-            result = work.results[i];
-        }
-        content->content.coded_meshes = content->coded;
+    *meshes = (stp_build_meshes){0};
+    meshes->coded = STP_NEW_ZEROED(context, stp_coded_mesh, scene->mesh_count);
+    meshes->keys = STP_NEW_ZEROED(context, stp_hash, scene->mesh_count);
+    if (meshes->coded == NULL || meshes->keys == NULL) {
+        stp_build_meshes_destroy(context, meshes);
+        return stp_fail_memory(context);
     }
-    stp_free(context, work.results);
+    run r = {.scene = scene, .work = work, .former = former, .meshes = meshes};
+    stp_loop_report report = {.stage = "clusters", .unit = "triangles"};
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        report.total += scene->meshes[i].triangle_count;
+    }
+    pthread_mutex_init(&r.mutex, NULL);
+    pthread_mutex_init(&r.former_mutex, NULL);
+    stp_result result =
+        stp_parallel_for_reported(context, scene->mesh_count, 1, code_some, &r, &report);
+    pthread_mutex_destroy(&r.former_mutex);
+    pthread_mutex_destroy(&r.mutex);
+    result = r.result != STP_OK ? r.result : result;
+    if (result != STP_OK) {
+        stp_build_meshes_destroy(context, meshes);
+    }
     return result;
+}
+
+void stp_build_meshes_destroy(stp_context* context, stp_build_meshes* meshes)
+{
+    stp_free(context, meshes->coded);
+    stp_free(context, meshes->keys);
+    meshes->coded = NULL;
+    meshes->keys = NULL;
 }

@@ -1,8 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Meshes of a scene coded to clusters.
+// Codes the meshes of a scene as clusters, each result kept in the work directory.
 #pragma once
 
-#include "build/content.h"
+#include "build/former.h"
+#include "scene/scene.h"
+
+typedef struct stp_build_meshes {
+    stp_coded_mesh* coded; ///< one a mesh of the scene; bytes lie in the work directory
+    stp_hash* keys;        ///< likewise
+    uint32_t made, found;
+} stp_build_meshes;
+
+/// `former` may be NULL. @return STP_OK, or what the stages return (logged)
+STP_MUST_USE stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work,
+                                              stp_former* former, stp_build_meshes* meshes);
+void stp_build_meshes_destroy(stp_context* context, stp_build_meshes* meshes);
 
 /// Which of a mesh's two sets of texture coordinates its material reads (bit 0, bit 1): the others are not
 /// stored. Part of what a coded mesh was made from, beside the mesh's content and its grid step.
@@ -12,6 +24,3 @@ uint32_t stp_material_texcoords(const stp_material* material);
 /// @return as stp_clusters_encode
 STP_MUST_USE stp_result stp_code_mesh(stp_context* context, const stp_mesh* mesh,
                                       uint32_t texcoords, stp_coded_mesh* coded);
-
-/// Codes all meshes of the scene that the content was made from, in parallel.
-STP_MUST_USE stp_result stp_code_meshes(const stp_scene* scene, stp_build_content* content);

@@ -175,7 +175,7 @@ static int stop_at_once(const stp_progress_report* report, void* user)
 
 void test_builds_can_be_stopped_at_every_stage(test_state* test)
 {
-    static const char* const stages[] = {"import", "partition", "order", "finish", "write"};
+    static const char* const stages[] = {"import", "partition", "surfels", "clusters", "write"};
     workshop w;
     CHECK(open_workshop(&w, 30));
     CHECK(write_text(w.output, "former"));
@@ -196,6 +196,14 @@ void test_builds_can_be_stopped_at_every_stage(test_state* test)
         CHECK(same_files(context, w.output, w.other));
         stp_context_destroy(context);
     }
+    // what was made until then is kept, and goes when a build is done
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_build_report report;
+    CHECK_EQUAL(STP_OK, build_to(context, &w, w.output, 0, &report));
+    CHECK(report.sets_found == 1 && report.meshes_found == 1);
+    CHECK_EQUAL(STP_OK, build_to(context, &w, w.other, 0, NULL));
+    CHECK(same_files(context, w.output, w.other));
+    stp_context_destroy(context);
     close_workshop(&w);
     CHECK(folder_is_gone(&w));
 }

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "build/former.h"
+
+#include "build/piece.h"
+
+#include <sys/stat.h>
+
+struct stp_former {
+    stp_context* quiet; ///< its own, without messages
+    stp_store* store;
+};
+
+stp_former* stp_former_open(const char* path)
+{
+    struct stat status;
+    stp_context* quiet = NULL;
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode) ||
+        stp_context_create(&quiet, &(stp_context_desc){.thread_count = 1}) != STP_OK) {
+        return NULL;
+    }
+    stp_former* former = STP_NEW_ZEROED(quiet, stp_former, 1);
+    stp_store_open_desc desc = {.defer_objects = true};
+    if (former == NULL || stp_store_open_with(quiet, path, &desc, &former->store) != STP_OK) {
+        stp_free(quiet, former);
+        stp_context_destroy(quiet);
+        return NULL;
+    }
+    former->quiet = quiet;
+    return former;
+}
+
+void stp_former_close(stp_former* former)
+{
+    if (former != NULL) {
+        stp_context* quiet = former->quiet;
+        stp_store_close(former->store);
+        stp_free(quiet, former);
+        stp_context_destroy(quiet);
+    }
+}
+
+bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_count,
+                             stp_work* work, stp_surfels* surfels)
+{
+    stp_store_stored_surfels found;
+    stp_surfels columns;
+    if (stp_store_find_surfels_by_key(former->store, key, &found) != STP_OK ||
+        found.index == STP_STORE_NONE ||
+        stp_store_get_surfels(former->store, found.index, &columns) != STP_OK) {
+        return false;
+    }
+    uint32_t candidates;
+    bool taken = stp_piece_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
+                 stp_piece_find_surfels(work, key, shading_count, surfels, &candidates);
+    stp_store_release_surfels(former->store, found.index);
+    return taken;
+}
+
+bool stp_former_take_mesh(stp_former* former, stp_hash key, stp_work* work, stp_coded_mesh* mesh)
+{
+    stp_store_stored_mesh found;
+    stp_clusters clusters;
+    if (stp_store_find_mesh_by_key(former->store, key, &found) != STP_OK ||
+        found.index == STP_STORE_NONE ||
+        stp_clusters_open(found.block, found.size, &clusters) != NULL) {
+        return false;
+    }
+    stp_coded_mesh coded = stp_clusters_describe(&clusters);
+    return stp_piece_store_mesh(work, key, &coded, mesh) == STP_OK;
+}

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "build/nodes.h"
+
+#include "base/gate.h"
+#include "build/former.h"
+#include "build/piece.h"
+
+#include <pthread.h>
+
+// What the steps of a run share.
+typedef struct run {
+    const stp_scene* scene;
+    const stp_build_nodes_desc* desc;
+    stp_build_nodes* nodes;
+    stp_capture_textures* textures;
+    const stp_surfels** sets; ///< by node, what is there already
+    stp_gate* gate;
+    pthread_mutex_t mutex;
+    pthread_cond_t advanced;
+    pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
+    uint32_t* open;               ///< steps not yet done, by height
+    uint32_t height;              ///< of the lowest open step; all lower ones are done
+    uint32_t first;               ///< step of the loop's first element
+    stp_result result;            ///< the first failure
+} run;
+
+// Waits until what a step may need is there. @return false where the run has failed meanwhile
+static bool wait_for_lower(run* r, uint32_t height)
+{
+    pthread_mutex_lock(&r->mutex);
+    while (r->result == STP_OK && r->height < height) {
+        pthread_cond_wait(&r->advanced, &r->mutex);
+    }
+    bool runs = r->result == STP_OK;
+    pthread_mutex_unlock(&r->mutex);
+    return runs;
+}
+
+static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_report* report,
+                     bool found)
+{
+    const stp_build_plan* plan = r->desc->plan;
+    const stp_build_step* step = &plan->steps[index];
+    stp_build_nodes* nodes = r->nodes;
+    stp_progress_add(r->scene->context, (uint64_t)step->cost);
+    pthread_mutex_lock(&r->mutex);
+    r->sets[step->node] = &nodes->sets[index];
+    r->result = r->result != STP_OK ? r->result : result;
+    nodes->candidates += report->candidate_count;
+    nodes->capture_ms += report->capture_ms;
+    nodes->order_ms += report->order_ms;
+    nodes->finish_ms += report->finish_ms;
+    nodes->made += !found;
+    nodes->found += found;
+    r->open[step->height] -= 1;
+    uint32_t highest = plan->steps[plan->step_count - 1].height;
+    while (r->height < highest && r->open[r->height] == 0) {
+        r->height += 1;
+    }
+    pthread_cond_broadcast(&r->advanced);
+    pthread_mutex_unlock(&r->mutex);
+}
+
+// What the work directory or the former output has.
+static bool find_step(run* r, const stp_build_step* step, stp_surfels* set, stp_blue_report* report)
+{
+    const stp_build_nodes_desc* desc = r->desc;
+    if (stp_piece_find_surfels(desc->work, step->key, desc->shading_count, set,
+                               &report->candidate_count)) {
+        return true;
+    }
+    pthread_mutex_lock(&r->former_mutex);
+    bool found =
+        desc->former != NULL &&
+        stp_former_take_surfels(desc->former, step->key, desc->shading_count, desc->work, set);
+    pthread_mutex_unlock(&r->former_mutex);
+    return found;
+}
+
+static stp_result make_step(run* r, const stp_build_step* step, stp_surfels* set,
+                            stp_blue_report* report)
+{
+    stp_blue_desc blue = *r->desc->blue;
+    blue.surfel_count = step->surfel_count;
+    blue.capture.textures = r->textures;
+    blue.sets = r->desc->from_triangles ? NULL : r->sets;
+    blue.shadings = r->desc->shadings;
+    stp_surfels made;
+    stp_result result =
+        stp_blue_make(r->scene, step->node, r->desc->shading_of_material, &blue, &made, report);
+    if (result == STP_OK) {
+        result =
+            stp_piece_store_surfels(r->desc->work, step->key, &made, report->candidate_count, set);
+        stp_surfels_destroy(r->scene->context, &made);
+    }
+    return result;
+}
+
+static void run_step(run* r, uint32_t index)
+{
+    const stp_build_step* step = &r->desc->plan->steps[index];
+    stp_surfels* set = &r->nodes->sets[index];
+    stp_blue_report report = {0};
+    if (find_step(r, step, set, &report)) {
+        end_step(r, index, STP_OK, &report, true);
+        return;
+    }
+    if (!wait_for_lower(r, step->height)) {
+        return;
+    }
+    stp_gate_ticket ticket;
+    stp_result result = stp_gate_enter(r->gate, step->bytes, &ticket);
+    if (result == STP_OK) {
+        result = make_step(r, step, set, &report);
+        stp_gate_leave(r->gate, &ticket);
+    }
+    if (result != STP_OK) {
+        stp_parallel_stop(r->scene->context);
+    }
+    end_step(r, index, result, &report, false);
+}
+
+static void run_shared(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        run_step(user, (uint32_t)i);
+    }
+}
+
+static stp_result open_run(run* r)
+{
+    const stp_scene* scene = r->scene;
+    const stp_build_plan* plan = r->desc->plan;
+    stp_context* context = scene->context;
+    uint32_t highest = plan->steps[plan->step_count - 1].height;
+    r->nodes->sets = STP_NEW_ZEROED(context, stp_surfels, plan->step_count);
+    r->sets = STP_NEW_ZEROED(context, const stp_surfels*, scene->node_count);
+    r->open = STP_NEW_ZEROED(context, uint32_t, highest + 1);
+    if (r->nodes->sets == NULL || r->sets == NULL || r->open == NULL) {
+        return stp_fail_memory(context);
+    }
+    for (uint32_t i = 0; i < plan->step_count; ++i) {
+        r->open[plan->steps[i].height] += 1;
+    }
+    stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
+    return result != STP_OK ? result : stp_capture_textures_create(scene, &r->textures);
+}
+
+// One step a thread while there are many; then, one after the other, those that all threads work on.
+static void run_all(run* r)
+{
+    stp_context* context = r->scene->context;
+    const stp_build_plan* plan = r->desc->plan;
+    stp_loop_report report = {.stage = "surfels", .unit = "surfels", .total = (uint64_t)plan->cost};
+    stp_result result =
+        stp_parallel_for_reported(context, plan->shared_count, 1, run_shared, r, &report);
+    r->result = r->result != STP_OK ? r->result : result;
+    for (uint32_t i = plan->shared_count; r->result == STP_OK && i < plan->step_count; ++i) {
+        run_step(r, i);
+    }
+}
+
+stp_result stp_build_nodes_make(const stp_scene* scene, const stp_build_nodes_desc* desc,
+                                stp_build_nodes* nodes)
+{
+    stp_context* context = scene->context;
+    const stp_build_plan* plan = desc->plan;
+    *nodes = (stp_build_nodes){0};
+    if (plan->step_count == 0) {
+        return STP_OK;
+    }
+    run r = {.scene = scene, .desc = desc, .nodes = nodes};
+    pthread_mutex_init(&r.mutex, NULL);
+    pthread_cond_init(&r.advanced, NULL);
+    pthread_mutex_init(&r.former_mutex, NULL);
+    r.result = open_run(&r);
+    if (r.result == STP_OK) {
+        run_all(&r);
+    }
+    stp_capture_textures_destroy(r.textures);
+    stp_gate_destroy(r.gate);
+    stp_free(context, r.open);
+    stp_free(context, r.sets);
+    pthread_mutex_destroy(&r.former_mutex);
+    pthread_cond_destroy(&r.advanced);
+    pthread_mutex_destroy(&r.mutex);
+    if (r.result != STP_OK) {
+        stp_build_nodes_destroy(context, nodes);
+    }
+    return r.result;
+}
+
+void stp_build_nodes_destroy(stp_context* context, stp_build_nodes* nodes)
+{
+    stp_free(context, nodes->sets);
+    nodes->sets = NULL;
+}

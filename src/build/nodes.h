@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+//
+// Makes the surfels of all nodes of a plan: bottom-up, one node a thread, each result kept in the work directory
+// as soon as it is there.
+#pragma once
+
+#include "build/former.h"
+#include "build/plan.h"
+
+typedef struct stp_build_nodes_desc {
+    const stp_build_plan* plan;
+    const stp_blue_desc* blue;
+    const uint8_t* shading_of_material;
+    const stp_shading* shadings;
+    uint32_t shading_count;
+    bool from_triangles;   ///< top-down: children's results are not used (Brandt 3.4)
+    uint64_t memory_bytes; ///< for what is in the making; 0: no limit
+    stp_work* work;
+    stp_former* former; ///< NULL: none
+} stp_build_nodes_desc;
+
+/// Results, one a step of the plan. Their arrays lie in the work directory or the former output.
+typedef struct stp_build_nodes {
+    stp_surfels* sets;
+    uint64_t candidates;                    ///< over all steps that were made now
+    double capture_ms, order_ms, finish_ms; ///< of threads' time
+    uint32_t made, found; ///< steps made now; steps whose result was there already
+} stp_build_nodes;
+
+/// @return STP_OK, or what the stages return (logged)
+STP_MUST_USE stp_result stp_build_nodes_make(const stp_scene* scene,
+                                             const stp_build_nodes_desc* desc,
+                                             stp_build_nodes* nodes);
+void stp_build_nodes_destroy(stp_context* context, stp_build_nodes* nodes);

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: MIT
+#include "build/plan.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_SURFELS 200000u // Brandt 5.2
+#define FINER 0.7            // a spacing so much smaller than the next set's above is worth a set
+#define SMALLER 16.0         // so many times fewer triangles than the next set above are, too
+#define FIXED_COST 2000.0    // of a step, in surfels
+#define FIXED_BYTES (UINT64_C(24) << 20)
+#define BYTES_PER_SURFEL                                                                           \
+    1100u // candidates, views, hierarchy and tables; src/lod/blue.c has 8 candidates a surfel
+
+// Part of every key: to be raised when the same node and options give other surfels.
+static const char* const result_version = "stipple-surfels-1";
+
+// The nearest set above a node, over all ways to it, as seen in the node's own space.
+typedef struct above {
+    double spacing;   ///< the coarsest
+    double triangles; ///< the largest
+} above;
+
+typedef struct planning {
+    const stp_scene* scene;
+    const stp_build_plan_desc* desc;
+    above* above;      ///< by node
+    bool* wanted;      ///< by node
+    bool* reached;     ///< by node: from the root
+    uint32_t* heights; ///< by node: height of the highest step in or below it, plus 1
+    stp_hash* keys;    ///< by node: of its result, or of the results below it
+    stp_hash* looks;   ///< by node: of the shadings its materials have
+} planning;
+
+// What a set of the node would hold. Zero leaves it to the method: all points of a point cloud.
+static uint32_t count_surfels(const planning* p, const stp_node* node)
+{
+    if (p->desc->blue->surfel_count != 0) {
+        return p->desc->blue->surfel_count;
+    }
+    if (node->triangle_count == 0 && node->edge_count == 0) {
+        return 0;
+    }
+    uint64_t half = (node->triangle_count + node->point_count) / 2;
+    return (uint32_t)(half < 1 ? 1 : half < MOST_SURFELS ? half : MOST_SURFELS);
+}
+
+static double expected_surfels(const planning* p, const stp_node* node)
+{
+    uint32_t count = count_surfels(p, node);
+    return count != 0 ? (double)count : (double)node->point_count;
+}
+
+// The distance between neighbouring surfels, about.
+static double estimate_spacing(const planning* p, const stp_node* node)
+{
+    double area = node->area;
+    if (!(area > 0.0)) {
+        stp_vec3d e = stp_subd(node->bounds.max, node->bounds.min);
+        area = e.x * e.y + e.y * e.z + e.z * e.x;
+    }
+    return sqrt(area / expected_surfels(p, node));
+}
+
+static bool is_worth_a_set(const planning* p, uint32_t index)
+{
+    const stp_node* node = &p->scene->nodes[index];
+    if (node->triangle_count <= p->desc->threshold && node->point_count == 0) {
+        return false;
+    }
+    const above* a = &p->above[index];
+    double triangles = (double)node->triangle_count + (double)node->point_count;
+    return estimate_spacing(p, node) <= FINER * a->spacing || triangles * SMALLER <= a->triangles;
+}
+
+// The length that a unit vector has on average after the transform.
+static double mean_scale(const stp_affine* a)
+{
+    double sum = 0.0;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) {
+            sum += a->m[row][column] * a->m[row][column];
+        }
+    }
+    return sqrt(sum / 3.0);
+}
+
+static void pass_down(planning* p, uint32_t index)
+{
+    const stp_node* node = &p->scene->nodes[index];
+    above own = p->above[index];
+    if (p->wanted[index]) {
+        own = (above){estimate_spacing(p, node),
+                      (double)node->triangle_count + (double)node->point_count};
+    }
+    for (uint32_t i = 0; i < node->edge_count; ++i) {
+        const stp_edge* edge = &p->scene->edges[node->first_edge + i];
+        above* below = &p->above[edge->node];
+        bool moving = (p->scene->nodes[edge->node].flags & STP_OBJECT_MOVING) != 0;
+        double scale = mean_scale(&edge->transform);
+        double spacing = moving || !(scale > 0.0) ? HUGE_VAL : own.spacing / scale;
+        double triangles = moving ? HUGE_VAL : own.triangles;
+        below->spacing = spacing > below->spacing ? spacing : below->spacing;
+        below->triangles = triangles > below->triangles ? triangles : below->triangles;
+        p->reached[edge->node] = true;
+    }
+}
+
+static void choose_nodes(planning* p)
+{
+    const stp_scene* scene = p->scene;
+    p->above[scene->root] = (above){HUGE_VAL, HUGE_VAL};
+    p->reached[scene->root] = true;
+    for (uint32_t i = (uint32_t)scene->node_count; i-- > 0;) { // parents before their children
+        if (p->reached[i]) {
+            p->wanted[i] = is_worth_a_set(p, i);
+            pass_down(p, i);
+        }
+    }
+}
+
+static stp_hash hash_options(const planning* p)
+{
+    const stp_blue_desc* b = p->desc->blue;
+    uint64_t numbers[] = {(uint64_t)b->order.kind, (uint64_t)b->order.metric,
+                          b->order.seed,           b->order.samples,
+                          b->order.interval,       b->capture.direction_count,
+                          b->capture.resolution,   b->capture.wanted_candidates,
+                          b->capture.no_fill,      p->desc->from_triangles};
+    stp_hash hash = stp_hash_bytes((stp_hash){0}, result_version, strlen(result_version));
+    return stp_hash_bytes(hash, numbers, sizeof(numbers));
+}
+
+static stp_hash hash_look(const planning* p, const stp_node* node)
+{
+    const stp_scene* scene = p->scene;
+    stp_hash hash = {0};
+    for (uint32_t i = 0; i < node->part_count; ++i) {
+        stp_part part = scene->node_parts[node->first_part + i];
+        uint32_t material = part.kind == STP_PART_MESH ? scene->meshes[part.index].material
+                                                       : scene->point_sets[part.index].material;
+        uint8_t shading = p->desc->shading_of_material[material];
+        hash = stp_hash_bytes(hash, &shading, 1);
+        hash = stp_hash_bytes(hash, &p->desc->shadings[shading].flags, sizeof(uint32_t));
+    }
+    for (uint32_t i = 0; i < node->edge_count; ++i) {
+        stp_hash below = p->looks[scene->edges[node->first_edge + i].node];
+        hash = stp_hash_bytes(hash, &below, sizeof(below));
+    }
+    return hash;
+}
+
+// Keys and heights; children come before their parents.
+static void address_results(planning* p)
+{
+    const stp_scene* scene = p->scene;
+    stp_hash options = hash_options(p);
+    for (uint32_t i = 0; i < scene->node_count; ++i) {
+        const stp_node* node = &scene->nodes[i];
+        if (!p->reached[i]) {
+            continue;
+        }
+        uint32_t height = 0;
+        stp_hash below = {0};
+        for (uint32_t k = 0; k < node->edge_count; ++k) {
+            uint32_t child = scene->edges[node->first_edge + k].node;
+            height = p->heights[child] > height ? p->heights[child] : height;
+            below = stp_hash_bytes(below, &p->keys[child], sizeof(stp_hash));
+        }
+        p->looks[i] = hash_look(p, node);
+        p->heights[i] = height + (p->wanted[i] ? 1 : 0);
+        p->keys[i] = below;
+        if (p->wanted[i]) {
+            uint64_t count = count_surfels(p, node);
+            stp_hash all[4] = {options, node->content, p->looks[i], below};
+            p->keys[i] = stp_hash_bytes((stp_hash){0}, all, sizeof(all));
+            p->keys[i] = stp_hash_bytes(p->keys[i], &count, sizeof(count));
+        }
+    }
+}
+
+static int compare_steps(const void* left, const void* right)
+{
+    const stp_build_step* a = left;
+    const stp_build_step* b = right;
+    if (a->height != b->height) {
+        return a->height < b->height ? -1 : 1;
+    }
+    if (a->cost < b->cost || a->cost > b->cost) {
+        return a->cost > b->cost ? -1 : 1;
+    }
+    return a->node < b->node ? -1 : a->node > b->node ? 1 : 0;
+}
+
+// From the end, heights of fewer steps than half the threads: all threads work on each of those.
+static uint32_t count_shared(const stp_build_plan* plan, uint32_t threads)
+{
+    uint32_t end = plan->step_count;
+    while (end > 0) {
+        uint32_t begin = end;
+        while (begin > 0 && plan->steps[begin - 1].height == plan->steps[end - 1].height) {
+            --begin;
+        }
+        if (2 * (end - begin) > threads) {
+            break;
+        }
+        end = begin;
+    }
+    return end;
+}
+
+static stp_result list_steps(const planning* p, stp_build_plan* plan)
+{
+    const stp_scene* scene = p->scene;
+    stp_context* context = scene->context;
+    uint32_t count = 0;
+    for (size_t i = 0; i < scene->node_count; ++i) {
+        count += p->wanted[i];
+    }
+    plan->steps = STP_NEW_ARRAY(context, stp_build_step, count);
+    plan->step_of = STP_NEW_ARRAY(context, uint32_t, scene->node_count);
+    if (plan->steps == NULL || plan->step_of == NULL) {
+        return stp_fail_memory(context);
+    }
+    for (uint32_t i = 0; i < scene->node_count; ++i) {
+        plan->step_of[i] = STP_NONE;
+        if (!p->wanted[i]) {
+            continue;
+        }
+        const stp_node* node = &scene->nodes[i];
+        double surfels = expected_surfels(p, node);
+        plan->steps[plan->step_count++] = (stp_build_step){
+            .node = i,
+            .height = p->heights[i],
+            .surfel_count = count_surfels(p, node),
+            .cost = surfels + FIXED_COST,
+            .bytes = FIXED_BYTES + (uint64_t)(surfels * (double)BYTES_PER_SURFEL),
+            .key = p->keys[i],
+        };
+    }
+    qsort(plan->steps, plan->step_count, sizeof(plan->steps[0]), compare_steps);
+    for (uint32_t i = 0; i < plan->step_count; ++i) {
+        plan->step_of[plan->steps[i].node] = i;
+        plan->cost += plan->steps[i].cost;
+    }
+    plan->shared_count = count_shared(plan, stp_context_thread_count(context));
+    return STP_OK;
+}
+
+stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc* desc,
+                               stp_build_plan* plan)
+{
+    stp_context* context = scene->context;
+    size_t count = scene->node_count;
+    *plan = (stp_build_plan){0};
+    if (scene->root == STP_NONE) {
+        return STP_OK;
+    }
+    planning p = {.scene = scene, .desc = desc};
+    p.above = STP_NEW_ZEROED(context, above, count);
+    p.wanted = STP_NEW_ZEROED(context, bool, count);
+    p.reached = STP_NEW_ZEROED(context, bool, count);
+    p.heights = STP_NEW_ZEROED(context, uint32_t, count);
+    p.keys = STP_NEW_ZEROED(context, stp_hash, count);
+    p.looks = STP_NEW_ZEROED(context, stp_hash, count);
+    stp_result result = STP_OK;
+    if (p.above == NULL || p.wanted == NULL || p.reached == NULL || p.heights == NULL ||
+        p.keys == NULL || p.looks == NULL) {
+        result = stp_fail_memory(context);
+    } else {
+        choose_nodes(&p);
+        address_results(&p);
+        result = list_steps(&p, plan);
+    }
+    stp_free(context, p.looks);
+    stp_free(context, p.keys);
+    stp_free(context, p.heights);
+    stp_free(context, p.reached);
+    stp_free(context, p.wanted);
+    stp_free(context, p.above);
+    if (result != STP_OK) {
+        stp_build_plan_destroy(context, plan);
+    }
+    return result;
+}
+
+void stp_build_plan_destroy(stp_context* context, stp_build_plan* plan)
+{
+    stp_free(context, plan->steps);
+    stp_free(context, plan->step_of);
+    *plan = (stp_build_plan){0};
+}
