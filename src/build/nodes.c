@@ -143,6 +143,7 @@ static stp_result open_run(run* r)
     for (uint32_t i = 0; i < plan->step_count; ++i) {
         r->open[plan->steps[i].height] += 1;
     }
+    r->height = plan->steps[0].height;
     stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
     return result != STP_OK ? result : stp_capture_textures_create(scene, &r->textures);
 }
