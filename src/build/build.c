@@ -68,6 +68,7 @@ static stp_result open_work(build* b)
     }
     snprintf(b->work_folder, size, "%s.work", b->desc->output);
     stp_result result = stp_work_open(b->context, b->work_folder, b->desc->fresh, &b->work);
+    stp_file_remove_stale(b->context, b->desc->output);
     b->former = result == STP_OK && !b->desc->fresh ? stp_former_open(b->desc->output) : NULL;
     return result != STP_OK ? result : stp_spill_create(b->context, b->work_folder, &b->spill);
 }

@@ -2,6 +2,7 @@
 #include "build/nodes.h"
 
 #include "base/gate.h"
+#include "base/wait.h"
 #include "build/former.h"
 #include "build/piece.h"
 
@@ -29,7 +30,7 @@ static bool wait_for_lower(run* r, uint32_t height)
 {
     pthread_mutex_lock(&r->mutex);
     while (r->result == STP_OK && r->height < height) {
-        pthread_cond_wait(&r->advanced, &r->mutex);
+        r->result = stp_condition_wait_reported(r->scene->context, &r->advanced, &r->mutex);
     }
     bool runs = r->result == STP_OK;
     pthread_mutex_unlock(&r->mutex);
@@ -173,7 +174,7 @@ stp_result stp_build_nodes_make(const stp_scene* scene, const stp_build_nodes_de
     }
     run r = {.scene = scene, .desc = desc, .nodes = nodes};
     pthread_mutex_init(&r.mutex, NULL);
-    pthread_cond_init(&r.advanced, NULL);
+    stp_condition_init(&r.advanced);
     pthread_mutex_init(&r.former_mutex, NULL);
     r.result = open_run(&r);
     if (r.result == STP_OK) {
