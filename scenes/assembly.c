@@ -161,7 +161,7 @@ static void run_recipe(const plan_mesh* mesh, mesh_builder* builder, double deta
     shaper s = {.builder = builder,
                 .tessellation = detail < 1.0 ? fourth : root,
                 .amount = detail < 1.0 ? root * fourth : 1.0,
-                .keep = detail < whole ? detail / whole : 1.0,
+                .keep = mesh->sparse && detail < whole ? detail / whole : 1.0,
                 .seed = mesh->seed,
                 .place = stp_affine_identity(),
                 .rings = rings};
@@ -291,6 +291,10 @@ void plan_fit(assembly_plan* plan, const plan_counts* wanted, double scale)
                          ? plan->common_uses
                          : (double)wanted->triangles / (double)wanted->unique_triangles,
                      scale};
+    const double sparse_below = 0.125; // larger scales leave no shape out
+    for (size_t i = 0; i < plan->mesh_count; ++i) {
+        plan->meshes[i].sparse = scale < sparse_below;
+    }
     count_uses(plan);
     stp_parallel_for(plan->context, plan->mesh_count, 4, count_designed, &task);
     double unique = (double)wanted->unique_triangles * scale;

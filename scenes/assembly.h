@@ -28,6 +28,7 @@ typedef struct plan_mesh {
     uint64_t triangles; ///< as fitted
     uint64_t vertices;
     double detail;
+    bool sparse; ///< at small scales, shapes may be left out
 } plan_mesh;
 
 typedef struct plan_object {

@@ -48,8 +48,8 @@ void part_donuts(shaper* s, const double* p)
         double x = (i % columns - 0.5 * (columns - 1)) * p[3];
         double z = (i / columns - 0.5 * (rows - 1)) * p[3];
         double grow = shaper_between(s, 0.92, 1.04);
-        stp_affine before = shaper_push(s, place_by_turn(x + shaper_between(s, -0.004, 0.004),
-                                                         0.45 * r + lift, z, shaper_random(s)));
+        double aside = shaper_between(s, -0.004, 0.004), turns = shaper_random(s);
+        stp_affine before = shaper_push(s, place_by_turn(x + aside, 0.45 * r + lift, z, turns));
         shape_torus(s, 0.62 * r * grow, tube * r * grow, sides, tube_sides);
         shaper_pop(s, before);
     }

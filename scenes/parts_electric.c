@@ -47,8 +47,8 @@ void part_cable_tray(shaper* s, const double* p)
             double from = shaper_random(s) < 0.3 ? shaper_random(s) * 0.5 : 0.0;
             for (int k = 0; k < points; ++k) {
                 double t = from + (1.0 - from) * k / (points - 1.0);
-                path[k] = vec3d(length * (t - 0.5), up + 0.008 * shaper_random(s),
-                                z + 0.03 * (shaper_random(s) - 0.5));
+                double sag = 0.008 * shaper_random(s), wander = 0.03 * (shaper_random(s) - 0.5);
+                path[k] = vec3d(length * (t - 0.5), up + sag, z + wander);
             }
             shape_tube(s, path, points, r, sides, SHAPE_CAPPED);
         }
@@ -109,11 +109,15 @@ void part_cabinet_wires(shaper* s, const double* p)
             for (int k = 0; k < terminals; ++k) {
                 double tx = x + 0.016 * k - 0.32;
                 shape_box(s, tx, y, -0.16, 0.012, 0.06 + 0.03 * (k % 3), 0.06);
+                double way[4];
+                for (int n = 0; n < 4; ++n) {
+                    way[n] = shaper_random(s);
+                }
                 stp_vec3d wire[5] = {{tx, y - 0.04, -0.15},
-                                     {tx, y - 0.08 - 0.04 * shaper_random(s), -0.13},
-                                     {x + 0.36, y - 0.1 - 0.03 * shaper_random(s), -0.14},
-                                     {x + 0.37, y - 0.2, -0.15 + 0.03 * shaper_random(s)},
-                                     {x + 0.37, 0.12, -0.15 + 0.03 * shaper_random(s)}};
+                                     {tx, y - 0.08 - 0.04 * way[0], -0.13},
+                                     {x + 0.36, y - 0.1 - 0.03 * way[1], -0.14},
+                                     {x + 0.37, y - 0.2, -0.15 + 0.03 * way[2]},
+                                     {x + 0.37, 0.12, -0.15 + 0.03 * way[3]}};
                 shape_tube(s, wire, 5, 0.0018, sides, SHAPE_OPEN);
             }
         }

@@ -89,7 +89,9 @@ void part_pipe_rack(shaper* s, const double* p)
     double length = p[0], width = p[1], largest = p[3], h = p[4];
     int pipes = shaper_amount(s, (int)p[2]);
     for (int i = 0; i < pipes; ++i) {
-        double r = largest * (0.12 + 0.88 * shaper_random(s) * shaper_random(s));
+        double size = shaper_random(s);
+        size *= shaper_random(s); // small pipes are more
+        double r = largest * (0.12 + 0.88 * size);
         double z = width * ((i + 0.5) / pipes - 0.5), y = h + r;
         double in = 0.12 * length * shaper_random(s), out = 0.12 * length * shaper_random(s);
         double down = shaper_between(s, 0.3, 0.7) * h;

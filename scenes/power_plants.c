@@ -301,10 +301,12 @@ static void plan_spools(assembly_plan* plan, uint32_t station, size_t until)
         double shift = random_between(&random, -15, 2), branch = random_between(&random, 1, 4);
         stp_affine place = place_by_turn(boiler_x, level * storey + 0.1, 0, 0.25 * side);
         place = stp_affine_multiply(place, place_at(shift, 0, out));
-        PART(plan_text(plan, "spool %03d", i), finishes[random_below(&random, 6)], part_pipe_run,
-             place, radius, length, level < 6 ? rise : -rise, -branch,
-             random_between(&random, 0.5, 4.5), (double)random_below(&random, 3),
-             (double)(1 + random_below(&random, 3)));
+        plan_finish finish = finishes[random_below(&random, 6)];
+        double height = random_between(&random, 0.5, 4.5);
+        double loops = (double)random_below(&random, 3);
+        double valves = (double)(1 + random_below(&random, 3));
+        PART(plan_text(plan, "spool %03d", i), finish, part_pipe_run, place, radius, length,
+             level < 6 ? rise : -rise, -branch, height, loops, valves);
     }
 }
 

@@ -17,10 +17,11 @@ double shaper_between(shaper* s, double low, double high)
     return low + (high - low) * shaper_random(s);
 }
 
-// Rounds up or down by chance, apart from the numbers that shape the content.
-static int round_by_chance(shaper* s, double value)
+// Rounds up or down by chance. The chance goes by what was made so far, not by a counter: arguments of one
+// call may be evaluated in any order.
+static int round_by_chance(const shaper* s, double value)
 {
-    double chance = (double)(stp_rng_hash(~s->seed, s->roundings++) >> 11) / 9007199254740992.0;
+    double chance = (double)(stp_rng_hash(~s->seed, s->vertices) >> 11) / 9007199254740992.0;
     int whole = (int)value;
     return whole + (chance < value - (double)whole ? 1 : 0);
 }

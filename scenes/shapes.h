@@ -27,7 +27,7 @@ typedef struct shaper {
     double tessellation; ///< factor on the sides of round shapes; 1: as designed
     double amount;       ///< factor on how many details there are; at most 1
     double keep;         ///< chance of a shape to be made at all; 1 at any but small scales
-    uint64_t seed, draws, roundings, shapes;
+    uint64_t seed, draws, shapes;
     stp_affine place; ///< of what follows: rotation and translation only
     shape_ring* rings;
 } shaper;
