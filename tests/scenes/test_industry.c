@@ -21,7 +21,7 @@ typedef struct industry_part {
 } industry_part;
 
 static const industry_part power_plants = {
-    plan_power_plants,           &power_plants_counts, scene_add_power_plants, 900, 900, 160,
+    plan_power_plants,          &power_plants_counts, scene_add_power_plants, 900, 900, 160,
     UINT64_C(0x6cbc8b3550bc680)};
 
 static const industry_part bakery = {
