@@ -72,8 +72,8 @@ stp_result scene_make_paper_huge(stp_scene* scene, const scene_options* options)
     result = result != STP_OK ? result : scene_add_paper(scene, content, options);
     result = result != STP_OK ? result : add_group(scene, "land", STP_NONE, &still, &group);
     for (int i = 0; result == STP_OK && i < COPIES * COPIES; ++i) {
-        // the views' copy lies at the western edge, for they look east
-        double x = width * (i % COPIES), z = depth * (i / COPIES - COPIES / 2);
+        // the views' copy is the one in the middle: each looks over a quarter of the others
+        double x = width * (i % COPIES - COPIES / 2), z = depth * (i / COPIES - COPIES / 2);
         stp_affine place = place_at(x, 0.0, z);
         result = add_group(scene, "copy", group, &place, NULL);
         result = result != STP_OK ? result : stp_scene_add_use(scene, content);
