@@ -69,6 +69,20 @@ void test_paper_views_hold_what_table3_says(test_state* test)
     }
 }
 
+// 43 of the 441 copies are 100 G triangles.
+void test_paper_huge_views_hold_100_g_triangles(test_state* test)
+{
+    for (int v = 0; v < PAPER_VIEWS; ++v) {
+        int seen = 0;
+        for (int i = 0; i < 441; ++i) {
+            stp_vec3d center = {TILE_SIZE * TILE_COLUMNS * (i % 21 - 10), 0.0,
+                                TILE_SIZE * TILE_ROWS * (i / 21 - 10)};
+            seen += is_seen(&paper_views[v], center, 0.0) ? 1 : 0;
+        }
+        CHECK(seen >= 43);
+    }
+}
+
 // Table 1's totals over those of its rows: 0.08 M unique triangles more, 305 objects, one of them unique.
 void test_pylons_make_up_the_totals_of_table1(test_state* test)
 {
