@@ -105,8 +105,9 @@ static void make_table(mesh_builder* b, const city_piece* piece, random_stream* 
                           {0.16, 0.1}, {0.14, 0.1}, {0.0, 0.03}};
     int bowls = 1 + (int)random_below(random, 4);
     for (int i = 0; i < bowls; ++i) {
-        put_lathe_at(b, random_between(random, 0.2, w - 0.2), h,
-                     random_between(random, 0.2, d - 0.2), bowl, 6, 14);
+        double bowl_x = random_between(random, 0.2, w - 0.2);
+        double bowl_z = random_between(random, 0.2, d - 0.2);
+        put_lathe_at(b, bowl_x, h, bowl_z, bowl, 6, 14);
     }
 }
 
@@ -256,10 +257,9 @@ static void make_stall(mesh_builder* b, const city_piece* piece, random_stream* 
         double x = random_between(random, 0.3, w), z = random_between(random, 0, d);
         put_lathe_at(b, x, 0, z, basket, 6, 18);
         for (int k = 0; k < 5; ++k) {
-            solid_sphere(b,
-                         point3(x + random_between(random, -0.15, 0.15), 0.33,
-                                z + random_between(random, -0.15, 0.15)),
-                         0.06, 1);
+            double off_x = random_between(random, -0.15, 0.15);
+            double off_z = random_between(random, -0.15, 0.15);
+            solid_sphere(b, point3(x + off_x, 0.33, z + off_z), 0.06, 1);
         }
     }
 }

@@ -50,18 +50,26 @@ static void put_column(const house* h, double x, double y, double z)
 static void furnish(const house* h, double x, double z, double width, double depth)
 {
     city_plan* plan = h->plan;
-    city_put(plan, "floor", CITY_FLOOR,
-             random_below(&plan->random, 2) == 0 ? PAINT_MOSAIC : PAINT_TERRAZZO, width, depth,
-             between(h, 0.35, 0.6), 0, place_at(x, 0, z));
+    uint32_t mosaic = random_below(&plan->random, 2);
+    double stone = between(h, 0.35, 0.6);
+    city_put(plan, "floor", CITY_FLOOR, mosaic == 0 ? PAINT_MOSAIC : PAINT_TERRAZZO, width, depth,
+             stone, 0, place_at(x, 0, z));
     switch (random_below(&plan->random, 5)) {
-    case 0:
-        city_put(plan, "couch", CITY_COUCH, cloth_paints[random_below(&plan->random, CLOTHS)],
-                 between(h, 1.7, 2.0), 0, 0, 0, place_at(x + 0.5, 0, z + 0.5));
+    case 0: {
+        uint32_t cloth = random_below(&plan->random, CLOTHS);
+        double couch = between(h, 1.7, 2.0);
+        city_put(plan, "couch", CITY_COUCH, cloth_paints[cloth], couch, 0, 0, 0,
+                 place_at(x + 0.5, 0, z + 0.5));
         break;
-    case 1:
-        city_put(plan, "table", CITY_TABLE, PAINT_WOOD, between(h, 1.0, 1.6), between(h, 0.6, 0.9),
-                 between(h, 0.6, 0.8), 0, place_at(x + 0.6, 0, z + 0.6));
+    }
+    case 1: {
+        double table_width = between(h, 1.0, 1.6);
+        double table_depth = between(h, 0.6, 0.9);
+        double table_height = between(h, 0.6, 0.8);
+        city_put(plan, "table", CITY_TABLE, PAINT_WOOD, table_width, table_depth, table_height, 0,
+                 place_at(x + 0.6, 0, z + 0.6));
         break;
+    }
     case 2:
         city_put(plan, "crates", CITY_STALL, PAINT_WOOD_PALE, width - 1.0 > 1.5 ? width - 1.0 : 1.5,
                  1.4, 0, 0, place_at(x + 0.5, 0, z + 0.4));
@@ -185,8 +193,10 @@ static void plan_yard(const house* h, double from, double to)
         city_put(plan, "mill", CITY_MILL, PAINT_BASALT, between(h, 1.5, 1.8), 0, 0, 0,
                  place_at(w * (i + 0.7) / (mills + 0.5), 0, to - 2.2));
     }
-    city_put(plan, "cart", CITY_CART, PAINT_WOOD, between(h, 1.9, 2.4), 0, 0, 0,
-             place_turned(0.3 * w, 0, from + 2.2, between(h, 0, 1), 1.0));
+    double cart = between(h, 1.9, 2.4);
+    double turns = between(h, 0, 1);
+    city_put(plan, "cart", CITY_CART, PAINT_WOOD, cart, 0, 0, 0,
+             place_turned(0.3 * w, 0, from + 2.2, turns, 1.0));
     city_put(plan, "herbs", CITY_BED, PAINT_PLANTS, 0.5 * w, 0.3 * (to - from), 0, 0,
              place_at(0.4 * w, 0, from + 0.5 * (to - from)));
     city_put(plan, "crates", CITY_STALL, PAINT_WOOD_PALE, 2.4, 1.6, 0, 0,

@@ -284,10 +284,13 @@ static void show_at_spot(city_plan* plan, const char* name, uint32_t piece, cons
     double round = (double)(spot_count > 0 ? number / spot_count : number);
     double off = spread * (round > 6.0 ? 6.0 : round);
     plan->group = spot->parent;
-    city_show(plan, name, piece,
-              place_turned(spot->x + off * random_between(random, -1, 1), spot->y,
-                           spot->z + off * random_between(random, -1, 1), random_unit(random),
-                           size * random_between(random, 0.85, 1.15)));
+    double across = random_between(random, -1, 1);
+    double along = random_between(random, -1, 1);
+    double turns = random_unit(random);
+    double grown = random_between(random, 0.85, 1.15);
+    city_show(
+        plan, name, piece,
+        place_turned(spot->x + off * across, spot->y, spot->z + off * along, turns, size * grown));
 }
 
 // Jars and trees until objects and triangles are as many as wanted: two equations for two numbers.

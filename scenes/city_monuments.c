@@ -72,8 +72,9 @@ static void make_kerb(mesh_builder* b, const city_piece* piece, random_stream* r
     int stones = (int)(length / 1.1) + 1;
     for (int i = 0; i < stones; ++i) {
         double x = length * i / stones;
-        put_box(b, x + 0.01, -0.1, random_between(random, -0.02, 0.02), length / stones - 0.02,
-                random_between(random, 0.42, 0.46), 0.32);
+        double out = random_between(random, -0.02, 0.02);
+        double tall = random_between(random, 0.42, 0.46);
+        put_box(b, x + 0.01, -0.1, out, length / stones - 0.02, tall, 0.32);
     }
     put_box(b, 0, -0.1, 0.3, length, 0.5, 1.1); // the pavement behind them
 }

@@ -56,8 +56,9 @@ static stp_result add_trees(stp_scene* scene, const clearing* c, uint32_t side, 
         double grove = noise2(c->seed + 8, x / 60.0, z / 60.0) + 0.7 * random_unit(&random);
         uint32_t kind = grove < 0.0 ? 2 : grove < 0.25 ? 1 : grove < 0.5 ? 0 : grove < 0.7 ? 5 : 3;
         kind = random_below(&random, 12) == 0 ? 4 : kind;
-        stp_affine place = place_turned(x, ground_height(c->seed, x, z) - 0.1, z,
-                                        random_unit(&random), random_between(&random, 0.7, 1.15));
+        double turns = random_unit(&random);
+        double size = random_between(&random, 0.7, 1.15);
+        stp_affine place = place_turned(x, ground_height(c->seed, x, z) - 0.1, z, turns, size);
         result = add_mesh_object(scene, tree_name(kind), 0, &place, first + kind);
     }
     return result;

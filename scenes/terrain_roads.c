@@ -141,13 +141,14 @@ static void plan_segments(const terrain_map* map, uint64_t triangles,
         int count = until - made;
         for (int k = 0; made < until; ++made, ++k) {
             bool railed = made % 37 == 5, fine = made % 29 == 3;
+            uint32_t more_rows = random_below(&random, fine ? 90 : 8);
+            uint32_t more_posts = railed ? random_below(&random, 90) : 0;
             segments[made] = (segment){.map = map,
                                        .road = i,
                                        .begin = (double)k / count,
                                        .end = (double)(k + 1) / count,
-                                       .rows = fine ? 60 + random_below(&random, 90)
-                                                    : 5 + random_below(&random, 8),
-                                       .posts = railed ? 24 + random_below(&random, 90) : 0};
+                                       .rows = fine ? 60 + more_rows : 5 + more_rows,
+                                       .posts = railed ? 24 + more_posts : 0};
             planned += segment_triangles(&segments[made]);
         }
     }

@@ -160,9 +160,10 @@ static stp_vec3d along(stp_vec3d a, stp_vec3d b, double amount)
 // Directions differ a little at random.
 static stp_vec3d shake(random_stream* random, stp_vec3d direction, double amount)
 {
-    stp_vec3d by = {random_between(random, -amount, amount),
-                    random_between(random, -amount, amount),
-                    random_between(random, -amount, amount)};
+    stp_vec3d by; // one by one: the order within a list is the compiler's choice
+    by.x = random_between(random, -amount, amount);
+    by.y = random_between(random, -amount, amount);
+    by.z = random_between(random, -amount, amount);
     return stp_normalized(stp_addd(direction, by));
 }
 
@@ -195,7 +196,8 @@ static void put_leaf(tree_walk* walk, random_stream* random, stp_vec3d stalk, st
 {
     const tree_kind* kind = walk->kind;
     stp_vec3d direction = shake(random, twig, 0.9);
-    stp_vec3d side = stp_normalized(stp_crossd(direction, shake(random, across(direction), 0.8)));
+    stp_vec3d helper = shake(random, across(direction), 0.8);
+    stp_vec3d side = stp_normalized(stp_crossd(direction, helper));
     double length = kind->leaf_length * random_between(random, 0.7, 1.3);
     double width = 0.5 * kind->leaf_width * random_between(random, 0.7, 1.3);
     stp_vec3d middle = along(stalk, direction, 0.45 * length);
