@@ -5,9 +5,15 @@
 #include <string.h>
 
 #define MOST_SURFELS 200000u // Brandt 5.2
-#define FINER 0.7            // a spacing so much smaller than the next set's above is worth a set
-#define SMALLER 16.0         // so many times fewer triangles than the next set above are, too
-#define FIXED_COST 2000.0    // of a step, in surfels
+// A spacing so much smaller than the next set's above is worth a set; so many times fewer triangles are, too.
+#define FINER 0.5
+#define SMALLER 256.0
+// A set that stands for others is worth it where each of them would be drawn with fewer surfels than this, or where
+// it has so many times fewer than they have (what is hidden is left out).
+#define ITEM_SURFELS 1000.0
+#define THINNER 16.0
+#define COVERED 0.9       // of the triangles below a node, for the sets below to stand for it
+#define FIXED_COST 2000.0 // of a step, in surfels
 #define FIXED_BYTES (UINT64_C(24) << 20)
 #define BYTES_PER_SURFEL                                                                           \
     1100u // candidates, views, hierarchy and tables; src/lod/blue.c has 8 candidates a surfel
@@ -21,6 +27,13 @@ typedef struct above {
     double triangles; ///< the largest
 } above;
 
+// What the sets below a node amount to.
+typedef struct sets_below {
+    double items;     ///< how many, each use counted
+    double surfels;   ///< of all of them
+    double triangles; ///< that they stand for
+} sets_below;
+
 typedef struct planning {
     const stp_scene* scene;
     const stp_build_plan_desc* desc;
@@ -28,6 +41,7 @@ typedef struct planning {
     bool* wanted;      ///< by node
     bool* reached;     ///< by node: from the root
     uint32_t* heights; ///< by node: height of the highest step in or below it, plus 1
+    sets_below* below; ///< by node: of the sets that are kept
     stp_hash* keys;    ///< by node: of its result, or of the results below it
     stp_hash* looks;   ///< by node: of the shadings its materials have
 } planning;
@@ -43,6 +57,11 @@ static uint32_t count_surfels(const planning* p, const stp_node* node)
     }
     uint64_t half = (node->triangle_count + node->point_count) / 2;
     return (uint32_t)(half < 1 ? 1 : half < MOST_SURFELS ? half : MOST_SURFELS);
+}
+
+static double count_shapes(const stp_node* node)
+{
+    return (double)node->triangle_count + (double)node->point_count;
 }
 
 static double expected_surfels(const planning* p, const stp_node* node)
@@ -69,8 +88,8 @@ static bool is_worth_a_set(const planning* p, uint32_t index)
         return false;
     }
     const above* a = &p->above[index];
-    double triangles = (double)node->triangle_count + (double)node->point_count;
-    return estimate_spacing(p, node) <= FINER * a->spacing || triangles * SMALLER <= a->triangles;
+    return estimate_spacing(p, node) <= FINER * a->spacing ||
+           count_shapes(node) * SMALLER <= a->triangles;
 }
 
 // The length that a unit vector has on average after the transform.
@@ -90,8 +109,7 @@ static void pass_down(planning* p, uint32_t index)
     const stp_node* node = &p->scene->nodes[index];
     above own = p->above[index];
     if (p->wanted[index]) {
-        own = (above){estimate_spacing(p, node),
-                      (double)node->triangle_count + (double)node->point_count};
+        own = (above){estimate_spacing(p, node), count_shapes(node)};
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         const stp_edge* edge = &p->scene->edges[node->first_edge + i];
@@ -115,6 +133,45 @@ static void choose_nodes(planning* p)
         if (p->reached[i]) {
             p->wanted[i] = is_worth_a_set(p, i);
             pass_down(p, i);
+        }
+    }
+}
+
+static sets_below sum_below(const planning* p, const stp_node* node)
+{
+    sets_below sum = {0};
+    for (uint32_t i = 0; i < node->edge_count; ++i) {
+        uint32_t child = p->scene->edges[node->first_edge + i].node;
+        const stp_node* n = &p->scene->nodes[child];
+        if ((n->flags & STP_OBJECT_MOVING) != 0) {
+            continue;
+        }
+        sets_below of = p->wanted[child]
+                            ? (sets_below){1.0, expected_surfels(p, n), count_shapes(n)}
+                            : p->below[child];
+        sum.items += of.items;
+        sum.surfels += of.surfels;
+        sum.triangles += of.triangles;
+    }
+    return sum;
+}
+
+// Prefixes of the sets below draw a node as well as its own set does, with as many splats: its own pays where they
+// are too many to be looked at one by one, or hold much that cannot be seen from outside. The root's always does.
+static void drop_needless(planning* p)
+{
+    const stp_scene* scene = p->scene;
+    for (uint32_t i = 0; i < scene->node_count; ++i) { // children before their parents
+        const stp_node* node = &scene->nodes[i];
+        if (!p->reached[i]) {
+            continue;
+        }
+        p->below[i] = sum_below(p, node);
+        const sets_below* b = &p->below[i];
+        if (p->wanted[i] && i != scene->root && (node->flags & STP_OBJECT_MOVING) == 0) {
+            double own = expected_surfels(p, node);
+            p->wanted[i] = b->triangles < COVERED * count_shapes(node) ||
+                           b->items * ITEM_SURFELS > own || b->surfels > THINNER * own;
         }
     }
 }
@@ -258,17 +315,19 @@ stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc
     }
     planning p = {.scene = scene, .desc = desc};
     p.above = STP_NEW_ZEROED(context, above, count);
+    p.below = STP_NEW_ZEROED(context, sets_below, count);
     p.wanted = STP_NEW_ZEROED(context, bool, count);
     p.reached = STP_NEW_ZEROED(context, bool, count);
     p.heights = STP_NEW_ZEROED(context, uint32_t, count);
     p.keys = STP_NEW_ZEROED(context, stp_hash, count);
     p.looks = STP_NEW_ZEROED(context, stp_hash, count);
     stp_result result = STP_OK;
-    if (p.above == NULL || p.wanted == NULL || p.reached == NULL || p.heights == NULL ||
-        p.keys == NULL || p.looks == NULL) {
+    if (p.above == NULL || p.below == NULL || p.wanted == NULL || p.reached == NULL ||
+        p.heights == NULL || p.keys == NULL || p.looks == NULL) {
         result = stp_fail_memory(context);
     } else {
         choose_nodes(&p);
+        drop_needless(&p);
         address_results(&p);
         result = list_steps(&p, plan);
     }
@@ -277,6 +336,7 @@ stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc
     stp_free(context, p.heights);
     stp_free(context, p.reached);
     stp_free(context, p.wanted);
+    stp_free(context, p.below);
     stp_free(context, p.above);
     if (result != STP_OK) {
         stp_build_plan_destroy(context, plan);

@@ -33,9 +33,14 @@ typedef struct stp_build_plan_desc {
     bool from_triangles; ///< results of children are not used
 } stp_build_plan_desc;
 
-/// A node above the threshold gets surfels unless the nearest set above it serves as well: a set of fewer than
-/// the most surfels has one for two triangles, as its parent's has, so it pays only where it is finer (its parts
-/// are smaller than what is around them), or a small piece of a large whole that can be opened alone.
+/// A node above the threshold gets surfels, with two exceptions.
+///
+/// Where the nearest set above serves as well: a set of fewer than the most surfels has one for two triangles, as
+/// its parent's has, so it pays only where it is finer (its parts are smaller than what is around them), or a small
+/// piece of a large whole.
+///
+/// Where prefixes of the sets below serve as well: together they draw the node with as many splats as its own set
+/// would. It pays where they are too many to be looked at one by one, or hold much that cannot be seen.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc* desc,
                                             stp_build_plan* plan);
