@@ -3,7 +3,7 @@
 
 #define WANTED_EACH 7.0 // candidates a surfel: evenly spread already, each once
 #define LEAST_EACH 4.0
-#define LEAST_CANDIDATES 20000.0
+#define LEAST_CANDIDATES 8000.0
 #define MOST_CANDIDATES 1750000.0
 #define PROBE_CANDIDATES 30000.0
 #define COARSE_RESOLUTION 8.0
