@@ -275,6 +275,9 @@ static void solve_factors(fit_task* task, double unique, double total)
         task->rare_factor = (unique * common[1] - common[0] * total) / determinant;
         task->common_factor = (rare[0] * total - rare[1] * unique) / determinant;
     }
+    if (common[0] <= 0.0 && rare[0] > 0.0) { // nothing is used more often than the rest
+        task->rare_factor = unique / rare[0];
+    }
     const double least = 1e-4; // where a layout cannot give what is wanted
     task->rare_factor = task->rare_factor < least ? least : task->rare_factor;
     task->common_factor = task->common_factor < least ? least : task->common_factor;

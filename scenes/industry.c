@@ -41,6 +41,20 @@ stp_result scene_make_power_plant(stp_scene* scene, const scene_options* options
                        sizeof(views) / sizeof(views[0]));
 }
 
+stp_result scene_make_twenty_million(stp_scene* scene, const scene_options* options)
+{
+    static const plan_counts counts = {566, 566, 20000000, 20000000};
+    static const named_view views[] = {
+        {"overview", {-120, 150, 330}, {0, 25, 0}, 50},
+        {"between", {4, 28, 108}, {-4, 22, -40}, 70},
+        {"first boiler", {-98, 20, 42}, {-132, 30, 0}, 60},
+        {"inside boiler house", {-147, 9.8, 16}, {-120, 14, -4}, 75},
+        {"second boiler", {98, 20, -42}, {132, 30, 0}, 60},
+    };
+    return build_alone(scene, options, "twenty million", plan_twenty_million, &counts, views,
+                       sizeof(views) / sizeof(views[0]));
+}
+
 stp_result scene_make_bakery_line(stp_scene* scene, const scene_options* options)
 {
     static const plan_counts counts = {1400, 480, 53000000, 26500000};

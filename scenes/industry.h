@@ -16,7 +16,10 @@ void plan_car_factory(assembly_plan* plan);
 void plan_bakery_line(assembly_plan* plan);
 /// One plant alone, without what the sixteen differ in.
 void plan_power_plant(assembly_plan* plan);
+/// Two plants in which no part is used twice.
+void plan_twenty_million(assembly_plan* plan);
 
 stp_result scene_make_power_plant(stp_scene* scene, const scene_options* options);
+stp_result scene_make_twenty_million(stp_scene* scene, const scene_options* options);
 stp_result scene_make_car_factory(stp_scene* scene, const scene_options* options);
 stp_result scene_make_bakery_line(stp_scene* scene, const scene_options* options);

@@ -13,7 +13,7 @@ const plan_counts power_plants_counts = {4560, 304, 186000000, 12400000};
 #define PART(name, finish, maker, place, ...)                                                      \
     plan_part(plan, group, name, finish, maker, PARAMETERS(__VA_ARGS__), place)
 
-static const double boiler_x = -20, hall_x = 36, filter_x = -56, storey = 7.5;
+static const double plant_pitch = 224, boiler_x = -20, hall_x = 36, filter_x = -56, storey = 7.5;
 
 static void plan_boiler_steel(assembly_plan* plan, uint32_t station)
 {
@@ -312,6 +312,7 @@ static void plan_spools(assembly_plan* plan, uint32_t station, size_t until)
 
 static void plan_common(assembly_plan* plan, uint32_t plant)
 {
+    size_t until = plan->mesh_count + SHARED_MESHES;
     uint32_t group = plan_group(plan, plant, "site", stp_affine_identity());
     PART("ground", FINISH_ASPHALT, part_slab, place_at(0, 0, 0), 204, 204, 0.4, 34, 34);
     PART("fence", FINISH_GALVANISED, part_fence, place_at(0, 0, 0), 200, 200, 2.4);
@@ -332,7 +333,7 @@ static void plan_common(assembly_plan* plan, uint32_t plant)
     plan_cooling(plan, plan_group(plan, plant, "cooling", place_at(56, 0, 62)));
     plan_coal(plan, plant);
     plan_tank_farm(plan, plant);
-    plan_spools(plan, plant, SHARED_MESHES);
+    plan_spools(plan, plant, until);
 }
 
 static void add_module(assembly_plan* plan, uint32_t meshes[POOL], int i)
@@ -364,9 +365,18 @@ void plan_power_plant(assembly_plan* plan)
     plan_common(plan, plan_group(plan, STP_NONE, "plant", stp_affine_identity()));
 }
 
+// No two parts of these are the same mesh: plan_add_mesh varies every one.
+void plan_twenty_million(assembly_plan* plan)
+{
+    for (int i = 0; i < 2; ++i) {
+        stp_affine place = place_by_turn((i - 0.5) * plant_pitch, 0, 0, 0.5 * i);
+        plan_common(plan, plan_group(plan, STP_NONE, plan_text(plan, "plant %d", i + 1), place));
+    }
+}
+
 void plan_power_plants(assembly_plan* plan)
 {
-    const double pitch = 224;
+    const double pitch = plant_pitch;
     uint32_t common = plan_prototype(plan, "plant, common part");
     plan_common(plan, common);
     uint32_t pool[POOL];

@@ -14,6 +14,8 @@ static const scene_recipe recipes[] = {
     {"one-mesh", "one mesh of a million triangles times the scale", scene_make_one_mesh},
     {"power-plant", "one coal-fired power plant: pipes, steelwork, a turbine in its hall",
      scene_make_power_plant},
+    {"twenty-million", "two power plants of 20 M triangles in which no part is used twice",
+     scene_make_twenty_million},
     {"forest", "a thousand trees of six kinds on hilly ground, with a road", scene_make_forest},
     {"city-small", "the middle of a Roman city: a sixteenth of it", scene_make_small_city},
     {"city", "a Roman city of 26,878 unique objects", scene_make_city},

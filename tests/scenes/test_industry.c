@@ -170,6 +170,14 @@ void test_industry_power_plants_counts(test_state* test)
     check_full_counts(test, &power_plants);
 }
 
+// Without any instancing the counts must fit as well.
+void test_industry_twenty_million_counts(test_state* test)
+{
+    static const plan_counts counts = {566, 566, 20000000, 20000000};
+    static const industry_part part = {.plan = plan_twenty_million, .counts = &counts};
+    check_full_counts(test, &part);
+}
+
 void test_industry_power_plants_small(test_state* test)
 {
     check_small(test, &power_plants);
