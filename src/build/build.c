@@ -118,6 +118,16 @@ static void report_surfels(build* b, double seconds)
     b->report->sets_found = nodes->found;
 }
 
+static uint64_t choose_threshold(const build* b)
+{
+    const stp_build_desc* desc = b->desc;
+    bool wanted =
+        desc->wants_surfels == NULL || desc->wants_surfels(b->scene, desc->wants_surfels_user);
+    return !wanted                ? STP_BUILD_NO_SURFELS
+           : desc->threshold != 0 ? desc->threshold
+                                  : DEFAULT_THRESHOLD;
+}
+
 static stp_result make_surfels(build* b)
 {
     const stp_build_desc* desc = b->desc;
@@ -130,7 +140,7 @@ static stp_result make_surfels(build* b)
         .blue = &desc->blue,
         .shading_of_material = b->shadings.of_material,
         .shadings = b->shadings.shadings,
-        .threshold = desc->threshold != 0 ? desc->threshold : DEFAULT_THRESHOLD,
+        .threshold = choose_threshold(b),
         .from_triangles = desc->from_triangles,
     };
     result = stp_build_plan_make(b->scene, &plan, &b->plan);

@@ -20,6 +20,10 @@ typedef struct stp_build_desc {
     stp_blue_desc blue; ///< `sets` and `shadings` are the build's own business
     uint64_t
         threshold; ///< a node of triangles gets surfels above so many; default 1,000 (5.2); 1: always
+    /// Asked once the scene is finished: whether it gets surfels at all. Where not, the file holds the original
+    /// triangles and points only. NULL: it does.
+    bool (*wants_surfels)(const stp_scene* scene, void* user);
+    void* wants_surfels_user;
     bool from_triangles; ///< upper nodes capture triangles, not their children's surfels (3.4)
     bool fresh;          ///< nothing is taken from a former build
     uint64_t

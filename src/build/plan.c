@@ -84,7 +84,8 @@ static double estimate_spacing(const planning* p, const stp_node* node)
 static bool is_worth_a_set(const planning* p, uint32_t index)
 {
     const stp_node* node = &p->scene->nodes[index];
-    if (node->triangle_count <= p->desc->threshold && node->point_count == 0) {
+    bool never = p->desc->threshold == STP_BUILD_NO_SURFELS;
+    if (never || (node->triangle_count <= p->desc->threshold && node->point_count == 0)) {
         return false;
     }
     const above* a = &p->above[index];

@@ -25,11 +25,14 @@ typedef struct stp_build_plan {
     double cost;       ///< of all steps
 } stp_build_plan;
 
+#define STP_BUILD_NO_SURFELS UINT64_MAX
+
 typedef struct stp_build_plan_desc {
     const stp_blue_desc* blue;
     const uint8_t* shading_of_material;
     const stp_shading* shadings;
-    uint64_t threshold;  ///< a node gets surfels above so many triangles
+    uint64_t
+        threshold; ///< a node gets surfels above so many triangles; STP_BUILD_NO_SURFELS: never
     bool from_triangles; ///< results of children are not used
 } stp_build_plan_desc;
 

@@ -431,3 +431,42 @@ void test_shadings_keep_their_indices_when_others_come_and_go(test_state* test)
     }
     stp_context_destroy(context);
 }
+
+static bool wants_none(const stp_scene* scene, void* user)
+{
+    *(uint64_t*)user = scene->nodes[scene->root].triangle_count;
+    return false;
+}
+
+void test_build_without_surfels(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    workshop w;
+    CHECK(open_workshop(&w, 40));
+    CHECK(write_text(w.points,
+                     "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                     "property float z\nend_header\n0 0 0\n1 2 3\n"));
+    const char* inputs[] = {w.model, w.points};
+    uint64_t asked = 0;
+    stp_build_desc desc = {.inputs = inputs,
+                           .input_count = 2,
+                           .output = w.output,
+                           .wants_surfels = wants_none,
+                           .wants_surfels_user = &asked,
+                           .parameters_json = "{}"};
+    stp_build_report report;
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_build(context, &desc, &report));
+    CHECK_EQUAL(3200, asked);
+    CHECK_EQUAL(0, report.sets_made + report.sets_found);
+    CHECK_EQUAL(STP_OK, stp_store_check(context, w.output, false));
+    CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
+    stp_store_figures figures = stp_store_get_summary(store)->figures;
+    CHECK_EQUAL(0, figures.surfels);
+    CHECK_EQUAL(3200, figures.triangles);
+    CHECK_EQUAL(2, figures.points);
+    stp_store_close(store);
+    stp_context_destroy(context);
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w));
+}
