@@ -21,7 +21,14 @@ static const char* const cache_version = "stipple-" STP_VERSION "-2";
 static const char* const parameters =
     "{\"method\":\"blue\",\"metric\":\"side\",\"order\":\"exact\",\"threshold\":1000}";
 
-enum { SEARCHED_BYTES = 1 << 24 }; ///< of a model, for names of other files
+// Of a picture that may be drawn without surfels: more unique triangles than these take a second or more to make surfels of,
+// and no more in all than these are drawn in a few.
+static const uint64_t quick_surfels = UINT64_C(100000), quick_triangles = UINT64_C(1) << 27;
+
+enum {
+    SEARCHED_BYTES = 1 << 24, ///< of a model, for names of other files
+    SCENE_USES = 3,
+};
 
 static bool is_stip(const stp_mapped_file* file)
 {
@@ -103,25 +110,35 @@ static void hash_model(const char* path, const stp_mapped_file* file, stp_hash* 
     }
 }
 
-/// Where the cached build of a model is, or would be. `file` is NULL for a named scene, which is what its name and
-/// settings say. @return false, with the message logged
-static bool cache_path(stp_context* context, const char* path, const stp_mapped_file* file,
-                       char out[PATH_MAX])
+/// The folder of built models. @return false, with the message logged
+static bool cache_folder(stp_context* context, char* folder, size_t size)
 {
     const char* cache = getenv("XDG_CACHE_HOME");
     const char* home = getenv("HOME");
-    char folder[PATH_MAX - 64];
     int length;
     if (cache != NULL && cache[0] == '/') {
-        length = snprintf(folder, sizeof(folder), "%s/stipple", cache);
+        length = snprintf(folder, size, "%s/stipple", cache);
     } else if (home != NULL && home[0] == '/') {
-        length = snprintf(folder, sizeof(folder), "%s/.cache/stipple", home);
+        length = snprintf(folder, size, "%s/.cache/stipple", home);
     } else {
-        length = snprintf(folder, sizeof(folder), "/tmp/stipple-%ld", (long)getuid());
+        length = snprintf(folder, size, "/tmp/stipple-%ld", (long)getuid());
     }
-    if (length < 0 || (size_t)length >= sizeof(folder) || !make_folders(folder)) {
+    if (length < 0 || (size_t)length >= size || !make_folders(folder)) {
         (void)stp_fail(context, STP_ERROR_IO, "%s: the folder for built models cannot be made: %s",
                        folder, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
+/// Where the cached builds of a model are, or would be, by scene_use. `file` is NULL for a named scene, which is what
+/// its name and settings say. @return false, with the message logged
+static bool cache_paths(stp_context* context, const char* path, const stp_mapped_file* file,
+                        char out[SCENE_USES][PATH_MAX])
+{
+    static const char* const endings[SCENE_USES] = {"", "-picture", "-originals"};
+    char folder[PATH_MAX - 64];
+    if (!cache_folder(context, folder, sizeof(folder))) {
         return false;
     }
     stp_hash hash = stp_hash_bytes((stp_hash){0}, cache_version, strlen(cache_version));
@@ -132,8 +149,10 @@ static bool cache_path(stp_context* context, const char* path, const stp_mapped_
         hash = stp_hash_bytes(hash, SCENES_VERSION, strlen(SCENES_VERSION));
         hash = stp_hash_bytes(hash, path, strlen(path));
     }
-    snprintf(out, PATH_MAX, "%s/%016llx%016llx.stip", folder, (unsigned long long)hash.high,
-             (unsigned long long)hash.low);
+    for (int i = 0; i < SCENE_USES; ++i) {
+        snprintf(out[i], PATH_MAX, "%s/%016llx%016llx%s.stip", folder,
+                 (unsigned long long)hash.high, (unsigned long long)hash.low, endings[i]);
+    }
     return true;
 }
 
@@ -153,13 +172,55 @@ static stp_store* open_cached(stp_context* context, const char* path)
     return whole && stp_store_open(context, path, &store) == STP_OK ? store : NULL;
 }
 
-stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)
+typedef struct decision {
+    scene_use use;
+    bool with_surfels; ///< decided: what is built serves any use
+} decision;
+
+static bool decide_surfels(const stp_scene* scene, void* user)
+{
+    decision* d = user;
+    uint64_t unique = 0;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        unique += scene->meshes[i].triangle_count;
+    }
+    const stp_node* root = scene->root != STP_NONE ? &scene->nodes[scene->root] : NULL;
+    bool quick = root != NULL && root->point_count == 0 && unique > quick_surfels &&
+                 root->triangle_count <= quick_triangles;
+    d->with_surfels = d->use == SCENE_FOR_SPLATS || (d->use == SCENE_FOR_A_PICTURE && !quick);
+    return d->with_surfels;
+}
+
+/// Builds into the cache, and opens what was built.
+static stp_result build_cached(stp_context* context, const char* path, scene_use use,
+                               char cached[SCENE_USES][PATH_MAX], stp_store** store)
+{
+    decision d = {.use = use};
+    stp_build_desc desc = {.inputs = &path,
+                           .input_count = 1,
+                           .output = cached[use],
+                           .generate = scene_make_input,
+                           .wants_surfels = decide_surfels,
+                           .wants_surfels_user = &d,
+                           .parameters_json = parameters};
+    stp_build_report report;
+    stp_result result = stp_build(context, &desc, &report);
+    if (result != STP_OK) {
+        return result;
+    }
+    // where renaming fails it is only built again, once somebody needs surfels
+    bool renamed = d.with_surfels && rename(cached[use], cached[SCENE_FOR_SPLATS]) == 0;
+    return stp_store_open(context, cached[renamed ? SCENE_FOR_SPLATS : use], store);
+}
+
+stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
+                               stp_store** store)
 {
     *store = NULL;
-    char cached[PATH_MAX];
+    char cached[SCENE_USES][PATH_MAX];
     bool built = false, known;
     if (scene_is_input(path)) {
-        known = cache_path(context, path, NULL, cached);
+        known = cache_paths(context, path, NULL, cached);
     } else {
         stp_mapped_file file;
         stp_result mapped = stp_file_map(context, path, &file);
@@ -167,25 +228,25 @@ stp_result tool_open_scene(stp_context* context, const char* path, stp_store** s
             return mapped;
         }
         built = is_stip(&file);
-        known = built || cache_path(context, path, &file, cached);
+        known = built || cache_paths(context, path, &file, cached);
         stp_file_unmap(&file);
     }
     if (built || !known) {
         return built ? stp_store_open(context, path, store) : STP_ERROR_IO;
     }
-    *store = open_cached(context, cached);
-    if (*store != NULL) {
-        stp_notice(context, "%s: taken from the cache, %s", path, cached);
-        return STP_OK;
+    for (int i = 0; i <= (int)use; ++i) { // what has more serves as well
+        *store = open_cached(context, cached[i]);
+        if (*store != NULL) {
+            stp_notice(context, "%s: taken from the cache, %s", path, cached[i]);
+            return STP_OK;
+        }
     }
-    stp_build_desc desc = {.inputs = &path,
-                           .input_count = 1,
-                           .output = cached,
-                           .generate = scene_make_input,
-                           .parameters_json = parameters};
-    stp_build_report report;
-    stp_result result = stp_build(context, &desc, &report);
-    return result != STP_OK ? result : stp_store_open(context, cached, store);
+    return build_cached(context, path, use, cached, store);
+}
+
+stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)
+{
+    return tool_open_scene_for(context, path, SCENE_FOR_SPLATS, store);
 }
 
 bool tool_find_view(const stp_store* store, const char* name, stp_view* view)

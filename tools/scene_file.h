@@ -12,6 +12,18 @@
 /// same bytes gave: $XDG_CACHE_HOME/stipple, or ~/.cache/stipple. Failures are logged by the context.
 STP_MUST_USE stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store);
 
+/// What a scene is opened for.
+typedef enum scene_use {
+    SCENE_FOR_SPLATS, ///< it needs the surfels of all its nodes
+    SCENE_FOR_A_PICTURE, ///< of a size at which triangles do as well, where surfels would take longer than them
+    SCENE_FOR_ORIGINALS, ///< it needs triangles and points only
+} scene_use;
+
+/// The same. What does not need surfels is built without them, which takes a tenth of the time: for a picture, where
+/// the model is large, but not so large that its triangles would take longer to draw than surfels to make.
+STP_MUST_USE stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
+                                            stp_store** store);
+
 /// Sets eye, target and up (and the angle, where the view is a camera with one and `view->fov_degrees` is 0) to
 /// a view of the file or a standard one. width, height, fov and ortho_height are read.
 /// @return false where there is no view of that name

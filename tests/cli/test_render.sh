@@ -90,6 +90,24 @@ for cached in cache/stipple/*; do # the same with a header that is whole
 done
 "$stipple" render ball.obj -o fifth.png --size 64x64 -q 2> err || fail "a damaged block: $(cat err)"
 cmp -s third.png fifth.png || fail "a damaged block changes the picture"
+# what needs no surfels is built without them, in a file of its own, until something needs them
+rm -rf cache
+sheet=scene:one-mesh,scale=0.15
+"$stipple" render ball.obj -o original.png --size 64x64 --reference --json > original.json || fail "--reference of a model"
+grep -q '"splats": 0' original.json || fail "--reference draws splats: $(cat original.json)"
+ls cache/stipple/*-originals.stip > /dev/null || fail "--reference made $(ls cache/stipple)"
+"$stipple" render ball.obj -o splats.png --size 64x64 --splats 500 --json > small.json || fail "splats after --reference"
+grep -q '"splats": 500' small.json || fail "no splats after --reference: $(cat small.json)"
+"$stipple" render "$sheet" -o quick.png --size 16x16 --json > quick.json || fail "a large model"
+grep -q '"splats": 0' quick.json || fail "a large model got surfels first: $(cat quick.json)"
+"$stipple" render "$sheet" -o quick.png --size 16x16 --json -v > quick.json 2> err || fail "a large model again"
+grep -q "from the cache.*-picture.stip" err || fail "a picture was built twice: $(cat err)"
+"$stipple" render "$sheet" -o quick.png --size 16x16 --splats 100 --json > quick.json || fail "splats of a large model"
+grep -q '"splats": 100' quick.json || fail "no splats of a large model: $(cat quick.json)"
+"$stipple" render "$sheet" -o quick.png --size 16x16 -v --json > quick.json 2> err || fail "a large model, third"
+grep -q "picture.stip" err && fail "the build without surfels was preferred: $(cat err)"
+grep -q '"triangles": 0' quick.json || fail "the build with surfels is not used: $(cat quick.json)"
+
 echo "not a model" > text.xyzzy
 refused 1 "text.xyzzy" text.xyzzy -o a.png
 
