@@ -40,9 +40,10 @@ static void gather_surfels(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-static uint16_t quantise(double position, double origin, double step)
+// The step is a power of two, and one over it exact.
+static uint16_t quantise(double position, double origin, double per_step)
 {
-    double value = floor((position - origin) / step + 0.5);
+    double value = (position - origin) * per_step + 0.5;
     return (uint16_t)(value < 0.0 ? 0.0 : value > 65535.0 ? 65535.0 : value);
 }
 
@@ -59,15 +60,13 @@ static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
     finish* f = user;
     stp_surfels* s = f->surfels;
     stp_vec3d centre = f->input->candidates->origin;
+    double per_step = 1.0 / (double)s->step;
     for (size_t i = begin; i < end; ++i) {
         const float* p = f->positions + 3 * i;
         const float* n = f->normals + 3 * i;
-        s->positions[3 * i] =
-            quantise(centre.x + (double)p[0], (double)s->origin.x, (double)s->step);
-        s->positions[3 * i + 1] =
-            quantise(centre.y + (double)p[1], (double)s->origin.y, (double)s->step);
-        s->positions[3 * i + 2] =
-            quantise(centre.z + (double)p[2], (double)s->origin.z, (double)s->step);
+        s->positions[3 * i] = quantise(centre.x + (double)p[0], (double)s->origin.x, per_step);
+        s->positions[3 * i + 1] = quantise(centre.y + (double)p[1], (double)s->origin.y, per_step);
+        s->positions[3 * i + 2] = quantise(centre.z + (double)p[2], (double)s->origin.z, per_step);
         stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, s->normals + 2 * i);
         s->materials[i] = shading_of(f->input, f->input->order[i]);
     }

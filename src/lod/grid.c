@@ -77,6 +77,7 @@ static bool allocate(stp_context* context, stp_grid* grid)
         memset(columns + (size_t)i * stride + grid->count, 0,
                (stride - grid->count) * sizeof(float));
     }
+    memset(grid->index + grid->count, 0, (stride - grid->count) * sizeof(uint32_t));
     return true;
 }
 

@@ -21,72 +21,20 @@ static const stp_near_kernels* choose_kernels(void)
     return &stp_near_kernels_portable;
 }
 
-// The surfels that the samples of one cell may be near to: those of the 2 x 2 x 2 cells around its middle.
-typedef struct near_block {
-    bool valid;
-    int32_t cell[3];
-    uint32_t range_count;
-    uint32_t begins[8], ends[8];
-    bool whole; ///< all surfels of the ranges stand side by side in `surfels`
-    stp_near_surfels surfels;
-} near_block;
-
-static void copy_range(const stp_grid* grid, uint32_t begin, uint32_t end, stp_near_surfels* to)
+// The surfels that the samples of one cell may be near to: those of the 2 x 2 x 2 cells around its middle. No two of
+// these share a bucket. Two that follow in x follow in memory, where they are of one block.
+static void find_ranges(const stp_grid* grid, const int32_t cell[3], stp_near_ranges* ranges)
 {
-    for (uint32_t i = begin; i < end; ++i) {
-        uint32_t at = to->count++;
-        to->index[at] = grid->index[i];
-        to->x[at] = grid->x[i];
-        to->y[at] = grid->y[i];
-        to->z[at] = grid->z[i];
-        to->nx[at] = grid->nx[i];
-        to->ny[at] = grid->ny[i];
-        to->nz[at] = grid->nz[i];
-    }
-}
-
-static void load_block(const stp_grid* grid, const int32_t cell[3], near_block* block)
-{
-    memcpy(block->cell, cell, sizeof(block->cell));
-    block->valid = true;
-    block->range_count = 0;
-    uint32_t total = 0;
-    for (int corner = 0; corner < 8; ++corner) {
+    uint32_t together = (cell[0] & 3) < 3 ? 2 : 1;
+    ranges->count = 0;
+    for (int corner = 0; corner < 8; corner += (int)together) {
         uint32_t bucket = stp_grid_bucket(grid, cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1),
                                           cell[2] + (corner >> 2));
-        uint32_t begin = grid->starts[bucket], end = grid->starts[bucket + 1];
-        bool known = begin == end;
-        for (uint32_t i = 0; !known && i < block->range_count; ++i) {
-            known = block->begins[i] == begin;
-        }
-        if (!known) {
-            block->begins[block->range_count] = begin;
-            block->ends[block->range_count++] = end;
-            total += end - begin;
-        }
+        uint32_t begin = grid->starts[bucket], end = grid->starts[bucket + together];
+        ranges->begins[ranges->count] = begin;
+        ranges->ends[ranges->count] = end;
+        ranges->count += begin != end;
     }
-    block->whole = total <= STP_NEAR_LIMIT;
-    block->surfels.count = 0;
-    for (uint32_t i = 0; block->whole && i < block->range_count; ++i) {
-        copy_range(grid, block->begins[i], block->ends[i], &block->surfels);
-    }
-}
-
-// The same where the block holds too many surfels to stand side by side: piece after piece.
-static stp_near_finding search_pieces(const stp_near_kernels* kernels, const stp_grid* grid,
-                                      near_block* block, const stp_near_query* query,
-                                      stp_near_finding found)
-{
-    for (uint32_t i = 0; i < block->range_count; ++i) {
-        for (uint32_t at = block->begins[i]; at < block->ends[i]; at += STP_NEAR_LIMIT) {
-            uint32_t left = block->ends[i] - at;
-            block->surfels.count = 0;
-            copy_range(grid, at, at + (left < STP_NEAR_LIMIT ? left : STP_NEAR_LIMIT),
-                       &block->surfels);
-            found = kernels->find_nearest(&block->surfels, query, found);
-        }
-    }
-    return found;
 }
 
 typedef struct nearest_job {
@@ -94,27 +42,50 @@ typedef struct nearest_job {
     const stp_near_kernels* kernels;
 } nearest_job;
 
+// Samples of one cell.
+static void search_run(const nearest_job* job, uint32_t begin, uint32_t end, const int32_t cell[3])
+{
+    const stp_nearest_search* s = job->search;
+    stp_near_ranges ranges;
+    find_ranges(s->surfels, cell, &ranges);
+    float least_agreement = s->two_sided ? -2.0f : 0.0f;
+    for (uint32_t at = begin; at < end; at += STP_NEAR_LANES) {
+        uint32_t count = end - at < STP_NEAR_LANES ? end - at : STP_NEAR_LANES;
+        stp_near_findings found;
+        for (int lane = 0; lane < STP_NEAR_LANES; ++lane) {
+            found.surfel[lane] = UINT32_MAX;
+            found.squared[lane] = s->radius * s->radius;
+        }
+        job->kernels->find_nearest(s->surfels, &ranges, s->samples, at, least_agreement, &found);
+        memcpy(s->nearest + at, found.surfel, count * sizeof(uint32_t));
+    }
+}
+
+static bool is_in_cell(const stp_grid* grid, uint32_t at, const int32_t cell[3])
+{
+    return stp_grid_cell(grid, grid->x[at]) == cell[0] &&
+           stp_grid_cell(grid, grid->y[at]) == cell[1] &&
+           stp_grid_cell(grid, grid->z[at]) == cell[2];
+}
+
 static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const nearest_job* job = user;
-    const stp_nearest_search* s = job->search;
-    const stp_grid* samples = s->samples;
-    near_block block;
-    memset(&block, 0, sizeof(block));
-    stp_near_query query = {.least_agreement = s->two_sided ? -2.0f : 0.0f};
-    for (uint32_t at = samples->starts[begin]; at < samples->starts[end]; ++at) {
-        query.x = samples->x[at], query.y = samples->y[at], query.z = samples->z[at];
-        query.nx = samples->nx[at], query.ny = samples->ny[at], query.nz = samples->nz[at];
-        int32_t cell[3] = {stp_grid_cell(samples, query.x), stp_grid_cell(samples, query.y),
-                           stp_grid_cell(samples, query.z)};
-        if (!block.valid || memcmp(cell, block.cell, sizeof(cell)) != 0) {
-            load_block(s->surfels, cell, &block);
+    const stp_grid* samples = job->search->samples;
+    for (size_t bucket = begin; bucket < end; ++bucket) {
+        uint32_t last = samples->starts[bucket + 1];
+        for (uint32_t at = samples->starts[bucket]; at < last;) {
+            int32_t cell[3] = {stp_grid_cell(samples, samples->x[at]),
+                               stp_grid_cell(samples, samples->y[at]),
+                               stp_grid_cell(samples, samples->z[at])};
+            uint32_t run = at + 1; // mostly all of a bucket
+            while (run < last && is_in_cell(samples, run, cell)) {
+                run += 1;
+            }
+            search_run(job, at, run, cell);
+            at = run;
         }
-        stp_near_finding found = {.surfel = UINT32_MAX, .squared = s->radius * s->radius};
-        found = block.whole ? job->kernels->find_nearest(&block.surfels, &query, found)
-                            : search_pieces(job->kernels, s->surfels, &block, &query, found);
-        s->nearest[at] = found.surfel;
     }
 }
 
@@ -129,31 +100,76 @@ void stp_nearest_search_run(stp_context* context, const stp_nearest_search* sear
 typedef struct disk_scan {
     const stp_disk_search* search;
     const stp_near_kernels* kernels;
-    stp_near_query query;
-    stp_vec3 tangents[2]; ///< over the radius
+    stp_disk_query query;
     stp_disk disk;
+    int32_t low[3], high[3];     ///< cells
     uint32_t known_count;        ///< buckets looked at
     uint32_t known[KNOWN_LIMIT]; ///< where the last of them begin
 } disk_scan;
 
-static void hit_disk(disk_scan* scan, uint32_t at)
+static void add_fractions(disk_scan* scan, uint32_t at, uint32_t near)
 {
     const stp_disk_search* s = scan->search;
-    stp_vec3 offset = {s->samples->x[at] - scan->query.x, s->samples->y[at] - scan->query.y,
-                       s->samples->z[at] - scan->query.z};
-    float u = stp_dot(offset, scan->tangents[0]), v = stp_dot(offset, scan->tangents[1]);
-    bool of_set = s->set_count != 0 && s->samples->index[at] >= s->sample_count - s->set_count;
-    float footprint = of_set ? s->set_footprint : s->footprint;
-    uint64_t cells = stp_stencil_cells(u, v, footprint / s->radius) & s->stencil->disk;
-    scan->disk.count += of_set ? s->set_weight : 1;
-    scan->disk.fractions += s->fractions != NULL ? s->fractions[s->samples->index[at]] : 0;
-    if ((cells & ~scan->disk.cells) != 0) {
-        scan->disk.cells |= cells;
-        scan->disk.solid = stp_stencil_is_solid(s->stencil, scan->disk.cells);
+    for (; near != 0; near &= near - 1) {
+        uint32_t sample = at + (uint32_t)__builtin_ctz(near);
+        scan->disk.fractions += s->fractions[s->samples->index[sample]];
     }
 }
 
-// Cells may share a bucket; each is to be looked at once.
+// @return whether the disk needs no further look
+static bool scan_samples(disk_scan* scan, uint32_t begin, uint32_t end)
+{
+    const stp_disk_search* s = scan->search;
+    for (uint32_t at = begin; at < end; at += STP_NEAR_LANES) {
+        stp_disk_hits hits = scan->kernels->test_samples(s->samples, at, end, &scan->query);
+        if (hits.near == 0) {
+            continue;
+        }
+        uint32_t of_set = (uint32_t)__builtin_popcount(hits.of_set);
+        scan->disk.count += (uint32_t)__builtin_popcount(hits.near);
+        scan->disk.count += of_set != 0 ? of_set * (s->set_weight - 1) : 0;
+        if (s->fractions != NULL) {
+            add_fractions(scan, at, hits.near);
+        }
+        uint64_t cells = hits.cells & s->stencil->disk;
+        if ((cells & ~scan->disk.cells) != 0) {
+            scan->disk.cells |= cells;
+            scan->disk.solid = stp_stencil_is_solid(s->stencil, scan->disk.cells);
+        }
+        if (scan->disk.solid && s->until_solid) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// The cells from x to `last` of a row, which lie in one block of buckets.
+static bool scan_cells(disk_scan* scan, int32_t x, int32_t last, int32_t y, int32_t z)
+{
+    const stp_grid* samples = scan->search->samples;
+    uint32_t bucket = stp_grid_bucket(samples, x, y, z);
+    return scan_samples(scan, samples->starts[bucket],
+                        samples->starts[bucket + (uint32_t)(last - x) + 1]);
+}
+
+// A row of cells but for the one in the middle, which was looked at first.
+static bool scan_row(disk_scan* scan, const int32_t middle[3], int32_t y, int32_t z)
+{
+    bool done = false, own = y == middle[1] && z == middle[2];
+    for (int32_t x = scan->low[0]; !done && x <= scan->high[0];) {
+        int32_t last = (x | 3) < scan->high[0] ? (x | 3) : scan->high[0];
+        if (own && x <= middle[0] && middle[0] <= last) {
+            done = x < middle[0] && scan_cells(scan, x, middle[0] - 1, y, z);
+            done = done || (middle[0] < last && scan_cells(scan, middle[0] + 1, last, y, z));
+        } else {
+            done = scan_cells(scan, x, last, y, z);
+        }
+        x = last + 1;
+    }
+    return done;
+}
+
+// Cells more than four apart may share a bucket; each is to be looked at once.
 static bool is_known(disk_scan* scan, uint32_t begin)
 {
     uint32_t known = scan->known_count < KNOWN_LIMIT ? scan->known_count : KNOWN_LIMIT;
@@ -166,46 +182,43 @@ static bool is_known(disk_scan* scan, uint32_t begin)
     return false;
 }
 
-// @return whether the disk needs no further look
-static bool scan_cell(disk_scan* scan, int32_t x, int32_t y, int32_t z)
+static void scan_many_cells(disk_scan* scan)
 {
     const stp_grid* samples = scan->search->samples;
-    uint32_t bucket = stp_grid_bucket(samples, x, y, z);
-    uint32_t begin = samples->starts[bucket], end = samples->starts[bucket + 1];
-    if (begin == end || is_known(scan, begin)) {
-        return false;
-    }
-    for (uint32_t at = begin; at < end; at += scan->kernels->lanes) {
-        uint32_t near = scan->kernels->test_samples(samples, at, end, &scan->query);
-        for (; near != 0; near &= near - 1) {
-            hit_disk(scan, at + (uint32_t)__builtin_ctz(near));
-            if (scan->disk.solid && scan->search->until_solid) {
-                return true;
+    bool done = false;
+    for (int32_t z = scan->low[2]; !done && z <= scan->high[2]; ++z) {
+        for (int32_t y = scan->low[1]; !done && y <= scan->high[1]; ++y) {
+            for (int32_t x = scan->low[0]; !done && x <= scan->high[0]; ++x) {
+                uint32_t bucket = stp_grid_bucket(samples, x, y, z);
+                uint32_t begin = samples->starts[bucket], end = samples->starts[bucket + 1];
+                done = begin != end && !is_known(scan, begin) && scan_samples(scan, begin, end);
             }
         }
     }
-    return false;
 }
 
-static void scan_cells(disk_scan* scan)
+static void scan_disk(disk_scan* scan)
 {
     const stp_grid* samples = scan->search->samples;
     float reach = scan->search->radius + scan->search->footprint;
     float place[3] = {scan->query.x, scan->query.y, scan->query.z};
-    int32_t low[3], high[3], middle[3];
+    int32_t middle[3], widest = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = stp_grid_cell(samples, place[axis] - reach);
-        high[axis] = stp_grid_cell(samples, place[axis] + reach);
+        scan->low[axis] = stp_grid_cell(samples, place[axis] - reach);
+        scan->high[axis] = stp_grid_cell(samples, place[axis] + reach);
         middle[axis] = stp_grid_cell(samples, place[axis]);
+        int32_t wide = scan->high[axis] - scan->low[axis];
+        widest = wide > widest ? wide : widest;
     }
-    bool done =
-        scan_cell(scan, middle[0], middle[1], middle[2]); // most disks are solid, and show it here
-    for (int32_t z = low[2]; !done && z <= high[2]; ++z) {
-        for (int32_t y = low[1]; !done && y <= high[1]; ++y) {
-            for (int32_t x = low[0]; !done && x <= high[0]; ++x) {
-                bool first = x == middle[0] && y == middle[1] && z == middle[2];
-                done = !first && scan_cell(scan, x, y, z);
-            }
+    if (widest > 3) {
+        scan_many_cells(scan);
+        return;
+    }
+    bool done = // most disks are solid, and show it here
+        scan_cells(scan, middle[0], middle[0], middle[1], middle[2]);
+    for (int32_t z = scan->low[2]; !done && z <= scan->high[2]; ++z) {
+        for (int32_t y = scan->low[1]; !done && y <= scan->high[1]; ++y) {
+            done = scan_row(scan, middle, y, z);
         }
     }
 }
@@ -215,31 +228,48 @@ typedef struct disk_job {
     const stp_near_kernels* kernels;
 } disk_job;
 
+static stp_disk_query make_query(const stp_disk_search* s, uint32_t surfel)
+{
+    const float* p = s->positions + 3 * (size_t)surfel;
+    const float* n = s->normals + 3 * (size_t)surfel;
+    float limit = s->radius + s->footprint;
+    stp_disk_query query = {.x = p[0],
+                            .y = p[1],
+                            .z = p[2],
+                            .nx = n[0],
+                            .ny = n[1],
+                            .nz = n[2],
+                            .limit = limit * limit,
+                            .least_agreement = s->two_sided ? -2.0f : 0.0f,
+                            .footprint = s->footprint / s->radius,
+                            .set_footprint = s->set_footprint / s->radius,
+                            .first_of_sets = UINT32_MAX};
+    if (s->set_count != 0) {
+        query.first_of_sets = s->sample_count - s->set_count;
+    }
+    float x = fabsf(n[0]), y = fabsf(n[1]), z = fabsf(n[2]);
+    stp_vec3 normal = {n[0], n[1], n[2]};
+    stp_vec3 axis = {x <= y && x <= z, y < x && y <= z, z < x && z < y};
+    stp_vec3 tangent = stp_normalize(stp_cross(normal, axis));
+    query.tangents[0] = stp_scale(tangent, 1.0f / s->radius);
+    query.tangents[1] = stp_scale(stp_cross(normal, tangent), 1.0f / s->radius);
+    return query;
+}
+
 static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const disk_job* job = user;
-    const stp_disk_search* s = job->search;
-    float limit = s->radius + s->footprint;
+    disk_scan scan;
+    scan.search = job->search;
+    scan.kernels = job->kernels;
     for (size_t i = begin; i < end; ++i) {
-        uint32_t surfel = s->visit[i];
-        const float* p = s->positions + 3 * (size_t)surfel;
-        const float* n = s->normals + 3 * (size_t)surfel;
-        disk_scan scan;
-        scan.search = s;
-        scan.kernels = job->kernels;
+        uint32_t surfel = job->search->visit[i];
+        scan.query = make_query(job->search, surfel);
         scan.disk = (stp_disk){0};
         scan.known_count = 0;
-        scan.query = (stp_near_query){p[0], p[1], p[2], n[0], n[1], n[2], limit * limit, 0.0f};
-        scan.query.least_agreement = s->two_sided ? -2.0f : 0.0f;
-        float x = fabsf(n[0]), y = fabsf(n[1]), z = fabsf(n[2]);
-        stp_vec3 normal = {n[0], n[1], n[2]};
-        stp_vec3 axis = {x <= y && x <= z, y < x && y <= z, z < x && z < y};
-        stp_vec3 tangent = stp_normalize(stp_cross(normal, axis));
-        scan.tangents[0] = stp_scale(tangent, 1.0f / s->radius);
-        scan.tangents[1] = stp_scale(stp_cross(normal, tangent), 1.0f / s->radius);
-        scan_cells(&scan);
-        s->disks[surfel] = scan.disk;
+        scan_disk(&scan);
+        job->search->disks[surfel] = scan.disk;
     }
 }
 

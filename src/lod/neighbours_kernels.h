@@ -4,44 +4,49 @@
 
 #include "lod/neighbours.h"
 
-enum { STP_NEAR_LIMIT = 512 }; ///< surfels looked at together
+enum {
+    STP_NEAR_LANES = 8,       ///< samples looked at together
+    STP_NEAR_RANGE_LIMIT = 8, ///< 2 x 2 x 2 cells
+};
 
-/// Surfels of a block, side by side; columns are padded with points that are never near.
-typedef struct stp_near_surfels {
+/// Where the surfels stand that some samples may be near to.
+typedef struct stp_near_ranges {
     uint32_t count;
-    uint32_t index[STP_NEAR_LIMIT];
-    float x[STP_NEAR_LIMIT], y[STP_NEAR_LIMIT], z[STP_NEAR_LIMIT];
-    float nx[STP_NEAR_LIMIT], ny[STP_NEAR_LIMIT], nz[STP_NEAR_LIMIT];
-} stp_near_surfels;
+    uint32_t begins[STP_NEAR_RANGE_LIMIT], ends[STP_NEAR_RANGE_LIMIT];
+} stp_near_ranges;
 
-/// A place with a side.
-typedef struct stp_near_query {
+typedef struct stp_near_findings {
+    uint32_t surfel[STP_NEAR_LANES];
+    float squared[STP_NEAR_LANES]; ///< distances
+} stp_near_findings;
+
+/// A disk that is looked for samples.
+typedef struct stp_disk_query {
     float x, y, z, nx, ny, nz;
     float limit;           ///< squared distance
     float least_agreement; ///< of normals
-} stp_near_query;
+    stp_vec3 tangents[2];  ///< over the disk's radius
+    float footprint;       ///< half the side of a sample's square, over the radius
+    float set_footprint;   ///< of those from `first_of_sets` on, by index
+    uint32_t first_of_sets;
+} stp_disk_query;
 
-typedef struct stp_near_finding {
-    uint32_t surfel;
-    float squared;
-} stp_near_finding;
+typedef struct stp_disk_hits {
+    uint32_t near;   ///< bit i: sample begin + i lies in the disk
+    uint32_t of_set; ///< those of sets
+    uint64_t cells;  ///< of the stencil
+} stp_disk_hits;
 
 typedef struct stp_near_kernels {
-    /// The nearest of the surfels, or `found` where none is nearer.
-    stp_near_finding (*find_nearest)(const stp_near_surfels* surfels, const stp_near_query* query,
-                                     stp_near_finding found);
-    /// Which samples of [begin, end) of the columns are near: at most STP_GRID_LANES are looked at.
-    /// Bit i: sample begin + i.
-    uint32_t (*test_samples)(const stp_grid* samples, uint32_t begin, uint32_t end,
-                             const stp_near_query* query);
-    uint32_t lanes; ///< samples that test_samples looks at
+    /// The nearest surfel of each of STP_NEAR_LANES samples from `at` on, or what was `found` before where none is
+    /// nearer. Of two as near, the lower index.
+    void (*find_nearest)(const stp_grid* surfels, const stp_near_ranges* ranges,
+                         const stp_grid* samples, uint32_t at, float least_agreement,
+                         stp_near_findings* found);
+    /// Which samples of [begin, end) of the columns are in a disk: at most STP_NEAR_LANES are looked at.
+    stp_disk_hits (*test_samples)(const stp_grid* samples, uint32_t begin, uint32_t end,
+                                  const stp_disk_query* query);
 } stp_near_kernels;
 
 extern const stp_near_kernels stp_near_kernels_portable;
 extern const stp_near_kernels stp_near_kernels_avx2;
-
-static inline stp_near_finding stp_nearer(stp_near_finding found, uint32_t surfel, float squared)
-{
-    bool nearer = squared < found.squared || (squared == found.squared && surfel < found.surfel);
-    return nearer ? (stp_near_finding){.surfel = surfel, .squared = squared} : found;
-}
