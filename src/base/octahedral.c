@@ -8,10 +8,9 @@ static int8_t clamp_code(int value)
     return (int8_t)(value < -127 ? -127 : value > 127 ? 127 : value);
 }
 
-// Where a direction lies on the unfolded square, -1..1 each way; @return false for no direction
+// Where a unit vector lies on the unfolded square, -1..1 each way; @return false for zero
 static bool unfold(stp_vec3 n, float square[2])
 {
-    n = stp_normalize(n);
     float sum = fabsf(n.x) + fabsf(n.y) + fabsf(n.z);
     if (!(sum > 0.0f)) {
         return false;
@@ -30,7 +29,7 @@ static bool unfold(stp_vec3 n, float square[2])
 void stp_octahedral_encode16(stp_vec3 n, int16_t out[2])
 {
     float square[2] = {0.0f, 0.0f};
-    (void)unfold(n, square);
+    (void)unfold(stp_normalize(n), square);
     out[0] = (int16_t)((int)(square[0] * 32767.0f + 32768.5f) - 32768);
     out[1] = (int16_t)((int)(square[1] * 32767.0f + 32768.5f) - 32768);
 }
@@ -38,11 +37,11 @@ void stp_octahedral_encode16(stp_vec3 n, int16_t out[2])
 void stp_octahedral_encode(stp_vec3 n, int8_t out[2])
 {
     float square[2];
+    n = stp_normalize(n);
     if (!unfold(n, square)) {
         out[0] = out[1] = 0;
         return;
     }
-    n = stp_normalize(n);
     float u = square[0], v = square[1];
     int base_u = (int)(u * 127.0f + 128.0f) - 128, base_v = (int)(v * 127.0f + 128.0f) - 128;
     float best = -2.0f;

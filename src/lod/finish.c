@@ -9,6 +9,7 @@
 
 #define PAPER_COUNT 1000u // p_m, as in Brandt 4.1
 #define GRAIN 16384
+#define AHEAD 24u // candidates that memory is asked for in advance
 
 void stp_surfels_destroy(stp_context* context, stp_surfels* surfels)
 {
@@ -34,6 +35,11 @@ static void gather_surfels(size_t begin, size_t end, uint32_t worker, void* user
     finish* f = user;
     const stp_candidates* candidates = f->input->candidates;
     for (size_t i = begin; i < end; ++i) {
+        if (i + AHEAD < end) {
+            size_t next = 3 * (size_t)f->input->order[i + AHEAD];
+            __builtin_prefetch(candidates->positions + next);
+            __builtin_prefetch(candidates->normals + next);
+        }
         size_t from = 3 * (size_t)f->input->order[i];
         memcpy(f->positions + 3 * i, candidates->positions + from, 3 * sizeof(float));
         memcpy(f->normals + 3 * i, candidates->normals + from, 3 * sizeof(float));
@@ -62,6 +68,9 @@ static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
     stp_vec3d centre = f->input->candidates->origin;
     double per_step = 1.0 / (double)s->step;
     for (size_t i = begin; i < end; ++i) {
+        if (i + AHEAD < end) {
+            __builtin_prefetch(f->input->candidates->materials + f->input->order[i + AHEAD]);
+        }
         const float* p = f->positions + 3 * i;
         const float* n = f->normals + 3 * i;
         s->positions[3 * i] = quantise(centre.x + (double)p[0], (double)s->origin.x, per_step);

@@ -13,6 +13,7 @@ typedef struct filling {
     stp_grid* grid;
     const float* positions;
     const float* normals;
+    const stp_grid* from; ///< whose columns hold the points; NULL: they are as above
     uint32_t stride;
     uint32_t* buckets; ///< of each point
 } filling;
@@ -22,7 +23,11 @@ static void find_buckets(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     const filling* f = user;
     for (size_t i = begin; i < end; ++i) {
-        const float* p = f->positions + 3 * i * f->stride;
+        size_t from = i * f->stride;
+        const float own[3] = {f->from != NULL ? f->from->x[from] : 0.0f,
+                              f->from != NULL ? f->from->y[from] : 0.0f,
+                              f->from != NULL ? f->from->z[from] : 0.0f};
+        const float* p = f->from != NULL ? own : f->positions + 3 * from;
         f->buckets[i] = stp_grid_bucket(f->grid, stp_grid_cell(f->grid, p[0]),
                                         stp_grid_cell(f->grid, p[1]), stp_grid_cell(f->grid, p[2]));
     }
@@ -46,6 +51,24 @@ static void fill_columns(size_t begin, size_t end, uint32_t worker, void* user)
         grid->nx[at] = n[0];
         grid->ny[at] = n[1];
         grid->nz[at] = n[2];
+    }
+}
+
+static void copy_columns(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const filling* f = user;
+    const stp_grid* from = f->from;
+    stp_grid* grid = f->grid;
+    for (size_t at = begin; at < end; ++at) {
+        uint32_t i = grid->index[at];
+        grid->index[at] = from->index[i];
+        grid->x[at] = from->x[i];
+        grid->y[at] = from->y[i];
+        grid->z[at] = from->z[i];
+        grid->nx[at] = from->nx[i];
+        grid->ny[at] = from->ny[i];
+        grid->nz[at] = from->nz[i];
     }
 }
 
@@ -81,26 +104,26 @@ static bool allocate(stp_context* context, stp_grid* grid)
     return true;
 }
 
-stp_result stp_grid_create(stp_context* context, const float* positions, const float* normals,
-                           uint32_t count, uint32_t stride, float cell, float offset,
-                           stp_grid* grid)
+static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, float cell,
+                            float offset)
 {
+    stp_grid* grid = f->grid;
+    uint32_t stride = f->stride;
     count = count / stride + (count % stride != 0);
     *grid = (stp_grid){.count = count,
                        .cell = cell,
                        .inverse_cell = 1.0f / cell,
                        .offset = offset,
                        .mask = bucket_mask(count)};
-    filling f = {.grid = grid, .positions = positions, .normals = normals, .stride = stride};
-    f.buckets = STP_NEW_ARRAY(context, uint32_t, count);
-    if (f.buckets == NULL || !allocate(context, grid)) {
-        stp_free(context, f.buckets);
+    f->buckets = STP_NEW_ARRAY(context, uint32_t, count);
+    if (f->buckets == NULL || !allocate(context, grid)) {
+        stp_free(context, f->buckets);
         stp_grid_destroy(context, grid);
         return stp_fail_memory(context);
     }
-    stp_parallel_for(context, count, GRAIN, find_buckets, &f);
+    stp_parallel_for(context, count, GRAIN, find_buckets, f);
     for (uint32_t i = 0; i < count; ++i) {
-        grid->starts[f.buckets[i]] += 1;
+        grid->starts[f->buckets[i]] += 1;
     }
     uint32_t end =
         0; // starts become ends, and sink back to starts as points are put in from the last
@@ -110,11 +133,25 @@ stp_result stp_grid_create(stp_context* context, const float* positions, const f
     }
     grid->starts[(size_t)grid->mask + 1] = end;
     for (uint32_t i = count; i > 0; --i) {
-        grid->index[--grid->starts[f.buckets[i - 1]]] = (i - 1) * stride;
+        grid->index[--grid->starts[f->buckets[i - 1]]] = (i - 1) * stride;
     }
-    stp_parallel_for(context, count, GRAIN, fill_columns, &f);
-    stp_free(context, f.buckets);
+    stp_parallel_for(context, count, GRAIN, f->from != NULL ? copy_columns : fill_columns, f);
+    stp_free(context, f->buckets);
     return STP_OK;
+}
+
+stp_result stp_grid_create(stp_context* context, const float* positions, const float* normals,
+                           uint32_t count, float cell, float offset, stp_grid* grid)
+{
+    filling f = {.grid = grid, .positions = positions, .normals = normals, .stride = 1};
+    return fill_grid(context, &f, count, cell, offset);
+}
+
+stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride, float cell,
+                         stp_grid* grid)
+{
+    filling f = {.grid = grid, .from = from, .stride = stride};
+    return fill_grid(context, &f, from->count, cell, 0.0f);
 }
 
 void stp_grid_destroy(stp_context* context, stp_grid* grid)

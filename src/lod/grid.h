@@ -18,11 +18,14 @@ typedef struct stp_grid {
     float *x, *y, *z, *nx, *ny, *nz; ///< positions and normals, in one block of memory
 } stp_grid;
 
-/// Builds a grid of every stride-th of some points with positions and normals, 3 floats each. `index`
-/// counts all of them.
+/// Builds a grid of points with positions and normals, 3 floats each.
 STP_MUST_USE stp_result stp_grid_create(stp_context* context, const float* positions,
-                                        const float* normals, uint32_t count, uint32_t stride,
-                                        float cell, float offset, stp_grid* grid);
+                                        const float* normals, uint32_t count, float cell,
+                                        float offset, stp_grid* grid);
+/// Builds a grid, with offset 0, of every stride-th point of another. Those lie together there: each piece of space
+/// is thinned alike, and reading them is fast. `index` is as there.
+STP_MUST_USE stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride,
+                                      float cell, stp_grid* grid);
 void stp_grid_destroy(stp_context* context, stp_grid* grid);
 
 /// The cell, or the largest half, quarter, ... of it that leaves no crowd of points in a bucket.

@@ -10,6 +10,7 @@
 #define BUCKET_GRAIN 1024
 #define SURFEL_GRAIN 512
 #define KNOWN_LIMIT 64u
+#define AHEAD 8u // surfels that memory is asked for in advance
 
 static const stp_near_kernels* choose_kernels(void)
 {
@@ -265,6 +266,12 @@ static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
     scan.kernels = job->kernels;
     for (size_t i = begin; i < end; ++i) {
         uint32_t surfel = job->search->visit[i];
+        if (i + AHEAD < end) {
+            uint32_t next = job->search->visit[i + AHEAD];
+            __builtin_prefetch(job->search->positions + 3 * (size_t)next);
+            __builtin_prefetch(job->search->normals + 3 * (size_t)next);
+            __builtin_prefetch(&job->search->disks[next], 1);
+        }
         scan.query = make_query(job->search, surfel);
         scan.disk = (stp_disk){0};
         scan.known_count = 0;

@@ -59,8 +59,8 @@ static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
             __m256 agreement =
                 dot(normal, repeat_vector(surfels->nx[i], surfels->ny[i], surfels->nz[i]));
             __m256i index = _mm256_set1_epi32((int)surfels->index[i]);
-            __m256 lower = _mm256_or_ps(_mm256_cmp_ps(squared, least, _CMP_LT_OQ),
-                                        is_below(index, surfel));
+            __m256 lower =
+                _mm256_or_ps(_mm256_cmp_ps(squared, least, _CMP_LT_OQ), is_below(index, surfel));
             nearer = _mm256_and_ps(nearer, _mm256_cmp_ps(agreement, agreed, _CMP_GE_OQ));
             nearer = _mm256_and_ps(nearer, lower);
             least = _mm256_blendv_ps(least, squared, nearer);

@@ -14,10 +14,8 @@ static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
             for (uint32_t i = ranges->begins[range]; i < ranges->ends[range]; ++i) {
                 float dx = x - surfels->x[i], dy = y - surfels->y[i], dz = z - surfels->z[i];
                 float squared = dx * dx + dy * dy + dz * dz;
-                float agreement =
-                    nx * surfels->nx[i] + ny * surfels->ny[i] + nz * surfels->nz[i];
-                bool nearer =
-                    squared < least || (squared == least && surfels->index[i] < surfel);
+                float agreement = nx * surfels->nx[i] + ny * surfels->ny[i] + nz * surfels->nz[i];
+                bool nearer = squared < least || (squared == least && surfels->index[i] < surfel);
                 if (nearer && agreement >= least_agreement) {
                     surfel = surfels->index[i];
                     least = squared;

@@ -128,7 +128,7 @@ stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* cand
     }
     stp_grid grid;
     result = stp_grid_create(context, candidates->positions, candidates->normals, candidates->count,
-                             1, cell, 0.0f, &grid);
+                             cell, 0.0f, &grid);
     if (result == STP_OK) {
         normal_search search = {.grid = &grid, .radius = cell / 2.002f, .candidates = candidates};
         stp_parallel_for(context, candidates->count, GRAIN, estimate_normals, &search);

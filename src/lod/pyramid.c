@@ -111,12 +111,11 @@ static void add_candidates(pyramid* p, const stp_grid* samples)
     }
 }
 
-// The samples may be more than the next finer octave; its own entries count.
-static void add_surfels(pyramid* p, const stp_grid* samples, const entry* finer, uint32_t count)
+static void add_surfels(pyramid* p, const stp_grid* samples, const entry* finer)
 {
     for (uint32_t at = 0; at < samples->count; ++at) {
-        const entry* e = &finer[samples->index[at] < count ? samples->index[at] : 0];
-        if (p->nearest[at] != UINT32_MAX && samples->index[at] < count) {
+        const entry* e = &finer[samples->index[at]];
+        if (p->nearest[at] != UINT32_MAX) {
             add_sample(&p->sums[p->nearest[at]], e->color, e->fraction > 0 ? e->fraction : 1,
                        e->alpha);
         }
@@ -202,11 +201,9 @@ static void cover_sampled(pyramid* p, uint32_t octave)
 
 // How an octave is made.
 typedef struct octave_plan {
-    float radius;      ///< to what its prefix covers
-    float disk_radius; ///< of the disks drawn with it
-    uint32_t
-        sample_count; ///< surfels searched for colours, and for disks where those are dense enough
-    bool dense;       ///< they are; else disks are sampled by every stride-th candidate
+    float radius;         ///< to what its prefix covers
+    float disk_radius;    ///< of the disks drawn with it
+    uint32_t dense_count; ///< surfels that sample the disks; 0: every stride-th candidate does
     uint32_t stride;
     float cell; ///< of the grids
 } octave_plan;
@@ -223,19 +220,25 @@ static double disk_pixels(const pyramid* p, float radius)
     return STP_PI * pixels * pixels;
 }
 
+// How much wider the squares of every stride-th are. A thinned grid takes as many of each place: their gaps are more
+// alike than those of all, and squares a little less wide close them.
+static float widen(uint32_t stride)
+{
+    return stride > 1 ? sqrtf((float)stride * 0.75f) : 1.0f;
+}
+
 // Half the side of the square that a captured candidate stands for. A pixel is up to 1.7 times as wide along a slope
 // as across: squares of twice its width leave no gaps.
 static float pixel_footprint(const pyramid* p, const octave_plan* plan)
 {
-    float gap = sqrtf((float)plan->stride);
-    return stp_min(pixel_size(p) * gap, plan->disk_radius);
+    return stp_min(pixel_size(p) * widen(plan->stride), plan->disk_radius);
 }
 
 // The same of a surfel of a set: the square is as large as its disk.
 static float set_footprint(const pyramid* p, const octave_plan* plan)
 {
     float side = p->input->finish->candidates->set_radius * DISK_SQUARE;
-    return stp_min(side * sqrtf((float)plan->stride), plan->disk_radius);
+    return stp_min(side * widen(plan->stride), plan->disk_radius);
 }
 
 static float candidate_footprint(const pyramid* p, const octave_plan* plan)
@@ -252,14 +255,12 @@ static stp_result plan_octave(const pyramid* p, uint32_t octave, octave_plan* pl
     bool finest = octave + 1 == s->octave_count;
     plan->radius = finest ? p->input->finish->final_radius : p->input->envelope[count];
     plan->disk_radius = stp_max(plan->radius + p->input->candidate_radius, s->step);
-    plan->sample_count = finest ? 0 : s->octave_ends[octave + 1];
     uint32_t dense = finest ? 0 : sample_count(p, plan->radius);
-    plan->dense = dense != 0 && dense >= plan->sample_count;
-    plan->sample_count = plan->dense ? dense : plan->sample_count;
-    double stride = disk_pixels(p, plan->disk_radius) / DISK_CANDIDATES;
+    plan->dense_count = !finest && dense >= s->octave_ends[octave + 1] ? dense : 0;
+    double stride = ceil(disk_pixels(p, plan->disk_radius) / DISK_CANDIDATES);
     plan->stride = finest || stride < 1.0 ? 1 : stride > 64.0 ? 64 : (uint32_t)stride;
     // wide enough that few cells surround a disk
-    float wide = plan->disk_radius + (plan->dense ? 0.0f : candidate_footprint(p, plan));
+    float wide = plan->disk_radius + (plan->dense_count != 0 ? 0.0f : candidate_footprint(p, plan));
     float cell = stp_max(2.002f * plan->radius, wide);
     stp_result result =
         stp_grid_choose_cell(p->context, p->input->positions, count, cell, &plan->cell);
@@ -311,7 +312,7 @@ static void look_at_surfels(pyramid* p, uint32_t octave, const octave_plan* plan
 {
     stp_disk_search search = begin_disk_search(p, octave, plan, samples);
     uint32_t finer = octave + 1;
-    while (p->surfels->octave_ends[finer] < plan->sample_count) {
+    while (p->surfels->octave_ends[finer] < plan->dense_count) {
         finer += 1;
     }
     search.fractions = p->fractions[finer];
@@ -336,15 +337,13 @@ static void look_at_candidates(pyramid* p, uint32_t octave, const octave_plan* p
 
 static stp_result look_at_some_candidates(pyramid* p, uint32_t octave, const octave_plan* plan)
 {
-    const stp_candidates* c = p->input->finish->candidates;
     float cell = plan->disk_radius + candidate_footprint(p, plan);
     if (plan->stride == 1 && cell <= MOST_CELLS * p->candidates.cell) {
         look_at_candidates(p, octave, plan, &p->candidates);
         return STP_OK;
     }
     stp_grid samples;
-    stp_result result = stp_grid_create(p->context, c->positions, c->normals, c->count,
-                                        plan->stride, cell, 0.0f, &samples);
+    stp_result result = stp_grid_thin(p->context, &p->candidates, plan->stride, cell, &samples);
     if (result == STP_OK) {
         look_at_candidates(p, octave, plan, &samples);
         stp_grid_destroy(p->context, &samples);
@@ -357,8 +356,8 @@ static stp_result make_finest(pyramid* p, uint32_t octave, const octave_plan* pl
                               const stp_grid* surfels)
 {
     const stp_candidates* c = p->input->finish->candidates;
-    stp_result result = stp_grid_create(p->context, c->positions, c->normals, c->count, 1,
-                                        plan->cell, 0.5f * plan->cell, &p->candidates);
+    stp_result result = stp_grid_create(p->context, c->positions, c->normals, c->count, plan->cell,
+                                        0.5f * plan->cell, &p->candidates);
     if (result == STP_OK) {
         find_nearest(p, plan, surfels, &p->candidates);
         add_candidates(p, &p->candidates);
@@ -368,25 +367,35 @@ static stp_result make_finest(pyramid* p, uint32_t octave, const octave_plan* pl
     return result;
 }
 
+static stp_result look_at_dense_surfels(pyramid* p, uint32_t octave, const octave_plan* plan)
+{
+    stp_grid samples;
+    stp_result result = stp_grid_create(p->context, p->input->positions, p->input->normals,
+                                        plan->dense_count, plan->cell, 0.0f, &samples);
+    if (result == STP_OK) {
+        look_at_surfels(p, octave, plan, &samples);
+        stp_grid_destroy(p->context, &samples);
+    }
+    return result;
+}
+
 // The others: colours of the next finer octave.
 static stp_result make_coarser(pyramid* p, uint32_t octave, const octave_plan* plan,
                                const stp_grid* surfels)
 {
     stp_grid samples;
-    stp_result result =
-        stp_grid_create(p->context, p->input->positions, p->input->normals, plan->sample_count, 1,
-                        plan->cell, 0.5f * plan->cell, &samples);
+    stp_result result = stp_grid_create(p->context, p->input->positions, p->input->normals,
+                                        p->surfels->octave_ends[octave + 1], plan->cell,
+                                        0.5f * plan->cell, &samples);
     if (result != STP_OK) {
         return result;
     }
     find_nearest(p, plan, surfels, &samples);
-    add_surfels(p, &samples, p->octaves[octave + 1], p->surfels->octave_ends[octave + 1]);
+    add_surfels(p, &samples, p->octaves[octave + 1]);
     average_octave(p, octave, p->octaves[octave + 1], 65535);
-    if (plan->dense) {
-        look_at_surfels(p, octave, plan, &samples);
-    }
     stp_grid_destroy(p->context, &samples);
-    return plan->dense ? STP_OK : look_at_some_candidates(p, octave, plan);
+    return plan->dense_count != 0 ? look_at_dense_surfels(p, octave, plan)
+                                  : look_at_some_candidates(p, octave, plan);
 }
 
 static stp_result make_octave(pyramid* p, uint32_t octave)
@@ -397,7 +406,7 @@ static stp_result make_octave(pyramid* p, uint32_t octave)
     stp_grid surfels;
     stp_result result = plan_octave(p, octave, &plan);
     if (result == STP_OK) {
-        result = stp_grid_create(p->context, p->input->positions, p->input->normals, count, 1,
+        result = stp_grid_create(p->context, p->input->positions, p->input->normals, count,
                                  plan.cell, 0.0f, &surfels);
     }
     if (result != STP_OK) {

@@ -221,7 +221,7 @@ void test_grids_hold_each_point_in_its_cell(test_state* test)
         stp_grid grid;
         float cell = variant == 0 ? 0.05f : 0.4f;
         CHECK_EQUAL(STP_OK, stp_grid_create(context, points.positions, points.normals, points.count,
-                                            1, cell, 0.3f * cell, &grid));
+                                            cell, 0.3f * cell, &grid));
         CHECK_EQUAL(points.count, grid.starts[(size_t)grid.mask + 1]);
         uint8_t seen[3000] = {0};
         for (uint32_t bucket = 0; bucket <= grid.mask; ++bucket) {
@@ -245,6 +245,38 @@ void test_grids_hold_each_point_in_its_cell(test_state* test)
         CHECK(variant == 2 ? chosen < 0.01f : chosen == cell); // a clump asks for smaller cells
         stp_grid_destroy(context, &grid);
     }
+    stp_context_destroy(context);
+}
+
+void test_thinned_grids_take_every_third_point_of_each_place(test_state* test)
+{
+    static cloud points;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    make_cloud(&points, 7, 2000, 1.0);
+    stp_grid grid, thin;
+    CHECK_EQUAL(STP_OK, stp_grid_create(context, points.positions, points.normals, points.count,
+                                        0.4f, 0.2f, &grid));
+    CHECK_EQUAL(STP_OK, stp_grid_thin(context, &grid, 3, 0.7f, &thin));
+    CHECK_EQUAL((points.count + 2) / 3, thin.count);
+    CHECK_EQUAL(thin.count, thin.starts[(size_t)thin.mask + 1]);
+    uint8_t seen[3000] = {0};
+    for (uint32_t bucket = 0; bucket <= thin.mask; ++bucket) {
+        for (uint32_t at = thin.starts[bucket]; at < thin.starts[bucket + 1]; ++at) {
+            const float* p = points.positions + 3 * (size_t)thin.index[at];
+            CHECK(p[0] == thin.x[at] && p[1] == thin.y[at] && p[2] == thin.z[at]);
+            CHECK(points.normals[3 * (size_t)thin.index[at] + 2] == thin.nz[at]);
+            CHECK_EQUAL(bucket,
+                        stp_grid_bucket(&thin, stp_grid_cell(&thin, p[0]),
+                                        stp_grid_cell(&thin, p[1]), stp_grid_cell(&thin, p[2])));
+            seen[thin.index[at]] += 1;
+        }
+    }
+    for (uint32_t i = 0; i < grid.count; ++i) {
+        CHECK_EQUAL(i % 3 == 0, seen[grid.index[i]]);
+    }
+    stp_grid_destroy(context, &thin);
+    stp_grid_destroy(context, &grid);
     stp_context_destroy(context);
 }
 
@@ -274,9 +306,9 @@ void test_nearest_surfels_agree_with_brute_force(test_state* test)
         stp_grid grid, sample_grid;
         CHECK(context != NULL);
         CHECK_EQUAL(STP_OK, stp_grid_create(context, surfels.positions, surfels.normals,
-                                            surfels.count, 1, cell, 0.0f, &grid));
+                                            surfels.count, cell, 0.0f, &grid));
         CHECK_EQUAL(STP_OK, stp_grid_create(context, samples.positions, samples.normals,
-                                            samples.count, 1, cell, 0.5f * cell, &sample_grid));
+                                            samples.count, cell, 0.5f * cell, &sample_grid));
         stp_nearest_search search = {
             .surfels = &grid, .samples = &sample_grid, .radius = radius, .nearest = nearest};
         stp_nearest_search_run(context, &search);
@@ -316,7 +348,7 @@ void test_disks_agree_with_brute_force(test_state* test)
         stp_grid grid;
         CHECK(context != NULL);
         CHECK_EQUAL(STP_OK, stp_grid_create(context, samples.positions, samples.normals,
-                                            samples.count, 1, 0.25f, 0.03f, &grid));
+                                            samples.count, 0.25f, 0.03f, &grid));
         CHECK_EQUAL(STP_OK, stp_sort_spatially(context, surfels.positions, surfels.count, visit));
         memset(disks, 0xff, sizeof(disks));
         stp_disk_search search = {.samples = &grid,
