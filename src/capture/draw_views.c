@@ -9,6 +9,8 @@
 /// A band's buffer takes at most this; taller pictures are drawn in more bands.
 #define BAND_BYTES ((uint64_t)32 << 20)
 
+enum { GROUP = 8 /**< pixels looked at together */ };
+
 /// What one thread works with.
 typedef struct draw_worker {
     stp_arena scratch;
@@ -101,29 +103,59 @@ static stp_result draw_at_once(const stp_capture_job* job, const stp_capture_ban
                                                     target, &worker->scratch);
 }
 
+/// Whether eight pixels are all empty: most of a further view is, once what is known is dropped.
+static inline bool is_empty_group(const uint64_t* pixels)
+{
+    uint64_t all = STP_RASTER_EMPTY;
+    for (size_t k = 0; k < GROUP; ++k) {
+        all &= pixels[k];
+    }
+    return all == STP_RASTER_EMPTY;
+}
+
+static size_t count_covered(const uint64_t* pixels, size_t pixel_count)
+{
+    size_t count = 0, i = 0;
+    for (; i + GROUP <= pixel_count; i += GROUP) {
+        if (is_empty_group(pixels + i)) {
+            continue;
+        }
+        for (size_t k = 0; k < GROUP; ++k) {
+            count += pixels[i + k] != STP_RASTER_EMPTY;
+        }
+    }
+    for (; i < pixel_count; ++i) {
+        count += pixels[i] != STP_RASTER_EMPTY;
+    }
+    return count;
+}
+
 /// Keeps what is covered of a band.
 static stp_result squeeze(stp_context* context, const draw_worker* worker, bool passes,
                           size_t first, size_t pixel_count, stp_capture_band* band)
 {
-    size_t count = 0;
-    for (size_t i = 0; i < pixel_count; ++i) {
-        count += worker->pixels[i] != STP_RASTER_EMPTY;
-    }
+    const uint64_t* pixels = worker->pixels;
+    size_t count = count_covered(pixels, pixel_count);
     if (count == 0) {
         return STP_OK;
     }
-    band->pixels = STP_NEW_ARRAY(context, uint32_t, count);
-    band->primitives = STP_NEW_ARRAY(context, uint64_t, count);
+    // one more than there are: each pixel is written where the next covered one belongs
+    band->pixels = STP_NEW_ARRAY(context, uint32_t, count + 1);
+    band->primitives = STP_NEW_ARRAY(context, uint64_t, count + 1);
     if (band->pixels == NULL || band->primitives == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
     band->count = (uint32_t)count;
-    for (size_t i = 0, out = 0; out < count; ++i) {
-        if (worker->pixels[i] != STP_RASTER_EMPTY) {
+    for (size_t i = 0, out = 0; out < count;) {
+        size_t end = i + GROUP < pixel_count ? i + GROUP : pixel_count;
+        if (end - i == GROUP && is_empty_group(pixels + i)) {
+            i = end;
+            continue;
+        }
+        for (; i < end; ++i) {
             band->pixels[out] = (uint32_t)(first + i);
-            band->primitives[out] =
-                passes ? worker->primitives[i] : stp_raster_id(worker->pixels[i]);
-            out += 1;
+            band->primitives[out] = passes ? worker->primitives[i] : stp_raster_id(pixels[i]);
+            out += pixels[i] != STP_RASTER_EMPTY;
         }
     }
     return STP_OK;
