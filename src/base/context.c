@@ -71,6 +71,7 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* des
     *made = (stp_context){.allocator = allocator, .desc = *desc, .overall = -1.0};
     atomic_init(&made->live_bytes, 0);
     atomic_init(&made->peak_bytes, 0);
+    atomic_init(&made->needed_bytes, 0);
     uint32_t threads = desc->thread_count != 0 ? desc->thread_count : processor_count();
     stp_result result = stp_jobs_create(&made->jobs, made, threads);
     if (result != STP_OK) {
@@ -118,6 +119,11 @@ static bool count_bytes(stp_context* context, size_t size)
     while (live > peak && !atomic_compare_exchange_weak(&context->peak_bytes, &peak, live)) {
     }
     return true;
+}
+
+void stp_context_expect_bytes(stp_context* context, uint64_t bytes)
+{
+    atomic_store(&context->needed_bytes, bytes);
 }
 
 // Each block is preceded by one line of 64 bytes that holds its size.
@@ -207,6 +213,13 @@ stp_result stp_fail_memory(stp_context* context)
 {
     uint64_t limit = context->desc.memory_limit_bytes;
     if (limit != 0) {
+        uint64_t needed = atomic_load(&context->needed_bytes);
+        if (needed > limit) {
+            return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
+                            "out of memory: the limit of %llu bytes is used up; this needs about "
+                            "%llu MB: give a limit (--memory) of at least that",
+                            (unsigned long long)limit, (unsigned long long)(needed / 1000000 + 1));
+        }
         return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
                         "out of memory: the limit of %llu bytes is used up",
                         (unsigned long long)limit);

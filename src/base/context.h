@@ -31,6 +31,8 @@ void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t
 stp_result stp_fail(stp_context* context, stp_result result, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
 stp_result stp_fail_memory(stp_context* context);
+/// What the work that follows is thought to take in all, for the message of stp_fail_memory; 0: not known.
+void stp_context_expect_bytes(stp_context* context, uint64_t bytes);
 void stp_warn(stp_context* context, const char* format, ...) __attribute__((format(printf, 2, 3)));
 void stp_notice(stp_context* context, const char* format, ...)
     __attribute__((format(printf, 2, 3)));

@@ -128,6 +128,15 @@ static uint64_t choose_threshold(const build* b)
                                   : DEFAULT_THRESHOLD;
 }
 
+static uint64_t largest_step(const stp_build_plan* plan)
+{
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < plan->step_count; ++i) {
+        most = plan->steps[i].bytes > most ? plan->steps[i].bytes : most;
+    }
+    return most;
+}
+
 static stp_result make_surfels(build* b)
 {
     const stp_build_desc* desc = b->desc;
@@ -159,7 +168,10 @@ static stp_result make_surfels(build* b)
         .work = b->work,
         .former = b->former,
     };
+    stp_context_expect_bytes(b->context,
+                             stp_context_live_bytes(b->context) + largest_step(&b->plan));
     result = stp_build_nodes_make(b->scene, &nodes, &b->nodes);
+    stp_context_expect_bytes(b->context, 0);
     if (result == STP_OK) {
         report_surfels(b, (stp_clock_ms() - start) * 1e-3);
     }

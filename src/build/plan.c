@@ -14,9 +14,15 @@
 #define THINNER 16.0
 #define COVERED 0.9       // of the triangles below a node, for the sets below to stand for it
 #define FIXED_COST 2000.0 // of a step, in surfels
-#define FIXED_BYTES (UINT64_C(24) << 20)
-#define BYTES_PER_SURFEL                                                                           \
-    1100u // candidates, views, hierarchy and tables; src/lod/blue.c has 8 candidates a surfel
+// What making a step takes at its peak, measured with one thread and two (scripts/check_memory.py shows the sum): the
+// pictures of a capture, however few candidates come out; then columns, order and tables of each candidate. A
+// point cloud has its points as candidates, and their hierarchy.
+#define FIXED_BYTES (UINT64_C(40) << 20)
+#define CANDIDATE_BYTES 120.0
+#define POINT_BYTES 320.0
+#define CANDIDATES_PER_SURFEL 8.0
+#define LEAST_CANDIDATES 20000.0
+#define MOST_CANDIDATES 1750000.0
 
 // Part of every key: to be raised when the same node and options give other surfels.
 static const char* const result_version = "stipple-surfels-1";
@@ -267,6 +273,20 @@ static uint32_t count_shared(const stp_build_plan* plan, uint32_t threads)
     return end;
 }
 
+static uint64_t estimate_bytes(const planning* p, const stp_node* node)
+{
+    double surfels = expected_surfels(p, node), bytes = (double)node->point_count * POINT_BYTES;
+    if (node->triangle_count != 0) {
+        double wanted = (double)p->desc->blue->capture.wanted_candidates;
+        double candidates = wanted > 0.0 ? wanted : surfels * CANDIDATES_PER_SURFEL;
+        double most = surfels > MOST_CANDIDATES ? surfels : MOST_CANDIDATES;
+        candidates = candidates < LEAST_CANDIDATES ? LEAST_CANDIDATES : candidates;
+        candidates = candidates > most ? most : candidates;
+        bytes = candidates * CANDIDATE_BYTES;
+    }
+    return FIXED_BYTES + (uint64_t)bytes;
+}
+
 static stp_result list_steps(const planning* p, stp_build_plan* plan)
 {
     const stp_scene* scene = p->scene;
@@ -292,7 +312,7 @@ static stp_result list_steps(const planning* p, stp_build_plan* plan)
             .height = p->heights[i],
             .surfel_count = count_surfels(p, node),
             .cost = surfels + FIXED_COST,
-            .bytes = FIXED_BYTES + (uint64_t)(surfels * (double)BYTES_PER_SURFEL),
+            .bytes = estimate_bytes(p, node),
             .key = p->keys[i],
         };
     }
