@@ -67,7 +67,7 @@ def write_assembly(name, changed=None):
 
 
 def command(output, model="model", *options):
-    return [stipple, "build", f"{model}.gltf", "-o", output, "--json", *options]
+    return [stipple, "build", f"{model}.gltf", "-o", output, "--json", "--surfels", "300", *options]
 
 
 def build(output, model="model", *options):
@@ -109,7 +109,7 @@ assert whole["surfel_sets"] == 0 and whole["surfel_sets_made"] >= 5, whole
 expected = read("expected.stip")
 
 # killed at random moments, again and again
-subprocess.run([sys.executable, f"{source}/scripts/check_resume.py", stipple, "random", "model.gltf", "--kills", "6"],
+subprocess.run([sys.executable, f"{source}/scripts/check_resume.py", stipple, "random", "model.gltf", "--kills", "6", "--", "--surfels", "300"],
                check=True)
 
 # killed at each stage; what stood there before stays until the end
