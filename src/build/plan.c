@@ -87,11 +87,27 @@ static double estimate_spacing(const planning* p, const stp_node* node)
     return sqrt(area / expected_surfels(p, node));
 }
 
+static bool has_points(const planning* p, const stp_node* node)
+{
+    const stp_part* parts = &p->scene->node_parts[node->first_part];
+    for (uint32_t i = 0; i < node->part_count; ++i) {
+        if (parts[i].kind == STP_PART_POINTS) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static bool is_worth_a_set(const planning* p, uint32_t index)
 {
     const stp_node* node = &p->scene->nodes[index];
-    bool never = p->desc->threshold == STP_BUILD_NO_SURFELS;
-    if (never || (node->triangle_count <= p->desc->threshold && node->point_count == 0)) {
+    if (p->desc->threshold == STP_BUILD_NO_SURFELS) {
+        return false;
+    }
+    if (has_points(p, node)) {
+        return true; // only as surfels do points have a size
+    }
+    if (node->triangle_count <= p->desc->threshold && node->point_count == 0) {
         return false;
     }
     const above* a = &p->above[index];

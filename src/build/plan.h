@@ -44,6 +44,8 @@ typedef struct stp_build_plan_desc {
 ///
 /// Where prefixes of the sets below serve as well: together they draw the node with as many splats as its own set
 /// would. It pays where they are too many to be looked at one by one, or hold much that cannot be seen.
+///
+/// A node with points of its own always gets all of them as surfels: points have no size but theirs.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc* desc,
                                             stp_build_plan* plan);

@@ -171,12 +171,15 @@ static stp_result make_node(partition* p, const uint32_t* order, item* items, ui
     for (uint32_t i = 0; i < count; ++i) {
         elements += count_elements(p, &items[order != NULL ? order[i] : i]);
     }
-    // in a node that is no leaf, a part worth approximating gets its own approximation
-    bool wraps = elements > p->desc.leaf_triangles && (flags & STP_OBJECT_MOVING) == 0;
+    // in a node that is no leaf, a part worth approximating gets its own approximation; points always do, as it is
+    // all of them
+    bool wraps = elements > p->desc.leaf_triangles;
+    bool moving = (flags & STP_OBJECT_MOVING) != 0;
     stp_result result = STP_OK;
-    for (uint32_t i = 0; result == STP_OK && wraps && i < count; ++i) {
+    for (uint32_t i = 0; result == STP_OK && !moving && count > 1 && i < count; ++i) {
         item* it = &items[order != NULL ? order[i] : i];
-        if (it->is_part && count_elements(p, it) > SMALL_PART && count > 1) {
+        bool points = it->part.kind == STP_PART_POINTS;
+        if (it->is_part && (points || (wraps && count_elements(p, it) > SMALL_PART))) {
             result = wrap_part(p, it);
         }
     }

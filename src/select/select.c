@@ -130,10 +130,18 @@ static bool choose_prefix(const stp_quality* quality, const stp_surfels* surfels
     return (double)whole <= radius;
 }
 
-/// Draws a node as splats where that is good enough.
-static stp_result try_surfels(selection* s, const stp_select_stack* at, uint32_t index,
-                              double depth, bool is_inside, bool* drawn)
+/// Whether the surfels are all that is in a node: points have no size but theirs.
+static bool is_cloud(const stp_store_node* node, const stp_surfels* surfels)
 {
+    return node->triangle_count == 0 && surfels->count >= node->point_count;
+}
+
+/// Draws a node as splats where that is good enough.
+static stp_result try_surfels(selection* s, const stp_select_stack* at, double depth,
+                              bool is_inside, bool* drawn)
+{
+    const stp_store_node* node = &s->directory->nodes[at->node];
+    uint32_t index = node->surfels;
     const stp_surfels* surfels = stp_store_describe_surfels(s->store, index);
     *drawn = false;
     if (surfels->count == 0) {
@@ -141,9 +149,9 @@ static stp_result try_surfels(selection* s, const stp_select_stack* at, uint32_t
     }
     double scale = largest_scale(&at->transform), draw_radius;
     uint32_t prefix;
-    if (s->quality->splat_count > 0) {
-        uint64_t wanted = s->quality->splat_count;
-        prefix = wanted < surfels->count ? (uint32_t)wanted : surfels->count;
+    uint64_t wanted = s->quality->splat_count;
+    if (wanted > 0 || (is_inside && is_cloud(node, surfels))) {
+        prefix = wanted > 0 && wanted < surfels->count ? (uint32_t)wanted : surfels->count;
         draw_radius = (double)stp_prefix_table_radius(&surfels->table, prefix) +
                       (double)surfels->candidate_radius;
     } else {
@@ -202,7 +210,7 @@ static stp_result visit(selection* s, const stp_select_stack* at)
                    node->surfels != STP_STORE_NONE;
     if (offered) {
         bool inside = stp_view_frame_is_inside(&s->frame, &box);
-        stp_result result = try_surfels(s, at, node->surfels, depth, inside, &drawn);
+        stp_result result = try_surfels(s, at, depth, inside, &drawn);
         if (result != STP_OK) {
             return result;
         }

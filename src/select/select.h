@@ -47,7 +47,7 @@ typedef struct stp_draw_list {
 /// Fills `list`; its memory is kept from call to call (stp_draw_list_destroy; all zero at first). Items
 /// outside the view are left out. A node whose surfels cannot cover at the wanted size, and one that contains
 /// the eye, is opened: its own triangles and points are drawn, and its children looked at. Moving nodes
-/// are always opened.
+/// are always opened; points whose surfels are all of them never are.
 /// @return STP_OK, STP_ERROR_ARGUMENT (a view that is none), STP_ERROR_LIMIT (more than 2^32 - 2 splats and
 /// triangles), STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_select(stp_context* context, const stp_store* store,

@@ -288,6 +288,46 @@ void test_point_clouds_keep_every_point(test_state* test)
     close_workshop(&w);
 }
 
+// Clouds side by side, one of them close beside a sheet: what is near is drawn from all the points there are.
+void test_point_clouds_keep_every_point_among_others(test_state* test)
+{
+    enum { COUNT = 1500 };
+    workshop w;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL && open_workshop(&w, 40));
+    FILE* file = fopen(w.points, "w");
+    CHECK(file != NULL);
+    fprintf(file,
+            "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
+            "property float z\nend_header\n",
+            COUNT);
+    for (int i = 0; i < COUNT; ++i) {
+        fprintf(file, "%d %d %d\n", i % 40, (i * i) % 5, i / 40);
+    }
+    CHECK(fclose(file) == 0);
+    const char* inputs[] = {w.points, w.model, w.points};
+    stp_build_desc desc = {.inputs = inputs, .input_count = 3, .output = w.output};
+    CHECK_EQUAL(STP_OK, stp_build(context, &desc, NULL));
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint32_t clouds = 0;
+    for (uint32_t i = 0; i < d->node_count; ++i) {
+        const stp_store_node* node = &d->nodes[i];
+        for (uint32_t k = 0; k < node->part_count; ++k) {
+            if (d->parts[node->first_part + k].kind == STP_STORE_PART_POINTS) {
+                CHECK(node->surfels != STP_STORE_NONE && node->triangle_count == 0);
+                CHECK_EQUAL(COUNT, stp_store_describe_surfels(store, node->surfels)->count);
+                clouds += 1;
+            }
+        }
+    }
+    CHECK_EQUAL(1, clouds); // the same twice
+    stp_store_close(store);
+    stp_context_destroy(context);
+    close_workshop(&w);
+}
+
 // Scans hold points again and again, a hair apart: work must not grow with how near they are.
 void test_near_duplicates_cost_no_more(test_state* test)
 {

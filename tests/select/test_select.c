@@ -120,6 +120,40 @@ void test_select_opens_what_contains_the_eye(test_state* test)
     tear_down(&f);
 }
 
+// From within, a node is opened; but points whose surfels are all of them have no other look.
+void test_select_keeps_clouds_around_the_eye(test_state* test)
+{
+    for (int kept = 0; kept < 2; ++kept) {
+        fixture f = {.context = test_context(NULL, 1, NULL)};
+        CHECK(f.context != NULL);
+        make_scene(f.context, &f.scene);
+        uint32_t count = f.scene.surfels[0].count, points = kept ? count : count + 1;
+        float* positions = STP_NEW_ZEROED(f.context, float, 3 * ((size_t)count + 1));
+        CHECK(positions != NULL);
+        f.scene.point_sets[0] =
+            (stp_store_point_set){.point_count = points, .positions = positions};
+        f.scene.parts[0] = (stp_store_part){STP_STORE_PART_POINTS, 0};
+        f.scene.nodes[0] = f.scene.nodes[2];
+        f.scene.nodes[0].edge_count = 0;
+        f.scene.nodes[0].part_count = 1;
+        f.scene.nodes[0].triangle_count = 0;
+        f.scene.nodes[0].point_count = points;
+        f.scene.node_count = f.scene.part_count = f.scene.point_set_count = 1;
+        f.scene.edge_count = f.scene.mesh_count = 0;
+        f.store = made_open(f.context, &f.scene);
+        CHECK(f.store != NULL);
+        stp_view view = view_from(0.25);
+        stp_quality quality = {.splat_size = 1};
+        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+        CHECK_EQUAL(1, f.list.count);
+        CHECK_EQUAL(kept ? STP_DRAW_SURFELS : STP_DRAW_POINTS, f.list.items[0].kind);
+        CHECK_EQUAL(points, f.list.splat_count);
+        CHECK(!kept || f.list.items[0].radius >= f.scene.surfels[0].candidate_radius);
+        stp_free(f.context, positions);
+        tear_down(&f);
+    }
+}
+
 void test_select_culls_by_every_side(test_state* test)
 {
     fixture f;
