@@ -18,6 +18,8 @@ enum {
     RESOLUTION_AUTO_MOST = 8192, ///< of a picture that is nearly empty
     RESOLUTION_OF_SETS = 1024,   ///< where the caller forgot to say
     ATTEMPTS = 3,
+    EMPTIEST =
+        100, ///< pictures with fewer covered pixels than one in so many are not drawn finer for it
     FILL_ROOM = 4, ///< room for so many times fewer candidates is kept for the fill
 };
 
@@ -96,12 +98,9 @@ static bool is_point(const stp_capture_job* job)
 /// Draws the first view at a resolution guessed from the box, and estimates how much of all views is covered,
 /// in square units.
 static stp_result probe_area(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
-                             uint64_t wanted, double widest, double* resolution, double* area)
+                             uint64_t wanted, double widest, double outlines, double* resolution,
+                             double* area)
 {
-    double outlines = 0.0;
-    for (uint32_t i = 0; i < count; ++i) {
-        outlines += outline_area(job, directions[i]);
-    }
     double pixel_size = choose_pixel_size(outlines * PROBE_COVERED, wanted, widest, resolution);
     stp_capture_set_views(job, directions, count, pixel_size);
     stp_result result = stp_capture_draw(job, 0, 1);
@@ -116,12 +115,19 @@ static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions,
                               uint64_t wanted, double* resolution)
 {
     double area = 0.0, before = 0.0, widest = stp_capture_widest(job, directions, count);
-    stp_result result = probe_area(job, directions, count, wanted, widest, resolution, &area);
+    double outlines = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        outlines += outline_area(job, directions[i]);
+    }
+    stp_result result =
+        probe_area(job, directions, count, wanted, widest, outlines, resolution, &area);
     double probed = area * (*resolution / widest) * (*resolution / widest);
     uint32_t drawn = probed > PROBE_LEAST * (double)wanted && probed < PROBE_MOST * (double)wanted;
     for (int attempt = 0; result == STP_OK && attempt < ATTEMPTS; ++attempt) {
         double pixel_size = widest / *resolution;
+        bool sparse = area < outlines / EMPTIEST;
         if (drawn == 0) {
+            area = sparse ? outlines / EMPTIEST : area;
             pixel_size = choose_pixel_size(area, wanted, widest, resolution);
             stp_capture_drop_bands(job);
             stp_capture_set_views(job, directions, count, pixel_size);
@@ -131,7 +137,8 @@ static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions,
         // thin parts may have slipped through the probe: then what was drawn is the better probe
         double got = (double)job->covered_pixels;
         area = got * pixel_size * pixel_size;
-        bool capped = *resolution >= (double)RESOLUTION_AUTO_MOST && got < (double)wanted;
+        bool capped =
+            (sparse || *resolution >= (double)RESOLUTION_AUTO_MOST) && got < (double)wanted;
         bool near_enough = got > 0.5 * (double)wanted && got < 2.0 * (double)wanted;
         bool no_more = attempt > 0 && got < (double)wanted && got < 1.5 * before; // points run out
         if (capped || near_enough || no_more || got < 16.0) {
