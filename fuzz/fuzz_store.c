@@ -61,9 +61,11 @@ static uint64_t use_clusters(stp_store* store, uint32_t mesh)
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         stp_cluster c;
         float positions[3 * STP_CLUSTER_VERTICES], color[4];
+        uint32_t indices[3 * STP_CLUSTER_TRIANGLES];
         stp_box box = stp_clusters_bounds(&clusters, i);
         stp_clusters_get(&clusters, i, &c);
         stp_cluster_positions(&clusters, &c, positions);
+        stp_cluster_indices(&c, 0, indices);
         total += sum(positions, 12 * (size_t)c.vertex_count) + sum(&box, sizeof(box));
         for (uint32_t v = 0; v < c.vertex_count; ++v) {
             stp_vec2 uv[2] = {stp_cluster_texcoord(&clusters, &c, 0, v),
@@ -75,7 +77,7 @@ static uint64_t use_clusters(stp_store* store, uint32_t mesh)
             stp_vec3 normals[3];
             total += stp_cluster_normals(&c, t, normals) ? sum(normals, sizeof(normals)) : 0;
             for (uint32_t k = 0; k < 3; ++k) {
-                total += c.indices[3 * t + k] < c.vertex_count ? 1 : (abort(), 0);
+                total += indices[3 * t + k] < c.vertex_count ? 1 : (abort(), 0);
             }
         }
         if (stp_clusters_find(&clusters, c.first_triangle) != i) {

@@ -260,40 +260,60 @@ class Cluster:
 
     def __init__(self, data, at, entry, present):
         self.offset, self.first_triangle = struct.unpack_from("<2I", data, entry)
-        self.triangle_count, last_vertex, self.smooth, self.faces, zero = struct.unpack_from("<5B", data, entry + 23)
-        self.normal_count, reserved = struct.unpack_from("<2H", data, entry + 28)
+        self.triangle_count, last_vertex, self.smooth, self.faces, group = struct.unpack_from("<5B", data, entry + 23)
+        counts, own = struct.unpack_from("<2H", data, entry + 28)
+        self.normal_count, shift, repeats, grouped = counts & 511, counts >> 9 & 31, counts >> 14 & 1, own >> 15
         self.vertex_count = last_vertex + 1
-        need(4 * self.offset == at and zero == 0 and reserved == 0, "a cluster is not in its place")
+        need(4 * self.offset == at and counts >> 15 == 0, "a cluster is not in its place")
         need(1 <= self.triangle_count <= 128 and self.smooth + self.faces <= self.triangle_count and
              self.normal_count <= self.vertex_count, "counts of a cluster")
-        counts = [self.vertex_count] * 3
+        parts = -(-self.vertex_count // group) if group else 1
+        period = self.triangle_count // parts if repeats else self.triangle_count
+        lit = self.smooth + self.faces
+        need(group or not (repeats or grouped), "parts of a cluster")
+        need(not repeats or (group * parts == self.vertex_count and period * parts == self.triangle_count and
+                             (lit == 0 or (lit, self.normal_count) == (self.triangle_count, self.vertex_count))),
+             "repeated parts of a cluster")
         sizes = [(2, self.normal_count), (2, self.vertex_count * (present >> 2 & 1)),
                  (2, self.vertex_count * (present >> 3 & 1)), (4, self.vertex_count * (present >> 1 & 1))]
-        extra = sum(channels for channels, count in sizes if count)
-        origins = struct.unpack_from("<3i", data, entry + 8) + struct.unpack_from(f"<{extra}i", data, at)
-        widths = data[entry + 20:entry + 23] + data[at + 4 * extra:at + 5 * extra]
-        table = 4 * extra + align(extra, 4)
-        need(all(width <= 32 for width in widths) and not any(data[at + 5 * extra:at + table]), "widths of a cluster")
-        at += table
-        self.indices = data[at:at + 3 * self.triangle_count]
-        at += 3 * self.triangle_count
-        for channels, count in sizes:
-            counts += [count] * channels
-        self.values, channel = [], 0
-        for count in counts:
-            if count == 0:
-                self.values.append([])
-                continue
-            size = (count * widths[channel] + 7) // 8
-            bits = int.from_bytes(data[at:at + size], "little")
-            width, origin = widths[channel], origins[channel]
-            self.values.append([origin + (bits >> i * width & (1 << width) - 1) for i in range(count)])
-            at, channel = at + size, channel + 1
+        origins, widths = struct.unpack_from("<3i", data, entry + 8), data[entry + 20:entry + 23]
+        channels = [(self.vertex_count, (origins[k], widths[k], own >> 5 * k & 31, grouped, shift)) for k in range(3)]
+        for channel_count, count in sizes:
+            for _ in range(channel_count):
+                channels.append((count, struct.unpack_from("<i4B", data, at) if count else None))
+                at += 8 if count else 0
+        self.indices = [group * (i // (3 * period)) + data[at + i % (3 * period)] for i in range(3 * self.triangle_count)]
+        at += 3 * period
+        self.values = []
+        for count, channel in channels:
+            values = []
+            if count:
+                values, at = self.read_channel(data, at, count, group, *channel)
+            self.values.append(values)
         self.end = align(at, 4)
         need(max(self.indices) < self.vertex_count, "indices of a cluster")
         for i, index in enumerate(self.indices):
             if i < 3 * self.smooth or (i < 3 * (self.smooth + self.faces) and i % 3 == 0):
                 need(index < self.normal_count, "a corner without a normal")
+
+    @staticmethod
+    def read_channel(data, at, count, group, origin, width, own_width, layout, shift):
+        """The values of a channel that begins at `at`, and where it ends."""
+        need(width <= 32 and own_width <= 32 and shift <= 24 and layout <= 2 and
+             (group != 0 if layout else own_width == 0), "a channel of a cluster")
+
+        def bits(at, count, width):
+            size = (count * width + 7) // 8
+            number = int.from_bytes(data[at:at + size], "little")
+            return [number >> i * width & (1 << width) - 1 for i in range(count)], at + size
+
+        if layout == 0:
+            values, at = bits(at, count, width)
+        else:
+            bases, at = bits(at, -(-count // group), width)
+            owns, at = bits(at, count if layout == 1 else group, own_width)
+            values = [bases[i // group] + owns[i if layout == 1 else i % group] for i in range(count)]
+        return [origin + (value << shift) for value in values], at
 
     def corners(self, channels, triangles, first=False):
         """The values of these channels at the corners of the first triangles (or of their first corner)."""

@@ -31,9 +31,7 @@ static float decode_mesh(const stp_coded_mesh* coded)
         stp_cluster cluster;
         stp_clusters_get(&clusters, i, &cluster);
         stp_cluster_positions(&clusters, &cluster, positions);
-        for (uint32_t k = 0; k < 3 * cluster.triangle_count; ++k) {
-            indices[k] = cluster.indices[k];
-        }
+        stp_cluster_indices(&cluster, 0, indices);
         sum += positions[3 * indices[0]];
     }
     return sum;

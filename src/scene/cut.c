@@ -141,6 +141,7 @@ static void make_mesh_pieces(size_t begin, size_t end, uint32_t worker, void* us
         uint32_t first = i > 0 ? c->ends[i - 1] : 0;
         stp_mesh* piece = &c->mesh_pieces[i];
         *piece = *c->mesh;
+        piece->cut = true;
         stp_mesh_set_arrays(piece, (stp_bulk_array[STP_MESH_ARRAYS]){{0}});
         piece->triangle_count = c->ends[i] - first;
         piece->spilled = c->spilled;

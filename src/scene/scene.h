@@ -82,6 +82,7 @@ typedef struct stp_mesh {
         grid_step; ///< of its positions when stored (base/position_grid.h); set by stp_scene_finish
     double area;   ///< of its triangles; set by stp_scene_finish
     bool spilled;  ///< its arrays lie in the scene's spill file, perhaps shared with other meshes
+    bool cut;      ///< a piece of a larger mesh, whose other pieces it meets at its borders
 } stp_mesh;
 
 typedef struct stp_point_set {

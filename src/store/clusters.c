@@ -21,14 +21,19 @@ static int read_exponent(const unsigned char* p)
 
 /// Bytes of a cluster of these counts and widths, of its table's too; the table must be there.
 static uint64_t measure(uint32_t present, const clusters_entry* entry, const unsigned char* table,
-                        uint32_t table_bytes, uint32_t extra)
+                        uint32_t table_bytes)
 {
-    uint64_t size = table_bytes + 3u * (uint64_t)entry->triangle_count;
-    for (uint32_t i = 0, channel = 0; i < STP_CLUSTER_CHANNELS; ++i) {
+    uint64_t size = table_bytes + 3u * (uint64_t)clusters_index_triangles(entry);
+    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
         uint32_t count = clusters_values(present, i, entry->last_vertex + 1u, entry->normal_count);
         if (count != 0) {
-            uint32_t width = i <= STP_CLUSTER_Z ? entry->width[i] : table[4 * extra + channel++];
-            size += ((uint64_t)count * width + 7) / 8;
+            clusters_channel channel = clusters_position_channel(entry, i <= STP_CLUSTER_Z ? i : 0);
+            if (i > STP_CLUSTER_Z) {
+                channel = clusters_read_channel(table);
+                table += CLUSTERS_CHANNEL_BYTES;
+            }
+            size += clusters_base_bytes(&channel, count, entry->group) +
+                    clusters_own_bytes(&channel, count, entry->group);
         }
     }
     return (size + 3) & ~(uint64_t)3;
@@ -46,13 +51,35 @@ static uint32_t count_extra(uint32_t present, uint32_t normal_count)
 static bool are_indices(const clusters_entry* entry, const uint8_t* indices)
 {
     uint32_t smooth = 3u * entry->smooth_count, faces = smooth + 3u * entry->face_count;
+    uint32_t stored = 3 * clusters_index_triangles(entry);
+    uint32_t limit = entry->repeats ? entry->group : entry->last_vertex + 1u;
     bool good = true;
-    for (uint32_t i = 0; i < 3u * entry->triangle_count; ++i) {
+    for (uint32_t i = 0; i < stored; ++i) {
         bool lit = i < smooth || (i < faces && i % 3 == 0);
-        good =
-            good && indices[i] <= entry->last_vertex && (!lit || indices[i] < entry->normal_count);
+        good = good && indices[i] < limit && (!lit || indices[i] < entry->normal_count);
     }
     return good;
+}
+
+/// Whether a cluster may have the parts that it says.
+static bool are_parts(const clusters_entry* entry)
+{
+    uint32_t vertices = entry->last_vertex + 1u;
+    if (entry->group == 0) {
+        return !entry->grouped && !entry->repeats;
+    }
+    uint32_t parts = (vertices + entry->group - 1) / entry->group;
+    uint32_t lit = entry->smooth_count + entry->face_count;
+    return !entry->repeats ||
+           (vertices % entry->group == 0 && entry->triangle_count % parts == 0 &&
+            (lit == 0 || (lit == entry->triangle_count && entry->normal_count == vertices)));
+}
+
+static bool is_channel(const clusters_channel* channel, uint32_t group)
+{
+    return channel->width <= 32 && channel->own_width <= CLUSTERS_MOST_OWN &&
+           channel->shift <= CLUSTERS_MOST_SHIFT && channel->layout <= STP_CLUSTER_REPEATED &&
+           (channel->layout == STP_CLUSTER_PLAIN ? channel->own_width == 0 : group != 0);
 }
 
 /// @return where the cluster ends, 0 where it is wrong
@@ -63,20 +90,23 @@ static uint64_t check_cluster(const stp_clusters* c, const clusters_entry* entry
     bool good = 4 * (uint64_t)entry->offset == begin && entry->triangle_count >= 1 &&
                 entry->triangle_count <= STP_CLUSTER_TRIANGLES &&
                 entry->smooth_count + entry->face_count <= entry->triangle_count &&
-                entry->normal_count <= vertex_count;
-    for (int k = 0; k < 3; ++k) {
-        good = good && entry->width[k] <= 32;
+                entry->normal_count <= vertex_count && are_parts(entry);
+    for (uint32_t k = 0; k < 3; ++k) {
+        clusters_channel channel = clusters_position_channel(entry, k);
+        good = good && is_channel(&channel, entry->group);
     }
     uint32_t extra = good ? count_extra(c->present, entry->normal_count) : 0;
-    uint32_t table_bytes = clusters_table_bytes(extra);
+    uint32_t table_bytes = CLUSTERS_CHANNEL_BYTES * extra;
     if (!good || table_bytes > end - begin) {
         return 0;
     }
     const unsigned char* table = c->bytes + begin;
-    for (uint32_t i = 4 * extra; i < table_bytes; ++i) {
-        good = good && table[i] <= (i < 5 * extra ? 32 : 0);
+    for (uint32_t i = 0; i < extra; ++i) {
+        clusters_channel channel =
+            clusters_read_channel(table + (size_t)CLUSTERS_CHANNEL_BYTES * i);
+        good = good && is_channel(&channel, entry->group);
     }
-    uint64_t size = measure(c->present, entry, table, table_bytes, extra);
+    uint64_t size = good ? measure(c->present, entry, table, table_bytes) : 0;
     if (!good || size > end - begin || !are_indices(entry, table + table_bytes)) {
         return 0;
     }
@@ -90,7 +120,7 @@ static const char* check_clusters(const stp_clusters* c)
     for (uint32_t i = 0; i < c->cluster_count; ++i) {
         const unsigned char* bytes = entry_at(c, i);
         clusters_entry entry = clusters_read_entry(bytes);
-        if (entry.first_triangle != triangles || bytes[27] != 0 || stp_read_u16(bytes + 30) != 0) {
+        if (entry.first_triangle != triangles || bytes[29] >> 7 != 0) {
             return "has clusters whose triangles do not follow each other";
         }
         begin = check_cluster(c, &entry, begin);
@@ -147,37 +177,27 @@ const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clus
     return fault;
 }
 
-/// Where the runs of a cluster that is being opened lie.
-typedef struct run_cursor {
-    const unsigned char *origin, *width, *next;
-} run_cursor;
-
-/// The next `run_count` channels, of `value_count` values each; 0: they are absent.
-static void get_runs(run_cursor* cursor, stp_cluster_run* runs, uint32_t run_count,
-                     uint32_t value_count)
+/// The run of a channel that has `count` values from `next` on. @return where they end
+static const unsigned char* get_run(stp_cluster_run* run, const clusters_channel* channel,
+                                    uint32_t count, uint32_t group, const unsigned char* next)
 {
-    for (uint32_t i = 0; i < run_count; ++i) {
-        runs[i] = (stp_cluster_run){.bits = cursor->next};
-        if (value_count != 0) {
-            runs[i].origin = (int32_t)stp_read_u32(cursor->origin);
-            runs[i].width = *cursor->width;
-            cursor->next += (value_count * runs[i].width + 7) / 8;
-            cursor->origin += 4;
-            cursor->width += 1;
-        }
-    }
+    const unsigned char* own = next + clusters_base_bytes(channel, count, group);
+    *run = (stp_cluster_run){.bits = next,
+                             .own = own,
+                             .origin = channel->origin,
+                             .width = channel->width,
+                             .own_width = channel->own_width,
+                             .shift = channel->shift,
+                             .group = (uint8_t)group,
+                             .layout = channel->layout};
+    return own + clusters_own_bytes(channel, count, group);
 }
 
 void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster)
 {
-    const unsigned char* bytes = entry_at(clusters, index);
-    clusters_entry entry = clusters_read_entry(bytes);
-    uint32_t present = clusters->present, vertex_count = entry.last_vertex + 1u;
-    uint32_t sets[2] = {(present & STP_COLUMN_TEXCOORDS_0) != 0 ? vertex_count : 0,
-                        (present & STP_COLUMN_TEXCOORDS_1) != 0 ? vertex_count : 0};
-    uint32_t colors = (present & STP_COLUMN_COLORS) != 0 ? vertex_count : 0;
-    uint32_t extra = (entry.normal_count != 0 ? 2u : 0) + (sets[0] != 0 ? 2u : 0) +
-                     (sets[1] != 0 ? 2u : 0) + (colors != 0 ? 4u : 0);
+    clusters_entry entry = clusters_read_entry(entry_at(clusters, index));
+    uint32_t vertex_count = entry.last_vertex + 1u;
+    uint32_t extra = count_extra(clusters->present, entry.normal_count);
     const unsigned char* table = clusters->bytes + 4 * (size_t)entry.offset;
     cluster->first_triangle = entry.first_triangle;
     cluster->triangle_count = entry.triangle_count;
@@ -185,17 +205,34 @@ void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster*
     cluster->smooth_count = entry.smooth_count;
     cluster->face_count = entry.face_count;
     cluster->normal_count = entry.normal_count;
-    cluster->indices = table + clusters_table_bytes(extra);
-    run_cursor cursor = {.origin = bytes + 8,
-                         .width = bytes + 20,
-                         .next = cluster->indices + 3 * (size_t)entry.triangle_count};
-    get_runs(&cursor, &cluster->runs[STP_CLUSTER_X], 3, vertex_count);
-    cursor.origin = table;
-    cursor.width = table + 4 * (size_t)extra;
-    get_runs(&cursor, &cluster->runs[STP_CLUSTER_NORMAL_U], 2, entry.normal_count);
-    get_runs(&cursor, &cluster->runs[STP_CLUSTER_TEXCOORDS], 2, sets[0]);
-    get_runs(&cursor, &cluster->runs[STP_CLUSTER_TEXCOORDS + 2], 2, sets[1]);
-    get_runs(&cursor, &cluster->runs[STP_CLUSTER_COLORS], 4, colors);
+    cluster->indices = table + (size_t)CLUSTERS_CHANNEL_BYTES * extra;
+    cluster->period = clusters_index_triangles(&entry);
+    cluster->stride = entry.group;
+    const unsigned char* next = cluster->indices + 3 * (size_t)cluster->period;
+    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
+        uint32_t count = clusters_values(clusters->present, i, vertex_count, entry.normal_count);
+        if (count == 0) {
+            cluster->runs[i] = (stp_cluster_run){.bits = next, .own = next};
+            continue;
+        }
+        clusters_channel channel = clusters_position_channel(&entry, i <= STP_CLUSTER_Z ? i : 0);
+        if (i > STP_CLUSTER_Z) {
+            channel = clusters_read_channel(table);
+            table += CLUSTERS_CHANNEL_BYTES;
+        }
+        next = get_run(&cluster->runs[i], &channel, count, entry.group, next);
+    }
+}
+
+void stp_cluster_indices(const stp_cluster* cluster, uint32_t first, uint32_t* indices)
+{
+    uint32_t length = 3 * cluster->period;
+    for (uint32_t at = 0; at < 3 * cluster->triangle_count; at += length) {
+        for (uint32_t i = 0; i < length; ++i) {
+            indices[at + i] = first + cluster->indices[i];
+        }
+        first += cluster->stride;
+    }
 }
 
 uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t index)
@@ -224,10 +261,24 @@ stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index)
     for (int k = 0; k < 3; ++k) {
         low[k] = (float)entry.origin[k] * clusters->step;
         // values wrap at 32 bits in a forged file: then the box is wrong, and nothing else
-        int64_t last = (int64_t)entry.origin[k] + (((int64_t)1 << entry.width[k]) - 1);
+        int64_t range = ((int64_t)1 << entry.width[k]) - 1;
+        int64_t last = (int64_t)entry.origin[k] + range * ((int64_t)1 << entry.shift);
         high[k] = (float)last * clusters->step;
     }
     return (stp_box){{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+}
+
+/// One axis of parts.
+static void get_grouped(const stp_cluster_run* run, uint32_t count, float step, float* out)
+{
+    for (uint32_t i = 0, part = 0; i < count; ++part) {
+        uint32_t base = stp_cluster_bits(run->bits, run->width, part);
+        uint32_t end = count - i > run->group ? i + run->group : count;
+        for (; i < end; ++i) {
+            uint32_t value = base + stp_cluster_bits(run->own, run->own_width, i);
+            out[3 * i] = (float)(int32_t)((uint32_t)run->origin + (value << run->shift)) * step;
+        }
+    }
 }
 
 void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* cluster,
@@ -235,12 +286,16 @@ void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* clus
 {
     for (uint32_t k = 0; k < 3; ++k) {
         const stp_cluster_run run = cluster->runs[k];
+        if (run.layout != STP_CLUSTER_PLAIN) {
+            get_grouped(&run, cluster->vertex_count, clusters->step, positions + k);
+            continue;
+        }
         uint64_t mask = ((uint64_t)1 << run.width) - 1;
         for (uint32_t i = 0, at = 0; i < cluster->vertex_count; ++i, at += run.width) {
             uint64_t bits;
             memcpy(&bits, run.bits + (at >> 3), sizeof(bits));
-            int32_t value = (int32_t)((uint32_t)run.origin + (uint32_t)((bits >> (at & 7)) & mask));
-            positions[3 * i + k] = (float)value * clusters->step;
+            uint32_t value = (uint32_t)((bits >> (at & 7)) & mask) << run.shift;
+            positions[3 * i + k] = (float)(int32_t)((uint32_t)run.origin + value) * clusters->step;
         }
     }
 }
@@ -260,10 +315,11 @@ static stp_vec3 decode_normal(const stp_cluster* cluster, uint32_t vertex)
 
 bool stp_cluster_normals(const stp_cluster* cluster, uint32_t triangle, stp_vec3 normals[3])
 {
-    const uint8_t* corner = cluster->indices + 3 * (size_t)triangle;
     if (triangle >= cluster->smooth_count + cluster->face_count) {
         return false;
     }
+    uint32_t corner[3];
+    stp_cluster_corners(cluster, triangle, corner);
     bool smooth = triangle < cluster->smooth_count;
     for (int k = 0; k < 3; ++k) {
         normals[k] = k == 0 || smooth ? decode_normal(cluster, corner[k]) : normals[0];

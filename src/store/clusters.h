@@ -10,6 +10,10 @@
 //   smooth: each corner has its vertex's normal | face: all have the first corner's | plain: their own plane's
 //
 // so hard edges need no vertices of their own, and flat parts hardly any normals.
+//
+// Clusters of loose parts (leaves, needles, twigs: nothing else meets them, and each has the same number of vertices)
+// have numbers in two layers, of the part and of its vertices, and their parts' triangles only once where they are
+// alike. Positions there may be multiples of several steps.
 #pragma once
 
 #include "store/store.h"
@@ -19,9 +23,9 @@
 enum {
     STP_CLUSTER_TRIANGLES = 128,
     STP_CLUSTER_VERTICES = 256,
-    STP_CLUSTER_NORMAL_LIMIT = 1023, ///< octahedral codes: this is 1
+    STP_CLUSTER_NORMAL_LIMIT = 511, ///< octahedral codes: this is 1
     STP_CLUSTER_COLOR_LIMIT =
-        1023, ///< code of a full red, green, blue: the root of the linear value
+        255, ///< code of a full red, green, blue: the root of the linear value
     STP_CLUSTER_ALPHA_LIMIT = 255,
 };
 
@@ -70,11 +74,22 @@ typedef enum stp_cluster_channel {
     STP_CLUSTER_CHANNELS = STP_CLUSTER_COLORS + 4
 } stp_cluster_channel;
 
-/// Whole numbers of equal width, the lowest bit first: value i is origin + bits [i width, (i + 1) width).
+typedef enum stp_cluster_layout {
+    STP_CLUSTER_PLAIN,
+    STP_CLUSTER_GROUPED,  ///< each value is its part's, and something of its own
+    STP_CLUSTER_REPEATED, ///< the same, and what is their own is the same in all parts
+} stp_cluster_layout;
+
+/// Whole numbers of equal width, the lowest bit first: with b(i) = bits [i width, (i + 1) width), value i is
+/// origin + b(i) 2^shift; or, in parts of `group`, origin + (b(i / group) + own(i)) 2^shift, where own is of
+/// own_width bits, at i or (repeated) at i mod group.
 typedef struct stp_cluster_run {
     const unsigned char* bits; ///< 8 bytes can be read from wherever a value begins
+    const unsigned char* own;
     int32_t origin;
     uint32_t width; ///< at most 32
+    uint8_t own_width, shift, group;
+    uint8_t layout; ///< stp_cluster_layout
 } stp_cluster_run;
 
 typedef struct stp_cluster {
@@ -83,7 +98,9 @@ typedef struct stp_cluster {
     uint32_t smooth_count,
         face_count;         ///< the first triangles, and those after them; the others are plain
     uint32_t normal_count;  ///< the first vertices: the others have none
-    const uint8_t* indices; ///< 3 a triangle, each below vertex_count
+    const uint8_t* indices; ///< 3 a triangle of the first `period`: see stp_cluster_corners
+    uint32_t period;        ///< triangles after which the same follow, of `stride` vertices later
+    uint32_t stride;
     stp_cluster_run runs[STP_CLUSTER_CHANNELS]; ///< absent ones have no bits and are all 0
 } stp_cluster;
 
@@ -95,15 +112,43 @@ uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t inde
 /// The cluster that triangle `triangle` (below triangle_count) belongs to.
 uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle);
 
+/// Number `i` of those of `width` bits.
+static inline uint32_t stp_cluster_bits(const unsigned char* bytes, uint32_t width, uint32_t i)
+{
+    uint64_t bits;
+    uint32_t at = i * width;
+    memcpy(&bits, bytes + (at >> 3), sizeof(bits));
+    return (uint32_t)((bits >> (at & 7)) & (((uint64_t)1 << width) - 1));
+}
+
 /// One value of a run.
 static inline int32_t stp_cluster_value(const stp_cluster_run* run, uint32_t i)
 {
-    uint64_t bits;
-    uint32_t at = i * run->width;
-    memcpy(&bits, run->bits + (at >> 3), sizeof(bits));
-    uint64_t mask = ((uint64_t)1 << run->width) - 1;
-    return (int32_t)((uint32_t)run->origin + (uint32_t)((bits >> (at & 7)) & mask));
+    uint32_t value;
+    if (run->layout == STP_CLUSTER_PLAIN) {
+        value = stp_cluster_bits(run->bits, run->width, i);
+    } else {
+        uint32_t part = i / run->group;
+        uint32_t at = run->layout == STP_CLUSTER_GROUPED ? i : i - part * run->group;
+        value = stp_cluster_bits(run->bits, run->width, part) +
+                stp_cluster_bits(run->own, run->own_width, at);
+    }
+    return (int32_t)((uint32_t)run->origin + (value << run->shift));
 }
+
+/// A triangle's corners (`triangle` counts within the cluster), each below vertex_count.
+static inline void stp_cluster_corners(const stp_cluster* cluster, uint32_t triangle,
+                                       uint32_t corners[3])
+{
+    uint32_t part = triangle / cluster->period, first = part * cluster->stride;
+    const uint8_t* index = cluster->indices + 3 * (size_t)(triangle - part * cluster->period);
+    for (int k = 0; k < 3; ++k) {
+        corners[k] = first + index[k];
+    }
+}
+
+/// The corners of all triangles, each `first` more than it is.
+void stp_cluster_indices(const stp_cluster* cluster, uint32_t first, uint32_t* indices);
 
 static inline stp_vec3 stp_cluster_position(const stp_clusters* clusters,
                                             const stp_cluster* cluster, uint32_t vertex)

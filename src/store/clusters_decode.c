@@ -8,7 +8,8 @@ static void decode_triangle(const stp_clusters* clusters, const stp_cluster* clu
                             uint32_t triangle, stp_decoded_mesh* mesh)
 {
     size_t at = (size_t)cluster->first_triangle + triangle;
-    const uint8_t* corner = cluster->indices + 3 * (size_t)triangle;
+    uint32_t corner[3];
+    stp_cluster_corners(cluster, triangle, corner);
     stp_vec3 p[3], n[3];
     for (int k = 0; k < 3; ++k) {
         p[k] = stp_cluster_position(clusters, cluster, corner[k]);

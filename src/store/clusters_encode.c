@@ -20,78 +20,6 @@ typedef struct encoding {
     uint64_t vertex_count;
 } encoding;
 
-/// Little-endian, the lowest bit first. @return the end
-static unsigned char* pack_values(const int32_t* values, uint32_t count, int32_t origin,
-                                  uint32_t width, unsigned char* out)
-{
-    uint64_t bits = 0;
-    uint32_t filled = 0;
-    for (uint32_t i = 0; i < count; ++i) {
-        bits |= (uint64_t)((uint32_t)values[i] - (uint32_t)origin) << filled;
-        filled += width;
-        if (filled >= 32) {
-            stp_write_u32(out, (uint32_t)bits);
-            out += 4;
-            bits >>= 32;
-            filled -= 32;
-        }
-    }
-    for (; filled > 0; filled -= filled < 8 ? filled : 8) {
-        *out++ = (unsigned char)bits;
-        bits >>= 8;
-    }
-    return out;
-}
-
-static uint8_t find_width(const int32_t* values, uint32_t count, int32_t* origin)
-{
-    int32_t least = values[0], most = values[0];
-    for (uint32_t i = 1; i < count; ++i) {
-        least = values[i] < least ? values[i] : least;
-        most = values[i] > most ? values[i] : most;
-    }
-    *origin = least;
-    uint32_t range = (uint32_t)most - (uint32_t)least;
-    return (uint8_t)(range != 0 ? 32 - __builtin_clz(range) : 0);
-}
-
-size_t clusters_pack(const cluster_maker* m, clusters_entry* entry, unsigned char* bytes)
-{
-    int32_t origins[STP_CLUSTER_CHANNELS] = {0};
-    uint8_t widths[STP_CLUSTER_CHANNELS] = {0};
-    uint32_t counts[STP_CLUSTER_CHANNELS], extra = 0;
-    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
-        counts[i] = clusters_values(m->present, i, m->vertex_count, entry->normal_count);
-        if (counts[i] != 0) {
-            widths[i] = find_width(m->values[i], counts[i], &origins[i]);
-            extra += i > STP_CLUSTER_Z;
-        }
-    }
-    memcpy(entry->origin, origins, sizeof(entry->origin));
-    memcpy(entry->width, widths, sizeof(entry->width));
-    uint32_t table = clusters_table_bytes(extra), channel = 0;
-    memset(bytes, 0, table);
-    for (uint32_t i = STP_CLUSTER_Z + 1; i < STP_CLUSTER_CHANNELS; ++i) {
-        if (counts[i] != 0) {
-            stp_write_u32(bytes + 4 * channel, (uint32_t)origins[i]);
-            bytes[4 * extra + channel] = widths[i];
-            channel += 1;
-        }
-    }
-    unsigned char* out = bytes + table;
-    memcpy(out, m->corners, 3 * (size_t)m->triangle_count);
-    out += 3 * (size_t)m->triangle_count;
-    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
-        if (widths[i] != 0) {
-            out = pack_values(m->values[i], counts[i], origins[i], widths[i], out);
-        }
-    }
-    while (((size_t)(out - bytes) & 3) != 0) {
-        *out++ = 0;
-    }
-    return (size_t)(out - bytes);
-}
-
 /// @return false where memory runs out
 static bool append_cluster(encoding* e, uint32_t first_triangle)
 {
@@ -128,18 +56,51 @@ static bool append_cluster(encoding* e, uint32_t first_triangle)
     return true;
 }
 
+/// Parts of one class from `at` on, as many as fit. @return where the next cluster begins
+static uint32_t gather_parts(encoding* e, const uint64_t* order, uint32_t at, uint32_t end)
+{
+    uint32_t part_class = (uint32_t)(order[at] >> 32);
+    uint32_t part = clusters_part_triangles(part_class);
+    uint32_t most = STP_CLUSTER_TRIANGLES / part;
+    uint32_t other = STP_CLUSTER_VERTICES / clusters_part_vertices(part_class);
+    most = part * (other < most ? other : most);
+    most = end - at < most ? end - at : most;
+    if (cluster_maker_take_parts(e->maker, order + at, most, part_class)) {
+        return at + most;
+    }
+    cluster_maker_begin(e->maker);
+    uint32_t stop = at + most;
+    while (at < stop && cluster_maker_add(e->maker, (uint32_t)order[at])) {
+        at += 1;
+    }
+    return at;
+}
+
+/// Triangles one by one. @return where the next cluster begins
+static uint32_t gather_triangles(encoding* e, const uint64_t* order, uint32_t at, uint32_t end)
+{
+    uint32_t first = at, left = end - at, most = STP_CLUSTER_TRIANGLES;
+    if (left > most && left < 2 * most) {
+        most = (left + 1) / 2; // no cluster of a few left-over triangles
+    }
+    cluster_maker_begin(e->maker);
+    while (at < end && at - first < most &&
+           cluster_maker_add(e->maker, order != NULL ? (uint32_t)order[at] : at)) {
+        at += 1;
+    }
+    return at;
+}
+
 static stp_result cut_clusters(encoding* e, const uint64_t* order, uint32_t triangle_count)
 {
+    uint32_t end = order == NULL ? triangle_count : 0;
     for (uint32_t at = 0; at < triangle_count;) {
-        uint32_t first = at, left = triangle_count - at, most = STP_CLUSTER_TRIANGLES;
-        if (left > most && left < 2 * most) {
-            most = (left + 1) / 2; // no cluster of a few left-over triangles
+        while (at == end || (end < triangle_count && order[end] >> 32 == order[at] >> 32)) {
+            end += 1; // of the class
         }
-        cluster_maker_begin(e->maker);
-        while (at < triangle_count && at - first < most &&
-               cluster_maker_add(e->maker, order != NULL ? (uint32_t)order[at] : at)) {
-            at += 1;
-        }
+        bool loose = order != NULL && order[at] >> 32 != 0;
+        uint32_t first = at;
+        at = loose ? gather_parts(e, order, at, end) : gather_triangles(e, order, at, end);
         if (!append_cluster(e, first)) {
             return stp_fail_memory(e->context);
         }
@@ -265,7 +226,10 @@ static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh
             result = stp_fail_memory(e->context);
         } else {
             order = clusters_sort(mesh, items, scratch);
-            stp_free(e->context, order == items ? scratch : items);
+            scratch = order == items ? scratch : items;
+            result = clusters_sort_parts(e->context, mesh, 1.0 / e->maker->inverse_step, &order,
+                                         &scratch);
+            stp_free(e->context, scratch);
             items = order;
             scratch = NULL;
         }

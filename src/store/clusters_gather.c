@@ -7,6 +7,11 @@
 // Squared cosine of a third of a degree: directions that differ by less shade alike in 8 bits.
 #define ALIKE 0.999964
 
+enum {
+    PART_BITS = 5,    // a loose part's short edges are at least 2^PART_BITS steps long,
+    SHORT_PARTS = 16, // but for one part of so many
+};
+
 /// A triangle's corners before they are vertices.
 typedef struct corner {
     int32_t values[STP_CLUSTER_CHANNELS];
@@ -17,8 +22,7 @@ typedef struct direction {
     double x, y, z;
 } direction;
 
-/// To the nearest, upwards where two are.
-static int32_t round_to_grid(double value)
+int32_t clusters_round(double value)
 {
     double limit = (double)CLUSTERS_NUMBER_LIMIT;
     value = value > limit ? limit : value < -limit ? -limit : value;
@@ -43,11 +47,12 @@ static void read_corner(const cluster_maker* m, uint32_t vertex, corner* c)
     const stp_store_mesh* mesh = m->mesh;
     for (size_t k = 0; k < 3; ++k) {
         c->values[k] =
-            round_to_grid((double)mesh->positions[3 * (size_t)vertex + k] * m->inverse_step);
+            clusters_round((double)mesh->positions[3 * (size_t)vertex + k] * m->inverse_step);
+        c->values[k] = (c->values[k] + ((1 << m->shift) >> 1)) & -(1 << m->shift);
     }
     for (size_t set = 0; set < 2; ++set) {
         for (size_t k = 0; k < 2 && mesh->texcoords[set] != NULL; ++k) {
-            c->values[STP_CLUSTER_TEXCOORDS + 2 * set + k] = round_to_grid(
+            c->values[STP_CLUSTER_TEXCOORDS + 2 * set + k] = clusters_round(
                 (double)mesh->texcoords[set][2 * (size_t)vertex + k] * m->texcoord_inverses[set]);
         }
     }
@@ -247,6 +252,8 @@ void cluster_maker_begin(cluster_maker* m)
 {
     m->triangle_count = 0;
     m->vertex_count = 0;
+    m->shift = 0;
+    m->group = 0;
     memset(m->slots, 0, sizeof(m->slots));
 }
 
@@ -272,6 +279,111 @@ bool cluster_maker_add(cluster_maker* m, uint32_t triangle)
     }
     m->groups[m->triangle_count++] = (uint8_t)group;
     return true;
+}
+
+/// The octave of the shortest edge of one part, of its square; INT32_MAX: it has none. In steps.
+static int32_t shortest_octave(const cluster_maker* m, const uint64_t* triangles, uint32_t count)
+{
+    double least = DBL_MAX;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t* vertex = m->mesh->indices + 3 * (size_t)(uint32_t)triangles[i];
+        for (int k = 0; k < 3; ++k) {
+            const float* a = m->mesh->positions + 3 * (size_t)vertex[k];
+            const float* b = m->mesh->positions + 3 * (size_t)vertex[(k + 1) % 3];
+            direction d = {((double)b[0] - (double)a[0]) * m->inverse_step,
+                           ((double)b[1] - (double)a[1]) * m->inverse_step,
+                           ((double)b[2] - (double)a[2]) * m->inverse_step};
+            double square = dot(d, d);
+            least = square > 0.0 && square < least ? square : least;
+        }
+    }
+    uint64_t bits;
+    memcpy(&bits, &least, sizeof(bits));
+    return least < DBL_MAX ? (int32_t)(bits >> 52) - 1023 : INT32_MAX;
+}
+
+/// How many bits of the positions loose parts can do without: their short edges stay PART_STEPS steps long. Nothing
+/// meets them, so nothing cracks.
+static uint32_t choose_shift(const cluster_maker* m, const uint64_t* triangles, uint32_t count,
+                             uint32_t part)
+{
+    int32_t octaves[STP_CLUSTER_TRIANGLES] = {0};
+    uint32_t sorted = 0;
+    for (uint32_t i = 0; i < count; i += part) {
+        int32_t octave = shortest_octave(m, triangles + i, part);
+        uint32_t at = sorted++;
+        for (; at > 0 && octaves[at - 1] > octave; --at) {
+            octaves[at] = octaves[at - 1];
+        }
+        octaves[at] = octave;
+    }
+    int32_t low = octaves[sorted / SHORT_PARTS];
+    int32_t shift = low == INT32_MAX ? 0 : low / 2 - PART_BITS;
+    shift = shift < CLUSTERS_MOST_SHIFT ? shift : CLUSTERS_MOST_SHIFT;
+    return shift > 0 ? (uint32_t)shift : 0;
+}
+
+/// The number of a source's vertex within its part, which has `known` so far.
+static uint32_t find_in_part(const uint32_t* sources, uint32_t known, uint32_t vertex)
+{
+    uint32_t i = 0;
+    while (i < known && sources[i] != vertex) {
+        i += 1;
+    }
+    return i;
+}
+
+/// @return whether its own plane lights it
+static bool add_part_triangle(cluster_maker* m, uint32_t triangle, uint32_t first,
+                              uint32_t* sources)
+{
+    const uint32_t* vertex = m->mesh->indices + 3 * (size_t)triangle;
+    corner c[3];
+    for (uint32_t k = 0; k < 3; ++k) {
+        read_corner(m, vertex[k], &c[k]);
+        if (m->mesh->normals != NULL) {
+            const int16_t* code = m->mesh->normals + 2 * (size_t)vertex[k];
+            c[k].values[STP_CLUSTER_NORMAL_U] = round_normal(code[0]);
+            c[k].values[STP_CLUSTER_NORMAL_V] = round_normal(code[1]);
+        }
+        uint32_t known = m->vertex_count - first;
+        uint32_t at = find_in_part(sources, known, vertex[k]);
+        if (at == known) {
+            sources[known] = vertex[k];
+            uint32_t v = add_vertex(m, &c[k]);
+            if (m->mesh->normals != NULL) {
+                give_normal(m, v, c[k].values + STP_CLUSTER_NORMAL_U);
+            }
+        }
+        m->corners[m->triangle_count][k] = (uint8_t)(first + at);
+    }
+    m->groups[m->triangle_count++] = GROUP_SMOOTH;
+    return choose_group(m, vertex, c) == GROUP_PLAIN;
+}
+
+bool cluster_maker_take_parts(cluster_maker* m, const uint64_t* triangles, uint32_t count,
+                              uint32_t part_class)
+{
+    uint32_t part = clusters_part_triangles(part_class);
+    cluster_maker_begin(m);
+    m->group = clusters_part_vertices(part_class);
+    // without normals, planes must not turn: they are all there is to light faces by
+    bool coarse = m->mesh->normals != NULL && !m->mesh->cut;
+    m->shift = coarse ? choose_shift(m, triangles, count, part) : 0;
+    bool plain = true;
+    for (uint32_t i = 0; i < count;) {
+        uint32_t sources[STP_CLUSTER_VERTICES], first = m->vertex_count, end = i + part;
+        for (; i < end; ++i) {
+            plain = add_part_triangle(m, (uint32_t)triangles[i], first, sources) && plain;
+        }
+    }
+    for (uint32_t i = 0; plain && i < count; ++i) {
+        m->groups[i] = GROUP_PLAIN;
+    }
+    for (uint32_t v = 0; plain && v < m->vertex_count; ++v) {
+        m->has_normal[v] = false;
+    }
+    return plain || m->mesh->normals != NULL;
 }
 
 static uint32_t order_vertices(cluster_maker* m)

@@ -14,6 +14,9 @@ enum {
     CLUSTERS_EXPONENT_LEAST = -149,
     CLUSTERS_EXPONENT_MOST = 96, ///< any 32-bit number of such steps is finite
     CLUSTERS_NUMBER_LIMIT = (1 << 30) - 1,
+    CLUSTERS_CHANNEL_BYTES = 8, ///< of the table, of a channel beside the positions
+    CLUSTERS_MOST_SHIFT = 24,
+    CLUSTERS_MOST_OWN = 32,
 };
 
 static inline uint32_t clusters_read_present(const void* bytes)
@@ -30,11 +33,17 @@ typedef struct clusters_entry {
     uint8_t triangle_count;
     uint8_t last_vertex;
     uint8_t smooth_count, face_count;
+    uint8_t group; ///< vertices of a part; 0: the cluster has no parts
+    uint8_t shift; ///< of x, y, z
+    bool repeats;  ///< the first part's triangles stand for all
+    bool grouped;  ///< x, y, z
+    uint8_t own_width[3];
     uint16_t normal_count;
 } clusters_entry;
 
 static inline clusters_entry clusters_read_entry(const unsigned char* p)
 {
+    uint32_t counts = stp_read_u16(p + 28), own = stp_read_u16(p + 30);
     return (clusters_entry){
         .offset = stp_read_u32(p),
         .first_triangle = stp_read_u32(p + 4),
@@ -45,7 +54,12 @@ static inline clusters_entry clusters_read_entry(const unsigned char* p)
         .last_vertex = p[24],
         .smooth_count = p[25],
         .face_count = p[26],
-        .normal_count = stp_read_u16(p + 28),
+        .group = p[27],
+        .shift = (uint8_t)(counts >> 9 & 31),
+        .repeats = (counts >> 14 & 1) != 0,
+        .grouped = own >> 15 != 0,
+        .own_width = {own & 31, own >> 5 & 31, own >> 10 & 31},
+        .normal_count = (uint16_t)(counts & 511),
     };
 }
 
@@ -61,9 +75,11 @@ static inline void clusters_write_entry(unsigned char* p, const clusters_entry* 
     p[24] = entry->last_vertex;
     p[25] = entry->smooth_count;
     p[26] = entry->face_count;
-    p[27] = 0;
-    stp_write_u16(p + 28, entry->normal_count);
-    stp_write_u16(p + 30, 0);
+    p[27] = entry->group;
+    stp_write_u16(p + 28, (uint16_t)(entry->normal_count | entry->shift << 9 |
+                                     (entry->repeats ? 1 : 0) << 14));
+    stp_write_u16(p + 30, (uint16_t)(entry->own_width[0] | entry->own_width[1] << 5 |
+                                     entry->own_width[2] << 10 | (entry->grouped ? 1 : 0) << 15));
 }
 
 /// How many values a channel has; 0 where the mesh or cluster does not have it.
@@ -89,10 +105,59 @@ static inline uint32_t clusters_values(uint32_t present, uint32_t channel, uint3
     }
 }
 
-/// Bytes of the table of origins and widths of `channel_count` channels beside the positions.
-static inline uint32_t clusters_table_bytes(uint32_t channel_count)
+/// How the numbers of a channel lie.
+typedef struct clusters_channel {
+    int32_t origin;
+    uint8_t width, own_width;
+    uint8_t layout; ///< stp_cluster_layout
+    uint8_t shift;
+} clusters_channel;
+
+static inline clusters_channel clusters_read_channel(const unsigned char* p)
 {
-    return 4 * channel_count + ((channel_count + 3) & ~3u);
+    return (clusters_channel){(int32_t)stp_read_u32(p), p[4], p[5], p[6], p[7]};
+}
+
+static inline void clusters_write_channel(unsigned char* p, const clusters_channel* channel)
+{
+    stp_write_u32(p, (uint32_t)channel->origin);
+    p[4] = channel->width;
+    p[5] = channel->own_width;
+    p[6] = channel->layout;
+    p[7] = channel->shift;
+}
+
+/// Of x, y or z.
+static inline clusters_channel clusters_position_channel(const clusters_entry* entry, uint32_t k)
+{
+    return (clusters_channel){entry->origin[k], entry->width[k], entry->own_width[k],
+                              entry->grouped ? STP_CLUSTER_GROUPED : STP_CLUSTER_PLAIN,
+                              entry->shift};
+}
+
+/// Bytes of the values of parts, or of all values where there are none; `group` is not 0 where parts are.
+static inline uint32_t clusters_base_bytes(const clusters_channel* channel, uint32_t count,
+                                           uint32_t group)
+{
+    uint32_t values = channel->layout == STP_CLUSTER_PLAIN ? count : (count + group - 1) / group;
+    return (values * channel->width + 7) / 8;
+}
+
+/// Bytes of what values are beyond their part's.
+static inline uint32_t clusters_own_bytes(const clusters_channel* channel, uint32_t count,
+                                          uint32_t group)
+{
+    uint32_t values = channel->layout == STP_CLUSTER_PLAIN     ? 0
+                      : channel->layout == STP_CLUSTER_GROUPED ? count
+                                                               : group;
+    return (values * channel->own_width + 7) / 8;
+}
+
+/// Triangles whose corners are stored.
+static inline uint32_t clusters_index_triangles(const clusters_entry* entry)
+{
+    return entry->repeats ? entry->triangle_count * entry->group / (entry->last_vertex + 1u)
+                          : entry->triangle_count;
 }
 
 static inline float clusters_power_of_two(int exponent)

@@ -109,10 +109,12 @@ static corner_sums sum_corners(const stp_clusters* clusters)
         stp_cluster c;
         stp_clusters_get(clusters, i, &c);
         for (uint32_t k = 0; k < 3 * c.triangle_count; ++k) {
-            uint32_t lit = c.smooth_count + c.face_count, t = k / 3, v = c.indices[k];
+            uint32_t lit = c.smooth_count + c.face_count, t = k / 3, corners[3];
+            stp_cluster_corners(&c, t, corners);
+            uint32_t v = corners[k % 3];
             sums.corners = add_values(sums.corners, &c, STP_CLUSTER_X, 3, v);
             if (t < lit) {
-                uint32_t from = t < c.smooth_count ? v : c.indices[3 * t];
+                uint32_t from = t < c.smooth_count ? v : corners[0];
                 sums.normals = add_values(sums.normals, &c, STP_CLUSTER_NORMAL_U, 2, from);
             }
             for (int set = 0; set < 2; ++set) {

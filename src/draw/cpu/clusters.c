@@ -86,10 +86,7 @@ static void add_cluster(const cpu_item* item, uint32_t index, batch* b)
         b->first_triangle = cluster.first_triangle;
     }
     stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
-    uint32_t* indices = b->indices + 3 * (size_t)b->triangle_count;
-    for (uint32_t i = 0; i < 3 * cluster.triangle_count; ++i) {
-        indices[i] = b->vertex_count + cluster.indices[i];
-    }
+    stp_cluster_indices(&cluster, b->vertex_count, b->indices + 3 * (size_t)b->triangle_count);
     b->vertex_count += cluster.vertex_count;
     b->triangle_count += cluster.triangle_count;
     b->cluster_count += 1;

@@ -62,7 +62,8 @@ static void read_cluster(const cpu_item* item, const stp_cluster* cluster, uint3
 {
     const stp_clusters* clusters = &item->clusters;
     uint32_t local = index - cluster->first_triangle;
-    const uint8_t* corner = cluster->indices + 3 * (size_t)local;
+    uint32_t corner[3];
+    stp_cluster_corners(cluster, local, corner);
     out->has_normal = stp_cluster_normals(cluster, local, out->normal);
     out->has_color = (clusters->present & STP_COLUMN_COLORS) != 0;
     for (int k = 0; k < 3; ++k) {

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+// Loose parts: leaves, needles, twigs, cards. Where a mesh consists of many of them, triangles of one part stay
+// together, and parts of like counts come one after the other, so that a cluster can hold one pattern many times.
+//
+// A part is what is joined by vertices, or by positions that round alike: what only seems loose, because its
+// input repeats vertices at each edge, is welded within clusters as ever, and must keep to the mesh's grid.
+#include "base/context.h"
+#include "store/clusters_encode.h"
+
+enum {
+    MOST_TRIANGLES = 32, // of a part
+    MOST_VERTICES = 32,
+    CLASSES = MOST_TRIANGLES * MOST_VERTICES,
+    LEAST_OF_CLASS = 64, // triangles: fewer are not worth clusters of their own
+    WINDOW = 32,         // triangles along the curve that are looked at together,
+    WINDOW_EVERY = 2048, // in so many
+    LEAST_SHARE = 16,    // a mesh with less than one loose triangle in so many is left as it is
+};
+
+typedef struct part_finder {
+    const stp_store_mesh* mesh;
+    double inverse_step;
+    uint32_t* parents;   ///< a forest of vertices
+    uint32_t* triangles; ///< of a root
+    uint32_t* vertices;  ///< of a root; more than MOST_VERTICES: it meets itself or others
+    uint32_t* slots;     ///< vertices by position, plus 1; 0: none
+    uint32_t slot_bits;
+    uint32_t* next; ///< the triangle of the same part that follows, plus 1
+    uint32_t* first;
+} part_finder;
+
+static uint32_t find_root(uint32_t* parents, uint32_t v)
+{
+    while (parents[v] != v) {
+        parents[v] = parents[parents[v]];
+        v = parents[v];
+    }
+    return v;
+}
+
+static void join(uint32_t* parents, uint32_t a, uint32_t b)
+{
+    a = find_root(parents, a);
+    b = find_root(parents, b);
+    if (a < b) {
+        parents[b] = a;
+    } else {
+        parents[a] = b;
+    }
+}
+
+/// Triangles of each root. @return how many belong to small ones
+static uint32_t count_small(const part_finder* f)
+{
+    const stp_store_mesh* mesh = f->mesh;
+    memset(f->triangles, 0, mesh->vertex_count * sizeof(f->triangles[0]));
+    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+        f->triangles[find_root(f->parents, mesh->indices[3 * (size_t)t])] += 1;
+    }
+    uint32_t small = 0;
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        small += f->triangles[v] <= MOST_TRIANGLES ? f->triangles[v] : 0;
+    }
+    return small;
+}
+
+static void join_triangles(const part_finder* f)
+{
+    const stp_store_mesh* mesh = f->mesh;
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+        f->parents[v] = v;
+    }
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        const uint32_t* corner = mesh->indices + 3 * t;
+        join(f->parents, corner[0], corner[1]);
+        join(f->parents, corner[0], corner[2]);
+    }
+}
+
+static void round_vertex(const part_finder* f, uint32_t vertex, int32_t out[3])
+{
+    const float* p = f->mesh->positions + 3 * (size_t)vertex;
+    for (int k = 0; k < 3; ++k) {
+        out[k] = clusters_round((double)p[k] * f->inverse_step);
+    }
+}
+
+/// How many of some neighbouring triangles' corners lie where another part's corner lies.
+static uint32_t count_shared(const part_finder* f, const uint64_t* order)
+{
+    int32_t places[3 * WINDOW][3];
+    uint32_t roots[3 * WINDOW], shared = 0;
+    for (uint32_t i = 0; i < 3 * WINDOW; ++i) {
+        uint32_t vertex = f->mesh->indices[3 * (size_t)(uint32_t)order[i / 3] + i % 3];
+        round_vertex(f, vertex, places[i]);
+        roots[i] = find_root(f->parents, vertex);
+    }
+    for (uint32_t i = 0; i < 3 * WINDOW; ++i) {
+        bool met = false;
+        for (uint32_t k = 0; k < 3 * WINDOW && !met; ++k) {
+            met = roots[i] != roots[k] && memcmp(places[i], places[k], sizeof(places[i])) == 0;
+        }
+        shared += met ? 1 : 0;
+    }
+    return shared;
+}
+
+/// Whether what is loose by vertices is not by positions, as samples tell: soup, of which no part would stay loose.
+static bool is_soup(const part_finder* f, const uint64_t* order)
+{
+    uint32_t windows = f->mesh->triangle_count / WINDOW_EVERY + 1, shared = 0;
+    for (uint32_t i = 0; i < windows; ++i) {
+        uint64_t last = f->mesh->triangle_count - WINDOW;
+        shared += count_shared(f, order + last * i / windows);
+    }
+    return shared > 3 * WINDOW / 2 * windows;
+}
+
+/// Whether another vertex rounds to the same place: then they are joined.
+static bool meet(const part_finder* f, uint32_t vertex)
+{
+    int32_t p[3], q[3];
+    round_vertex(f, vertex, p);
+    uint64_t hash = (uint32_t)p[0] * 0x9e3779b97f4a7c15u ^ (uint32_t)p[1] * 0xc2b2ae3d27d4eb4fu ^
+                    (uint32_t)p[2] * 0x165667b19e3779f9u;
+    hash = (hash ^ hash >> 29) * 0xbf58476d1ce4e5b9u;
+    uint32_t mask = ((uint32_t)1 << f->slot_bits) - 1;
+    for (uint32_t slot = (uint32_t)(hash >> 32) & mask;; slot = (slot + 1) & mask) {
+        if (f->slots[slot] == 0) {
+            f->slots[slot] = vertex + 1;
+            return false;
+        }
+        round_vertex(f, f->slots[slot] - 1, q);
+        if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) {
+            join(f->parents, vertex, f->slots[slot] - 1);
+            return true;
+        }
+    }
+}
+
+/// Joins what meets, and counts the vertices of each part.
+static void join_vertices(const part_finder* f)
+{
+    uint32_t count = f->mesh->vertex_count;
+    // first of all which vertices are used, and then which of them meet; both are sums of the root in the end
+    for (uint32_t v = 0; v < count; ++v) {
+        bool used = f->triangles[find_root(f->parents, v)] != 0;
+        f->vertices[v] = used ? (meet(f, v) ? MOST_VERTICES + 1 : 1) : 0;
+    }
+    for (uint32_t v = count; v-- > 0;) { // roots are the least of their trees: children come first
+        uint32_t parent = f->parents[v];
+        if (parent != v) {
+            uint32_t sum = f->vertices[parent] + f->vertices[v];
+            f->vertices[parent] = sum <= MOST_VERTICES ? sum : MOST_VERTICES + 1;
+        }
+    }
+}
+
+/// The class of a triangle's part; 0: not loose, else its counts (clusters_part_class).
+static uint32_t classify(const part_finder* f, uint32_t triangle, uint32_t* root)
+{
+    *root = find_root(f->parents, f->mesh->indices[3 * (size_t)triangle]);
+    uint32_t triangles = f->triangles[*root], vertices = f->vertices[*root];
+    bool loose = triangles <= MOST_TRIANGLES && vertices <= MOST_VERTICES;
+    return loose ? clusters_part_class(triangles, vertices) : 0;
+}
+
+static uint32_t bucket_of(uint32_t class)
+{
+    return class == 0 ? 0
+                      : (clusters_part_triangles(class) - 1) * MOST_VERTICES +
+                            clusters_part_vertices(class);
+}
+
+static void sort_parts(const part_finder* f, const uint64_t* order, uint64_t* out)
+{
+    uint32_t count = f->mesh->triangle_count, root, sizes[CLASSES + 1] = {0};
+    memset(f->first, 0, f->mesh->vertex_count * sizeof(f->first[0]));
+    for (uint32_t t = count; t-- > 0;) {
+        sizes[bucket_of(classify(f, t, &root))] += 1;
+        f->next[t] = f->first[root];
+        f->first[root] = t + 1;
+    }
+    uint32_t begin = sizes[0], places[CLASSES + 1] = {0};
+    for (uint32_t i = 1; i <= CLASSES; ++i) {
+        begin += sizes[i] < LEAST_OF_CLASS ? sizes[i] : 0;
+    }
+    for (uint32_t i = 1; i <= CLASSES; ++i) {
+        places[i] = begin;
+        begin += sizes[i] < LEAST_OF_CLASS ? 0 : sizes[i];
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t t = (uint32_t)order[i], class = classify(f, t, &root), bucket = bucket_of(class);
+        if (bucket == 0 || sizes[bucket] < LEAST_OF_CLASS) {
+            out[places[0]++] = t;
+            continue;
+        }
+        for (uint32_t link = f->first[root]; link != 0; link = f->next[link - 1]) {
+            out[places[bucket]++] = (uint64_t) class << 32 | (link - 1);
+        }
+        f->first[root] = 0; // the others are out already
+    }
+}
+
+static bool allocate(stp_context* context, part_finder* f)
+{
+    uint32_t count = f->mesh->vertex_count;
+    for (f->slot_bits = 4;
+         f->slot_bits < 31 && (uint64_t)1 << f->slot_bits < 2 * (uint64_t)count;) {
+        f->slot_bits += 1;
+    }
+    f->vertices = STP_NEW_ARRAY(context, uint32_t, count);
+    f->first = STP_NEW_ARRAY(context, uint32_t, count);
+    f->next = STP_NEW_ARRAY(context, uint32_t, f->mesh->triangle_count);
+    f->slots = STP_NEW_ZEROED(context, uint32_t, (size_t)1 << f->slot_bits);
+    return f->vertices != NULL && f->first != NULL && f->next != NULL && f->slots != NULL;
+}
+
+stp_result clusters_sort_parts(stp_context* context, const stp_store_mesh* mesh, double step,
+                               uint64_t** order, uint64_t** scratch)
+{
+    part_finder f = {.mesh = mesh, .inverse_step = 1.0 / step};
+    f.parents = STP_NEW_ARRAY(context, uint32_t, mesh->vertex_count);
+    f.triangles = STP_NEW_ARRAY(context, uint32_t, mesh->vertex_count);
+    bool made = f.parents != NULL && f.triangles != NULL;
+    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
+        (*order)[i] &= UINT32_MAX;
+    }
+    if (made) {
+        join_triangles(&f);
+        if (count_small(&f) >= mesh->triangle_count / LEAST_SHARE && !is_soup(&f, *order)) {
+            made = allocate(context, &f);
+            if (made) {
+                join_vertices(&f);
+                (void)count_small(&f);
+                sort_parts(&f, *order, *scratch);
+                uint64_t* sorted = *scratch;
+                *scratch = *order;
+                *order = sorted;
+            }
+        }
+    }
+    stp_free(context, f.parents);
+    stp_free(context, f.triangles);
+    stp_free(context, f.vertices);
+    stp_free(context, f.first);
+    stp_free(context, f.next);
+    stp_free(context, f.slots);
+    return made ? STP_OK : stp_fail_memory(context);
+}
