@@ -45,10 +45,11 @@ static int32_t round_color(uint16_t linear)
 static void read_corner(const cluster_maker* m, uint32_t vertex, corner* c)
 {
     const stp_store_mesh* mesh = m->mesh;
+    const int32_t unit = 1 << m->shift;
+    const double scale = m->inverse_step / unit; // exact: both are powers of two
     for (size_t k = 0; k < 3; ++k) {
         c->values[k] =
-            clusters_round((double)mesh->positions[3 * (size_t)vertex + k] * m->inverse_step);
-        c->values[k] = (c->values[k] + ((1 << m->shift) >> 1)) & -(1 << m->shift);
+            clusters_round((double)mesh->positions[3 * (size_t)vertex + k] * scale) * unit;
     }
     for (size_t set = 0; set < 2; ++set) {
         for (size_t k = 0; k < 2 && mesh->texcoords[set] != NULL; ++k) {
