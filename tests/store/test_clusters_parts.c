@@ -251,3 +251,38 @@ void test_clusters_move_no_leaf_that_another_meets(test_state* test)
     free(p);
     stp_context_destroy(context);
 }
+
+void test_clusters_of_leaves_survive_changed_bytes(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    plant* p = make_plant();
+    CHECK(context != NULL && p != NULL);
+    stp_store_mesh view = view_plant(p);
+    view.triangle_count = 300;
+    double step = stp_choose_grid_step(p->positions, p->indices, view.triangle_count);
+    stp_coded_mesh coded;
+    CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
+    size_t opened = 0, refused = 0;
+    unsigned char* copy = malloc(coded.size);
+    CHECK(copy != NULL);
+    for (size_t at = 0; at < coded.size; at += at < 400 ? 1 : 17) {
+        for (unsigned change = 1; change < 256; change *= 2) {
+            memcpy(copy, coded.bytes, coded.size);
+            copy[at] = (unsigned char)(copy[at] ^ change);
+            stp_clusters clusters;
+            stp_decoded_mesh decoded;
+            if (stp_clusters_open(copy, coded.size, &clusters) != NULL) {
+                refused += 1;
+                continue;
+            }
+            opened += 1;
+            CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+            stp_decoded_mesh_destroy(context, &decoded);
+        }
+    }
+    CHECK(opened > 0 && refused > 0);
+    free(copy);
+    stp_coded_mesh_destroy(context, &coded);
+    free(p);
+    stp_context_destroy(context);
+}
