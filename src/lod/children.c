@@ -103,10 +103,12 @@ static stp_result probe(children* c, double* widest)
     return result;
 }
 
-// So many candidates a surfel, where finer pixels would open sets down to more than so many triangles.
+// So many candidates a surfel, where finer pixels would open sets down to more than so many triangles, or draw more
+// than so many surfels (most of a wood's leaves hide behind others).
 typedef struct density {
     double each;
     uint64_t triangles;
+    double surfels;
 } density;
 
 // Leaves the list of the pixel to be used. Finer pixels open more sets, down to sets that are dense enough; but
@@ -114,12 +116,14 @@ typedef struct density {
 static stp_result choose_pixel(children* c)
 {
     static const density tries[] = {
-        {WANTED_EACH, 2000000}, {6.0, 2000000}, {LEAST_EACH, UINT64_MAX}};
+        {WANTED_EACH, 2000000, 4e6}, {5.5, 2000000, 4e6}, {LEAST_EACH, UINT64_MAX, HUGE_VAL}};
     stp_result result = STP_OK;
     double finest = 0.0;
     for (int i = 0; result == STP_OK; ++i) {
         result = find_pixel(c, wanted(c, tries[i].each));
-        if (result != STP_OK || c->list.part_triangles <= tries[i].triangles) {
+        bool affordable =
+            c->list.part_triangles <= tries[i].triangles && c->list.surfels <= tries[i].surfels;
+        if (result != STP_OK || affordable) {
             break;
         }
         finest = c->pixel;
