@@ -161,7 +161,6 @@ static stp_result make_surfels(build* b)
         .plan = &b->plan,
         .blue = &desc->blue,
         .shading_of_material = b->shadings.of_material,
-        .shadings = b->shadings.shadings,
         .shading_count = b->shadings.count,
         .from_triangles = desc->from_triangles,
         .memory_bytes = usable > used + LEAST_BUDGET ? usable - used : LEAST_BUDGET,

@@ -17,7 +17,7 @@ typedef struct stp_build_desc {
     const char* output;
     stp_import_desc import;
     stp_partition_desc partition;
-    stp_blue_desc blue; ///< `sets` and `shadings` are the build's own business
+    stp_blue_desc blue; ///< `sets` are the build's own business
     uint64_t
         threshold; ///< a node of triangles gets surfels above so many; default 1,000 (5.2); 1: always
     /// Asked once the scene is finished: whether it gets surfels at all. Where not, the file holds the original

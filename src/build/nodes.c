@@ -85,7 +85,6 @@ static stp_result make_step(run* r, const stp_build_step* step, stp_surfels* set
     blue.surfel_count = step->surfel_count;
     blue.capture.textures = r->textures;
     blue.sets = r->desc->from_triangles ? NULL : r->sets;
-    blue.shadings = r->desc->shadings;
     stp_surfels made;
     stp_result result =
         stp_blue_make(r->scene, step->node, r->desc->shading_of_material, &blue, &made, report);

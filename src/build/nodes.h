@@ -11,7 +11,6 @@ typedef struct stp_build_nodes_desc {
     const stp_build_plan* plan;
     const stp_blue_desc* blue;
     const uint8_t* shading_of_material;
-    const stp_shading* shadings;
     uint32_t shading_count;
     bool from_triangles;   ///< top-down: children's results are not used (Brandt 3.4)
     uint64_t memory_bytes; ///< for what is in the making; 0: no limit

@@ -18,8 +18,6 @@ typedef struct stp_blue_desc {
     /// is none. Where a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4; design.md,
     /// Capture), and the winning surfels themselves become candidates. NULL: always triangles.
     const stp_surfels* const* sets;
-    const stp_shading*
-        shadings; ///< what the sets' material bytes stand for: the scene's, as for the result
 } stp_blue_desc;
 
 typedef struct stp_blue_report {
