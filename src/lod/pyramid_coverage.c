@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+//
+// How much of a surfel's disk is surface, for each octave: the disks are sampled by the candidates of the capture,
+// by every k-th of them where disks are large, or by a longer prefix of the surfels where one is dense enough.
+#include "lod/pyramid.h"
+
+// Surfels that sample a disk cover to an eighth of its radius: then each cell of the stencil, a quarter wide,
+// that is full of surface holds at least one.
+#define SAMPLE_RADIUS 0.125f
+// Where candidates do, each stands for up to so much of a disk's pixels.
+#define DISK_CANDIDATES 32.0
+// Half the side of a square over the radius of a disk as large.
+#define DISK_SQUARE 0.88622693f
+// Surfels of sets say by their opacity how much of them is surface: their number says nothing, and is made so large
+// that it never counts.
+#define SET_WEIGHT 1024u
+// Cells that a disk reaches to each side; only orders that leave huge gaps would go beyond.
+#define MOST_CELLS 12.0f
+// Part of a fraction seen that is taken for true, whatever was counted.
+#define LEAST_BELIEVED 0.4
+
+static float pixel_size(const stp_pyramid* p)
+{
+    return (float)p->input->finish->candidates->pixel_size;
+}
+
+// The area of a disk in pixels of the capture.
+static double disk_pixels(const stp_pyramid* p, float radius)
+{
+    double pixels = pixel_size(p) > 0.0f ? (double)(radius / pixel_size(p)) : 1.0;
+    return STP_PI * pixels * pixels;
+}
+
+// How much wider the squares of every stride-th are. A thinned grid takes as many of each place: their gaps are more
+// alike than those of all, and squares a little less wide close them.
+static float widen(uint32_t stride)
+{
+    return stride > 1 ? sqrtf((float)stride * 0.75f) : 1.0f;
+}
+
+// Half the side of the square that a captured candidate stands for. A pixel is up to 1.7 times as wide along a slope
+// as across: squares of twice its width leave no gaps.
+static float pixel_footprint(const stp_pyramid* p, const stp_octave_plan* plan)
+{
+    return stp_min(pixel_size(p) * widen(plan->stride), plan->disk_radius);
+}
+
+// The same of a surfel of a set: the square is as large as its disk.
+static float set_footprint(const stp_pyramid* p, const stp_octave_plan* plan)
+{
+    float side = p->input->finish->candidates->set_radius * DISK_SQUARE;
+    return stp_min(side * widen(plan->stride), plan->disk_radius);
+}
+
+static float candidate_footprint(const stp_pyramid* p, const stp_octave_plan* plan)
+{
+    const stp_candidates* c = p->input->finish->candidates;
+    float largest = c->set_count < c->count ? pixel_footprint(p, plan) : 0.0f;
+    return c->set_count != 0 ? stp_max(largest, set_footprint(p, plan)) : largest;
+}
+
+// The shortest prefix dense enough to sample the disks of an octave; 0 where there is none:
+// candidates are.
+static uint32_t sample_count(const stp_pyramid* p, float radius)
+{
+    const float* envelope = p->input->envelope;
+    uint32_t low = 1,
+             high = p->surfels->count; // the first index at which the envelope is small enough
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (envelope[middle] <= radius * SAMPLE_RADIUS) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    bool all = low == p->surfels->count;
+    return all && p->input->finish->final_radius > radius * SAMPLE_RADIUS ? 0 : low;
+}
+
+stp_result stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
+{
+    const stp_surfels* s = p->surfels;
+    uint32_t count = s->octave_ends[octave];
+    bool finest = octave + 1 == s->octave_count;
+    plan->radius = finest ? p->input->finish->final_radius : p->input->envelope[count];
+    plan->disk_radius = stp_max(plan->radius + p->input->candidate_radius, s->step);
+    uint32_t dense = finest ? 0 : sample_count(p, plan->radius);
+    plan->dense_count = !finest && dense >= s->octave_ends[octave + 1] ? dense : 0;
+    double stride = ceil(disk_pixels(p, plan->disk_radius) / DISK_CANDIDATES);
+    plan->stride = finest || stride < 1.0 ? 1 : stride > 64.0 ? 64 : (uint32_t)stride;
+    // wide enough that few cells surround a disk
+    float wide = plan->disk_radius + (plan->dense_count != 0 ? 0.0f : candidate_footprint(p, plan));
+    float cell = stp_max(2.002f * plan->radius, wide);
+    stp_result result =
+        stp_grid_choose_cell(p->context, p->input->positions, count, cell, &plan->cell);
+    plan->radius = stp_min(plan->radius, plan->cell * 0.4995f);
+    return result;
+}
+
+static void set_fraction(stp_pyramid* p, uint32_t octave, uint32_t surfel, double fraction)
+{
+    p->octaves[octave][surfel].fraction = stp_pyramid_fraction(fraction);
+    p->fractions[octave][surfel] = p->octaves[octave][surfel].fraction;
+}
+
+static double opacity(const stp_pyramid_entry* e)
+{
+    return (double)e->alpha / 65535.0;
+}
+
+// How many candidates a piece of surface of one square pixel has, as seen by all views that face it.
+static double usual_density(const stp_candidates* candidates)
+{
+    return candidates->direction_count != 0 ? 0.25 * candidates->direction_count : 1.0;
+}
+
+// Octaves whose disks were sampled by every stride-th candidate. Their squares make thin things look too wide, and
+// their number tells better; but things may be hidden from some views, so the number alone is not believed either.
+static void cover_captured(stp_pyramid* p, uint32_t octave, double pixels, uint32_t stride)
+{
+    double full_count = usual_density(p->input->finish->candidates) * pixels / stride;
+    double believed = LEAST_BELIEVED / sqrt((double)stride);
+    for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
+        double fraction = (double)stp_stencil_fraction(&p->stencil, p->disks[i].cells);
+        if (fraction < 1.0) {
+            double counted = (double)p->disks[i].count / full_count;
+            counted = counted < fraction * believed ? fraction * believed : counted;
+            fraction = counted < fraction ? counted : fraction;
+        }
+        set_fraction(p, octave, i, fraction * opacity(&p->octaves[octave][i]));
+    }
+}
+
+// Octaves whose disks were sampled by surfels: what is hit counts by their mean fraction.
+static void cover_sampled(stp_pyramid* p, uint32_t octave)
+{
+    for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
+        const stp_disk* disk = &p->disks[i];
+        double fraction = (double)stp_stencil_fraction(&p->stencil, disk->cells);
+        fraction *=
+            disk->count != 0 ? (double)disk->fractions / ((double)disk->count * 65535.0) : 1.0;
+        set_fraction(p, octave, i, fraction);
+    }
+}
+
+// Lists the surfels of a prefix along the curve.
+static uint32_t list_prefix(stp_pyramid* p, uint32_t count)
+{
+    uint32_t listed = 0;
+    for (uint32_t i = 0; i < p->surfels->count; ++i) {
+        if (p->spatial[i] < count) {
+            p->visit[listed++] = p->spatial[i];
+        }
+    }
+    return listed;
+}
+
+static stp_disk_search begin_disk_search(stp_pyramid* p, uint32_t octave,
+                                         const stp_octave_plan* plan, const stp_grid* samples)
+{
+    return (stp_disk_search){
+        .samples = samples,
+        .positions = p->input->positions,
+        .normals = p->input->normals,
+        .visit = p->visit,
+        .count = list_prefix(p, p->surfels->octave_ends[octave]),
+        .radius = stp_min(plan->disk_radius, MOST_CELLS * samples->cell),
+        .two_sided = p->input->finish->two_sided,
+        .stencil = &p->stencil,
+        .disks = p->disks,
+    };
+}
+
+static void look_at_surfels(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan,
+                            const stp_grid* samples)
+{
+    stp_disk_search search = begin_disk_search(p, octave, plan, samples);
+    uint32_t finer = octave + 1;
+    while (p->surfels->octave_ends[finer] < plan->dense_count) {
+        finer += 1;
+    }
+    search.fractions = p->fractions[finer];
+    stp_disk_search_run(p->context, &search);
+    cover_sampled(p, octave);
+}
+
+static void look_at_candidates(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan,
+                               const stp_grid* samples)
+{
+    stp_disk_search search = begin_disk_search(p, octave, plan, samples);
+    const stp_candidates* c = p->input->finish->candidates;
+    search.footprint = candidate_footprint(p, plan);
+    search.sample_count = c->count;
+    search.set_count = c->set_count;
+    search.set_footprint = set_footprint(p, plan);
+    search.set_weight = SET_WEIGHT;
+    search.until_solid = true;
+    stp_disk_search_run(p->context, &search);
+    cover_captured(p, octave, disk_pixels(p, search.radius), plan->stride);
+}
+
+static stp_result look_at_some_candidates(stp_pyramid* p, uint32_t octave,
+                                          const stp_octave_plan* plan)
+{
+    float cell = plan->disk_radius + candidate_footprint(p, plan);
+    if (plan->stride == 1 && cell <= MOST_CELLS * p->candidates.cell) {
+        look_at_candidates(p, octave, plan, &p->candidates);
+        return STP_OK;
+    }
+    stp_grid samples;
+    stp_result result = stp_grid_thin(p->context, &p->candidates, plan->stride, cell, &samples);
+    if (result == STP_OK) {
+        look_at_candidates(p, octave, plan, &samples);
+        stp_grid_destroy(p->context, &samples);
+    }
+    return result;
+}
+
+static stp_result look_at_dense_surfels(stp_pyramid* p, uint32_t octave,
+                                        const stp_octave_plan* plan)
+{
+    stp_grid samples;
+    stp_result result = stp_grid_create(p->context, p->input->positions, p->input->normals,
+                                        plan->dense_count, plan->cell, 0.0f, &samples);
+    if (result == STP_OK) {
+        look_at_surfels(p, octave, plan, &samples);
+        stp_grid_destroy(p->context, &samples);
+    }
+    return result;
+}
+
+void stp_pyramid_cover_finest(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
+{
+    look_at_candidates(p, octave, plan, &p->candidates);
+}
+
+stp_result stp_pyramid_cover_coarser(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
+{
+    return plan->dense_count != 0 ? look_at_dense_surfels(p, octave, plan)
+                                  : look_at_some_candidates(p, octave, plan);
+}
