@@ -20,12 +20,12 @@
 #define FIXED_BYTES (UINT64_C(40) << 20)
 #define CANDIDATE_BYTES 120.0
 #define POINT_BYTES 320.0
-#define CANDIDATES_PER_SURFEL 8.0
+#define CANDIDATES_PER_SURFEL 6.0
 #define LEAST_CANDIDATES 20000.0
 #define MOST_CANDIDATES 1750000.0
 
 // Part of every key: to be raised when the same node and options give other surfels.
-static const char* const result_version = "stipple-surfels-2";
+static const char* const result_version = "stipple-surfels-3";
 
 // The nearest set above a node, over all ways to it, as seen in the node's own space.
 typedef struct above {

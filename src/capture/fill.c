@@ -12,8 +12,9 @@ enum {
     GRAIN = 16384,
     /// Where further directions find less than one in so many candidates, no more are asked.
     WORTH_A_LOOK = 1000,
-    WORTH_OF_SETS =
-        20, ///< the same for surfels of sets, which stand for more each and are drawn at a higher price
+    /// The same where sets are drawn: they are seen from afar, where what lies deep in a wood or a hall shows little,
+    /// and what is drawn for it is most of what there is.
+    WORTH_OF_SETS = 20,
 };
 
 static size_t words_a_row(const stp_capture_view* view)
@@ -227,9 +228,9 @@ stp_result stp_capture_fill(stp_capture_job* job, const stp_fill_map* map,
     faces = faces < count ? faces : count;
     uint64_t seen = stp_capture_seen_count(job);
     stp_result result = look_further(job, map, directions, faces, candidates);
-    uint64_t found = candidates->count - first, more = stp_capture_seen_count(job) - seen;
+    uint64_t found = candidates->count - first + stp_capture_seen_count(job) - seen;
     bool worth = job->set_count == 0 ? found >= first / WORTH_A_LOOK
-                                     : found > first / WORTH_A_LOOK || more > seen / WORTH_OF_SETS;
+                                     : found > (first + seen) / WORTH_OF_SETS;
     if (result == STP_OK && worth && faces < count) {
         result = look_further(job, map, directions + faces, count - faces, candidates);
     }

@@ -7,8 +7,8 @@
 #include "lod/points.h"
 
 #define MOST_SURFELS 200000u // Brandt 5.2
-// Half and twice as many candidates give pictures of the same SSIM (docs/performance.md).
-#define CANDIDATES_PER_SURFEL 6u
+// Twice and four times as many candidates give pictures of the same SSIM (docs/performance.md).
+#define CANDIDATES_PER_SURFEL 4u
 #define LEAST_CANDIDATES 8000u   // a small object still wants its shape
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
 #define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
