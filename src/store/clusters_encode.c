@@ -184,9 +184,7 @@ static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
     }
     m->mesh = mesh;
     m->inverse_step = 1.0 / step;
-    m->key_count = 3;
     for (uint32_t k = 0; k < 3; ++k) {
-        m->key_channels[k] = k;
         e->least[k] = INT32_MAX;
         e->most[k] = INT32_MIN;
     }
@@ -202,43 +200,55 @@ static bool prepare(encoding* e, const stp_store_mesh* mesh, double step)
         exponent = exponent < CLUSTERS_EXPONENT_MOST ? exponent : CLUSTERS_EXPONENT_MOST;
         e->texcoord_exponents[set] = exponent;
         m->texcoord_inverses[set] = 1.0 / (double)clusters_power_of_two(exponent);
-        m->key_channels[m->key_count++] = STP_CLUSTER_TEXCOORDS + 2 * set;
-        m->key_channels[m->key_count++] = STP_CLUSTER_TEXCOORDS + 2 * set + 1;
+        m->extra_channels[m->extra_count++] = STP_CLUSTER_TEXCOORDS + 2 * set;
+        m->extra_channels[m->extra_count++] = STP_CLUSTER_TEXCOORDS + 2 * set + 1;
     }
     if (mesh->colors != NULL) {
         m->present |= STP_COLUMN_COLORS;
         for (uint32_t k = 0; k < 4; ++k) {
-            m->key_channels[m->key_count++] = STP_CLUSTER_COLORS + k;
+            m->extra_channels[m->extra_count++] = STP_CLUSTER_COLORS + k;
         }
     }
     return true;
 }
 
+/// The order in which triangles are gathered, with the classes of loose parts.
+static stp_result sort_triangles(encoding* e, const stp_store_mesh* mesh, uint64_t** order)
+{
+    const cluster_place* places = e->maker->places;
+    uint64_t* items = STP_NEW_ARRAY(e->context, uint64_t, mesh->triangle_count);
+    uint64_t* scratch = STP_NEW_ARRAY(e->context, uint64_t, mesh->triangle_count);
+    if (items == NULL || scratch == NULL) {
+        stp_free(e->context, items);
+        stp_free(e->context, scratch);
+        return stp_fail_memory(e->context);
+    }
+    *order = clusters_sort(mesh, places, items, scratch);
+    scratch = *order == items ? scratch : items;
+    stp_result result = clusters_sort_parts(e->context, mesh, places, order, &scratch);
+    stp_free(e->context, scratch);
+    return result;
+}
+
 static stp_result encode(encoding* e, const stp_store_mesh* mesh, stp_coded_mesh* coded)
 {
     uint32_t count = mesh->triangle_count;
-    uint64_t *items = NULL, *scratch = NULL, *order = NULL;
+    cluster_place* places = STP_NEW_ARRAY(e->context, cluster_place, mesh->vertex_count);
+    if (places == NULL) {
+        return stp_fail_memory(e->context);
+    }
+    clusters_place_vertices(mesh, e->maker->inverse_step, places);
+    e->maker->places = places;
+    uint64_t* order = NULL;
     stp_result result = STP_OK;
     if (count > STP_CLUSTER_TRIANGLES) {
-        items = STP_NEW_ARRAY(e->context, uint64_t, count);
-        scratch = STP_NEW_ARRAY(e->context, uint64_t, count);
-        if (items == NULL || scratch == NULL) {
-            result = stp_fail_memory(e->context);
-        } else {
-            order = clusters_sort(mesh, items, scratch);
-            scratch = order == items ? scratch : items;
-            result = clusters_sort_parts(e->context, mesh, 1.0 / e->maker->inverse_step, &order,
-                                         &scratch);
-            stp_free(e->context, scratch);
-            items = order;
-            scratch = NULL;
-        }
+        result = sort_triangles(e, mesh, &order);
     }
     if (result == STP_OK) {
         result = cut_clusters(e, order, count);
     }
-    stp_free(e->context, items);
-    stp_free(e->context, scratch);
+    stp_free(e->context, order);
+    stp_free(e->context, places);
     if (result == STP_OK && e->vertex_count > UINT32_MAX) {
         result = stp_fail(e->context, STP_ERROR_LIMIT,
                           "a mesh of %u triangles needs more vertices than can be numbered", count);

@@ -14,27 +14,26 @@ enum {
 
 /// A triangle's corners before they are vertices.
 typedef struct corner {
-    int32_t values[STP_CLUSTER_CHANNELS];
+    cluster_place place; ///< the normal as the mesh has it
     uint32_t slot;
+    int32_t extra[STP_CLUSTER_CHANNELS]; ///< as many as the maker says
 } corner;
 
 typedef struct direction {
     double x, y, z;
 } direction;
 
-int32_t clusters_round(double value)
+static int32_t round_normal(int32_t code)
 {
-    double limit = (double)CLUSTERS_NUMBER_LIMIT;
-    value = value > limit ? limit : value < -limit ? -limit : value;
-    int32_t whole = (int32_t)value;
-    double rest = value - whole; // exact
-    return whole + (rest >= 0.5) - (rest < -0.5);
+    int32_t scaled = 2 * STP_CLUSTER_NORMAL_LIMIT * code;
+    return (scaled + (scaled < 0 ? -32767 : 32767)) / (2 * 32767);
 }
 
-static int32_t round_normal(int16_t code)
+/// From 16 bits to what clusters store.
+static uint32_t store_normal(uint32_t normal)
 {
-    int32_t scaled = 2 * STP_CLUSTER_NORMAL_LIMIT * (int32_t)code;
-    return (scaled + (scaled < 0 ? -32767 : 32767)) / (2 * 32767);
+    return clusters_join_normal(round_normal(clusters_normal_u(normal)),
+                                round_normal(clusters_normal_v(normal)));
 }
 
 static int32_t round_color(uint16_t linear)
@@ -42,34 +41,38 @@ static int32_t round_color(uint16_t linear)
     return (int32_t)(sqrtf((float)linear * (1.0f / 65535.0f)) * STP_CLUSTER_COLOR_LIMIT + 0.5f);
 }
 
-static void read_corner(const cluster_maker* m, uint32_t vertex, corner* c)
+/// What a vertex has beside its place and its normal.
+static int32_t read_extra(const cluster_maker* m, uint32_t vertex, uint32_t channel)
 {
     const stp_store_mesh* mesh = m->mesh;
-    const int32_t unit = 1 << m->shift;
-    const double scale = m->inverse_step / unit; // exact: both are powers of two
-    for (size_t k = 0; k < 3; ++k) {
-        c->values[k] =
-            clusters_round((double)mesh->positions[3 * (size_t)vertex + k] * scale) * unit;
+    if (channel >= STP_CLUSTER_COLORS) {
+        uint16_t color = mesh->colors[4 * (size_t)vertex + (channel - STP_CLUSTER_COLORS)];
+        return channel < STP_CLUSTER_COLORS + 3 ? round_color(color) : (color + 128) / 257;
     }
-    for (size_t set = 0; set < 2; ++set) {
-        for (size_t k = 0; k < 2 && mesh->texcoords[set] != NULL; ++k) {
-            c->values[STP_CLUSTER_TEXCOORDS + 2 * set + k] = clusters_round(
-                (double)mesh->texcoords[set][2 * (size_t)vertex + k] * m->texcoord_inverses[set]);
-        }
-    }
-    if (mesh->colors != NULL) {
-        const uint16_t* color = mesh->colors + 4 * (size_t)vertex;
+    uint32_t set = (channel - STP_CLUSTER_TEXCOORDS) / 2, k = (channel - STP_CLUSTER_TEXCOORDS) % 2;
+    return clusters_round((double)mesh->texcoords[set][2 * (size_t)vertex + k] *
+                          m->texcoord_inverses[set]);
+}
+
+static void read_corner(const cluster_maker* m, uint32_t vertex, corner* c)
+{
+    c->place = m->places[vertex];
+    if (m->shift != 0) {
+        const int32_t unit = 1 << m->shift;
+        const double scale = m->inverse_step / unit; // exact: both are powers of two
         for (size_t k = 0; k < 3; ++k) {
-            c->values[STP_CLUSTER_COLORS + k] = round_color(color[k]);
+            c->place.at[k] =
+                clusters_round((double)m->mesh->positions[3 * (size_t)vertex + k] * scale) * unit;
         }
-        c->values[STP_CLUSTER_COLORS + 3] = (color[3] + 128) / 257;
     }
-    uint32_t hash = 0;
-    for (uint32_t i = 0; i < m->key_count; ++i) {
-        hash = (hash ^ (uint32_t)c->values[m->key_channels[i]]) * 0x9e3779b1u;
+    uint32_t hash = (uint32_t)c->place.at[0] * 0x9e3779b1u ^
+                    (uint32_t)c->place.at[1] * 0x85ebca77u ^ (uint32_t)c->place.at[2] * 0xc2b2ae3du;
+    for (uint32_t i = 0; i < m->extra_count; ++i) {
+        c->extra[i] = read_extra(m, vertex, m->extra_channels[i]);
+        hash = (hash ^ (uint32_t)c->extra[i]) * 0x9e3779b1u;
         hash ^= hash >> 15;
     }
-    c->slot = hash * 0x85ebca77u >> 22;
+    c->slot = (hash ^ hash >> 15) * 0x85ebca77u >> 22;
 }
 
 static direction cross(direction a, direction b)
@@ -89,9 +92,9 @@ static bool are_alike(direction a, direction b)
 }
 
 /// 16-bit octahedral, not of unit length.
-static direction unfold_normal(const int16_t* code)
+static direction unfold_normal(uint32_t normal)
 {
-    double x = code[0], y = code[1];
+    double x = clusters_normal_u(normal), y = clusters_normal_v(normal);
     double z = 32767.0 - fabs(x) - fabs(y);
     double fold = z < 0.0 ? -z : 0.0;
     x += x >= 0.0 ? -fold : fold;
@@ -104,9 +107,8 @@ static direction rounded_plane(const corner c[3])
 {
     direction edge[2];
     for (int k = 0; k < 2; ++k) {
-        edge[k] = (direction){(double)c[k + 1].values[0] - (double)c[0].values[0],
-                              (double)c[k + 1].values[1] - (double)c[0].values[1],
-                              (double)c[k + 1].values[2] - (double)c[0].values[2]};
+        const int32_t *a = c[0].place.at, *b = c[k + 1].place.at; // less than 2^30
+        edge[k] = (direction){b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     }
     return cross(edge[0], edge[1]);
 }
@@ -123,16 +125,15 @@ static direction true_plane(const stp_store_mesh* mesh, const uint32_t* vertex)
     return cross(edge[0], edge[1]);
 }
 
-/// How a triangle is to be lit, and the normals of its corners (of the first alone, where it is a face).
+/// How a triangle is to be lit, and, where nothing else says it, the normal of its first corner.
 static cluster_group choose_group(const cluster_maker* m, const uint32_t* vertex, corner c[3])
 {
-    const stp_store_mesh* mesh = m->mesh;
     direction rounded = rounded_plane(c);
     if (!(dot(rounded, rounded) > 0.0)) {
         return GROUP_PLAIN; // nobody will see it
     }
-    if (mesh->normals == NULL) {
-        direction plane = true_plane(mesh, vertex);
+    if (m->mesh->normals == NULL) {
+        direction plane = true_plane(m->mesh, vertex);
         double square = dot(plane, plane);
         if (!(square > 0.0) || are_alike(rounded, plane)) {
             return GROUP_PLAIN;
@@ -142,32 +143,28 @@ static cluster_group choose_group(const cluster_maker* m, const uint32_t* vertex
         stp_octahedral_encode16((stp_vec3){(float)(plane.x * scale), (float)(plane.y * scale),
                                            (float)(plane.z * scale)},
                                 code);
-        c[0].values[STP_CLUSTER_NORMAL_U] = round_normal(code[0]);
-        c[0].values[STP_CLUSTER_NORMAL_V] = round_normal(code[1]);
+        c[0].place.normal = clusters_join_normal(code[0], code[1]);
         return GROUP_FACE;
     }
-    direction normal[3];
-    for (size_t k = 0; k < 3; ++k) {
-        const int16_t* code = mesh->normals + 2 * (size_t)vertex[k];
-        normal[k] = unfold_normal(code);
-        c[k].values[STP_CLUSTER_NORMAL_U] = round_normal(code[0]);
-        c[k].values[STP_CLUSTER_NORMAL_V] = round_normal(code[1]);
+    uint32_t code[3] = {c[0].place.normal, c[1].place.normal, c[2].place.normal};
+    direction normal = unfold_normal(code[0]);
+    if (code[0] == code[1] && code[0] == code[2]) {
+        return are_alike(normal, rounded) ? GROUP_PLAIN : GROUP_FACE;
     }
-    if (!are_alike(normal[0], normal[1]) || !are_alike(normal[0], normal[2])) {
+    direction second = unfold_normal(code[1]), third = unfold_normal(code[2]);
+    if (!are_alike(normal, second) || !are_alike(normal, third)) {
         return GROUP_SMOOTH;
     }
-    return are_alike(normal[0], rounded) && are_alike(normal[1], rounded) &&
-                   are_alike(normal[2], rounded)
-               ? GROUP_PLAIN
-               : GROUP_FACE;
+    bool plain =
+        are_alike(normal, rounded) && are_alike(second, rounded) && are_alike(third, rounded);
+    return plain ? GROUP_PLAIN : GROUP_FACE;
 }
 
 static bool is_same(const cluster_maker* m, uint32_t vertex, const corner* c)
 {
-    bool same = true;
-    for (uint32_t i = 0; i < m->key_count; ++i) {
-        uint32_t channel = m->key_channels[i];
-        same = same && m->values[channel][vertex] == c->values[channel];
+    bool same = memcmp(m->vertices[vertex].at, c->place.at, sizeof(c->place.at)) == 0;
+    for (uint32_t i = 0; i < m->extra_count; ++i) {
+        same = same && m->values[m->extra_channels[i]][vertex] == c->extra[i];
     }
     return same;
 }
@@ -175,15 +172,12 @@ static bool is_same(const cluster_maker* m, uint32_t vertex, const corner* c)
 typedef enum wanted { WANT_ANY, WANT_NORMAL, WANT_NONE } wanted;
 
 /// A vertex at the corner's place, with the given normal, with none, or any; STP_CLUSTER_VERTICES: there is none.
-static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want,
-                            const int32_t normal[2])
+static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want, uint32_t normal)
 {
     for (uint32_t link = m->slots[c->slot]; link != 0; link = m->next[link - 1]) {
         uint32_t v = link - 1;
         bool fits = want == WANT_ANY || (want == WANT_NONE && !m->has_normal[v]) ||
-                    (want == WANT_NORMAL && m->has_normal[v] &&
-                     m->values[STP_CLUSTER_NORMAL_U][v] == normal[0] &&
-                     m->values[STP_CLUSTER_NORMAL_V][v] == normal[1]);
+                    (want == WANT_NORMAL && m->has_normal[v] && m->vertices[v].normal == normal);
         if (fits && is_same(m, v, c)) {
             return v;
         }
@@ -194,8 +188,9 @@ static uint32_t find_vertex(const cluster_maker* m, const corner* c, wanted want
 static uint32_t add_vertex(cluster_maker* m, const corner* c)
 {
     uint32_t v = m->vertex_count++;
-    for (uint32_t i = 0; i < m->key_count; ++i) {
-        m->values[m->key_channels[i]][v] = c->values[m->key_channels[i]];
+    m->vertices[v] = c->place;
+    for (uint32_t i = 0; i < m->extra_count; ++i) {
+        m->values[m->extra_channels[i]][v] = c->extra[i];
     }
     m->has_normal[v] = false;
     m->next[v] = m->slots[c->slot];
@@ -203,28 +198,27 @@ static uint32_t add_vertex(cluster_maker* m, const corner* c)
     return v;
 }
 
-static uint32_t give_normal(cluster_maker* m, uint32_t vertex, const int32_t normal[2])
+static uint32_t give_normal(cluster_maker* m, uint32_t vertex, uint32_t normal)
 {
-    m->values[STP_CLUSTER_NORMAL_U][vertex] = normal[0];
-    m->values[STP_CLUSTER_NORMAL_V][vertex] = normal[1];
+    m->vertices[vertex].normal = normal;
     m->has_normal[vertex] = true;
     return vertex;
 }
 
 static uint32_t any_vertex(cluster_maker* m, const corner* c)
 {
-    uint32_t v = find_vertex(m, c, WANT_ANY, NULL);
+    uint32_t v = find_vertex(m, c, WANT_ANY, 0);
     return v < STP_CLUSTER_VERTICES ? v : add_vertex(m, c);
 }
 
 static uint32_t smooth_vertex(cluster_maker* m, const corner* c)
 {
-    const int32_t* normal = c->values + STP_CLUSTER_NORMAL_U;
+    uint32_t normal = store_normal(c->place.normal);
     uint32_t v = find_vertex(m, c, WANT_NORMAL, normal);
     if (v < STP_CLUSTER_VERTICES) {
         return v;
     }
-    v = find_vertex(m, c, WANT_NONE, NULL);
+    v = find_vertex(m, c, WANT_NONE, 0);
     return give_normal(m, v < STP_CLUSTER_VERTICES ? v : add_vertex(m, c), normal);
 }
 
@@ -232,7 +226,7 @@ static uint32_t smooth_vertex(cluster_maker* m, const corner* c)
 /// yet, or a new one.
 static void face_vertices(cluster_maker* m, const corner c[3], uint8_t out[3])
 {
-    const int32_t* normal = c[0].values + STP_CLUSTER_NORMAL_U;
+    uint32_t normal = store_normal(c[0].place.normal);
     uint32_t first = STP_CLUSTER_VERTICES, turn = 0;
     for (uint32_t k = 0; k < 6 && first == STP_CLUSTER_VERTICES; ++k) {
         first = find_vertex(m, &c[k % 3], k < 3 ? WANT_NORMAL : WANT_NONE, normal);
@@ -342,18 +336,13 @@ static bool add_part_triangle(cluster_maker* m, uint32_t triangle, uint32_t firs
     corner c[3];
     for (uint32_t k = 0; k < 3; ++k) {
         read_corner(m, vertex[k], &c[k]);
-        if (m->mesh->normals != NULL) {
-            const int16_t* code = m->mesh->normals + 2 * (size_t)vertex[k];
-            c[k].values[STP_CLUSTER_NORMAL_U] = round_normal(code[0]);
-            c[k].values[STP_CLUSTER_NORMAL_V] = round_normal(code[1]);
-        }
         uint32_t known = m->vertex_count - first;
         uint32_t at = find_in_part(sources, known, vertex[k]);
         if (at == known) {
             sources[known] = vertex[k];
             uint32_t v = add_vertex(m, &c[k]);
             if (m->mesh->normals != NULL) {
-                give_normal(m, v, c[k].values + STP_CLUSTER_NORMAL_U);
+                give_normal(m, v, store_normal(c[k].place.normal));
             }
         }
         m->corners[m->triangle_count][k] = (uint8_t)(first + at);
@@ -387,6 +376,7 @@ bool cluster_maker_take_parts(cluster_maker* m, const uint64_t* triangles, uint3
     return plain || m->mesh->normals != NULL;
 }
 
+/// Those with normals first; and from vertices to channels. @return how many have normals
 static uint32_t order_vertices(cluster_maker* m)
 {
     uint8_t place[STP_CLUSTER_VERTICES];
@@ -395,16 +385,25 @@ static uint32_t order_vertices(cluster_maker* m)
         normals += m->has_normal[v] ? 1 : 0;
     }
     for (uint32_t v = 0, with = 0, without = normals; v < count; ++v) {
-        place[v] = (uint8_t)(m->has_normal[v] ? with++ : without++);
+        uint32_t at = m->has_normal[v] ? with++ : without++;
+        const cluster_place* vertex = &m->vertices[v];
+        place[v] = (uint8_t)at;
+        m->values[STP_CLUSTER_X][at] = vertex->at[0];
+        m->values[STP_CLUSTER_Y][at] = vertex->at[1];
+        m->values[STP_CLUSTER_Z][at] = vertex->at[2];
+        m->values[STP_CLUSTER_NORMAL_U][at] = clusters_normal_u(vertex->normal);
+        m->values[STP_CLUSTER_NORMAL_V][at] = clusters_normal_v(vertex->normal);
     }
-    for (uint32_t i = 0; i < m->key_count + 2; ++i) {
-        uint32_t channel =
-            i < m->key_count ? m->key_channels[i] : STP_CLUSTER_NORMAL_U + (i - m->key_count);
+    if (normals == 0 || normals == count) {
+        return normals; // nothing has moved
+    }
+    for (uint32_t i = 0; i < m->extra_count; ++i) {
+        int32_t* values = m->values[m->extra_channels[i]];
         int32_t moved[STP_CLUSTER_VERTICES];
         for (uint32_t v = 0; v < count; ++v) {
-            moved[place[v]] = m->values[channel][v];
+            moved[place[v]] = values[v];
         }
-        memcpy(m->values[channel], moved, count * sizeof(moved[0]));
+        memcpy(values, moved, count * sizeof(moved[0]));
     }
     for (uint32_t t = 0; t < m->triangle_count; ++t) {
         for (int k = 0; k < 3; ++k) {
@@ -417,19 +416,20 @@ static uint32_t order_vertices(cluster_maker* m)
 void cluster_maker_finish(cluster_maker* m, clusters_entry* entry)
 {
     uint8_t sorted[STP_CLUSTER_TRIANGLES][3];
-    uint32_t ends[GROUP_COUNT], at = 0;
-    for (uint32_t group = 0; group < GROUP_COUNT; ++group) {
-        for (uint32_t t = 0; t < m->triangle_count; ++t) {
-            if (m->groups[t] == group) {
-                memcpy(sorted[at++], m->corners[t], sizeof(sorted[0]));
-            }
-        }
-        ends[group] = at;
+    uint32_t counts[GROUP_COUNT] = {0}, at[GROUP_COUNT];
+    for (uint32_t t = 0; t < m->triangle_count; ++t) {
+        counts[m->groups[t]] += 1;
     }
-    memcpy(m->corners, sorted, at * sizeof(sorted[0]));
+    at[GROUP_SMOOTH] = 0;
+    at[GROUP_FACE] = counts[GROUP_SMOOTH];
+    at[GROUP_PLAIN] = counts[GROUP_SMOOTH] + counts[GROUP_FACE];
+    for (uint32_t t = 0; t < m->triangle_count; ++t) {
+        memcpy(sorted[at[m->groups[t]]++], m->corners[t], sizeof(sorted[0]));
+    }
+    memcpy(m->corners, sorted, m->triangle_count * sizeof(sorted[0]));
     entry->triangle_count = (uint8_t)m->triangle_count;
     entry->last_vertex = (uint8_t)(m->vertex_count - 1);
-    entry->smooth_count = (uint8_t)ends[GROUP_SMOOTH];
-    entry->face_count = (uint8_t)(ends[GROUP_FACE] - ends[GROUP_SMOOTH]);
+    entry->smooth_count = (uint8_t)counts[GROUP_SMOOTH];
+    entry->face_count = (uint8_t)counts[GROUP_FACE];
     entry->normal_count = (uint16_t)order_vertices(m);
 }

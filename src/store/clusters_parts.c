@@ -19,8 +19,8 @@ enum {
 
 typedef struct part_finder {
     const stp_store_mesh* mesh;
-    double inverse_step;
-    uint32_t* parents;   ///< a forest of vertices
+    const cluster_place* places;
+    uint32_t* parents;   ///< a forest of vertices, in which parents come before children
     uint32_t* triangles; ///< of a root
     uint32_t* vertices;  ///< of a root; more than MOST_VERTICES: it meets itself or others
     uint32_t* slots;     ///< vertices by position, plus 1; 0: none
@@ -38,24 +38,36 @@ static uint32_t find_root(uint32_t* parents, uint32_t v)
     return v;
 }
 
+static uint32_t least_of(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
 static void join(uint32_t* parents, uint32_t a, uint32_t b)
 {
     a = find_root(parents, a);
     b = find_root(parents, b);
-    if (a < b) {
-        parents[b] = a;
-    } else {
-        parents[a] = b;
+    uint32_t least = least_of(a, b);
+    parents[a] = least;
+    parents[b] = least;
+}
+
+/// Every vertex's parent becomes its root.
+static void flatten(uint32_t* parents, uint32_t count)
+{
+    for (uint32_t v = 0; v < count; ++v) {
+        parents[v] = parents[parents[v]];
     }
 }
 
-/// Triangles of each root. @return how many belong to small ones
+/// Triangles of each root; flattens. @return how many belong to small ones
 static uint32_t count_small(const part_finder* f)
 {
     const stp_store_mesh* mesh = f->mesh;
+    flatten(f->parents, mesh->vertex_count);
     memset(f->triangles, 0, mesh->vertex_count * sizeof(f->triangles[0]));
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        f->triangles[find_root(f->parents, mesh->indices[3 * (size_t)t])] += 1;
+        f->triangles[f->parents[mesh->indices[3 * (size_t)t]]] += 1;
     }
     uint32_t small = 0;
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
@@ -67,38 +79,43 @@ static uint32_t count_small(const part_finder* f)
 static void join_triangles(const part_finder* f)
 {
     const stp_store_mesh* mesh = f->mesh;
+    uint32_t* parents = f->parents;
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        f->parents[v] = v;
+        parents[v] = v;
     }
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         const uint32_t* corner = mesh->indices + 3 * t;
-        join(f->parents, corner[0], corner[1]);
-        join(f->parents, corner[0], corner[2]);
+        uint32_t a = parents[corner[0]], b = parents[corner[1]], c = parents[corner[2]];
+        if (a != b || b != c) { // else they are joined already
+            a = find_root(parents, a);
+            b = find_root(parents, b);
+            c = find_root(parents, c);
+            uint32_t least = least_of(a, least_of(b, c));
+            parents[a] = parents[b] = parents[c] = least;
+            parents[corner[0]] = parents[corner[1]] = parents[corner[2]] = least;
+        }
     }
 }
 
-static void round_vertex(const part_finder* f, uint32_t vertex, int32_t out[3])
+static bool is_same_place(const cluster_place* a, const cluster_place* b)
 {
-    const float* p = f->mesh->positions + 3 * (size_t)vertex;
-    for (int k = 0; k < 3; ++k) {
-        out[k] = clusters_round((double)p[k] * f->inverse_step);
-    }
+    return a->at[0] == b->at[0] && a->at[1] == b->at[1] && a->at[2] == b->at[2];
 }
 
 /// How many of some neighbouring triangles' corners lie where another part's corner lies.
 static uint32_t count_shared(const part_finder* f, const uint64_t* order)
 {
-    int32_t places[3 * WINDOW][3];
+    cluster_place places[3 * WINDOW];
     uint32_t roots[3 * WINDOW], shared = 0;
     for (uint32_t i = 0; i < 3 * WINDOW; ++i) {
         uint32_t vertex = f->mesh->indices[3 * (size_t)(uint32_t)order[i / 3] + i % 3];
-        round_vertex(f, vertex, places[i]);
+        places[i] = f->places[vertex];
         roots[i] = find_root(f->parents, vertex);
     }
     for (uint32_t i = 0; i < 3 * WINDOW; ++i) {
         bool met = false;
         for (uint32_t k = 0; k < 3 * WINDOW && !met; ++k) {
-            met = roots[i] != roots[k] && memcmp(places[i], places[k], sizeof(places[i])) == 0;
+            met = is_same_place(&places[i], &places[k]) && roots[i] != roots[k];
         }
         shared += met ? 1 : 0;
     }
@@ -119,8 +136,8 @@ static bool is_soup(const part_finder* f, const uint64_t* order)
 /// Whether another vertex rounds to the same place: then they are joined.
 static bool meet(const part_finder* f, uint32_t vertex)
 {
-    int32_t p[3], q[3];
-    round_vertex(f, vertex, p);
+    const cluster_place* place = &f->places[vertex];
+    const int32_t* p = place->at;
     uint64_t hash = (uint32_t)p[0] * 0x9e3779b97f4a7c15u ^ (uint32_t)p[1] * 0xc2b2ae3d27d4eb4fu ^
                     (uint32_t)p[2] * 0x165667b19e3779f9u;
     hash = (hash ^ hash >> 29) * 0xbf58476d1ce4e5b9u;
@@ -130,8 +147,7 @@ static bool meet(const part_finder* f, uint32_t vertex)
             f->slots[slot] = vertex + 1;
             return false;
         }
-        round_vertex(f, f->slots[slot] - 1, q);
-        if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) {
+        if (is_same_place(place, &f->places[f->slots[slot] - 1])) {
             join(f->parents, vertex, f->slots[slot] - 1);
             return true;
         }
@@ -216,10 +232,10 @@ static bool allocate(stp_context* context, part_finder* f)
     return f->vertices != NULL && f->first != NULL && f->next != NULL && f->slots != NULL;
 }
 
-stp_result clusters_sort_parts(stp_context* context, const stp_store_mesh* mesh, double step,
-                               uint64_t** order, uint64_t** scratch)
+stp_result clusters_sort_parts(stp_context* context, const stp_store_mesh* mesh,
+                               const cluster_place* places, uint64_t** order, uint64_t** scratch)
 {
-    part_finder f = {.mesh = mesh, .inverse_step = 1.0 / step};
+    part_finder f = {.mesh = mesh, .places = places};
     f.parents = STP_NEW_ARRAY(context, uint32_t, mesh->vertex_count);
     f.triangles = STP_NEW_ARRAY(context, uint32_t, mesh->vertex_count);
     bool made = f.parents != NULL && f.triangles != NULL;

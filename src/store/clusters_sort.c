@@ -4,10 +4,26 @@
 #include "base/sort.h"
 #include "store/clusters_encode.h"
 
-enum { CURVE_BITS = 10, INDEX_BITS = 32 };
+enum {
+    CURVE_BITS = 10,
+    INDEX_BITS = 32,
+    SUM_BITS = 20, // of a corner's place, so that three of them are exact as a float
+    LANES = 4,
+};
+
+typedef int32_t lanes_int __attribute__((vector_size(16)));
+typedef uint32_t lanes_uint __attribute__((vector_size(16)));
+typedef float lanes_float __attribute__((vector_size(16)));
+
+/// From places to cells of the curve.
+typedef struct curve {
+    lanes_uint least;
+    lanes_float scale; ///< of the sum of three corners; 0 in the last lane
+    uint32_t shift;
+} curve;
 
 /// Zeros between the bits of a number of ten.
-static uint32_t spread(uint32_t x)
+static lanes_uint spread(lanes_uint x)
 {
     x = (x | x << 16) & 0x030000ffu;
     x = (x | x << 8) & 0x0300f00fu;
@@ -16,13 +32,13 @@ static uint32_t spread(uint32_t x)
     return x;
 }
 
-static uint32_t curve_place(uint32_t x, uint32_t y, uint32_t z)
+static lanes_uint curve_place(lanes_uint x, lanes_uint y, lanes_uint z)
 {
     for (uint32_t bit = CURVE_BITS - 1; bit > 0; --bit) {
         uint32_t low = (1u << bit) - 1;
         x ^= low & (0u - (x >> bit & 1u));
-        uint32_t set = 0u - (y >> bit & 1u);
-        uint32_t swap = (x ^ y) & low & ~set;
+        lanes_uint set = 0u - (y >> bit & 1u);
+        lanes_uint swap = (x ^ y) & low & ~set;
         x ^= swap | (low & set);
         y ^= swap;
         set = 0u - (z >> bit & 1u);
@@ -32,48 +48,70 @@ static uint32_t curve_place(uint32_t x, uint32_t y, uint32_t z)
     }
     y ^= x;
     z ^= y;
-    uint32_t flip = 0;
+    lanes_uint flip = {0};
     for (uint32_t bit = CURVE_BITS - 1; bit > 0; --bit) {
         flip ^= ((1u << bit) - 1) & (0u - (z >> bit & 1u));
     }
     return spread(x ^ flip) << 2 | spread(y ^ flip) << 1 | spread(z ^ flip);
 }
 
-/// Three times the middle.
-static void sum_corners(const stp_store_mesh* mesh, uint32_t triangle, double sum[3])
+static lanes_int load(const cluster_place* place)
 {
-    const uint32_t* corner = mesh->indices + 3 * (size_t)triangle;
-    const float* a = mesh->positions + 3 * (size_t)corner[0];
-    const float* b = mesh->positions + 3 * (size_t)corner[1];
-    const float* c = mesh->positions + 3 * (size_t)corner[2];
-    for (int k = 0; k < 3; ++k) {
-        sum[k] = (double)a[k] + (double)b[k] + (double)c[k];
-    }
+    lanes_int lanes;
+    memcpy(&lanes, place, sizeof(lanes));
+    return lanes;
 }
 
-uint64_t* clusters_sort(const stp_store_mesh* mesh, uint64_t* items, uint64_t* scratch)
+/// Cells that fill the longest side of the vertices' box.
+static curve choose_cells(const cluster_place* places, uint32_t count)
 {
-    double least[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, most[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
-    double sum[3];
-    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        sum_corners(mesh, t, sum);
-        for (int k = 0; k < 3; ++k) {
-            least[k] = sum[k] < least[k] ? sum[k] : least[k];
-            most[k] = sum[k] > most[k] ? sum[k] : most[k];
-        }
+    lanes_int least = load(&places[0]), most = least;
+    for (uint32_t v = 1; v < count; ++v) {
+        lanes_int place = load(&places[v]), less = place<least, more = place> most;
+        least = (place & less) | (least & ~less);
+        most = (place & more) | (most & ~more);
     }
-    double extent = 0.0;
+    uint32_t extent = 1, shift = 0;
     for (int k = 0; k < 3; ++k) {
-        extent = most[k] - least[k] > extent ? most[k] - least[k] : extent;
+        uint32_t side = (uint32_t)most[k] - (uint32_t)least[k];
+        extent = side > extent ? side : extent;
     }
-    double scale = extent > 0.0 ? ((1 << CURVE_BITS) - 1) / extent : 0.0;
-    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        sum_corners(mesh, t, sum);
-        uint32_t cell[3];
-        for (int k = 0; k < 3; ++k) {
-            cell[k] = (uint32_t)((sum[k] - least[k]) * scale);
+    while (extent >> shift >= 1u << SUM_BITS) {
+        shift += 1;
+    }
+    float scale = (float)((1 << CURVE_BITS) - 1) / (float)(3 * (extent >> shift));
+    return (curve){(lanes_uint)least, {scale, scale, scale, 0.0f}, shift};
+}
+
+static lanes_int find_cell(const curve* c, const cluster_place* places, const uint32_t* corner)
+{
+    lanes_uint sum = {0};
+    for (int k = 0; k < 3; ++k) {
+        sum += ((lanes_uint)load(&places[corner[k]]) - c->least) >> c->shift;
+    }
+    lanes_float scaled = __builtin_convertvector((lanes_int)sum, lanes_float) * c->scale;
+    return __builtin_convertvector(scaled, lanes_int);
+}
+
+uint64_t* clusters_sort(const stp_store_mesh* mesh, const cluster_place* places, uint64_t* items,
+                        uint64_t* scratch)
+{
+    const uint32_t count = mesh->triangle_count;
+    const curve c = choose_cells(places, mesh->vertex_count);
+    for (uint32_t t = 0; t < count; t += LANES) {
+        uint32_t some = count - t < LANES ? count - t : LANES;
+        lanes_uint cells[LANES] = {{0}};
+        for (uint32_t i = 0; i < some; ++i) {
+            cells[i] = (lanes_uint)find_cell(&c, places, mesh->indices + 3 * (size_t)(t + i));
         }
-        items[t] = (uint64_t)curve_place(cell[0], cell[1], cell[2]) << INDEX_BITS | t;
+        lanes_uint axes[3];
+        for (int k = 0; k < 3; ++k) {
+            axes[k] = (lanes_uint){cells[0][k], cells[1][k], cells[2][k], cells[3][k]};
+        }
+        lanes_uint place = curve_place(axes[0], axes[1], axes[2]);
+        for (uint32_t i = 0; i < some; ++i) {
+            items[t + i] = (uint64_t)place[i] << INDEX_BITS | (t + i);
+        }
     }
-    return stp_sort_u64(items, scratch, mesh->triangle_count, INDEX_BITS, 3 * CURVE_BITS);
+    return stp_sort_u64(items, scratch, count, INDEX_BITS, 3 * CURVE_BITS);
 }
