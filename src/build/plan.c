@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "build/plan.h"
 
+#include "scene/measure.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,6 +35,12 @@ typedef struct above {
     double triangles; ///< the largest
 } above;
 
+// What a node's set would show: of all that is below it, what does not move by itself.
+typedef struct resting {
+    uint64_t triangles, points;
+    double area; ///< of the triangles
+} resting;
+
 // What the sets below a node amount to.
 typedef struct sets_below {
     double items;     ///< how many, each use counted
@@ -43,6 +51,7 @@ typedef struct sets_below {
 typedef struct planning {
     const stp_scene* scene;
     const stp_build_plan_desc* desc;
+    resting* resting;  ///< by node
     above* above;      ///< by node
     bool* wanted;      ///< by node
     bool* reached;     ///< by node: from the root
@@ -52,39 +61,79 @@ typedef struct planning {
     stp_hash* looks;   ///< by node: of the shadings its materials have
 } planning;
 
-// What a set of the node would hold. Zero leaves it to the method: all points of a point cloud.
-static uint32_t count_surfels(const planning* p, const stp_node* node)
+// Sums stop at the largest number: nested uses reach it.
+static uint64_t add(uint64_t a, uint64_t b)
 {
+    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
+}
+
+// What a set of the node would hold. Zero leaves it to the method: all points of a point cloud.
+static uint32_t count_surfels(const planning* p, uint32_t index)
+{
+    const resting* r = &p->resting[index];
     if (p->desc->blue->surfel_count != 0) {
         return p->desc->blue->surfel_count;
     }
-    if (node->triangle_count == 0 && node->edge_count == 0) {
+    if (r->triangles == 0 && p->scene->nodes[index].edge_count == 0) {
         return 0;
     }
-    uint64_t half = (node->triangle_count + node->point_count) / 2;
+    uint64_t half = add(r->triangles, r->points) / 2;
     return (uint32_t)(half < 1 ? 1 : half < MOST_SURFELS ? half : MOST_SURFELS);
 }
 
-static double count_shapes(const stp_node* node)
+static double count_shapes(const planning* p, uint32_t index)
 {
-    return (double)node->triangle_count + (double)node->point_count;
+    return (double)p->resting[index].triangles + (double)p->resting[index].points;
 }
 
-static double expected_surfels(const planning* p, const stp_node* node)
+static double expected_surfels(const planning* p, uint32_t index)
 {
-    uint32_t count = count_surfels(p, node);
-    return count != 0 ? (double)count : (double)node->point_count;
+    uint32_t count = count_surfels(p, index);
+    return count != 0 ? (double)count : (double)p->resting[index].points;
 }
 
 // The distance between neighbouring surfels, about.
-static double estimate_spacing(const planning* p, const stp_node* node)
+static double estimate_spacing(const planning* p, uint32_t index)
 {
-    double area = node->area;
+    const stp_node* node = &p->scene->nodes[index];
+    double area = p->resting[index].area;
     if (!(area > 0.0)) {
         stp_vec3d e = stp_subd(node->bounds.max, node->bounds.min);
         area = e.x * e.y + e.y * e.z + e.z * e.x;
     }
-    return sqrt(area / expected_surfels(p, node));
+    return sqrt(area / expected_surfels(p, index));
+}
+
+static bool moves(const stp_scene* scene, uint32_t index)
+{
+    return (scene->nodes[index].flags & STP_OBJECT_MOVING) != 0;
+}
+
+// What rests in each node. Where nothing moves, that is all there is (stp_node_measure).
+static void measure_resting(planning* p)
+{
+    const stp_scene* scene = p->scene;
+    for (uint32_t i = 0; i < scene->node_count; ++i) { // children before their parents
+        const stp_node* node = &scene->nodes[i];
+        resting r = {0};
+        for (uint32_t k = 0; k < node->part_count; ++k) {
+            stp_part part = scene->node_parts[node->first_part + k];
+            bool mesh = part.kind == STP_PART_MESH;
+            r.triangles = add(r.triangles, mesh ? scene->meshes[part.index].triangle_count : 0);
+            r.points = add(r.points, mesh ? 0 : scene->point_sets[part.index].point_count);
+            r.area += mesh ? scene->meshes[part.index].area : 0.0;
+        }
+        for (uint32_t k = 0; k < node->edge_count; ++k) {
+            const stp_edge* edge = &scene->edges[node->first_edge + k];
+            const resting* below = &p->resting[edge->node];
+            if (!moves(scene, edge->node)) {
+                r.triangles = add(r.triangles, below->triangles);
+                r.points = add(r.points, below->points);
+                r.area += below->area * stp_affine_area_scale(&edge->transform);
+            }
+        }
+        p->resting[i] = r;
+    }
 }
 
 static bool has_points(const planning* p, const stp_node* node)
@@ -107,12 +156,13 @@ static bool is_worth_a_set(const planning* p, uint32_t index)
     if (has_points(p, node)) {
         return true; // only as surfels do points have a size
     }
-    if (node->triangle_count <= p->desc->threshold && node->point_count == 0) {
+    const resting* r = &p->resting[index];
+    if (r->triangles <= p->desc->threshold && r->points == 0) {
         return false;
     }
     const above* a = &p->above[index];
-    return estimate_spacing(p, node) <= FINER * a->spacing ||
-           count_shapes(node) * SMALLER <= a->triangles;
+    return estimate_spacing(p, index) <= FINER * a->spacing ||
+           count_shapes(p, index) * SMALLER <= a->triangles;
 }
 
 // The length that a unit vector has on average after the transform.
@@ -132,12 +182,12 @@ static void pass_down(planning* p, uint32_t index)
     const stp_node* node = &p->scene->nodes[index];
     above own = p->above[index];
     if (p->wanted[index]) {
-        own = (above){estimate_spacing(p, node), count_shapes(node)};
+        own = (above){estimate_spacing(p, index), count_shapes(p, index)};
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         const stp_edge* edge = &p->scene->edges[node->first_edge + i];
         above* below = &p->above[edge->node];
-        bool moving = (p->scene->nodes[edge->node].flags & STP_OBJECT_MOVING) != 0;
+        bool moving = moves(p->scene, edge->node); // no set above shows it
         double scale = mean_scale(&edge->transform);
         double spacing = moving || !(scale > 0.0) ? HUGE_VAL : own.spacing / scale;
         double triangles = moving ? HUGE_VAL : own.triangles;
@@ -165,12 +215,11 @@ static sets_below sum_below(const planning* p, const stp_node* node)
     sets_below sum = {0};
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         uint32_t child = p->scene->edges[node->first_edge + i].node;
-        const stp_node* n = &p->scene->nodes[child];
-        if ((n->flags & STP_OBJECT_MOVING) != 0) {
+        if (moves(p->scene, child)) {
             continue;
         }
         sets_below of = p->wanted[child]
-                            ? (sets_below){1.0, expected_surfels(p, n), count_shapes(n)}
+                            ? (sets_below){1.0, expected_surfels(p, child), count_shapes(p, child)}
                             : p->below[child];
         sum.items += of.items;
         sum.surfels += of.surfels;
@@ -191,9 +240,9 @@ static void drop_needless(planning* p)
         }
         p->below[i] = sum_below(p, node);
         const sets_below* b = &p->below[i];
-        if (p->wanted[i] && i != scene->root && (node->flags & STP_OBJECT_MOVING) == 0) {
-            double own = expected_surfels(p, node);
-            p->wanted[i] = b->triangles < COVERED * count_shapes(node) ||
+        if (p->wanted[i] && i != scene->root && !moves(scene, i)) {
+            double own = expected_surfels(p, i);
+            p->wanted[i] = b->triangles < COVERED * count_shapes(p, i) ||
                            b->items * ITEM_SURFELS > own || b->surfels > THINNER * own;
         }
     }
@@ -224,8 +273,10 @@ static stp_hash hash_look(const planning* p, const stp_node* node)
         hash = stp_hash_bytes(hash, &p->desc->shadings[shading].flags, sizeof(uint32_t));
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
-        stp_hash below = p->looks[scene->edges[node->first_edge + i].node];
-        hash = stp_hash_bytes(hash, &below, sizeof(below));
+        uint32_t child = scene->edges[node->first_edge + i].node;
+        if (!moves(scene, child)) {
+            hash = stp_hash_bytes(hash, &p->looks[child], sizeof(stp_hash));
+        }
     }
     return hash;
 }
@@ -244,6 +295,9 @@ static void address_results(planning* p)
         stp_hash below = {0};
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = scene->edges[node->first_edge + k].node;
+            if (moves(scene, child)) { // its result is of no use to those above
+                continue;
+            }
             height = p->heights[child] > height ? p->heights[child] : height;
             below = stp_hash_bytes(below, &p->keys[child], sizeof(stp_hash));
         }
@@ -251,7 +305,7 @@ static void address_results(planning* p)
         p->heights[i] = height + (p->wanted[i] ? 1 : 0);
         p->keys[i] = below;
         if (p->wanted[i]) {
-            uint64_t count = count_surfels(p, node);
+            uint64_t count = count_surfels(p, i);
             stp_hash all[4] = {options, node->content, p->looks[i], below};
             p->keys[i] = stp_hash_bytes((stp_hash){0}, all, sizeof(all));
             p->keys[i] = stp_hash_bytes(p->keys[i], &count, sizeof(count));
@@ -289,10 +343,11 @@ static uint32_t count_shared(const stp_build_plan* plan, uint32_t threads)
     return end;
 }
 
-static uint64_t estimate_bytes(const planning* p, const stp_node* node)
+static uint64_t estimate_bytes(const planning* p, uint32_t index)
 {
-    double surfels = expected_surfels(p, node), bytes = (double)node->point_count * POINT_BYTES;
-    if (node->triangle_count != 0) {
+    double surfels = expected_surfels(p, index);
+    double bytes = (double)p->resting[index].points * POINT_BYTES;
+    if (p->resting[index].triangles != 0) {
         double wanted = (double)p->desc->blue->capture.wanted_candidates;
         double candidates = wanted > 0.0 ? wanted : surfels * CANDIDATES_PER_SURFEL;
         double most = surfels > MOST_CANDIDATES ? surfels : MOST_CANDIDATES;
@@ -321,14 +376,13 @@ static stp_result list_steps(const planning* p, stp_build_plan* plan)
         if (!p->wanted[i]) {
             continue;
         }
-        const stp_node* node = &scene->nodes[i];
-        double surfels = expected_surfels(p, node);
+        double surfels = expected_surfels(p, i);
         plan->steps[plan->step_count++] = (stp_build_step){
             .node = i,
             .height = p->heights[i],
-            .surfel_count = count_surfels(p, node),
+            .surfel_count = count_surfels(p, i),
             .cost = surfels + FIXED_COST,
-            .bytes = estimate_bytes(p, node),
+            .bytes = estimate_bytes(p, i),
             .key = p->keys[i],
         };
     }
@@ -351,6 +405,7 @@ stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc
         return STP_OK;
     }
     planning p = {.scene = scene, .desc = desc};
+    p.resting = STP_NEW_ARRAY(context, resting, count);
     p.above = STP_NEW_ZEROED(context, above, count);
     p.below = STP_NEW_ZEROED(context, sets_below, count);
     p.wanted = STP_NEW_ZEROED(context, bool, count);
@@ -359,10 +414,11 @@ stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc
     p.keys = STP_NEW_ZEROED(context, stp_hash, count);
     p.looks = STP_NEW_ZEROED(context, stp_hash, count);
     stp_result result = STP_OK;
-    if (p.above == NULL || p.below == NULL || p.wanted == NULL || p.reached == NULL ||
-        p.heights == NULL || p.keys == NULL || p.looks == NULL) {
+    if (p.resting == NULL || p.above == NULL || p.below == NULL || p.wanted == NULL ||
+        p.reached == NULL || p.heights == NULL || p.keys == NULL || p.looks == NULL) {
         result = stp_fail_memory(context);
     } else {
+        measure_resting(&p);
         choose_nodes(&p);
         drop_needless(&p);
         address_results(&p);
@@ -375,6 +431,7 @@ stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc
     stp_free(context, p.wanted);
     stp_free(context, p.below);
     stp_free(context, p.above);
+    stp_free(context, p.resting);
     if (result != STP_OK) {
         stp_build_plan_destroy(context, plan);
     }

@@ -36,7 +36,8 @@ typedef struct stp_build_plan_desc {
     bool from_triangles; ///< results of children are not used
 } stp_build_plan_desc;
 
-/// A node above the threshold gets surfels, with two exceptions.
+/// A node above the threshold gets surfels, with two exceptions. What counts of it is what rests: nodes that move
+/// below it are in no set but their own, which stands for them wherever they are.
 ///
 /// Where the nearest set above serves as well: a set of fewer than the most surfels has one for two triangles, as
 /// its parent's has, so it pays only where it is finer (its parts are smaller than what is around them), or a small

@@ -149,7 +149,11 @@ static stp_result try_surfels(selection* s, const stp_select_stack* at, double d
     }
     double scale = largest_scale(&at->transform), draw_radius;
     uint32_t prefix;
-    uint64_t wanted = s->quality->splat_count;
+    uint64_t wanted = s->quality->splat_count, made = s->list->splat_count;
+    if (wanted > 0 && made >= wanted) {
+        return STP_OK; // what moves has a set of its own: together they are as many as was asked for
+    }
+    wanted -= wanted > 0 ? made : 0;
     if (wanted > 0 || (is_inside && is_cloud(node, surfels))) {
         prefix = wanted > 0 && wanted < surfels->count ? (uint32_t)wanted : surfels->count;
         draw_radius = (double)stp_prefix_table_radius(&surfels->table, prefix) +
@@ -206,8 +210,7 @@ static stp_result visit(selection* s, const stp_select_stack* at)
         return STP_OK;
     }
     bool drawn = false;
-    bool offered = !s->quality->reference && !moving_only && (moving & NODE_MOVES) == 0 &&
-                   node->surfels != STP_STORE_NONE;
+    bool offered = !s->quality->reference && !moving_only && node->surfels != STP_STORE_NONE;
     if (offered) {
         bool inside = stp_view_frame_is_inside(&s->frame, &box);
         stp_result result = try_surfels(s, at, depth, inside, &drawn);
@@ -215,7 +218,7 @@ static stp_result visit(selection* s, const stp_select_stack* at)
             return result;
         }
     }
-    if (drawn && moving == 0) {
+    if (drawn && (moving & MOVES_BELOW) == 0) {
         return STP_OK;
     }
     return open_node(s, at, drawn || moving_only);

@@ -15,7 +15,7 @@ typedef enum stp_policy {
 
 typedef struct stp_quality {
     float splat_size;     ///< pixels, at least 1; default 1
-    uint64_t splat_count; ///< exactly so many splats instead; 0: by size
+    uint64_t splat_count; ///< exactly so many splats instead, in all; 0: by size
     stp_policy policy;
     bool reference; ///< original triangles and points only
 } stp_quality;
@@ -46,8 +46,9 @@ typedef struct stp_draw_list {
 
 /// Fills `list`; its memory is kept from call to call (stp_draw_list_destroy; all zero at first). Items
 /// outside the view are left out. A node whose surfels cannot cover at the wanted size, and one that contains
-/// the eye, is opened: its own triangles and points are drawn, and its children looked at. Moving nodes
-/// are always opened; points whose surfels are all of them never are.
+/// the eye, is opened: its own triangles and points are drawn, and its children looked at. Points
+/// whose surfels are all of them are never opened. Surfels show nothing that moves below their node: what does
+/// is looked at by itself, with its own surfels where it has some, also below a node that is drawn.
 /// @return STP_OK, STP_ERROR_ARGUMENT (a view that is none), STP_ERROR_LIMIT (more than 2^32 - 2 splats and
 /// triangles), STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_select(stp_context* context, const stp_store* store,

@@ -105,6 +105,49 @@ void test_plans_approximate_small_parts_in_groups(test_state* test)
     stp_context_destroy(context);
 }
 
+static bool has_step(const stp_scene* scene, const stp_build_plan* plan, uint32_t object)
+{
+    return plan->step_of[scene->objects[object].node] != STP_NONE;
+}
+
+// A set holds what rests in its node: it is sized by that, and where that is nothing there is none.
+void test_plans_make_no_sets_of_what_only_moves(test_state* test)
+{
+    for (uint32_t with_hall = 0; with_hall < 2; ++with_hall) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = NULL;
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        uint32_t line = add_object(scene, STP_NONE, STP_NONE, 0.0, 0);
+        uint32_t arm = add_object(scene, line, add_sheet(scene, 40), 2.0, STP_OBJECT_MOVING);
+        uint32_t other = add_object(scene, line, add_sheet(scene, 41), 60.0, STP_OBJECT_MOVING);
+        uint32_t sheet = with_hall != 0 ? add_sheet(scene, 30) : STP_NONE;
+        uint32_t hall = add_object(scene, STP_NONE, sheet, 300.0, 0);
+        uint32_t lamp = add_object(scene, hall, add_sheet(scene, 42), 2.0, STP_OBJECT_MOVING);
+        CHECK(lamp != STP_NONE);
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        stp_build_plan plan;
+        CHECK(make_plan(scene, 1000, 0, &plan));
+        CHECK(has_step(scene, &plan, arm) && has_step(scene, &plan, other));
+        CHECK(has_step(scene, &plan, lamp));
+        CHECK(!has_step(scene, &plan, line)); // nothing rests in it
+        CHECK(!has_step(scene, &plan, hall)); // the root's set holds all that does
+        CHECK_EQUAL(3 + with_hall, plan.step_count);
+        uint32_t root = plan.step_of[scene->root];
+        CHECK_EQUAL(with_hall, root != STP_NONE);
+        if (with_hall != 0) {
+            CHECK_EQUAL(900, plan.steps[root].surfel_count); // of the hall's 1,800 triangles
+            CHECK_EQUAL(plan.steps[0].height, plan.steps[root].height); // needs no other set
+        }
+        stp_build_plan_destroy(context, &plan);
+        CHECK(make_plan(scene, 2000, 0, &plan)); // there are more triangles, but not at rest
+        CHECK(plan.step_of[scene->root] == STP_NONE);
+        CHECK_EQUAL(3, plan.step_count);
+        stp_build_plan_destroy(context, &plan);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}
+
 // An object within an object within an object shows the same thing: one set, and not one each. What moves has its own.
 void test_plans_leave_out_redundant_sets(test_state* test)
 {

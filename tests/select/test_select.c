@@ -154,6 +154,93 @@ void test_select_keeps_clouds_around_the_eye(test_state* test)
     }
 }
 
+// What moves is drawn by its own surfels, also below something drawn: once each, where it stands, and what stands below
+// it with it.
+void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
+{
+    for (int variant = 0; variant < 4; ++variant) {
+        fixture f = {.context = test_context(NULL, 1, NULL)};
+        CHECK(f.context != NULL);
+        make_scene(f.context, &f.scene);
+        made_scene* s = &f.scene;
+        s->surfels[1] = made_square_surfels(f.context, 3, grey);
+        s->surfels_count = 2;
+        s->nodes[1].surfels = 1;
+        bool with_root_set = variant % 2 == 0, nested = variant >= 2;
+        s->nodes[2].surfels = with_root_set ? 0 : STP_STORE_NONE;
+        if (nested) { // the moving one holds another one that moves, and stands below something that rests
+            s->nodes[4] = s->nodes[2];
+            s->nodes[2] = s->nodes[1];
+            s->nodes[2].edge_count = 1;
+            s->nodes[2].triangle_count = 4;
+            s->nodes[2].bounds.max.z = 0.5;
+            s->nodes[3] = (stp_store_node){.first_edge = 1,
+                                           .edge_count = 1,
+                                           .surfels = STP_STORE_NONE,
+                                           .triangle_count = 4,
+                                           .bounds = {{-1, -1, 0}, {1, 1, 1}}};
+            s->nodes[4].first_edge = 2;
+            s->nodes[4].triangle_count = 6;
+            s->nodes[4].bounds.max.z = 1;
+            s->nodes[2].first_part = 2;
+            s->parts[2] = s->parts[1];
+            s->part_count = 3;
+            s->node_count = 5;
+            s->edges[2] = (stp_store_edge){0, stp_affine_identity()};
+            s->edges[3] = (stp_store_edge){3, stp_affine_identity()};
+            s->edges[0] = (stp_store_edge){1, stp_affine_identity()};
+            s->edges[0].transform.m[2][3] = 0.5;
+            s->edges[1] = (stp_store_edge){2, s->edges[0].transform};
+            s->edge_count = 4;
+        }
+        f.store = made_open(f.context, s);
+        CHECK(f.store != NULL);
+        stp_view view = view_from(40);
+        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &(stp_quality){.splat_size = 4},
+                                       &f.list));
+        uint32_t resting = 0, moving[2] = {0};
+        for (size_t i = 0; i < f.list.count; ++i) {
+            const stp_draw_item* item = &f.list.items[i];
+            double z = item->transform.m[2][3];
+            bool own = item->kind == STP_DRAW_SURFELS && item->index == 1;
+            resting += item->kind == (with_root_set ? STP_DRAW_SURFELS : STP_DRAW_MESH) &&
+                       item->index == 0 && z == 0.0;
+            moving[0] += own && z == 0.5;
+            moving[1] += own && z == 1.0;
+        }
+        CHECK_EQUAL(nested ? 3 : 2, f.list.count);
+        CHECK_EQUAL(1, resting);
+        CHECK_EQUAL(1, moving[0]);
+        CHECK_EQUAL(nested, moving[1]);
+        made_free_surfels(f.context, &s->surfels[1]);
+        tear_down(&f);
+    }
+}
+
+// A wanted number of splats is that of all together.
+void test_select_counts_splats_of_what_moves(test_state* test)
+{
+    fixture f = {.context = test_context(NULL, 1, NULL)};
+    CHECK(f.context != NULL);
+    make_scene(f.context, &f.scene);
+    f.scene.surfels[1] = made_square_surfels(f.context, 3, grey);
+    f.scene.surfels_count = 2;
+    f.scene.nodes[1].surfels = 1;
+    f.store = made_open(f.context, &f.scene);
+    CHECK(f.store != NULL);
+    const uint32_t counts[] = {1, 1023, 1024, 1025, 1088, 5000};
+    for (int i = 0; i < 6; ++i) {
+        stp_view view = view_from(50);
+        stp_quality quality = {.splat_count = counts[i]};
+        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+        CHECK_EQUAL(counts[i] < 1088 ? counts[i] : 1088, f.list.splat_count);
+        CHECK_EQUAL(2, f.list.count);
+        CHECK_EQUAL(counts[i] <= 1024 ? 2 : 0, f.list.triangle_count);
+    }
+    made_free_surfels(f.context, &f.scene.surfels[1]);
+    tear_down(&f);
+}
+
 void test_select_culls_by_every_side(test_state* test)
 {
     fixture f;
