@@ -32,7 +32,7 @@ typedef struct partition {
     stp_edge* old_edges;
     stp_part* old_parts;
     size_t old_count;
-    uint8_t* dissolved;    ///< of each old node: its parent takes its content (wide.h)
+    uint8_t* dissolved;    ///< of each old edge: the parent takes the child's content (wide.h)
     uint32_t* made;        ///< of each old node: the new one
     uint32_t* cut_meshes;  ///< of each mesh: the node of its pieces; STP_NONE: whole
     uint32_t* cut_points;  ///< of each point set
@@ -126,8 +126,8 @@ static stp_result collect_items(partition* p, uint32_t index)
         }
         for (uint32_t i = 0; result == STP_OK && i < node->edge_count; ++i) {
             stp_edge edge = p->old_edges[node->first_edge + i];
+            uint8_t dissolved = p->dissolved[node->first_edge + i];
             edge.transform = stp_affine_multiply(at.transform, edge.transform);
-            uint8_t dissolved = p->dissolved[edge.node];
             bool dissolves = dissolved == STP_DISSOLVED ||
                              (dissolved == STP_DISSOLVED_IN_ROOT && index == p->scene->root);
             result =

@@ -10,7 +10,8 @@
 //   of up to child_count at a node         which hang below a hierarchy likewise
 //
 // A child that spreads as wide as its parent (a layer of a drawing, all that is of one material) is dissolved
-// into it where nobody else uses it, so that its content is sorted by place. Moving nodes are left whole.
+// into it, so that its content is sorted by place (wide.h). What becomes of a subtree is a function of what is in it,
+// whatever else the scene holds, within bounds that only much shared layers reach. Moving nodes are left whole.
 // Objects keep their nodes, also where those are no longer reached from the root.
 #pragma once
 

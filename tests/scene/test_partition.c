@@ -267,7 +267,7 @@ static bool is_below(const stp_scene* scene, uint32_t top, uint32_t node)
     return found;
 }
 
-// Two layers that spread over the same place are sorted by place; a storey and a shared thing stay whole.
+// Two layers that spread over the same place are sorted by place; a storey stays whole.
 void test_layers_are_dissolved(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -310,6 +310,88 @@ void test_layers_are_dissolved(test_state* test)
     CHECK(mixed >= 4);
     stp_scene_destroy(scene);
     stp_context_destroy(context);
+}
+
+// A layer: things all over a place of 8 x 4 squares, in an order of its own.
+static bool add_layer(stp_scene* scene, uint32_t parent, uint32_t mesh, uint32_t count,
+                      uint32_t flags, uint32_t* layer)
+{
+    bool made = add_object(scene, parent, make_translation(0, 0, mesh), flags, layer);
+    for (uint32_t i = 0; made && i < count; ++i) {
+        made = add_mesh_object(scene, *layer,
+                               make_translation(16 * (i % 8), 10 * (i % 5), 16 * (i / 8 % 4)), mesh,
+                               NULL);
+    }
+    return made;
+}
+
+static bool add_use(stp_scene* scene, uint32_t parent, uint32_t used, double z)
+{
+    return add_object(scene, parent, make_translation(0, 0, z), 0, NULL) &&
+           stp_scene_add_use(scene, used) == STP_OK;
+}
+
+// Results are kept by content: what else there is in the scene, and uses the same things, must not change how
+// something is cut, or all of it would be made anew.
+void test_partition_of_a_subtree_is_a_function_of_its_content(test_state* test)
+{
+    stp_hash contents[3];
+    for (uint32_t variant = 0; variant < 3; ++variant) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = NULL;
+        uint32_t meshes[3], storey, layers[2];
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        for (uint32_t i = 0; i < 3; ++i) {
+            CHECK(add_strip(scene, 2 + i, (float)i, &meshes[i]));
+        }
+        CHECK(add_object(scene, STP_NONE, make_translation(0, 0, 0), 0, &storey));
+        CHECK(add_layer(scene, storey, meshes[0], 32, 0, &layers[0]));
+        CHECK(add_layer(scene, storey, meshes[1], 25, 0, &layers[1]));
+        if (variant > 0) { // the same layer once more: alone, or within another storey
+            uint32_t parent = STP_NONE;
+            CHECK(add_object(scene, STP_NONE, make_translation(900, 0, 0), 0, &parent));
+            CHECK(add_use(scene, parent, layers[0], 0.0));
+            CHECK(variant == 1 || add_layer(scene, parent, meshes[2], 30, 0, &parent));
+        }
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        stp_partition_desc desc = {.leaf_triangles = 400000, .child_count = 9};
+        CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &desc));
+        CHECK(judge_graph(scene, &desc) == NULL);
+        contents[variant] = scene->nodes[scene->objects[storey].node].content;
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+    CHECK(stp_hash_equal(contents[0], contents[1]));
+    CHECK(stp_hash_equal(contents[0], contents[2]));
+}
+
+// Dissolving what is shared repeats it for each that uses it: not where it is nearly all that they hold, nor where it
+// would come to more than all there is.
+void test_dissolving_does_not_undo_sharing(test_state* test)
+{
+    for (uint32_t variant = 0; variant < 2; ++variant) {
+        enum { USES = 200, ITEMS = 300 };
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = NULL;
+        uint32_t meshes[2], shared, parent;
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        CHECK(add_strip(scene, 2, 0.0f, &meshes[0]) && add_strip(scene, 3, 1.0f, &meshes[1]));
+        CHECK(add_layer(scene, STP_NONE, meshes[0], ITEMS, STP_OBJECT_PROTOTYPE, &shared));
+        for (uint32_t i = 0; i < USES; ++i) {
+            CHECK(add_object(scene, STP_NONE, make_translation(500.0 * i, 0, 0), 0, &parent));
+            CHECK(add_use(scene, parent, shared, 0.0));
+            for (uint32_t k = 0; k < (variant == 0 ? 2 : ITEMS / 4); ++k) { // no two are equal
+                CHECK(add_mesh_object(scene, parent, make_translation(i / 2 + k, k, 32), meshes[1],
+                                      NULL));
+            }
+        }
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        size_t before = scene->edge_count;
+        CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &(stp_partition_desc){0}));
+        CHECK(scene->edge_count < (variant == 0 ? before + before / 2 : 3 * before));
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
 }
 
 // A mesh that stands at several places, also mirrored, is cut once; moving, it stays whole.
