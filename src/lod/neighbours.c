@@ -31,68 +31,43 @@ static void find_ranges(const stp_grid* grid, const int32_t cell[3], stp_near_ra
     for (int corner = 0; corner < 8; corner += (int)together) {
         uint32_t bucket = stp_grid_bucket(grid, cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1),
                                           cell[2] + (corner >> 2));
-        uint32_t begin = grid->starts[bucket], end = grid->starts[bucket + together];
-        ranges->begins[ranges->count] = begin;
-        ranges->ends[ranges->count] = end;
-        ranges->count += begin != end;
+        stp_near_ranges_add(ranges, grid->starts[bucket], grid->starts[bucket + together]);
     }
 }
 
 typedef struct nearest_job {
     const stp_nearest_search* search;
     const stp_near_kernels* kernels;
+    stp_near_rule rule;
 } nearest_job;
-
-// Samples of one cell.
-static void search_run(const nearest_job* job, uint32_t begin, uint32_t end, const int32_t cell[3])
-{
-    const stp_nearest_search* s = job->search;
-    stp_near_ranges ranges;
-    find_ranges(s->surfels, cell, &ranges);
-    float least_agreement = s->two_sided ? -2.0f : 0.0f;
-    for (uint32_t at = begin; at < end; at += STP_NEAR_LANES) {
-        uint32_t count = end - at < STP_NEAR_LANES ? end - at : STP_NEAR_LANES;
-        stp_near_findings found;
-        for (int lane = 0; lane < STP_NEAR_LANES; ++lane) {
-            found.surfel[lane] = UINT32_MAX;
-            found.squared[lane] = s->radius * s->radius;
-        }
-        job->kernels->find_nearest(s->surfels, &ranges, s->samples, at, least_agreement, &found);
-        memcpy(s->nearest + at, found.surfel, count * sizeof(uint32_t));
-    }
-}
-
-static bool is_in_cell(const stp_grid* grid, uint32_t at, const int32_t cell[3])
-{
-    return stp_grid_cell(grid, grid->x[at]) == cell[0] &&
-           stp_grid_cell(grid, grid->y[at]) == cell[1] &&
-           stp_grid_cell(grid, grid->z[at]) == cell[2];
-}
 
 static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const nearest_job* job = user;
     const stp_grid* samples = job->search->samples;
+    const stp_grid* surfels = job->search->surfels;
+    stp_near_ranges ranges;
     for (size_t bucket = begin; bucket < end; ++bucket) {
         uint32_t last = samples->starts[bucket + 1];
-        for (uint32_t at = samples->starts[bucket]; at < last;) {
+        for (uint32_t at = samples->starts[bucket], run; at < last; at = run) {
             int32_t cell[3] = {stp_grid_cell(samples, samples->x[at]),
                                stp_grid_cell(samples, samples->y[at]),
                                stp_grid_cell(samples, samples->z[at])};
-            uint32_t run = at + 1; // mostly all of a bucket
-            while (run < last && is_in_cell(samples, run, cell)) {
-                run += 1;
-            }
-            search_run(job, at, run, cell);
-            at = run;
+            run = job->kernels->find_run(samples, at, last); // mostly all of a bucket
+            find_ranges(surfels, cell, &ranges);
+            job->kernels->find_nearest(surfels, &ranges, samples, at, run, job->rule,
+                                       job->search->nearest);
         }
     }
 }
 
 void stp_nearest_search_run(stp_context* context, const stp_nearest_search* search)
 {
-    nearest_job job = {.search = search, .kernels = choose_kernels()};
+    nearest_job job = {.search = search,
+                       .kernels = choose_kernels(),
+                       .rule = {.limit = search->radius * search->radius,
+                                .least_agreement = search->two_sided ? -2.0f : 0.0f}};
     stp_parallel_for(context, (size_t)search->samples->mask + 1, BUCKET_GRAIN, search_buckets,
                      &job);
 }
@@ -104,69 +79,46 @@ typedef struct disk_scan {
     stp_disk_query query;
     stp_disk disk;
     int32_t low[3], high[3];     ///< cells
+    stp_near_ranges ranges;      ///< of samples to be looked at
     uint32_t known_count;        ///< buckets looked at
     uint32_t known[KNOWN_LIMIT]; ///< where the last of them begin
 } disk_scan;
 
-static void add_fractions(disk_scan* scan, uint32_t at, uint32_t near)
-{
-    const stp_disk_search* s = scan->search;
-    for (; near != 0; near &= near - 1) {
-        uint32_t sample = at + (uint32_t)__builtin_ctz(near);
-        scan->disk.fractions += s->fractions[s->samples->index[sample]];
-    }
-}
-
-// @return whether the disk needs no further look
-static bool scan_samples(disk_scan* scan, uint32_t begin, uint32_t end)
-{
-    const stp_disk_search* s = scan->search;
-    for (uint32_t at = begin; at < end; at += STP_NEAR_LANES) {
-        stp_disk_hits hits = scan->kernels->test_samples(s->samples, at, end, &scan->query);
-        if (hits.near == 0) {
-            continue;
-        }
-        uint32_t of_set = (uint32_t)__builtin_popcount(hits.of_set);
-        scan->disk.count += (uint32_t)__builtin_popcount(hits.near);
-        scan->disk.count += of_set != 0 ? of_set * (s->set_weight - 1) : 0;
-        if (s->fractions != NULL) {
-            add_fractions(scan, at, hits.near);
-        }
-        uint64_t cells = hits.cells & s->stencil->disk;
-        if ((cells & ~scan->disk.cells) != 0) {
-            scan->disk.cells |= cells;
-            scan->disk.solid = stp_stencil_is_solid(s->stencil, scan->disk.cells);
-        }
-        if (scan->disk.solid && s->until_solid) {
-            return true;
-        }
-    }
-    return false;
-}
-
 // The cells from x to `last` of a row, which lie in one block of buckets.
-static bool scan_cells(disk_scan* scan, int32_t x, int32_t last, int32_t y, int32_t z)
+static void add_cells(disk_scan* scan, int32_t x, int32_t last, int32_t y, int32_t z)
 {
     const stp_grid* samples = scan->search->samples;
     uint32_t bucket = stp_grid_bucket(samples, x, y, z);
-    return scan_samples(scan, samples->starts[bucket],
+    stp_near_ranges_add(&scan->ranges, samples->starts[bucket],
                         samples->starts[bucket + (uint32_t)(last - x) + 1]);
 }
 
 // A row of cells but for the one in the middle, which was looked at first.
-static bool scan_row(disk_scan* scan, const int32_t middle[3], int32_t y, int32_t z)
+static void add_row(disk_scan* scan, const int32_t middle[3], int32_t y, int32_t z)
 {
-    bool done = false, own = y == middle[1] && z == middle[2];
-    for (int32_t x = scan->low[0]; !done && x <= scan->high[0];) {
+    bool own = y == middle[1] && z == middle[2];
+    for (int32_t x = scan->low[0]; x <= scan->high[0];) {
         int32_t last = (x | 3) < scan->high[0] ? (x | 3) : scan->high[0];
         if (own && x <= middle[0] && middle[0] <= last) {
-            done = x < middle[0] && scan_cells(scan, x, middle[0] - 1, y, z);
-            done = done || (middle[0] < last && scan_cells(scan, middle[0] + 1, last, y, z));
+            if (x < middle[0]) {
+                add_cells(scan, x, middle[0] - 1, y, z);
+            }
+            if (middle[0] < last) {
+                add_cells(scan, middle[0] + 1, last, y, z);
+            }
         } else {
-            done = scan_cells(scan, x, last, y, z);
+            add_cells(scan, x, last, y, z);
         }
         x = last + 1;
     }
+}
+
+// Looks at the samples of all ranges. @return whether the disk needs no further look
+static bool scan_ranges(disk_scan* scan)
+{
+    bool done =
+        scan->kernels->scan_disk(scan->search->samples, &scan->ranges, &scan->query, &scan->disk);
+    scan->ranges.count = 0;
     return done;
 }
 
@@ -192,7 +144,10 @@ static void scan_many_cells(disk_scan* scan)
             for (int32_t x = scan->low[0]; !done && x <= scan->high[0]; ++x) {
                 uint32_t bucket = stp_grid_bucket(samples, x, y, z);
                 uint32_t begin = samples->starts[bucket], end = samples->starts[bucket + 1];
-                done = begin != end && !is_known(scan, begin) && scan_samples(scan, begin, end);
+                if (begin != end && !is_known(scan, begin)) {
+                    stp_near_ranges_add(&scan->ranges, begin, end);
+                    done = scan_ranges(scan);
+                }
             }
         }
     }
@@ -215,13 +170,16 @@ static void scan_disk(disk_scan* scan)
         scan_many_cells(scan);
         return;
     }
-    bool done = // most disks are solid, and show it here
-        scan_cells(scan, middle[0], middle[0], middle[1], middle[2]);
-    for (int32_t z = scan->low[2]; !done && z <= scan->high[2]; ++z) {
-        for (int32_t y = scan->low[1]; !done && y <= scan->high[1]; ++y) {
-            done = scan_row(scan, middle, y, z);
+    add_cells(scan, middle[0], middle[0], middle[1], middle[2]);
+    if (scan_ranges(scan)) { // most disks are solid, and show it here
+        return;
+    }
+    for (int32_t z = scan->low[2]; z <= scan->high[2]; ++z) {
+        for (int32_t y = scan->low[1]; y <= scan->high[1]; ++y) {
+            add_row(scan, middle, y, z);
         }
     }
+    (void)scan_ranges(scan);
 }
 
 typedef struct disk_job {
@@ -244,7 +202,11 @@ static stp_disk_query make_query(const stp_disk_search* s, uint32_t surfel)
                             .least_agreement = s->two_sided ? -2.0f : 0.0f,
                             .footprint = s->footprint / s->radius,
                             .set_footprint = s->set_footprint / s->radius,
-                            .first_of_sets = UINT32_MAX};
+                            .first_of_sets = UINT32_MAX,
+                            .set_weight = s->set_weight,
+                            .fractions = s->fractions,
+                            .stencil = s->stencil,
+                            .until_solid = s->until_solid};
     if (s->set_count != 0) {
         query.first_of_sets = s->sample_count - s->set_count;
     }
@@ -264,6 +226,7 @@ static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
     disk_scan scan;
     scan.search = job->search;
     scan.kernels = job->kernels;
+    scan.ranges.count = 0;
     for (size_t i = begin; i < end; ++i) {
         uint32_t surfel = job->search->visit[i];
         if (i + AHEAD < end) {

@@ -5,20 +5,28 @@
 #include "lod/neighbours.h"
 
 enum {
-    STP_NEAR_LANES = 8,       ///< samples looked at together
-    STP_NEAR_RANGE_LIMIT = 8, ///< 2 x 2 x 2 cells
+    STP_NEAR_LANES = 8,        ///< samples looked at together
+    STP_NEAR_RANGE_LIMIT = 40, ///< 2 x 2 x 2 cells of surfels, rows of 4 x 4 x 4 cells of samples
 };
 
-/// Where the surfels stand that some samples may be near to.
+/// Points of a grid, in a few pieces.
 typedef struct stp_near_ranges {
     uint32_t count;
     uint32_t begins[STP_NEAR_RANGE_LIMIT], ends[STP_NEAR_RANGE_LIMIT];
 } stp_near_ranges;
 
-typedef struct stp_near_findings {
-    uint32_t surfel[STP_NEAR_LANES];
-    float squared[STP_NEAR_LANES]; ///< distances
-} stp_near_findings;
+static inline void stp_near_ranges_add(stp_near_ranges* ranges, uint32_t begin, uint32_t end)
+{
+    ranges->begins[ranges->count] = begin;
+    ranges->ends[ranges->count] = end;
+    ranges->count += begin != end;
+}
+
+/// Which surfels are near to a sample.
+typedef struct stp_near_rule {
+    float limit;           ///< squared distance
+    float least_agreement; ///< of normals
+} stp_near_rule;
 
 /// A disk that is looked for samples.
 typedef struct stp_disk_query {
@@ -29,23 +37,24 @@ typedef struct stp_disk_query {
     float footprint;       ///< half the side of a sample's square, over the radius
     float set_footprint;   ///< of those from `first_of_sets` on, by index
     uint32_t first_of_sets;
+    uint32_t set_weight;
+    const uint16_t* fractions; ///< by index, or NULL
+    const stp_stencil* stencil;
+    bool until_solid;
 } stp_disk_query;
 
-typedef struct stp_disk_hits {
-    uint32_t near;   ///< bit i: sample begin + i lies in the disk
-    uint32_t of_set; ///< those of sets
-    uint64_t cells;  ///< of the stencil
-} stp_disk_hits;
-
 typedef struct stp_near_kernels {
-    /// The nearest surfel of each of STP_NEAR_LANES samples from `at` on, or what was `found` before where none is
-    /// nearer. Of two as near, the lower index.
+    /// @return the end of the samples from `begin` on, of those before `end`, that lie in the cell of the first
+    uint32_t (*find_run)(const stp_grid* samples, uint32_t begin, uint32_t end);
+    /// The nearest of the surfels for each of the samples [begin, end), UINT32_MAX where none is near. Of two as
+    /// near, the lower index.
     void (*find_nearest)(const stp_grid* surfels, const stp_near_ranges* ranges,
-                         const stp_grid* samples, uint32_t at, float least_agreement,
-                         stp_near_findings* found);
-    /// Which samples of [begin, end) of the columns are in a disk: at most STP_NEAR_LANES are looked at.
-    stp_disk_hits (*test_samples)(const stp_grid* samples, uint32_t begin, uint32_t end,
-                                  const stp_disk_query* query);
+                         const stp_grid* samples, uint32_t begin, uint32_t end, stp_near_rule rule,
+                         uint32_t* nearest);
+    /// Adds the samples that are in a disk to what was found there. @return whether it is known to be solid, and
+    /// needs no further look
+    bool (*scan_disk)(const stp_grid* samples, const stp_near_ranges* ranges,
+                      const stp_disk_query* query, stp_disk* disk);
 } stp_near_kernels;
 
 extern const stp_near_kernels stp_near_kernels_portable;

@@ -1,51 +1,80 @@
 // SPDX-License-Identifier: MIT
 #include "lod/neighbours_kernels.h"
 
-static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
-                         const stp_grid* samples, uint32_t at, float least_agreement,
-                         stp_near_findings* found)
+static uint32_t find_run(const stp_grid* samples, uint32_t begin, uint32_t end)
 {
-    for (uint32_t lane = 0; lane < STP_NEAR_LANES; ++lane) {
-        float x = samples->x[at + lane], y = samples->y[at + lane], z = samples->z[at + lane];
-        float nx = samples->nx[at + lane], ny = samples->ny[at + lane], nz = samples->nz[at + lane];
-        uint32_t surfel = found->surfel[lane];
-        float least = found->squared[lane];
+    int32_t x = stp_grid_cell(samples, samples->x[begin]),
+            y = stp_grid_cell(samples, samples->y[begin]),
+            z = stp_grid_cell(samples, samples->z[begin]);
+    uint32_t run = begin + 1;
+    while (run < end && stp_grid_cell(samples, samples->x[run]) == x &&
+           stp_grid_cell(samples, samples->y[run]) == y &&
+           stp_grid_cell(samples, samples->z[run]) == z) {
+        run += 1;
+    }
+    return run;
+}
+
+static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
+                         const stp_grid* samples, uint32_t begin, uint32_t end, stp_near_rule rule,
+                         uint32_t* nearest)
+{
+    for (uint32_t at = begin; at < end; ++at) {
+        float x = samples->x[at], y = samples->y[at], z = samples->z[at];
+        float nx = samples->nx[at], ny = samples->ny[at], nz = samples->nz[at];
+        uint32_t surfel = UINT32_MAX;
+        float least = rule.limit;
         for (uint32_t range = 0; range < ranges->count; ++range) {
             for (uint32_t i = ranges->begins[range]; i < ranges->ends[range]; ++i) {
                 float dx = x - surfels->x[i], dy = y - surfels->y[i], dz = z - surfels->z[i];
                 float squared = dx * dx + dy * dy + dz * dz;
                 float agreement = nx * surfels->nx[i] + ny * surfels->ny[i] + nz * surfels->nz[i];
                 bool nearer = squared < least || (squared == least && surfels->index[i] < surfel);
-                if (nearer && agreement >= least_agreement) {
+                if (nearer && agreement >= rule.least_agreement) {
                     surfel = surfels->index[i];
                     least = squared;
                 }
             }
         }
-        found->surfel[lane] = surfel;
-        found->squared[lane] = least;
+        nearest[at] = surfel;
     }
 }
 
-static stp_disk_hits test_samples(const stp_grid* samples, uint32_t begin, uint32_t end,
-                                  const stp_disk_query* query)
+static bool is_in_disk(const stp_grid* samples, uint32_t at, stp_vec3 offset,
+                       const stp_disk_query* query)
 {
-    stp_disk_hits hits = {0};
-    for (uint32_t i = begin; i < end && i < begin + STP_NEAR_LANES; ++i) {
-        stp_vec3 offset = {samples->x[i] - query->x, samples->y[i] - query->y,
-                           samples->z[i] - query->z};
-        float agreement =
-            query->nx * samples->nx[i] + query->ny * samples->ny[i] + query->nz * samples->nz[i];
-        if (stp_dot(offset, offset) <= query->limit && agreement >= query->least_agreement) {
+    float agreement =
+        query->nx * samples->nx[at] + query->ny * samples->ny[at] + query->nz * samples->nz[at];
+    return stp_dot(offset, offset) <= query->limit && agreement >= query->least_agreement;
+}
+
+static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
+                      const stp_disk_query* query, stp_disk* disk)
+{
+    for (uint32_t range = 0; range < ranges->count; ++range) {
+        for (uint32_t i = ranges->begins[range]; i < ranges->ends[range]; ++i) {
+            stp_vec3 offset = {samples->x[i] - query->x, samples->y[i] - query->y,
+                               samples->z[i] - query->z};
+            if (!is_in_disk(samples, i, offset, query)) {
+                continue;
+            }
             bool of_set = samples->index[i] >= query->first_of_sets;
-            hits.near |= 1u << (i - begin);
-            hits.of_set |= (uint32_t)of_set << (i - begin);
-            hits.cells |= stp_stencil_cells(stp_dot(offset, query->tangents[0]),
-                                            stp_dot(offset, query->tangents[1]),
-                                            of_set ? query->set_footprint : query->footprint);
+            disk->count += of_set ? query->set_weight : 1;
+            disk->fractions += query->fractions != NULL ? query->fractions[samples->index[i]] : 0;
+            uint64_t cells = stp_stencil_cells(stp_dot(offset, query->tangents[0]),
+                                               stp_dot(offset, query->tangents[1]),
+                                               of_set ? query->set_footprint : query->footprint) &
+                             query->stencil->disk;
+            if ((cells & ~disk->cells) != 0) {
+                disk->cells |= cells;
+                disk->solid = stp_stencil_is_solid(query->stencil, disk->cells);
+            }
+            if (disk->solid && query->until_solid) {
+                return true;
+            }
         }
     }
-    return hits;
+    return false;
 }
 
-const stp_near_kernels stp_near_kernels_portable = {find_nearest, test_samples};
+const stp_near_kernels stp_near_kernels_portable = {find_run, find_nearest, scan_disk};
