@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "base/octahedral.h"
 
+#include "base/octahedral_kernels.h"
+#include "base/processor.h"
+
 #include <stdbool.h>
 
 static int8_t clamp_code(int value)
@@ -53,5 +56,19 @@ void stp_octahedral_encode(stp_vec3 n, int8_t out[2])
             out[0] = code_u;
             out[1] = code_v;
         }
+    }
+}
+
+void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out)
+{
+    size_t done = 0;
+#if defined(__x86_64__)
+    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
+        done = stp_octahedral_encode_avx2(normals, count, out);
+    }
+#endif
+    for (; done < count; ++done) {
+        const float* n = normals + 3 * done;
+        stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, out + 2 * done);
     }
 }

@@ -5,6 +5,8 @@
 
 #include "base/math.h"
 
+#include <stddef.h>
+
 /// Decodes two signed bytes, each -127..127.
 static inline stp_vec3 stp_octahedral_decode(int8_t u8, int8_t v8)
 {
@@ -20,6 +22,8 @@ static inline stp_vec3 stp_octahedral_decode(int8_t u8, int8_t v8)
 /// Encodes a direction (need not be of unit length; zero encodes as +z) so that its decoding is the nearest
 /// of the four codes around it.
 void stp_octahedral_encode(stp_vec3 n, int8_t out[2]);
+/// The same for `count` directions, 3 floats each.
+void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out);
 
 /// The same in two 16-bit numbers, 32767 is 1: for the normals of vertices.
 static inline stp_vec3 stp_octahedral_decode16(int16_t u16, int16_t v16)

@@ -67,16 +67,15 @@ static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
     stp_surfels* s = f->surfels;
     stp_vec3d centre = f->input->candidates->origin;
     double per_step = 1.0 / (double)s->step;
+    stp_octahedral_encode_many(f->normals + 3 * begin, end - begin, s->normals + 2 * begin);
     for (size_t i = begin; i < end; ++i) {
         if (i + AHEAD < end) {
             __builtin_prefetch(f->input->candidates->materials + f->input->order[i + AHEAD]);
         }
         const float* p = f->positions + 3 * i;
-        const float* n = f->normals + 3 * i;
         s->positions[3 * i] = quantise(centre.x + (double)p[0], (double)s->origin.x, per_step);
         s->positions[3 * i + 1] = quantise(centre.y + (double)p[1], (double)s->origin.y, per_step);
         s->positions[3 * i + 2] = quantise(centre.z + (double)p[2], (double)s->origin.z, per_step);
-        stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, s->normals + 2 * i);
         s->materials[i] = shading_of(f->input, f->input->order[i]);
     }
 }
@@ -136,8 +135,7 @@ static void make_tables(finish* f)
         s->table.radius[i] = (s->table.radius[i] + rounding) * (1.0f + 0x1p-22f);
     }
     s->paper_count = s->count < PAPER_COUNT ? s->count : PAPER_COUNT;
-    float scratch[PAPER_COUNT];
-    s->paper_radius = stp_median_spacing(f->positions, s->paper_count, scratch);
+    s->paper_radius = stp_median_spacing(f->positions, s->paper_count);
 }
 
 static stp_result finish_surfels(stp_context* context, finish* f)

@@ -35,9 +35,8 @@ void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin,
 uint32_t stp_choose_octaves(const float* envelope, float margin, uint32_t count,
                             uint32_t ends[STP_OCTAVE_LIMIT]);
 
-/// The median distance to the nearest neighbour within the points (Brandt 4.1), of 200 of them; `scratch` holds
-/// `count` floats.
-float stp_median_spacing(const float* positions, uint32_t count, float* scratch);
+/// The median distance to the nearest neighbour within the points (Brandt 4.1), of 200 of them.
+float stp_median_spacing(const float* positions, uint32_t count);
 
 /// What the pyramid is made from and into.
 typedef struct stp_pyramid_input {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "lod/grid.h"
 
+#include "base/processor.h"
+#include "lod/grid_kernels.h"
+
 #include <string.h>
 
 // A bucket may hold this many points, on average over the points; exact orders stay far below.
@@ -11,26 +14,30 @@
 
 typedef struct filling {
     stp_grid* grid;
-    const float* positions;
+    const stp_grid_kernels* kernels;
+    stp_grid_points points; ///< all, or every stride-th
+    const float* positions; ///< 3 each
     const float* normals;
     const stp_grid* from; ///< whose columns hold the points; NULL: they are as above
     uint32_t stride;
     uint32_t* buckets; ///< of each point
 } filling;
 
+static const stp_grid_kernels* choose_kernels(void)
+{
+#if defined(__x86_64__)
+    if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
+        return &stp_grid_kernels_avx2;
+    }
+#endif
+    return &stp_grid_kernels_portable;
+}
+
 static void find_buckets(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const filling* f = user;
-    for (size_t i = begin; i < end; ++i) {
-        size_t from = i * f->stride;
-        const float own[3] = {f->from != NULL ? f->from->x[from] : 0.0f,
-                              f->from != NULL ? f->from->y[from] : 0.0f,
-                              f->from != NULL ? f->from->z[from] : 0.0f};
-        const float* p = f->from != NULL ? own : f->positions + 3 * from;
-        f->buckets[i] = stp_grid_bucket(f->grid, stp_grid_cell(f->grid, p[0]),
-                                        stp_grid_cell(f->grid, p[1]), stp_grid_cell(f->grid, p[2]));
-    }
+    f->kernels->find_buckets(f->grid, &f->points, begin, end, f->buckets);
 }
 
 static void fill_columns(size_t begin, size_t end, uint32_t worker, void* user)
@@ -84,7 +91,7 @@ static uint32_t bucket_mask(uint32_t count)
 static bool allocate(stp_context* context, stp_grid* grid)
 {
     size_t stride = ((size_t)grid->count / STP_GRID_LANES + 2) * STP_GRID_LANES;
-    grid->starts = STP_NEW_ZEROED(context, uint32_t, (size_t)grid->mask + 2);
+    grid->starts = STP_NEW_ARRAY(context, uint32_t, (size_t)grid->mask + 2);
     grid->index = STP_NEW_ARRAY(context, uint32_t, stride);
     float* columns = STP_NEW_ARRAY(context, float, 6 * stride);
     grid->x = columns;
@@ -104,54 +111,94 @@ static bool allocate(stp_context* context, stp_grid* grid)
     return true;
 }
 
-static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, float cell,
-                            float offset)
+// Counts points by bucket. @return the sum of squares
+static double count_points(stp_context* context, filling* f)
 {
     stp_grid* grid = f->grid;
-    uint32_t stride = f->stride;
-    count = count / stride + (count % stride != 0);
+    stp_parallel_for(context, grid->count, GRAIN, find_buckets, f);
+    memset(grid->starts, 0, ((size_t)grid->mask + 2) * sizeof(grid->starts[0]));
+    uint64_t before = 0; // pairs of points that share a bucket
+    for (uint32_t i = 0; i < grid->count; ++i) {
+        before += grid->starts[f->buckets[i]]++;
+    }
+    return 2.0 * (double)before + grid->count;
+}
+
+// Puts points in their places. `starts` become ends, and sink back to starts as points are put in from the last.
+static void place_points(stp_context* context, filling* f)
+{
+    stp_grid* grid = f->grid;
+    uint32_t end = 0;
+    for (size_t bucket = 0; bucket <= grid->mask; ++bucket) {
+        end += grid->starts[bucket];
+        grid->starts[bucket] = end;
+    }
+    grid->starts[(size_t)grid->mask + 1] = end;
+    for (uint32_t i = grid->count; i > 0; --i) {
+        grid->index[--grid->starts[f->buckets[i - 1]]] = (i - 1) * f->stride;
+    }
+    stp_parallel_for(context, grid->count, GRAIN, f->from != NULL ? copy_columns : fill_columns, f);
+}
+
+static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, float cell,
+                            float offset, uint32_t halvings)
+{
+    stp_grid* grid = f->grid;
+    count = count / f->stride + (count % f->stride != 0);
     *grid = (stp_grid){.count = count,
                        .cell = cell,
                        .inverse_cell = 1.0f / cell,
                        .offset = offset,
                        .mask = bucket_mask(count)};
+    f->kernels = choose_kernels();
     f->buckets = STP_NEW_ARRAY(context, uint32_t, count);
     if (f->buckets == NULL || !allocate(context, grid)) {
         stp_free(context, f->buckets);
         stp_grid_destroy(context, grid);
         return stp_fail_memory(context);
     }
-    stp_parallel_for(context, count, GRAIN, find_buckets, f);
-    for (uint32_t i = 0; i < count; ++i) {
-        grid->starts[f->buckets[i]] += 1;
+    while (count_points(context, f) > MOST_IN_BUCKET * (double)count && halvings > 0) {
+        halvings -= 1;
+        grid->cell *= 0.5f;
+        grid->inverse_cell = 1.0f / grid->cell;
     }
-    uint32_t end =
-        0; // starts become ends, and sink back to starts as points are put in from the last
-    for (size_t bucket = 0; bucket <= grid->mask; ++bucket) {
-        end += grid->starts[bucket];
-        grid->starts[bucket] = end;
-    }
-    grid->starts[(size_t)grid->mask + 1] = end;
-    for (uint32_t i = count; i > 0; --i) {
-        grid->index[--grid->starts[f->buckets[i - 1]]] = (i - 1) * stride;
-    }
-    stp_parallel_for(context, count, GRAIN, f->from != NULL ? copy_columns : fill_columns, f);
+    place_points(context, f);
     stp_free(context, f->buckets);
     return STP_OK;
+}
+
+static filling fill_from_triples(stp_grid* grid, const float* positions, const float* normals)
+{
+    return (filling){.grid = grid,
+                     .points = {positions, positions + 1, positions + 2, 3},
+                     .positions = positions,
+                     .normals = normals,
+                     .stride = 1};
 }
 
 stp_result stp_grid_create(stp_context* context, const float* positions, const float* normals,
                            uint32_t count, float cell, float offset, stp_grid* grid)
 {
-    filling f = {.grid = grid, .positions = positions, .normals = normals, .stride = 1};
-    return fill_grid(context, &f, count, cell, offset);
+    filling f = fill_from_triples(grid, positions, normals);
+    return fill_grid(context, &f, count, cell, offset, 0);
+}
+
+stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
+                                     const float* normals, uint32_t count, float cell,
+                                     stp_grid* grid)
+{
+    filling f = fill_from_triples(grid, positions, normals);
+    return fill_grid(context, &f, count, cell, 0.0f, MOST_HALVINGS);
 }
 
 stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride, float cell,
                          stp_grid* grid)
 {
-    filling f = {.grid = grid, .from = from, .stride = stride};
-    return fill_grid(context, &f, from->count, cell, 0.0f);
+    filling f = {.grid = grid,
+                 .points = {from->x, from->y, from->z, stride},
+                 .from = from,
+                 .stride = stride};
+    return fill_grid(context, &f, from->count, cell, 0.0f, 0);
 }
 
 void stp_grid_destroy(stp_context* context, stp_grid* grid)
@@ -160,35 +207,4 @@ void stp_grid_destroy(stp_context* context, stp_grid* grid)
     stp_free(context, grid->index);
     stp_free(context, grid->x);
     *grid = (stp_grid){0};
-}
-
-stp_result stp_grid_choose_cell(stp_context* context, const float* positions, uint32_t count,
-                                float cell, float* chosen)
-{
-    stp_grid grid = {.count = count, .mask = bucket_mask(count)};
-    uint32_t* sizes = STP_NEW_ARRAY(context, uint32_t, (size_t)grid.mask + 1);
-    filling f = {.grid = &grid, .positions = positions, .stride = 1};
-    f.buckets = STP_NEW_ARRAY(context, uint32_t, count);
-    stp_result result = sizes != NULL && f.buckets != NULL ? STP_OK : stp_fail_memory(context);
-    for (int halvings = 0; result == STP_OK; ++halvings) {
-        grid.cell = cell;
-        grid.inverse_cell = 1.0f / cell;
-        *chosen = cell;
-        stp_parallel_for(context, count, GRAIN, find_buckets, &f);
-        memset(sizes, 0, ((size_t)grid.mask + 1) * sizeof(uint32_t));
-        for (uint32_t i = 0; i < count; ++i) {
-            sizes[f.buckets[i]] += 1;
-        }
-        double pairs = 0.0;
-        for (size_t bucket = 0; bucket <= grid.mask; ++bucket) {
-            pairs += (double)sizes[bucket] * (double)sizes[bucket];
-        }
-        if (pairs <= MOST_IN_BUCKET * (double)count || halvings == MOST_HALVINGS) {
-            break;
-        }
-        cell *= 0.5f;
-    }
-    stp_free(context, f.buckets);
-    stp_free(context, sizes);
-    return result;
 }

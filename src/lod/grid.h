@@ -22,15 +22,16 @@ typedef struct stp_grid {
 STP_MUST_USE stp_result stp_grid_create(stp_context* context, const float* positions,
                                         const float* normals, uint32_t count, float cell,
                                         float offset, stp_grid* grid);
+/// The same with offset 0 and a cell that is as given, or the largest half, quarter, ... of it that leaves no crowd of
+/// points in a bucket.
+STP_MUST_USE stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
+                                                  const float* normals, uint32_t count, float cell,
+                                                  stp_grid* grid);
 /// Builds a grid, with offset 0, of every stride-th point of another. Those lie together there: each piece of space
 /// is thinned alike, and reading them is fast. `index` is as there.
 STP_MUST_USE stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride,
                                       float cell, stp_grid* grid);
 void stp_grid_destroy(stp_context* context, stp_grid* grid);
-
-/// The cell, or the largest half, quarter, ... of it that leaves no crowd of points in a bucket.
-STP_MUST_USE stp_result stp_grid_choose_cell(stp_context* context, const float* positions,
-                                             uint32_t count, float cell, float* chosen);
 
 static inline int32_t stp_grid_cell(const stp_grid* grid, float coordinate)
 {

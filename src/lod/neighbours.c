@@ -12,7 +12,7 @@
 #define KNOWN_LIMIT 64u
 #define AHEAD 8u // surfels that memory is asked for in advance
 
-static const stp_near_kernels* choose_kernels(void)
+const stp_near_kernels* stp_near_kernels_select(void)
 {
 #if defined(__x86_64__)
     if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
@@ -65,7 +65,7 @@ static void search_buckets(size_t begin, size_t end, uint32_t worker, void* user
 void stp_nearest_search_run(stp_context* context, const stp_nearest_search* search)
 {
     nearest_job job = {.search = search,
-                       .kernels = choose_kernels(),
+                       .kernels = stp_near_kernels_select(),
                        .rule = {.limit = search->radius * search->radius,
                                 .least_agreement = search->two_sided ? -2.0f : 0.0f}};
     stp_parallel_for(context, (size_t)search->samples->mask + 1, BUCKET_GRAIN, search_buckets,
@@ -245,6 +245,6 @@ static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
 
 void stp_disk_search_run(stp_context* context, const stp_disk_search* search)
 {
-    disk_job job = {.search = search, .kernels = choose_kernels()};
+    disk_job job = {.search = search, .kernels = stp_near_kernels_select()};
     stp_parallel_for(context, search->count, SURFEL_GRAIN, search_disks, &job);
 }

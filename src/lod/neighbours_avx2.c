@@ -325,6 +325,20 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
     return false;
 }
 
-const stp_near_kernels stp_near_kernels_avx2 = {find_run, find_nearest, scan_disk};
+static float least_squared(const float* x, const float* y, const float* z, uint32_t count,
+                           stp_vec3 place)
+{
+    vector3 centre = repeat_vector(place.x, place.y, place.z);
+    __m256 least = _mm256_set1_ps(FLT_MAX);
+    for (uint32_t i = 0; i < count; i += STP_NEAR_LANES) {
+        vector3 offset = subtract(centre, load_vectors(x + i, y + i, z + i));
+        least = _mm256_min_ps(least, dot(offset, offset));
+    }
+    __m128 half = _mm_min_ps(_mm256_castps256_ps128(least), _mm256_extractf128_ps(least, 1));
+    half = _mm_min_ps(half, _mm_movehl_ps(half, half));
+    return _mm_cvtss_f32(_mm_min_ss(half, _mm_movehdup_ps(half)));
+}
+
+const stp_near_kernels stp_near_kernels_avx2 = {find_run, find_nearest, scan_disk, least_squared};
 
 #endif

@@ -55,7 +55,13 @@ typedef struct stp_near_kernels {
     /// needs no further look
     bool (*scan_disk)(const stp_grid* samples, const stp_near_ranges* ranges,
                       const stp_disk_query* query, stp_disk* disk);
+    /// The least squared distance from a place to `count` points, a multiple of STP_NEAR_LANES; at most FLT_MAX.
+    float (*least_squared)(const float* x, const float* y, const float* z, uint32_t count,
+                           stp_vec3 place);
 } stp_near_kernels;
+
+/// Those of this processor.
+const stp_near_kernels* stp_near_kernels_select(void);
 
 extern const stp_near_kernels stp_near_kernels_portable;
 extern const stp_near_kernels stp_near_kernels_avx2;

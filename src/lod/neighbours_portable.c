@@ -77,4 +77,16 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
     return false;
 }
 
-const stp_near_kernels stp_near_kernels_portable = {find_run, find_nearest, scan_disk};
+static float least_squared(const float* x, const float* y, const float* z, uint32_t count,
+                           stp_vec3 place)
+{
+    float least = FLT_MAX;
+    for (uint32_t i = 0; i < count; ++i) {
+        stp_vec3 offset = {place.x - x[i], place.y - y[i], place.z - z[i]};
+        least = stp_min(least, stp_dot(offset, offset));
+    }
+    return least;
+}
+
+const stp_near_kernels stp_near_kernels_portable = {find_run, find_nearest, scan_disk,
+                                                    least_squared};

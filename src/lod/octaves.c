@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "base/math.h"
 #include "lod/finish.h"
+#include "lod/neighbours_kernels.h"
 
 #include <stdlib.h>
 
 #define GRID_STEPS 65535.0
-#define SPACING_SAMPLES                                                                            \
-    200u // points whose neighbour is looked for: the median of so many is known within a few percent
+// Points whose neighbour is looked for: the median of so many is known within a few percent.
+#define SPACING_SAMPLES 200u
+#define SPACING_PIECE 512u // points at a time
 
 void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin, float* step)
 {
@@ -76,24 +78,56 @@ static int compare_floats(const void* a, const void* b)
     return x < y ? -1 : x > y;
 }
 
-float stp_median_spacing(const float* positions, uint32_t count, float* scratch)
+// Points as columns, a piece of all at a time.
+typedef struct spacing_columns {
+    float x[SPACING_PIECE], y[SPACING_PIECE], z[SPACING_PIECE];
+} spacing_columns;
+
+// Lanes past the end are infinitely far away.
+static uint32_t fill_spacing_columns(spacing_columns* to, const float* positions, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        to->x[i] = positions[3 * (size_t)i];
+        to->y[i] = positions[3 * (size_t)i + 1];
+        to->z[i] = positions[3 * (size_t)i + 2];
+    }
+    for (; count % STP_NEAR_LANES != 0; ++count) {
+        to->x[count] = to->y[count] = to->z[count] = INFINITY;
+    }
+    return count;
+}
+
+float stp_median_spacing(const float* positions, uint32_t count)
 {
     if (count < 2) {
         return 0.0f;
     }
+    const stp_near_kernels* kernels = stp_near_kernels_select();
     uint32_t asked = count < SPACING_SAMPLES ? count : SPACING_SAMPLES;
+    float nearest[SPACING_SAMPLES];
     for (uint32_t s = 0; s < asked; ++s) {
-        uint32_t i = (uint32_t)((uint64_t)s * count / asked);
-        const float* p = positions + 3 * (size_t)i;
-        float nearest = FLT_MAX;
-        for (uint32_t k = 0; k < count; ++k) {
-            const float* q = positions + 3 * (size_t)k;
-            float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-            float squared = x * x + y * y + z * z;
-            nearest = k != i && squared < nearest ? squared : nearest;
-        }
-        scratch[s] = nearest;
+        nearest[s] = FLT_MAX;
     }
-    qsort(scratch, asked, sizeof(float), compare_floats);
-    return sqrtf(scratch[asked / 2]);
+    spacing_columns columns;
+    for (uint32_t begin = 0; begin < count; begin += SPACING_PIECE) {
+        uint32_t size = count - begin < SPACING_PIECE ? count - begin : SPACING_PIECE;
+        uint32_t filled = fill_spacing_columns(&columns, positions + 3 * (size_t)begin, size);
+        for (uint32_t s = 0; s < asked; ++s) {
+            uint32_t i = (uint32_t)((uint64_t)s * count / asked);
+            const float* p = positions + 3 * (size_t)i;
+            float own = p[0];
+            bool inside = i >= begin && i - begin < size;
+            if (inside) { // not its own neighbour
+                columns.x[i - begin] = INFINITY;
+            }
+            float least = kernels->least_squared(columns.x, columns.y, columns.z, filled,
+                                                 (stp_vec3){p[0], p[1], p[2]});
+            nearest[s] = stp_min(nearest[s], least);
+            if (inside) {
+                columns.x[i - begin] = own;
+            }
+        }
+    }
+    qsort(nearest, asked, sizeof(float), compare_floats);
+    return sqrtf(nearest[asked / 2]);
 }

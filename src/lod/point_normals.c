@@ -120,17 +120,13 @@ stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* cand
     if (!(radius > 0.0f)) {
         return STP_OK;
     }
-    float cell;
-    stp_result result = stp_grid_choose_cell(context, candidates->positions, candidates->count,
-                                             2.002f * radius, &cell);
-    if (result != STP_OK) {
-        return result;
-    }
     stp_grid grid;
-    result = stp_grid_create(context, candidates->positions, candidates->normals, candidates->count,
-                             cell, 0.0f, &grid);
+    stp_result result =
+        stp_grid_create_uncrowded(context, candidates->positions, candidates->normals,
+                                  candidates->count, 2.002f * radius, &grid);
     if (result == STP_OK) {
-        normal_search search = {.grid = &grid, .radius = cell / 2.002f, .candidates = candidates};
+        normal_search search = {
+            .grid = &grid, .radius = grid.cell / 2.002f, .candidates = candidates};
         stp_parallel_for(context, candidates->count, GRAIN, estimate_normals, &search);
         stp_grid_destroy(context, &grid);
     }

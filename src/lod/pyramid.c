@@ -138,15 +138,15 @@ static stp_result make_octave(stp_pyramid* p, uint32_t octave)
     uint32_t count = p->surfels->octave_ends[octave];
     memset(p->sums, 0, count * sizeof(*p->sums));
     stp_octave_plan plan;
+    stp_pyramid_plan_octave(p, octave, &plan);
     stp_grid surfels;
-    stp_result result = stp_pyramid_plan_octave(p, octave, &plan);
-    if (result == STP_OK) {
-        result = stp_grid_create(p->context, p->input->positions, p->input->normals, count,
-                                 plan.cell, 0.0f, &surfels);
-    }
+    stp_result result = stp_grid_create_uncrowded(p->context, p->input->positions,
+                                                  p->input->normals, count, plan.cell, &surfels);
     if (result != STP_OK) {
         return result;
     }
+    plan.cell = surfels.cell;
+    plan.radius = stp_min(plan.radius, plan.cell * 0.4995f);
     bool finest = octave + 1 == p->surfels->octave_count;
     result =
         finest ? make_finest(p, octave, &plan, &surfels) : make_coarser(p, octave, &plan, &surfels);
@@ -190,10 +190,9 @@ static stp_result allocate_pyramid(stp_pyramid* p)
     p->sums = STP_NEW_ARRAY(p->context, stp_pyramid_sum, count);
     p->nearest = STP_NEW_ARRAY(p->context, uint32_t, samples > count ? samples : count);
     p->disks = STP_NEW_ARRAY(p->context, stp_disk, count);
-    p->spatial = STP_NEW_ARRAY(p->context, uint32_t, count);
     p->visit = STP_NEW_ARRAY(p->context, uint32_t, count);
     if (p->entries == NULL || p->fraction_column == NULL || p->sums == NULL || p->nearest == NULL ||
-        p->disks == NULL || p->spatial == NULL || p->visit == NULL) {
+        p->disks == NULL || p->visit == NULL) {
         return stp_fail_memory(p->context);
     }
     total = 0;
@@ -209,7 +208,6 @@ static void free_pyramid(stp_pyramid* p)
 {
     stp_grid_destroy(p->context, &p->candidates);
     stp_free(p->context, p->visit);
-    stp_free(p->context, p->spatial);
     stp_free(p->context, p->disks);
     stp_free(p->context, p->nearest);
     stp_free(p->context, p->sums);
@@ -227,7 +225,8 @@ stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input
     }
     stp_result result = allocate_pyramid(&p);
     if (result == STP_OK) {
-        result = stp_sort_spatially(context, input->positions, surfels->count, p.spatial);
+        result = stp_sort_spatially(context, input->positions, surfels->count, p.visit);
+        p.visit_count = surfels->count;
     }
     for (uint32_t octave = surfels->octave_count; result == STP_OK && octave > 0; --octave) {
         uint32_t done = surfels->octave_count - octave;

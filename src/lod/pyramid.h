@@ -32,8 +32,9 @@ typedef struct stp_pyramid {
     stp_grid candidates; ///< all, in cells made for the finest octave
     uint32_t* nearest;   ///< of each sample, in its grid's order
     stp_disk* disks;
-    uint32_t* spatial; ///< all surfels along a space-filling curve
-    uint32_t* visit;   ///< those of one prefix
+    uint32_t*
+        visit; ///< the surfels of one prefix along a space-filling curve; from the longest prefix on
+    uint32_t visit_count;
 } stp_pyramid;
 
 /// How an octave is made.
@@ -51,8 +52,7 @@ static inline uint16_t stp_pyramid_fraction(double value)
 }
 
 /// How an octave is made: what samples its disks, and the cells to look in.
-STP_MUST_USE stp_result stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave,
-                                                stp_octave_plan* plan);
+void stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_plan* plan);
 
 /// Fills the fractions of the finest octave, whose entries have their opacities. `p->candidates` is there.
 void stp_pyramid_cover_finest(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan);

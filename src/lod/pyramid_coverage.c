@@ -78,7 +78,7 @@ static uint32_t sample_count(const stp_pyramid* p, float radius)
     return all && p->input->finish->final_radius > radius * SAMPLE_RADIUS ? 0 : low;
 }
 
-stp_result stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
+void stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
 {
     const stp_surfels* s = p->surfels;
     uint32_t count = s->octave_ends[octave];
@@ -91,11 +91,7 @@ stp_result stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_oc
     plan->stride = finest || stride < 1.0 ? 1 : stride > 64.0 ? 64 : (uint32_t)stride;
     // wide enough that few cells surround a disk
     float wide = plan->disk_radius + (plan->dense_count != 0 ? 0.0f : candidate_footprint(p, plan));
-    float cell = stp_max(2.002f * plan->radius, wide);
-    stp_result result =
-        stp_grid_choose_cell(p->context, p->input->positions, count, cell, &plan->cell);
-    plan->radius = stp_min(plan->radius, plan->cell * 0.4995f);
-    return result;
+    plan->cell = stp_max(2.002f * plan->radius, wide);
 }
 
 static void set_fraction(stp_pyramid* p, uint32_t octave, uint32_t surfel, double fraction)
@@ -144,15 +140,16 @@ static void cover_sampled(stp_pyramid* p, uint32_t octave)
     }
 }
 
-// Lists the surfels of a prefix along the curve.
+// Lists the surfels of a prefix along the curve, from those of a longer one.
 static uint32_t list_prefix(stp_pyramid* p, uint32_t count)
 {
     uint32_t listed = 0;
-    for (uint32_t i = 0; i < p->surfels->count; ++i) {
-        if (p->spatial[i] < count) {
-            p->visit[listed++] = p->spatial[i];
-        }
+    for (uint32_t i = 0; i < p->visit_count; ++i) {
+        uint32_t surfel = p->visit[i];
+        p->visit[listed] = surfel;
+        listed += surfel < count;
     }
+    p->visit_count = listed;
     return listed;
 }
 
