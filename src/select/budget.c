@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "select/budget.h"
+
+#define DEAD_BAND                                                                                  \
+    0.1 // Brandt 4.3: no change while the frame's time is within [0.9, 1.1] of the budget
+
+// Prices before anything was seen, in milliseconds a million (draws: a thousand), and how far they may be wrong.
+static const double first_price[STP_BUDGET_TERMS] = {8.0, 1.0, 12.0, 2.0, 10.0};
+#define FIRST_DOUBT 4.0 // times the price
+static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
+
+#define DRIFT 0.03  // of a first price that a price may change by in a frame: scenes and caches do
+#define NOISE 0.1   // of a frame's time, from what is not in the model
+#define OUTLIER 0.5 // relative errors beyond are learned from as if they were this large
+#define SPEED_FOLLOWS 0.25  // how fast the machine's speed is taken over
+#define SCATTER_FOLLOWS 0.1 // and how fast its scatter is
+#define MOST_SCATTER 0.25
+#define SIGMAS 1.3    // nineteen of twenty frames are to stay within OVERSHOOT
+#define OVERSHOOT 1.1 // of the budget
+#define SLOWEST_FINER                                                                              \
+    0.92 // sizes shrink by no more than so much a frame: a shrink too far is a late frame
+#define EXPONENT_FOLLOWS 0.2
+#define LEAST_CHANGE 0.05 // of the logarithm of the size, below which nothing is said of exponents
+
+void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms)
+{
+    *budget = (stp_budget){
+        .controller = controller,
+        .budget_ms = budget_ms > 0.0 ? budget_ms : 1.0,
+        .splat_size = controller == STP_CONTROLLER_PAPER ? 1.0f : 0.5f * STP_SPLAT_SIZE_MOST,
+        .speed = 1.0,
+        .scatter = 0.05,
+        .splat_exponent = 2.0, // what covers the screen
+        .triangle_exponent = 1.0,
+    };
+    for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
+        budget->price[i] = first_price[i];
+        budget->covariance[i][i] = first_price[i] * first_price[i] * FIRST_DOUBT * FIRST_DOUBT;
+    }
+}
+
+float stp_budget_splat_size(const stp_budget* budget)
+{
+    return budget->splat_size;
+}
+
+static double clamp_number(double value, double least, double most)
+{
+    return value > least ? (value < most ? value : most) : least;
+}
+
+static float clamp_size(double size)
+{
+    return (float)clamp_number(size, (double)STP_SPLAT_SIZE_LEAST, (double)STP_SPLAT_SIZE_MOST);
+}
+
+// The moving average of the sizes of the last three frames, and that size weighted by how late the last one was.
+static void react(stp_budget* b, const stp_frame_cost* cost)
+{
+    b->sizes[b->frames % STP_BUDGET_AVERAGED] = cost->splat_size;
+    uint64_t known = b->frames + 1 < STP_BUDGET_AVERAGED ? b->frames + 1 : STP_BUDGET_AVERAGED;
+    double old = 0.0;
+    for (uint64_t i = 0; i < known; ++i) {
+        old += (double)b->sizes[i] / (double)known;
+    }
+    double deviation = cost->milliseconds / b->budget_ms;
+    if (deviation < 1.0 - DEAD_BAND || deviation > 1.0 + DEAD_BAND) {
+        b->splat_size = clamp_size((old * 3.0 + old * deviation) / 4.0);
+    }
+}
+
+static void list_terms(const stp_frame_cost* cost, double terms[STP_BUDGET_TERMS])
+{
+    const double counts[STP_BUDGET_TERMS] = {(double)cost->splats, (double)cost->fragments,
+                                             (double)cost->triangles, (double)cost->draw_calls,
+                                             (double)cost->covered_pixels};
+    for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
+        terms[i] = counts[i] * units[i];
+    }
+}
+
+static double price_of(const stp_budget* b, const double terms[STP_BUDGET_TERMS])
+{
+    double sum = 0.0;
+    for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
+        sum += b->price[i] * terms[i];
+    }
+    return sum;
+}
+
+double stp_budget_predict(const stp_budget* b, double splat_size)
+{
+    double terms[STP_BUDGET_TERMS];
+    list_terms(&b->last, terms);
+    double finer = b->frames > 0 ? (double)b->last.splat_size / splat_size : 1.0;
+    double splats = pow(finer, b->splat_exponent), triangles = pow(finer, b->triangle_exponent);
+    terms[0] *= splats;
+    terms[1] *= splats / (finer * finer); // each covers as many pixels as it is large
+    terms[2] *= triangles;
+    terms[3] *= triangles;
+    return b->speed * price_of(b, terms);
+}
+
+// A Kalman filter of prices that drift. They stay above zero, and what is never seen is not doubted without end.
+static void learn_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], double milliseconds)
+{
+    double expected = price_of(b, terms), spread[STP_BUDGET_TERMS] = {0}, sum = 0.0;
+    double error = milliseconds / b->speed - expected;
+    error = clamp_number(error, -OUTLIER * expected, OUTLIER * expected);
+    for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
+        double most = first_price[i] * FIRST_DOUBT, drift = first_price[i] * DRIFT;
+        b->covariance[i][i] += b->covariance[i][i] < most * most ? drift * drift : 0.0;
+        for (int k = 0; k < STP_BUDGET_TERMS; ++k) {
+            spread[i] += b->covariance[i][k] * terms[k];
+        }
+        sum += spread[i] * terms[i];
+    }
+    double noise = NOISE * expected + 1e-3;
+    double gain = 1.0 / (sum + noise * noise);
+    for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
+        double least = first_price[i] * 0.01;
+        b->price[i] += spread[i] * gain * error;
+        b->price[i] = b->price[i] > least ? b->price[i] : least;
+        for (int k = 0; k < STP_BUDGET_TERMS; ++k) {
+            b->covariance[i][k] -= spread[i] * spread[k] * gain;
+        }
+    }
+}
+
+static double learn_exponent(double exponent, uint64_t before, uint64_t now, double finer)
+{
+    if (before < 1000 || now < 1000) {
+        return exponent;
+    }
+    double seen = log((double)now / (double)before) / log(finer);
+    return exponent + EXPONENT_FOLLOWS * (clamp_number(seen, 0.0, 3.0) - exponent);
+}
+
+// How counts answered to the last change of the size.
+static void learn_exponents(stp_budget* b, const stp_frame_cost* cost)
+{
+    double finer = (double)b->last.splat_size / (double)cost->splat_size;
+    if (b->frames == 0 || fabs(log(finer)) < LEAST_CHANGE) {
+        return;
+    }
+    b->splat_exponent = learn_exponent(b->splat_exponent, b->last.splats, cost->splats, finer);
+    b->triangle_exponent =
+        learn_exponent(b->triangle_exponent, b->last.triangles, cost->triangles, finer);
+    b->splat_exponent = clamp_number(b->splat_exponent, 0.5, 2.5); // so that sizes still matter
+}
+
+// Where the model reaches the goal; it falls with the size.
+static double solve_size(const stp_budget* b, double goal)
+{
+    double low = (double)STP_SPLAT_SIZE_LEAST, high = (double)STP_SPLAT_SIZE_MOST;
+    for (int i = 0; i < 24; ++i) {
+        double middle = 0.5 * (low + high);
+        *(stp_budget_predict(b, middle) > goal ? &low : &high) = middle;
+    }
+    return high;
+}
+
+static void predict(stp_budget* b, const stp_frame_cost* cost)
+{
+    double terms[STP_BUDGET_TERMS];
+    list_terms(cost, terms);
+    double expected = price_of(b, terms);
+    if (b->frames > 0 && expected > 0.0) {
+        double ratio = clamp_number(cost->milliseconds / expected, 0.2, 5.0);
+        double off = fabs(ratio / b->speed - 1.0);
+        b->scatter += SCATTER_FOLLOWS * ((off < 1.0 ? off : 1.0) - b->scatter);
+        b->speed += SPEED_FOLLOWS * (ratio - b->speed);
+    }
+    learn_prices(b, terms, cost->milliseconds);
+    learn_exponents(b, cost);
+    b->last = *cost;
+    b->frames += 1;
+    double scatter = b->scatter < MOST_SCATTER ? b->scatter : MOST_SCATTER;
+    double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // mean deviations to sigmas
+    double goal = b->budget_ms * (margin < 1.0 ? margin : 1.0);
+    double size = solve_size(b, goal), least = (double)cost->splat_size * SLOWEST_FINER;
+    b->splat_size = clamp_size(size > least ? size : least);
+}
+
+void stp_budget_learn(stp_budget* b, const stp_frame_cost* cost)
+{
+    if (!(cost->milliseconds > 0.0 && cost->milliseconds < 1e9 && cost->splat_size > 0.0f)) {
+        return;
+    }
+    if (b->controller == STP_CONTROLLER_PAPER) {
+        react(b, cost);
+        b->last = *cost;
+        b->frames += 1;
+    } else {
+        predict(b, cost);
+    }
+}

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+// The controllers of the frame's time, against a machine that is simulated.
+#include "tests.h"
+
+#include "base/rng.h"
+#include "select/budget.h"
+
+#include <stdlib.h>
+
+enum { FRAMES = 1200, WARM_UP = 30 };
+
+// A scene along a flight: what it shows swells and shrinks by `swing`, and a frame's time has noise.
+typedef struct machine {
+    double splats, triangles; ///< at size 1, millions
+    double swing;
+    double noise;
+    double slow; ///< how much slower the second half of the flight is
+} machine;
+
+static double random_between(uint64_t number, double low, double high)
+{
+    return low + (high - low) * ((double)(stp_rng_hash(7, number) >> 11) * 0x1p-53);
+}
+
+static stp_frame_cost run_frame(const machine* m, int frame, float size)
+{
+    double phase = 6.283185307 * (double)frame / 300.0, s = (double)size;
+    double swell = 1.0 + m->swing * sin(phase);
+    double splats = m->splats * swell / (s * s), triangles = m->triangles * swell / s + 0.05;
+    double fragments = splats * s * s * 0.3, covered = 1.5;
+    double time = 1.0 + 6.0 * splats + 1.5 * fragments + 9.0 * triangles + 6.0 * covered;
+    time *= random_between((uint64_t)frame, 1.0 - m->noise, 1.0 + m->noise);
+    time *= frame > FRAMES / 2 ? m->slow : 1.0;
+    return (stp_frame_cost){
+        .milliseconds = time,
+        .splats = (uint64_t)(splats * 1e6),
+        .fragments = (uint64_t)(fragments * 1e6),
+        .triangles = (uint64_t)(triangles * 1e6),
+        .covered_pixels = (uint64_t)(covered * 1e6),
+        .draw_calls = 500,
+        .splat_size = size,
+    };
+}
+
+static int compare_doubles(const void* left, const void* right)
+{
+    double a = *(const double*)left, b = *(const double*)right;
+    return a < b ? -1 : a > b;
+}
+
+typedef struct outcome {
+    double p50, p95, p99, size; ///< of the budget; mean size
+} outcome;
+
+static outcome fly(const machine* m, stp_controller controller, double budget_ms)
+{
+    static double times[FRAMES];
+    stp_budget budget;
+    stp_budget_init(&budget, controller, budget_ms);
+    size_t count = 0;
+    outcome out = {0};
+    for (int i = 0; i < FRAMES; ++i) {
+        stp_frame_cost cost = run_frame(m, i, stp_budget_splat_size(&budget));
+        stp_budget_learn(&budget, &cost);
+        if (i >= WARM_UP) {
+            times[count++] = cost.milliseconds / budget_ms;
+            out.size += (double)cost.splat_size;
+        }
+    }
+    out.size /= (double)count;
+    qsort(times, count, sizeof(times[0]), compare_doubles);
+    out.p50 = times[count / 2];
+    out.p95 = times[count * 95 / 100];
+    out.p99 = times[count * 99 / 100];
+    return out;
+}
+
+void test_budget_prediction_holds_attainable_budgets(test_state* test)
+{
+    const machine machines[] = {
+        {.splats = 10.0, .triangles = 4.0, .swing = 0.2, .noise = 0.02, .slow = 1.0},
+        {.splats = 10.0, .triangles = 4.0, .swing = 0.8, .noise = 0.04, .slow = 1.0},
+        {.splats = 16.0, .triangles = 4.0, .swing = 0.5, .noise = 0.03, .slow = 1.3},
+        {.splats = 30.0, .triangles = 1.0, .swing = 0.6, .noise = 0.05, .slow = 1.0},
+    };
+    for (size_t i = 0; i < sizeof(machines) / sizeof(machines[0]); ++i) {
+        outcome o = fly(&machines[i], STP_CONTROLLER_PREDICT, 40.0);
+        CHECK(o.p95 <= 1.1);
+        CHECK(o.p99 <= 1.5);
+        CHECK(o.p50 >= 0.9); // nor is time given away
+    }
+}
+
+void test_budget_prediction_keeps_the_best_where_time_is_plenty(test_state* test)
+{
+    machine m = {.splats = 2.0, .triangles = 0.5, .swing = 0.2, .noise = 0.02, .slow = 1.0};
+    outcome o = fly(&m, STP_CONTROLLER_PREDICT, 200.0);
+    CHECK(o.size < 1.01);
+}
+
+void test_budget_prediction_takes_the_coarsest_where_nothing_helps(test_state* test)
+{
+    machine m = {.splats = 20.0, .triangles = 4.0, .swing = 0.1, .noise = 0.02, .slow = 1.0};
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 2.0);
+    for (int i = 0; i < 50; ++i) {
+        stp_frame_cost cost = run_frame(&m, i, stp_budget_splat_size(&budget));
+        stp_budget_learn(&budget, &cost);
+    }
+    CHECK(stp_budget_splat_size(&budget) > 7.99f);
+}
+
+void test_budget_prediction_beats_the_paper_where_the_scene_changes(test_state* test)
+{
+    machine m = {.splats = 12.0, .triangles = 4.0, .swing = 0.8, .noise = 0.03, .slow = 1.3};
+    outcome ours = fly(&m, STP_CONTROLLER_PREDICT, 40.0);
+    outcome paper = fly(&m, STP_CONTROLLER_PAPER, 40.0);
+    CHECK(ours.p95 < paper.p95);
+}
+
+void test_budget_of_the_paper_is_the_printed_formula(test_state* test)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PAPER, 20.0);
+    CHECK(stp_budget_splat_size(&budget) == 1.0f);
+    stp_frame_cost cost = {.milliseconds = 40.0, .splat_size = 2.0f};
+    stp_budget_learn(&budget, &cost); // average 2, twice too late: (2 * 3 + 2 * 2) / 4
+    CHECK(fabsf(stp_budget_splat_size(&budget) - 2.5f) < 1e-6f);
+    cost = (stp_frame_cost){.milliseconds = 30.0, .splat_size = 4.0f};
+    stp_budget_learn(&budget, &cost); // average 3: (9 + 4.5) / 4
+    CHECK(fabsf(stp_budget_splat_size(&budget) - 3.375f) < 1e-6f);
+    cost.milliseconds = 21.9; // within the dead band
+    stp_budget_learn(&budget, &cost);
+    CHECK(fabsf(stp_budget_splat_size(&budget) - 3.375f) < 1e-6f);
+    cost.milliseconds = 2000.0;
+    stp_budget_learn(&budget, &cost);
+    CHECK(stp_budget_splat_size(&budget) == 8.0f);
+    cost = (stp_frame_cost){.milliseconds = 1.0, .splat_size = 1.0f};
+    for (int i = 0; i < 4; ++i) {
+        stp_budget_learn(&budget, &cost);
+    }
+    CHECK(stp_budget_splat_size(&budget) == 1.0f);
+}
+
+void test_budget_learns_nothing_from_nonsense(test_state* test)
+{
+    const stp_controller controllers[] = {STP_CONTROLLER_PREDICT, STP_CONTROLLER_PAPER};
+    const double times[] = {0.0, -1.0, (double)NAN, (double)INFINITY, 1e300};
+    for (int k = 0; k < 2; ++k) {
+        stp_budget budget;
+        stp_budget_init(&budget, controllers[k], 33.0);
+        float before = stp_budget_splat_size(&budget);
+        for (size_t i = 0; i < sizeof(times) / sizeof(times[0]); ++i) {
+            stp_frame_cost cost = {.milliseconds = times[i], .splats = 1000, .splat_size = 2.0f};
+            stp_budget_learn(&budget, &cost);
+        }
+        CHECK(stp_budget_splat_size(&budget) == before);
+        stp_frame_cost huge = {.milliseconds = 5.0,
+                               .splats = UINT64_MAX,
+                               .fragments = UINT64_MAX,
+                               .triangles = UINT64_MAX,
+                               .draw_calls = UINT32_MAX,
+                               .splat_size = 8.0f};
+        for (int i = 0; i < 100; ++i) {
+            stp_budget_learn(&budget, &huge);
+            float size = stp_budget_splat_size(&budget);
+            CHECK(size >= 1.0f && size <= 8.0f);
+        }
+    }
+}
