@@ -36,7 +36,8 @@ static stp_result count_primitives(stp_capture_job* job, stp_boxd* box)
 {
     const stp_scene* scene = job->scene;
     job->first_primitives = STP_NEW_ARRAY(scene->context, uint64_t, job->part_count + 1);
-    if (job->first_primitives == NULL) {
+    job->boxes = STP_NEW_ARRAY(scene->context, stp_box, job->part_count);
+    if (job->first_primitives == NULL || job->boxes == NULL) {
         return stp_fail_memory(scene->context);
     }
     uint64_t sum = 0;
@@ -49,6 +50,7 @@ static stp_result count_primitives(stp_capture_job* job, stp_boxd* box)
         uint32_t count = is_mesh ? mesh->triangle_count : points->point_count;
         stp_box own = is_mesh ? mesh->bounds : points->bounds;
         job->first_primitives[i] = sum;
+        job->boxes[i] = own;
         sum += count;
         if (count != 0) {
             stp_boxd there = stp_affine_box(
@@ -274,6 +276,7 @@ static void end_job(stp_capture_job* job)
     stp_capture_drop_bands(job);
     stp_capture_drop_sets(job);
     stp_free(context, job->views);
+    stp_free(context, job->boxes);
     stp_free(context, job->first_primitives);
 }
 

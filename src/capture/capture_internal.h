@@ -45,6 +45,7 @@ typedef struct stp_capture_job {
     const stp_placed_part* parts;
     size_t part_count;
     uint64_t* first_primitives; ///< of each part, and the count of all
+    stp_box* boxes; ///< of each part, own space: side by side, as each view looks at all of them
     const stp_placed_set* sets;
     size_t set_count;
     uint64_t* first_surfels; ///< of each set, and the count of all; primitives after those of parts
