@@ -48,8 +48,10 @@ static inline void test_heap_free(void* memory, size_t size, void* user)
 
 /// The last message a context logged, for tests that check what is said.
 typedef struct test_log {
-    char text[512];
+    char text[512]; ///< the last error
     int errors;
+    char warning[512]; ///< the last one
+    int warnings;
 } test_log;
 
 static inline void test_log_message(stp_log_level level, const char* message, void* user)
@@ -58,6 +60,9 @@ static inline void test_log_message(stp_log_level level, const char* message, vo
     if (level == STP_LOG_ERROR) {
         snprintf(log->text, sizeof(log->text), "%s", message);
         log->errors += 1;
+    } else if (level == STP_LOG_WARNING) {
+        snprintf(log->warning, sizeof(log->warning), "%s", message);
+        log->warnings += 1;
     }
 }
 

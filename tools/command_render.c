@@ -314,6 +314,18 @@ static scene_use choose_use(void)
     return args.reference ? SCENE_FOR_ORIGINALS : splats ? SCENE_FOR_SPLATS : SCENE_FOR_A_PICTURE;
 }
 
+/// An empty picture is rarely what was wanted: it should not look like a scene without content.
+static void explain_empty(const session* s, const char* path)
+{
+    if (s->stats.covered_pixels == 0) {
+        bool any = stp_store_get_directory(s->store)->root != STP_STORE_NONE;
+        stp_warn(s->context, "%s: the picture is empty: %s", path,
+                 !any                 ? "so is the scene"
+                 : s->list.count == 0 ? "nothing of the scene lies in the view"
+                                      : "what lies in the view covers the middle of no pixel");
+    }
+}
+
 static int render(session* s, const char* path)
 {
     if (tool_open_scene_for(s->context, path, choose_use(), &s->store) != STP_OK) {
@@ -333,6 +345,7 @@ static int render(session* s, const char* path)
         result = draw_frames(s);
     }
     if (result == STP_OK) {
+        explain_empty(s, path);
         result = tool_write_picture(s->context, &s->image, args.output);
     }
     return result != STP_OK ? 1 : args.json ? print_json(s) : 0;

@@ -22,7 +22,8 @@ enum {
     FLOAT_DIGITS = 23,
     NUMBER_BITS = 29,  // a coordinate is less than 2^30 steps
     STEP_LEAST = -149, // the least float
-    STEP_MOST = 96,    // 2^31 of them are finite
+    STEP_MOST =
+        96, // 2^31 of them are finite; scenes have no numbers that need more (scene/reach.h)
 };
 
 typedef struct octave_counts {

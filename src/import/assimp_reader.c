@@ -293,10 +293,7 @@ static stp_result read_arrays(reader* r, const stp_assimp_mesh* head, stp_mesh* 
         }
     }
     repair_attributes(mesh);
-    return all_finite(mesh->positions, 3 * count)
-               ? STP_OK
-               : stp_fail(r->context, STP_ERROR_FORMAT,
-                          "%s: a mesh has a position that is not finite", r->import->path);
+    return STP_OK;
 }
 
 static stp_result add_points(reader* r, stp_mesh* mesh, const float* colors, stp_part* part)

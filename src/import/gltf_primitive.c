@@ -97,26 +97,6 @@ stp_result stp_gltf_attribute(stp_gltf_scope* scope, const stp_gltf_vertices* ve
     return result;
 }
 
-static stp_result check_finite(stp_gltf_scope* scope, const float* positions, size_t count)
-{
-    uint32_t found = 0;
-    for (size_t i = 0; i < count * 3; ++i) {
-        uint32_t bits;
-        memcpy(&bits, &positions[i], sizeof(bits));
-        found |= (bits & 0x7F800000u) == 0x7F800000u ? 1u : 0u;
-    }
-    if (found == 0) {
-        return STP_OK;
-    }
-    size_t at = 0;
-    while (isfinite(positions[at])) {
-        at += 1;
-    }
-    const float* p = positions + at / 3 * 3;
-    return stp_gltf_fail(scope, STP_ERROR_FORMAT, "vertex %zu is at (%g, %g, %g)", at / 3,
-                         (double)p[0], (double)p[1], (double)p[2]);
-}
-
 static void normalize_all(float* normals, size_t count)
 {
     for (size_t i = 0; normals != NULL && i < count; ++i) {
@@ -127,7 +107,7 @@ static void normalize_all(float* normals, size_t count)
     }
 }
 
-// Positions and normals, posed.
+// Positions and normals, posed. The scene leaves out what has no place (scene/reach.h).
 static stp_result read_geometry(stp_gltf_scope* scope, const json_t* mesh, const json_t* json,
                                 const stp_gltf_variant* variant, const stp_gltf_vertices* vertices,
                                 float** positions, float** normals)
@@ -140,17 +120,13 @@ static stp_result read_geometry(stp_gltf_scope* scope, const json_t* mesh, const
     if (*positions == NULL) {
         return stp_gltf_fail(scope, STP_ERROR_FORMAT, "POSITION has too few elements");
     }
-    result = check_finite(scope, *positions, vertices->selection.count);
-    if (result == STP_OK) {
-        three[0] = three[1] = 3;
-        result = stp_gltf_attribute(scope, vertices, "NORMAL", three, normals);
-    }
+    three[0] = three[1] = 3;
+    result = stp_gltf_attribute(scope, vertices, "NORMAL", three, normals);
     if (result == STP_OK) {
         result = stp_gltf_pose(scope, mesh, json, variant, vertices, *positions, *normals);
     }
     if (result == STP_OK) {
         normalize_all(*normals, vertices->selection.count);
-        result = check_finite(scope, *positions, vertices->selection.count);
     }
     return result;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "scene/bulk.h"
+#include "scene/reach.h"
 
 #include <assert.h>
 #include <string.h>
@@ -100,6 +101,15 @@ static void give_index(uint32_t* index, size_t count)
     }
 }
 
+static void note_damage(stp_scene* scene, stp_part part, uint32_t dropped)
+{
+    stp_damage* d = &scene->damaged;
+    if (dropped > 0 && d->count++ == 0) {
+        d->first = part;
+        d->dropped = dropped;
+    }
+}
+
 stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* index)
 {
     stp_mesh added = *mesh;
@@ -115,6 +125,8 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
     give_index(index, scene->mesh_count);
     stp_mesh* kept = &meshes[scene->mesh_count++];
     *kept = added;
+    note_damage(scene, (stp_part){STP_PART_MESH, (uint32_t)(scene->mesh_count - 1)},
+                stp_mesh_drop_unreachable(kept));
     kept->bounds = stp_box_empty();
     for (uint32_t i = 0; i < kept->vertex_count; ++i) {
         const float* p = kept->positions + 3 * (size_t)i;
@@ -139,6 +151,8 @@ stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points
     give_index(index, scene->point_set_count);
     stp_point_set* kept = &sets[scene->point_set_count++];
     *kept = added;
+    note_damage(scene, (stp_part){STP_PART_POINTS, (uint32_t)(scene->point_set_count - 1)},
+                stp_points_drop_unreachable(kept));
     kept->bounds = stp_box_empty();
     for (uint32_t i = 0; i < kept->point_count; ++i) {
         const float* p = kept->positions + 3 * (size_t)i;

@@ -70,7 +70,7 @@ typedef struct stp_mesh {
     const char* name; ///< may be NULL
     uint32_t vertex_count;
     uint32_t triangle_count;
-    float* positions;    ///< 3 a vertex, finite
+    float* positions;    ///< 3 a vertex; within reach once it is added (reach.h)
     float* normals;      ///< optional: 3 a vertex, unit or zero; NULL: flat, from the winding
     float* texcoords[2]; ///< optional: 2 a vertex
     uint16_t* colors;    ///< optional: 4 a vertex, linear, 65535 is 1; multiplies the base colour
@@ -88,7 +88,7 @@ typedef struct stp_mesh {
 typedef struct stp_point_set {
     const char* name; ///< may be NULL
     uint32_t point_count;
-    float* positions; ///< 3 a point, finite
+    float* positions; ///< 3 a point; within reach once it is added (reach.h)
     float* normals;   ///< optional: 3 a point
     uint8_t* colors;  ///< optional: RGBA a point, sRGB
     uint32_t material;
@@ -155,6 +155,13 @@ typedef struct stp_source {
     uint64_t bytes;
 } stp_source;
 
+/// Meshes and point sets of which something was left out when they were added (reach.h).
+typedef struct stp_damage {
+    uint32_t count;   ///< how many such
+    stp_part first;   ///< of them
+    uint32_t dropped; ///< of its triangles or points
+} stp_damage;
+
 typedef struct stp_scene {
     stp_context* context;
     stp_arena text; ///< names and ids live here
@@ -171,6 +178,7 @@ typedef struct stp_scene {
         instance_count, view_count, source_count;
     size_t mesh_capacity, point_set_capacity, material_capacity, texture_capacity, object_capacity,
         part_capacity, instance_capacity, view_capacity, source_capacity;
+    stp_damage damaged;
 
     // made by stp_scene_finish
     stp_node* nodes;
@@ -199,7 +207,8 @@ void stp_scene_destroy(stp_scene* scene);
 
 // Each of these adds one thing and gives its index through the last argument (may be NULL). Arrays inside
 // the struct (positions, texels, ...) must come from stp_alloc; the scene takes them over, also on failure.
-// Texts are copied. Failure is always STP_ERROR_OUT_OF_MEMORY, logged.
+// Texts are copied. Failure is always STP_ERROR_OUT_OF_MEMORY, logged. Of meshes and point sets, what has no finite place
+// within reach is left out: stp_scene_finish tells.
 STP_MUST_USE stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* index);
 STP_MUST_USE stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points,
                                                 uint32_t* index);
@@ -226,7 +235,8 @@ stp_material stp_material_default(void);
 stp_texture_use stp_texture_use_none(void);
 
 /// Computes bounds, drops degenerate meshes' parts (no triangles), merges identical meshes and identical
-/// subtrees, and makes the graph of nodes. Call once, after everything was added.
+/// subtrees, and makes the graph of nodes. What would lie out of reach in its parent is left out, with a warning that
+/// names the first such object: the rest of the scene is not spoilt. Call once, after everything was added.
 STP_MUST_USE stp_result stp_scene_finish(stp_scene* scene);
 
 /// One use of a part in the whole scene.

