@@ -73,7 +73,7 @@ stp_result scene_make_bakery_line(stp_scene* scene, const scene_options* options
 stp_result scene_make_car_factory(stp_scene* scene, const scene_options* options)
 {
     static const named_view views[] = {
-        {"overview", {-150, 8.5, 90}, {20, 0, -30}, 60},
+        {"overview", {-142, 9.5, 70}, {-30, 0, -15}, 60},
         {"body shop", {-68, 4.5, -54}, {-20, 1, -61}, 60},
         {"robots", {-44, 2.2, -55}, {-33, 1.2, -60}, 60},
         {"final assembly", {40, 2.6, 8}, {80, 0.8, 14}, 60},

@@ -28,7 +28,7 @@ STP_MUST_USE stp_result scene_make(stp_scene* scene, const char* name,
                                    const scene_options* options);
 
 #define SCENE_PREFIX "scene:"
-#define SCENES_VERSION "4" ///< to be raised when a scene becomes another: caches go by it
+#define SCENES_VERSION "5" ///< to be raised when a scene becomes another: caches go by it
 
 /// The scene of that name; NULL where there is none.
 const scene_recipe* scene_find(const char* name);

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+// Named views, and the flights of scenes/flights: each scene has them, and nobody stands in a wall.
+#include "scenes/support_scenes.h"
+#include "scenes/support_sight.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+
+enum { KEY_LIMIT = 64, STEPS = 5 }; // positions looked at between two keys
+
+typedef struct flight {
+    size_t key_count;
+    double t[KEY_LIMIT];
+    stp_vec3d eye[KEY_LIMIT], target[KEY_LIMIT];
+} flight;
+
+// Where it is tried: the whole would take too long. `reach` is how far from the scene made an eye may stand, as
+// a part of its diagonal.
+typedef struct trial {
+    const char *name, *made; ///< `made` stands at the same places
+    double scale, reach;
+    bool ground; ///< there is one everywhere below
+} trial;
+
+static const trial trials[] = {
+    {"boxes", "boxes", 1, 2, false},
+    {"spheres", "spheres", 1.0 / 512, 1, false},
+    {"one-mesh", "one-mesh", 0.001, 1, false},
+    {"power-plant", "power-plant", 0.001, 1, true},
+    {"twenty-million", "twenty-million", 0.001, 1, true},
+    {"forest", "forest", 0.005, 3, true},
+    {"city-small", "city-small", 1, 1, false},
+    {"city", "city", 0.0625, 2, false},
+    {"terrain", "terrain", 0.001, 1, true},
+    {"bakery-line", "bakery-line", 0.001, 1, false},
+    {"car-factory", "car-factory", 0.001, 1, true},
+    {"paper", "paper", 0.0005, 1, true},
+    {"paper-huge", "paper", 0.0005, 1, true},
+};
+enum { TRIALS = sizeof(trials) / sizeof(trials[0]) };
+
+static bool read_vector(const json_t* json, stp_vec3d* vector)
+{
+    for (size_t i = 0; i < 3; ++i) {
+        if (!json_is_number(json_array_get(json, i))) {
+            return false;
+        }
+    }
+    *vector = (stp_vec3d){json_number_value(json_array_get(json, 0)),
+                          json_number_value(json_array_get(json, 1)),
+                          json_number_value(json_array_get(json, 2))};
+    return json_array_size(json) == 3;
+}
+
+static bool read_keys(const json_t* keys, flight* f)
+{
+    f->key_count = json_array_size(keys);
+    bool valid = f->key_count >= 2 && f->key_count <= KEY_LIMIT;
+    for (size_t i = 0; valid && i < f->key_count; ++i) {
+        const json_t* key = json_array_get(keys, i);
+        stp_vec3d up = {0, 0, 0};
+        valid = read_vector(json_object_get(key, "eye"), &f->eye[i]) &&
+                read_vector(json_object_get(key, "target"), &f->target[i]) &&
+                read_vector(json_object_get(key, "up"), &up) &&
+                json_is_number(json_object_get(key, "t"));
+        f->t[i] = json_number_value(json_object_get(key, "t"));
+        valid = valid && (i == 0 ? f->t[i] >= 0.0 && f->t[i] <= 0.0 : f->t[i] > f->t[i - 1]);
+        stp_vec3d gaze = stp_subd(f->target[i], f->eye[i]);
+        valid = valid && stp_dotd(stp_crossd(gaze, up), stp_crossd(gaze, up)) > 0.0;
+    }
+    return valid;
+}
+
+static bool read_flight(const char* name, flight* f)
+{
+    char path[512];
+    snprintf(path, sizeof(path), "%s/scenes/flights/%s.json", STP_TEST_SOURCE_DIR, name);
+    json_t* json = json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
+    double fov = json_number_value(json_object_get(json, "fov"));
+    double rate = json_number_value(json_object_get(json, "fps"));
+    bool valid = fov > 5.0 && fov < 120.0 && rate >= 1.0 && rate <= 240.0 &&
+                 read_keys(json_object_get(json, "keys"), f);
+    json_decref(json);
+    return valid;
+}
+
+// Catmull-Rom between keys `i` and `i + 1`, at u in 0..1.
+static stp_vec3d point_between(const stp_vec3d* points, size_t count, size_t i, double u)
+{
+    const stp_vec3d *a = &points[i > 0 ? i - 1 : 0], *b = &points[i],
+                    *c = &points[i + 1 < count ? i + 1 : i],
+                    *d = &points[i + 2 < count ? i + 2 : count - 1];
+    double u2 = u * u, u3 = u2 * u;
+    double weights[4] = {0.5 * (-u + 2.0 * u2 - u3), 0.5 * (2.0 - 5.0 * u2 + 3.0 * u3),
+                         0.5 * (u + 4.0 * u2 - 3.0 * u3), 0.5 * (u3 - u2)};
+    return stp_addd(stp_addd(stp_scaled(*a, weights[0]), stp_scaled(*b, weights[1])),
+                    stp_addd(stp_scaled(*c, weights[2]), stp_scaled(*d, weights[3])));
+}
+
+// What is wrong with standing there and looking that way; NULL: nothing.
+static const char* judge_stand(const sight* s, const trial* tried, stp_vec3d eye, stp_vec3d target)
+{
+    const stp_boxd* box = &s->scene->nodes[s->scene->root].bounds;
+    stp_vec3d across = stp_subd(box->max, box->min);
+    double diagonal = sqrt(stp_dotd(across, across)), far = tried->reach * diagonal;
+    if (eye.x < box->min.x - far || eye.y < box->min.y - far || eye.z < box->min.z - far ||
+        eye.x > box->max.x + far || eye.y > box->max.y + far || eye.z > box->max.z + far) {
+        return "is far from the scene";
+    }
+    if (sight_is_inside(s, tried->ground, eye)) {
+        return "is inside of something";
+    }
+    stp_vec3d gaze = stp_normalized(stp_subd(target, eye));
+    return sight_look(s, eye, gaze).distance < fmin(2.0, 0.01 * diagonal) ? "looks at a wall"
+                                                                          : NULL;
+}
+
+static void check_stand(test_state* test, const sight* s, const trial* tried, const char* what,
+                        stp_vec3d eye, stp_vec3d target)
+{
+    const char* fault = judge_stand(s, tried, eye, target);
+    if (fault != NULL) {
+        fprintf(stderr, "%s, %s: (%g, %g, %g) %s\n", tried->name, what, eye.x, eye.y, eye.z, fault);
+    }
+    CHECK(fault == NULL);
+}
+
+static void check_trial(test_state* test, const trial* tried)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_scene* scene = make_scene(context, tried->made, tried->scale, 0);
+    sight s;
+    CHECK(scene != NULL && sight_open(&s, scene));
+    CHECK(scene->view_count > 0);
+    for (size_t i = 0; i < scene->view_count; ++i) {
+        const stp_scene_view* view = &scene->views[i];
+        CHECK(view->name != NULL && view->fov_degrees > 5.0 && view->fov_degrees < 120.0);
+        check_stand(test, &s, tried, view->name, view->eye, view->target);
+    }
+    flight f;
+    CHECK(read_flight(tried->name, &f));
+    for (size_t i = 0; i + 1 < f.key_count; ++i) {
+        for (int k = 0; k <= STEPS; ++k) {
+            double u = (double)k / STEPS;
+            check_stand(test, &s, tried, "flight", point_between(f.eye, f.key_count, i, u),
+                        point_between(f.target, f.key_count, i, u));
+        }
+    }
+    sight_close(&s);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
+static void check_named(test_state* test, const char* name)
+{
+    for (int i = 0; i < TRIALS; ++i) {
+        if (strcmp(trials[i].name, name) == 0) {
+            check_trial(test, &trials[i]);
+        }
+    }
+}
+
+void test_every_named_scene_has_a_flight(test_state* test)
+{
+    flight f;
+    for (const scene_recipe* recipe = scene_recipes(); recipe->name != NULL; ++recipe) {
+        int found = 0;
+        for (int i = 0; i < TRIALS; ++i) {
+            found += strcmp(trials[i].name, recipe->name) == 0;
+        }
+        if (found != 1 || !read_flight(recipe->name, &f)) {
+            fprintf(stderr, "%s: no flight, or no trial of it here\n", recipe->name);
+        }
+        CHECK_EQUAL(1, found);
+        CHECK(read_flight(recipe->name, &f));
+    }
+}
+
+void test_views_and_flights_of_small_scenes_stand_free(test_state* test)
+{
+    check_named(test, "boxes");
+    check_named(test, "spheres");
+    check_named(test, "one-mesh");
+    check_named(test, "forest");
+    check_named(test, "terrain");
+}
+
+void test_views_and_flights_of_cities_stand_free(test_state* test)
+{
+    check_named(test, "city-small");
+    check_named(test, "city");
+}
+
+void test_views_and_flights_of_plants_stand_free(test_state* test)
+{
+    check_named(test, "power-plant");
+    check_named(test, "twenty-million");
+}
+
+void test_views_and_flights_of_factories_stand_free(test_state* test)
+{
+    check_named(test, "car-factory");
+    check_named(test, "bakery-line");
+}
+
+void test_views_and_flight_of_paper_stand_free(test_state* test)
+{
+    check_named(test, "paper");
+}
+
+void test_views_and_flight_of_paper_huge_stand_free(test_state* test)
+{
+    check_named(test, "paper-huge");
+}
