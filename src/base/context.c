@@ -3,13 +3,13 @@
 #include "base/context.h"
 
 #include "base/context_internal.h"
+#include "base/processor.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 #define ALIGNMENT ((size_t)64)
 #define MESSAGE_SIZE 1024
@@ -51,12 +51,6 @@ static void default_free(void* memory, size_t size, void* user)
     free(memory);
 }
 
-static uint32_t processor_count(void)
-{
-    long count = sysconf(_SC_NPROCESSORS_ONLN);
-    return count < 1 ? 1 : count > 1024 ? 1024 : (uint32_t)count;
-}
-
 stp_result stp_context_create(stp_context** context, const stp_context_desc* desc)
 {
     stp_allocator allocator = desc->allocator;
@@ -72,7 +66,7 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* des
     atomic_init(&made->live_bytes, 0);
     atomic_init(&made->peak_bytes, 0);
     atomic_init(&made->needed_bytes, 0);
-    uint32_t threads = desc->thread_count != 0 ? desc->thread_count : processor_count();
+    uint32_t threads = desc->thread_count != 0 ? desc->thread_count : stp_processor_count();
     stp_result result = stp_jobs_create(&made->jobs, made, threads);
     if (result != STP_OK) {
         allocator.free(made, sizeof(*made), allocator.user);

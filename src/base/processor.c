@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
+#define _DEFAULT_SOURCE // _SC_NPROCESSORS_ONLN
 #include "base/processor.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static stp_processor detect_hardware(void)
 {
@@ -32,4 +34,10 @@ stp_processor stp_processor_detect(void)
         return STP_PROCESSOR_AVX2;
     }
     return found;
+}
+
+uint32_t stp_processor_count(void)
+{
+    long count = sysconf(_SC_NPROCESSORS_ONLN);
+    return count < 1 ? 1 : count > 1024 ? 1024 : (uint32_t)count;
 }

@@ -3,6 +3,8 @@
 // picks with this. STP_PROCESSOR=baseline|avx2|avx512 in the environment lowers the answer, for tests.
 #pragma once
 
+#include <stdint.h>
+
 typedef enum stp_processor {
     STP_PROCESSOR_BASELINE, ///< portable C
     STP_PROCESSOR_AVX2,     ///< x86-64-v3: AVX2, BMI, F16C (fused multiply-add is never used)
@@ -11,3 +13,6 @@ typedef enum stp_processor {
 
 /// The widest variant that runs here. Any thread; cheap enough to ask once per call of the library.
 stp_processor stp_processor_detect(void);
+
+/// How many processors there are to run on: 1..1024.
+uint32_t stp_processor_count(void);

@@ -21,7 +21,7 @@
 // the bit.
 #pragma once
 
-#include "order/team.h"
+#include "base/team.h"
 
 #include <stipple/types.h>
 

@@ -46,6 +46,10 @@ done
 cmp -s stdout.png iso.png || fail "standard output has another picture"
 "$stipple" render "$file" -o threads.png --size 32x32 --threads 1 || fail "--threads"
 cmp -s threads.png iso.png || fail "threads change the picture"
+# more threads than are of use do not have a picture each: 1024 of these would be 8 GB
+"$stipple" render "$file" -o large.png --size 1024x1024 || fail "large"
+"$stipple" render "$file" -o threads.png --size 1024x1024 --threads 1024 --memory 1536M || fail "1024 threads"
+cmp -s threads.png large.png || fail "1024 threads change the picture"
 for processor in baseline avx2; do
     STP_PROCESSOR=$processor "$stipple" render "$file" -o p.png --size 32x32 || fail "$processor"
     cmp -s p.png iso.png || fail "$processor changes the picture"

@@ -2,6 +2,7 @@
 #include "tests.h"
 
 #include "base/math.h"
+#include "base/processor.h"
 #include "draw/draw.h"
 #include "draw/support_store.h"
 #include "present/png.h"
@@ -358,6 +359,25 @@ void test_draw_cpu_is_the_same_for_any_number_of_threads(test_state* test)
         f.style.supersample = 2;
         CHECK_EQUAL(STP_OK, draw(&f));
         CHECK(f.stats.splats > 100 && f.stats.triangles == 2 && f.stats.covered_pixels > 500);
+        if (threads == 1) {
+            memcpy(first, f.pixels, sizeof(first));
+        }
+        CHECK_EQUAL(0, memcmp(first, f.pixels, sizeof(first)));
+        end(&f);
+    }
+}
+
+// Each worker has a buffer as large as the picture, and a megabyte beside it.
+void test_draw_cpu_needs_no_more_memory_for_more_threads_than_processors(test_state* test)
+{
+    static uint8_t first[SIDE * SIDE * 4];
+    uint32_t processors = stp_processor_count();
+    for (uint32_t threads = 1; threads < 200 + processors; threads += 199 + processors) {
+        fixture f;
+        CHECK(begin(&f, NULL, threads));
+        make_rich(&f);
+        CHECK_EQUAL(STP_OK, draw(&f));
+        CHECK(stp_context_peak_bytes(f.context) < (uint64_t)(processors + 8) << 21);
         if (threads == 1) {
             memcpy(first, f.pixels, sizeof(first));
         }

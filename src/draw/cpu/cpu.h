@@ -3,10 +3,12 @@
 // The processor's backend. A frame is: prepare the items (matrices, data, textures), draw them in pieces into
 // one visibility buffer a worker, then walk the picture in bands: take each pixel's nearest over the workers'
 // buffers, emptying them for the next frame, and shade it. Drawing is a minimum, so neither the pieces nor who
-// drew them can be seen in the picture.
+// drew them can be seen in the picture. There are no more workers than are of use (base/team.h): each needs a buffer
+// as large as the picture.
 #pragma once
 
 #include "base/arena.h"
+#include "base/team.h"
 #include "draw/renderer.h"
 #include "raster/splats.h"
 #include "raster/texture.h"
@@ -69,9 +71,9 @@ typedef struct cpu_renderer {
     stp_renderer base;
     stp_store* store;
     const stp_store_directory* directory;
-    uint32_t worker_count;
-    cpu_worker* workers;
-    size_t pixel_count; ///< that buffers have room for
+    stp_team team;       ///< draws and shades
+    cpu_worker* workers; ///< one for each of its threads
+    size_t pixel_count;  ///< that buffers have room for
     float* depth;
     float* sums; ///< 4 a pixel: linear colour and samples covered; NULL until supersampling
     size_t sum_count;

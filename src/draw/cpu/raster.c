@@ -94,9 +94,9 @@ stp_result cpu_draw_items(cpu_renderer* r)
     if (r->piece_count == 0) {
         return STP_OK;
     }
-    size_t grain = r->piece_count / ((size_t)r->worker_count * 64);
-    stp_parallel_for(r->base.context, r->piece_count, grain > 0 ? grain : 1, draw_pieces, r);
-    for (uint32_t i = 0; i < r->worker_count; ++i) {
+    size_t grain = r->piece_count / ((size_t)r->team.threads * 64);
+    stp_team_run(&r->team, r->piece_count, grain > 0 ? grain : 1, draw_pieces, r);
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
         if (r->workers[i].failed) {
             return stp_fail_memory(r->base.context);
         }

@@ -10,7 +10,7 @@ static void destroy(stp_renderer* renderer)
 {
     cpu_renderer* r = (cpu_renderer*)renderer;
     stp_context* context = renderer->context;
-    for (uint32_t i = 0; r->workers != NULL && i < r->worker_count; ++i) {
+    for (uint32_t i = 0; r->workers != NULL && i < r->team.threads; ++i) {
         stp_free(context, r->workers[i].pixels);
         stp_free(context, r->workers[i].row);
         stp_arena_destroy(&r->workers[i].scratch);
@@ -30,7 +30,7 @@ static const float* get_depth(const stp_renderer* renderer)
 
 static void empty_pixels(cpu_renderer* r)
 {
-    for (uint32_t i = 0; i < r->worker_count; ++i) {
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
         for (size_t k = 0; r->workers[i].pixels != NULL && k < r->pixel_count; ++k) {
             r->workers[i].pixels[k] = STP_RASTER_EMPTY;
         }
@@ -48,7 +48,7 @@ static stp_result make_room(cpu_renderer* r, bool with_sums)
         stp_free(context, r->depth);
         r->depth = STP_NEW_ZEROED(context, float, needed);
         bool enough = r->depth != NULL;
-        for (uint32_t i = 0; i < r->worker_count; ++i) {
+        for (uint32_t i = 0; i < r->team.threads; ++i) {
             stp_free(context, r->workers[i].pixels);
             r->workers[i].pixels = STP_NEW_ARRAY(context, uint64_t, needed);
             enough = enough && r->workers[i].pixels != NULL;
@@ -59,7 +59,7 @@ static stp_result make_room(cpu_renderer* r, bool with_sums)
         r->pixel_count = needed;
         empty_pixels(r);
     }
-    for (uint32_t i = 0; i < r->worker_count; ++i) {
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
         cpu_worker* worker = &r->workers[i];
         if (worker->row_size < r->width) {
             worker->row_size = 0;
@@ -125,7 +125,6 @@ static void average_bands(size_t begin, size_t end, uint32_t worker, void* user)
 static stp_result draw_samples(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
                                stp_draw_stats* stats)
 {
-    stp_context* context = r->base.context;
     for (r->sample = 0; r->sample < r->sample_count; ++r->sample) {
         double start = stp_clock_ms();
         r->pattern = r->sample;
@@ -138,8 +137,8 @@ static stp_result draw_samples(cpu_renderer* r, const stp_draw_list* list, uint3
             return result;
         }
         double drawn = stp_clock_ms();
-        stp_parallel_for(context, r->height, CPU_BAND_ROWS, shade_bands, r);
-        for (uint32_t i = 0; i < r->worker_count; ++i) {
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
+        for (uint32_t i = 0; i < r->team.threads; ++i) {
             r->workers[i].drew = false;
         }
         stats->draw_ms += drawn - start;
@@ -147,7 +146,7 @@ static stp_result draw_samples(cpu_renderer* r, const stp_draw_list* list, uint3
     }
     if (r->sample_count > 1) {
         double start = stp_clock_ms();
-        stp_parallel_for(context, r->height, CPU_BAND_ROWS, average_bands, r);
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, average_bands, r);
         stats->shade_ms += stp_clock_ms() - start;
     }
     return STP_OK;
@@ -176,7 +175,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     if (result != STP_OK) {
         return result;
     }
-    for (uint32_t i = 0; i < r->worker_count; ++i) {
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
         r->workers[i].fragments = r->workers[i].covered = 0;
         r->workers[i].failed = false;
     }
@@ -184,7 +183,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     stats->splats = list->splat_count;
     stats->triangles = list->triangle_count;
     stats->draw_calls = (uint32_t)list->count;
-    for (uint32_t i = 0; i < r->worker_count; ++i) {
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
         stats->fragments += r->workers[i].fragments / r->sample_count;
         stats->covered_pixels += r->workers[i].covered;
     }
@@ -204,14 +203,14 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
         (stp_renderer){.context = context, .destroy = destroy, .draw = draw, .depth = get_depth};
     r->store = store;
     r->directory = stp_store_get_directory(store);
-    r->worker_count = stp_context_thread_count(context);
-    r->workers = STP_NEW_ZEROED(context, cpu_worker, r->worker_count);
+    r->team = stp_team_create_useful(context);
+    r->workers = STP_NEW_ZEROED(context, cpu_worker, r->team.threads);
     r->textures = STP_NEW_ZEROED(context, cpu_texture, (size_t)r->directory->texture_count + 1);
     if (r->workers == NULL || r->textures == NULL) {
         destroy(&r->base);
         return stp_fail_memory(context);
     }
-    for (uint32_t i = 0; i < r->worker_count; ++i) {
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
         cpu_worker* worker = &r->workers[i];
         worker->scratch = stp_arena_create(context, SCRATCH_BLOCK);
         stp_arena_mark mark =

@@ -242,7 +242,7 @@ static void merge_row(cpu_renderer* r, uint32_t y, uint64_t* row)
     for (uint32_t x = 0; x < r->width; ++x) {
         row[x] = STP_RASTER_EMPTY;
     }
-    for (uint32_t w = 0; w < r->worker_count; ++w) {
+    for (uint32_t w = 0; w < r->team.threads; ++w) {
         uint64_t* pixels = r->workers[w].pixels + first;
         if (!r->workers[w].drew) {
             continue;

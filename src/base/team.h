@@ -12,5 +12,11 @@ typedef struct stp_team {
 /// `wanted` threads of the context, at most all; 0: all.
 stp_team stp_team_create(stp_context* context, uint32_t wanted);
 
+/// As many threads as make anything faster, for loops whose members need much memory each: all of the context's, but
+/// of those beyond STP_TEAM_FEW no more than there are processors.
+stp_team stp_team_create_useful(stp_context* context);
+
+enum { STP_TEAM_FEW = 4 };
+
 /// stp_parallel_for on at most the team's threads. `worker` is below `threads`.
 void stp_team_run(const stp_team* team, size_t count, size_t grain, stp_job job, void* user);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "order/team.h"
+#include "base/team.h"
+
+#include "base/processor.h"
 
 #include <stdatomic.h>
 
@@ -7,6 +9,12 @@ stp_team stp_team_create(stp_context* context, uint32_t wanted)
 {
     uint32_t all = stp_context_thread_count(context);
     return (stp_team){context, wanted == 0 || wanted > all ? all : wanted};
+}
+
+stp_team stp_team_create_useful(stp_context* context)
+{
+    uint32_t processors = stp_processor_count();
+    return stp_team_create(context, processors > STP_TEAM_FEW ? processors : STP_TEAM_FEW);
 }
 
 typedef struct shared_loop {
