@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "draw_options.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BACKEND_AUTO, BACKEND_CPU, BACKEND_GL };
+enum { LIGHT_SUN, LIGHT_HEAD };
+
+static size_t copy_options(option* table, size_t used, const option* from)
+{
+    for (; from != NULL && from->name != NULL; ++from) {
+        assert(used + 1 < DRAW_OPTION_ROOM && "DRAW_OPTION_ROOM is too small");
+        table[used++] = *from;
+    }
+    table[used] = (option){0};
+    return used;
+}
+
+static size_t add_quality_options(option* table, size_t used, draw_options* o)
+{
+    const option list[] = {
+        {.name = "splat-size",
+         .type = OPTION_NUMBER,
+         .argument = "PX",
+         .words = "1..64",
+         .help = "size of splats in pixels; default 1",
+         .value = &o->splat_size,
+         .given = &o->has_splat_size},
+        {.name = "splats",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..4294967294",
+         .help = "draw exactly N splats",
+         .value = &o->splats,
+         .given = &o->has_splats},
+        {.name = "budget-ms",
+         .type = OPTION_NUMBER,
+         .argument = "MS",
+         .words = "0.1..1e6",
+         .help = "choose the size of splats, 1 to 8 pixels, so that a frame takes so long",
+         .value = &o->budget_ms,
+         .given = &o->has_budget},
+        {.name = "controller",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "predict|paper",
+         .help = "how --budget-ms is held: by a model of what costs time, or as in Brandt 4.3; "
+                 "default predict",
+         .value = &o->controller},
+        {.name = "splat-scale",
+         .type = OPTION_NUMBER,
+         .argument = "F",
+         .words = "0.01..100",
+         .help = "shrink or grow splats: 0.3 shows how they are distributed",
+         .value = &o->splat_scale},
+        {.name = "policy",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "insertion|paper|switch",
+         .help = "how many splats of a node are drawn: by insertion radius, by the estimate of "
+                 "Brandt 4.1, or without blending between levels; default insertion",
+         .value = &o->policy},
+        {.name = "reference", .help = "original triangles and points only", .value = &o->reference},
+        {0},
+    };
+    return copy_options(table, used, list);
+}
+
+static size_t add_picture_options(option* table, size_t used, draw_options* o)
+{
+    const option list[] = {
+        {.name = "size",
+         .type = OPTION_PIXELS,
+         .argument = "WxH",
+         .help = "pixels; default 1920x1080",
+         .value = o->size},
+        {.name = "fov",
+         .type = OPTION_NUMBER,
+         .argument = "DEG",
+         .words = "1..179",
+         .help = "vertical field of view; default the view's own, or 60",
+         .value = &o->fov,
+         .given = &o->has_fov},
+        {.name = "backend",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "auto|cpu|gl",
+         .help = "what draws; default auto",
+         .value = &o->backend},
+        {.name = "supersample",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..16",
+         .help = "N x N samples a pixel; default 1",
+         .value = &o->supersample},
+        {.name = "light",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "sun|head",
+         .help = "light from above the viewer's left shoulder, or from the eye; default sun",
+         .value = &o->light},
+        {.name = "background",
+         .type = OPTION_TEXT,
+         .argument = "RRGGBB",
+         .help = "colour behind the scene, in hexadecimal; default none (transparent)",
+         .value = &o->background},
+        {.name = "threads",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "0..1024",
+         .help = "threads that work; default all processors",
+         .value = &o->threads},
+        {.name = "memory",
+         .type = OPTION_SIZE,
+         .argument = "SIZE",
+         .help = "most memory; default no limit",
+         .value = &o->memory},
+        {.name = "json", .help = "print figures as one JSON object", .value = &o->json},
+        {0},
+    };
+    return copy_options(table, used, list);
+}
+
+const option* draw_options_table(option* table, const option* own, draw_options* options)
+{
+    size_t used = copy_options(table, 0, own);
+    used = add_quality_options(table, used, options);
+    add_picture_options(table, used, options);
+    return table;
+}
+
+/// Six hexadecimal digits, perhaps after a #.
+static bool parse_color(const char* text, uint8_t color[3])
+{
+    text += *text == '#' ? 1 : 0;
+    if (strlen(text) != 6 || strspn(text, "0123456789abcdefABCDEF") != 6) {
+        return false;
+    }
+    unsigned long value = strtoul(text, NULL, 16);
+    color[0] = (uint8_t)(value >> 16);
+    color[1] = (uint8_t)(value >> 8);
+    color[2] = (uint8_t)value;
+    return true;
+}
+
+int draw_options_check(const draw_options* o)
+{
+    uint8_t color[3];
+    if (o->has_splat_size && o->has_splats) {
+        return tool_usage_error("--splat-size and --splats exclude each other");
+    }
+    if (o->has_budget && (o->has_splat_size || o->has_splats || o->reference)) {
+        return tool_usage_error("--budget-ms and %s exclude each other",
+                                o->reference        ? "--reference"
+                                : o->has_splat_size ? "--splat-size"
+                                                    : "--splats");
+    }
+    if (o->backend == BACKEND_GL) {
+        return tool_usage_error("this build has no gl backend; use --backend cpu");
+    }
+    if (o->background != NULL && !parse_color(o->background, color)) {
+        return tool_usage_error("--background is six hexadecimal digits, not %s", o->background);
+    }
+    return 0;
+}
+
+stp_quality draw_options_quality(const draw_options* o)
+{
+    return (stp_quality){.splat_size = (float)o->splat_size,
+                         .splat_count = o->splats,
+                         .policy = (stp_policy)o->policy,
+                         .reference = o->reference};
+}
+
+stp_draw_style draw_options_style(const draw_options* o)
+{
+    stp_draw_style style = {.splat_scale = (float)o->splat_scale,
+                            .supersample = (uint32_t)o->supersample,
+                            .headlight = o->light == LIGHT_HEAD,
+                            .background = o->background != NULL};
+    if (style.background) {
+        (void)parse_color(o->background, style.background_color);
+    }
+    return style;
+}
+
+stp_view draw_options_view(const draw_options* o)
+{
+    return (stp_view){.width = o->size[0] != 0 ? o->size[0] : 1920,
+                      .height = o->size[1] != 0 ? o->size[1] : 1080,
+                      .fov_degrees = o->has_fov ? o->fov : 0.0};
+}
+
+/// Who asks for nothing of splats gets a picture soon.
+scene_use draw_options_use(const draw_options* o)
+{
+    bool splats = o->has_splat_size || o->has_splats || o->has_budget || o->splat_scale > 0.0 ||
+                  o->policy != STP_POLICY_INSERTION;
+    return o->reference ? SCENE_FOR_ORIGINALS : splats ? SCENE_FOR_SPLATS : SCENE_FOR_A_PICTURE;
+}

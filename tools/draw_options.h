@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// The options that all commands share that draw: how large, with what, how finely.
+#pragma once
+
+#include "command.h"
+#include "scene_file.h"
+
+#include "draw/draw.h"
+#include "select/budget.h"
+
+typedef struct draw_options {
+    uint32_t size[2];
+    double fov;
+    bool has_fov;
+    int backend;
+    double splat_size, splat_scale, budget_ms;
+    uint64_t splats;
+    bool has_splat_size, has_splats, has_budget;
+    int policy, controller;
+    bool reference;
+    uint64_t supersample;
+    int light;
+    const char* background;
+    uint64_t threads, memory;
+    bool json;
+} draw_options;
+
+enum { DRAW_OPTION_ROOM = 64 }; ///< entries of a table
+
+/// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after them the shared ones.
+/// @return the table
+const option* draw_options_table(option* table, const option* own, draw_options* options);
+
+/// Options that exclude each other, and a background that is none. @return 0, or 2 (message printed)
+int draw_options_check(const draw_options* options);
+
+/// What was asked for. Options must have been checked.
+stp_quality draw_options_quality(const draw_options* options);
+stp_draw_style draw_options_style(const draw_options* options);
+
+/// A view of the size asked for, and the angle (0: not asked for).
+stp_view draw_options_view(const draw_options* options);
+
+/// What a scene must hold for these options.
+scene_use draw_options_use(const draw_options* options);

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "frame.h"
+
+#include "base/clock.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    SETTLE_FRAMES = 150, ///< most
+    STEADY_FRAMES = 5,   ///< in a row without much change are settled
+};
+static const double settle_ms = 20000.0, steady_change = 0.02;
+
+stp_result frame_maker_create(stp_context* context, stp_store* store, const stp_draw_style* style,
+                              frame_maker* maker)
+{
+    *maker = (frame_maker){.context = context, .store = store, .style = *style};
+    return stp_draw_cpu_create(context, store, &maker->renderer);
+}
+
+void frame_maker_destroy(frame_maker* maker)
+{
+    if (maker->renderer != NULL) {
+        stp_renderer_destroy(maker->renderer);
+    }
+    if (maker->context != NULL) {
+        stp_draw_list_destroy(maker->context, &maker->list);
+    }
+    *maker = (frame_maker){0};
+}
+
+stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_quality* quality,
+                      stp_image* image, frame_figures* figures)
+{
+    stp_draw_stats stats = {0};
+    double start = stp_clock_ms();
+    stp_result result = stp_select(maker->context, maker->store, view, quality, &maker->list);
+    double selected = stp_clock_ms();
+    if (result == STP_OK) {
+        result =
+            stp_renderer_draw(maker->renderer, view, &maker->list, &maker->style, image, &stats);
+    }
+    *figures = (frame_figures){.frame_ms = stp_clock_ms() - start,
+                               .select_ms = selected - start,
+                               .draw_ms = stats.draw_ms,
+                               .shade_ms = stats.shade_ms,
+                               .splat_size = maker->list.splat_size,
+                               .splats = stats.splats,
+                               .triangles = stats.triangles,
+                               .fragments = stats.fragments,
+                               .covered_pixels = stats.covered_pixels,
+                               .nodes = maker->list.node_count,
+                               .draw_calls = stats.draw_calls};
+    for (size_t i = 0; i < maker->list.count; ++i) {
+        figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH;
+    }
+    return result;
+}
+
+stp_frame_cost frame_cost(const frame_figures* figures)
+{
+    return (stp_frame_cost){.milliseconds = figures->frame_ms,
+                            .splats = figures->splats,
+                            .fragments = figures->fragments,
+                            .triangles = figures->triangles,
+                            .covered_pixels = figures->covered_pixels,
+                            .draw_calls = (uint32_t)figures->draw_calls,
+                            .splat_size = figures->splat_size};
+}
+
+stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
+                        stp_quality* quality, stp_image* image)
+{
+    frame_figures figures;
+    double start = stp_clock_ms();
+    int steady = 0;
+    quality->splat_size = stp_budget_splat_size(budget);
+    for (int i = 0;
+         i < SETTLE_FRAMES && steady < STEADY_FRAMES && stp_clock_ms() - start < settle_ms; ++i) {
+        stp_result result = frame_draw(maker, view, quality, image, &figures);
+        if (result != STP_OK) {
+            return result;
+        }
+        stp_frame_cost cost = frame_cost(&figures);
+        stp_budget_learn(budget, &cost);
+        float next = stp_budget_splat_size(budget);
+        double change = fabs((double)next / (double)quality->splat_size - 1.0);
+        steady = change <= steady_change ? steady + 1 : 0;
+        quality->splat_size = next;
+    }
+    return STP_OK;
+}
+
+bool frame_image_create(stp_context* context, uint32_t width, uint32_t height, stp_image* image)
+{
+    *image = (stp_image){.width = width, .height = height};
+    image->pixels = stp_alloc_array(context, (size_t)width * height, 4);
+    if (image->pixels == NULL) {
+        tool_error("out of memory for a picture of %ux%u", width, height);
+    }
+    return image->pixels != NULL;
+}
+
+json_t* frame_describe(const frame_figures* f)
+{
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "splat_size",
+                     (double)f->splat_size, "frame_ms", f->frame_ms, "select_ms", f->select_ms,
+                     "draw_ms", f->draw_ms, "shade_ms", f->shade_ms, "splats",
+                     (json_int_t)f->splats, "fragments", (json_int_t)f->fragments, "clusters",
+                     (json_int_t)f->clusters, "triangles", (json_int_t)f->triangles, "nodes",
+                     (json_int_t)f->nodes, "draw_calls", (json_int_t)f->draw_calls,
+                     "covered_pixels", (json_int_t)f->covered_pixels);
+}
+
+void frame_read_device(char* name, size_t size)
+{
+    snprintf(name, size, "CPU");
+    FILE* file = fopen("/proc/cpuinfo", "r");
+    char line[256];
+    while (file != NULL && fgets(line, sizeof(line), file) != NULL) {
+        const char* colon = strchr(line, ':');
+        if (strncmp(line, "model name", 10) == 0 && colon != NULL) {
+            snprintf(name, size, "%.*s", (int)strcspn(colon + 2, "\n"), colon + 2);
+            break;
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+}

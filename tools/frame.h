@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Frames of a scene, one after the other: selected, drawn, shaded, and timed.
+#pragma once
+
+#include "command.h"
+
+#include "draw/draw.h"
+#include "select/budget.h"
+
+/// What a frame was, and how long it took.
+typedef struct frame_figures {
+    double frame_ms, select_ms, draw_ms, shade_ms; ///< the first is select, draw and shade
+    float splat_size;                              ///< in effect
+    uint64_t splats, triangles, fragments, covered_pixels;
+    uint64_t extra_splats; ///< drawn while levels blend
+    uint64_t clusters, nodes, draw_calls;
+} frame_figures;
+
+/// All zero at first.
+typedef struct frame_maker {
+    stp_context* context;
+    stp_store* store; ///< borrowed
+    stp_renderer* renderer;
+    stp_draw_list list;
+    stp_draw_style style;
+} frame_maker;
+
+STP_MUST_USE stp_result frame_maker_create(stp_context* context, stp_store* store,
+                                           const stp_draw_style* style, frame_maker* maker);
+void frame_maker_destroy(frame_maker* maker);
+
+/// Draws a view; `image` has its size. Failures are logged by the context.
+STP_MUST_USE stp_result frame_draw(frame_maker* maker, const stp_view* view,
+                                   const stp_quality* quality, stp_image* image,
+                                   frame_figures* figures);
+
+/// Draws the view until the budget has found its size of splats and stays there, or does not find it in some hundred
+/// frames or so many seconds. Sets quality->splat_size.
+STP_MUST_USE stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,
+                                     stp_quality* quality, stp_image* image);
+
+/// What a budget learns of a frame.
+stp_frame_cost frame_cost(const frame_figures* figures);
+
+/// A picture's memory, from stp_alloc. @return false, with the message printed
+bool frame_image_create(stp_context* context, uint32_t width, uint32_t height, stp_image* image);
+
+/// The keys of frame figures as `render --json` has them. NULL where memory runs out.
+json_t* frame_describe(const frame_figures* figures);
+
+/// What the processor calls itself.
+void frame_read_device(char* name, size_t size);
