@@ -9,7 +9,7 @@
 #define MOST_SURFELS 200000u // Brandt 5.2
 // Twice and four times as many candidates give pictures of the same SSIM (docs/performance.md).
 #define CANDIDATES_PER_SURFEL 4u
-#define LEAST_CANDIDATES 8000u   // a small object still wants its shape
+#define LEAST_CANDIDATES 6000u   // a small object still wants its shape
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
 #define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
 #define NORMAL_SPACINGS 2.5f     // how far around a point its normal is taken from

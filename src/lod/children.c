@@ -3,7 +3,7 @@
 
 #define WANTED_EACH 5.0 // candidates a surfel: evenly spread already, each once
 #define LEAST_EACH 4.0
-#define LEAST_CANDIDATES 8000.0
+#define LEAST_CANDIDATES 6000.0
 #define MOST_CANDIDATES 1750000.0
 #define PROBE_CANDIDATES 30000.0
 #define COARSE_RESOLUTION 8.0
@@ -116,7 +116,7 @@ typedef struct density {
 static stp_result choose_pixel(children* c)
 {
     static const density tries[] = {
-        {WANTED_EACH, 2000000, 4e6}, {4.5, 2000000, 4e6}, {LEAST_EACH, UINT64_MAX, HUGE_VAL}};
+        {WANTED_EACH, 2000000, 1.5e6}, {4.5, 2000000, 1.5e6}, {LEAST_EACH, UINT64_MAX, HUGE_VAL}};
     stp_result result = STP_OK;
     double finest = 0.0;
     for (int i = 0; result == STP_OK; ++i) {
