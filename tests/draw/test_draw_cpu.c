@@ -154,6 +154,62 @@ void test_draw_cpu_surfels_fill_the_square(test_state* test)
     end(&f);
 }
 
+// A sheet of surfels in z = 0, and a square of triangles at `z`, seen as in begin(), also in perspective.
+static bool begin_paving(fixture* f, bool perspective, double z)
+{
+    if (!begin(f, NULL, 1)) {
+        return false;
+    }
+    if (perspective) {
+        f->view.ortho_height = 0;
+        f->view.fov_degrees = 2.0 * 21.8014094863518; // the same picture of z = 0
+    }
+    made_scene* s = &f->scene;
+    s->surfels[s->surfels_count++] = made_square_surfels(f->context, 5, red);
+    add_square(f);
+    add_square(f);
+    s->nodes[0].surfels = 0;
+    s->nodes[0].bounds = s->nodes[1].bounds = (stp_boxd){{-1, -1, 0}, {1, 1, 0}};
+    s->edge_count = 2;
+    s->edges[0] = (stp_store_edge){0, stp_affine_identity()};
+    s->edges[1] = (stp_store_edge){1, stp_affine_identity()};
+    s->edges[1].transform.m[2][3] = z;
+    s->nodes[s->node_count++] = (stp_store_node){.edge_count = 2,
+                                                 .surfels = STP_STORE_NONE,
+                                                 .triangle_count = 4,
+                                                 .bounds = {{-1, -1, -0.03}, {1, 1, 0.5}}};
+    f->quality.splat_size = 4;
+    return true;
+}
+
+// Thin paving that is drawn as splats covers the ground right below it, which is drawn as triangles, and does not show
+// through what lies well in front of it. Depths are those of the triangles themselves.
+void test_draw_cpu_paving_covers_the_ground(test_state* test)
+{
+    for (int variant = 0; variant < 4; ++variant) {
+        fixture f;
+        bool perspective = variant % 2 == 1, covered = variant >= 2;
+        CHECK(begin_paving(&f, perspective, covered ? 0.5 : -0.03)); // a quarter of a splat
+        CHECK_EQUAL(STP_OK, draw(&f));
+        CHECK(f.stats.splats > 0 && f.stats.triangles == 2);
+        enum { FIRST = 18, MIDDLE = 28 };
+        int reds = 0;
+        for (int i = 0; i < MIDDLE * MIDDLE; ++i) {
+            reds += has_color(pixel(&f, FIRST + i % MIDDLE, FIRST + i / MIDDLE), 255, 0, 0, 255)
+                        ? 1
+                        : 0;
+        }
+        CHECK(covered ? reds == 0 : reds > MIDDLE * MIDDLE * 97 / 100);
+        size_t at = FIRST * SIDE + FIRST;
+        float mixed = stp_renderer_depth(f.renderer)[at];
+        f.quality.reference = true;
+        CHECK_EQUAL(STP_OK, draw(&f));
+        float alone = stp_renderer_depth(f.renderer)[at];
+        CHECK(!covered || !perspective || fabsf(mixed / alone - 1.0f) < 1e-6f);
+        end(&f);
+    }
+}
+
 void test_draw_cpu_colors_blend_between_octaves(test_state* test)
 {
     fixture f;

@@ -38,6 +38,8 @@ typedef struct cpu_item {
     uint32_t first_piece;
     uint32_t unit_count, piece_units; ///< splats, triangles or clusters: in all, and of a piece
     stp_raster_camera camera;         ///< of positions minus `offset`
+    float near_factor,
+        near_shift; ///< true nearness = near_factor * that of the buffer + near_shift
     float offset[3];
     float normal_matrix[3][3]; ///< item to scene, not of unit scale
     float scale;               ///< scene units per item unit
@@ -87,12 +89,19 @@ typedef struct cpu_renderer {
     stp_view_frame frame;
     const stp_draw_style* style;
     double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
+    double mesh_depth; ///< how far triangles are put behind their place, in sides of a pixel there
     uint32_t width, height;
     uint32_t sample, sample_count; ///< which of the supersamples
     uint32_t pattern;              ///< the sample again, for hashed alpha
     double shift_x, shift_y;
     stp_image* image;
 } cpu_renderer;
+
+/// What the buffer's nearness of an item says of where it really is.
+static inline float cpu_true_nearness(const cpu_item* item, float nearness)
+{
+    return item->near_factor * nearness + item->near_shift;
+}
 
 /// Looks up data and textures, and makes matrices, for a list. Failures are logged.
 STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Draw items made ready: data and textures looked up, matrices from item to screen.
 #include "draw/cpu/cpu.h"
-
 /// Item space (minus `offset`) to view space, in double: the eye is taken off before anything is rounded.
 static void view_rows(const cpu_renderer* r, const stp_affine* transform, const float offset[3],
                       double rows[3][4])
@@ -17,6 +16,28 @@ static void view_rows(const cpu_renderer* r, const stp_affine* transform, const 
                          axes[k].z * transform->m[2][c];
         }
         rows[k][3] = stp_dotd(axes[k], base);
+    }
+}
+
+/// Puts the triangles of an item a little behind their place (renderer.c, MESH_DEPTH).
+static void push_back(const cpu_renderer* r, cpu_item* item)
+{
+    stp_raster_camera* camera = &item->camera;
+    double step = item->kind == STP_DRAW_MESH ? r->mesh_depth / r->frame.scale : 0.0;
+    item->near_factor = 1.0f;
+    item->near_shift = 0.0f;
+    if (camera->parallel) {
+        double shift = -r->nearness_scale * step;
+        camera->matrix.m[2][3] = (float)((double)camera->matrix.m[2][3] - shift);
+        camera->nearness_limit = (float)(1.0 - shift);
+        item->near_shift = (float)shift;
+    } else { // a pixel grows with the depth: all depths grow in proportion, in any order as before
+        double factor = 1.0 + step;
+        for (int c = 0; c < 4; ++c) {
+            camera->matrix.m[2][c] = (float)((double)camera->matrix.m[2][c] / factor);
+        }
+        camera->nearness_limit = (float)(1.0 / factor);
+        item->near_factor = (float)factor;
     }
 }
 
@@ -43,6 +64,7 @@ static void place_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_ite
             camera->view[k][c] = (float)rows[k][c];
         }
     }
+    push_back(r, item);
     double normal[3][3];
     stp_affine_normal_matrix(&draw->transform, normal);
     double largest = 0.0;

@@ -83,6 +83,13 @@ static stp_result make_room(cpu_renderer* r, bool with_sums)
     return STP_OK;
 }
 
+// Triangles are put so many radii of the largest splats behind their place. A splat stands for what lies up to a radius
+// off its plane, and its rim falls behind: against the exact depth of the ground, where that is triangles, thin paving of
+// splats would lose nearly everywhere. Measured on the small city from above at 960x540, splat size 4: PSNR 23.1 dB with 0,
+// 24.8 with 1 (`stipple render`, `stipple compare`); in 13 views of six scenes at sizes 1, 2 and 4 the SSIM of covered
+// pixels changes by 0.02 to -0.005, mostly by less than 0.001. With 2 the paving has no gaps, but most other views lose.
+#define MESH_DEPTH 1.0
+
 /// Nearness: near / depth in perspective; in parallel projection it falls linearly over the scene's depth.
 static void choose_nearness(cpu_renderer* r)
 {
@@ -101,7 +108,7 @@ static void choose_nearness(cpu_renderer* r)
             fabs(f->forward.x) * half.x + fabs(f->forward.y) * half.y + fabs(f->forward.z) * half.z;
         double margin = 0.1 * (half.x + half.y + half.z); // splats stick out of the box
         low = stp_dotd(f->forward, center) - reach - margin;
-        high = stp_dotd(f->forward, center) + reach + margin;
+        high = stp_dotd(f->forward, center) + reach + margin + r->mesh_depth / f->scale;
     }
     low = fmax(low, f->near_distance);
     high = high > low ? high : low + 1.0;
@@ -169,6 +176,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     r->width = view->width;
     r->height = view->height;
     r->sample_count = side * side;
+    r->mesh_depth = list->splat_count != 0 ? MESH_DEPTH * 0.5 * (double)list->splat_size : 0.0;
     choose_nearness(r);
     stp_result result = make_room(r, side > 1);
     result = result != STP_OK ? result : cpu_prepare_items(r, list);

@@ -203,7 +203,8 @@ static void shade_pixel(shader* s, uint64_t pixel, uint32_t x, uint32_t y, float
         surfel_surface(s, item, index, &surface);
         break;
     case STP_DRAW_MESH:
-        mesh_surface(s, item, index, x, y, stp_raster_nearness(pixel), &surface);
+        mesh_surface(s, item, index, x, y, cpu_true_nearness(item, stp_raster_nearness(pixel)),
+                     &surface);
         break;
     case STP_DRAW_POINTS:
         point_surface(s, item, index, &surface);
@@ -299,7 +300,7 @@ void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* row
                 continue;
             }
             shade_pixel(&s, row[x], x, y, color);
-            r->depth[at] = stp_raster_nearness(row[x]);
+            r->depth[at] = cpu_true_nearness(s.item, stp_raster_nearness(row[x]));
             if (r->sample_count > 1) {
                 add_to_sum(r, at, color, 1.0f);
             } else {
