@@ -4,9 +4,10 @@
     scripts/check_memory.py build/release/tools/stipple build/memory --limits 1G,512M scene:power-plant,scale=0.1
     scripts/check_memory.py build/release/tools/stipple build/memory --smallest 8M,1G model.glb
 
-Prints for each limit what the library counted (peak_bytes), the most anonymous memory that was resident (sampled from
-/proc/PID/smaps_rollup; mapped files are none), and the seconds; all files must be the same, whatever the limit. With
---smallest the limit is searched at which a build just succeeds. Options of `stipple build` follow `--`.
+Prints for each limit what the library counted (peak_bytes), the most anonymous memory that was resident (RssAnon of
+/proc/PID/status, sampled; mapped files are none), and the seconds; all files must be the same, whatever the limit. With
+--smallest the limit is searched at which a build just succeeds. Options of `stipple build` follow `--`. Fails where more
+was counted than the limit, or more resident than a tenth and BASE above it.
 """
 import argparse
 import hashlib
@@ -19,6 +20,8 @@ import time
 
 SAMPLE_SECONDS = 0.02
 NEAR_ENOUGH = 1.05
+ABOVE_LIMIT = 1.1
+BASE = 4 << 20 # of any build: the written pages of the executable and its libraries, stacks, small blocks of libraries
 UNITS = {"K": 1 << 10, "M": 1 << 20, "G": 1 << 30}
 
 
@@ -44,8 +47,8 @@ def parse_arguments():
 
 def anonymous_bytes(pid):
     try:
-        for line in open(f"/proc/{pid}/smaps_rollup"):
-            if line.startswith("Anonymous:"):
+        for line in open(f"/proc/{pid}/status"):
+            if line.startswith("RssAnon:"):
                 return int(line.split()[1]) << 10
     except OSError: # it has ended
         pass
@@ -82,6 +85,8 @@ def show(args, limit, done):
           f"{figures['seconds']['total']:.2f} s", flush=True)
     if limit and figures["peak_bytes"] > limit:
         sys.exit("more was counted than the limit allows")
+    if limit and most > ABOVE_LIMIT * limit + BASE:
+        sys.exit("more was resident than the limit allows")
 
 
 def search(args):

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#define _DEFAULT_SOURCE // madvise
 #include "base/context.h"
 
 #include "base/context_internal.h"
@@ -9,12 +8,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 #define ALIGNMENT ((size_t)64)
 #define MESSAGE_SIZE 1024
-#define HUGE_PAGE ((size_t)2 << 20)
-#define HUGE_SIZE ((size_t)4 << 20) // from here on, asking for huge pages saves more than it costs
+// Blocks from here on come straight from the system. The sanitizers know what malloc gives, and see more errors.
+#if defined(STP_SANITIZED)
+#define LARGE_SIZE SIZE_MAX
+#else
+#define LARGE_SIZE ((size_t)256 << 10)
+#endif
+#define MOST_KEPT (UINT64_C(64) << 20)
 
 const char* stp_result_string(stp_result result)
 {
@@ -28,34 +31,40 @@ const char* stp_result_string(stp_result result)
     return "unknown result";
 }
 
+// What may be kept of freed blocks: what is counted and what is kept are within the limit together.
+static size_t most_kept(const stp_context* context, size_t freed)
+{
+    uint64_t limit = context->desc.memory_limit_bytes;
+    uint64_t live = atomic_load(&context->live_bytes) - freed;
+    uint64_t left = limit == 0 ? MOST_KEPT : limit > live ? limit - live : 0;
+    return (size_t)(left < MOST_KEPT ? left : MOST_KEPT);
+}
+
 static void* default_alloc(size_t size, size_t alignment, void* user)
 {
-    (void)user;
-    if (size < HUGE_SIZE) {
+    stp_context* context = user;
+    if (size < LARGE_SIZE) {
         return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
     }
-    // unlike aligned_alloc, this takes sizes that are no multiple of the alignment
-    void* memory = NULL;
-    if (posix_memalign(&memory, HUGE_PAGE, size) != 0) {
-        return NULL;
-    }
-#if defined(MADV_HUGEPAGE)
-    (void)madvise(memory, size & ~(HUGE_PAGE - 1), MADV_HUGEPAGE); // a wish: nothing depends on it
-#endif
-    return memory;
+    return stp_large_alloc(&context->large_blocks, size, most_kept(context, 0));
 }
 
 static void default_free(void* memory, size_t size, void* user)
 {
-    (void)size, (void)user;
-    free(memory);
+    stp_context* context = user;
+    if (size < LARGE_SIZE) {
+        free(memory);
+    } else {
+        stp_large_free(&context->large_blocks, memory, size, most_kept(context, size));
+    }
 }
 
 stp_result stp_context_create(stp_context** context, const stp_context_desc* desc)
 {
     stp_allocator allocator = desc->allocator;
     assert((allocator.alloc == NULL) == (allocator.free == NULL) && "set both hooks or neither");
-    if (allocator.alloc == NULL) {
+    bool is_default = allocator.alloc == NULL;
+    if (is_default) {
         allocator = (stp_allocator){.alloc = default_alloc, .free = default_free};
     }
     stp_context* made = allocator.alloc(sizeof(*made), ALIGNMENT, allocator.user);
@@ -63,12 +72,15 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* des
         return STP_ERROR_OUT_OF_MEMORY;
     }
     *made = (stp_context){.allocator = allocator, .desc = *desc, .overall = -1.0};
+    made->allocator.user = is_default ? made : allocator.user;
+    stp_large_blocks_open(&made->large_blocks);
     atomic_init(&made->live_bytes, 0);
     atomic_init(&made->peak_bytes, 0);
     atomic_init(&made->needed_bytes, 0);
     uint32_t threads = desc->thread_count != 0 ? desc->thread_count : stp_processor_count();
     stp_result result = stp_jobs_create(&made->jobs, made, threads);
     if (result != STP_OK) {
+        stp_large_blocks_close(&made->large_blocks);
         allocator.free(made, sizeof(*made), allocator.user);
         return result;
     }
@@ -81,6 +93,7 @@ void stp_context_destroy(stp_context* context)
     if (context != NULL) {
         stp_jobs_destroy(context->jobs, context);
         assert(atomic_load(&context->live_bytes) == 0 && "an object outlives its context");
+        stp_large_blocks_close(&context->large_blocks);
         stp_allocator allocator = context->allocator;
         allocator.free(context, sizeof(*context), allocator.user);
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/jobs.h"
+#include "base/large_blocks.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -20,6 +21,7 @@ typedef struct stp_reported_loop {
 
 struct stp_context {
     stp_allocator allocator;
+    stp_large_blocks large_blocks; ///< of the allocator that is used where the caller has none
     stp_context_desc desc;
     stp_jobs* jobs;
     atomic_uint_fast64_t live_bytes;

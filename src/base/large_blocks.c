@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#define _DEFAULT_SOURCE // MAP_ANONYMOUS, madvise
+#include "base/large_blocks.h"
+
+#include <stdint.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#define HUGE_PAGE ((size_t)2 << 20)
+#define HUGE_SIZE ((size_t)4 << 20) // from here on, asking for huge pages saves more than it costs
+#define LOOSEST_FIT 2u              // a kept block is used again for what is at least half as large
+
+void stp_large_blocks_open(stp_large_blocks* blocks)
+{
+    *blocks = (stp_large_blocks){0};
+    pthread_mutex_init(&blocks->mutex, NULL);
+}
+
+static size_t round_up(size_t size, size_t multiple)
+{
+    return (size + multiple - 1) / multiple * multiple;
+}
+
+static size_t whole_pages(size_t size)
+{
+    return round_up(size, (size_t)sysconf(_SC_PAGESIZE));
+}
+
+static void unmap(stp_large_block block)
+{
+    if (block.size != 0) {
+        (void)munmap(block.memory, block.size);
+    }
+}
+
+static stp_large_block take_kept(stp_large_blocks* blocks, size_t index)
+{
+    stp_large_block block = blocks->kept[index];
+    blocks->kept_count -= 1;
+    blocks->kept_bytes -= block.size;
+    memmove(&blocks->kept[index], &blocks->kept[index + 1],
+            (blocks->kept_count - index) * sizeof(block));
+    return block;
+}
+
+// Gives back what was freed first until so much is left; the mutex is held.
+static void trim(stp_large_blocks* blocks, size_t most_blocks, size_t most_bytes)
+{
+    while (blocks->kept_count > most_blocks || blocks->kept_bytes > most_bytes) {
+        unmap(take_kept(blocks, 0));
+    }
+}
+
+void stp_large_blocks_close(stp_large_blocks* blocks)
+{
+    trim(blocks, 0, 0);
+    pthread_mutex_destroy(&blocks->mutex);
+}
+
+// The smallest kept block that will do, without what is too much of it.
+static stp_large_block reuse(stp_large_blocks* blocks, size_t size)
+{
+    size_t best = blocks->kept_count;
+    for (size_t i = 0; i < blocks->kept_count; ++i) {
+        size_t has = blocks->kept[i].size;
+        bool fits = has >= size && has / LOOSEST_FIT <= size;
+        if (fits && (best == blocks->kept_count || has < blocks->kept[best].size)) {
+            best = i;
+        }
+    }
+    if (best == blocks->kept_count) {
+        return (stp_large_block){0};
+    }
+    stp_large_block block = take_kept(blocks, best);
+    unmap((stp_large_block){(unsigned char*)block.memory + size, block.size - size});
+    return (stp_large_block){block.memory, size};
+}
+
+static void* map(size_t size)
+{
+    size_t extra = size < HUGE_SIZE ? 0 : HUGE_PAGE;
+    unsigned char* mapped =
+        mmap(NULL, size + extra, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (mapped == MAP_FAILED || extra == 0) {
+        return mapped == MAP_FAILED ? NULL : mapped;
+    }
+    size_t before = round_up((uintptr_t)mapped, HUGE_PAGE) - (uintptr_t)mapped;
+    unmap((stp_large_block){mapped, before});
+    unmap((stp_large_block){mapped + before + size, extra - before});
+#if defined(MADV_HUGEPAGE)
+    // a wish: nothing depends on it; not for the last, which would be larger than what was asked for
+    (void)madvise(mapped + before, size / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+#endif
+    return mapped + before;
+}
+
+void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t most_kept)
+{
+    if (size > SIZE_MAX / 2) {
+        return NULL;
+    }
+    size = whole_pages(size);
+    pthread_mutex_lock(&blocks->mutex);
+    stp_large_block block = reuse(blocks, size);
+    trim(blocks, STP_LARGE_KEPT_LIMIT, most_kept);
+    pthread_mutex_unlock(&blocks->mutex);
+    return block.memory != NULL ? block.memory : map(size);
+}
+
+void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t most_kept)
+{
+    stp_large_block block = {memory, whole_pages(size)};
+    pthread_mutex_lock(&blocks->mutex);
+    if (block.size <= most_kept) {
+        trim(blocks, STP_LARGE_KEPT_LIMIT - 1, most_kept - block.size);
+        blocks->kept[blocks->kept_count++] = block;
+        blocks->kept_bytes += block.size;
+        block.size = 0;
+    } else {
+        trim(blocks, STP_LARGE_KEPT_LIMIT, most_kept);
+    }
+    pthread_mutex_unlock(&blocks->mutex);
+    unmap(block);
+}

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "tests.h"
+
+#include "base/context.h"
+#include "base/context_internal.h"
+#include "base/large_blocks.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#define KILOBYTE ((size_t)1 << 10)
+#define MEGABYTE ((size_t)1 << 20)
+
+static uint32_t next_random(uint32_t* state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return *state >> 8;
+}
+
+// Marks pages, so that blocks which share one are noticed.
+static void fill(unsigned char* block, size_t size, unsigned char value)
+{
+    for (size_t i = 0; i < size; i += KILOBYTE) {
+        block[i] = value;
+    }
+    block[size - 1] = value;
+}
+
+static int is_filled(const unsigned char* block, size_t size, unsigned char value)
+{
+    for (size_t i = 0; i < size; i += KILOBYTE) {
+        if (block[i] != value) {
+            return 0;
+        }
+    }
+    return block[size - 1] == value;
+}
+
+void test_large_blocks_never_overlap_and_keep_their_limit(test_state* test)
+{
+    enum { SLOTS = 12, ROUNDS = 1500 };
+    unsigned char* blocks[SLOTS] = {0};
+    size_t sizes[SLOTS] = {0};
+    stp_large_blocks large;
+    stp_large_blocks_open(&large);
+    uint32_t state = 7;
+    for (int round = 0; round < ROUNDS; ++round) {
+        size_t at = next_random(&state) % SLOTS, most = next_random(&state) % (8 * MEGABYTE);
+        if (blocks[at] != NULL) {
+            CHECK(is_filled(blocks[at], sizes[at], (unsigned char)at));
+            stp_large_free(&large, blocks[at], sizes[at], most);
+            blocks[at] = NULL;
+        } else {
+            size_t scale = (size_t)1 << next_random(&state) % 14;
+            sizes[at] = 1 + next_random(&state) % (KILOBYTE * scale);
+            blocks[at] = stp_large_alloc(&large, sizes[at], most);
+            CHECK(blocks[at] != NULL);
+            CHECK_EQUAL(0, (uintptr_t)blocks[at] % (size_t)sysconf(_SC_PAGESIZE));
+            fill(blocks[at], sizes[at], (unsigned char)at);
+        }
+        size_t sum = 0;
+        for (size_t i = 0; i < large.kept_count; ++i) {
+            sum += large.kept[i].size;
+        }
+        CHECK_EQUAL(sum, large.kept_bytes);
+        CHECK(large.kept_bytes <= most);
+        CHECK(large.kept_count <= STP_LARGE_KEPT_LIMIT);
+    }
+    for (size_t i = 0; i < SLOTS; ++i) {
+        if (blocks[i] != NULL) {
+            CHECK(is_filled(blocks[i], sizes[i], (unsigned char)i));
+            stp_large_free(&large, blocks[i], sizes[i], 0);
+        }
+    }
+    CHECK_EQUAL(0, large.kept_bytes);
+    stp_large_blocks_close(&large);
+}
+
+void test_large_blocks_are_used_again(test_state* test)
+{
+    stp_large_blocks large;
+    stp_large_blocks_open(&large);
+    void* first = stp_large_alloc(&large, 6 * MEGABYTE, SIZE_MAX);
+    void* second = stp_large_alloc(&large, 5 * MEGABYTE, SIZE_MAX);
+    CHECK(first != NULL && second != NULL);
+    stp_large_free(&large, first, 6 * MEGABYTE, SIZE_MAX);
+    stp_large_free(&large, second, 5 * MEGABYTE, SIZE_MAX);
+    CHECK_EQUAL(11 * MEGABYTE, large.kept_bytes);
+    // the smallest that is large enough, and never one that is far too large
+    CHECK(stp_large_alloc(&large, 4 * MEGABYTE, SIZE_MAX) == second);
+    CHECK_EQUAL(6 * MEGABYTE, large.kept_bytes);
+    void* small = stp_large_alloc(&large, MEGABYTE, SIZE_MAX);
+    CHECK(small != NULL && small != first);
+    CHECK(stp_large_alloc(&large, 6 * MEGABYTE, SIZE_MAX) == first);
+    CHECK_EQUAL(0, large.kept_bytes);
+    CHECK(stp_large_alloc(&large, SIZE_MAX, 0) == NULL);
+    CHECK(stp_large_alloc(&large, SIZE_MAX - 1, SIZE_MAX) == NULL);
+    stp_large_free(&large, first, 6 * MEGABYTE, 0);
+    stp_large_free(&large, second, 4 * MEGABYTE, 0);
+    stp_large_free(&large, small, MEGABYTE, 0);
+    stp_large_blocks_close(&large);
+}
+
+// What a job holds, and what is kept of former ones, in one limit.
+typedef struct held {
+    stp_context* context;
+    int failed[4];
+} held;
+
+static void allocate_some(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    held* h = user;
+    for (size_t i = begin; i < end; ++i) {
+        size_t size = (i * 37 % 11 + 1) * 300 * KILOBYTE;
+        unsigned char* a = stp_alloc(h->context, size);
+        unsigned char* b = stp_alloc(h->context, size / 3);
+        if (a == NULL || b == NULL) {
+            h->failed[worker] += 1;
+        } else {
+            memset(a, 1, size);
+            memset(b, 2, size / 3);
+        }
+        stp_free(h->context, a);
+        stp_free(h->context, b);
+    }
+}
+
+void test_contexts_keep_freed_blocks_within_their_limit(test_state* test)
+{
+    const size_t limit = 8 * MEGABYTE;
+    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = limit};
+    stp_context* context = NULL;
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    held h = {.context = context};
+    for (size_t i = 0; i < 60; ++i) {
+        allocate_some(i, i + 1, 0, &h);
+        size_t live = (size_t)stp_context_live_bytes(context);
+        CHECK(live + context->large_blocks.kept_bytes <= limit);
+        void* most = stp_alloc(context, limit - live - KILOBYTE); // what is kept gives way
+        CHECK(most != NULL);
+        CHECK(context->large_blocks.kept_bytes <= KILOBYTE);
+        stp_free(context, most);
+    }
+    CHECK_EQUAL(0, h.failed[0]);
+    stp_context_destroy(context);
+
+    desc = (stp_context_desc){.thread_count = 3, .memory_limit_bytes = 4 * limit};
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    h = (held){.context = context};
+    stp_parallel_for(context, 120, 1, allocate_some, &h);
+    CHECK_EQUAL(0, h.failed[0] + h.failed[1] + h.failed[2]);
+    CHECK(stp_context_live_bytes(context) + context->large_blocks.kept_bytes <= 4 * limit);
+    stp_context_destroy(context);
+}
