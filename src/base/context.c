@@ -9,6 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #define ALIGNMENT ((size_t)64)
 #define MESSAGE_SIZE 1024
 // Blocks from here on come straight from the system. The sanitizers know what malloc gives, and see more errors.
@@ -77,6 +81,7 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* des
     atomic_init(&made->live_bytes, 0);
     atomic_init(&made->peak_bytes, 0);
     atomic_init(&made->needed_bytes, 0);
+    atomic_init(&made->refused_bytes, 0);
     uint32_t threads = desc->thread_count != 0 ? desc->thread_count : stp_processor_count();
     stp_result result = stp_jobs_create(&made->jobs, made, threads);
     if (result != STP_OK) {
@@ -114,18 +119,41 @@ uint32_t stp_context_thread_count(const stp_context* context)
     return stp_jobs_thread_count(context->jobs);
 }
 
+static void raise_to(atomic_uint_fast64_t* most, uint64_t value)
+{
+    uint64_t old = atomic_load(most);
+    while (value > old && !atomic_compare_exchange_weak(most, &old, value)) {
+    }
+}
+
 // Adds to the count of live bytes; false where that would pass the limit.
-static bool count_bytes(stp_context* context, size_t size)
+static bool count_bytes(stp_context* context, uint64_t size)
 {
     uint64_t live = atomic_fetch_add(&context->live_bytes, size) + size;
     if (context->desc.memory_limit_bytes != 0 && live > context->desc.memory_limit_bytes) {
         atomic_fetch_sub(&context->live_bytes, size);
+        raise_to(&context->refused_bytes, live);
         return false;
     }
-    uint64_t peak = atomic_load(&context->peak_bytes);
-    while (live > peak && !atomic_compare_exchange_weak(&context->peak_bytes, &peak, live)) {
-    }
+    raise_to(&context->peak_bytes, live);
     return true;
+}
+
+bool stp_reserve(stp_context* context, uint64_t size)
+{
+    return size <= INT64_MAX && count_bytes(context, size);
+}
+
+void stp_release(stp_context* context, uint64_t size)
+{
+    atomic_fetch_sub(&context->live_bytes, size);
+}
+
+void stp_trim_heap(void)
+{
+#if defined(__GLIBC__)
+    (void)malloc_trim(0);
+#endif
 }
 
 void stp_context_expect_bytes(stp_context* context, uint64_t bytes)
@@ -227,9 +255,14 @@ stp_result stp_fail_memory(stp_context* context)
                             "%llu MB: give a limit (--memory) of at least that",
                             (unsigned long long)limit, (unsigned long long)(needed / 1000000 + 1));
         }
+        uint64_t refused = atomic_load(&context->refused_bytes);
+        if (refused == 0) { // the system itself has no more
+            return stp_fail(context, STP_ERROR_OUT_OF_MEMORY, "out of memory");
+        }
         return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
-                        "out of memory: the limit of %llu bytes is used up",
-                        (unsigned long long)limit);
+                        "out of memory: the limit of %llu bytes (--memory) is used up; at least "
+                        "%llu MB are needed",
+                        (unsigned long long)limit, (unsigned long long)(refused / 1000000 + 1));
     }
     return stp_fail(context, STP_ERROR_OUT_OF_MEMORY, "out of memory");
 }

@@ -16,6 +16,13 @@ void* stp_alloc_zeroed(stp_context* context, size_t count, size_t size);
 /// Gives memory back. NULL is allowed. Any thread.
 void stp_free(stp_context* context, void* memory);
 
+/// Counts bytes that a foreign library is about to allocate by itself, as far as can be told before; false where that
+/// would pass the context's limit. Give back with stp_release. Any thread.
+STP_MUST_USE bool stp_reserve(stp_context* context, uint64_t size);
+void stp_release(stp_context* context, uint64_t size);
+/// Gives what malloc holds free back to the system: after work with many small pieces.
+void stp_trim_heap(void);
+
 /// Room for at least `needed` elements of `size` bytes, grown by half each time; old elements are kept.
 /// @return the array, perhaps moved; NULL where memory runs out, with the old one still valid
 void* stp_grow_array(stp_context* context, void* array, size_t* capacity, size_t needed,

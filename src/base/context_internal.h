@@ -26,7 +26,8 @@ struct stp_context {
     stp_jobs* jobs;
     atomic_uint_fast64_t live_bytes;
     atomic_uint_fast64_t peak_bytes;
-    atomic_uint_fast64_t needed_bytes; ///< what the caller's work is thought to take; 0: not known
+    atomic_uint_fast64_t refused_bytes; ///< the most that was asked for beyond the limit
+    atomic_uint_fast64_t needed_bytes;  ///< what the caller's work is thought to take; 0: not known
     // of the thread that calls; workers read `loop` while it is on
     stp_reported_loop* loop;
     const stp_stage* stages;

@@ -79,7 +79,11 @@ static stp_result import_input(build* b, const char* input)
     if (b->desc->generate != NULL && strncmp(input, prefix, sizeof(prefix) - 1) == 0) {
         return b->desc->generate(b->scene, input, b->desc->generate_user);
     }
-    return stp_import_file(b->scene, input, &b->desc->import);
+    stp_import_desc import = b->desc->import;
+    if (import.helper_memory_bytes == 0) { // a process of its own has as much again
+        import.helper_memory_bytes = b->desc->memory_bytes;
+    }
+    return stp_import_file(b->scene, input, &import);
 }
 
 static stp_result import_inputs(build* b)
@@ -92,6 +96,7 @@ static stp_result import_inputs(build* b)
     for (size_t i = 0; result == STP_OK && i < b->desc->input_count; ++i) {
         result = import_input(b, b->desc->inputs[i]);
     }
+    stp_trim_heap(); // parsers leave many small holes
     double imported = stp_clock_ms();
     b->report->import_s = (imported - start) * 1e-3;
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.0);
@@ -99,6 +104,7 @@ static stp_result import_inputs(build* b)
     result = result != STP_OK ? result : stp_build_census(b->scene, &b->census);
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.5);
     result = result != STP_OK ? result : stp_scene_partition(b->scene, &b->desc->partition);
+    stp_trim_heap();
     b->report->partition_s = (stp_clock_ms() - imported) * 1e-3;
     return result;
 }

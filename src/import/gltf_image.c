@@ -9,6 +9,9 @@
 // All pictures of a file together: at least 2^28 pixels, and more where the file is large.
 #define PIXELS_ALWAYS_ALLOWED ((uint64_t)1 << 28)
 #define PIXELS_PER_BYTE 4096
+// Decoded at once, before the scene takes them, and may move them out of memory.
+#define PIXELS_OF_BATCH ((uint64_t)1 << 24)
+#define PIXEL_BYTES 8u // with what decoders hold
 
 enum { WRAP_REPEAT = 10497, WRAP_CLAMP = 33071, WRAP_MIRROR = 33648, FILTER_NEAREST = 9728 };
 
@@ -238,16 +241,25 @@ static stp_result measure_image(stp_gltf_scope* scope, uint32_t index, image_sta
 
 typedef struct decode_loop {
     stp_context* context;
-    image_state* images;
+    stp_gltf_textures* textures;
+    size_t first_request;
 } decode_loop;
+
+// Whether a request is the one for which its picture is decoded.
+static bool decodes(const stp_gltf_textures* textures, size_t request)
+{
+    const image_state* image = &textures->images[textures->requests[request].image];
+    return image->first_request == request && image->bytes != NULL;
+}
 
 static void decode_job(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     decode_loop* loop = user;
     for (size_t i = begin; i < end; ++i) {
-        image_state* image = &loop->images[i];
-        if (image->bytes != NULL) {
+        size_t request = loop->first_request + i;
+        if (decodes(loop->textures, request)) {
+            image_state* image = &loop->textures->images[loop->textures->requests[request].image];
             image->result = stp_image_decode_measured(loop->context, image->bytes, image->size,
                                                       &image->info, &image->decoded);
             drop_bytes(image, loop->context);
@@ -255,7 +267,7 @@ static void decode_job(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textures, stp_gltf* gltf)
+static stp_result measure_images(stp_gltf_scope* scope, stp_gltf_textures* textures, stp_gltf* gltf)
 {
     size_t count = stp_gltf_count(gltf, STP_GLTF_IMAGES);
     uint64_t pixels = 0;
@@ -277,12 +289,19 @@ static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textur
                              "the pictures claim %llu pixels in a file of %zu bytes",
                              (unsigned long long)pixels, gltf->content_bytes);
     }
-    decode_loop loop = {.context = gltf->context, .images = textures->images};
-    stp_parallel_for(gltf->context, count, 1, decode_job, &loop);
-    for (size_t i = 0; i < count; ++i) {
-        const image_state* image = &textures->images[i];
+    return STP_OK;
+}
+
+// Decodes the pictures of requests [begin, end).
+static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textures, size_t begin,
+                                size_t end)
+{
+    decode_loop loop = {scope->gltf->context, textures, begin};
+    stp_parallel_for(loop.context, end - begin, 1, decode_job, &loop);
+    for (size_t i = begin; i < end; ++i) {
+        const image_state* image = &textures->images[textures->requests[i].image];
         if (image->result != STP_OK) {
-            stp_gltf_set_place(scope, "images[%zu]", i);
+            stp_gltf_set_place(scope, "images[%u]", textures->requests[i].image);
             return image->result == STP_ERROR_OUT_OF_MEMORY
                        ? image->result
                        : stp_gltf_fail(scope, image->result, "%s", image->info.reason);
@@ -317,12 +336,29 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
         scope, stp_scene_add_texture(gltf->import->scene, &texture, &request->scene_texture));
 }
 
+// The end of the requests that are decoded at once: at least one, and no more than a batch of pixels.
+static size_t end_batch(const stp_gltf* gltf, const stp_gltf_textures* textures, size_t begin)
+{
+    size_t end = begin;
+    uint64_t pixels = 0, most = stp_gltf_batch(gltf, PIXELS_OF_BATCH, PIXEL_BYTES);
+    while (end < textures->request_count && (end == begin || pixels < most)) {
+        const image_state* image = &textures->images[textures->requests[end].image];
+        pixels += decodes(textures, end) ? (uint64_t)image->info.width * image->info.height : 0;
+        end += 1;
+    }
+    return end;
+}
+
 stp_result stp_gltf_textures_load(stp_gltf_scope* scope, stp_gltf_textures* textures,
                                   stp_gltf* gltf)
 {
-    stp_result result = decode_images(scope, textures, gltf);
-    for (size_t i = 0; result == STP_OK && i < textures->request_count; ++i) {
-        result = add_texture(scope, textures, &textures->requests[i], gltf);
+    stp_result result = measure_images(scope, textures, gltf);
+    for (size_t begin = 0; result == STP_OK && begin < textures->request_count;) {
+        size_t end = end_batch(gltf, textures, begin);
+        result = decode_images(scope, textures, begin, end);
+        for (; result == STP_OK && begin < end; ++begin) {
+            result = add_texture(scope, textures, &textures->requests[begin], gltf);
+        }
     }
     return result;
 }

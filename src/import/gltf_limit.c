@@ -69,6 +69,34 @@ static stp_result check(stp_gltf_scope* scope, uint64_t claimed, uint64_t allowe
     return STP_OK;
 }
 
+// With the joints of the skin.
+static uint64_t variant_elements(const stp_gltf* gltf, const stp_gltf_variant* variant,
+                                 const json_t* primitive)
+{
+    const json_t* skin = json_array_get(gltf->lists[STP_GLTF_SKINS],
+                                        variant->skin == STP_NONE ? SIZE_MAX : variant->skin);
+    return json_array_size(json_object_get(skin, "joints")) + primitive_elements(gltf, primitive);
+}
+
+static const json_t* find_primitives(const stp_gltf* gltf, const stp_gltf_variant* variant)
+{
+    const json_t* mesh = json_array_get(gltf->lists[STP_GLTF_MESHES], variant->mesh);
+    return json_object_get(mesh, "primitives");
+}
+
+uint64_t stp_gltf_primitive_elements(const stp_gltf* gltf, const stp_gltf_variant* variant,
+                                     size_t index)
+{
+    return variant_elements(gltf, variant, json_array_get(find_primitives(gltf, variant), index));
+}
+
+uint64_t stp_gltf_batch(const stp_gltf* gltf, uint64_t most, uint64_t bytes_each)
+{
+    const stp_scene* scene = gltf->import->scene;
+    uint64_t fits = scene->spill != NULL ? scene->spill_above / bytes_each : most;
+    return fits < most ? fits : most;
+}
+
 stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf)
 {
     uint64_t primitive_count = 0, elements = 0, compressed = 0;
@@ -79,14 +107,10 @@ stp_result stp_gltf_check_meshes(stp_gltf_scope* scope, const stp_gltf* gltf)
         check(scope, primitive_count, PRIMITIVES_ALWAYS_ALLOWED, PRIMITIVES_PER_BYTE, "primitives");
     for (size_t i = 0; result == STP_OK && i < gltf->variant_count; ++i) {
         const stp_gltf_variant* variant = &gltf->variants[i];
-        const json_t* mesh = json_array_get(gltf->lists[STP_GLTF_MESHES], variant->mesh);
-        const json_t* primitives = json_object_get(mesh, "primitives");
-        const json_t* skin = json_array_get(gltf->lists[STP_GLTF_SKINS],
-                                            variant->skin == STP_NONE ? SIZE_MAX : variant->skin);
-        uint64_t joints = json_array_size(json_object_get(skin, "joints"));
+        const json_t* primitives = find_primitives(gltf, variant);
         for (size_t k = 0; k < json_array_size(primitives); ++k) {
             const json_t* primitive = json_array_get(primitives, k);
-            elements += joints + primitive_elements(gltf, primitive);
+            elements += variant_elements(gltf, variant, primitive);
             compressed += compressed_bytes(gltf, primitive);
         }
     }

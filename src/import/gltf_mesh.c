@@ -4,9 +4,12 @@
 
 #include <string.h>
 
+#define ELEMENTS_OF_BATCH ((uint64_t)1 << 21) // vertices and indices
+#define ELEMENT_BYTES 64u                     // of a vertex with all it may have, about
+
 typedef struct primitive_loop {
     const stp_gltf* gltf;
-    stp_gltf_primitive* primitives;
+    stp_gltf_primitive* primitives; ///< the first of the loop
 } primitive_loop;
 
 static char* copy_message(stp_context* context, const char* message)
@@ -88,11 +91,12 @@ static stp_result add_primitive(stp_gltf* gltf, stp_gltf_primitive* primitive, s
     return stp_scene_add_mesh(scene, &mesh, &part->part.index);
 }
 
+// Of primitives [begin, end); counts those that are lines.
 static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
-                                 stp_gltf_primitive* primitives, size_t count)
+                                 stp_gltf_primitive* primitives, size_t begin, size_t end,
+                                 size_t* line_count)
 {
-    size_t line_count = 0;
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = begin; i < end; ++i) {
         stp_gltf_primitive* primitive = &primitives[i];
         if (primitive->warning != NULL) {
             stp_warn(gltf->context, "%s: %s", gltf->import->path, primitive->warning);
@@ -104,17 +108,47 @@ static stp_result add_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
         if (primitive->result != STP_OK) {
             return STP_ERROR_OUT_OF_MEMORY; // the only failure without a sentence
         }
-        line_count += primitive->mode >= STP_GLTF_LINES && primitive->mode <= STP_GLTF_LINE_STRIP;
+        *line_count += primitive->mode >= STP_GLTF_LINES && primitive->mode <= STP_GLTF_LINE_STRIP;
         stp_result result = stp_gltf_logged(scope, add_primitive(gltf, primitive, &gltf->parts[i]));
         if (result != STP_OK) {
             return result;
         }
     }
-    if (line_count != 0) {
+    return STP_OK;
+}
+
+// The end of the primitives that are read at once: at least one, and no more than a batch of elements.
+static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitives, size_t begin,
+                        size_t count)
+{
+    size_t end = begin;
+    uint64_t elements = 0, most = stp_gltf_batch(gltf, ELEMENTS_OF_BATCH, ELEMENT_BYTES);
+    while (end < count && (end == begin || elements < most)) {
+        const stp_gltf_variant* variant = &gltf->variants[primitives[end].variant];
+        elements += stp_gltf_primitive_elements(gltf, variant, primitives[end].index);
+        end += 1;
+    }
+    return end;
+}
+
+// Batch by batch: what the scene was given it may move out of memory before the next one is read.
+static stp_result read_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
+                                  stp_gltf_primitive* primitives, size_t count)
+{
+    size_t line_count = 0;
+    stp_result result = STP_OK;
+    for (size_t begin = 0; result == STP_OK && begin < count;) {
+        size_t end = end_batch(gltf, primitives, begin, count);
+        primitive_loop loop = {.gltf = gltf, .primitives = primitives + begin};
+        stp_parallel_for(gltf->context, end - begin, 1, read_job, &loop);
+        result = add_primitives(scope, gltf, primitives, begin, end, &line_count);
+        begin = end;
+    }
+    if (result == STP_OK && line_count != 0) {
         stp_warn(gltf->context, "%s: %zu primitives are lines and are left out", gltf->import->path,
                  line_count);
     }
-    return STP_OK;
+    return result;
 }
 
 stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf)
@@ -134,9 +168,7 @@ stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf)
         return STP_ERROR_OUT_OF_MEMORY;
     }
     plan_primitives(gltf, primitives);
-    primitive_loop loop = {.gltf = gltf, .primitives = primitives};
-    stp_parallel_for(gltf->context, count, 1, read_job, &loop);
-    result = add_primitives(scope, gltf, primitives, count);
+    result = read_primitives(scope, gltf, primitives, count);
     for (size_t i = 0; i < count; ++i) {
         stp_gltf_free_primitive(gltf->context, &primitives[i]);
     }

@@ -14,6 +14,12 @@
 #define PIXELS_PER_BYTE_LIMIT 4096
 #define PIXELS_ALWAYS_BELIEVED ((uint64_t)1 << 24)
 
+// What decoders hold beside the picture, in bytes a pixel: rows that are in the making; the coefficients of a
+// progressive JPEG picture, three channels of 16 bits; the colours, or the alpha, of a whole WebP picture.
+#define ROW_BYTES_PER_PIXEL 64u
+#define COEFFICIENT_BYTES 6u
+#define WEBP_BYTES 5u
+
 static const unsigned char png_signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
 static const unsigned char ktx2_signature[8] = {0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB};
 
@@ -212,10 +218,47 @@ stp_result stp_image_measure(const unsigned char* bytes, size_t size, stp_image_
     return STP_OK;
 }
 
+// Whether a JPEG picture is progressive: the decoder then holds the coefficients of all of it.
+static bool is_progressive(const unsigned char* bytes, size_t size)
+{
+    size_t at = 2;
+    while (at + 4 <= size && bytes[at] == 0xFF) {
+        unsigned marker = bytes[at + 1];
+        if (marker == 0xC2 || marker == 0xC6 || marker == 0xCA || marker == 0xCE) {
+            return true;
+        }
+        if (marker == 0xDA) { // the first scan
+            return false;
+        }
+        bool alone = marker == 0xFF || marker == 0x01 || (marker >= 0xD0 && marker <= 0xD9);
+        at += marker == 0xFF ? 1 : alone ? 2 : 2 + ((size_t)bytes[at + 2] << 8 | bytes[at + 3]);
+    }
+    return true; // not to be told: the more cautious
+}
+
+// What the decoders allocate by themselves: rows, windows and tables, and what grows with the picture.
+static uint64_t decoder_bytes(const stp_image_info* info, const unsigned char* bytes, size_t size)
+{
+    uint64_t pixels = (uint64_t)info->width * info->height;
+    uint64_t rows = ((uint64_t)64 << 10) + (uint64_t)info->width * ROW_BYTES_PER_PIXEL;
+    switch (info->kind) {
+    case STP_IMAGE_JPEG:
+        return rows + (is_progressive(bytes, size) ? pixels * COEFFICIENT_BYTES : 0);
+    case STP_IMAGE_WEBP:
+        return rows + pixels * WEBP_BYTES;
+    default:
+        return rows;
+    }
+}
+
 stp_result stp_image_decode_measured(stp_context* context, const unsigned char* bytes, size_t size,
                                      stp_image_info* info, stp_texture* texture)
 {
     size_t texel_size = (size_t)info->width * info->height * 4;
+    uint64_t own_bytes = decoder_bytes(info, bytes, size);
+    if (!stp_reserve(context, own_bytes)) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
     uint8_t* texels = stp_alloc(context, texel_size);
     stp_result result = STP_ERROR_OUT_OF_MEMORY;
     if (texels != NULL && info->kind == STP_IMAGE_PNG) {
@@ -225,6 +268,7 @@ stp_result stp_image_decode_measured(stp_context* context, const unsigned char* 
     } else if (texels != NULL) {
         result = decode_webp(bytes, size, info, texels, texel_size);
     }
+    stp_release(context, own_bytes);
     if (result != STP_OK) {
         stp_free(context, texels);
         return result;

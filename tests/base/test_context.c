@@ -51,6 +51,30 @@ void test_context_limit_refuses_and_recovers(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_context_counts_what_libraries_take(test_state* test)
+{
+    test_log log = {0};
+    stp_context_desc desc = {.thread_count = 1,
+                             .memory_limit_bytes = 5000000,
+                             .log = test_log_message,
+                             .log_user = &log};
+    stp_context* context = NULL;
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    uint64_t before = stp_context_live_bytes(context);
+    CHECK(stp_reserve(context, 3000000));
+    CHECK_EQUAL(before + 3000000, stp_context_live_bytes(context));
+    CHECK(stp_alloc(context, 3000000) == NULL);
+    CHECK(!stp_reserve(context, 4000000) && !stp_reserve(context, UINT64_MAX));
+    CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY, stp_fail_memory(context));
+    CHECK(strstr(log.text, "at least 8 MB") != NULL); // 3 + 4, and what the context itself takes
+    stp_release(context, 3000000);
+    CHECK_EQUAL(before, stp_context_live_bytes(context));
+    void* memory = stp_alloc(context, 3000000);
+    CHECK(memory != NULL);
+    stp_free(context, memory);
+    stp_context_destroy(context);
+}
+
 void test_context_refuses_impossible_sizes(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #define _XOPEN_SOURCE 700 // mkdtemp
 #include "import/gltf_writer.h"
+#include "import/import_digest.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -276,6 +277,33 @@ void test_gltf_is_the_same_for_all_thread_counts(test_state* test)
     for (int i = 0; i < 3; ++i) {
         gltf_run_end(&runs[i]);
     }
+}
+
+void test_gltf_is_the_same_piece_by_piece(test_state* test)
+{
+    glb_file glb;
+    CHECK(glb_make(&glb, rich_json, &rich, sizeof(rich)));
+    const stp_import_desc desc = {0};
+    stp_hash digests[3];
+    for (uint32_t i = 0; i < 3; ++i) {
+        gltf_run run;
+        stp_spill* spill = NULL;
+        gltf_run_begin(&run, 2);
+        if (i != 0) { // each piece leaves memory before the next one is read
+            CHECK_EQUAL(STP_OK, stp_spill_create(run.context, "/tmp", &spill));
+            stp_scene_use_spill(run.scene, spill, i == 1 ? 0 : 100);
+        }
+        CHECK_EQUAL(STP_OK, stp_import_memory(run.scene, "test.glb", glb.bytes, glb.size, &desc));
+        CHECK(run.scene->mesh_count == 2 && run.scene->texture_count == 1);
+        CHECK_EQUAL(i != 0, run.scene->meshes[1].spilled);
+        CHECK(i != 1 || (run.scene->meshes[0].spilled && run.scene->textures[0].spilled));
+        digests[i] = digest_scene(run.scene);
+        stp_scene_destroy(run.scene);
+        stp_spill_destroy(spill);
+        stp_context_destroy(run.context);
+    }
+    CHECK(memcmp(&digests[0], &digests[1], sizeof(stp_hash)) == 0);
+    CHECK(memcmp(&digests[0], &digests[2], sizeof(stp_hash)) == 0);
 }
 
 static size_t triangles_shown(const stp_scene* scene)
