@@ -63,7 +63,7 @@ void test_flight_follows_curves_worked_out_by_hand(test_state* test)
         CHECK(is_at(look(&flight, i == 0 ? 1.0 : -1e300).eye, 0, 0, 5));
         CHECK(is_at(look(&flight, i == 0 ? 5.0 : 1e300).eye, 3, 8, 9));
     }
-    CHECK(is_at(look(&flight, NAN).eye, 0, 0, 5));
+    CHECK(is_at(look(&flight, (double)NAN).eye, 0, 0, 5));
     CHECK_EQUAL(1 + 4 * 30, stp_flight_frame_count(&flight, 30.0));
     CHECK_EQUAL(1 + 40, stp_flight_frame_count(&flight, 10.01));
     stp_flight_destroy(context, &flight);

@@ -29,7 +29,7 @@ static bool reaches_box(stp_boxd box, stp_vec3d eye, stp_vec3d direction)
     const double low[3] = {box.min.x, box.min.y, box.min.z},
                  high[3] = {box.max.x, box.max.y, box.max.z}, from[3] = {eye.x, eye.y, eye.z},
                  way[3] = {direction.x, direction.y, direction.z};
-    double enter = 0.0, leave = INFINITY;
+    double enter = 0.0, leave = (double)INFINITY;
     for (int k = 0; k < 3; ++k) {
         double a = (low[k] - 1e-9 - from[k]) / way[k], b = (high[k] + 1e-9 - from[k]) / way[k];
         enter = fmax(enter, fmin(a, b));
@@ -61,7 +61,7 @@ static void look_at_triangle(const stp_vec3d corners[3], stp_vec3d eye, stp_vec3
 
 sight_hit sight_look(const sight* s, stp_vec3d eye, stp_vec3d direction)
 {
-    sight_hit hit = {.distance = INFINITY};
+    sight_hit hit = {.distance = (double)INFINITY};
     for (size_t i = 0; i < s->part_count; ++i) {
         if (!reaches_box(s->boxes[i], eye, direction)) {
             continue;
