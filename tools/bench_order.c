@@ -4,10 +4,10 @@
 // schedules and a random one, interleaved, each choosing 10k, 50k and 100k; and the experiment of Brandt et al.
 // 2019, 3.3: how long the exact order of 10k takes when each choice looks at every candidate.
 #include "bench.h"
+#include "scene_file.h"
 
 #include "base/clock.h"
 #include "capture/capture.h"
-#include "import/import.h"
 #include "measure/distribution.h"
 
 #include <stipple/order.h>
@@ -53,9 +53,7 @@ static bool capture(stp_context* context, const bench_options* options, stp_cand
     stp_scene* scene = NULL;
     stp_placed_part* parts = NULL;
     size_t part_count = 0;
-    stp_result result = stp_scene_create(context, &scene);
-    result = result != STP_OK ? result : stp_import_file(scene, path, &(stp_import_desc){0});
-    result = result != STP_OK ? result : stp_scene_finish(scene);
+    stp_result result = tool_import_scene(context, path, &scene);
     if (result == STP_OK && scene->root == STP_NONE) {
         result = STP_ERROR_FORMAT;
     }

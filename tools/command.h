@@ -33,6 +33,29 @@ typedef struct option {
     bool* given; ///< set where the option was given; may be NULL
 } option;
 
+// Options that several commands have, for their tables; `where` is the value's place.
+#define OPTION_THREADS(where)                                                                      \
+    {                                                                                              \
+        .name = "threads", .type = OPTION_COUNT, .argument = "N", .words = "auto|0..1024",         \
+        .help = "threads that work; default all processors", .value = (where)                      \
+    }
+#define OPTION_MEMORY(where)                                                                       \
+    {                                                                                              \
+        .name = "memory", .type = OPTION_SIZE, .argument = "SIZE", .words = "auto",                \
+        .help = "most memory to use, as 8G or 512M; default no limit", .value = (where)            \
+    }
+/// The value is an int, for tool_progress_names.
+#define OPTION_PROGRESS(where)                                                                     \
+    {                                                                                              \
+        .name = "progress", .type = OPTION_CHOICE, .words = "auto|bar|json|none",                  \
+        .help = "progress on stderr; default a bar where that is a terminal", .value = (where)     \
+    }
+#define OPTION_JSON(where)                                                                         \
+    {                                                                                              \
+        .name = "json", .help = "print one JSON object", .value = (where)                          \
+    }
+extern const char* const tool_progress_names[];
+
 typedef struct command {
     const char* name;
     const char* arguments; ///< "INPUT... -o FILE.stip"

@@ -29,7 +29,6 @@ static const char* const metric_names[] = {"side", "euclidean"};
 static const stp_order_metric metrics[] = {STP_METRIC_SIDE, STP_METRIC_EUCLIDEAN};
 static const char* const unit_names[] = {"m", "mm", "cm", "in", "ft", "us-ft"};
 static const char* const capture_names[] = {"splats", "triangles"};
-static const char* const progress_names[] = {"auto", "bar", "json", "none"};
 static const double unit_metres[] = {1.0, 0.001, 0.01, 0.0254, 0.3048, 1200.0 / 3937.0};
 
 static const option* options(void)
@@ -101,18 +100,8 @@ static const option* options(void)
          .words = "auto|1..1024",
          .help = "directions of capture; default 8",
          .value = &args.directions},
-        {.name = "threads",
-         .type = OPTION_COUNT,
-         .argument = "N",
-         .words = "auto|1..1024",
-         .help = "threads that work; default all processors",
-         .value = &args.threads},
-        {.name = "memory",
-         .type = OPTION_SIZE,
-         .argument = "SIZE",
-         .words = "auto",
-         .help = "most memory to use, as 8G or 512M; default no limit",
-         .value = &args.memory},
+        OPTION_THREADS(&args.threads),
+        OPTION_MEMORY(&args.memory),
         {.name = "resume",
          .help = "take up a build that was killed, and what has not changed of a former one; the "
                  "default",
@@ -137,12 +126,8 @@ static const option* options(void)
          .help = "the unit of length, where the input does not say",
          .value = &args.unit,
          .given = &args.unit_given},
-        {.name = "progress",
-         .type = OPTION_CHOICE,
-         .words = "auto|bar|json|none",
-         .help = "progress on stderr; default a bar where that is a terminal",
-         .value = &args.progress},
-        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        OPTION_PROGRESS(&args.progress),
+        OPTION_JSON(&args.json),
         {0},
     };
     return table;
@@ -291,8 +276,8 @@ static int run(int argc, char** argv)
             return tool_usage_error("%s is an input, and would be written over", argv[i]);
         }
     }
-    stp_context* context =
-        tool_context_create((uint32_t)args.threads, args.memory, progress_names[args.progress]);
+    stp_context* context = tool_context_create((uint32_t)args.threads, args.memory,
+                                               tool_progress_names[args.progress]);
     if (context == NULL) {
         return 1;
     }

@@ -4,9 +4,9 @@
 #include "command.h"
 #include "picture.h"
 #include "point_file.h"
+#include "scene_file.h"
 
 #include "capture/capture.h"
-#include "import/import.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -56,12 +56,7 @@ static const option* options(void)
         {.name = "no-fill",
          .help = "leave out surface that only further directions see",
          .value = &args.no_fill},
-        {.name = "threads",
-         .type = OPTION_COUNT,
-         .argument = "N",
-         .words = "0..1024",
-         .help = "threads that work; default all processors",
-         .value = &args.threads},
+        OPTION_THREADS(&args.threads),
         {0},
     };
     return table;
@@ -226,10 +221,7 @@ static int run(int argc, char** argv)
         return 1;
     }
     stp_scene* scene = NULL;
-    stp_import_desc import = {0};
-    stp_result result = stp_scene_create(context, &scene);
-    result = result == STP_OK ? stp_import_file(scene, argv[0], &import) : result;
-    result = result == STP_OK ? stp_scene_finish(scene) : result;
+    stp_result result = tool_import_scene(context, argv[0], &scene);
     result = result == STP_OK ? capture_scene(context, scene) : result;
     stp_scene_destroy(scene);
     stp_context_destroy(context);

@@ -18,7 +18,7 @@ static const option* options(void)
         {.name = "quick",
          .help = "check what a reader needs first, and read no bulk data",
          .value = &args.quick},
-        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        OPTION_JSON(&args.json),
         {0},
     };
     return table;

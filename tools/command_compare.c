@@ -38,13 +38,8 @@ static const option* options(void)
          .argument = "OUT.png",
          .help = "write the difference of each channel, times 8",
          .value = &args.difference},
-        {.name = "threads",
-         .type = OPTION_COUNT,
-         .argument = "N",
-         .words = "0..1024",
-         .help = "threads that work; default all processors",
-         .value = &args.threads},
-        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        OPTION_THREADS(&args.threads),
+        OPTION_JSON(&args.json),
         {0},
     };
     return table;

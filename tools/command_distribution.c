@@ -41,13 +41,8 @@ static const option* options(void)
          .argument = "OUT.svg",
          .help = "write violin and box plots of the spacings",
          .value = &args.plot},
-        {.name = "threads",
-         .type = OPTION_COUNT,
-         .argument = "N",
-         .words = "0..1024",
-         .help = "threads that work; default all processors",
-         .value = &args.threads},
-        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        OPTION_THREADS(&args.threads),
+        OPTION_JSON(&args.json),
         {0},
     };
     return table;

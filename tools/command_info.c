@@ -3,11 +3,10 @@
 // stipple info: what a .stip file, or a model, holds.
 #include "command.h"
 #include "describe.h"
+#include "scene_file.h"
 
 #include "build/census.h"
 #include "build/content.h"
-#include "import/import.h"
-#include "scenes/scenes.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -20,13 +19,8 @@ static struct {
 static const option* options(void)
 {
     static const option table[] = {
-        {.name = "memory",
-         .type = OPTION_SIZE,
-         .argument = "SIZE",
-         .words = "auto",
-         .help = "most memory to use; default no limit",
-         .value = &args.memory},
-        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        OPTION_MEMORY(&args.memory),
+        OPTION_JSON(&args.json),
         {0},
     };
     return table;
@@ -66,12 +60,7 @@ static int print_model(stp_context* context, const char* path)
     stp_scene* scene = NULL;
     stp_build_content content = {0};
     stp_store_census census = {0};
-    stp_result result = stp_scene_create(context, &scene);
-    if (result == STP_OK) {
-        result = scene_is_input(path) ? scene_make_input(scene, path, NULL)
-                                      : stp_import_file(scene, path, &(stp_import_desc){0});
-    }
-    result = result != STP_OK ? result : stp_scene_finish(scene);
+    stp_result result = tool_import_scene(context, path, &scene);
     result = result != STP_OK ? result : stp_build_census(scene, &census);
     result = result != STP_OK ? result : stp_build_content_create(scene, NULL, 0, NULL, &content);
     int code = 1;

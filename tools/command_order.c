@@ -73,13 +73,8 @@ static const option* options(void)
          .argument = "N",
          .help = "of the random orders; default 0",
          .value = &args.seed},
-        {.name = "threads",
-         .type = OPTION_COUNT,
-         .argument = "N",
-         .words = "0..1024",
-         .help = "threads that work; default all processors",
-         .value = &args.threads},
-        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        OPTION_THREADS(&args.threads),
+        OPTION_JSON(&args.json),
         {0},
     };
     return table;

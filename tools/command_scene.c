@@ -18,8 +18,6 @@ static struct {
     bool list, json, scale_given;
 } args;
 
-static const char* const progress_names[] = {"auto", "bar", "json", "none"};
-
 static const option* options(void)
 {
     static const option table[] = {
@@ -41,18 +39,9 @@ static const option* options(void)
          .argument = "N",
          .help = "of everything random; default 0",
          .value = &args.seed},
-        {.name = "memory",
-         .type = OPTION_SIZE,
-         .argument = "SIZE",
-         .words = "auto",
-         .help = "most memory to use, as 8G or 512M; default no limit",
-         .value = &args.memory},
-        {.name = "progress",
-         .type = OPTION_CHOICE,
-         .words = "auto|bar|json|none",
-         .help = "progress on stderr; default a bar where that is a terminal",
-         .value = &args.progress},
-        {.name = "json", .help = "print one JSON object", .value = &args.json},
+        OPTION_MEMORY(&args.memory),
+        OPTION_PROGRESS(&args.progress),
+        OPTION_JSON(&args.json),
         {0},
     };
     return table;
@@ -121,7 +110,7 @@ static int run(int argc, char** argv)
         !(has_ending(args.output, ".glb") || has_ending(args.output, ".gltf"))) {
         return tool_usage_error("scene needs -o FILE.glb or -o FILE.gltf");
     }
-    stp_context* context = tool_context_create(0, args.memory, progress_names[args.progress]);
+    stp_context* context = tool_context_create(0, args.memory, tool_progress_names[args.progress]);
     if (context == NULL) {
         return 1;
     }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "point_file.h"
 
+#include "scene_file.h"
+
 #include "base/bytes.h"
+#include "base/file.h"
 #include "base/math.h"
-#include "import/import.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -115,9 +117,7 @@ stp_result tool_read_points(stp_context* context, const char* path, const double
     stp_scene* scene = NULL;
     stp_placed_part* parts = NULL;
     size_t part_count = 0;
-    stp_result result = stp_scene_create(context, &scene);
-    result = result != STP_OK ? result : stp_import_file(scene, path, &(stp_import_desc){0});
-    result = result != STP_OK ? result : stp_scene_finish(scene);
+    stp_result result = tool_import_scene(context, path, &scene);
     if (result == STP_OK && scene->root == STP_NONE) {
         result = stp_fail(context, STP_ERROR_FORMAT, "%s: expected points, found none", path);
     }

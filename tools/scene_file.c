@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "build/build.h"
+#include "import/import.h"
 #include "present/camera.h"
 #include "scenes/scenes.h"
 
@@ -247,6 +248,22 @@ stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use
 stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)
 {
     return tool_open_scene_for(context, path, SCENE_FOR_SPLATS, store);
+}
+
+stp_result tool_import_scene(stp_context* context, const char* path, stp_scene** scene)
+{
+    stp_result result = stp_scene_create(context, scene);
+    if (result != STP_OK) {
+        return result;
+    }
+    result = scene_is_input(path) ? scene_make_input(*scene, path, NULL)
+                                  : stp_import_file(*scene, path, &(stp_import_desc){0});
+    result = result != STP_OK ? result : stp_scene_finish(*scene);
+    if (result != STP_OK) {
+        stp_scene_destroy(*scene);
+        *scene = NULL;
+    }
+    return result;
 }
 
 bool tool_find_view(const stp_store* store, const char* name, stp_view* view)

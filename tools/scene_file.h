@@ -4,6 +4,7 @@
 
 #include "command.h"
 
+#include "scene/scene.h"
 #include "store/store.h"
 
 #include <stipple/view.h>
@@ -23,6 +24,11 @@ typedef enum scene_use {
 /// the model is large, but not so large that its triangles would take longer to draw than surfels to make.
 STP_MUST_USE stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
                                             stp_store** store);
+
+/// Imports a model, or makes a named scene (scene:NAME), and finishes it. The caller's (stp_scene_destroy); NULL on
+/// failure, which is logged.
+STP_MUST_USE stp_result tool_import_scene(stp_context* context, const char* path,
+                                          stp_scene** scene);
 
 /// Sets eye, target and up (and the angle, where the view is a camera with one and `view->fov_degrees` is 0) to
 /// a view of the file or a standard one. width, height, fov and ortho_height are read.

@@ -119,6 +119,8 @@ static void catch_interrupt(void)
     }
 }
 
+const char* const tool_progress_names[] = {"auto", "bar", "json", "none"};
+
 stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes,
                                  const char* progress_name)
 {
