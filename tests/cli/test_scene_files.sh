@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# stipple scene -o FILE.glb|FILE.gltf: what is read back from the file is the scene as it is made directly.
+# Arguments: executable, scratch folder, source folder.
+set -eu
+stipple=$1 scratch=$2 source=$3
+rm -rf "$scratch"
+mkdir -p "$scratch"
+cd "$scratch"
+command -v python3 > /dev/null || exit 77
+
+fail() {
+    echo "FAILED: $*" >&2
+    exit 1
+}
+
+# same NAME SCALE OPTIONS...: builds NAME directly, from a .glb and from a .gltf, and compares what they hold
+same() {
+    local name=$1 scale=$2
+    shift 2
+    "$stipple" build "scene:$name,scale=$scale" -o direct.stip --json "$@" > direct.json || fail "$name"
+    python3 "$source/scripts/read_store.py" direct.stip > direct.txt
+    for form in $forms; do
+        "$stipple" scene "$name" --scale "$scale" -o "file.$form" -q || fail "$name as .$form"
+        "$stipple" build "file.$form" -o file.stip --json --fresh "$@" > file.json || fail "$name from .$form"
+        python3 "$source/scripts/read_store.py" file.stip > file.txt
+        python3 - "$name.$form" << 'END' || exit 1
+import json, math, sys
+direct, file = json.load(open("direct.json")), json.load(open("file.json"))
+for key in ("objects unique_objects instances nodes unique_nodes triangles unique_triangles points views unit up "
+            "lods unique_lods triangle_bytes").split():
+    assert direct[key] == file[key], (sys.argv[1], key, direct[key], file[key])
+size = max(direct["bounds"]["max"][k] - direct["bounds"]["min"][k] for k in range(3))
+for end in "min", "max":  # instances are floats in a file
+    for a, b in zip(direct["bounds"][end], file["bounds"][end]):
+        assert abs(a - b) <= 1e-6 * size, (sys.argv[1], end, a, b)
+direct, file = json.load(open("direct.txt")), json.load(open("file.txt"))
+used = lambda store: {tuple(sorted((k, str(v)) for k, v in store["materials"][mesh["material"]].items()))
+                      for mesh in store["meshes"]}
+assert used(direct) == used(file), (sys.argv[1], "materials")
+# what is used by others is written out under the names of those, and cameras are nodes of their own
+shown = lambda store: {o["name"] for o in store["objects"]} - {"production line", "plant, common part"}
+assert shown(direct) <= shown(file), (sys.argv[1], shown(direct) - shown(file))
+for a, b in zip(direct["views"], file["views"]):
+    assert a["name"] == b["name"] and abs(a["fov_degrees"] - b["fov_degrees"]) < 1e-9, (a, b)
+    assert math.dist(a["eye"], b["eye"]) < 1e-6, (a, b)
+END
+        for view in $(python3 -c 'import json; print(*[v for v in json.load(open("direct.json"))["views"] if " " not in v][:2])'); do
+            for file in direct file; do
+                "$stipple" render "$file.stip" --view "$view" --size 160x90 --reference -o "$file.png" || fail "$name $view"
+            done
+            "$stipple" compare direct.png file.png --json > compare.json
+            python3 -c 'import json, sys; c = json.load(open("compare.json")); sys.exit(c["ssim"] < 0.999)' ||
+                fail "$name as .$form, view $view: $(cat compare.json)"
+        done
+        rm -f file.*
+    done
+}
+
+forms="glb gltf"
+same boxes 1
+same spheres 0.0001 --threshold 1000000000000
+same one-mesh 0.01
+same city-small 0.005 --threshold 1000000000000
+same terrain 0.0002 --threshold 1000000000000
+forms=glb
+same car-factory 0.0001 --threshold 1000000000000
+same paper 0.0001 --threshold 1000000000000
+
+# a scene whose nodes are shared without bound has no file
+"$stipple" scene paper-huge --scale 0.001 -o huge.gltf 2> err && fail "paper-huge fits a file"
+[ "$(wc -l < err)" = 1 ] || fail "not one sentence: $(cat err)"
+[ ! -e huge.gltf ] || fail "a file is left"
