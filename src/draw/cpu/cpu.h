@@ -60,10 +60,14 @@ typedef struct cpu_item {
     const stp_texture_pyramid* emissive;
 } cpu_item;
 
+typedef struct cpu_shade_item cpu_shade_item;
+typedef struct cpu_shade_material cpu_shade_material;
+typedef struct cpu_mesh_memory cpu_mesh_memory;
+
 typedef struct cpu_worker {
     uint64_t* pixels;
-    uint64_t* row; ///< one row of the picture, merged
-    size_t row_size;
+    uint64_t** buffers;         ///< room for those of all workers
+    cpu_mesh_memory* triangles; ///< lately shaded
     stp_arena scratch;
     uint64_t fragments, covered;
     bool drew, failed;
@@ -83,8 +87,15 @@ typedef struct cpu_renderer {
     cpu_item* items;
     size_t item_count, item_capacity;
     uint32_t piece_count;
-    float decode[256]; ///< sRGB bytes to linear
-    uint8_t encode[CPU_ENCODE_SIZE];
+    float decode[256];                   ///< sRGB bytes to linear
+    uint8_t encode[CPU_ENCODE_SIZE + 3]; ///< read four at a time
+    cpu_shade_material* shade_materials; ///< see cpu_make_shade_materials
+    cpu_shade_item* shade_items;
+    uint32_t* first_ids; ///< of items, ascending
+    size_t shade_item_capacity, first_id_capacity;
+    uint32_t* id_starts; ///< item of every 2^id_shift-th id
+    size_t id_start_capacity;
+    uint32_t id_shift;
     // this frame
     stp_view_frame frame;
     const stp_draw_style* style;
@@ -112,10 +123,17 @@ void cpu_destroy_textures(cpu_renderer* r);
 /// Draws all items into the workers' buffers. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r);
 
+/// Materials as shading wants them: 256 of surfels' shadings, then all of meshes and points, then the same unlit.
+/// Once a renderer. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_make_shade_materials(cpu_renderer* r);
+/// Makes what shading looks items up in, and gives workers memory. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_prepare_shading(cpu_renderer* r);
+void cpu_destroy_shading(cpu_renderer* r);
+/// Before the shading of each sample: what was remembered of triangles is no longer so.
+void cpu_begin_shading(cpu_renderer* r);
+
 /// Shades rows [begin, end), empties them, and writes the picture or adds to the sums.
-/// `row` has room for one row of pixels; `covered` is increased.
-void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* row,
-                    uint64_t* covered);
+void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker);
 /// Turns the sums of all samples into the picture.
 void cpu_average_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered);
 
@@ -167,15 +185,20 @@ stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* 
 /// Texels of `pyramid` along one item unit of a triangle.
 float cpu_mesh_density(const cpu_triangle* triangle, const stp_store_texture_use* use,
                        const stp_texture_pyramid* pyramid);
-/// Base colour with texture and vertex colours, at a point of a triangle whose pixel has the given side in
-/// item units.
+/// Base colour with texture and vertex colours, at a point of a triangle whose pixel is `footprint` texels wide.
 void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const float weight[3],
-                    float pixel_size, float out[4]);
+                    float footprint, float out[4]);
 
 /// Draws clusters [begin, end) of an item, without those outside the view.
 /// @return false where memory runs out
 bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                        const stp_raster_target* target, cpu_worker* worker);
+
+// What there is of light.
+#define CPU_LIGHT_SKY 0.28f
+#define CPU_LIGHT_GROUND 0.12f
+#define CPU_LIGHT_KEY 0.62f
+#define CPU_LIGHT_FILL 0.08f
 
 /// What light falls on.
 typedef struct cpu_surface {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // One light, and a sky that is lighter than the ground: enough to read shapes and materials anywhere, with
-// nothing to set up. Metals keep half of their diffuse colour, since there is nothing for them to mirror.
+// nothing to set up. Metals keep half of their diffuse colour, since there is nothing for them to mirror. Most pixels
+// are lit by the same arithmetic in vectors (shade_lanes.h).
 #include "draw/cpu/cpu.h"
-
-static const float sky = 0.28f, ground = 0.12f, key = 0.62f, fill = 0.08f;
 
 /// Highlight of a rough surface: the distribution of Trowbridge and Reitz, bounded.
 static float highlight(float roughness, float cosine)
@@ -32,7 +31,8 @@ void cpu_light_surface(const cpu_light* light, stp_vec3 to_eye, const cpu_surfac
     }
     float lambert = stp_max(stp_dot(n, light->toward), 0.0f);
     float height = 0.5f + 0.5f * stp_dot(n, light->up);
-    float diffuse = ground + (sky - ground) * height + key * lambert + fill * facing;
+    float diffuse = CPU_LIGHT_GROUND + (CPU_LIGHT_SKY - CPU_LIGHT_GROUND) * height +
+                    CPU_LIGHT_KEY * lambert + CPU_LIGHT_FILL * facing;
     stp_vec3 half = stp_add(light->toward, to_eye);
     float length = stp_length(half);
     float cosine = length > 0.0f ? stp_max(stp_dot(n, half) / length, 0.0f) : 0.0f;

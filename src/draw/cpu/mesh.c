@@ -50,7 +50,7 @@ static float vertex_color(const cpu_triangle* triangle, const float weight[3], i
 }
 
 void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const float weight[3],
-                    float pixel_size, float out[4])
+                    float footprint, float out[4])
 {
     const stp_store_material* material = item->material;
     for (int k = 0; k < 4; ++k) {
@@ -59,9 +59,7 @@ void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const fl
     if (item->base_color != NULL) {
         const stp_store_texture_use* use = &material->base_color_texture;
         float texel[4];
-        float density = cpu_mesh_density(triangle, use, item->base_color);
-        stp_texture_sample(item->base_color, cpu_mesh_uv(triangle, use, weight),
-                           density * pixel_size, texel);
+        stp_texture_sample(item->base_color, cpu_mesh_uv(triangle, use, weight), footprint, texel);
         for (int k = 0; k < 4; ++k) {
             out[k] *= texel[k];
         }

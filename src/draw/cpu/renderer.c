@@ -12,10 +12,10 @@ static void destroy(stp_renderer* renderer)
     stp_context* context = renderer->context;
     for (uint32_t i = 0; r->workers != NULL && i < r->team.threads; ++i) {
         stp_free(context, r->workers[i].pixels);
-        stp_free(context, r->workers[i].row);
         stp_arena_destroy(&r->workers[i].scratch);
     }
     cpu_destroy_textures(r);
+    cpu_destroy_shading(r);
     stp_free(context, r->workers);
     stp_free(context, r->depth);
     stp_free(context, r->sums);
@@ -58,18 +58,6 @@ static stp_result make_room(cpu_renderer* r, bool with_sums)
         }
         r->pixel_count = needed;
         empty_pixels(r);
-    }
-    for (uint32_t i = 0; i < r->team.threads; ++i) {
-        cpu_worker* worker = &r->workers[i];
-        if (worker->row_size < r->width) {
-            worker->row_size = 0;
-            stp_free(context, worker->row);
-            worker->row = STP_NEW_ARRAY(context, uint64_t, r->width);
-            if (worker->row == NULL) {
-                return stp_fail_memory(context);
-            }
-            worker->row_size = r->width;
-        }
     }
     if (with_sums && needed > r->sum_count) {
         r->sum_count = 0;
@@ -119,8 +107,7 @@ static void choose_nearness(cpu_renderer* r)
 static void shade_bands(size_t begin, size_t end, uint32_t worker, void* user)
 {
     cpu_renderer* r = user;
-    cpu_worker* w = &r->workers[worker];
-    cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, w->row, &w->covered);
+    cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
 }
 
 static void average_bands(size_t begin, size_t end, uint32_t worker, void* user)
@@ -144,6 +131,7 @@ static stp_result draw_samples(cpu_renderer* r, const stp_draw_list* list, uint3
             return result;
         }
         double drawn = stp_clock_ms();
+        cpu_begin_shading(r);
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
         for (uint32_t i = 0; i < r->team.threads; ++i) {
             r->workers[i].drew = false;
@@ -180,6 +168,10 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     choose_nearness(r);
     stp_result result = make_room(r, side > 1);
     result = result != STP_OK ? result : cpu_prepare_items(r, list);
+    if (result == STP_OK) {
+        cpu_place_items(r, list);
+        result = cpu_prepare_shading(r);
+    }
     if (result != STP_OK) {
         return result;
     }
@@ -235,6 +227,10 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     }
     for (int i = 0; i < CPU_ENCODE_SIZE; ++i) {
         r->encode[i] = stp_linear_to_srgb8(((float)i + 0.5f) / (float)CPU_ENCODE_SIZE);
+    }
+    if (cpu_make_shade_materials(r) != STP_OK) {
+        destroy(&r->base);
+        return STP_ERROR_OUT_OF_MEMORY;
     }
     *renderer = &r->base;
     return STP_OK;

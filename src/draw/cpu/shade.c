@@ -1,182 +1,120 @@
 // SPDX-License-Identifier: MIT
 // From the visibility buffer to colours: each pixel is looked up and lit once.
-#include "base/octahedral.h"
-#include "draw/cpu/cpu.h"
+#include "draw/cpu/shade.h"
+
+#include <string.h>
 
 /// What one band of the picture needs to know.
 typedef struct shader {
     cpu_renderer* r;
-    cpu_light light;
-    const cpu_item* item; ///< that the last pixel belonged to
-    cpu_reader* reader;
-    stp_vec3 row_start, column_step;
+    cpu_worker* worker;
+    const cpu_shade_kernels* kernels;
+    cpu_shade_row row;
+    uint32_t buffer_count;
+    uint64_t** buffers; ///< of workers that drew
+    uint32_t item;      ///< that the last pixel belonged to
+    uint32_t alone_count;
+    uint8_t alone[SHADE_CHUNK]; ///< lanes lit by themselves
+    float alone_color[SHADE_CHUNK][3];
 } shader;
 
-/// Of unit length, or zero; the matrix is near unit scale, so floats do.
-static stp_vec3 turn_normal(const cpu_item* item, stp_vec3 n)
+static int32_t read_color(const uint8_t* color)
 {
-    const float(*m)[3] = item->normal_matrix;
-    stp_vec3 turned = {m[0][0] * n.x + m[0][1] * n.y + m[0][2] * n.z,
-                       m[1][0] * n.x + m[1][1] * n.y + m[1][2] * n.z,
-                       m[2][0] * n.x + m[2][1] * n.y + m[2][2] * n.z};
-    float square = stp_dot(turned, turned);
-    return square > 0.0f ? stp_scale(turned, 1.0f / sqrtf(square)) : (stp_vec3){0};
+    return (int32_t)((uint32_t)color[0] | (uint32_t)color[1] << 8 | (uint32_t)color[2] << 16);
 }
 
-static void set_material(const stp_store_material* material, cpu_surface* surface)
+static void look_up_surfel(const cpu_shade_item* item, uint32_t index, cpu_shade_chunk* c,
+                           uint32_t lane)
 {
-    surface->metallic = material->metallic;
-    surface->roughness = material->roughness;
-    surface->unlit = (material->flags & STP_SHADING_UNLIT) != 0;
-    for (int k = 0; k < 3; ++k) {
-        surface->emissive[k] = material->emissive[k];
+    c->coded[lane] = -1;
+    c->color[lane] = read_color(item->colors + 3 * (size_t)index);
+    c->low[lane] = c->color[lane];
+    c->blend[lane] = item->blend;
+    if (index < item->low_count) {
+        c->low[lane] = read_color(item->low_colors + 3 * (size_t)index);
+        c->has_low = true;
     }
+    uint16_t code;
+    memcpy(&code, item->normals + 2 * (size_t)index, sizeof(code));
+    c->code[lane] = code;
+    c->material[lane] = item->materials[index];
+    c->has_codes = true;
 }
 
-static void surfel_surface(const shader* s, const cpu_item* item, uint32_t index,
-                           cpu_surface* surface)
+static void look_up_point(const shader* s, uint32_t slot, uint32_t index, cpu_shade_chunk* c,
+                          uint32_t lane)
 {
-    const cpu_renderer* r = s->r;
-    const uint8_t* color = item->colors + 3 * (size_t)index;
-    for (int k = 0; k < 3; ++k) {
-        surface->color[k] = r->decode[color[k]];
+    const cpu_item* item = &s->r->items[slot];
+    const stp_store_point_set* points = &item->points;
+    stp_vec3 normal = {0};
+    for (size_t k = 0; k < 3; ++k) {
+        float color = item->material->base_color[k];
+        if (points->colors != NULL) {
+            color *= s->row.decode[points->colors[4 * (size_t)index + k]];
+        }
+        c->linear[k][lane] = color;
     }
-    if (index < item->low_count && item->blend < 1.0f) {
-        const uint8_t* low = item->low_colors + 3 * (size_t)index;
-        for (int k = 0; k < 3; ++k) {
-            float before = r->decode[low[k]];
-            surface->color[k] = before + (surface->color[k] - before) * item->blend;
+    if (points->normals != NULL) {
+        normal = cpu_decode_normal(points->normals + 2 * (size_t)index);
+    }
+    c->normal[0][lane] = normal.x;
+    c->normal[1][lane] = normal.y;
+    c->normal[2][lane] = normal.z;
+    c->material[lane] = (int32_t)s->row.items[slot].material;
+}
+
+/// Which items pixels show; what will be read of surfels is asked for.
+static void find_items(shader* s, cpu_shade_chunk* c, uint32_t size)
+{
+    const cpu_shade_item* items = s->row.items;
+    uint32_t slot = s->item;
+    for (uint32_t i = 0; i < size; ++i) {
+        c->there[i] = -(int32_t)(c->pixels[i] != STP_RASTER_EMPTY);
+        uint32_t id = stp_raster_id(c->pixels[i]);
+        if (id - items[slot].first_id >= items[slot].count && c->there[i] != 0) {
+            slot = cpu_find_item(s->r, id);
+        }
+        c->item[i] = (int32_t)slot;
+        const cpu_shade_item* item = &items[slot];
+        if (item->kind == STP_DRAW_SURFELS && c->there[i] != 0) {
+            size_t index = id - item->first_id;
+            __builtin_prefetch(item->colors + 3 * index);
+            __builtin_prefetch(item->normals + 2 * index);
+            __builtin_prefetch(item->materials + index);
         }
     }
-    const int8_t* code = item->surfels.normals + 2 * (size_t)index;
-    surface->normal = turn_normal(item, stp_octahedral_decode(code[0], code[1]));
-    uint8_t number = item->surfels.materials[index];
-    if (number < r->directory->shading_count) {
-        const stp_shading* shading = &r->directory->shadings[number];
-        surface->metallic = shading->metallic;
-        surface->roughness = shading->roughness;
-        surface->unlit = (shading->flags & STP_SHADING_UNLIT) != 0;
-        for (int k = 0; k < 3; ++k) {
-            surface->emissive[k] = shading->emissive[k];
+    s->item = slot;
+}
+
+/// What pixels show.
+static void look_up(shader* s, cpu_shade_chunk* c, uint32_t x, uint32_t y, uint32_t size)
+{
+    float* depth = s->r->depth + (size_t)y * s->r->width + x;
+    find_items(s, c, size);
+    c->has_codes = c->has_low = false;
+    s->alone_count = 0;
+    for (uint32_t i = 0; i < size; ++i) {
+        if (c->there[i] == 0) {
+            continue;
         }
-    }
-}
-
-static void point_surface(const shader* s, const cpu_item* item, uint32_t index,
-                          cpu_surface* surface)
-{
-    set_material(item->material, surface);
-    for (int k = 0; k < 3; ++k) {
-        surface->color[k] = item->material->base_color[k];
-        if (item->points.colors != NULL) {
-            surface->color[k] *= s->r->decode[item->points.colors[4 * (size_t)index + (size_t)k]];
-        }
-    }
-    if (item->points.normals != NULL) {
-        surface->normal =
-            turn_normal(item, cpu_decode_normal(item->points.normals + 2 * (size_t)index));
-    } else {
-        surface->unlit = true;
-    }
-}
-
-static stp_vec3 flat_normal(const float c[3][3])
-{
-    return stp_normalize(
-        stp_cross((stp_vec3){c[1][0] - c[0][0], c[1][1] - c[0][1], c[1][2] - c[0][2]},
-                  (stp_vec3){c[2][0] - c[0][0], c[2][1] - c[0][1], c[2][2] - c[0][2]}));
-}
-
-/// The normal between the corners' normals, on the side of the triangle that is seen.
-static stp_vec3 smooth_normal(const cpu_triangle* triangle, const float weight[3], stp_vec3 flat)
-{
-    stp_vec3 sum = {0};
-    for (int k = 0; k < 3 && triangle->has_normal; ++k) {
-        stp_vec3 n = triangle->normal[k];
-        sum = stp_add(sum, stp_scale(n, weight[k] / stp_length(n)));
-    }
-    return stp_dot(sum, sum) > 1e-6f ? sum : flat;
-}
-
-static void sample_texture(const cpu_triangle* triangle, const stp_store_texture_use* use,
-                           const stp_texture_pyramid* pyramid, const float weight[3],
-                           float pixel_size, float texel[4])
-{
-    float footprint = cpu_mesh_density(triangle, use, pyramid) * pixel_size;
-    stp_texture_sample(pyramid, cpu_mesh_uv(triangle, use, weight), footprint, texel);
-}
-
-static void sample_materials(const cpu_item* item, const cpu_triangle* triangle,
-                             const float weight[3], float pixel_size, cpu_surface* surface)
-{
-    const stp_store_material* material = item->material;
-    float texel[4];
-    if (item->metallic_roughness != NULL) {
-        sample_texture(triangle, &material->metallic_roughness_texture, item->metallic_roughness,
-                       weight, pixel_size, texel);
-        surface->roughness *= texel[1];
-        surface->metallic *= texel[2];
-    }
-    if (item->emissive != NULL) {
-        sample_texture(triangle, &material->emissive_texture, item->emissive, weight, pixel_size,
-                       texel);
-        for (int k = 0; k < 3; ++k) {
-            surface->emissive[k] *= texel[k];
-        }
-    }
-}
-
-static void mesh_surface(const shader* s, const cpu_item* item, uint32_t index, uint32_t x,
-                         uint32_t y, float nearness, cpu_surface* surface)
-{
-    const cpu_renderer* r = s->r;
-    const cpu_triangle* triangle = cpu_read_triangle(s->reader, item, index);
-    const float(*corners)[3] = triangle->position;
-    float weight[3];
-    stp_raster_weights(&item->camera.matrix, corners[0], corners[1], corners[2], (float)x + 0.5f,
-                       (float)y + 0.5f, &weight[1], &weight[2]);
-    weight[0] = 1.0f - weight[1] - weight[2];
-    float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
-    float pixel = depth / (item->camera.pixel_scale * item->scale);
-    float color[4];
-    cpu_mesh_color(item, triangle, weight, pixel, color);
-    for (int k = 0; k < 3; ++k) {
-        surface->color[k] = color[k];
-    }
-    set_material(item->material, surface);
-    sample_materials(item, triangle, weight, pixel, surface);
-    surface->normal = turn_normal(item, smooth_normal(triangle, weight, flat_normal(corners)));
-}
-
-static const cpu_item* find_item(const shader* s, uint32_t id)
-{
-    const cpu_renderer* r = s->r;
-    if (s->item != NULL && id >= s->item->first_id && id - s->item->first_id < s->item->count) {
-        return s->item;
-    }
-    size_t low = 0, high = r->item_count;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (r->items[middle].first_id <= id) {
-            low = middle;
+        const cpu_shade_item* item = &s->row.items[c->item[i]];
+        uint32_t index = stp_raster_id(c->pixels[i]) - item->first_id;
+        c->coded[i] = 0;
+        if (item->kind == STP_DRAW_SURFELS) {
+            look_up_surfel(item, index, c, i);
+        } else if (item->kind == STP_DRAW_POINTS) {
+            look_up_point(s, (uint32_t)c->item[i], index, c, i);
         } else {
-            high = middle;
+            depth[i] = cpu_true_nearness(&s->r->items[c->item[i]], depth[i]);
+            bool done = cpu_look_up_triangle(s->r, s->worker, &s->row, c, i, x + i, y,
+                                             s->alone_color[s->alone_count]);
+            s->alone[s->alone_count] = (uint8_t)i;
+            s->alone_count += done ? 0 : 1;
         }
     }
-    return &r->items[low];
 }
 
-/// From a pixel towards the eye: (forward + right u + down v) turned round.
-static stp_vec3 direction_to_eye(const shader* s, uint32_t x)
-{
-    if (s->r->frame.parallel) {
-        return s->row_start;
-    }
-    stp_vec3 d = stp_add(s->row_start, stp_scale(s->column_step, (float)x + 0.5f));
-    return stp_scale(d, 1.0f / sqrtf(stp_dot(d, d)));
-}
-
-/// What direction_to_eye needs for a row.
+/// What the direction to the eye is made of, for a row: (forward + right u + down v) turned round.
 static void begin_row(shader* s, uint32_t y)
 {
     const cpu_renderer* r = s->r;
@@ -187,30 +125,9 @@ static void begin_row(shader* s, uint32_t y)
         double v = ((double)y + 0.5 - f->center_y - r->shift_y) / f->scale;
         start = stp_subd(start, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
     }
-    s->row_start = stp_to_float(start);
-    s->column_step = stp_to_float(stp_scaled(f->right, -1.0 / f->scale));
-}
-
-static void shade_pixel(shader* s, uint64_t pixel, uint32_t x, uint32_t y, float out[3])
-{
-    uint32_t id = stp_raster_id(pixel);
-    const cpu_item* item = find_item(s, id);
-    s->item = item;
-    cpu_surface surface = {.roughness = 1.0f};
-    uint32_t index = id - item->first_id;
-    switch (item->kind) {
-    case STP_DRAW_SURFELS:
-        surfel_surface(s, item, index, &surface);
-        break;
-    case STP_DRAW_MESH:
-        mesh_surface(s, item, index, x, y, cpu_true_nearness(item, stp_raster_nearness(pixel)),
-                     &surface);
-        break;
-    case STP_DRAW_POINTS:
-        point_surface(s, item, index, &surface);
-        break;
-    }
-    cpu_light_surface(&s->light, direction_to_eye(s, x), &surface, out);
+    s->row.start = stp_to_float(start);
+    s->row.step = stp_to_float(stp_scaled(f->right, -1.0 / f->scale));
+    s->row.parallel = f->parallel;
 }
 
 static uint8_t encode(const cpu_renderer* r, float linear)
@@ -236,25 +153,6 @@ static void write_pixel(const cpu_renderer* r, const float color[3], float cover
     }
 }
 
-/// The nearest of all workers' pixels, each left empty.
-static void merge_row(cpu_renderer* r, uint32_t y, uint64_t* row)
-{
-    size_t first = (size_t)y * r->width;
-    for (uint32_t x = 0; x < r->width; ++x) {
-        row[x] = STP_RASTER_EMPTY;
-    }
-    for (uint32_t w = 0; w < r->team.threads; ++w) {
-        uint64_t* pixels = r->workers[w].pixels + first;
-        if (!r->workers[w].drew) {
-            continue;
-        }
-        for (uint32_t x = 0; x < r->width; ++x) {
-            row[x] = pixels[x] < row[x] ? pixels[x] : row[x];
-            pixels[x] = STP_RASTER_EMPTY;
-        }
-    }
-}
-
 static cpu_light make_light(const cpu_renderer* r)
 {
     const stp_view_frame* f = &r->frame;
@@ -267,46 +165,94 @@ static cpu_light make_light(const cpu_renderer* r)
     return (cpu_light){.toward = stp_to_float(toward), .up = stp_to_float(up)};
 }
 
-static void add_to_sum(cpu_renderer* r, size_t at, const float color[3], float coverage)
+static void add_to_sums(const cpu_renderer* r, size_t at, const cpu_shade_chunk* c, uint32_t size,
+                        bool any)
 {
-    float* sum = r->sums + 4 * at;
-    for (int k = 0; k < 3; ++k) {
-        float linear = color[k] < 1.0f ? color[k] : 1.0f; // so that glints do not outshine edges
-        sum[k] = r->sample == 0 ? linear : sum[k] + linear;
+    for (uint32_t i = 0; i < size; ++i) {
+        float* sum = r->sums + 4 * (at + i);
+        bool there = any && c->there[i] != 0;
+        for (int k = 0; k < 3; ++k) {
+            float linear = there ? c->out[k][i] : 0.0f;
+            linear = linear < 1.0f ? linear : 1.0f; // so that glints do not outshine edges
+            sum[k] = r->sample == 0 ? linear : sum[k] + linear;
+        }
+        float coverage = there ? 1.0f : 0.0f;
+        sum[3] = r->sample == 0 ? coverage : sum[3] + coverage;
     }
-    sum[3] = r->sample == 0 ? coverage : sum[3] + coverage;
 }
 
-void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* row, uint64_t* covered)
+/// Shades what a chunk's pixels show.
+static void shade_chunk(shader* s, cpu_shade_chunk* c, uint32_t x, uint32_t y, uint32_t size)
 {
-    cpu_reader reader = {0};
-    shader s = {.r = r, .light = make_light(r), .reader = &reader};
+    look_up(s, c, x, y, size);
+    s->kernels->light(&s->row, c, x, size);
+    for (uint32_t k = 0; k < s->alone_count; ++k) {
+        const float* color = s->alone_color[k];
+        uint32_t lane = s->alone[k];
+        write_pixel(s->r, color, 1.0f, (uint8_t*)&c->bytes[lane]);
+        for (int i = 0; i < 3; ++i) {
+            c->out[i][lane] = color[i];
+        }
+    }
+}
+
+static void finish_chunk(const shader* s, const cpu_shade_chunk* c, size_t at, uint32_t size,
+                         bool any)
+{
+    const cpu_renderer* r = s->r;
+    if (r->sample_count > 1) {
+        add_to_sums(r, at, c, size, any);
+        return;
+    }
+    uint8_t* out = r->image->pixels + 4 * at;
+    if (any) {
+        memcpy(out, c->bytes, 4 * (size_t)size);
+        for (uint32_t i = 0; i < size; ++i) {
+            s->worker->covered += c->there[i] != 0;
+        }
+        return;
+    }
+    for (uint32_t i = 0; i < size; ++i) {
+        memcpy(out + 4 * (size_t)i, &s->row.empty, 4);
+    }
+}
+
+static shader make_shader(cpu_renderer* r, cpu_worker* worker)
+{
+    shader s = {.r = r,
+                .worker = worker,
+                .kernels = cpu_choose_shade_kernels(),
+                .row = {.items = r->shade_items,
+                        .materials = r->shade_materials,
+                        .decode = r->decode,
+                        .encode = r->encode,
+                        .light = make_light(r)},
+                .buffers = worker->buffers};
     const float nothing[3] = {0};
-    uint8_t empty[4];
-    write_pixel(r, nothing, 0.0f, empty);
+    write_pixel(r, nothing, 0.0f, (uint8_t*)&s.row.empty);
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        if (r->workers[i].drew) {
+            s.buffers[s.buffer_count++] = r->workers[i].pixels;
+        }
+    }
+    return s;
+}
+
+void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker)
+{
+    shader s = make_shader(r, worker);
+    cpu_shade_chunk chunk = {0};
     for (uint32_t y = begin; y < end; ++y) {
-        merge_row(r, y, row);
         begin_row(&s, y);
-        for (uint32_t x = 0; x < r->width; ++x) {
+        for (uint32_t x = 0; x < r->width; x += SHADE_CHUNK) {
+            uint32_t left = r->width - x, size = left < SHADE_CHUNK ? left : SHADE_CHUNK;
             size_t at = (size_t)y * r->width + x;
-            float color[3];
-            if (row[x] == STP_RASTER_EMPTY) {
-                r->depth[at] = 0.0f;
-                if (r->sample_count > 1) {
-                    add_to_sum(r, at, nothing, 0.0f);
-                } else {
-                    memcpy(r->image->pixels + 4 * at, empty, sizeof(empty));
-                }
-                continue;
+            bool any =
+                s.kernels->merge(s.buffers, s.buffer_count, at, size, chunk.pixels, r->depth + at);
+            if (any) {
+                shade_chunk(&s, &chunk, x, y, size);
             }
-            shade_pixel(&s, row[x], x, y, color);
-            r->depth[at] = cpu_true_nearness(s.item, stp_raster_nearness(row[x]));
-            if (r->sample_count > 1) {
-                add_to_sum(r, at, color, 1.0f);
-            } else {
-                *covered += 1;
-                write_pixel(r, color, 1.0f, r->image->pixels + 4 * at);
-            }
+            finish_chunk(&s, &chunk, at, size, any);
         }
     }
 }

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// Vectors of four numbers, in the compiler's own notation: SSE2, NEON, or whatever there is.
+#include "base/processor.h"
+#include "draw/cpu/shade.h"
+
+#define LANES 4
+
+typedef int32_t lanes_int __attribute__((vector_size(16)));
+typedef float lanes_float __attribute__((vector_size(16)));
+
+static inline lanes_int lanes_index(void)
+{
+    return (lanes_int){0, 1, 2, 3};
+}
+
+static inline lanes_float lanes_gather(const float* base, lanes_int i)
+{
+    return (lanes_float){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
+}
+
+static inline lanes_int lanes_gather_byte(const uint8_t* base, lanes_int i)
+{
+    return (lanes_int){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
+}
+
+static inline lanes_float lanes_select(lanes_int mask, lanes_float a, lanes_float b)
+{
+    return (lanes_float)((mask & (lanes_int)a) | (~mask & (lanes_int)b));
+}
+
+static inline lanes_float lanes_absolute(lanes_float a)
+{
+    return (lanes_float)((lanes_int)a & INT32_MAX);
+}
+
+static inline lanes_float lanes_root(lanes_float a)
+{
+    return (lanes_float){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])};
+}
+
+static inline bool lanes_none(lanes_int mask)
+{
+    return (mask[0] | mask[1] | mask[2] | mask[3]) == 0;
+}
+
+#include "draw/cpu/shade_lanes.h"
+
+const cpu_shade_kernels cpu_shade_kernels_portable = {merge_chunk, light_chunk};
+
+const cpu_shade_kernels* cpu_choose_shade_kernels(void)
+{
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return &cpu_shade_kernels_avx512;
+    case STP_PROCESSOR_AVX2:
+        return &cpu_shade_kernels_avx2;
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return &cpu_shade_kernels_portable;
+}

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// What shading looks things up in: materials once a renderer; items, and which item an id belongs to, once a frame.
+#include "draw/cpu/shade.h"
+
+enum { SHADINGS = 256, ID_TABLE_SIZE = 1 << 16 };
+
+static cpu_shade_material make_material(float metallic, float roughness, const float emissive[3],
+                                        bool unlit)
+{
+    float a = stp_max(roughness, 0.25f); // as in cpu_light_surface
+    float a2 = a * a * a * a;
+    return (cpu_shade_material){.metallic = metallic,
+                                .kept = 1.0f - 0.5f * metallic,
+                                .a2 = a2,
+                                .gloss = 1.0f / (4.0f * a2 + 0.2f),
+                                .emissive = {emissive[0], emissive[1], emissive[2]},
+                                .unlit = unlit ? 1.0f : 0.0f};
+}
+
+stp_result cpu_make_shade_materials(cpu_renderer* r)
+{
+    const stp_store_directory* d = r->directory;
+    size_t count = d->material_count;
+    r->shade_materials = STP_NEW_ARRAY(r->base.context, cpu_shade_material, SHADINGS + 2 * count);
+    if (r->shade_materials == NULL) {
+        return stp_fail_memory(r->base.context);
+    }
+    const float dark[3] = {0};
+    for (uint32_t i = 0; i < SHADINGS; ++i) {
+        r->shade_materials[i] = make_material(0.0f, 1.0f, dark, false);
+        if (i < d->shading_count) {
+            const stp_shading* s = &d->shadings[i];
+            bool unlit = (s->flags & STP_SHADING_UNLIT) != 0;
+            r->shade_materials[i] = make_material(s->metallic, s->roughness, s->emissive, unlit);
+        }
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const stp_store_material* m = &d->materials[i];
+        bool unlit = (m->flags & STP_SHADING_UNLIT) != 0;
+        cpu_shade_material* made = r->shade_materials + SHADINGS + i;
+        made[0] = make_material(m->metallic, m->roughness, m->emissive, unlit);
+        made[count] = made[0];
+        made[count].unlit = 1.0f;
+    }
+    return STP_OK;
+}
+
+static cpu_shade_item make_item(const cpu_renderer* r, const cpu_item* item)
+{
+    cpu_shade_item made = {
+        .kind = item->kind, .first_id = item->first_id, .count = item->count, .blend = item->blend};
+    for (int k = 0; k < 9; ++k) {
+        made.normal_matrix[k] = item->normal_matrix[k / 3][k % 3];
+    }
+    if (item->kind == STP_DRAW_SURFELS) {
+        made.colors = item->colors;
+        made.low_colors = item->low_colors;
+        made.low_count = item->blend < 1.0f ? item->low_count : 0;
+        made.normals = item->surfels.normals;
+        made.materials = item->surfels.materials;
+    } else {
+        uint32_t number = (uint32_t)(item->material - r->directory->materials);
+        bool unlit = item->kind == STP_DRAW_POINTS && item->points.normals == NULL;
+        made.material = SHADINGS + number + (unlit ? r->directory->material_count : 0);
+    }
+    return made;
+}
+
+/// Which item the first id of each run of 2^id_shift ids belongs to, and a last entry.
+static void index_ids(cpu_renderer* r, uint64_t id_count)
+{
+    uint32_t item = 0, last = (uint32_t)r->item_count - 1;
+    uint64_t runs = (id_count >> r->id_shift) + 1;
+    for (uint64_t run = 0; run < runs; ++run) {
+        while (item < last && r->first_ids[item + 1] <= run << r->id_shift) {
+            item += 1;
+        }
+        r->id_starts[run] = item;
+    }
+    r->id_starts[runs] = last;
+}
+
+static bool make_room(cpu_renderer* r)
+{
+    stp_context* context = r->base.context;
+    if (r->item_count > r->shade_item_capacity) {
+        cpu_shade_item* items = stp_grow_array(context, r->shade_items, &r->shade_item_capacity,
+                                               r->item_count, sizeof(*items));
+        if (items == NULL) {
+            return false;
+        }
+        r->shade_items = items;
+    }
+    if (r->item_count > r->first_id_capacity) {
+        uint32_t* ids = stp_grow_array(context, r->first_ids, &r->first_id_capacity, r->item_count,
+                                       sizeof(*ids));
+        if (ids == NULL) {
+            return false;
+        }
+        r->first_ids = ids;
+    }
+    if (r->id_starts == NULL) {
+        r->id_starts = STP_NEW_ARRAY(context, uint32_t, ID_TABLE_SIZE + 2);
+    }
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        if (r->workers[i].triangles == NULL) {
+            r->workers[i].triangles = cpu_make_mesh_memory(context);
+        }
+        if (r->workers[i].buffers == NULL) {
+            r->workers[i].buffers = STP_NEW_ARRAY(context, uint64_t*, r->team.threads);
+        }
+        if (r->workers[i].triangles == NULL || r->workers[i].buffers == NULL) {
+            return false;
+        }
+    }
+    return r->id_starts != NULL;
+}
+
+stp_result cpu_prepare_shading(cpu_renderer* r)
+{
+    if (!make_room(r)) {
+        return stp_fail_memory(r->base.context);
+    }
+    if (r->item_count == 0) {
+        return STP_OK;
+    }
+    for (size_t i = 0; i < r->item_count; ++i) {
+        r->shade_items[i] = make_item(r, &r->items[i]);
+        r->first_ids[i] = r->items[i].first_id;
+    }
+    const cpu_item* last = &r->items[r->item_count - 1];
+    uint64_t id_count = (uint64_t)last->first_id + last->count;
+    r->id_shift = 0;
+    while (id_count >> r->id_shift > ID_TABLE_SIZE - 1) {
+        r->id_shift += 1;
+    }
+    index_ids(r, id_count);
+    return STP_OK;
+}
+
+uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id)
+{
+    const uint32_t* starts = r->id_starts + (id >> r->id_shift);
+    uint32_t low = starts[0], high = starts[1] + 1;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        if (r->first_ids[middle] <= id) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+void cpu_begin_shading(cpu_renderer* r)
+{
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        cpu_forget_triangles(r->workers[i].triangles);
+    }
+}
+
+void cpu_destroy_shading(cpu_renderer* r)
+{
+    stp_context* context = r->base.context;
+    for (uint32_t i = 0; r->workers != NULL && i < r->team.threads; ++i) {
+        stp_free(context, r->workers[i].triangles);
+        stp_free(context, r->workers[i].buffers);
+    }
+    stp_free(context, r->shade_materials);
+    stp_free(context, r->shade_items);
+    stp_free(context, r->first_ids);
+    stp_free(context, r->id_starts);
+}
