@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "distribution_plot.h"
 
-#include "base/file.h"
+#include "svg.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
 enum {
@@ -22,36 +20,6 @@ static const double top_value = 1.2; // of the largest even spacing
 
 static const char* const fills[] = {"#8da0cb", "#66c2a5", "#fc8d62",
                                     "#e78ac3", "#a6d854", "#ffd92f"};
-
-typedef struct svg {
-    stp_file_writer* writer;
-    stp_result result;
-} svg;
-
-__attribute__((format(printf, 2, 3))) static void put(svg* s, const char* format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    int size = vsnprintf(text, sizeof(text), format, arguments);
-    va_end(arguments);
-    if (s->result == STP_OK && size > 0) {
-        size_t length = (size_t)size < sizeof(text) ? (size_t)size : sizeof(text) - 1;
-        s->result = stp_file_writer_append(s->writer, text, length);
-    }
-}
-
-// Text from outside: file names may hold anything.
-static void put_text(svg* s, const char* text)
-{
-    for (; *text != 0; ++text) {
-        if (strchr("<>&\"'", *text) != NULL || (unsigned char)*text < ' ') {
-            put(s, "&#%d;", (unsigned char)*text < ' ' ? ' ' : *text);
-        } else {
-            put(s, "%c", *text);
-        }
-    }
-}
 
 #define LEAST_DENSITY 0.002 // of the densest
 
@@ -105,54 +73,54 @@ static void put_violin(svg* s, const plot_violin* v, double x, const char* fill)
     while (last > first && bins[last] < LEAST_DENSITY) {
         last -= 1;
     }
-    put(s, "<path fill=\"%s\" stroke=\"#444\" stroke-width=\"0.7\" d=\"", fill);
+    svg_put(s, "<path fill=\"%s\" stroke=\"#444\" stroke-width=\"0.7\" d=\"", fill);
     for (int side = 0; side < 2; ++side) {
         for (int k = first; k <= last; ++k) {
             int bin = side == 0 ? k : last - (k - first);
             double y = y_of((bin + 0.5) * top_value / BINS);
-            put(s, "%s%.2f %.2f", side == 0 && k == first ? "M" : "L",
-                x + (side == 0 ? -half : half) * bins[bin], y);
+            svg_put(s, "%s%.2f %.2f", side == 0 && k == first ? "M" : "L",
+                    x + (side == 0 ? -half : half) * bins[bin], y);
         }
     }
-    put(s, "Z\"/>\n");
+    svg_put(s, "Z\"/>\n");
     double low = y_of(value_at(v, 0.25)), high = y_of(value_at(v, 0.75));
-    put(s, "<path stroke=\"#222\" d=\"M%.2f %.2fV%.2f\"/>\n", x, y_of(value_at(v, 0.0)),
-        y_of(value_at(v, 1.0)));
-    put(s,
-        "<rect x=\"%.2f\" y=\"%.2f\" width=\"12\" height=\"%.2f\" fill=\"#fff\" "
-        "stroke=\"#222\"/>\n",
-        x - 6.0, high, low - high);
+    svg_put(s, "<path stroke=\"#222\" d=\"M%.2f %.2fV%.2f\"/>\n", x, y_of(value_at(v, 0.0)),
+            y_of(value_at(v, 1.0)));
+    svg_put(s,
+            "<rect x=\"%.2f\" y=\"%.2f\" width=\"12\" height=\"%.2f\" fill=\"#fff\" "
+            "stroke=\"#222\"/>\n",
+            x - 6.0, high, low - high);
     double median = y_of(value_at(v, 0.5));
-    put(s, "<path stroke=\"#222\" stroke-width=\"2\" d=\"M%.2f %.2fh12\"/>\n", x - 6.0, median);
+    svg_put(s, "<path stroke=\"#222\" stroke-width=\"2\" d=\"M%.2f %.2fh12\"/>\n", x - 6.0, median);
 }
 
 static void put_axis(svg* s, double width)
 {
     for (int i = 0; i <= 6; ++i) {
         double value = i * 0.2, y = y_of(value);
-        put(s, "<path stroke=\"#ddd\" d=\"M%d %.2fH%.2f\"/>\n", LEFT, y, width - 10.0);
-        put(s, "<text x=\"%d\" y=\"%.2f\" text-anchor=\"end\">%.1f</text>\n", LEFT - 8, y + 4.0,
-            value);
+        svg_put(s, "<path stroke=\"#ddd\" d=\"M%d %.2fH%.2f\"/>\n", LEFT, y, width - 10.0);
+        svg_put(s, "<text x=\"%d\" y=\"%.2f\" text-anchor=\"end\">%.1f</text>\n", LEFT - 8, y + 4.0,
+                value);
     }
-    put(s,
+    svg_put(
+        s,
         "<text transform=\"translate(18 %d) rotate(-90)\" text-anchor=\"middle\">relative distance "
         "to the "
         "nearest neighbour</text>\n",
         TOP + HEIGHT / 2);
 }
 
-static void put_all(svg* s, const plot_violin* violins, size_t count)
+static double width_of(const plot_violin* violins, size_t count)
 {
     double width = LEFT + 20.0;
     for (size_t i = 0; i < count; ++i) {
         width += VIOLIN_WIDTH + (i != 0 && violins[i].count != violins[i - 1].count ? GAP : 0);
     }
-    put(s,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%d\" "
-        "font-family=\"sans-serif\" "
-        "font-size=\"12\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-        width, TOP + HEIGHT + BOTTOM);
-    put_axis(s, width);
+    return width;
+}
+
+static void put_violins(svg* s, const plot_violin* violins, size_t count)
+{
     double x = LEFT + 10.0, group = x;
     size_t within = 0;
     for (size_t i = 0; i < count; ++i, ++within) {
@@ -162,31 +130,28 @@ static void put_all(svg* s, const plot_violin* violins, size_t count)
             within = 0;
         }
         put_violin(s, &violins[i], x + VIOLIN_WIDTH / 2.0, fills[within % 6]);
-        put(s, "<text x=\"%.2f\" y=\"%d\" text-anchor=\"middle\" font-size=\"10\">",
-            x + VIOLIN_WIDTH / 2.0, TOP + HEIGHT + 20);
-        put_text(s, violins[i].label);
-        put(s, "</text>\n");
+        svg_put(s, "<text x=\"%.2f\" y=\"%d\" text-anchor=\"middle\" font-size=\"10\">",
+                x + VIOLIN_WIDTH / 2.0, TOP + HEIGHT + 20);
+        svg_put_text(s, violins[i].label);
+        svg_put(s, "</text>\n");
         x += VIOLIN_WIDTH;
         if (i + 1 == count || violins[i + 1].count != violins[i].count) {
-            put(s, "<text x=\"%.2f\" y=\"%d\" text-anchor=\"middle\">%u points</text>\n",
-                (group + x) / 2.0, TOP + HEIGHT + 45, violins[i].count);
+            svg_put(s, "<text x=\"%.2f\" y=\"%d\" text-anchor=\"middle\">%u points</text>\n",
+                    (group + x) / 2.0, TOP + HEIGHT + 45, violins[i].count);
         }
     }
-    put(s, "</svg>\n");
 }
 
 stp_result plot_violins(stp_context* context, const char* path, const plot_violin* violins,
                         size_t violin_count)
 {
-    svg s = {0};
-    s.result = stp_file_writer_open(context, path, &s.writer);
-    if (s.result != STP_OK) {
-        return s.result;
+    svg s;
+    double width = width_of(violins, violin_count);
+    stp_result result = svg_open(context, path, width, TOP + HEIGHT + BOTTOM, &s);
+    if (result != STP_OK) {
+        return result;
     }
-    put_all(&s, violins, violin_count);
-    if (s.result != STP_OK) {
-        stp_file_writer_abort(s.writer);
-        return s.result;
-    }
-    return stp_file_writer_commit(s.writer);
+    put_axis(&s, width);
+    put_violins(&s, violins, violin_count);
+    return svg_close(&s);
 }

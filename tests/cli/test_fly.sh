@@ -1,0 +1,176 @@
+#!/usr/bin/env bash
+# stipple fly: figures, pictures, films, plots and refusals. Arguments: executable, scratch folder, source folder.
+set -u
+stipple=$1
+scratch=$2
+source=$3
+rm -rf "$scratch"
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+command -v python3 > /dev/null || exit 77
+export XDG_CACHE_HOME=$PWD/cache
+failures=0
+
+fail()
+{
+    echo "FAIL: $*" >&2
+    failures=$((failures + 1))
+}
+
+# refused CODE WORD ARGUMENTS...: exits with CODE and one sentence that has WORD; `programs` is its PATH
+refused()
+{
+    local code=$1 word=$2
+    shift 2
+    PATH=${programs:-$PATH} "$stipple" fly "$@" > out 2> err
+    [ $? -eq "$code" ] || fail "$* exits with another code than $code"
+    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
+    [ "$(grep -c '^stipple: ' err)" -eq 1 ] || fail "$* says not one sentence: $(cat err)"
+    [ ! -s out ] || fail "$* writes on stdout"
+}
+
+# fly NAME ARGUMENTS...: writes NAME.json
+fly()
+{
+    local name=$1
+    shift
+    "$stipple" fly "$@" --json -q > "$name.json" 2> err || fail "$name: $(cat err)"
+}
+
+# a ball, which is drawn as splats from afar
+python3 - << 'END' || exit 1
+with open("ball.obj", "w") as out:
+    from math import sin, cos, pi
+    n = 40
+    for i in range(n + 1):
+        for k in range(2 * n):
+            a, b = pi * i / n, pi * k / n
+            out.write(f"v {sin(a) * cos(b):.6f} {cos(a):.6f} {sin(a) * sin(b):.6f}\n")
+    for i in range(n):
+        for k in range(2 * n):
+            p = [i * 2 * n + k, i * 2 * n + (k + 1) % (2 * n), (i + 1) * 2 * n + (k + 1) % (2 * n), (i + 1) * 2 * n + k]
+            out.write("f " + " ".join(str(x + 1) for x in p) + "\n")
+END
+"$stipple" build ball.obj -o ball.stip -q || exit 1
+cat > flight.json << 'END'
+{"fov": 40, "fps": 4, "keys": [{"t": 1, "eye": [0, 1, 40], "target": [0, 0, 0]},
+ {"t": 2, "eye": [9, 1, 8], "target": [0, 0, 0]}, {"t": 3.5, "eye": [4, -1, 0], "target": [0, 0, 0], "up": [0, 1, 0.2]}]}
+END
+
+boxes=(scene:boxes --path "$source/scenes/flights/boxes.json")
+fly plain "${boxes[@]}" --size 64x48 --frames 5
+fly same "${boxes[@]}" --size 64x48 --frames 6 --reference --reference-every 1 --popping
+fly same_ball ball.stip --path flight.json --size 64x48 --reference --reference-every 1 --popping
+fly every ball.stip --path flight.json --size 64x48 --reference-every 4 --splat-size 3 --popping
+fly budget ball.stip --path flight.json --size 64x48 --budget-ms 0.1 --threads 1
+fly paper ball.stip --path flight.json --size 64x48 --budget-ms 1e5 --controller paper
+fly policy ball.stip --path flight.json --size 64x48 --splat-size 6 --policy switch --splat-scale 0.5 --supersample 2
+fly one ball.stip --path flight.json --size 64x48 --frames 1
+python3 - << 'END' || fail "figures"
+import json
+def load(name):
+    f = json.load(open(name + ".json"))
+    expected = """backend device width height threads frames frame_ms splats triangles splat_size draw_calls extra_splats
+    popping quality per_frame""".split()
+    assert sorted(f) == sorted(expected), (name, sorted(f))
+    assert sorted(f["frame_ms"]) == ["max", "p50", "p95", "p99"], f["frame_ms"]
+    for key in "splats", "triangles", "splat_size", "draw_calls", "extra_splats":
+        assert sorted(f[key]) == ["max", "p50"], f[key]
+    assert len(f["per_frame"]) == f["frames"]
+    for frame in f["per_frame"]:
+        assert sorted(frame) == ["frame_ms", "splat_size", "splats", "t", "triangles"], frame
+        assert frame["frame_ms"] > 0
+    for key in "frame_ms", "splats", "triangles", "splat_size":
+        values = sorted(frame[key] for frame in f["per_frame"])
+        assert f[key]["max"] == values[-1] and f[key]["p50"] == values[(len(values) - 1) // 2], (name, key, values, f[key])
+    assert f["frame_ms"]["p50"] <= f["frame_ms"]["p95"] <= f["frame_ms"]["p99"] <= f["frame_ms"]["max"]
+    for q in f["quality"]:
+        assert sorted(q) == ["frame", "ms_ssim", "psnr", "ssim", "ssim_covered"], q
+    return f
+f = load("plain")
+assert (f["backend"], f["width"], f["height"], f["frames"]) == ("cpu", 64, 48, 5)
+assert f["popping"] is None and f["quality"] == []
+assert [frame["t"] for frame in f["per_frame"]] == [0, 1, 2, 3, 4]
+assert f["triangles"]["p50"] > 0
+for name in "same", "same_ball":
+    f = load(name)
+    assert [q["frame"] for q in f["quality"]] == list(range(f["frames"]))
+    assert all(q["ssim"] == q["ssim_covered"] == q["ms_ssim"] == 1 for q in f["quality"]), f["quality"]
+    assert f["popping"] == {"p50": 0, "p999": 0, "max": 0}, f["popping"]
+f = load("every") # 2.5 s at 4 frames a second
+assert f["frames"] == 11 and f["per_frame"][-1]["t"] == 3.5 and f["per_frame"][1]["t"] == 1.25
+assert [q["frame"] for q in f["quality"]] == [0, 4, 8]
+assert any(q["ssim"] < 1 for q in f["quality"]) and all(q["ssim"] > 0.3 for q in f["quality"]), f["quality"]
+assert f["popping"]["p50"] <= f["popping"]["p999"] <= f["popping"]["max"] and f["popping"]["max"] > 0
+assert f["splats"]["max"] > 0 and f["splat_size"]["max"] == 3
+f = load("budget")
+assert f["threads"] == 1 and all(1 <= frame["splat_size"] <= 8 for frame in f["per_frame"])
+f = load("paper") # all the time of the world: as fine as can be
+assert all(frame["splat_size"] == 1 for frame in f["per_frame"]), f["per_frame"]
+assert load("policy")["splat_size"]["p50"] == 6
+assert load("one")["frames"] == 1
+END
+
+# pictures are those of render, whatever else is measured
+"$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o pictures/ --reference-every 5 --popping > text ||
+    fail "pictures"
+[ "$(ls pictures)" = "$(seq -f 'frame-%06.0f.png' 0 10)" ] || fail "pictures are $(ls pictures)"
+grep -q "frame ms" text && grep -q "popping" text && grep -q "SSIM" text || fail "the table is $(cat text)"
+"$stipple" render ball.stip -o one.png --size 64x48 --splat-size 3 --eye 9,1,8 --target 0,0,0 --fov 40 || fail "render"
+cmp -s one.png pictures/frame-000004.png || fail "a frame is not what render draws"
+mkdir -p again
+"$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o again --frames 11 -q > text || fail "again"
+cmp -s pictures/frame-000007.png again/frame-000007.png || fail "the same flight has other pictures"
+
+# a film is what ffmpeg makes of raw frames: here it only counts them
+mkdir -p bin
+cat > bin/ffmpeg << 'END'
+#!/usr/bin/env bash
+echo "$@" > arguments
+for last; do :; done
+echo "it prints"
+wc -c > "${last#file:}"
+exit "$(cat code)"
+END
+chmod +x bin/ffmpeg
+echo 0 > code
+PATH=$PWD/bin:$PATH "$stipple" fly ball.stip --path flight.json --size 64x48 -o film.mp4 --json > film.json 2> err || fail "film: $(cat err)"
+python3 -c 'import json; json.load(open("film.json"))' || fail "figures beside a film"
+[ "$(cat film.mp4)" -eq $((11 * 64 * 48 * 3)) ] || fail "the film has $(cat film.mp4) bytes"
+grep -q -- "-video_size 64x48 -framerate 4.0" arguments || fail "ffmpeg gets $(cat arguments)"
+echo old > film.mp4
+echo 3 > code
+programs=$PWD/bin:$PATH refused 1 "ffmpeg could not write it (its exit code is 3)" ball.stip --path flight.json --size 64x48 -o film.mp4
+[ "$(cat film.mp4)" = old ] || fail "a film that failed replaces the old one"
+ls film.mp4.* 2> /dev/null && fail "leaves $(ls film.mp4.*)"
+printf '#!/bin/sh\nexit 1\n' > bin/ffmpeg
+programs=$PWD/bin:$PATH refused 1 "ffmpeg" ball.stip --path flight.json --size 640x480 -o film.mp4
+rm bin/ffmpeg
+programs=$PWD/bin refused 1 "ffmpeg, which cannot be started" ball.stip --path flight.json --size 64x48 -o film.mp4
+
+"$stipple" fly ball.stip --path flight.json --size 64x48 --budget-ms 5 --plot plot.svg > /dev/null || fail "plot"
+python3 - << 'END' || fail "the plot"
+import xml.etree.ElementTree as tree
+root = tree.parse("plot.svg").getroot()
+text = " ".join(t for t in root.itertext())
+for word in "frame time, ms", "size of splats", "splats", "triangles":
+    assert word in text, text
+END
+
+refused 2 "needs one file" --path flight.json
+refused 2 "needs --path" ball.stip
+refused 2 "film OUT.mp4 or a folder" ball.stip --path flight.json -o film.avi
+refused 2 "written over" ball.stip --path flight.json --plot flight.json
+refused 2 "written over" ball.stip --path flight.json --plot ball.stip
+refused 2 "exclude" ball.stip --path flight.json --budget-ms 5 --splat-size 2
+refused 2 "exclude" ball.stip --path flight.json --budget-ms 5 --reference
+refused 2 "frames" ball.stip --path flight.json --frames 0
+refused 1 "nothing.json" ball.stip --path nothing.json
+refused 1 "nothing.stip" nothing.stip --path flight.json
+echo '{"fps": 1000, "keys": [{"t": 0, "eye": [0, 0, 9], "target": [0, 0, 0]}, {"t": 9000, "eye": [0, 0, 8], "target": [0, 0, 0]}]}' > long.json
+refused 1 "long.json: has 9000001 frames" ball.stip --path long.json
+echo '{"keys": [{"t": 0}]}' > bad.json
+refused 1 'bad.json: key 0: "eye"' ball.stip --path bad.json
+refused 1 "no/plot.svg" ball.stip --path flight.json --size 8x8 --frames 1 --plot no/plot.svg
+touch file
+refused 1 "file/pictures/" ball.stip --path flight.json --size 8x8 --frames 1 -o file/pictures/
+exit $((failures > 0))

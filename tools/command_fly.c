@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple fly: a flight through a scene, without a window.
+#include "command.h"
+#include "draw_options.h"
+#include "flight_report.h"
+#include "tool.h"
+#include "video.h"
+
+#include <string.h>
+
+static struct {
+    const char *path, *output, *plot;
+    uint64_t frames, reference_every;
+    bool popping;
+    draw_options draw;
+} args;
+
+static const option* options(void)
+{
+    static const option own[] = {
+        {.name = "path",
+         .type = OPTION_TEXT,
+         .argument = "FLIGHT.json",
+         .help = "the flight: keys of the camera over time",
+         .value = &args.path},
+        {.name = "output",
+         .letter = 'o',
+         .type = OPTION_TEXT,
+         .argument = "OUT.mp4|DIR/",
+         .help = "write a film (by ffmpeg), or PNG files into a folder",
+         .value = &args.output},
+        {.name = "frames",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..1000000",
+         .help = "so many frames, evenly over the flight; default as many as its fps makes",
+         .value = &args.frames},
+        {.name = "reference-every",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..1000000",
+         .help = "compare every N-th frame, from the first on, with the original geometry",
+         .value = &args.reference_every},
+        {.name = "popping",
+         .help = "measure how much changes from frame to frame that does not in the original",
+         .value = &args.popping},
+        {.name = "plot",
+         .type = OPTION_TEXT,
+         .argument = "OUT.svg",
+         .help = "plot frame time, size of splats, splats and triangles over the flight",
+         .value = &args.plot},
+        {0},
+    };
+    static option table[DRAW_OPTION_ROOM];
+    return draw_options_table(table, own, &args.draw);
+}
+
+typedef struct session {
+    stp_context* context;
+    stp_store* store;
+    stp_flight flight;
+    frame_maker maker;
+    video film;
+    flight_plan plan;
+    flight_record record;
+} session;
+
+static int print_json(const session* s)
+{
+    char device[200];
+    frame_read_device(device, sizeof(device));
+    json_t* object =
+        json_pack("{s:s, s:s, s:I, s:I, s:I}", "backend", "cpu", "device", device, "width",
+                  (json_int_t)s->plan.view.width, "height", (json_int_t)s->plan.view.height,
+                  "threads", (json_int_t)stp_context_thread_count(s->context));
+    json_t* figures = flight_describe(&s->record);
+    if (object == NULL || figures == NULL || json_object_update(object, figures) != 0) {
+        json_decref(object);
+        json_decref(figures);
+        return tool_error("out of memory");
+    }
+    json_decref(figures);
+    return tool_print_json(object);
+}
+
+static int report(const session* s)
+{
+    if (args.plot != NULL &&
+        flight_plot(s->context, args.plot, &s->record, s->plan.budget_ms) != STP_OK) {
+        return 1;
+    }
+    if (args.draw.json) {
+        return print_json(s);
+    }
+    tool_end_progress();
+    flight_print(&s->record);
+    return tool_finish_output(0);
+}
+
+// @return the exit code, with the message printed
+static int make_plan(session* s)
+{
+    s->plan = (flight_plan){.flight = &s->flight,
+                            .frame_count = (uint32_t)args.frames,
+                            .view = draw_options_view(&args.draw),
+                            .quality = draw_options_quality(&args.draw),
+                            .budget_ms = args.draw.has_budget ? args.draw.budget_ms : 0.0,
+                            .controller = (stp_controller)args.draw.controller,
+                            .reference_every = (uint32_t)args.reference_every,
+                            .popping = args.popping};
+    if (flight_count_frames(&s->plan) > FLIGHT_FRAMES_MOST) {
+        return tool_error("%s: has %u frames, more than %d; choose fewer with --frames", args.path,
+                          flight_count_frames(&s->plan), FLIGHT_FRAMES_MOST);
+    }
+    return 0;
+}
+
+static bool open_film(session* s)
+{
+    double seconds = s->flight.keys[s->flight.key_count - 1].t - s->flight.keys[0].t;
+    bool spread = args.frames > 1 && seconds > 0.0;
+    double fps = spread ? (double)(args.frames - 1) / seconds : s->flight.fps;
+    s->plan.sink = video_add;
+    s->plan.sink_user = &s->film;
+    return video_open(s->context, args.output, s->plan.view.width, s->plan.view.height, fps,
+                      &s->film);
+}
+
+static bool fly_through(session* s, const char* file)
+{
+    stp_draw_style style = draw_options_style(&args.draw);
+    return tool_open_scene_for(s->context, file, draw_options_use(&args.draw), &s->store) ==
+               STP_OK &&
+           frame_maker_create(s->context, s->store, &style, &s->maker) == STP_OK &&
+           flight_run(&s->maker, &s->plan, &s->record) == STP_OK;
+}
+
+static int fly(session* s, const char* file)
+{
+    int code = stp_flight_read(s->context, args.path, &s->flight) == STP_OK ? make_plan(s) : 1;
+    if (code != 0) {
+        return code;
+    }
+    if (args.output != NULL && !open_film(s)) { // before a model is built for long
+        return 1;
+    }
+    bool flown = fly_through(s, file);
+    bool closed = video_close(&s->film, flown);
+    return flown && closed ? report(s) : 1;
+}
+
+static int check_arguments(int argc, const char* file)
+{
+    if (argc != 1) {
+        return tool_usage_error("fly needs one file, and got %d", argc);
+    }
+    if (args.path == NULL) {
+        return tool_usage_error("fly needs --path FLIGHT.json");
+    }
+    const char* const outputs[] = {args.output, args.plot};
+    for (int i = 0; i < 2; ++i) {
+        if (outputs[i] != NULL &&
+            (tool_is_same_file(file, outputs[i]) || tool_is_same_file(args.path, outputs[i]))) {
+            return tool_usage_error("%s is read, and would be written over", outputs[i]);
+        }
+    }
+    const char* ending = args.output != NULL ? strrchr(args.output, '.') : NULL;
+    if (args.output != NULL && !video_is_folder(args.output) &&
+        (ending == NULL || strcmp(ending, ".mp4") != 0)) {
+        return tool_usage_error("-o is a film OUT.mp4 or a folder DIR/, not %s", args.output);
+    }
+    return draw_options_check(&args.draw);
+}
+
+static int run(int argc, char** argv)
+{
+    int code = check_arguments(argc, argv[0]);
+    if (code != 0) {
+        return code;
+    }
+    session s = {.context =
+                     tool_context_create((uint32_t)args.draw.threads, args.draw.memory, NULL)};
+    if (s.context == NULL) {
+        return 1;
+    }
+    code = fly(&s, argv[0]);
+    flight_record_destroy(s.context, &s.record);
+    frame_maker_destroy(&s.maker);
+    stp_flight_destroy(s.context, &s.flight);
+    if (s.store != NULL) {
+        stp_store_close(s.store);
+    }
+    stp_context_destroy(s.context);
+    return code;
+}
+
+const command command_fly = {
+    .name = "fly",
+    .arguments = "FILE --path FLIGHT.json",
+    .summary = "draw a flight through a scene: figures, plots, a film",
+    .text = "Draws a flight of the camera and reports how long its frames took and what was drawn. "
+            "The first view is drawn "
+            "beforehand, until it is warm, or --budget-ms has found its size of splats. Writing "
+            "pictures (-o), comparing "
+            "(--reference-every) and measuring popping (--popping) take a second flight at the "
+            "same sizes of splats, so "
+            "that they take no time of the frames.\n"
+            "\n"
+            "A flight is JSON: { \"fov\": 60, \"fps\": 60, \"keys\": [ { \"t\": 0, \"eye\": [0, 2, "
+            "30], \"target\": [0, 2, 0], "
+            "\"up\": [0, 1, 0] }, ... ] }, with Catmull-Rom curves between the keys. "
+            "scenes/flights has one for each named "
+            "scene.\n"
+            "\n"
+            "Popping is of blocks of 8 x 8 pixels: how much they change from a frame to the next "
+            "(the mean over pixels and "
+            "channels, 0 to 255) beyond what they change in pictures of the original geometry. "
+            "--reference-every and "
+            "--popping draw that geometry, which takes its time in large scenes.",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "flight_report.h"
+
+#include <stdio.h>
+
+static json_t* describe_counts(const flight_record* record, flight_value value)
+{
+    flight_ranks ranks = flight_rank(record, value);
+    return json_pack("{s:I, s:I}", "p50", (json_int_t)ranks.p50, "max", (json_int_t)ranks.max);
+}
+
+static json_t* describe_qualities(const flight_record* record)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < record->quality_count; ++i) {
+        const stp_image_quality* q = &record->qualities[i].quality;
+        json_array_append_new(list, json_pack("{s:I, s:f, s:f, s:f, s:f}", "frame",
+                                              (json_int_t)record->qualities[i].frame, "ssim",
+                                              q->ssim, "ssim_covered", q->ssim_covered, "ms_ssim",
+                                              q->ms_ssim, "psnr", q->psnr));
+    }
+    return list;
+}
+
+static json_t* describe_frames(const flight_record* record)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < record->frame_count; ++i) {
+        const frame_figures* f = &record->frames[i];
+        json_array_append_new(
+            list, json_pack("{s:f, s:f, s:I, s:I, s:f}", "t", record->times[i], "frame_ms",
+                            f->frame_ms, "splats", (json_int_t)f->splats, "triangles",
+                            (json_int_t)f->triangles, "splat_size", (double)f->splat_size));
+    }
+    return list;
+}
+
+json_t* flight_describe(const flight_record* record)
+{
+    flight_ranks ms = flight_rank(record, flight_frame_ms);
+    flight_ranks size = flight_rank(record, flight_splat_size);
+    json_t* popping = record->has_popping
+                          ? json_pack("{s:f, s:f, s:f}", "p50", record->popping_p50, "p999",
+                                      record->popping_p999, "max", record->popping_max)
+                          : json_null();
+    return json_pack(
+        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "frames",
+        (json_int_t)record->frame_count, "frame_ms", "p50", ms.p50, "p95", ms.p95, "p99", ms.p99,
+        "max", ms.max, "splat_size", "p50", size.p50, "max", size.max, "splats",
+        describe_counts(record, flight_splats), "triangles",
+        describe_counts(record, flight_triangles), "draw_calls",
+        describe_counts(record, flight_draw_calls), "extra_splats",
+        describe_counts(record, flight_extra_splats), "popping", popping, "quality",
+        describe_qualities(record), "per_frame", describe_frames(record));
+}
+
+static void print_row(const flight_record* record, const char* name, flight_value value,
+                      int decimals)
+{
+    flight_ranks r = flight_rank(record, value);
+    printf("%-14s %14.*f %14.*f %14.*f %14.*f\n", name, decimals, r.p50, decimals, r.p95, decimals,
+           r.p99, decimals, r.max);
+}
+
+void flight_print(const flight_record* record)
+{
+    printf("%-14s %14s %14s %14s %14s\n", "of the frames", "50 %", "95 %", "99 %", "all");
+    print_row(record, "frame ms", flight_frame_ms, 2);
+    print_row(record, "splat size", flight_splat_size, 2);
+    print_row(record, "splats", flight_splats, 0);
+    print_row(record, "triangles", flight_triangles, 0);
+    print_row(record, "draw calls", flight_draw_calls, 0);
+    print_row(record, "extra splats", flight_extra_splats, 0);
+    if (record->has_popping) {
+        printf("\npopping (0 to 255), of the blocks: 50 %% %.3f, 99.9 %% %.3f, all %.3f\n",
+               record->popping_p50, record->popping_p999, record->popping_max);
+    }
+    if (record->quality_count > 0) {
+        printf("\n%8s %8s %8s %8s %8s\n", "frame", "SSIM", "covered", "MS-SSIM", "PSNR");
+    }
+    for (uint32_t i = 0; i < record->quality_count; ++i) {
+        const stp_image_quality* q = &record->qualities[i].quality;
+        printf("%8u %8.4f %8.4f %8.4f %8.2f\n", record->qualities[i].frame, q->ssim,
+               q->ssim_covered, q->ms_ssim, q->psnr);
+    }
+}

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include "flight_run.h"
+
+#include "measure/popping.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    WARM_FRAMES = 3
+}; // of the first view, before the flight: it is not the disk that is measured
+
+uint32_t flight_count_frames(const flight_plan* plan)
+{
+    return plan->frame_count > 0 ? plan->frame_count
+                                 : stp_flight_frame_count(plan->flight, plan->flight->fps);
+}
+
+static stp_result create_record(stp_context* context, const flight_plan* plan,
+                                flight_record* record)
+{
+    uint32_t count = flight_count_frames(plan);
+    *record = (flight_record){.frame_count = count,
+                              .times = STP_NEW_ARRAY(context, double, count),
+                              .frames = STP_NEW_ZEROED(context, frame_figures, count),
+                              .qualities = STP_NEW_ARRAY(context, flight_quality, count)};
+    if (record->times == NULL || record->frames == NULL || record->qualities == NULL) {
+        return stp_fail_memory(context);
+    }
+    double first = plan->flight->keys[0].t;
+    double length = plan->flight->keys[plan->flight->key_count - 1].t - first;
+    for (uint32_t i = 0; i < count; ++i) {
+        record->times[i] = first + (plan->frame_count == 0 ? (double)i / plan->flight->fps
+                                    : count > 1 ? length * (double)i / (double)(count - 1)
+                                                : 0.0);
+    }
+    return STP_OK;
+}
+
+void flight_record_destroy(stp_context* context, flight_record* record)
+{
+    stp_free(context, record->times);
+    stp_free(context, record->frames);
+    stp_free(context, record->qualities);
+    *record = (flight_record){0};
+}
+
+static stp_view look_at_frame(const flight_plan* plan, const flight_record* record, uint32_t frame)
+{
+    stp_view view = plan->view;
+    stp_flight_look(plan->flight, record->times[frame], &view);
+    view.fov_degrees = plan->view.fov_degrees > 0.0 ? plan->view.fov_degrees : view.fov_degrees;
+    return view;
+}
+
+// Before the flight: the first view, until it is warm, or its size of splats found.
+static stp_result warm_up(frame_maker* maker, const flight_plan* plan, const flight_record* record,
+                          stp_budget* budget, stp_image* image)
+{
+    stp_view view = look_at_frame(plan, record, 0);
+    stp_quality quality = plan->quality;
+    frame_figures figures;
+    stp_result result = STP_OK;
+    if (plan->budget_ms > 0.0) {
+        return frame_settle(maker, &view, budget, &quality, image);
+    }
+    for (int i = 0; i < WARM_FRAMES && result == STP_OK; ++i) {
+        result = frame_draw(maker, &view, &quality, image, &figures);
+    }
+    return result;
+}
+
+static stp_result fly_timed(frame_maker* maker, const flight_plan* plan, flight_record* record,
+                            stp_image* image)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, plan->controller, plan->budget_ms);
+    stp_quality quality = plan->quality;
+    stp_result result = warm_up(maker, plan, record, &budget, image);
+    for (uint32_t i = 0; i < record->frame_count && result == STP_OK; ++i) {
+        stp_view view = look_at_frame(plan, record, i);
+        if (plan->budget_ms > 0.0) {
+            quality.splat_size = stp_budget_splat_size(&budget);
+        }
+        result = frame_draw(maker, &view, &quality, image, &record->frames[i]);
+        stp_frame_cost cost = frame_cost(&record->frames[i]);
+        stp_budget_learn(&budget, &cost);
+        if (result == STP_OK) {
+            result =
+                stp_progress(maker->context, "fly", (double)(i + 1) / (double)record->frame_count);
+        }
+    }
+    return result;
+}
+
+// What the second pass needs: this frame and the one before, by parity.
+typedef struct study {
+    frame_maker* maker;
+    const flight_plan* plan;
+    flight_record* record;
+    stp_image ours[2], references[2];
+    stp_popping popping;
+} study;
+
+static stp_result study_frame(study* s, uint32_t i)
+{
+    const flight_plan* plan = s->plan;
+    stp_context* context = s->maker->context;
+    bool compared = plan->reference_every > 0 && i % plan->reference_every == 0;
+    if (!compared && !plan->popping && plan->sink == NULL) {
+        return STP_OK;
+    }
+    stp_view view = look_at_frame(plan, s->record, i);
+    stp_image *ours = &s->ours[i & 1], *reference = &s->references[i & 1];
+    frame_figures figures;
+    stp_quality quality = plan->quality;
+    if (plan->budget_ms > 0.0) {
+        quality.splat_size = s->record->frames[i].splat_size;
+    }
+    stp_result result = frame_draw(s->maker, &view, &quality, ours, &figures);
+    if (result == STP_OK && plan->sink != NULL) {
+        result = plan->sink(plan->sink_user, ours, i);
+    }
+    if (result == STP_OK && (compared || plan->popping)) {
+        stp_quality whole = {.reference = true};
+        result = frame_draw(s->maker, &view, &whole, reference, &figures);
+    }
+    if (result == STP_OK && compared) {
+        flight_quality* q = &s->record->qualities[s->record->quality_count++];
+        q->frame = i;
+        result = stp_image_compare(context, ours, reference, NULL, NULL, &q->quality);
+    }
+    if (result == STP_OK && plan->popping && i > 0) {
+        result = stp_popping_add(context, &s->popping, &s->ours[(i + 1) & 1], ours,
+                                 &s->references[(i + 1) & 1], reference);
+    }
+    return result;
+}
+
+static stp_result fly_again(frame_maker* maker, const flight_plan* plan, flight_record* record)
+{
+    study s = {.maker = maker, .plan = plan, .record = record};
+    bool created = true;
+    bool with_reference = plan->popping || plan->reference_every > 0;
+    for (int i = 0; i < 2 && created; ++i) {
+        created =
+            frame_image_create(maker->context, plan->view.width, plan->view.height, &s.ours[i]) &&
+            (!with_reference || frame_image_create(maker->context, plan->view.width,
+                                                   plan->view.height, &s.references[i]));
+    }
+    stp_result result =
+        created ? stp_popping_create(maker->context, &s.popping) : STP_ERROR_OUT_OF_MEMORY;
+    for (uint32_t i = 0; i < record->frame_count && result == STP_OK; ++i) {
+        result = study_frame(&s, i);
+        if (result == STP_OK) {
+            result = stp_progress(maker->context, "pictures",
+                                  (double)(i + 1) / (double)record->frame_count);
+        }
+    }
+    if (result == STP_OK && plan->popping) {
+        record->has_popping = true;
+        record->popping_p50 = stp_popping_percentile(&s.popping, 0.5);
+        record->popping_p999 = stp_popping_percentile(&s.popping, 0.999);
+        record->popping_max = stp_popping_percentile(&s.popping, 1.0);
+    }
+    stp_popping_destroy(maker->context, &s.popping);
+    for (int i = 0; i < 2; ++i) {
+        stp_free(maker->context, s.ours[i].pixels);
+        stp_free(maker->context, s.references[i].pixels);
+    }
+    return result;
+}
+
+stp_result flight_run(frame_maker* maker, const flight_plan* plan, flight_record* record)
+{
+    stp_result result = create_record(maker->context, plan, record);
+    stp_image image = {0};
+    if (result == STP_OK &&
+        !frame_image_create(maker->context, plan->view.width, plan->view.height, &image)) {
+        result = STP_ERROR_OUT_OF_MEMORY;
+    }
+    if (result == STP_OK) {
+        result = fly_timed(maker, plan, record, &image);
+    }
+    stp_free(maker->context, image.pixels);
+    bool again = plan->sink != NULL || plan->popping || plan->reference_every > 0;
+    return result == STP_OK && again ? fly_again(maker, plan, record) : result;
+}
+
+double flight_frame_ms(const frame_figures* figures)
+{
+    return figures->frame_ms;
+}
+
+double flight_splats(const frame_figures* figures)
+{
+    return (double)figures->splats;
+}
+
+double flight_triangles(const frame_figures* figures)
+{
+    return (double)figures->triangles;
+}
+
+double flight_splat_size(const frame_figures* figures)
+{
+    return (double)figures->splat_size;
+}
+
+double flight_draw_calls(const frame_figures* figures)
+{
+    return (double)figures->draw_calls;
+}
+
+double flight_extra_splats(const frame_figures* figures)
+{
+    return (double)figures->extra_splats;
+}
+
+static int compare_doubles(const void* a, const void* b)
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return (x > y) - (x < y);
+}
+
+static double value_at(const double* sorted, uint32_t count, double part)
+{
+    uint32_t rank = (uint32_t)ceil(part * (double)count - 1e-9);
+    return sorted[rank > 0 ? rank - 1 : 0];
+}
+
+flight_ranks flight_rank(const flight_record* record, flight_value value)
+{
+    uint32_t count = record->frame_count;
+    double* sorted = calloc(count, sizeof(*sorted));
+    if (sorted == NULL) {
+        return (flight_ranks){0};
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        sorted[i] = value(&record->frames[i]);
+    }
+    qsort(sorted, count, sizeof(*sorted), compare_doubles);
+    flight_ranks ranks = {value_at(sorted, count, 0.5), value_at(sorted, count, 0.95),
+                          value_at(sorted, count, 0.99), sorted[count - 1]};
+    free(sorted);
+    return ranks;
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Pictures of a flight: numbered PNG files in a folder, or a film that a child process, ffmpeg, makes of raw frames.
+#pragma once
+
+#include "command.h"
+
+#include <stipple/image.h>
+
+#include <sys/types.h>
+
+typedef struct video {
+    stp_context* context;
+    const char* path;
+    bool is_folder;
+    pid_t child;           ///< 0: none
+    int pipe;              ///< to its standard input
+    char unfinished[4096]; ///< what the child writes, beside `path`
+    uint8_t* row;
+} video;
+
+/// Whether an output is a folder: its name ends with a slash, or it is one.
+bool video_is_folder(const char* path);
+
+/// Makes the folder, or starts ffmpeg for a film that replaces `path` once it is whole. @return false with the message
+/// printed
+bool video_open(stp_context* context, const char* path, uint32_t width, uint32_t height, double fps,
+                video* v);
+
+/// A flight_sink; the video is `user`. Transparency is composited on black in a film, and kept in PNG files.
+stp_result video_add(void* user, const stp_image* image, uint32_t frame);
+
+/// Ends it. @return false with the message printed; a film that is not `whole` is removed
+bool video_close(video* v, bool whole);
