@@ -116,18 +116,30 @@ static json_t* describe_machine(void)
     return machine;
 }
 
+static void print_value(const char* indent, const char* key, const json_t* value)
+{
+    if (json_is_integer(value)) {
+        printf("%s%-34s %14lld\n", indent, key, (long long)json_integer_value(value));
+    } else if (json_is_real(value)) {
+        printf("%s%-34s %14.6g\n", indent, key, json_real_value(value));
+    } else if (json_is_string(value)) {
+        printf("%s%-34s %14s\n", indent, key, json_string_value(value));
+    }
+}
+
+// Lists are for --json alone.
 static void print_values(const json_t* object, const char* indent)
 {
-    const char* key;
-    json_t* value;
+    const char *key, *inner_key;
+    json_t *value, *inner;
     json_object_foreach((json_t*)(uintptr_t)object, key, value)
     {
-        if (json_is_integer(value)) {
-            printf("%s%-34s %14lld\n", indent, key, (long long)json_integer_value(value));
-        } else if (json_is_real(value)) {
-            printf("%s%-34s %14.6g\n", indent, key, json_real_value(value));
-        } else if (json_is_string(value)) {
-            printf("%s%-34s %14s\n", indent, key, json_string_value(value));
+        print_value(indent, key, value);
+        json_object_foreach(value, inner_key, inner)
+        {
+            char name[80];
+            snprintf(name, sizeof(name), "%s %s", key, inner_key);
+            print_value(indent, name, inner);
         }
     }
 }

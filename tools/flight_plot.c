@@ -45,15 +45,11 @@ static double round_up(double value)
                                   : 10.0 * power;
 }
 
-static void put_number(svg* s, double value)
+// `high` is the largest on its axis: all of an axis have one unit.
+static void put_number(svg* s, double value, double high)
 {
-    if (value >= 1e6) {
-        svg_put(s, "%g M", value * 1e-6);
-    } else if (value >= 1e4) {
-        svg_put(s, "%g k", value * 1e-3);
-    } else {
-        svg_put(s, "%g", value);
-    }
+    double unit = high >= 5e6 ? 1e6 : high >= 5e3 ? 1e3 : 1.0;
+    svg_put(s, "%g%s", value / unit, value <= 0.0 || unit <= 1.0 ? "" : unit > 1e3 ? " M" : " k");
 }
 
 static void put_axes(const plot* p, const panel* shown, double top, double high)
@@ -65,7 +61,7 @@ static void put_axes(const plot* p, const panel* shown, double top, double high)
         double y = top + PANEL * (1.0 - i / 4.0);
         svg_put(p->s, "<path stroke=\"#ddd\" d=\"M%d %.1fh%d\"/>\n", LEFT, y, COLUMNS);
         svg_put(p->s, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">", LEFT - 8, y + 4.0);
-        put_number(p->s, high * i / 4.0);
+        put_number(p->s, high * i / 4.0, high);
         svg_put(p->s, "</text>\n");
     }
     if (shown->line > 0.0) {

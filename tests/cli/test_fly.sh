@@ -114,7 +114,9 @@ END
 "$stipple" fly ball.stip --path flight.json --size 64x48 --splat-size 3 -o pictures/ --reference-every 5 --popping > text ||
     fail "pictures"
 [ "$(ls pictures)" = "$(seq -f 'frame-%06.0f.png' 0 10)" ] || fail "pictures are $(ls pictures)"
-grep -q "frame ms" text && grep -q "popping" text && grep -q "SSIM" text || fail "the table is $(cat text)"
+for word in "frame ms" popping SSIM; do
+    grep -q "$word" text || fail "the table lacks $word: $(cat text)"
+done
 "$stipple" render ball.stip -o one.png --size 64x48 --splat-size 3 --eye 9,1,8 --target 0,0,0 --fov 40 || fail "render"
 cmp -s one.png pictures/frame-000004.png || fail "a frame is not what render draws"
 mkdir -p again
