@@ -39,6 +39,10 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     *frame = (stp_splat_frame){
         .target = target, .splats = splats, .camera = camera, .first_id = first_id};
     row_end = row_end < target->height ? row_end : target->height;
+    bool by_depth = splats->nearest != 0.0f || splats->farthest != 0.0f;
+    frame->nearest = by_depth ? splats->nearest : -INFINITY;
+    frame->farthest = by_depth ? splats->farthest : INFINITY;
+    frame->pixel_radius = splats->pixel_radius;
     frame->rim_depth = splats->rim_depth;
     frame->back_depth = splats->back_depth;
     frame->row_begin = (int32_t)row_begin;
@@ -81,8 +85,10 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     frame->center_y = (float)(dot3(y, vz) / square / factor);
     frame->inverse_scale = (float)(1.0 / s);
     frame->slope_factor = frame->inverse_scale;
-    frame->near_w =
-        (float)((4.0 + 2.0 * (double)(frame->rim_depth + frame->back_depth)) * radius * factor);
+    // closer than so many radii, of which a part grows with depth itself
+    double radii = 4.0 + 2.0 * (double)(frame->rim_depth + frame->back_depth);
+    double part = (double)splats->pixel_radius / s, most = 1.0 - radii * part;
+    frame->near_w = most > 0.0 ? (float)(radii * radius * factor / most) : INFINITY;
     frame->far_w = (float)(-radius * factor);
     return true;
 }

@@ -49,6 +49,8 @@ typedef struct stp_splat_frame {
         slope_constant;          ///< change of nearness a pixel: factor * nearness + constant
     float rim_depth, back_depth; ///< in radii
     float near_w, far_w;         ///< a disk with far_w < W < near_w is close to the eye
+    float pixel_radius;          ///< what radii are larger by, in pixels
+    float nearest, farthest;     ///< W of what is drawn
     float nearness_limit;
 } stp_splat_frame;
 
@@ -153,13 +155,15 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse, nearness = N * inverse;
-        float radius = f->radius_px * inverse;
+        float radius = f->radius_px * inverse + f->pixel_radius;
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
         float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind
+        int32_t within = (int32_t)(W >= f->nearest) & (int32_t)(W <= f->farthest);
         int32_t close = (int32_t)(W < f->near_w) & (int32_t)(W > f->far_w) & (int32_t)perspective;
         int32_t seen = (int32_t)(W > 0.0f) & (int32_t)(nearness > 0.0f) &
-                       (int32_t)(nearness <= f->nearness_limit) & (close ^ 1);
+                       (int32_t)(nearness <= f->nearness_limit) & (close ^ 1) & within;
+        close &= within;
         int32_t tiny = (int32_t)(reach <= 0.24f) & seen;
         int32_t inside = (int32_t)(sx >= 0.0f) & (int32_t)(sx < width) & (int32_t)(sy >= top) &
                          (int32_t)(sy < bottom);

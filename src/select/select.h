@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// What to draw for a view: a pure function of scene, view and quality (design.md, section 5).
+// What to draw for a view: a pure function of scene, view, quality and what hides (design.md, section 5).
+//
+// Levels meet in depth. A node's surfels suffice from some depth on; nearer than that its own triangles and its children
+// are drawn, and around it both, each splat and triangle from a depth of its own on, so that nothing pops.
 #pragma once
 
+#include "select/depth_pyramid.h"
 #include "store/store.h"
 
 #include <stipple/view.h>
 
 typedef enum stp_policy {
     STP_POLICY_INSERTION, ///< prefixes by insertion radius: no hole, with a guarantee
-    STP_POLICY_PAPER,     ///< prefixes by the estimate p(r) = p_m (r_m / r)^2 (Brandt 4.1)
-    STP_POLICY_SWITCH,    ///< insertion, without blending between levels
+    STP_POLICY_PAPER,  ///< prefixes by the estimate p(r) = p_m (r_m / r)^2 (Brandt 4.1); switched
+    STP_POLICY_SWITCH, ///< insertion, at the node's nearest depth, without blending between levels
 } stp_policy;
 
 typedef struct stp_quality {
@@ -18,40 +22,95 @@ typedef struct stp_quality {
     uint64_t splat_count; ///< exactly so many splats instead, in all; 0: by size
     stp_policy policy;
     bool reference; ///< original triangles and points only
+    /// NULL, or what hides: nodes behind it are left out. See stp_select_rejected.
+    const stp_depth_pyramid* occlusion;
 } stp_quality;
 
 typedef enum stp_draw_kind { STP_DRAW_SURFELS, STP_DRAW_MESH, STP_DRAW_POINTS } stp_draw_kind;
 
 /// One thing to draw. Ids in the visibility buffer are frame-local: first_id + splat or triangle.
+///
+/// Depths are along the gaze, in scene units (the raster matrix's W); 1 in parallel projection.
 typedef struct stp_draw_item {
     stp_draw_kind kind;
     uint32_t index;  ///< surfel set, mesh or point set of the store
-    uint32_t prefix; ///< surfels or points drawn
-    float radius;    ///< of each splat, in the space of the item
+    uint32_t prefix; ///< surfels or points drawn, at most
+    uint32_t
+        full_prefix; ///< surfels: the prefix whose colours and coverages they have; at least `prefix`
     uint32_t first_id;
+    uint32_t first_run, run_count; ///< of the list's runs; none: each splat of the prefix is drawn
+    float radius;                  ///< of each splat, in the space of the item
+    float pixel_radius;            ///< and so many pixels more; above 0 only where there are runs
+    /// Mesh: nearer than fade_begin all triangles are drawn, beyond fade_end none (stp_draw_share). 0, 0: all.
+    float fade_begin, fade_end;
     stp_affine transform; ///< to scene space
 } stp_draw_item;
+
+/// Splats [end of the run before, end) of an item (from 0 on for its first run; the last one ends with the prefix) are
+/// drawn where nearest <= depth of the centre <= farthest. Ends of all but the last are multiples of 64.
+typedef struct stp_draw_run {
+    uint32_t end;
+    float nearest, farthest;
+} stp_draw_run;
 
 typedef struct stp_draw_list {
     stp_draw_item* items;
     size_t count, capacity;
+    stp_draw_run* runs;
+    size_t run_count, run_capacity;
+    size_t
+        first_pass_count; ///< items before are those of stp_select, the others of stp_select_rejected
     uint64_t splat_count, triangle_count;
-    uint32_t node_count;            ///< nodes looked at
-    float splat_size;               ///< the size in effect
-    struct stp_select_stack* stack; ///< kept between calls
-    size_t stack_capacity;
-    uint8_t* moving; ///< a byte a node: bit 0 it moves, bit 1 something below it does
-    size_t moving_capacity;
+    uint64_t extra_splats;    ///< of splat_count, listed because levels blend
+    uint64_t extra_triangles; ///< the same of triangle_count
+    uint32_t node_count;      ///< nodes looked at
+    uint32_t hidden_count;    ///< nodes that the pyramid hid, in the last pass
+    float splat_size;         ///< the size in effect
+    bool mixes; ///< there may be splats beside triangles, in this list or in one of another view
+    // kept between calls
+    struct stp_select_entry *stack, *rejected;
+    size_t stack_capacity, rejected_count, rejected_capacity;
+    struct stp_select_graph* graph; ///< of the store that the list is used with
 } stp_draw_list;
 
-/// Fills `list`; its memory is kept from call to call (stp_draw_list_destroy; all zero at first). Items
-/// outside the view are left out. A node whose surfels cannot cover at the wanted size, and one that contains
-/// the eye, is opened: its own triangles and points are drawn, and its children looked at. Points
-/// whose surfels are all of them are never opened. Surfels show nothing that moves below their node: what does
-/// is looked at by itself, with its own surfels where it has some, also below a node that is drawn.
+/// The part of a mesh item's triangles that is drawn at a depth: where the cluster (or mesh) they belong to is nearest.
+static inline float stp_draw_share(const stp_draw_item* item, float depth)
+{
+    if (!(item->fade_end > 0.0f) || depth <= item->fade_begin) {
+        return 1.0f;
+    }
+    return depth >= item->fade_end ? 0.0f
+                                   : (item->fade_end - depth) / (item->fade_end - item->fade_begin);
+}
+
+/// Whether triangle `index` of a mesh is among a share of its triangles. Each is from some share on.
+static inline bool stp_draw_keeps(uint32_t index, float share)
+{
+    uint32_t h = index * 0x9E3779B1u;
+    h = (h ^ h >> 15) * 0x2C1B3C6Du;
+    h ^= h >> 13;
+    return (float)(h >> 8) < share * 16777216.0f;
+}
+
+/// Fills `list`; its memory is kept from call to call (stp_draw_list_destroy; all zero at first), and it belongs
+/// to one store. Items outside the view are left out. A node is opened as far as its surfels cannot cover at the wanted
+/// size, and wholly where the eye is within it: its own triangles and points are drawn, and its children looked
+/// at. Points whose surfels are all of them are never opened. Surfels show nothing that moves below their node:
+/// what does is looked at by itself, with its own surfels where it has some, also below a node that is drawn.
+///
+/// With a pyramid, nodes that it hides are set aside. It may be of any earlier frame: what it hides wrongly is
+/// found by stp_select_rejected.
 /// @return STP_OK, STP_ERROR_ARGUMENT (a view that is none), STP_ERROR_LIMIT (more than 2^32 - 2 splats and
 /// triangles), STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_select(stp_context* context, const stp_store* store,
                                    const stp_view* view, const stp_quality* quality,
                                    stp_draw_list* list);
+
+/// The second pass: appends to `list`, which stp_select filled for the same view and quality, what that call set aside
+/// and `quality->occlusion` (now made of the picture of the first pass; NULL: nothing) does not hide. Items before
+/// keep their places and ids, and first_pass_count says how many they are. Both passes' items drawn together give the
+/// picture that selecting without a pyramid gives, but for what lies at equal depths.
+STP_MUST_USE stp_result stp_select_rejected(stp_context* context, const stp_store* store,
+                                            const stp_view* view, const stp_quality* quality,
+                                            stp_draw_list* list);
 void stp_draw_list_destroy(stp_context* context, stp_draw_list* list);

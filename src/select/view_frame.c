@@ -16,6 +16,23 @@ static stp_vec3d other_axis(stp_vec3d v)
     return z <= x ? (stp_vec3d){0, 0, 1} : (stp_vec3d){1, 0, 0};
 }
 
+static void make_sides(stp_view_frame* f)
+{
+    const double margin = 1.0; // a splat's own pixel may stick out of its node's box
+    const stp_vec3d axes[4] = {f->right, stp_scaled(f->right, -1.0), f->down,
+                               stp_scaled(f->down, -1.0)};
+    const double edges[4] = {f->width - f->center_x, f->center_x, f->height - f->center_y,
+                             f->center_y};
+    for (int i = 0; i < 4; ++i) {
+        double slope = (edges[i] + margin) / f->scale;
+        f->sides[i] = f->parallel ? axes[i] : stp_subd(axes[i], stp_scaled(f->forward, slope));
+        f->side_limits[i] = f->parallel ? slope : 0.0;
+    }
+    double x = fmax(f->center_x, f->width - f->center_x) / f->scale;
+    double y = fmax(f->center_y, f->height - f->center_y) / f->scale;
+    f->corner = f->parallel ? 1.0 : sqrt(1.0 + x * x + y * y);
+}
+
 bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame)
 {
     if (view->width == 0 || view->height == 0 || !finite3(view->eye) || !finite3(view->target) ||
@@ -52,6 +69,7 @@ bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame)
         frame->scale = 0.5 * frame->height / tan(view->fov_degrees * (STP_PI / 360.0));
         frame->near_distance = view->near_distance > 0.0 ? view->near_distance : 1e-4 * distance;
     }
+    make_sides(frame);
     return isfinite(frame->scale) && frame->scale > 0.0;
 }
 
@@ -62,29 +80,10 @@ bool stp_view_frame_is_inside(const stp_view_frame* frame, const stp_boxd* box)
            e.y <= box->max.y && e.z >= box->min.z && e.z <= box->max.z;
 }
 
-/// Least and greatest of axis . (p - eye) + offset . (p - eye) over the box.
-static void extent(const stp_view_frame* frame, const stp_boxd* box, stp_vec3d axis, double* low,
-                   double* high)
+/// How far a box of half sides `half` reaches from its middle along an axis.
+static double reach_along(stp_vec3d axis, stp_vec3d half)
 {
-    stp_vec3d center = stp_scaled(stp_addd(box->min, box->max), 0.5);
-    stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
-    double middle = stp_dotd(axis, stp_subd(center, frame->eye));
-    double reach = fabs(axis.x) * half.x + fabs(axis.y) * half.y + fabs(axis.z) * half.z;
-    *low = middle - reach;
-    *high = middle + reach;
-}
-
-/// Whether the box is wholly beyond one side of the picture: `side` is the screen axis, `edge` its extent in
-/// pixels from the gaze, positive.
-static bool beyond(const stp_view_frame* frame, const stp_boxd* box, stp_vec3d side, double edge)
-{
-    double low, high, slope = edge / frame->scale;
-    if (frame->parallel) {
-        extent(frame, box, side, &low, &high);
-        return low > slope;
-    }
-    extent(frame, box, stp_subd(side, stp_scaled(frame->forward, slope)), &low, &high);
-    return low > 0.0;
+    return fabs(axis.x) * half.x + fabs(axis.y) * half.y + fabs(axis.z) * half.z;
 }
 
 /// Distance from the eye to the box.
@@ -97,28 +96,35 @@ static double distance_to(const stp_view_frame* frame, const stp_boxd* box)
     return sqrt(x * x + y * y + z * z);
 }
 
-bool stp_view_frame_sees(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth)
+bool stp_view_frame_sees_range(const stp_view_frame* frame, const stp_boxd* box,
+                               double* nearest_depth, double* farthest_depth)
 {
-    double near, far;
-    extent(frame, box, frame->forward, &near, &far);
+    stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
+    stp_vec3d center = stp_subd(stp_addd(box->min, half), frame->eye);
+    double middle = stp_dotd(frame->forward, center), deep = reach_along(frame->forward, half);
+    double near = middle - deep, far = middle + deep;
     if (stp_boxd_is_empty(*box) || far < frame->near_distance) {
         return false;
     }
-    double margin = 1.0; // a splat's own pixel may stick out of its node's box
-    if (beyond(frame, box, frame->right, frame->width - frame->center_x + margin) ||
-        beyond(frame, box, stp_scaled(frame->right, -1.0), frame->center_x + margin) ||
-        beyond(frame, box, frame->down, frame->height - frame->center_y + margin) ||
-        beyond(frame, box, stp_scaled(frame->down, -1.0), frame->center_y + margin)) {
-        return false;
+    for (int i = 0; i < 4; ++i) {
+        double least = stp_dotd(frame->sides[i], center) - reach_along(frame->sides[i], half);
+        if (least > frame->side_limits[i]) {
+            return false;
+        }
     }
     if (!frame->parallel) {
         // what is visible is also no nearer than the box, seen at most from a corner of the picture
-        double x = fmax(frame->center_x, frame->width - frame->center_x) / frame->scale;
-        double y = fmax(frame->center_y, frame->height - frame->center_y) / frame->scale;
-        near = fmax(near, distance_to(frame, box) / sqrt(1.0 + x * x + y * y));
+        near = fmax(near, distance_to(frame, box) / frame->corner);
     }
     *nearest_depth = fmax(near, frame->near_distance);
+    *farthest_depth = far;
     return true;
+}
+
+bool stp_view_frame_sees(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth)
+{
+    double farthest_depth;
+    return stp_view_frame_sees_range(frame, box, nearest_depth, &farthest_depth);
 }
 
 double stp_view_frame_pixel_size(const stp_view_frame* frame, double depth)

@@ -14,6 +14,10 @@ typedef struct stp_view_frame {
     double near_distance; ///< perspective: above 0. Parallel: -infinity where nothing is cut off
     double width, height;
     bool parallel;
+    // Half spaces beyond the sides of the picture, a pixel further out: side . (p - eye) > limit is not seen.
+    stp_vec3d sides[4];
+    double side_limits[4];
+    double corner; ///< distance over depth in a corner of the picture; 1 in parallel projection
 } stp_view_frame;
 
 /// @return false where the view is not usable: no pixels, an angle out of range, numbers that are not finite
@@ -22,6 +26,10 @@ bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame);
 /// Whether some of the box may be in the picture, and if so from what depth on (along the gaze, never less than
 /// the true one's lower bound, at least the near distance).
 bool stp_view_frame_sees(const stp_view_frame* frame, const stp_boxd* box, double* nearest_depth);
+
+/// The same, with the greatest depth of the box too.
+bool stp_view_frame_sees_range(const stp_view_frame* frame, const stp_boxd* box,
+                               double* nearest_depth, double* farthest_depth);
 
 /// Side of a pixel at a depth, scene units.
 double stp_view_frame_pixel_size(const stp_view_frame* frame, double depth);

@@ -480,3 +480,64 @@ void test_splats_that_overlap_share_the_ground(test_state* test)
     CHECK(behind < plain * 80 / 100 && behind > 0); // it stays only where nothing faces the eye
     CHECK_EQUAL(plain, count_of_second(&s, 0.0f, 2.0f, false));
 }
+
+// Draws by one of the kernels.
+static uint64_t draw_by(splat_scene* s, splat_kernel kernel, uint32_t first_id)
+{
+    stp_splat_frame frame;
+    bool any =
+        stp_splats_make_frame(&frame, &s->target, 0, HEIGHT, &s->camera, &s->splats, first_id);
+    return any ? kernel(&frame) : 0;
+}
+
+// A range of depths leaves those splats whose centres are within it, and pixels of a radius count at a splat's own depth.
+void test_splats_within_depths_are_as_each_alone(test_state* test)
+{
+    static splat_scene s;
+    static uint64_t whole[WIDTH * HEIGHT];
+    const splat_kernel kernels[] = {stp_splats_draw_portable, stp_splats_draw_avx2,
+                                    stp_splats_draw_avx512};
+    int count = 1 + (int)stp_processor_detect(); // as many as this processor has
+    for (int round = 0; round < 24; ++round) {
+        make_scene(&s, 900 + (uint64_t)round, 0.001 * (double)(1u << (round % 8)));
+        bool parallel = round % 6 == 5;
+        place_camera(&s, 0.4 * round, round % 4 == 0 ? 0.8 : 2.5, 60.0, parallel, false);
+        s.splats.coverages = round % 2 == 0 ? s.coverages : NULL;
+        float radius = s.splats.radius, pixels = 0.5f * (float)(round % 3);
+        float nearest = (float)uniform(77, (uint64_t)round, 0.2, 2.5), farthest = nearest + 0.8f;
+        for (int k = 0; k < count; ++k) {
+            s.splats.begin = 0;
+            s.splats.end = SPLATS;
+            s.splats.radius = radius;
+            s.splats.pixel_radius = pixels;
+            s.splats.nearest = nearest;
+            s.splats.farthest = farthest;
+            clear(&s);
+            draw_by(&s, kernels[k], 3);
+            memcpy(whole, s.pixels, sizeof(whole));
+            clear(&s);
+            for (uint32_t i = 0; i < SPLATS; ++i) {
+                double depth = (double)s.camera.matrix.m[3][3];
+                for (uint32_t c = 0; c < 3; ++c) {
+                    depth += (double)s.camera.matrix.m[3][c] *
+                             ((double)s.positions[3 * i + c] * (double)s.splats.step);
+                }
+                double pixel =
+                    depth / (double)s.camera.pixel_scale / 2.0; // objects look twice as large
+                s.splats.begin = i;
+                s.splats.end = i + 1;
+                s.splats.pixel_radius = s.splats.nearest = s.splats.farthest = 0.0f;
+                s.splats.radius = (float)((double)radius + (double)pixels * fmax(pixel, 0.0));
+                if (depth >= (double)nearest && depth <= (double)farthest) {
+                    draw_by(&s, kernels[k], 3);
+                }
+            }
+            int different = 0;
+            for (int i = 0; i < WIDTH * HEIGHT;
+                 ++i) { // the last bit of a radius may decide a pixel
+                different += stp_raster_id(whole[i]) != stp_raster_id(s.pixels[i]);
+            }
+            CHECK(pixels > 0.0f ? different <= 20 : different == 0);
+        }
+    }
+}

@@ -78,7 +78,28 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch*
                                 item->first_id + b->first_triangle, &worker->scratch) == STP_OK;
 }
 
-static void add_cluster(const cpu_item* item, uint32_t index, batch* b)
+float cpu_least_depth(const cpu_item* item, stp_box box)
+{
+    const float* w = item->camera.matrix.m[3];
+    const float low[3] = {box.min.x, box.min.y, box.min.z};
+    const float high[3] = {box.max.x, box.max.y, box.max.z};
+    float depth = w[3];
+    for (int c = 0; c < 3; ++c) {
+        depth += w[c] * ((w[c] > 0.0f ? low[c] : high[c]) - item->offset[c]);
+    }
+    return depth;
+}
+
+void cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!stp_draw_keeps(first + i, share)) {
+            indices[3 * i + 1] = indices[3 * i + 2] = indices[3 * i];
+        }
+    }
+}
+
+static void add_cluster(const cpu_item* item, uint32_t index, float share, batch* b)
 {
     stp_cluster cluster;
     stp_clusters_get(&item->clusters, index, &cluster);
@@ -86,7 +107,11 @@ static void add_cluster(const cpu_item* item, uint32_t index, batch* b)
         b->first_triangle = cluster.first_triangle;
     }
     stp_cluster_positions(&item->clusters, &cluster, b->positions + 3 * (size_t)b->vertex_count);
-    stp_cluster_indices(&cluster, b->vertex_count, b->indices + 3 * (size_t)b->triangle_count);
+    uint32_t* indices = b->indices + 3 * (size_t)b->triangle_count;
+    stp_cluster_indices(&cluster, b->vertex_count, indices);
+    if (share < 1.0f) {
+        cpu_drop_triangles(indices, cluster.first_triangle, cluster.triangle_count, share);
+    }
     b->vertex_count += cluster.vertex_count;
     b->triangle_count += cluster.triangle_count;
     b->cluster_count += 1;
@@ -104,12 +129,14 @@ bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, uint32_t beg
     for (uint32_t i = begin; enough && i < end;) {
         b->vertex_count = b->triangle_count = b->cluster_count = 0;
         while (i < end && b->cluster_count < BATCH_CLUSTERS) {
-            bool outside = is_outside(&planes, item, stp_clusters_bounds(&item->clusters, i));
+            stp_box box = stp_clusters_bounds(&item->clusters, i);
+            float share = stp_draw_share(item->draw, cpu_least_depth(item, box));
+            bool outside = !(share > 0.0f) || is_outside(&planes, item, box);
             if (outside && b->cluster_count != 0) {
                 break; // ids of a batch follow each other
             }
             if (!outside) {
-                add_cluster(item, i, b);
+                add_cluster(item, i, share, b);
             }
             i += 1;
         }

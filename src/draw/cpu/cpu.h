@@ -43,7 +43,9 @@ typedef struct cpu_item {
     float offset[3];
     float normal_matrix[3][3]; ///< item to scene, not of unit scale
     float scale;               ///< scene units per item unit
-    float radius;
+    float radius, pixel_radius;
+    const stp_draw_item* draw; ///< of the list
+    const stp_draw_run* runs;  ///< NULL: each splat is drawn at any depth
     stp_surfels surfels;
     const uint8_t* colors;     ///< of the prefix's octave
     const uint8_t* low_colors; ///< of the octave before, for the first `low_count`
@@ -188,6 +190,11 @@ float cpu_mesh_density(const cpu_triangle* triangle, const stp_store_texture_use
 /// Base colour with texture and vertex colours, at a point of a triangle whose pixel is `footprint` texels wide.
 void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const float weight[3],
                     float footprint, float out[4]);
+
+/// The least depth (W) of a box of the item's space.
+float cpu_least_depth(const cpu_item* item, stp_box box);
+/// Makes degenerate what does not belong to the share of a mesh's triangles: `first` is the first one's index in it.
+void cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share);
 
 /// Draws clusters [begin, end) of an item, without those outside the view.
 /// @return false where memory runs out

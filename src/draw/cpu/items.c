@@ -199,22 +199,29 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
 static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
 {
     const stp_surfels* known = stp_store_describe_surfels(r->store, draw->index);
-    uint32_t octaves = stp_store_octaves_for(known, draw->prefix > 0 ? draw->prefix : 1);
+    uint32_t full = draw->full_prefix > draw->prefix ? draw->full_prefix : draw->prefix;
+    uint32_t octaves = stp_store_octaves_for(known, full > 0 ? full : 1);
     stp_result result =
         stp_store_get_surfels_prefix(r->store, draw->index, octaves, &item->surfels);
     if (result == STP_OK) {
         item->count = draw->prefix < item->surfels.count ? draw->prefix : item->surfels.count;
-        choose_octave(item, item->count);
+        choose_octave(item, full < item->surfels.count ? full : item->surfels.count);
     }
     return result;
 }
 
-static stp_result prepare_item(cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
+                               const stp_draw_item* draw, cpu_item* item)
 {
     stp_result result = STP_OK;
-    *item = (cpu_item){.kind = draw->kind, .first_id = draw->first_id, .count = draw->prefix};
+    *item = (cpu_item){
+        .kind = draw->kind, .first_id = draw->first_id, .count = draw->prefix, .draw = draw};
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
     item->radius = draw->radius * scale;
+    item->pixel_radius = draw->pixel_radius * scale;
+    if (draw->run_count > 0) {
+        item->runs = list->runs + draw->first_run;
+    }
     switch (draw->kind) {
     case STP_DRAW_SURFELS:
         result = find_surfels(r, draw, item);
@@ -248,7 +255,7 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list)
     uint64_t pieces = 0;
     for (size_t i = 0; i < list->count; ++i) {
         cpu_item* item = &r->items[i];
-        stp_result result = prepare_item(r, &list->items[i], item);
+        stp_result result = prepare_item(r, list, &list->items[i], item);
         if (result != STP_OK) {
             return result;
         }

@@ -38,8 +38,24 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     } else {
         splats.points = item->points.positions;
     }
-    worker->fragments +=
-        stp_raster_draw_splats(target, 0, r->height, &item->camera, &splats, item->first_id);
+    if (item->runs == NULL) {
+        worker->fragments +=
+            stp_raster_draw_splats(target, 0, r->height, &item->camera, &splats, item->first_id);
+        return;
+    }
+    splats.pixel_radius = item->pixel_radius;
+    uint32_t run = 0;
+    while (run + 1 < item->draw->run_count && item->runs[run].end <= begin) {
+        run += 1;
+    }
+    for (uint32_t at = begin; at < end; ++run) {
+        splats.begin = at;
+        splats.end = at = item->runs[run].end < end ? item->runs[run].end : end;
+        splats.nearest = item->runs[run].nearest;
+        splats.farthest = item->runs[run].farthest;
+        worker->fragments +=
+            stp_raster_draw_splats(target, 0, r->height, &item->camera, &splats, item->first_id);
+    }
 }
 
 static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
@@ -56,9 +72,24 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
         mesh.keep = cpu_keep_fragment;
         mesh.keep_user = &keep;
     }
+    stp_box box = item->mesh.bounds;
+    float share = stp_draw_share(item->draw, cpu_least_depth(item, box));
+    stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
+    if (share < 1.0f) {
+        size_t bytes = 3 * sizeof(uint32_t) * (size_t)(end - begin);
+        uint32_t* kept = stp_arena_alloc(&worker->scratch, bytes);
+        if (kept == NULL) {
+            worker->failed = true;
+            return;
+        }
+        memcpy(kept, mesh.indices, bytes);
+        cpu_drop_triangles(kept, begin, end - begin, share);
+        mesh.indices = kept;
+    }
     stp_result result = stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
                                              item->camera.nearness_limit, &mesh,
                                              item->first_id + begin, &worker->scratch);
+    stp_arena_rewind(&worker->scratch, mark);
     worker->failed = worker->failed || result != STP_OK;
 }
 

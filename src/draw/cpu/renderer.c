@@ -164,7 +164,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     r->width = view->width;
     r->height = view->height;
     r->sample_count = side * side;
-    r->mesh_depth = list->splat_count != 0 ? MESH_DEPTH * 0.5 * (double)list->splat_size : 0.0;
+    r->mesh_depth = list->mixes ? MESH_DEPTH * 0.5 * (double)list->splat_size : 0.0;
     choose_nearness(r);
     stp_result result = make_room(r, side > 1);
     result = result != STP_OK ? result : cpu_prepare_items(r, list);

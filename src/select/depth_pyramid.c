@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "select/depth_pyramid.h"
+
+#include "base/context.h"
+
+enum { MOST_BLOCKS = 4, ROWS_AT_ONCE = 8 };
+
+#define ROUNDING 1e-5 ///< of nearness, relative: what floats lose on either side
+
+static float least(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+/// Sizes of all levels. @return floats in all
+static size_t choose_levels(stp_depth_pyramid* p, const stp_view* view)
+{
+    uint32_t columns = (view->width - 1) / STP_DEPTH_PYRAMID_BLOCK + 1;
+    uint32_t rows = (view->height - 1) / STP_DEPTH_PYRAMID_BLOCK + 1;
+    size_t total = 0;
+    p->level_count = 0;
+    while (p->level_count < STP_DEPTH_PYRAMID_LEVELS) {
+        p->columns[p->level_count] = columns;
+        p->rows[p->level_count] = rows;
+        p->level_count += 1;
+        total += (size_t)columns * rows;
+        if (columns == 1 && rows == 1) {
+            break;
+        }
+        columns = (columns + 1) / 2;
+        rows = (rows + 1) / 2;
+    }
+    return total;
+}
+
+typedef struct block_rows {
+    const stp_depth_pyramid* pyramid;
+    const float* nearness;
+    uint32_t width, height;
+} block_rows;
+
+/// Rows of blocks of level 0.
+static void reduce_pixels(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const block_rows* b = user;
+    (void)worker;
+    uint32_t columns = b->pyramid->columns[0], whole = b->width / STP_DEPTH_PYRAMID_BLOCK;
+    for (size_t row = begin; row < end; ++row) {
+        float* out = b->pyramid->levels[0] + row * columns;
+        for (uint32_t i = 0; i < columns; ++i) {
+            out[i] = FLT_MAX;
+        }
+        size_t last = (row + 1) * STP_DEPTH_PYRAMID_BLOCK;
+        last = last < b->height ? last : b->height;
+        for (size_t y = row * STP_DEPTH_PYRAMID_BLOCK; y < last; ++y) {
+            const float* in = b->nearness + y * b->width;
+            for (uint32_t i = 0; i < whole; ++i) {
+                float pairs[4];
+                for (uint32_t k = 0; k < 4; ++k) {
+                    pairs[k] = least(in[8 * i + k], in[8 * i + 4 + k]);
+                }
+                float most = least(least(pairs[0], pairs[1]), least(pairs[2], pairs[3]));
+                out[i] = least(out[i], most);
+            }
+            for (uint32_t x = whole * STP_DEPTH_PYRAMID_BLOCK; x < b->width; ++x) {
+                out[whole] = least(out[whole], in[x]);
+            }
+        }
+    }
+}
+
+static void reduce_level(stp_depth_pyramid* p, uint32_t level)
+{
+    const float* in = p->levels[level - 1];
+    uint32_t columns = p->columns[level - 1], rows = p->rows[level - 1];
+    float* out = p->levels[level];
+    for (uint32_t y = 0; y < p->rows[level]; ++y) {
+        const float* above = in + (size_t)(2 * y) * columns;
+        const float* below = 2 * y + 1 < rows ? above + columns : above;
+        for (uint32_t x = 0; x < p->columns[level]; ++x) {
+            uint32_t left = 2 * x, right = left + 1 < columns ? left + 1 : left;
+            *out++ = least(least(above[left], above[right]), least(below[left], below[right]));
+        }
+    }
+}
+
+stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view, const float* nearness,
+                                  stp_depth_pyramid* pyramid)
+{
+    pyramid->level_count = 0;
+    if (!stp_view_frame_make(view, &pyramid->frame)) {
+        return stp_fail(context, STP_ERROR_ARGUMENT,
+                        "view: eye, target, angle and size do not make a picture");
+    }
+    if (pyramid->frame.parallel) {
+        return STP_OK; // what nearness means there is the backend's own affair
+    }
+    size_t total = choose_levels(pyramid, view);
+    if (total > pyramid->capacity) {
+        stp_free(context, pyramid->memory);
+        pyramid->capacity = 0;
+        pyramid->memory = STP_NEW_ARRAY(context, float, total);
+        if (pyramid->memory == NULL) {
+            pyramid->level_count = 0;
+            return stp_fail_memory(context);
+        }
+        pyramid->capacity = total;
+    }
+    float* at = pyramid->memory;
+    for (uint32_t i = 0; i < pyramid->level_count; ++i) {
+        pyramid->levels[i] = at;
+        at += (size_t)pyramid->columns[i] * pyramid->rows[i];
+    }
+    block_rows rows = {
+        .pyramid = pyramid, .nearness = nearness, .width = view->width, .height = view->height};
+    stp_parallel_for(context, pyramid->rows[0], ROWS_AT_ONCE, reduce_pixels, &rows);
+    for (uint32_t i = 1; i < pyramid->level_count; ++i) {
+        reduce_level(pyramid, i);
+    }
+    return STP_OK;
+}
+
+/// A rectangle of pixels, both ends inclusive, and the least depth of what is in it.
+typedef struct footprint {
+    double x0, y0, x1, y1, depth;
+} footprint;
+
+/// @return false where a corner is not in front of `near`
+static bool project(const stp_view_frame* f, const stp_boxd* box, double near, footprint* out)
+{
+    *out = (footprint){HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, HUGE_VAL};
+    stp_vec3d low = stp_subd(box->min, f->eye), high = stp_subd(box->max, f->eye);
+    const stp_vec3d axes[3] = {f->right, f->down, f->forward};
+    double x[3][2], y[3][2], z[3][2]; // what each coordinate's ends add to each axis
+    for (int k = 0; k < 3; ++k) {
+        x[k][0] = axes[k].x * low.x;
+        x[k][1] = axes[k].x * high.x;
+        y[k][0] = axes[k].y * low.y;
+        y[k][1] = axes[k].y * high.y;
+        z[k][0] = axes[k].z * low.z;
+        z[k][1] = axes[k].z * high.z;
+    }
+    for (int i = 0; i < 8; ++i) {
+        int a = i & 1, b = i >> 1 & 1, c = i >> 2;
+        double depth = x[2][a] + y[2][b] + z[2][c];
+        if (!(depth > near)) {
+            return false;
+        }
+        double inverse = f->scale / depth;
+        double u = f->center_x + (x[0][a] + y[0][b] + z[0][c]) * inverse;
+        double v = f->center_y + (x[1][a] + y[1][b] + z[1][c]) * inverse;
+        out->x0 = fmin(out->x0, u);
+        out->x1 = fmax(out->x1, u);
+        out->y0 = fmin(out->y0, v);
+        out->y1 = fmax(out->y1, v);
+        out->depth = fmin(out->depth, depth);
+    }
+    return true;
+}
+
+bool stp_depth_pyramid_hides(const stp_depth_pyramid* p, const stp_boxd* box, double margin)
+{
+    const stp_view_frame* f = &p->frame;
+    double ratio = margin / f->scale; // the radius of such a splat over its depth
+    footprint at;
+    if (p->level_count == 0 || stp_boxd_is_empty(*box) || !(ratio < 0.5) ||
+        !project(f, box, f->near_distance / (1.0 - ratio), &at)) {
+        return false;
+    }
+    double wider = margin / (1.0 - ratio) * f->corner + 1.5; // disks look larger off the gaze
+    at.x0 = fmax(at.x0 - wider, 0.0);
+    at.y0 = fmax(at.y0 - wider, 0.0);
+    at.x1 = fmin(at.x1 + wider, f->width - 1.0);
+    at.y1 = fmin(at.y1 + wider, f->height - 1.0);
+    if (!(at.x0 <= at.x1 && at.y0 <= at.y1)) {
+        return false;
+    }
+    uint32_t x0 = (uint32_t)at.x0 / STP_DEPTH_PYRAMID_BLOCK;
+    uint32_t y0 = (uint32_t)at.y0 / STP_DEPTH_PYRAMID_BLOCK;
+    uint32_t x1 = (uint32_t)at.x1 / STP_DEPTH_PYRAMID_BLOCK;
+    uint32_t y1 = (uint32_t)at.y1 / STP_DEPTH_PYRAMID_BLOCK;
+    uint32_t level = 0;
+    while (level + 1 < p->level_count && (x1 - x0 >= MOST_BLOCKS || y1 - y0 >= MOST_BLOCKS)) {
+        level += 1;
+        x0 /= 2;
+        y0 /= 2;
+        x1 /= 2;
+        y1 /= 2;
+    }
+    // what hides may be drawn as if it lay half a splat behind its place (draw/cpu)
+    double nearness =
+        f->near_distance / (at.depth * (1.0 - ratio)) * (1.0 + ratio) * (1.0 + ROUNDING);
+    for (uint32_t y = y0; y <= y1; ++y) {
+        const float* row = p->levels[level] + (size_t)y * p->columns[level];
+        for (uint32_t x = x0; x <= x1; ++x) {
+            if (!((double)row[x] > nearness)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+void stp_depth_pyramid_destroy(stp_context* context, stp_depth_pyramid* pyramid)
+{
+    stp_free(context, pyramid->memory);
+    *pyramid = (stp_depth_pyramid){0};
+}

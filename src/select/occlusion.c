@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What the depth pyramid hides is set aside in the first pass, and left out in the second.
+#include "select/select_internal.h"
+
+/// Radius in pixels of the largest splat: half the splat size, and what a set that shrinks away lacks.
+static double splat_margin(const stp_selection* s)
+{
+    return 0.5 * STP_LEVELS_LACK * (double)s->list->splat_size;
+}
+
+static stp_result set_aside(stp_selection* s, const stp_select_entry* at)
+{
+    stp_draw_list* list = s->list;
+    if (list->rejected_count == list->rejected_capacity) {
+        stp_select_entry* rejected =
+            stp_grow_array(s->context, list->rejected, &list->rejected_capacity,
+                           list->rejected_count + 1, sizeof(*rejected));
+        if (rejected == NULL) {
+            return stp_fail_memory(s->context);
+        }
+        list->rejected = rejected;
+    }
+    list->rejected[list->rejected_count++] = *at;
+    return STP_OK;
+}
+
+stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at, const stp_boxd* box,
+                           bool* hidden)
+{
+    *hidden = false;
+    if (s->quality->occlusion == NULL || s->quality->splat_count > 0) {
+        return STP_OK; // as many as were asked for, be they seen or not: their radius is anything
+    }
+    double reach =
+        (double)s->graph->margins[at->node] * stp_select_scale(&at->transform) * (1.0 + 1e-6);
+    stp_vec3d margin = {reach, reach, reach};
+    stp_boxd wider = {stp_subd(box->min, margin), stp_addd(box->max, margin)};
+    *hidden = stp_depth_pyramid_hides(s->quality->occlusion, &wider, splat_margin(s));
+    if (!*hidden) {
+        return STP_OK;
+    }
+    s->list->hidden_count += 1;
+    return s->second_pass ? STP_OK : set_aside(s, at);
+}

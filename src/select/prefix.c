@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// How many surfels of a node are drawn, and from what depth on they suffice.
+#include "base/prefix_table.h"
+#include "select/select_internal.h"
+
+double stp_select_scale(const stp_affine* a)
+{
+    // the largest column is exact for rotations and uniform scales, and the norm bounds it in between
+    double column = 0.0, sum = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        double square = a->m[0][c] * a->m[0][c] + a->m[1][c] * a->m[1][c] + a->m[2][c] * a->m[2][c];
+        column = square > column ? square : column;
+        sum += square;
+    }
+    bool uniform = sum <= 3.0 * column * (1.0 + 1e-9) && sum >= 3.0 * column * (1.0 - 1e-9);
+    return sqrt(uniform ? column : sum);
+}
+
+/// Whether the surfels are all that is in a node: points have no size but theirs.
+static bool is_cloud(const stp_store_node* node, const stp_surfels* surfels)
+{
+    return node->triangle_count == 0 && surfels->count >= node->point_count;
+}
+
+static void use_count(stp_set_use* use, uint32_t count)
+{
+    use->count = count;
+    use->radius = (double)stp_prefix_table_radius(&use->surfels->table, count) +
+                  (double)use->surfels->candidate_radius;
+}
+
+/// p(r) = p_m (r_m / r)^2, Brandt 4.1.
+static void use_estimate(stp_set_use* use, double radius, bool cloud)
+{
+    const stp_surfels* surfels = use->surfels;
+    double ratio = (double)surfels->paper_radius / radius;
+    double wanted = ceil((double)surfels->paper_count * ratio * ratio);
+    if (!(wanted <= (double)surfels->count) && !cloud) {
+        return;
+    }
+    use->count = wanted < 1.0                      ? 1
+                 : wanted < (double)surfels->count ? (uint32_t)wanted
+                                                   : surfels->count;
+    use->radius = radius;
+    use->switch_depth = 0.0;
+}
+
+/// By insertion radius: as many as cover at the nearest depth, and all where they do not.
+static void use_by_insertion(stp_set_use* use, const stp_selection* s, stp_depth_range range,
+                             bool cloud)
+{
+    const stp_surfels* surfels = use->surfels;
+    // surface may lie that far from a candidate, however many of these are drawn
+    double reach = fmax((double)stp_prefix_table_radius(&surfels->table, surfels->count),
+                        (double)surfels->candidate_radius);
+    double suffices_from = reach / use->per_depth;
+    bool suffices = cloud || range.near >= suffices_from;
+    if (!suffices && s->quality->policy == STP_POLICY_SWITCH) {
+        return;
+    }
+    if (suffices) {
+        use_count(use,
+                  stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near)));
+        use->switch_depth = cloud || s->quality->policy == STP_POLICY_SWITCH ? 0.0 : suffices_from;
+        return;
+    }
+    // The nearer the eye is to some of the node, the farther out the rest is opened: all of it before the eye is within
+    // its box, and before few of its surfels are drawn of many that are looked at (STP_LEVELS_SHRINK).
+    double lacks = suffices_from / range.near;
+    use->switch_depth = suffices_from * (lacks * lacks * lacks);
+    use->extra = true;
+    if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
+        use_count(use, surfels->count);
+    }
+}
+
+stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
+                               stp_depth_range range, bool is_inside)
+{
+    const stp_store_node* node = &s->directory->nodes[at->node];
+    const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
+    stp_set_use use = {.surfels = surfels, .switch_depth = HUGE_VAL};
+    if (surfels->count == 0) {
+        return use;
+    }
+    bool cloud = is_cloud(node, surfels);
+    uint64_t wanted = s->quality->splat_count, made = s->list->splat_count;
+    if (wanted > 0) {
+        // what moves has a set of its own: together they are as many as was asked for
+        uint64_t left = wanted > made ? wanted - made : 0;
+        if (left > 0) {
+            use_count(&use, left < surfels->count ? (uint32_t)left : surfels->count);
+            use.switch_depth = 0.0;
+        }
+        return use;
+    }
+    double pixel = stp_view_frame_pixel_size(&s->frame, 1.0);
+    double per_depth = 0.5 * (double)s->list->splat_size * pixel; // r = s d_p / 2
+    per_depth /= stp_select_scale(&at->transform);
+    if (is_inside && !cloud) {
+        return use;
+    }
+    if (!(per_depth > 0.0) || !isfinite(per_depth)) {
+        if (cloud) {
+            use_count(&use, surfels->count);
+            use.switch_depth = 0.0;
+        }
+        return use;
+    }
+    if (s->quality->policy == STP_POLICY_PAPER) {
+        use_estimate(&use, per_depth * range.near, cloud);
+    } else {
+        use.per_depth = per_depth;
+        use_by_insertion(&use, s, range, cloud);
+    }
+    return use;
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// What the parts of selection share: the state of a call, and what is decided of a node.
+#pragma once
+
+#include "select/select.h"
+
+/// Times the depth at which a node's surfels just suffice: up to there what is below it grows in.
+#define STP_LEVELS_GROW 1.15
+/// What a set may lack of the wanted radius before all of its surfels are gone.
+#define STP_LEVELS_LACK 1.05
+/// The same in depths: where they just suffice is moved out by the third power of what they lack (prefix.c).
+#define STP_LEVELS_SHRINK (STP_LEVELS_LACK * STP_LEVELS_LACK * STP_LEVELS_LACK * STP_LEVELS_LACK)
+
+/// A node still to be looked at.
+typedef struct stp_select_entry {
+    uint32_t node;
+    bool moving_only; ///< an ancestor's surfels stand for all that does not move
+    bool extra;       ///< an ancestor is drawn where it is nearest
+    double ceiling;   ///< beyond this depth an ancestor's surfels suffice
+    stp_affine transform;
+} stp_select_entry;
+
+/// What is known of a store's nodes, once for all views. Children come before their parents.
+typedef struct stp_select_graph {
+    const stp_store_directory* directory;
+    const stp_store_node* nodes;
+    uint32_t node_count, edge_count, surfels_count;
+    uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
+    float*
+        margins; ///< how far what is drawn of a node may stick out of its box, beside pixels; node units
+} stp_select_graph;
+
+enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };
+
+typedef struct stp_selection {
+    stp_context* context;
+    const stp_store* store;
+    const stp_store_directory* directory;
+    const stp_quality* quality;
+    stp_draw_list* list;
+    const stp_select_graph* graph;
+    stp_view_frame frame;
+    size_t stack_count;
+    uint64_t visits;
+    bool second_pass;
+} stp_selection;
+
+/// Depths between which a box is seen; both 1 in parallel projection.
+typedef struct stp_depth_range {
+    double near, far;
+} stp_depth_range;
+
+/// How a node's surfels are used. They are drawn beyond switch_depth, what is below the node is drawn nearer.
+typedef struct stp_set_use {
+    const stp_surfels* surfels;
+    uint32_t count;      ///< prefix; 0: not drawn
+    double radius;       ///< of its splats, node units
+    double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
+    double switch_depth; ///< 0: nothing below is drawn; infinite: all of it
+    bool extra;          ///< switching would not draw them
+} stp_set_use;
+
+/// The longest that a unit vector becomes.
+double stp_select_scale(const stp_affine* transform);
+
+/// What to do with the surfels of a node (which has some).
+stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
+                               stp_depth_range range, bool is_inside);
+
+/// Appends an item of so many ids, with its first_id.
+STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item,
+                                            uint64_t id_count);
+/// Appends the item of a node's surfels, with its runs.
+STP_MUST_USE stp_result stp_select_add_set(stp_selection* s, const stp_select_entry* at,
+                                           const stp_set_use* use, stp_depth_range range);
+
+/// How much of what lies below a node is there at a depth, by the depth beyond which the node suffices.
+double stp_select_growth(double ceiling, double depth);
+
+/// Makes or finds what is known of the store's nodes.
+STP_MUST_USE stp_result stp_select_find_graph(stp_selection* s);
+void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph);
+
+STP_MUST_USE stp_result stp_select_push(stp_selection* s, const stp_select_entry* entry);
+/// Looks at all that was pushed.
+STP_MUST_USE stp_result stp_select_traverse(stp_selection* s);
+
+/// Whether the pyramid hides a node. Where it does in the first pass, the node is set aside.
+STP_MUST_USE stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at,
+                                        const stp_boxd* box, bool* hidden);

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// The walk down the graph: what is seen of it, by which level.
+#include "select/select_internal.h"
+
+/// A graph of a few shared nodes can stand for more visits than anybody can wait for.
+static const uint64_t visit_limit = UINT64_C(1) << 28;
+
+stp_result stp_select_push(stp_selection* s, const stp_select_entry* entry)
+{
+    stp_draw_list* list = s->list;
+    if (s->stack_count == list->stack_capacity) {
+        stp_select_entry* stack = stp_grow_array(s->context, list->stack, &list->stack_capacity,
+                                                 s->stack_count + 1, sizeof(*stack));
+        if (stack == NULL) {
+            return stp_fail_memory(s->context);
+        }
+        list->stack = stack;
+    }
+    list->stack[s->stack_count++] = *entry;
+    return STP_OK;
+}
+
+stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id_count)
+{
+    stp_draw_list* list = s->list;
+    uint64_t first = list->splat_count + list->triangle_count;
+    if (id_count == 0) {
+        return STP_OK;
+    }
+    if (first + id_count >= UINT32_MAX) {
+        return stp_fail(s->context, STP_ERROR_LIMIT,
+                        "view: more than 4294967294 splats and triangles would have to be drawn");
+    }
+    if (list->count == list->capacity) {
+        stp_draw_item* items = stp_grow_array(s->context, list->items, &list->capacity,
+                                              list->count + 1, sizeof(*items));
+        if (items == NULL) {
+            return stp_fail_memory(s->context);
+        }
+        list->items = items;
+    }
+    item.first_id = (uint32_t)first;
+    list->items[list->count++] = item;
+    *(item.kind == STP_DRAW_MESH ? &list->triangle_count : &list->splat_count) += id_count;
+    return STP_OK;
+}
+
+/// The box that holds the transformed box.
+static stp_boxd place_box(const stp_affine* a, const stp_boxd* box)
+{
+    if (stp_boxd_is_empty(*box)) {
+        return *box;
+    }
+    stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
+    stp_vec3d center = stp_affine_point(a, stp_addd(box->min, half));
+    const double(*m)[4] = a->m;
+    stp_vec3d reach = {
+        fabs(m[0][0]) * half.x + fabs(m[0][1]) * half.y + fabs(m[0][2]) * half.z,
+        fabs(m[1][0]) * half.x + fabs(m[1][1]) * half.y + fabs(m[1][2]) * half.z,
+        fabs(m[2][0]) * half.x + fabs(m[2][1]) * half.y + fabs(m[2][2]) * half.z,
+    };
+    return (stp_boxd){stp_subd(center, reach), stp_addd(center, reach)};
+}
+
+static bool see(const stp_selection* s, const stp_boxd* box, stp_depth_range* range)
+{
+    bool seen = stp_view_frame_sees_range(&s->frame, box, &range->near, &range->far);
+    if (s->frame.parallel) {
+        *range = (stp_depth_range){1.0, 1.0};
+    }
+    return seen;
+}
+
+static stp_boxd widen_box(stp_box box)
+{
+    return (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
+}
+
+/// A node's own triangles or points, up to the depth where its surfels, or an ancestor's, suffice.
+static stp_result add_part(stp_selection* s, stp_store_part part, const stp_select_entry* at)
+{
+    stp_draw_item item = {.index = part.index, .transform = at->transform};
+    uint64_t count;
+    stp_boxd box;
+    if (part.kind == STP_STORE_PART_MESH) {
+        const stp_store_mesh* mesh = stp_store_describe_mesh(s->store, part.index);
+        item.kind = STP_DRAW_MESH;
+        count = mesh->triangle_count;
+        box = widen_box(mesh->bounds);
+    } else {
+        const stp_store_point_set* points = stp_store_describe_point_set(s->store, part.index);
+        item.kind = STP_DRAW_POINTS;
+        item.prefix = item.full_prefix = points->point_count;
+        count = points->point_count;
+        box = widen_box(points->bounds);
+    }
+    box = place_box(&at->transform, &box);
+    stp_depth_range range;
+    if (!see(s, &box, &range) || !(stp_select_growth(at->ceiling, range.near) > 0.0)) {
+        return STP_OK;
+    }
+    if (item.kind == STP_DRAW_POINTS && range.near > at->ceiling) {
+        return STP_OK; // any part of them would not be spread evenly: they come all at once, below surfels
+    }
+    if (item.kind == STP_DRAW_MESH && range.far > at->ceiling) {
+        item.fade_begin = (float)at->ceiling;
+        item.fade_end = (float)(at->ceiling * STP_LEVELS_GROW);
+        double end = fmin(range.far, at->ceiling * STP_LEVELS_GROW);
+        double width = fmax(range.far - range.near, 1e-12 * range.far);
+        double beside = fmin(1.0, (end - fmax(range.near, at->ceiling)) / width);
+        double share = stp_select_growth(at->ceiling, fmax(range.near, at->ceiling));
+        s->list->extra_triangles += (uint64_t)((double)count * beside * 0.5 * share);
+    }
+    return stp_select_add_item(s, item, count);
+}
+
+static stp_result open_node(stp_selection* s, const stp_select_entry* at)
+{
+    const stp_store_directory* directory = s->directory;
+    const stp_store_node* node = &directory->nodes[at->node];
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < node->part_count && !at->moving_only && result == STP_OK; ++i) {
+        result = add_part(s, directory->parts[node->first_part + i], at);
+    }
+    for (uint32_t i = node->edge_count; i-- > 0 && result == STP_OK;) {
+        const stp_store_edge* edge = &directory->edges[node->first_edge + i];
+        if (at->moving_only && s->graph->moving[edge->node] == 0) {
+            continue;
+        }
+        stp_select_entry below = *at;
+        below.node = edge->node;
+        below.transform = stp_affine_multiply(at->transform, edge->transform);
+        result = stp_select_push(s, &below);
+    }
+    return result;
+}
+
+static stp_result visit(stp_selection* s, stp_select_entry* at)
+{
+    const stp_store_node* node = &s->directory->nodes[at->node];
+    uint8_t moving = s->graph->moving[at->node];
+    if (++s->visits > visit_limit) {
+        return stp_fail(s->context, STP_ERROR_LIMIT,
+                        "view: the scene's graph unfolds to too many nodes");
+    }
+    if ((moving & STP_NODE_MOVES) != 0) { // no ancestor shows it
+        at->moving_only = at->extra = false;
+        at->ceiling = HUGE_VAL;
+    }
+    s->list->node_count += 1;
+    stp_boxd box = place_box(&at->transform, &node->bounds);
+    stp_depth_range range;
+    if (!see(s, &box, &range)) {
+        return STP_OK;
+    }
+    at->moving_only = at->moving_only || !(stp_select_growth(at->ceiling, range.near) > 0.0);
+    bool hidden = false;
+    if (at->moving_only && (moving & STP_MOVES_BELOW) == 0) {
+        return STP_OK;
+    }
+    stp_result result = stp_select_hide(s, at, &box, &hidden);
+    if (result != STP_OK || hidden) {
+        return result;
+    }
+    if (!s->quality->reference && !at->moving_only && node->surfels != STP_STORE_NONE) {
+        bool inside = stp_view_frame_is_inside(&s->frame, &box);
+        stp_set_use use = stp_select_use_set(s, at, range, inside);
+        if (use.count > 0) {
+            result = stp_select_add_set(s, at, &use, range);
+        }
+        // where this node's surfels suffice nearest to the eye, switching would draw nothing below
+        at->extra = at->extra || (use.count > 0 && !use.extra);
+        at->ceiling = fmin(at->ceiling, use.switch_depth);
+        at->moving_only = !(stp_select_growth(at->ceiling, range.near) > 0.0);
+    }
+    if (result != STP_OK || (at->moving_only && (moving & STP_MOVES_BELOW) == 0)) {
+        return result;
+    }
+    return open_node(s, at);
+}
+
+stp_result stp_select_traverse(stp_selection* s)
+{
+    stp_result result = STP_OK;
+    while (result == STP_OK && s->stack_count > 0) {
+        stp_select_entry at = s->list->stack[--s->stack_count];
+        result = visit(s, &at);
+    }
+    return result;
+}

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: MIT
+// Levels that meet in depth: somewhere on the way down each point is always drawn completely, and no splat comes or goes
+// with many others.
+#include "tests.h"
+
+#include "base/math.h"
+#include "base/prefix_table.h"
+#include "base/rng.h"
+#include "draw/support_store.h"
+#include "select/select.h"
+#include "select/view_frame.h"
+
+static const uint8_t grey[3] = {128, 128, 128};
+
+enum { COARSE = 0, FINE = 1, COARSE_SIDE = 5, FINE_SIDE = 7 };
+
+typedef struct fixture {
+    stp_context* context;
+    made_scene scene;
+    stp_store* store;
+    stp_draw_list list;
+    double scale; ///< pixels per unit of x/z, of the view drawn last
+    double size;
+} fixture;
+
+// A square with 1,024 surfels, below it the same one with 16,384, below that (or in the same node) its triangles.
+static bool set_up(fixture* f, bool points)
+{
+    *f = (fixture){.context = test_context(NULL, 1, NULL)};
+    if (f->context == NULL) {
+        return false;
+    }
+    made_scene* s = &f->scene;
+    s->node_count = 2;
+    s->edge_count = s->part_count = s->material_count = s->shading_count = 1;
+    s->surfels_count = 2;
+    s->materials[0] = made_material();
+    s->shadings[0] = (stp_shading){.roughness = 1};
+    s->surfels[COARSE] = made_square_surfels(f->context, COARSE_SIDE, grey);
+    s->surfels[FINE] = made_square_surfels(f->context, FINE_SIDE, grey);
+    stp_boxd flat = {{-1, -1, 0}, {1, 1, 0}};
+    s->nodes[0] =
+        (stp_store_node){.part_count = 1, .surfels = FINE, .triangle_count = 2, .bounds = flat};
+    float* positions = NULL;
+    if (points) {
+        uint32_t count = s->surfels[FINE].count + 1;
+        positions = STP_NEW_ZEROED(f->context, float, 3 * (size_t)count);
+        s->point_set_count = 1;
+        s->point_sets[0] = (stp_store_point_set){.point_count = count, .positions = positions};
+        s->parts[0] = (stp_store_part){STP_STORE_PART_POINTS, 0};
+        s->nodes[0].triangle_count = 0;
+        s->nodes[0].point_count = count;
+    } else {
+        s->mesh_count = 1;
+        s->meshes[0] = made_square(0);
+        s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
+    }
+    s->nodes[1] = s->nodes[0];
+    s->nodes[1].part_count = 0;
+    s->nodes[1].edge_count = 1;
+    s->nodes[1].surfels = COARSE;
+    s->edges[0] = (stp_store_edge){0, stp_affine_identity()};
+    f->store = made_open(f->context, s);
+    stp_free(f->context, positions);
+    return f->store != NULL;
+}
+
+static void tear_down(fixture* f)
+{
+    made_free_surfels(f->context, &f->scene.surfels[COARSE]);
+    made_free_surfels(f->context, &f->scene.surfels[FINE]);
+    stp_draw_list_destroy(f->context, &f->list);
+    stp_store_close(f->store);
+    stp_context_destroy(f->context);
+}
+
+static stp_result look(fixture* f, const stp_view* view, float size, stp_policy policy)
+{
+    stp_quality quality = {.splat_size = size, .policy = policy};
+    stp_view_frame frame;
+    f->scale = stp_view_frame_make(view, &frame) ? frame.scale : 0.0;
+    f->size = (double)size;
+    return stp_select(f->context, f->store, view, &quality, &f->list);
+}
+
+static const stp_draw_item* find_item(const fixture* f, stp_draw_kind kind, uint32_t index)
+{
+    for (size_t i = 0; i < f->list.count; ++i) {
+        if (f->list.items[i].kind == kind && f->list.items[i].index == index) {
+            return &f->list.items[i];
+        }
+    }
+    return NULL;
+}
+
+// Splats of a set drawn at a depth, and the first that is not.
+static uint32_t count_drawn(const fixture* f, uint32_t set, double depth, uint32_t* first_missing)
+{
+    const stp_draw_item* item = find_item(f, STP_DRAW_SURFELS, set);
+    *first_missing = 0;
+    if (item == NULL || item->run_count == 0) {
+        return *first_missing = item != NULL ? item->prefix : 0;
+    }
+    uint32_t begin = 0, drawn = 0;
+    bool missing = false;
+    for (uint32_t i = 0; i < item->run_count; ++i) {
+        stp_draw_run run = f->list.runs[item->first_run + i];
+        bool there = depth >= (double)run.nearest && depth <= (double)run.farthest;
+        drawn += there ? run.end - begin : 0;
+        missing = missing || !there;
+        *first_missing = missing ? *first_missing : run.end;
+        begin = run.end;
+    }
+    return drawn;
+}
+
+static double radius_drawn(const fixture* f, uint32_t set, double depth)
+{
+    const stp_draw_item* item = find_item(f, STP_DRAW_SURFELS, set);
+    return (double)item->radius + (double)item->pixel_radius * depth / f->scale;
+}
+
+// Whether a set covers to the radius wanted at a depth, with splats large enough.
+static bool is_complete(const fixture* f, uint32_t set, double depth)
+{
+    const stp_surfels* surfels = stp_store_describe_surfels(f->store, set);
+    uint32_t prefix;
+    count_drawn(f, set, depth, &prefix);
+    if (prefix == 0) {
+        return false;
+    }
+    double covers = (double)stp_prefix_table_radius(&surfels->table, prefix);
+    double wanted = 0.5 * f->size * depth / f->scale;
+    return covers <= wanted * (1.0 + 1e-4) &&
+           radius_drawn(f, set, depth) >=
+               (covers + (double)surfels->candidate_radius) * (1.0 - 1e-5);
+}
+
+static bool mesh_is_complete(const fixture* f, double depth)
+{
+    const stp_draw_item* item = find_item(f, STP_DRAW_MESH, 0);
+    return item != NULL && stp_draw_share(item, (float)depth) >= 1.0f;
+}
+
+static double uniform(uint64_t round, uint64_t number, double low, double high)
+{
+    return low + (high - low) * ((double)(stp_rng_hash(round, number) >> 11) * 0x1p-53);
+}
+
+// Views from all sides and distances, most of them flat over the square, so that it spans a range of depths.
+static stp_view random_view(uint64_t round)
+{
+    double distance = exp(uniform(round, 0, -1.0, 4.5)), turn = uniform(round, 1, 0.0, 6.3);
+    double lift = distance * pow(uniform(round, 2, 0.05, 1.0), 2.0);
+    return (stp_view){.eye = {distance * cos(turn), distance * sin(turn), lift + 0.001},
+                      .target = {uniform(round, 3, -0.5, 0.5), uniform(round, 4, -0.5, 0.5), 0},
+                      .up = {0, 0, 1},
+                      .fov_degrees = uniform(round, 5, 20.0, 90.0),
+                      .near_distance = 1e-3,
+                      .width = 320,
+                      .height = 200};
+}
+
+// Every point of the square that is seen, in any view: one level is complete at its depth.
+void test_levels_leave_no_depth_without_a_complete_one(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f, false));
+    int by[3] = {0}, runs = 0;
+    for (uint64_t round = 0; round < 600; ++round) {
+        stp_view view = random_view(round);
+        stp_view_frame frame;
+        CHECK(stp_view_frame_make(&view, &frame));
+        CHECK_EQUAL(STP_OK,
+                    look(&f, &view, (float)uniform(round, 6, 1.0, 6.0), STP_POLICY_INSERTION));
+        runs += f.list.run_count > 0;
+        for (int i = 0; i < 25; ++i) {
+            stp_vec3d p = {i % 5 * 0.5 - 1.0, i / 5 * 0.5 - 1.0, 0};
+            stp_vec3d q = stp_subd(p, frame.eye);
+            double z = stp_dotd(q, frame.forward);
+            double x = frame.center_x + frame.scale * stp_dotd(q, frame.right) / z;
+            double y = frame.center_y + frame.scale * stp_dotd(q, frame.down) / z;
+            if (z < frame.near_distance || x < 0 || x >= frame.width || y < 0 ||
+                y >= frame.height) {
+                continue;
+            }
+            bool complete[3] = {is_complete(&f, COARSE, z), is_complete(&f, FINE, z),
+                                mesh_is_complete(&f, z)};
+            CHECK(complete[0] || complete[1] || complete[2]);
+            for (int k = 0; k < 3; ++k) {
+                by[k] += complete[k];
+            }
+        }
+    }
+    CHECK(by[0] > 500 && by[1] > 500 && by[2] > 500 && runs > 50);
+    tear_down(&f);
+}
+
+// Towards the square in steps of a quarter of a percent: at the depth of a point on it, how much of each level is drawn
+// changes a little at a time; switching changes all of it.
+void test_levels_come_and_go_by_degrees(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f, false));
+    for (int policy = 0; policy < 2; ++policy) {
+        double most = 0.0, last[3] = {-1};
+        for (double distance = 100.0; distance > 6.0; distance *= 0.9975) {
+            stp_view view = {.eye = {0, -0.8 * distance, 0.6 * distance},
+                             .up = {0, 0, 1},
+                             .fov_degrees = 60,
+                             .near_distance = 1e-3,
+                             .width = 400,
+                             .height = 400};
+            CHECK_EQUAL(STP_OK, look(&f, &view, 1.0f,
+                                     policy == 0 ? STP_POLICY_INSERTION : STP_POLICY_SWITCH));
+            const stp_draw_item* mesh = find_item(&f, STP_DRAW_MESH, 0);
+            uint32_t missing;
+            double now[3] = {
+                (double)count_drawn(&f, COARSE, distance, &missing) / 1024.0,
+                (double)count_drawn(&f, FINE, distance, &missing) / 16384.0,
+                mesh != NULL ? (double)stp_draw_share(mesh, (float)distance) : 0.0,
+            };
+            for (int k = 0; k < 3; ++k) {
+                most = last[0] < 0.0 ? most : fmax(most, fabs(now[k] - last[k]));
+                last[k] = now[k];
+            }
+        }
+        CHECK(policy == 0 ? most < 0.2 : most > 0.9);
+    }
+    tear_down(&f);
+}
+
+// At one depth all is exact: what is drawn beyond what switching draws is what the list says, and little on the whole.
+void test_levels_count_what_is_drawn_twice(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f, false));
+    double extra = 0.0, all = 0.0;
+    int blended = 0;
+    for (double height = 80.0; height > 6.0; height *= 0.99) {
+        stp_view view = {
+            .eye = {0, 0, 5}, .up = {0, 1, 0}, .ortho_height = height, .width = 300, .height = 300};
+        CHECK_EQUAL(STP_OK, look(&f, &view, 1.0f, STP_POLICY_SWITCH));
+        uint64_t switched = f.list.splat_count;
+        CHECK_EQUAL(0, f.list.extra_splats);
+        CHECK_EQUAL(0, f.list.run_count);
+        CHECK_EQUAL(STP_OK, look(&f, &view, 1.0f, STP_POLICY_INSERTION));
+        CHECK_EQUAL(switched, f.list.splat_count - f.list.extra_splats);
+        blended += f.list.extra_splats > 0;
+        extra += (double)f.list.extra_splats;
+        all += (double)f.list.splat_count;
+        double complete = 0;
+        complete += is_complete(&f, COARSE, 1.0) + is_complete(&f, FINE, 1.0);
+        CHECK(complete > 0.0 || mesh_is_complete(&f, 1.0));
+    }
+    CHECK(blended > 20);
+    CHECK(extra < 0.15 * all);
+    tear_down(&f);
+}
+
+// Part of a cloud would not be spread evenly: original points come all at once, when surfels cover them.
+void test_levels_show_original_points_at_once(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f, true));
+    int together = 0;
+    for (double height = 40.0; height > 6.0; height *= 0.99) {
+        stp_view view = {
+            .eye = {0, 0, 5}, .up = {0, 1, 0}, .ortho_height = height, .width = 300, .height = 300};
+        CHECK_EQUAL(STP_OK, look(&f, &view, 1.0f, STP_POLICY_INSERTION));
+        const stp_draw_item* points = find_item(&f, STP_DRAW_POINTS, 0);
+        const stp_draw_item* fine = find_item(&f, STP_DRAW_SURFELS, FINE);
+        CHECK(points == NULL || points->prefix == 16385);
+        CHECK(points != NULL || is_complete(&f, FINE, 1.0) || is_complete(&f, COARSE, 1.0));
+        together += points != NULL && fine != NULL;
+    }
+    CHECK(together > 2);
+    tear_down(&f);
+}
+
+// Triangles come in an order: what a share holds, a larger one holds too, and it is that part of them.
+void test_levels_shares_of_triangles_are_nested(test_state* test)
+{
+    int kept[11] = {0};
+    for (uint32_t i = 0; i < 20000; ++i) {
+        bool before = false;
+        for (int k = 0; k <= 10; ++k) {
+            bool keeps = stp_draw_keeps(i, 0.1f * (float)k);
+            CHECK(keeps || !before);
+            before = keeps;
+            kept[k] += keeps;
+        }
+    }
+    for (int k = 0; k <= 10; ++k) {
+        CHECK(abs(kept[k] - 2000 * k) < 300);
+    }
+    CHECK_EQUAL(0, kept[0]);
+    CHECK_EQUAL(20000, kept[10]);
+    const stp_draw_item whole = {.kind = STP_DRAW_MESH};
+    CHECK(stp_draw_share(&whole, 1e9f) >= 1.0f);
+    const stp_draw_item fading = {.fade_begin = 2.0f, .fade_end = 3.0f};
+    CHECK(stp_draw_share(&fading, 1.9f) >= 1.0f && stp_draw_share(&fading, 3.1f) <= 0.0f);
+    CHECK(fabsf(stp_draw_share(&fading, 2.75f) - 0.25f) < 1e-6f);
+}
