@@ -48,7 +48,7 @@ static double round_up(double value)
 // `high` is the largest on its axis: all of an axis have one unit.
 static void put_number(svg* s, double value, double high)
 {
-    double unit = high >= 5e6 ? 1e6 : high >= 5e3 ? 1e3 : 1.0;
+    double unit = high >= 1e6 ? 1e6 : high >= 1e4 ? 1e3 : 1.0;
     svg_put(s, "%g%s", value / unit, value <= 0.0 || unit <= 1.0 ? "" : unit > 1e3 ? " M" : " k");
 }
 
@@ -78,7 +78,7 @@ static void put_line(const plot* p, const panel* shown, double top, double high)
     const flight_record* record = p->record;
     svg_put(p->s, "<path fill=\"none\" stroke=\"%s\" stroke-linejoin=\"round\" d=\"", shown->color);
     for (uint32_t i = 0; i < record->frame_count;) {
-        double x = floor(x_of(p, record->times[i]) + 0.5), least = INFINITY, most = -INFINITY;
+        double x = floor(x_of(p, record->times[i]) + 0.5), least = HUGE_VAL, most = -HUGE_VAL;
         uint32_t first = i;
         for (; i < record->frame_count && floor(x_of(p, record->times[i]) + 0.5) <= x; ++i) {
             least = fmin(least, shown->value(&record->frames[i]));
