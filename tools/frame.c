@@ -51,6 +51,7 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
                                .triangles = stats.triangles,
                                .fragments = stats.fragments,
                                .covered_pixels = stats.covered_pixels,
+                               .extra_splats = maker->list.extra_splats,
                                .nodes = maker->list.node_count,
                                .draw_calls = stats.draw_calls};
     for (size_t i = 0; i < maker->list.count; ++i) {

@@ -106,7 +106,7 @@ f = load("budget")
 assert f["threads"] == 1 and all(1 <= frame["splat_size"] <= 8 for frame in f["per_frame"])
 f = load("paper") # all the time of the world: as fine as can be
 assert all(frame["splat_size"] == 1 for frame in f["per_frame"]), f["per_frame"]
-assert load("policy")["splat_size"]["p50"] == 6
+assert load("policy")["splat_size"]["p50"] == 6 and load("policy")["extra_splats"]["max"] == 0
 assert load("one")["frames"] == 1
 END
 
