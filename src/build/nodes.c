@@ -19,17 +19,17 @@ typedef struct run {
     pthread_mutex_t mutex;
     pthread_cond_t advanced;
     pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
-    uint32_t* open;               ///< steps not yet done, by height
-    uint32_t height;              ///< of the lowest open step; all lower ones are done
+    bool* done;                   ///< by step
+    uint32_t done_count;          ///< so many steps, the first ones, are done
     uint32_t first;               ///< step of the loop's first element
     stp_result result;            ///< the first failure
 } run;
 
 // Waits until what a step may need is there. @return false where the run has failed meanwhile
-static bool wait_for_lower(run* r, uint32_t height)
+static bool wait_for_lower(run* r, uint32_t needs)
 {
     pthread_mutex_lock(&r->mutex);
-    while (r->result == STP_OK && r->height < height) {
+    while (r->result == STP_OK && r->done_count < needs) {
         r->result = stp_condition_wait_reported(r->scene->context, &r->advanced, &r->mutex);
     }
     bool runs = r->result == STP_OK;
@@ -53,10 +53,9 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     nodes->finish_ms += report->finish_ms;
     nodes->made += !found;
     nodes->found += found;
-    r->open[step->height] -= 1;
-    uint32_t highest = plan->steps[plan->step_count - 1].height;
-    while (r->height < highest && r->open[r->height] == 0) {
-        r->height += 1;
+    r->done[index] = true;
+    while (r->done_count < plan->step_count && r->done[r->done_count]) {
+        r->done_count += 1;
     }
     pthread_cond_broadcast(&r->advanced);
     pthread_mutex_unlock(&r->mutex);
@@ -105,7 +104,7 @@ static void run_step(run* r, uint32_t index)
         end_step(r, index, STP_OK, &report, true);
         return;
     }
-    if (!wait_for_lower(r, step->height)) {
+    if (!wait_for_lower(r, step->needs)) {
         return;
     }
     stp_gate_ticket ticket;
@@ -133,17 +132,12 @@ static stp_result open_run(run* r)
     const stp_scene* scene = r->scene;
     const stp_build_plan* plan = r->desc->plan;
     stp_context* context = scene->context;
-    uint32_t highest = plan->steps[plan->step_count - 1].height;
     r->nodes->sets = STP_NEW_ZEROED(context, stp_surfels, plan->step_count);
     r->sets = STP_NEW_ZEROED(context, const stp_surfels*, scene->node_count);
-    r->open = STP_NEW_ZEROED(context, uint32_t, highest + 1);
-    if (r->nodes->sets == NULL || r->sets == NULL || r->open == NULL) {
+    r->done = STP_NEW_ZEROED(context, bool, plan->step_count);
+    if (r->nodes->sets == NULL || r->sets == NULL || r->done == NULL) {
         return stp_fail_memory(context);
     }
-    for (uint32_t i = 0; i < plan->step_count; ++i) {
-        r->open[plan->steps[i].height] += 1;
-    }
-    r->height = plan->steps[0].height;
     stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
     return result != STP_OK ? result : stp_capture_textures_create(scene, &r->textures);
 }
@@ -181,7 +175,7 @@ stp_result stp_build_nodes_make(const stp_scene* scene, const stp_build_nodes_de
     }
     stp_capture_textures_destroy(r.textures);
     stp_gate_destroy(r.gate);
-    stp_free(context, r.open);
+    stp_free(context, r.done);
     stp_free(context, r.sets);
     pthread_mutex_destroy(&r.former_mutex);
     pthread_cond_destroy(&r.advanced);

@@ -3,6 +3,7 @@
 
 #include "scene/measure.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -358,6 +359,32 @@ static uint64_t estimate_bytes(const planning* p, uint32_t index)
     return FIXED_BYTES + (uint64_t)bytes;
 }
 
+// Which steps' results each step uses: those of the sets below its node. Steps are begun in their order, so it is told
+// by the last of these.
+static stp_result find_needs(const planning* p, stp_build_plan* plan)
+{
+    const stp_scene* scene = p->scene;
+    uint32_t* needs = STP_NEW_ZEROED(scene->context, uint32_t, scene->node_count); // by node
+    if (needs == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    for (uint32_t i = 0; !p->desc->from_triangles && i < scene->node_count; ++i) {
+        const stp_node* node = &scene->nodes[i];
+        for (uint32_t k = 0; k < node->edge_count; ++k) {
+            uint32_t child = scene->edges[node->first_edge + k].node;
+            uint32_t step = plan->step_of[child];
+            uint32_t last = step != STP_NONE ? step + 1 : needs[child];
+            needs[i] = last > needs[i] && !moves(scene, child) ? last : needs[i];
+        }
+        if (plan->step_of[i] != STP_NONE) {
+            assert(needs[i] <= plan->step_of[i] && "a step would wait for later ones");
+            plan->steps[plan->step_of[i]].needs = needs[i];
+        }
+    }
+    stp_free(scene->context, needs);
+    return STP_OK;
+}
+
 static stp_result list_steps(const planning* p, stp_build_plan* plan)
 {
     const stp_scene* scene = p->scene;
@@ -392,7 +419,7 @@ static stp_result list_steps(const planning* p, stp_build_plan* plan)
         plan->cost += plan->steps[i].cost;
     }
     plan->shared_count = count_shared(plan, stp_context_thread_count(context));
-    return STP_OK;
+    return find_needs(p, plan);
 }
 
 stp_result stp_build_plan_make(const stp_scene* scene, const stp_build_plan_desc* desc,

@@ -9,7 +9,9 @@
 
 typedef struct stp_build_step {
     uint32_t node;
-    uint32_t height;       ///< steps of lower heights do not need this one's result
+    uint32_t height; ///< steps of lower heights do not need this one's result
+    uint32_t
+        needs; ///< so many steps, the first ones, must be done before: results below are among them
     uint32_t surfel_count; ///< most surfels, as stp_blue_desc has it
     double cost;           ///< of making it, in no unit: for shares of the whole
     uint64_t bytes;        ///< memory that making it takes, about

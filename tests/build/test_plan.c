@@ -59,6 +59,27 @@ static uint64_t triangles_of(const stp_scene* scene, const stp_build_plan* plan,
     return scene->nodes[plan->steps[step].node].triangle_count;
 }
 
+// Whether each step waits for all whose results it may use, and for none that comes later.
+static bool waits_for_what_it_uses(const stp_scene* scene, const stp_build_plan* plan)
+{
+    uint32_t* last =
+        calloc(scene->node_count, sizeof(*last)); // by node: the end of the steps in or below it
+    bool good = last != NULL;
+    for (uint32_t i = 0; good && i < scene->node_count; ++i) {
+        const stp_node* node = &scene->nodes[i];
+        uint32_t step = plan->step_of[i], below = 0;
+        for (uint32_t k = 0; k < node->edge_count; ++k) {
+            uint32_t child = scene->edges[node->first_edge + k].node;
+            bool rests = (scene->nodes[child].flags & STP_OBJECT_MOVING) == 0;
+            below = rests && last[child] > below ? last[child] : below;
+        }
+        good = step == STP_NONE || (plan->steps[step].needs == below && below <= step);
+        last[i] = step != STP_NONE && step >= below ? step + 1 : below;
+    }
+    free(last);
+    return good;
+}
+
 void test_plans_make_shared_nodes_once(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
@@ -77,6 +98,8 @@ void test_plans_make_shared_nodes_once(test_state* test)
     CHECK_EQUAL(900000, triangles_of(scene, &plan, 1));
     CHECK_EQUAL(200000, plan.steps[1].surfel_count);
     CHECK(plan.steps[0].height < plan.steps[1].height);
+    CHECK(waits_for_what_it_uses(scene, &plan));
+    CHECK(plan.steps[0].needs == 0 && plan.steps[1].needs == 1);
     CHECK(!stp_hash_equal(plan.steps[0].key, plan.steps[1].key));
     stp_build_plan_destroy(context, &plan);
     stp_scene_destroy(scene);
@@ -132,6 +155,7 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
         CHECK(!has_step(scene, &plan, line)); // nothing rests in it
         CHECK(!has_step(scene, &plan, hall)); // the root's set holds all that does
         CHECK_EQUAL(3 + with_hall, plan.step_count);
+        CHECK(waits_for_what_it_uses(scene, &plan));
         uint32_t root = plan.step_of[scene->root];
         CHECK_EQUAL(with_hall, root != STP_NONE);
         if (with_hall != 0) {
