@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #define _XOPEN_SOURCE 700 // realpath
+#define _DEFAULT_SOURCE   // madvise
 #include "base/file.h"
 
 #include <assert.h>
@@ -48,6 +49,13 @@ void stp_file_expect_random(const stp_mapped_file* file)
 {
     if (file->bytes != NULL) { // a hint: it does not matter where the system does not take it
         (void)posix_madvise((void*)(uintptr_t)file->bytes, file->size, POSIX_MADV_RANDOM);
+    }
+}
+
+void stp_file_forget(const stp_mapped_file* file)
+{
+    if (file->bytes != NULL) { // posix_madvise would do nothing
+        (void)madvise((void*)(uintptr_t)file->bytes, file->size, MADV_DONTNEED);
     }
 }
 

@@ -15,6 +15,9 @@ typedef struct stp_mapped_file {
 STP_MUST_USE stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file);
 /// Says that few places of the file will be read, in no order: nothing is read ahead.
 void stp_file_expect_random(const stp_mapped_file* file);
+/// Gives back the memory that holds what has been read of the file; it stays readable, and is read again where
+/// needed. Any thread, while others read.
+void stp_file_forget(const stp_mapped_file* file);
 void stp_file_unmap(stp_mapped_file* file);
 
 /// A file in the making: bytes go to `path`.tmp-<process>-<number>, which becomes `path` at commit or

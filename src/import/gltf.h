@@ -177,6 +177,8 @@ STP_MUST_USE stp_result stp_gltf_view(stp_gltf_scope* scope, uint32_t view,
 /// Bytes of a buffer, checked against its real size.
 STP_MUST_USE stp_result stp_gltf_buffer_range(stp_gltf_scope* scope, uint32_t buffer, size_t offset,
                                               size_t size, const unsigned char** bytes);
+/// Gives back the memory that holds what has been read of the files. Any thread.
+void stp_gltf_forget_buffers(const stp_gltf* gltf);
 void stp_gltf_free_buffers(stp_gltf* gltf);
 
 // gltf_meshopt.c

@@ -75,6 +75,14 @@ stp_result stp_gltf_load_buffers(stp_gltf_scope* scope, stp_gltf* gltf)
     return STP_OK;
 }
 
+void stp_gltf_forget_buffers(const stp_gltf* gltf)
+{
+    stp_file_forget(&gltf->import->file);
+    for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_BUFFERS); ++i) {
+        stp_file_forget(&gltf->buffers[i].file);
+    }
+}
+
 void stp_gltf_free_buffers(stp_gltf* gltf)
 {
     for (size_t i = 0; gltf->buffers != NULL && i < stp_gltf_count(gltf, STP_GLTF_BUFFERS); ++i) {

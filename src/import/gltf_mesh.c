@@ -131,7 +131,8 @@ static size_t end_batch(const stp_gltf* gltf, const stp_gltf_primitive* primitiv
     return end;
 }
 
-// Batch by batch: what the scene was given it may move out of memory before the next one is read.
+// Batch by batch: what the scene was given it may move out of memory before the next one is read, and what was read
+// of the file need not stay there beside it.
 static stp_result read_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
                                   stp_gltf_primitive* primitives, size_t count)
 {
@@ -142,6 +143,7 @@ static stp_result read_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
         primitive_loop loop = {.gltf = gltf, .primitives = primitives + begin};
         stp_parallel_for(gltf->context, end - begin, 1, read_job, &loop);
         result = add_primitives(scope, gltf, primitives, begin, end, &line_count);
+        stp_gltf_forget_buffers(gltf);
         begin = end;
     }
     if (result == STP_OK && line_count != 0) {

@@ -97,6 +97,61 @@ void test_file_map_refuses_what_is_no_file(test_state* test)
     stp_context_destroy(context);
 }
 
+/// Bytes of mapped files that are in this process's memory; 0 where the system does not tell.
+static uint64_t resident_file_bytes(void)
+{
+    FILE* file = fopen("/proc/self/statm", "r");
+    unsigned long long all = 0, resident = 0, shared = 0;
+    bool told = file != NULL && fscanf(file, "%llu %llu %llu", &all, &resident, &shared) == 3;
+    if (file != NULL) {
+        fclose(file);
+    }
+    return told ? (uint64_t)shared * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
+}
+
+static uint64_t sum_bytes(const stp_mapped_file* file)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < file->size; ++i) {
+        sum += file->bytes[i] * (uint64_t)(i + 1);
+    }
+    return sum;
+}
+
+void test_file_forgotten_can_be_read_again(test_state* test)
+{
+    enum { SIZE = 8 << 20 };
+    stp_context* context = test_context(NULL, 1, NULL);
+    folder f;
+    CHECK(context != NULL && make_folder(&f));
+    char path[128];
+    path_in(&f, "large", path);
+    unsigned char* bytes = malloc(SIZE);
+    CHECK(bytes != NULL);
+    for (uint32_t i = 0; i < SIZE; ++i) {
+        bytes[i] = (unsigned char)(i * 2654435761u >> 24);
+    }
+    stp_file_writer* writer = NULL;
+    CHECK_EQUAL(STP_OK, stp_file_writer_open(context, path, &writer));
+    CHECK_EQUAL(STP_OK, stp_file_writer_append(writer, bytes, SIZE));
+    CHECK_EQUAL(STP_OK, stp_file_writer_commit(writer));
+    stp_mapped_file whole = {.bytes = bytes, .size = SIZE}, file, none = {0};
+    uint64_t wanted = sum_bytes(&whole);
+    CHECK_EQUAL(STP_OK, stp_file_map(context, path, &file));
+    CHECK_EQUAL(wanted, sum_bytes(&file));
+    uint64_t before = resident_file_bytes();
+    stp_file_forget(&file);
+    stp_file_forget(&none);
+    uint64_t after = resident_file_bytes();
+    CHECK(before == 0 || after + SIZE / 2 < before);
+    CHECK_EQUAL(wanted, sum_bytes(&file));
+    stp_file_unmap(&file);
+    free(bytes);
+    unlink(path);
+    rmdir(f.path);
+    stp_context_destroy(context);
+}
+
 void test_file_writer_appends_and_patches(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
