@@ -67,7 +67,8 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s, stp_depth
     // The nearer the eye is to some of the node, the farther out the rest is opened: all of it before the eye is within
     // its box, and before few of its surfels are drawn of many that are looked at (STP_LEVELS_SHRINK).
     double lacks = suffices_from / range.near;
-    use->switch_depth = suffices_from * (lacks * lacks * lacks);
+    double squared = lacks * lacks, cubed = squared * lacks;
+    use->switch_depth = suffices_from * (cubed * cubed * lacks);
     use->extra = true;
     if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
         use_count(use, surfels->count);
