@@ -117,11 +117,62 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
     return (uint64_t)__builtin_popcount(mask);
 }
 
+/// Eight pixels of a row.
+static inline void store_eight(uint64_t* pixel, __mmask8 mask, __m256i bits, __m512i id)
+{
+    __m512i value = _mm512_or_si512(_mm512_slli_epi64(_mm512_cvtepu32_epi64(bits), 32), id);
+    __m512i old = _mm512_maskz_loadu_epi64(mask, pixel);
+    _mm512_mask_storeu_epi64(pixel, mask, _mm512_min_epu64(old, value));
+}
+
+/// A disk whose box is at most eight pixels wide, two rows at a time.
+static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t, int i,
+                                  uint32_t index, splat_box box)
+{
+    const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+    const __m512i rows = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
+    uint32_t coverage = splat_coverage(f->splats, index);
+    uint32_t columns = (1u << (box.x1 - box.x0)) - 1u;
+    __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
+    __m512i column = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->x0[i]), steps);
+    __m512 u = _mm512_add_ps(_mm512_set1_ps(t->u0[i]), _mm512_cvtepi32_ps(column));
+    int32_t center = (t->cx[i] - box.x0) + 8 * (t->cy[i] - box.y0); // lane of the centre in row y0
+    bool center_in = t->cx[i] >= box.x0 && t->cx[i] < box.x1;
+    uint64_t* pixel = f->target->pixels + (size_t)box.y0 * f->target->stride + (size_t)box.x0;
+    uint64_t fragments = 0;
+    for (int32_t y = box.y0; y < box.y1; y += 2, center -= 16) {
+        __m512i row = _mm512_add_epi32(_mm512_set1_epi32(y - t->y0[i]), rows);
+        __m512 v = _mm512_add_ps(_mm512_set1_ps(t->v0[i]), _mm512_cvtepi32_ps(row));
+        __m512i bits;
+        uint32_t mask = evaluate(f, t, i, u, v, &bits);
+        mask |= center_in && (uint32_t)center < 16u ? 1u << center : 0;
+        mask &= y + 1 < box.y1 ? columns | columns << 8 : columns;
+        if (coverage < 255) {
+            __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->cx[i]), steps);
+            __m512i dy = _mm512_add_epi32(_mm512_set1_epi32(y - t->cy[i]), rows);
+            mask &= hash_fragments(coverage, index, dx, dy);
+        }
+        fragments += (uint64_t)__builtin_popcount(mask);
+        if ((mask & 255u) != 0) {
+            store_eight(pixel, (__mmask8)mask, _mm512_castsi512_si256(bits), id);
+        }
+        if (mask >> 8 != 0) {
+            store_eight(pixel + f->target->stride, (__mmask8)(mask >> 8),
+                        _mm512_extracti64x4_epi64(bits, 1), id);
+        }
+        pixel += 2 * f->target->stride;
+    }
+    return fragments;
+}
+
 /// A disk of any box, sixteen columns at a time.
 static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i, uint32_t index)
 {
     const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     splat_box box = clip_box(f, t, i);
+    if (box.x1 - box.x0 <= 8) {
+        return draw_eight(f, t, i, index, box);
+    }
     uint32_t coverage = splat_coverage(f->splats, index);
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
     uint64_t fragments = 0;
@@ -146,11 +197,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
                 __mmask8 eight = (__mmask8)(mask >> (8 * half));
                 __m256i part =
                     half == 0 ? _mm512_castsi512_si256(bits) : _mm512_extracti64x4_epi64(bits, 1);
-                __m512i value =
-                    _mm512_or_si512(_mm512_slli_epi64(_mm512_cvtepu32_epi64(part), 32), id);
-                uint64_t* pixel = row + x + 8 * half;
-                __m512i old = _mm512_maskz_loadu_epi64(eight, pixel);
-                _mm512_mask_storeu_epi64(pixel, eight, _mm512_min_epu64(old, value));
+                store_eight(row + x + 8 * half, eight, part, id);
             }
         }
     }
