@@ -36,14 +36,10 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
 {
     stp_draw_stats stats = {0};
     double start = stp_clock_ms();
-    stp_result result = stp_select(maker->context, maker->store, view, quality, &maker->list);
-    double selected = stp_clock_ms();
-    if (result == STP_OK) {
-        result =
-            stp_renderer_draw(maker->renderer, view, &maker->list, &maker->style, image, &stats);
-    }
+    stp_result result = stp_renderer_draw_selected(maker->renderer, view, quality, &maker->style,
+                                                   &maker->list, image, &stats);
     *figures = (frame_figures){.frame_ms = stp_clock_ms() - start,
-                               .select_ms = selected - start,
+                               .select_ms = stats.select_ms,
                                .draw_ms = stats.draw_ms,
                                .shade_ms = stats.shade_ms,
                                .splat_size = maker->list.splat_size,

@@ -18,6 +18,7 @@ typedef struct stp_draw_style {
 
 typedef struct stp_draw_stats {
     double draw_ms, shade_ms;
+    double select_ms; ///< of stp_renderer_draw_selected
     uint64_t splats, triangles, fragments, covered_pixels;
     uint32_t draw_calls; ///< items drawn
 } stp_draw_stats;
@@ -33,6 +34,16 @@ void stp_renderer_destroy(stp_renderer* renderer);
 STP_MUST_USE stp_result stp_renderer_draw(stp_renderer* renderer, const stp_view* view,
                                           const stp_draw_list* list, const stp_draw_style* style,
                                           stp_image* image, stp_draw_stats* stats);
+
+/// Selects and draws in two passes: what the renderer's picture before hides is set aside, and what of that the new
+/// picture does not hide is drawn after. `list` is filled; `quality->occlusion` is not looked at. The picture is that of
+/// stp_select without occlusion and stp_renderer_draw, but for what lies at equal depths; only time depends on what was
+/// drawn before. Supersampled and parallel pictures, and those of a number of splats, are drawn in one pass.
+/// @return as stp_select, stp_select_rejected and stp_renderer_draw
+STP_MUST_USE stp_result stp_renderer_draw_selected(stp_renderer* renderer, const stp_view* view,
+                                                   const stp_quality* quality,
+                                                   const stp_draw_style* style, stp_draw_list* list,
+                                                   stp_image* image, stp_draw_stats* stats);
 
 /// The nearness of each pixel of the last frame (0: background), one sample a pixel (of the last supersample),
 /// `width * height` floats owned by the renderer; nearness = 1 / depth in perspective, times near_distance.

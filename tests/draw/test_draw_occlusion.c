@@ -154,3 +154,33 @@ void test_draw_occlusion_changes_no_pixel(test_state* test)
     }
     CHECK(hidden > 40 && repaired > 3); // otherwise nothing was tried
 }
+
+void test_draw_selected_is_the_whole_picture(test_state* test)
+{
+    static fixture f;
+    int hidden = 0, repaired = 0;
+    for (uint64_t round = 0; round < 30; ++round) {
+        f = (fixture){0};
+        CHECK(set_up(&f, round));
+        stp_quality quality = {.splat_size = (float)(1 + round % 4)};
+        stp_draw_style style = {.splat_scale = 1.0f};
+        stp_image image = {WIDTH, HEIGHT, f.pixels};
+        stp_draw_stats stats;
+        for (int frame = 0; frame < 4; ++frame) { // the eye moves, and rests
+            stp_view view = view_at(round, frame == 0 ? 2.0 : frame == 1 ? 0.3 : 0.0);
+            CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+            CHECK_EQUAL(STP_OK, draw(&f, &view));
+            memcpy(f.expected, f.pixels, sizeof(f.pixels));
+            memcpy(f.nearness, stp_renderer_depth(f.renderer), sizeof(f.nearness));
+            CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(f.renderer, &view, &quality, &style,
+                                                           &f.list, &image, &stats));
+            CHECK_EQUAL(0, memcmp(f.nearness, stp_renderer_depth(f.renderer), sizeof(f.nearness)));
+            CHECK_EQUAL(0, memcmp(f.expected, f.pixels, sizeof(f.pixels)));
+            CHECK_EQUAL(f.list.count, stats.draw_calls);
+            hidden += (int)f.list.hidden_count;
+            repaired += f.list.count > f.list.first_pass_count;
+        }
+        tear_down(&f);
+    }
+    CHECK(hidden > 40 && repaired > 3); // otherwise nothing was tried
+}

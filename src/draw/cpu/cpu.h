@@ -75,6 +75,15 @@ typedef struct cpu_worker {
     bool drew, failed;
 } cpu_worker;
 
+/// What a frame in two passes goes on with after the first.
+typedef struct cpu_second_pass {
+    const stp_view* view;
+    stp_quality quality;
+    stp_draw_list* list;
+    double select_ms; ///< that it took to select
+    bool made;        ///< the pyramid is of this frame
+} cpu_second_pass;
+
 typedef struct cpu_renderer {
     stp_renderer base;
     stp_store* store;
@@ -89,6 +98,8 @@ typedef struct cpu_renderer {
     cpu_item* items;
     size_t item_count, item_capacity;
     uint32_t piece_count;
+    stp_depth_pyramid pyramid;           ///< of the last frame in two passes; no levels: none
+    cpu_second_pass* second;             ///< NULL: this frame is drawn in one pass
     float decode[256];                   ///< sRGB bytes to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3]; ///< read four at a time
     cpu_shade_material* shade_materials; ///< see cpu_make_shade_materials
@@ -116,14 +127,17 @@ static inline float cpu_true_nearness(const cpu_item* item, float nearness)
     return item->near_factor * nearness + item->near_shift;
 }
 
-/// Looks up data and textures, and makes matrices, for a list. Failures are logged.
-STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list);
+/// Looks up data and textures for a list's items, from `first` on; those before were prepared by an earlier call.
+/// Failures are logged.
+STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t first);
 /// Makes matrices anew after the sample's shift has changed.
 void cpu_place_items(cpu_renderer* r, const stp_draw_list* list);
 void cpu_destroy_textures(cpu_renderer* r);
 
-/// Draws all items into the workers' buffers. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r);
+/// Draws all items into the workers' buffers, from a piece on. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece);
+/// The nearness of what is in the buffers: at most as near as it is.
+void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker);
 
 /// Materials as shading wants them: 256 of surfels' shadings, then all of meshes and points, then the same unlit.
 /// Once a renderer. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)

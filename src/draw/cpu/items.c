@@ -241,7 +241,7 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
     return result;
 }
 
-stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list)
+stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
     if (list->count > r->item_capacity) {
         cpu_item* items = stp_grow_array(r->base.context, r->items, &r->item_capacity, list->count,
@@ -251,9 +251,14 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list)
         }
         r->items = items;
     }
-    r->item_count = 0;
-    uint64_t pieces = 0;
-    for (size_t i = 0; i < list->count; ++i) {
+    for (size_t i = 0; i < first; ++i) { // the list may lie elsewhere now
+        const stp_draw_item* draw = &list->items[i];
+        r->items[i].draw = draw;
+        r->items[i].runs = r->items[i].runs != NULL ? list->runs + draw->first_run : NULL;
+    }
+    r->item_count = first;
+    uint64_t pieces = first > 0 ? r->piece_count : 0;
+    for (size_t i = first; i < list->count; ++i) {
         cpu_item* item = &r->items[i];
         stp_result result = prepare_item(r, list, &list->items[i], item);
         if (result != STP_OK) {

@@ -93,9 +93,17 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
     worker->failed = worker->failed || result != STP_OK;
 }
 
+typedef struct piece_loop {
+    cpu_renderer* r;
+    uint32_t first;
+} piece_loop;
+
 static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
 {
-    cpu_renderer* r = user;
+    const piece_loop* loop = user;
+    cpu_renderer* r = loop->r;
+    begin += loop->first;
+    end += loop->first;
     cpu_worker* worker = &r->workers[index];
     stp_raster_target target = {
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
@@ -120,13 +128,15 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
     }
 }
 
-stp_result cpu_draw_items(cpu_renderer* r)
+stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece)
 {
-    if (r->piece_count == 0) {
+    uint32_t count = r->piece_count - first_piece;
+    if (count == 0) {
         return STP_OK;
     }
-    size_t grain = r->piece_count / ((size_t)r->team.threads * 64);
-    stp_team_run(&r->team, r->piece_count, grain > 0 ? grain : 1, draw_pieces, r);
+    piece_loop loop = {r, first_piece};
+    size_t grain = count / ((size_t)r->team.threads * 64);
+    stp_team_run(&r->team, count, grain > 0 ? grain : 1, draw_pieces, &loop);
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         if (r->workers[i].failed) {
             return stp_fail_memory(r->base.context);

@@ -14,6 +14,7 @@ static void destroy(stp_renderer* renderer)
         stp_free(context, r->workers[i].pixels);
         stp_arena_destroy(&r->workers[i].scratch);
     }
+    stp_depth_pyramid_destroy(context, &r->pyramid);
     cpu_destroy_textures(r);
     cpu_destroy_shading(r);
     stp_free(context, r->workers);
@@ -116,6 +117,42 @@ static void average_bands(size_t begin, size_t end, uint32_t worker, void* user)
     cpu_average_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker].covered);
 }
 
+static void find_depths(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_find_depths(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
+}
+
+/// The second pass of a frame: what was set aside, and the picture so far does not hide.
+static stp_result draw_rejected(cpu_renderer* r, cpu_second_pass* pass)
+{
+    stp_context* context = r->base.context;
+    stp_draw_list* list = pass->list;
+    size_t first = list->count;
+    uint32_t first_piece = r->piece_count;
+    if (list->hidden_count == 0) {
+        return STP_OK;
+    }
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_depths, r);
+    double start = stp_clock_ms();
+    stp_result result = stp_depth_pyramid_make(context, pass->view, r->depth, &r->pyramid);
+    pass->quality.occlusion = &r->pyramid;
+    pass->made = true;
+    if (result == STP_OK) {
+        result = stp_select_rejected(context, r->store, pass->view, &pass->quality, list);
+    }
+    pass->select_ms += stp_clock_ms() - start;
+    if (result != STP_OK || list->count == first) {
+        return result;
+    }
+    result = cpu_prepare_items(r, list, first);
+    if (result == STP_OK) {
+        cpu_place_items(r, list);
+        result = cpu_prepare_shading(r);
+    }
+    return result == STP_OK ? cpu_draw_items(r, first_piece) : result;
+}
+
 static stp_result draw_samples(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
                                stp_draw_stats* stats)
 {
@@ -125,7 +162,10 @@ static stp_result draw_samples(cpu_renderer* r, const stp_draw_list* list, uint3
         r->shift_x = 0.5 - ((double)(r->sample % side) + 0.5) / (double)side;
         r->shift_y = 0.5 - ((double)(r->sample / side) + 0.5) / (double)side;
         cpu_place_items(r, list);
-        stp_result result = cpu_draw_items(r);
+        stp_result result = cpu_draw_items(r, 0);
+        if (result == STP_OK && r->second != NULL) {
+            result = draw_rejected(r, r->second);
+        }
         if (result != STP_OK) {
             empty_pixels(r);
             return result;
@@ -167,7 +207,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     r->mesh_depth = list->mixes ? MESH_DEPTH * 0.5 * (double)list->splat_size : 0.0;
     choose_nearness(r);
     stp_result result = make_room(r, side > 1);
-    result = result != STP_OK ? result : cpu_prepare_items(r, list);
+    result = result != STP_OK ? result : cpu_prepare_items(r, list, 0);
     if (result == STP_OK) {
         cpu_place_items(r, list);
         result = cpu_prepare_shading(r);
@@ -192,6 +232,33 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     return result;
 }
 
+static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
+                                const stp_quality* quality, const stp_draw_style* style,
+                                stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
+{
+    cpu_renderer* r = (cpu_renderer*)renderer;
+    bool once = style->supersample > 1 || quality->splat_count > 0 || view->ortho_height > 0.0;
+    cpu_second_pass pass = {.view = view, .quality = *quality, .list = list};
+    pass.quality.occlusion = once || r->pyramid.level_count == 0 ? NULL : &r->pyramid;
+    double start = stp_clock_ms();
+    *stats = (stp_draw_stats){0};
+    stp_result result = stp_select(renderer->context, r->store, view, &pass.quality, list);
+    double first_ms = stp_clock_ms() - start;
+    if (result != STP_OK) {
+        return result;
+    }
+    r->second = once ? NULL : &pass;
+    result = draw(renderer, view, list, style, image, stats);
+    r->second = NULL;
+    start = stp_clock_ms();
+    if (result == STP_OK && !once && !pass.made) {
+        result = stp_depth_pyramid_make(renderer->context, view, r->depth, &r->pyramid);
+    }
+    stats->draw_ms -= pass.select_ms; // the second pass's lies within
+    stats->select_ms = first_ms + pass.select_ms + (stp_clock_ms() - start);
+    return result;
+}
+
 stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_renderer** renderer)
 {
     cpu_renderer* r = STP_NEW_ZEROED(context, cpu_renderer, 1);
@@ -199,8 +266,11 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     if (r == NULL) {
         return stp_fail_memory(context);
     }
-    r->base =
-        (stp_renderer){.context = context, .destroy = destroy, .draw = draw, .depth = get_depth};
+    r->base = (stp_renderer){.context = context,
+                             .destroy = destroy,
+                             .draw = draw,
+                             .draw_selected = draw_selected,
+                             .depth = get_depth};
     r->store = store;
     r->directory = stp_store_get_directory(store);
     r->team = stp_team_create_useful(context);

@@ -257,6 +257,18 @@ void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* w
     }
 }
 
+void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker)
+{
+    shader s = make_shader(r, worker);
+    for (size_t at = (size_t)begin * r->width; at < (size_t)end * r->width; ++at) {
+        uint64_t least = STP_RASTER_EMPTY;
+        for (uint32_t k = 0; k < s.buffer_count; ++k) {
+            least = s.buffers[k][at] < least ? s.buffers[k][at] : least;
+        }
+        r->depth[at] = least == STP_RASTER_EMPTY ? 0.0f : stp_raster_nearness(least);
+    }
+}
+
 void cpu_average_rows(cpu_renderer* r, uint32_t begin, uint32_t end, uint64_t* covered)
 {
     for (size_t at = (size_t)begin * r->width; at < (size_t)end * r->width; ++at) {
