@@ -24,6 +24,18 @@ grep -q '^  boxes ' out || fail "the list has no boxes"
 expect 0 "$stipple" scene --list --json
 python3 -c 'import json; assert any(s["name"] == "boxes" for s in json.load(open("out"))["scenes"])'
 
+# the documentation has a row for each, with its views
+python3 - "$stipple" "$3/docs/scenes.md" << 'PY'
+import json, subprocess, sys
+stipple, page = sys.argv[1], open(sys.argv[2]).read()
+for scene in json.load(open("out"))["scenes"]:
+    rows = [line for line in page.splitlines() if line.startswith(f"| `{scene['name']}` |")]
+    assert len(rows) == 1, scene["name"]
+    info = subprocess.run([stipple, "info", f"scene:{scene['name']},scale=0.0001", "--json"], capture_output=True, check=True)
+    for view in json.loads(info.stdout)["views"]:
+        assert f"`{view}`" in rows[0], (scene["name"], view)
+PY
+
 expect 0 "$stipple" scene boxes -o boxes.glb --json
 python3 -c 'import json; s = json.load(open("out")); assert s["unique_triangles"] == 324, s'
 expect 0 "$stipple" scene boxes -o boxes.gltf

@@ -59,8 +59,6 @@ END
 
 forms="glb gltf"
 same boxes 1
-same spheres 0.0001 --threshold 1000000000000
-same one-mesh 0.01
 same city-small 0.005 --threshold 1000000000000
 same terrain 0.0002 --threshold 1000000000000
 forms=glb
