@@ -47,6 +47,16 @@ static double power_of_two(int exponent)
     return value;
 }
 
+static void add_all(octave_counts* sum, const octave_counts* counts)
+{
+    for (uint32_t i = counts->least; i <= counts->most && counts->total != 0; ++i) {
+        sum->count[i] += counts->count[i];
+    }
+    sum->least = counts->least < sum->least ? counts->least : sum->least;
+    sum->most = counts->most > sum->most ? counts->most : sum->most;
+    sum->total += counts->total;
+}
+
 static void clear(octave_counts* counts)
 {
     for (uint32_t i = counts->least; i <= counts->most && counts->total != 0; ++i) {
@@ -78,15 +88,13 @@ static uint32_t octave_at(const octave_counts* counts, uint64_t rank)
     return counts->most;
 }
 
-static void add_edge(octave_counts* run, octave_counts* all, const float* a, const float* b)
+static void add_edge(octave_counts* run, const float* a, const float* b)
 {
     double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1],
            z = (double)a[2] - (double)b[2];
     double square = x * x + y * y + z * z;
     if (square > 0.0) {
-        uint32_t octave = exponent_of(square);
-        add(run, octave);
-        add(all, octave);
+        add(run, exponent_of(square));
     }
 }
 
@@ -134,7 +142,7 @@ double stp_choose_grid_step(const float* positions, const uint32_t* indices,
             largest = largest_of(p[k], largest);
         }
         for (int k = 0; k < 3; ++k) {
-            add_edge(&run, &all, p[k], p[(k + 1) % 3]);
+            add_edge(&run, p[k], p[(k + 1) % 3]);
         }
         bool ends = (t + 1) % RUN_TRIANGLES == 0 || t + 1 == triangle_count;
         if (ends && run.total != 0 && (run.total >= RUN_TRIANGLES || shortest == OCTAVES - 1)) {
@@ -142,6 +150,7 @@ double stp_choose_grid_step(const float* positions, const uint32_t* indices,
             shortest = median < shortest ? median : shortest;
         }
         if (ends) {
+            add_all(&all, &run);
             clear(&run);
         }
     }

@@ -177,6 +177,7 @@ static stp_result make_surfels(build* b)
                              stp_context_live_bytes(b->context) + largest_step(&b->plan));
     result = stp_build_nodes_make(b->scene, &nodes, &b->nodes);
     stp_context_expect_bytes(b->context, 0);
+    stp_work_release_pages(b->work);
     if (result == STP_OK) {
         report_surfels(b, (stp_clock_ms() - start) * 1e-3);
     }
@@ -187,10 +188,16 @@ static stp_result code_meshes(build* b)
 {
     double start = stp_clock_ms();
     stp_result result = stp_build_meshes_make(b->scene, b->work, b->former, &b->meshes);
+    stp_work_release_pages(b->work);
     b->report->clusters_s = (stp_clock_ms() - start) * 1e-3;
     b->report->meshes_made = b->meshes.made;
     b->report->meshes_found = b->meshes.found;
     return result;
+}
+
+static void release_pages(void* work)
+{
+    stp_work_release_pages(work);
 }
 
 static stp_result make_content(build* b)
@@ -210,6 +217,8 @@ static stp_result make_content(build* b)
         content->coded_meshes = b->meshes.coded;
         content->mesh_keys = b->meshes.keys;
         content->surfel_keys = b->surfel_keys;
+        content->release_pages = release_pages;
+        content->release_user = b->work;
         content->directory.shadings = b->shadings.shadings;
         content->directory.shading_count = b->shadings.count;
         content->directory.build_json = b->desc->parameters_json;

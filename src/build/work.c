@@ -371,6 +371,15 @@ void stp_work_forget(stp_work* work, stp_hash key)
     pthread_mutex_unlock(&work->mutex);
 }
 
+void stp_work_release_pages(stp_work* work)
+{
+    pthread_mutex_lock(&work->mutex);
+    for (uint32_t i = 0; i < work->segment_count; ++i) {
+        stp_work_segment_release_pages(&work->segments[i]);
+    }
+    pthread_mutex_unlock(&work->mutex);
+}
+
 stp_context* stp_work_get_context(const stp_work* work)
 {
     return work->context;

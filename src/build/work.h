@@ -48,6 +48,10 @@ STP_MUST_USE stp_result stp_work_store(stp_work* work, stp_hash key, const stp_w
 /// What was given out stays readable. Any thread.
 void stp_work_forget(stp_work* work, stp_hash key);
 
+/// Gives back the memory that holds mapped results; they stay readable, and are read again where needed. Any thread,
+/// while others read.
+void stp_work_release_pages(stp_work* work);
+
 stp_context* stp_work_get_context(const stp_work* work);
 void stp_work_get_report(const stp_work* work, stp_work_report* report);
 

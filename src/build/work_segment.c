@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#define _DEFAULT_SOURCE // madvise
 #include "build/work_segment.h"
 
 #include "base/bytes.h"
@@ -286,6 +287,13 @@ void stp_work_segment_take_back(stp_work_segment* segment, size_t offset, uint64
     if (segment->used == begin + stp_work_record_bytes(size)) {
         segment->used = begin;
         (void)!ftruncate(segment->file, (off_t)begin); // if it fails, the checksum tells
+    }
+}
+
+void stp_work_segment_release_pages(const stp_work_segment* segment)
+{
+    if (segment->bytes != NULL) { // posix_madvise would do nothing
+        (void)madvise((void*)(uintptr_t)segment->bytes, segment->capacity, MADV_DONTNEED);
     }
 }
 

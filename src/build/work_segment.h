@@ -81,6 +81,9 @@ stp_result stp_work_segment_fail_write(const stp_work_place* place, uint32_t num
 /// Takes a reserved result back, where it is the last one.
 void stp_work_segment_take_back(stp_work_segment* segment, size_t offset, uint64_t size);
 
+/// Gives back the memory of the mapped bytes, which are read again where needed.
+void stp_work_segment_release_pages(const stp_work_segment* segment);
+
 /// Ends writing; what is mapped stays.
 void stp_work_segment_finish(stp_work_segment* segment);
 void stp_work_segment_close(stp_work_segment* segment);

@@ -88,7 +88,8 @@ static double dot(direction a, direction b)
 static bool are_alike(direction a, direction b)
 {
     double agreement = dot(a, b);
-    return agreement > 0.0 && agreement * agreement >= ALIKE * (dot(a, a) * dot(b, b));
+    bool near = agreement * agreement >= ALIKE * (dot(a, a) * dot(b, b));
+    return (agreement > 0.0) & near; // no branch: nobody could foretell it
 }
 
 /// 16-bit octahedral, not of unit length.

@@ -21,6 +21,10 @@ struct stp_store_content {
     // under which content keys they were made (all zero: none); NULL: none at all
     const stp_hash* surfel_keys;
     const stp_hash* mesh_keys;
+    /// Called now and then while blocks are written: what they were read from may leave memory, if it can be read
+    /// again. NULL: nothing can.
+    void (*release_pages)(void* user);
+    void* release_user;
 };
 
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_ARGUMENT (content that no reader would

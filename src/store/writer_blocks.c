@@ -6,6 +6,8 @@
 
 #include <assert.h>
 
+#define RELEASE_BYTES ((uint64_t)32 << 20)
+
 typedef struct source_column {
     const void* bytes; ///< where the column's run begins in the content
 } source_column;
@@ -111,6 +113,7 @@ static stp_result write_block(stp_store_writing* w, const stp_store_block* block
 stp_result stp_store_write_blocks(stp_store_writing* w)
 {
     stp_result result = STP_OK;
+    uint64_t released = 0;
     for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
         stp_store_block* block = &w->plan.blocks[i];
         result = stp_store_pad(w);
@@ -121,6 +124,10 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
         }
         block->crc = w->crc;
         assert(result != STP_OK || stp_file_writer_size(w->file) == block->offset + block->size);
+        if (w->content->release_pages != NULL && block->offset - released >= RELEASE_BYTES) {
+            released = block->offset;
+            w->content->release_pages(w->content->release_user);
+        }
     }
     return result;
 }
