@@ -28,7 +28,8 @@ typedef struct option {
     /// Choices separated by |. Of a number, size or picture size: words that stand for 0, and the
     /// range allowed, as in "auto|1..1024"; NULL: any (a picture: 1..32768).
     const char* words;
-    const char* help; ///< one line
+    const char* help;     ///< one line
+    const char* fallback; ///< the value where the option is given without one; NULL: it needs one
     void* value;
     bool* given; ///< set where the option was given; may be NULL
 } option;

@@ -32,10 +32,14 @@ static struct {
 static const option* bench_options_table(void)
 {
     static const option options[] = {
-        {"list", 0, OPTION_FLAG, NULL, NULL, "list the benchmarks", &given.list, NULL},
-        {"quick", 0, OPTION_FLAG, NULL, NULL, "small cases, within seconds", &given.quick, NULL},
-        {"model", 0, OPTION_TEXT, "PATH", NULL, "measure on this model", &given.model, NULL},
-        {"json", 0, OPTION_FLAG, NULL, NULL, "print one JSON object", &given.json, NULL},
+        {.name = "list", .help = "list the benchmarks", .value = &given.list},
+        {.name = "quick", .help = "small cases, within seconds", .value = &given.quick},
+        {.name = "model",
+         .type = OPTION_TEXT,
+         .argument = "PATH",
+         .help = "measure on this model",
+         .value = &given.model},
+        OPTION_JSON(&given.json),
         {0},
     };
     return options;

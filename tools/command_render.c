@@ -20,6 +20,7 @@ static struct {
     double eye[3], target[3], up[3];
     bool has_eye, has_target, has_up;
     double ortho;
+    uint64_t accumulate;
     draw_options draw;
 } args;
 
@@ -63,6 +64,13 @@ static const option* options(void)
          .help =
              "parallel projection, of so many units from top to bottom; standard views choose it",
          .value = &args.ortho},
+        {.name = "accumulate",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..4096",
+         .help = "the mean of N frames, each shifted by a part of a pixel, as a viewer shows when "
+                 "it rests; of n x n they are --supersample n",
+         .value = &args.accumulate},
         {0},
     };
     static option table[DRAW_OPTION_ROOM];
@@ -134,6 +142,10 @@ static stp_result draw_frames(session* s)
     }
     qsort(frames, count, sizeof(frames[0]), compare_figures);
     s->figures = frames[count / 2];
+    for (uint64_t i = 0; result == STP_OK && i < args.accumulate; ++i) {
+        result = frame_accumulate(&s->maker, &s->view, &s->quality, (uint32_t)args.accumulate,
+                                  &s->image);
+    }
     return result;
 }
 
@@ -205,6 +217,9 @@ static int check_arguments(int argc, const char* path)
     }
     if (args.draw.json && strcmp(args.output, "-") == 0) {
         return tool_usage_error("standard output is for the figures; name a file");
+    }
+    if (args.accumulate > 0 && args.draw.supersample > 0) {
+        return tool_usage_error("--accumulate and --supersample exclude each other");
     }
     return draw_options_check(&args.draw);
 }

@@ -68,6 +68,29 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
     return copy_options(table, used, list);
 }
 
+static size_t add_effect_options(option* table, size_t used, draw_options* o)
+{
+    const option list[] = {
+        {.name = "eye-dome",
+         .type = OPTION_NUMBER,
+         .argument = "[STRENGTH]",
+         .words = "0.01..100",
+         .fallback = "1",
+         .help = "darken what lies behind its neighbours (eye-dome lighting); default strength 1",
+         .value = &o->eye_dome},
+        {.name = "ambient-occlusion",
+         .type = OPTION_NUMBER,
+         .argument = "[RADIUS]",
+         .words = "0.1..12",
+         .fallback = "4",
+         .help = "darken what its surroundings enclose, within so many hundredths of the picture's "
+                 "height; default 4",
+         .value = &o->ambient_occlusion},
+        {0},
+    };
+    return copy_options(table, used, list);
+}
+
 static size_t add_picture_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
@@ -118,6 +141,7 @@ const option* draw_options_table(option* table, const option* own, draw_options*
 {
     size_t used = copy_options(table, 0, own);
     used = add_quality_options(table, used, options);
+    used = add_effect_options(table, used, options);
     add_picture_options(table, used, options);
     return table;
 }
@@ -170,7 +194,9 @@ stp_draw_style draw_options_style(const draw_options* o)
     stp_draw_style style = {.splat_scale = (float)o->splat_scale,
                             .supersample = (uint32_t)o->supersample,
                             .headlight = o->light == LIGHT_HEAD,
-                            .background = o->background != NULL};
+                            .background = o->background != NULL,
+                            .eye_dome = (float)o->eye_dome,
+                            .ambient_occlusion = (float)(0.01 * o->ambient_occlusion)};
     if (style.background) {
         (void)parse_color(o->background, style.background_color);
     }

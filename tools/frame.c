@@ -56,6 +56,19 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
     return result;
 }
 
+stp_result frame_accumulate(frame_maker* maker, const stp_view* view, const stp_quality* quality,
+                            uint32_t count, stp_image* image)
+{
+    stp_draw_stats stats;
+    stp_draw_style style = maker->style;
+    style.supersample = 2;
+    while (style.supersample * style.supersample < count) {
+        style.supersample += 1;
+    }
+    return stp_renderer_accumulate(maker->renderer, view, quality, &style, &maker->list, image,
+                                   &stats);
+}
+
 stp_frame_cost frame_cost(const frame_figures* figures)
 {
     return (stp_frame_cost){.milliseconds = figures->frame_ms,

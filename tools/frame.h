@@ -34,6 +34,11 @@ STP_MUST_USE stp_result frame_draw(frame_maker* maker, const stp_view* view,
                                    const stp_quality* quality, stp_image* image,
                                    frame_figures* figures);
 
+/// Draws the next of `count` frames that are accumulated (stp_renderer_accumulate).
+STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* view,
+                                         const stp_quality* quality, uint32_t count,
+                                         stp_image* image);
+
 /// Draws the view until the budget has found its size of splats and stays there, or does not find it in some hundred
 /// frames or so many seconds. Sets quality->splat_size.
 STP_MUST_USE stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* budget,

@@ -143,6 +143,12 @@ static int apply(const option* o, const char* value)
     return 0;
 }
 
+// What an option takes as its value where it can do without: "2" and "0.5", but no file's name.
+static bool is_plain_number(const char* text)
+{
+    return text != NULL && *text != 0 && strspn(text, "0123456789.") == strlen(text);
+}
+
 // "name" or "name=value" after the two dashes; `next` is the argument after it, or NULL.
 static int parse_long(const option* table, const char* text, const char* next, int* used)
 {
@@ -158,6 +164,9 @@ static int parse_long(const option* table, const char* text, const char* next, i
     }
     if (text[length] == '=') {
         return apply(found, text + length + 1);
+    }
+    if (found->fallback != NULL && !is_plain_number(next)) {
+        return apply(found, found->fallback);
     }
     if (next == NULL) {
         return tool_usage_error("--%s needs a value: %s", found->name, options_argument(found));

@@ -14,6 +14,8 @@ typedef struct stp_draw_style {
         headlight; ///< light from the eye; default: a directional light from above left of the viewer
     bool background; ///< fill with background_color, alpha 255; default: transparent black
     uint8_t background_color[3];
+    float eye_dome;          ///< strength of eye-dome lighting; 0: none
+    float ambient_occlusion; ///< reach of ambient occlusion, in heights of the picture; 0: none
 } stp_draw_style;
 
 typedef struct stp_draw_stats {
@@ -21,6 +23,7 @@ typedef struct stp_draw_stats {
     double select_ms; ///< of stp_renderer_draw_selected
     uint64_t splats, triangles, fragments, covered_pixels;
     uint32_t draw_calls; ///< items drawn
+    uint32_t samples;    ///< of each pixel
 } stp_draw_stats;
 
 typedef struct stp_renderer stp_renderer;
@@ -44,6 +47,16 @@ STP_MUST_USE stp_result stp_renderer_draw_selected(stp_renderer* renderer, const
                                                    const stp_quality* quality,
                                                    const stp_draw_style* style, stp_draw_list* list,
                                                    stp_image* image, stp_draw_stats* stats);
+
+/// Draws one more sample of a view that rests, a part of a pixel beside those before; the picture is the mean of all samples
+/// since view, quality or style last changed. There are style->supersample squared (from 2 x 2 on): then it is what
+/// that draws at once but for rounding, and further calls draw nothing. `list` is filled when something has changed, and
+/// must be left alone in between. stats->samples says how many there are.
+/// @return as stp_select and stp_renderer_draw
+STP_MUST_USE stp_result stp_renderer_accumulate(stp_renderer* renderer, const stp_view* view,
+                                                const stp_quality* quality,
+                                                const stp_draw_style* style, stp_draw_list* list,
+                                                stp_image* image, stp_draw_stats* stats);
 
 /// The nearness of each pixel of the last frame (0: background), one sample a pixel (of the last supersample),
 /// `width * height` floats owned by the renderer; nearness = 1 / depth in perspective, times near_distance.

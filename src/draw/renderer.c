@@ -22,6 +22,13 @@ stp_result stp_renderer_draw_selected(stp_renderer* renderer, const stp_view* vi
     return renderer->draw_selected(renderer, view, quality, style, list, image, stats);
 }
 
+stp_result stp_renderer_accumulate(stp_renderer* renderer, const stp_view* view,
+                                   const stp_quality* quality, const stp_draw_style* style,
+                                   stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
+{
+    return renderer->accumulate(renderer, view, quality, style, list, image, stats);
+}
+
 const float* stp_renderer_depth(const stp_renderer* renderer)
 {
     return renderer->depth(renderer);

@@ -12,5 +12,8 @@ struct stp_renderer {
     stp_result (*draw_selected)(stp_renderer* renderer, const stp_view* view,
                                 const stp_quality* quality, const stp_draw_style* style,
                                 stp_draw_list* list, stp_image* image, stp_draw_stats* stats);
+    stp_result (*accumulate)(stp_renderer* renderer, const stp_view* view,
+                             const stp_quality* quality, const stp_draw_style* style,
+                             stp_draw_list* list, stp_image* image, stp_draw_stats* stats);
     const float* (*depth)(const stp_renderer* renderer);
 };

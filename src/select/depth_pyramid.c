@@ -13,10 +13,10 @@ static float least(float a, float b)
 }
 
 /// Sizes of all levels. @return floats in all
-static size_t choose_levels(stp_depth_pyramid* p, const stp_view* view)
+static size_t choose_levels(stp_depth_pyramid* p, uint32_t width, uint32_t height)
 {
-    uint32_t columns = (view->width - 1) / STP_DEPTH_PYRAMID_BLOCK + 1;
-    uint32_t rows = (view->height - 1) / STP_DEPTH_PYRAMID_BLOCK + 1;
+    uint32_t columns = (width - 1) / STP_DEPTH_PYRAMID_BLOCK + 1;
+    uint32_t rows = (height - 1) / STP_DEPTH_PYRAMID_BLOCK + 1;
     size_t total = 0;
     p->level_count = 0;
     while (p->level_count < STP_DEPTH_PYRAMID_LEVELS) {
@@ -95,7 +95,16 @@ stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view, co
     if (pyramid->frame.parallel) {
         return STP_OK; // what nearness means there is the backend's own affair
     }
-    size_t total = choose_levels(pyramid, view);
+    stp_view_frame frame = pyramid->frame;
+    return stp_depth_pyramid_fill(context, &frame, nearness, pyramid);
+}
+
+stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* frame,
+                                  const float* nearness, stp_depth_pyramid* pyramid)
+{
+    uint32_t width = (uint32_t)frame->width, height = (uint32_t)frame->height;
+    pyramid->frame = *frame;
+    size_t total = choose_levels(pyramid, width, height);
     if (total > pyramid->capacity) {
         stp_free(context, pyramid->memory);
         pyramid->capacity = 0;
@@ -111,8 +120,7 @@ stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view, co
         pyramid->levels[i] = at;
         at += (size_t)pyramid->columns[i] * pyramid->rows[i];
     }
-    block_rows rows = {
-        .pyramid = pyramid, .nearness = nearness, .width = view->width, .height = view->height};
+    block_rows rows = {.pyramid = pyramid, .nearness = nearness, .width = width, .height = height};
     stp_parallel_for(context, pyramid->rows[0], ROWS_AT_ONCE, reduce_pixels, &rows);
     for (uint32_t i = 1; i < pyramid->level_count; ++i) {
         reduce_level(pyramid, i);

@@ -30,6 +30,11 @@ typedef struct stp_depth_pyramid {
 STP_MUST_USE stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view,
                                                const float* nearness, stp_depth_pyramid* pyramid);
 
+/// The same for a frame already made, and also in parallel projection: there the blocks may be read, but
+/// stp_depth_pyramid_hides must not be asked.
+STP_MUST_USE stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* frame,
+                                               const float* nearness, stp_depth_pyramid* pyramid);
+
 /// Whether nothing in the box, nor a splat that sticks out of it by at most `margin` pixels, can be seen in the
 /// pyramid's own view, where what it was made of is still there, or up to `margin` pixels' sides behind its place. Never says so of what is in front of the near plane, or
 /// wholly out of that view.

@@ -50,7 +50,13 @@ cmp -s threads.png iso.png || fail "threads change the picture"
 "$stipple" render "$file" -o large.png --size 1024x1024 || fail "large"
 "$stipple" render "$file" -o threads.png --size 1024x1024 --threads 1024 --memory 1536M || fail "1024 threads"
 cmp -s threads.png large.png || fail "1024 threads change the picture"
+"$stipple" render "$file" -o effects.png --size 48x48 --eye-dome --ambient-occlusion=6 --accumulate 4 || fail "effects"
+cmp -s effects.png iso.png && fail "effects change nothing"
+"$stipple" render "$file" -o effects2.png --size 48x48 --eye-dome 1 --ambient-occlusion 6 --supersample 2 --threads 1 || fail "effects, again"
+cmp -s effects.png effects2.png || fail "four accumulated frames are not --supersample 2"
 for processor in baseline avx2; do
+    STP_PROCESSOR=$processor "$stipple" render "$file" -o p.png --size 48x48 --eye-dome --ambient-occlusion=6 --supersample 2 || fail "effects, $processor"
+    cmp -s p.png effects.png || fail "$processor changes effects"
     STP_PROCESSOR=$processor "$stipple" render "$file" -o p.png --size 32x32 || fail "$processor"
     cmp -s p.png iso.png || fail "$processor changes the picture"
 done
@@ -151,6 +157,10 @@ refused 2 "needs one file" -o a.png
 refused 2 "needs -o" "$file"
 refused 2 "no view named" "$file" -o a.png --view nowhere
 refused 2 "exclude" "$file" -o a.png --splats 4 --splat-size 2
+refused 2 "exclude" "$file" -o a.png --accumulate 4 --supersample 2
+refused 2 "--eye-dome" "$file" -o a.png --eye-dome=bright
+refused 2 "--ambient-occlusion" "$file" -o a.png --ambient-occlusion 99
+"$stipple" render -o eye.png --size 48x48 --eye-dome "$file" || fail "an option without its value before the file"
 refused 2 "gl backend" "$file" -o a.png --backend gl
 refused 2 "hexadecimal" "$file" -o a.png --background green
 refused 2 "names* a file" "$file" -o - --json

@@ -84,6 +84,24 @@ typedef struct cpu_second_pass {
     bool made;        ///< the pyramid is of this frame
 } cpu_second_pass;
 
+/// Memory of what is done with a picture after shading (effects.h).
+typedef struct cpu_effects {
+    float* memory;
+    size_t capacity;
+    stp_depth_pyramid pyramid; ///< in parallel projection, where culling has none
+} cpu_effects;
+
+/// The sum of frames that were each shifted by a part of a pixel (accumulate.h).
+typedef struct cpu_accumulation {
+    uint32_t* sums;   ///< 4 a pixel: linear colour and frames that cover it
+    uint32_t* linear; ///< of sRGB bytes
+    size_t capacity;  ///< pixels
+    uint32_t frames;  ///< summed; 0: none yet, or no longer of any use
+    stp_view view;    ///< what they are of
+    stp_quality quality;
+    stp_draw_style style;
+} cpu_accumulation;
+
 typedef struct cpu_renderer {
     stp_renderer base;
     stp_store* store;
@@ -98,8 +116,10 @@ typedef struct cpu_renderer {
     cpu_item* items;
     size_t item_count, item_capacity;
     uint32_t piece_count;
-    stp_depth_pyramid pyramid;           ///< of the last frame in two passes; no levels: none
-    cpu_second_pass* second;             ///< NULL: this frame is drawn in one pass
+    stp_depth_pyramid pyramid; ///< of the last frame in two passes; no levels: none
+    cpu_second_pass* second;   ///< NULL: this frame is drawn in one pass
+    cpu_effects effects;
+    cpu_accumulation accumulation;
     float decode[256];                   ///< sRGB bytes to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3]; ///< read four at a time
     cpu_shade_material* shade_materials; ///< see cpu_make_shade_materials
@@ -115,6 +135,7 @@ typedef struct cpu_renderer {
     double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
     double mesh_depth; ///< how far triangles are put behind their place, in sides of a pixel there
     uint32_t width, height;
+    float splat_size;              ///< of what is drawn; 0: no splats
     uint32_t sample, sample_count; ///< which of the supersamples
     uint32_t pattern;              ///< the sample again, for hashed alpha
     double shift_x, shift_y;

@@ -2,7 +2,8 @@
 // A frame from beginning to end, and the memory that outlives it.
 #include "base/clock.h"
 #include "base/color.h"
-#include "draw/cpu/cpu.h"
+#include "draw/cpu/accumulate.h"
+#include "draw/cpu/effects.h"
 
 enum { SUPERSAMPLE_LIMIT = 64, SCRATCH_BLOCK = 1 << 20 };
 
@@ -17,6 +18,8 @@ static void destroy(stp_renderer* renderer)
     stp_depth_pyramid_destroy(context, &r->pyramid);
     cpu_destroy_textures(r);
     cpu_destroy_shading(r);
+    cpu_destroy_effects(r);
+    cpu_destroy_accumulation(r);
     stp_free(context, r->workers);
     stp_free(context, r->depth);
     stp_free(context, r->sums);
@@ -153,60 +156,100 @@ static stp_result draw_rejected(cpu_renderer* r, cpu_second_pass* pass)
     return result == STP_OK ? cpu_draw_items(r, first_piece) : result;
 }
 
-static stp_result draw_samples(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
-                               stp_draw_stats* stats)
+static stp_result draw_sample(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                              uint32_t sample, stp_draw_stats* stats)
 {
-    for (r->sample = 0; r->sample < r->sample_count; ++r->sample) {
-        double start = stp_clock_ms();
-        r->pattern = r->sample;
-        r->shift_x = 0.5 - ((double)(r->sample % side) + 0.5) / (double)side;
-        r->shift_y = 0.5 - ((double)(r->sample / side) + 0.5) / (double)side;
-        cpu_place_items(r, list);
-        stp_result result = cpu_draw_items(r, 0);
-        if (result == STP_OK && r->second != NULL) {
-            result = draw_rejected(r, r->second);
-        }
-        if (result != STP_OK) {
-            empty_pixels(r);
-            return result;
-        }
-        double drawn = stp_clock_ms();
-        cpu_begin_shading(r);
-        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
-        for (uint32_t i = 0; i < r->team.threads; ++i) {
-            r->workers[i].drew = false;
-        }
-        stats->draw_ms += drawn - start;
-        stats->shade_ms += stp_clock_ms() - drawn;
+    double start = stp_clock_ms();
+    r->pattern = sample;
+    r->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
+    r->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
+    cpu_place_items(r, list);
+    stp_result result = cpu_draw_items(r, 0);
+    if (result == STP_OK && r->second != NULL) {
+        result = draw_rejected(r, r->second);
     }
-    if (r->sample_count > 1) {
+    if (result != STP_OK) {
+        empty_pixels(r);
+        return result;
+    }
+    double drawn = stp_clock_ms();
+    cpu_begin_shading(r);
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].drew = false;
+    }
+    if (cpu_has_effects(r->style)) {
+        result = cpu_apply_effects(r);
+    }
+    stats->draw_ms += drawn - start;
+    stats->shade_ms += stp_clock_ms() - drawn;
+    return result;
+}
+
+/// All samples of a picture without effects: shading sums them.
+static stp_result draw_summed(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                              stp_draw_stats* stats)
+{
+    stp_result result = STP_OK;
+    r->sample_count = side * side;
+    for (r->sample = 0; r->sample < r->sample_count && result == STP_OK; ++r->sample) {
+        result = draw_sample(r, list, side, r->sample, stats);
+    }
+    if (r->sample_count > 1 && result == STP_OK) {
         double start = stp_clock_ms();
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, average_bands, r);
         stats->shade_ms += stp_clock_ms() - start;
     }
-    return STP_OK;
+    return result;
 }
 
-static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_draw_list* list,
-                       const stp_draw_style* style, stp_image* image, stp_draw_stats* stats)
+/// Samples [first, end) as pictures of their own, added to the sum.
+static stp_result draw_accumulated(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                                   uint32_t first, uint32_t end, stp_draw_stats* stats)
 {
-    cpu_renderer* r = (cpu_renderer*)renderer;
-    uint32_t side = style->supersample > 1 ? style->supersample : 1;
+    const stp_draw_style* style = r->style;
+    stp_draw_style bare = *style;
+    bare.background = false;
+    r->style = &bare;
+    r->sample_count = 1;
+    r->sample = 0;
+    stp_result result = STP_OK;
+    for (uint32_t k = first; k < end && result == STP_OK; ++k) {
+        result = draw_sample(r, list, side, cpu_choose_sample(side, k), stats);
+        if (result == STP_OK) {
+            cpu_add_frame(r);
+        }
+    }
+    r->style = style;
+    double start = stp_clock_ms();
+    cpu_show_frames(r);
+    stats->shade_ms += stp_clock_ms() - start;
+    return result;
+}
+
+/// Draws samples [first, end) of side * side.
+static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
+                            const stp_draw_style* style, stp_image* image, uint32_t first,
+                            uint32_t end, stp_draw_stats* stats)
+{
+    uint32_t side = style->supersample > 1 ? style->supersample : 1, all = side * side;
     *stats = (stp_draw_stats){0};
     if (!stp_view_frame_make(view, &r->frame) || image->width != view->width ||
         image->height != view->height || view->width > 65536 || view->height > 65536 ||
         (uint64_t)view->width * view->height > UINT32_MAX / 4 || side > SUPERSAMPLE_LIMIT) {
-        return stp_fail(renderer->context, STP_ERROR_ARGUMENT,
+        return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
                         "view: eye, target, angle and size do not make a picture");
     }
     r->style = style;
     r->image = image;
     r->width = view->width;
     r->height = view->height;
-    r->sample_count = side * side;
+    r->splat_size = list->splat_count > 0 ? stp_max(list->splat_size, 1.0f) : 0.0f;
     r->mesh_depth = list->mixes ? MESH_DEPTH * 0.5 * (double)list->splat_size : 0.0;
     choose_nearness(r);
-    stp_result result = make_room(r, side > 1);
+    bool summed = end - first == all && (all == 1 || !cpu_has_effects(style));
+    stp_result result = make_room(r, side > 1 && summed);
+    result = result == STP_OK && !summed ? cpu_make_accumulation(r, first) : result;
     result = result != STP_OK ? result : cpu_prepare_items(r, list, 0);
     if (result == STP_OK) {
         cpu_place_items(r, list);
@@ -219,16 +262,57 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
         r->workers[i].fragments = r->workers[i].covered = 0;
         r->workers[i].failed = false;
     }
-    result = draw_samples(r, list, side, stats);
+    result = summed ? draw_summed(r, list, side, stats)
+                    : draw_accumulated(r, list, side, first, end, stats);
     stats->splats = list->splat_count;
     stats->triangles = list->triangle_count;
     stats->draw_calls = (uint32_t)list->count;
+    stats->samples = summed ? all : r->accumulation.frames;
     for (uint32_t i = 0; i < r->team.threads; ++i) {
-        stats->fragments += r->workers[i].fragments / r->sample_count;
+        stats->fragments += r->workers[i].fragments / (end > first ? end - first : 1);
         stats->covered_pixels += r->workers[i].covered;
     }
     r->image = NULL;
     r->style = NULL;
+    return result;
+}
+
+static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_draw_list* list,
+                       const stp_draw_style* style, stp_image* image, stp_draw_stats* stats)
+{
+    uint32_t side = style->supersample > 1 ? style->supersample : 1;
+    side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
+    cpu_renderer* r = (cpu_renderer*)renderer;
+    stp_result result = draw_part(r, view, list, style, image, 0, side * side, stats);
+    if (side > 1 && cpu_has_effects(style)) {
+        r->accumulation.frames = 0; // its sums were used
+    }
+    return result;
+}
+
+static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
+                             const stp_quality* quality, const stp_draw_style* style,
+                             stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
+{
+    cpu_renderer* r = (cpu_renderer*)renderer;
+    stp_draw_style finer = *style;
+    finer.supersample = style->supersample > 2 ? style->supersample : 2;
+    double start = stp_clock_ms();
+    *stats = (stp_draw_stats){0};
+    if (!cpu_continues(r, view, quality, &finer)) {
+        stp_quality whole = *quality;
+        whole.occlusion = NULL;
+        stp_result result = stp_select(renderer->context, r->store, view, &whole, list);
+        if (result != STP_OK) {
+            return result;
+        }
+        cpu_start_accumulation(r, view, quality, &finer);
+    }
+    double select_ms = stp_clock_ms() - start;
+    uint32_t first = r->accumulation.frames;
+    uint32_t all = finer.supersample * finer.supersample, end = first < all ? first + 1 : all;
+    stp_result result = draw_part(r, view, list, &finer, image, first, end, stats);
+    stats->select_ms = select_ms;
     return result;
 }
 
@@ -270,6 +354,7 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
                              .destroy = destroy,
                              .draw = draw,
                              .draw_selected = draw_selected,
+                             .accumulate = accumulate,
                              .depth = get_depth};
     r->store = store;
     r->directory = stp_store_get_directory(store);

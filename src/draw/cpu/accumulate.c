@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "draw/cpu/accumulate.h"
+
+#include <string.h>
+
+enum { LINEAR_FULL = 65535 }; ///< times the most frames, 4096: within 32 bits
+
+static uint32_t common_divisor(uint32_t a, uint32_t b)
+{
+    while (b != 0) {
+        uint32_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+uint32_t cpu_choose_sample(uint32_t side, uint32_t k)
+{
+    uint32_t all = side * side, step = (all * 618 + 500) / 1000; // in golden sections
+    while (common_divisor(step, all) != 1) {
+        step += 1;
+    }
+    return (uint32_t)((uint64_t)k * step % all);
+}
+
+static bool is_same_vector(stp_vec3d a, stp_vec3d b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool is_same_view(const stp_view* a, const stp_view* b)
+{
+    return is_same_vector(a->eye, b->eye) && is_same_vector(a->target, b->target) &&
+           is_same_vector(a->up, b->up) && a->fov_degrees == b->fov_degrees &&
+           a->ortho_height == b->ortho_height && a->near_distance == b->near_distance &&
+           a->width == b->width && a->height == b->height;
+}
+
+static bool is_same_quality(const stp_quality* a, const stp_quality* b)
+{
+    return a->splat_size == b->splat_size && a->splat_count == b->splat_count &&
+           a->policy == b->policy && a->reference == b->reference;
+}
+
+static bool is_same_style(const stp_draw_style* a, const stp_draw_style* b)
+{
+    return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
+           a->headlight == b->headlight && a->background == b->background &&
+           memcmp(a->background_color, b->background_color, sizeof(a->background_color)) == 0 &&
+           a->eye_dome == b->eye_dome && a->ambient_occlusion == b->ambient_occlusion;
+}
+
+bool cpu_continues(const cpu_renderer* r, const stp_view* view, const stp_quality* quality,
+                   const stp_draw_style* style)
+{
+    const cpu_accumulation* a = &r->accumulation;
+    return a->frames > 0 && is_same_view(&a->view, view) && is_same_quality(&a->quality, quality) &&
+           is_same_style(&a->style, style);
+}
+
+void cpu_start_accumulation(cpu_renderer* r, const stp_view* view, const stp_quality* quality,
+                            const stp_draw_style* style)
+{
+    cpu_accumulation* a = &r->accumulation;
+    a->view = *view;
+    a->quality = *quality;
+    a->style = *style;
+    a->frames = 0;
+}
+
+stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames)
+{
+    cpu_accumulation* a = &r->accumulation;
+    stp_context* context = r->base.context;
+    size_t needed = (size_t)r->width * r->height;
+    if (a->linear == NULL) {
+        a->linear = STP_NEW_ARRAY(context, uint32_t, 256);
+        if (a->linear == NULL) {
+            return stp_fail_memory(context);
+        }
+        for (int i = 0; i < 256; ++i) {
+            a->linear[i] = (uint32_t)(r->decode[i] * (float)LINEAR_FULL + 0.5f);
+        }
+    }
+    if (needed > a->capacity) {
+        a->capacity = 0;
+        a->frames = 0;
+        stp_free(context, a->sums);
+        a->sums = STP_NEW_ARRAY(context, uint32_t, 4 * needed);
+        if (a->sums == NULL) {
+            return stp_fail_memory(context);
+        }
+        a->capacity = needed;
+    }
+    a->frames = frames;
+    return STP_OK;
+}
+
+static void add_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    const cpu_accumulation* a = &r->accumulation;
+    (void)worker;
+    for (size_t at = begin * r->width; at < end * r->width; ++at) {
+        const uint8_t* in = r->image->pixels + 4 * at;
+        uint32_t* sum = a->sums + 4 * at;
+        uint32_t there = in[3] > 0;
+        for (int k = 0; k < 3; ++k) {
+            sum[k] = (a->frames > 0 ? sum[k] : 0) + there * a->linear[in[k]];
+        }
+        sum[3] = (a->frames > 0 ? sum[3] : 0) + there;
+    }
+}
+
+void cpu_add_frame(cpu_renderer* r)
+{
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, add_rows, r);
+    r->accumulation.frames += 1;
+}
+
+static void show_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    const stp_draw_style* style = r->style;
+    float whole = 1.0f / (float)r->accumulation.frames;
+    uint64_t covered = 0;
+    for (size_t at = begin * r->width; at < end * r->width; ++at) {
+        const uint32_t* sum = r->accumulation.sums + 4 * at;
+        uint8_t* out = r->image->pixels + 4 * at;
+        float coverage = (float)sum[3] * whole;
+        float share = sum[3] > 0 ? 1.0f / ((float)sum[3] * (float)LINEAR_FULL) : 0.0f;
+        covered += sum[3] > 0;
+        for (int k = 0; k < 3; ++k) {
+            float linear = (float)sum[k] * share;
+            if (style->background) {
+                float back = r->decode[style->background_color[k]];
+                linear = linear * coverage + back * (1.0f - coverage);
+            }
+            int place = (int)(linear * (float)CPU_ENCODE_SIZE);
+            out[k] = r->encode[place < CPU_ENCODE_SIZE ? place : CPU_ENCODE_SIZE - 1];
+        }
+        out[3] = style->background ? 255 : (uint8_t)(coverage * 255.0f + 0.5f);
+        if (out[3] == 0) {
+            memset(out, 0, 4);
+        }
+    }
+    r->workers[worker].covered += covered;
+}
+
+void cpu_show_frames(cpu_renderer* r)
+{
+    if (r->accumulation.frames == 0) {
+        return;
+    }
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].covered = 0;
+    }
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, show_rows, r);
+}
+
+void cpu_destroy_accumulation(cpu_renderer* r)
+{
+    stp_free(r->base.context, r->accumulation.sums);
+    stp_free(r->base.context, r->accumulation.linear);
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+//
+// A picture as the mean of frames, each shifted by a part of a pixel: what a view that rests becomes, and how
+// supersampling goes together with what is done after shading. Sums are of whole numbers: they do not depend on who adds.
+#pragma once
+
+#include "draw/cpu/cpu.h"
+
+/// The place in the grid of samples of the k-th frame: neighbours in time lie far apart.
+uint32_t cpu_choose_sample(uint32_t side, uint32_t k);
+
+/// Whether the frames so far are of this view, quality and style.
+bool cpu_continues(const cpu_renderer* r, const stp_view* view, const stp_quality* quality,
+                   const stp_draw_style* style);
+/// Begins anew, with no frame yet.
+void cpu_start_accumulation(cpu_renderer* r, const stp_view* view, const stp_quality* quality,
+                            const stp_draw_style* style);
+
+/// Room for the sums, of which there are `frames`. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames);
+/// Adds the renderer's picture.
+void cpu_add_frame(cpu_renderer* r);
+/// Makes the renderer's picture the mean of all frames.
+void cpu_show_frames(cpu_renderer* r);
+void cpu_destroy_accumulation(cpu_renderer* r);

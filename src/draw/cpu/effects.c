@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: MIT
+// Passes over the rows of a picture: how near pixels are, with gaps between disks closed; what neighbours shade; colours.
+#include "draw/cpu/effects.h"
+
+#include "base/processor.h"
+
+#include <stdlib.h>
+
+enum { SCRATCH_ROWS = 3, PAIR_LIMIT = 64, DIRECTIONS = 6, BLUR_REACH = 2, CLOSE_LIMIT = 4 };
+
+// Of the last factor: how dark it may get, and what full enclosure takes away.
+#define OCCLUSION_STRENGTH 2.2f
+#define OCCLUSION_LEAST 0.15f
+#define EYE_DOME_GAIN 0.22f ///< of mean rises, at strength 1
+#define BLUR_SLOPE 4.0f     ///< neighbours that rise so steeply are another surface
+
+/// Two opposite neighbours at (x, y) and (-x, -y).
+typedef struct neighbour_pair {
+    int32_t x, y;
+    float numbers[3]; ///< see cpu_effect_kernels
+    bool far;         ///< read from the pyramid
+} neighbour_pair;
+
+typedef struct effect_frame {
+    cpu_renderer* r;
+    const cpu_effect_kernels* kernels;
+    const stp_depth_pyramid* pyramid;
+    size_t stride, pad;
+    float *near, *spare, *far, *factor; ///< planes of height * stride
+    float* outside;                     ///< a row that is farther than all
+    float* scratch;                     ///< SCRATCH_ROWS a worker
+    int32_t close;                      ///< reach of what closes gaps between disks
+    float scale;
+    bool constant; ///< gain
+    neighbour_pair pairs[PAIR_LIMIT];
+    uint32_t pair_count;
+} effect_frame;
+
+static const cpu_effect_kernels* choose_kernels(void)
+{
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return &cpu_effect_kernels_avx512;
+    case STP_PROCESSOR_AVX2:
+        return &cpu_effect_kernels_avx2;
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return &cpu_effect_kernels_portable;
+}
+
+/// The first pixel of a row; rows beyond the picture are farther than anything.
+static float* row_of(const effect_frame* f, float* plane, int64_t y)
+{
+    bool there = y >= 0 && y < (int64_t)f->r->height;
+    return (there ? plane + (size_t)y * f->stride : f->outside) + f->pad;
+}
+
+static float* scratch_row(const effect_frame* f, uint32_t worker, uint32_t index)
+{
+    return f->scratch + ((size_t)worker * SCRATCH_ROWS + index) * f->stride + f->pad;
+}
+
+static void fill_pads(const effect_frame* f, float* row, float value)
+{
+    for (size_t i = 1; i <= f->pad; ++i) {
+        row[-(ptrdiff_t)i] = value;
+    }
+    for (size_t i = f->r->width; i < f->stride - f->pad; ++i) {
+        row[i] = value;
+    }
+}
+
+// The rims of disks lie behind their planes: without this each disk would have a dark outline. What is narrower than a
+// disk's valley is filled to its brim, silhouettes stay (a morphological closing of nearness).
+
+static void widen_columns(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const effect_frame* f = user;
+    uint32_t width = f->r->width;
+    float* padded = scratch_row(f, worker, 0);
+    for (size_t y = begin; y < end; ++y) {
+        memcpy(padded, f->r->depth + y * width, width * sizeof(float));
+        fill_pads(f, padded, -1.0f);
+        f->kernels->greatest(padded, f->close, row_of(f, f->spare, (int64_t)y), width);
+    }
+}
+
+static void widen_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const effect_frame* f = user;
+    uint32_t width = f->r->width;
+    float* padded = scratch_row(f, worker, 0);
+    for (int64_t y = (int64_t)begin; y < (int64_t)end; ++y) {
+        memcpy(padded, row_of(f, f->spare, y), width * sizeof(float));
+        for (int64_t k = -f->close; k <= f->close; ++k) {
+            if (y + k >= 0 && y + k < (int64_t)f->r->height) {
+                f->kernels->add_greatest(row_of(f, f->spare, y + k), padded, width);
+            }
+        }
+        fill_pads(f, padded, FLT_MAX);
+        f->kernels->least(padded, f->close, row_of(f, f->far, y), width);
+    }
+}
+
+static void narrow_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const effect_frame* f = user;
+    uint32_t width = f->r->width;
+    (void)worker;
+    for (int64_t y = (int64_t)begin; y < (int64_t)end; ++y) {
+        float* out = row_of(f, f->near, y);
+        const float* in = f->close > 0 ? row_of(f, f->far, y) : f->r->depth + (size_t)y * width;
+        memcpy(out, in, width * sizeof(float));
+        for (int64_t k = -f->close; k <= f->close; ++k) {
+            if (k != 0 && y + k >= 0 && y + k < (int64_t)f->r->height) {
+                f->kernels->add_least(row_of(f, f->far, y + k), out, width);
+            }
+        }
+        fill_pads(f, out, -1.0f);
+    }
+}
+
+/// The pyramid's blocks brought to the size of pixels, smoothly.
+static void spread_pyramid(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const effect_frame* f = user;
+    const stp_depth_pyramid* p = f->pyramid;
+    float* mixed = scratch_row(f, worker, 0);
+    for (size_t y = begin; y < end; ++y) {
+        float at = ((float)y + 0.5f) / (float)STP_DEPTH_PYRAMID_BLOCK - 0.5f;
+        at = at > 0.0f ? at : 0.0f;
+        uint32_t above = (uint32_t)at, below = above + 1 < p->rows[0] ? above + 1 : above;
+        const float* rows[2] = {p->levels[0] + (size_t)above * p->columns[0],
+                                p->levels[0] + (size_t)below * p->columns[0]};
+        float* out = row_of(f, f->far, (int64_t)y);
+        f->kernels->spread(rows, at - (float)above, mixed, p->columns[0], out, f->r->width);
+        fill_pads(f, out, -1.0f);
+    }
+}
+
+static void light_row(const effect_frame* f, int64_t y, const float* gain, float* out)
+{
+    static const int8_t ring[4][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}};
+    const float* center = row_of(f, f->near, y);
+    int32_t step = f->close > 2 ? 2 : 1; // farther apart, thin things would have ghosts
+    memset(out, 0, f->r->width * sizeof(float));
+    for (int32_t reach = step; reach <= 2 * step; reach += step) { // two scales
+        for (int i = 0; i < 4; ++i) {
+            int32_t dx = ring[i][0] * reach, dy = ring[i][1] * reach;
+            const float* const neighbours[2] = {row_of(f, f->near, y + dy) + dx,
+                                                row_of(f, f->near, y - dy) - dx};
+            float length = dx != 0 && dy != 0 ? 1.41421356f : 1.0f;
+            f->kernels->rise(center, gain, neighbours, 1.0f / (length * (float)reach), out,
+                             f->r->width);
+        }
+    }
+    f->kernels->eye_dome(out, f->r->style->eye_dome * (EYE_DOME_GAIN / 16.0f), f->r->width);
+}
+
+static void find_occlusion(const effect_frame* f, int64_t y, const float* gain)
+{
+    float* out = row_of(f, f->spare, y);
+    const float* center = row_of(f, f->near, y);
+    memset(out, 0, f->r->width * sizeof(float));
+    fill_pads(f, out, 0.0f); // blurred with weight 0, but it must be a number
+    for (uint32_t i = 0; i < f->pair_count; ++i) {
+        const neighbour_pair* p = &f->pairs[i];
+        float* plane = p->far ? f->far : f->near;
+        const float* const neighbours[2] = {row_of(f, plane, y + p->y) + p->x,
+                                            row_of(f, plane, y - p->y) - p->x};
+        f->kernels->pair(center, gain, neighbours, p->numbers, out, f->r->width);
+    }
+}
+
+static void find_shades(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const effect_frame* f = user;
+    float* gain = scratch_row(f, worker, 0);
+    for (int64_t y = (int64_t)begin; y < (int64_t)end; ++y) {
+        f->kernels->gain(row_of(f, f->near, y), f->scale, f->constant, gain, f->r->width);
+        if (f->r->style->eye_dome > 0.0f) {
+            light_row(f, y, gain, row_of(f, f->factor, y));
+        }
+        if (f->pair_count > 0) {
+            find_occlusion(f, y, gain);
+        }
+    }
+}
+
+/// One direction of the blur: from a plane into a row of sums, then their mean.
+static void blur_row(const effect_frame* f, int64_t y, bool down, float* plane, uint32_t worker,
+                     float* out)
+{
+    uint32_t width = f->r->width;
+    float *gain = scratch_row(f, worker, 0), *weights = scratch_row(f, worker, 1);
+    const float* center = row_of(f, f->near, y);
+    float* const sums[2] = {out, weights};
+    f->kernels->gain(center, f->scale, f->constant, gain, width);
+    memcpy(out, row_of(f, plane, y), width * sizeof(float));
+    for (uint32_t x = 0; x < width; ++x) {
+        weights[x] = 1.0f;
+    }
+    for (int32_t k = -BLUR_REACH; k <= BLUR_REACH; ++k) {
+        int64_t row = down ? y + k : y;
+        int32_t x = down ? 0 : k;
+        if (k != 0 && row >= 0 && row < (int64_t)f->r->height) {
+            float inverse = 1.0f / (BLUR_SLOPE * (float)abs(k));
+            f->kernels->blur(center, gain, row_of(f, f->near, row) + x, row_of(f, plane, row) + x,
+                             inverse, sums, width);
+        }
+    }
+    for (uint32_t x = 0; x < width; ++x) {
+        out[x] = out[x] / weights[x];
+    }
+}
+
+static void blur_across(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const effect_frame* f = user;
+    for (int64_t y = (int64_t)begin; y < (int64_t)end; ++y) {
+        blur_row(f, y, false, f->spare, worker, row_of(f, f->far, y));
+    }
+}
+
+static uint8_t darken(const cpu_renderer* r, uint8_t color, float factor)
+{
+    float scaled = r->decode[color] * factor * (float)CPU_ENCODE_SIZE;
+    float top = (float)(CPU_ENCODE_SIZE - 1);
+    return r->encode[scaled >= top ? CPU_ENCODE_SIZE - 1 : (int)scaled];
+}
+
+static void darken_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const effect_frame* f = user;
+    const cpu_renderer* r = f->r;
+    float* occlusion = scratch_row(f, worker, 2);
+    float share = f->pair_count > 0 ? OCCLUSION_STRENGTH / (float)f->pair_count : 0.0f;
+    for (size_t y = begin; y < end; ++y) {
+        const float* depth = r->depth + y * r->width;
+        const float* light = row_of(f, f->factor, (int64_t)y);
+        uint8_t* out = r->image->pixels + 4 * y * r->width;
+        if (f->pair_count > 0) {
+            blur_row(f, (int64_t)y, true, f->far, worker, occlusion);
+        }
+        for (uint32_t x = 0; x < r->width; ++x, out += 4) {
+            if (!(depth[x] > 0.0f)) {
+                continue;
+            }
+            float factor = 1.0f;
+            if (f->pair_count > 0) {
+                factor = 1.0f - occlusion[x] * share;
+                factor = factor > OCCLUSION_LEAST ? factor : OCCLUSION_LEAST;
+            }
+            factor *= r->style->eye_dome > 0.0f ? light[x] : 1.0f;
+            for (int k = 0; k < 3; ++k) {
+                out[k] = darken(r, out[k], factor);
+            }
+        }
+    }
+}
+
+static int32_t nearest_whole(float value)
+{
+    return (int32_t)floorf(value + 0.5f);
+}
+
+/// A ring of pairs; those of every other ring lie between those of the others.
+static void add_ring(effect_frame* f, float reach, float whole, bool turned, bool far)
+{
+    static const float cosine[2 * DIRECTIONS + 6] = {
+        1.0f,  0.965925826f,  0.866025404f,  0.707106781f,  0.5f,          0.258819045f,
+        0.0f,  -0.258819045f, -0.5f,         -0.707106781f, -0.866025404f, -0.965925826f,
+        -1.0f, -0.965925826f, -0.866025404f, -0.707106781f, -0.5f,         -0.258819045f};
+    float rough = 0.35f * (float)f->close; // what is left of disks, in pixels of depth
+    for (int i = 0; i < DIRECTIONS; ++i) {
+        int angle = 2 * i + (turned ? 1 : 0); // in twelfths of half a circle
+        float x = cosine[angle], y = -cosine[angle + 6];
+        neighbour_pair pair = {
+            .x = nearest_whole(x * reach), .y = nearest_whole(y * reach), .far = far};
+        float square = (float)pair.x * (float)pair.x + (float)pair.y * (float)pair.y;
+        if (square > 0.0f) {
+            float distance = sqrtf(square);
+            pair.numbers[0] = 1.0f / distance;
+            pair.numbers[1] = 0.05f + rough / distance;
+            pair.numbers[2] = 1.0f / whole;
+            f->pairs[f->pair_count++] = pair;
+        }
+    }
+}
+
+/// Where occlusion is looked for: near pixels one by one, farther ones through the pyramid.
+static void choose_pairs(effect_frame* f)
+{
+    float reach = f->r->style->ambient_occlusion * (float)f->r->height;
+    if (!(f->r->style->ambient_occlusion > 0.0f)) {
+        return;
+    }
+    reach = reach > 2.0f ? reach : 2.0f;
+    float most = (float)EFFECT_NEAR_REACH, near = reach < most ? reach : most;
+    add_ring(f, 0.25f * near, reach, false, false);
+    add_ring(f, 0.5f * near, reach, true, false);
+    add_ring(f, near, reach, false, false);
+    if (reach > most) {
+        add_ring(f, 0.5f * (most + reach), reach, true, true);
+        add_ring(f, reach, reach, false, true);
+    }
+}
+
+static stp_result make_room(cpu_renderer* r, effect_frame* f)
+{
+    cpu_effects* e = &r->effects;
+    int32_t reach = 3 * CLOSE_LIMIT;
+    for (uint32_t i = 0; i < f->pair_count; ++i) {
+        int32_t x = abs(f->pairs[i].x);
+        reach = x > reach ? x : reach;
+    }
+    f->pad = ((size_t)reach + 16) / 16 * 16;
+    f->stride = (f->pad + r->width + f->pad + 15) / 16 * 16;
+    size_t plane = f->stride * r->height;
+    size_t rows = 1 + (size_t)r->team.threads * SCRATCH_ROWS;
+    size_t needed = 4 * plane + rows * f->stride;
+    if (needed > e->capacity) {
+        e->capacity = 0;
+        stp_free(r->base.context, e->memory);
+        e->memory = STP_NEW_ARRAY(r->base.context, float, needed);
+        if (e->memory == NULL) {
+            return stp_fail_memory(r->base.context);
+        }
+        e->capacity = needed;
+    }
+    f->near = e->memory;
+    f->spare = f->near + plane;
+    f->far = f->spare + plane;
+    f->factor = f->far + plane;
+    f->outside = f->factor + plane;
+    f->scratch = f->outside + f->stride;
+    for (size_t i = 0; i < f->stride; ++i) {
+        f->outside[i] = -1.0f;
+    }
+    return STP_OK;
+}
+
+/// The pyramid that culling is to use for the next frame; in parallel projection, where it uses none, one of our own.
+static stp_result find_pyramid(cpu_renderer* r, effect_frame* f)
+{
+    stp_depth_pyramid* pyramid = r->frame.parallel ? &r->effects.pyramid : &r->pyramid;
+    stp_result result = stp_depth_pyramid_fill(r->base.context, &r->frame, r->depth, pyramid);
+    if (result == STP_OK && !r->frame.parallel && r->second != NULL) {
+        r->second->made = true;
+    }
+    f->pyramid = pyramid;
+    return result;
+}
+
+static void run(const effect_frame* f, stp_job job)
+{
+    effect_frame copy = *f;
+    stp_team_run(&f->r->team, f->r->height, EFFECT_BAND_ROWS, job, &copy);
+}
+
+stp_result cpu_apply_effects(cpu_renderer* r)
+{
+    effect_frame f = {.r = r, .kernels = choose_kernels()};
+    float size = r->splat_size;
+    f.close = size > 0.0f ? nearest_whole(stp_clamp(0.5f * size, 1.0f, (float)CLOSE_LIMIT)) : 0;
+    f.constant = r->frame.parallel;
+    double scale = r->frame.scale;
+    f.scale = (float)(f.constant ? scale / fabs(r->nearness_scale) : scale);
+    choose_pairs(&f);
+    stp_result result = make_room(r, &f);
+    bool far = f.pair_count > 0 && f.pairs[f.pair_count - 1].far;
+    if (result == STP_OK && far) {
+        result = find_pyramid(r, &f);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    if (f.close > 0) {
+        run(&f, widen_columns);
+        run(&f, widen_rows);
+    }
+    run(&f, narrow_rows);
+    if (far) {
+        run(&f, spread_pyramid);
+    }
+    run(&f, find_shades);
+    if (f.pair_count > 0) {
+        run(&f, blur_across);
+    }
+    run(&f, darken_rows);
+    return STP_OK;
+}
+
+void cpu_destroy_effects(cpu_renderer* r)
+{
+    stp_free(r->base.context, r->effects.memory);
+    stp_depth_pyramid_destroy(r->base.context, &r->effects.pyramid);
+}

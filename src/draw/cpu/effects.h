@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+//
+// What is done with a picture once its pixels have colours: eye-dome lighting (Boucheny 2009) and ambient occlusion.
+// Both read nothing but how near pixels are, row by row, at the same offsets for all pixels: the loops are vectors'
+// own (effects_rows.h), there is no noise to be blurred away, and threads share out rows.
+//
+// A step of nearness times a pixel's gain is a step of depth in sides of a pixel there. Planes are linear in nearness,
+// in both projections: opposite neighbours on one add up to nothing, however steep it is.
+#pragma once
+
+#include "draw/cpu/cpu.h"
+
+enum {
+    EFFECT_BAND_ROWS = 8,
+    EFFECT_NEAR_REACH = 16, ///< pixels: occlusion from farther away is read from the depth pyramid
+};
+
+/// Loops over the pixels of a row. All arithmetic is single IEEE operations: all variants give the same bits.
+typedef struct cpu_effect_kernels {
+    /// The greatest (least) of values -reach .. reach away.
+    void (*greatest)(const float* in, int32_t reach, float* out, uint32_t count);
+    void (*least)(const float* in, int32_t reach, float* out, uint32_t count);
+    void (*add_greatest)(const float* in, float* out, uint32_t count);
+    void (*add_least)(const float* in, float* out, uint32_t count);
+    /// Gains: scale / nearness, or `scale` where that is constant; 0 of the background.
+    void (*gain)(const float* nearness, float scale, bool constant, float* out, uint32_t count);
+    /// Adds how steeply opposite neighbours rise above each pixel.
+    void (*rise)(const float* center, const float* gain, const float* const neighbours[2],
+                 float inverse, float* sum, uint32_t count);
+    /// Turns sums of rises into factors.
+    void (*eye_dome)(float* sum, float strength, uint32_t count);
+    /// Adds how much two opposite neighbours together rise above each pixel.
+    void (*pair)(const float* center, const float* gain, const float* const neighbours[2],
+                 const float numbers[3], float* sum, uint32_t count);
+    /// Adds to sums and their weights what neighbours at similar depths have.
+    void (*blur)(const float* center, const float* gain, const float* neighbour,
+                 const float* values, float inverse, float* const sums[2], uint32_t count);
+    /// Interpolates between two rows of blocks, then along them.
+    void (*spread)(const float* const rows[2], float share, float* mixed, uint32_t columns,
+                   float* out, uint32_t count);
+} cpu_effect_kernels;
+
+extern const cpu_effect_kernels cpu_effect_kernels_portable, cpu_effect_kernels_avx2,
+    cpu_effect_kernels_avx512;
+
+static inline bool cpu_has_effects(const stp_draw_style* style)
+{
+    return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f;
+}
+
+/// Darkens the frame's picture. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_apply_effects(cpu_renderer* r);
+void cpu_destroy_effects(cpu_renderer* r);

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// The loops of effects_rows.h for processors with AVX2.
+#if defined(__x86_64__)
+
+#include "draw/cpu/effects_rows.h"
+
+const cpu_effect_kernels cpu_effect_kernels_avx2 = EFFECT_KERNELS;
+
+#else
+
+typedef int cpu_effects_avx2_unused;
+
+#endif

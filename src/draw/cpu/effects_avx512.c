@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+// The loops of effects_rows.h for processors with AVX-512.
+#if defined(__x86_64__)
+
+#include "draw/cpu/effects_rows.h"
+
+const cpu_effect_kernels cpu_effect_kernels_avx512 = EFFECT_KERNELS;
+
+#else
+
+typedef int cpu_effects_avx512_unused;
+
+#endif

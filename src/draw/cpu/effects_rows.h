@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// Loops over rows of pixels that compilers turn into vector code. Included once by each variant.
+#pragma once
+
+#include "draw/cpu/effects.h"
+
+static inline float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static inline float smaller(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static void add_greatest(const float* restrict in, float* restrict out, uint32_t count)
+{
+    for (uint32_t x = 0; x < count; ++x) {
+        out[x] = larger(out[x], in[x]);
+    }
+}
+
+static void add_least(const float* restrict in, float* restrict out, uint32_t count)
+{
+    for (uint32_t x = 0; x < count; ++x) {
+        out[x] = smaller(out[x], in[x]);
+    }
+}
+
+static void find_greatest(const float* in, int32_t reach, float* out, uint32_t count)
+{
+    memcpy(out, in - reach, count * sizeof(*out));
+    for (int32_t k = 1 - reach; k <= reach; ++k) {
+        add_greatest(in + k, out, count);
+    }
+}
+
+static void find_least(const float* in, int32_t reach, float* out, uint32_t count)
+{
+    memcpy(out, in - reach, count * sizeof(*out));
+    for (int32_t k = 1 - reach; k <= reach; ++k) {
+        add_least(in + k, out, count);
+    }
+}
+
+static void find_gain(const float* restrict nearness, float scale, bool constant,
+                      float* restrict out, uint32_t count)
+{
+    if (constant) {
+        for (uint32_t x = 0; x < count; ++x) {
+            out[x] = nearness[x] > 0.0f ? scale : 0.0f;
+        }
+        return;
+    }
+    for (uint32_t x = 0; x < count; ++x) {
+        float quotient = scale / larger(nearness[x], 1e-30f);
+        out[x] = nearness[x] > 0.0f ? quotient : 0.0f;
+    }
+}
+
+// What is so much steeper shades no more: silhouettes of far things are no darker than those of near ones. In
+// perspective, a step of log depth (Boucheny) differs from that of depth by less than half of its square: this limit
+// is far below.
+#define STEEPEST 40.0f
+// A plane that goes on falls as much on one side as it rises on the other; so much of that is taken off, or ground
+// would be black before the horizon.
+#define PLANE_SHARE 0.75f
+
+/// Half of a pair's rise, and what the other half falls.
+static inline float rise_above(float a, float b)
+{
+    float rise = a - PLANE_SHARE * larger(-b, 0.0f);
+    return smaller(larger(rise, 0.0f), STEEPEST);
+}
+
+static void add_rise(const float* restrict center, const float* restrict gain,
+                     const float* const neighbours[2], float inverse, float* restrict sum,
+                     uint32_t count)
+{
+    const float* restrict one = neighbours[0], * restrict other = neighbours[1];
+    for (uint32_t x = 0; x < count; ++x) {
+        float factor = gain[x] * inverse;
+        float a = (one[x] - center[x]) * factor, b = (other[x] - center[x]) * factor;
+        float known_a = one[x] < 0.0f ? 0.0f : a, known_b = other[x] < 0.0f ? 0.0f : b;
+        a = one[x] < 0.0f ? -known_b : a; // beyond the border planes go on
+        b = other[x] < 0.0f ? -known_a : b;
+        sum[x] += rise_above(a, b) + rise_above(b, a);
+    }
+}
+
+/// exp(-y) to second order in its reciprocal: no mathematical library decides bytes of pictures.
+static void make_eye_dome(float* restrict sum, float strength, uint32_t count)
+{
+    for (uint32_t x = 0; x < count; ++x) {
+        float y = sum[x] * strength;
+        sum[x] = 1.0f / (1.0f + y * (1.0f + 0.5f * y));
+    }
+}
+
+/// `numbers`: 1 / distance, what a rise must exceed, 1 / the depth from which on what is in front does not count.
+static void add_pair(const float* restrict center, const float* restrict gain,
+                     const float* const neighbours[2], const float numbers[3], float* restrict sum,
+                     uint32_t count)
+{
+    const float* restrict one = neighbours[0], * restrict other = neighbours[1];
+    float inverse = 0.5f * numbers[0], bias = numbers[1], inverse_reach = numbers[2];
+    float fall = -2.0f / inverse_reach; // what rises as much on the other side does not count
+    for (uint32_t x = 0; x < count; ++x) {
+        float a = (one[x] - center[x]) * gain[x], b = (other[x] - center[x]) * gain[x];
+        float in_reach = smaller(larger(2.0f - a * inverse_reach, 0.0f), 1.0f) *
+                         smaller(larger(2.0f - b * inverse_reach, 0.0f), 1.0f);
+        float both = larger(a, fall) + larger(b, fall);
+        float rise = smaller(larger(both * inverse - bias, 0.0f), 1.0f);
+        sum[x] += rise * in_reach;
+    }
+}
+
+static void add_blur(const float* restrict center, const float* restrict gain,
+                     const float* restrict neighbour, const float* restrict values, float inverse,
+                     float* const sums[2], uint32_t count)
+{
+    float* restrict sum = sums[0], * restrict weight_sum = sums[1];
+    for (uint32_t x = 0; x < count; ++x) {
+        float step = (neighbour[x] - center[x]) * gain[x] * inverse;
+        float weight = larger(1.0f - (step > 0.0f ? step : -step), 0.0f);
+        sum[x] += weight * values[x];
+        weight_sum[x] += weight;
+    }
+}
+
+static void spread_blocks(const float* const rows[2], float share, float* restrict mixed,
+                          uint32_t columns, float* restrict out, uint32_t count)
+{
+    const float* restrict above = rows[0], * restrict below = rows[1];
+    for (uint32_t i = 0; i < columns; ++i) {
+        mixed[i + 1] = above[i] + (below[i] - above[i]) * share;
+    }
+    mixed[0] = mixed[1]; // half a block before the first middle and after the last
+    mixed[columns + 1] = mixed[columns];
+    const uint32_t size = STP_DEPTH_PYRAMID_BLOCK;
+    for (uint32_t i = 0; i <= columns; ++i) { // from the middle of block i - 1 to that of block i
+        uint32_t first = i == 0 ? 0 : i * size - size / 2, last = i * size + size / 2;
+        last = last < count ? last : count;
+        float left = mixed[i], step = (mixed[i + 1] - left) * (1.0f / (float)size);
+        float at = i == 0 ? 0.5f + (float)(size / 2) : 0.5f;
+        for (uint32_t x = first; x < last; ++x) {
+            out[x] = left + step * (at + (float)(x - first));
+        }
+    }
+}
+
+#define EFFECT_KERNELS                                                                             \
+    {                                                                                              \
+        find_greatest, find_least, add_greatest, add_least, find_gain, add_rise, make_eye_dome,    \
+            add_pair, add_blur, spread_blocks                                                      \
+    }

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Pictures of a few squares: what tests of things done with pictures share.
+#pragma once
+
+#include "tests.h"
+
+#include "draw/draw.h"
+#include "draw/support_store.h"
+
+enum { PICTURE_SIDE = 64 };
+
+typedef struct made_picture {
+    stp_context* context;
+    made_scene scene;
+    stp_store* store;
+    stp_renderer* renderer;
+    stp_draw_list list;
+    stp_draw_stats stats;
+    stp_view view;
+    stp_quality quality;
+    stp_draw_style style;
+    stp_image image;
+    uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
+} made_picture;
+
+/// Nothing yet, of unlit white, looked at from (0, 0, 5) in perspective: a square from -1 to 1 in the plane z = 0
+/// fills the middle half of the picture. @return false where memory runs out
+bool made_picture_begin(made_picture* p, test_heap* heap, uint32_t threads);
+/// A square from -1 to 1, turned about x by an angle and moved; with surfels of a colour (NULL: triangles only).
+void made_picture_add(made_picture* p, double angle, stp_vec3d move, const uint8_t* color);
+/// Writes and opens the scene, and makes the renderer.
+stp_result made_picture_open(made_picture* p);
+/// Selects and draws.
+stp_result made_picture_draw(made_picture* p);
+stp_result made_picture_accumulate(made_picture* p);
+void made_picture_end(made_picture* p);
+const uint8_t* made_picture_pixel(const made_picture* p, int x, int y);
