@@ -32,6 +32,29 @@ static void widen(const float row[4], double out[3])
     }
 }
 
+/// What a ball of unit projected radius reaches beyond the pixel of its centre, times W, against each side of the picture.
+static void measure_sides(stp_splat_frame* frame)
+{
+    float sides[4] = {-frame->center_x, (float)frame->target->width - frame->center_x,
+                      (float)frame->row_begin - frame->center_y,
+                      (float)frame->row_end - frame->center_y};
+    for (int i = 0; i < 4; ++i) {
+        float slope = sides[i] * frame->inverse_scale;
+        frame->beside[i] = sqrtf(1.0f + slope * slope);
+    }
+}
+
+static void place_occluder(stp_splat_frame* frame)
+{
+    const stp_raster_occluder* occluder = frame->splats->occluder;
+    if (occluder != NULL) {
+        for (int k = 0; k < 3; ++k) {
+            fold_row(occluder->matrix[k], frame->splats, frame->occluder[k]);
+        }
+        frame->occluder_radius = frame->splats->radius * occluder->scale * occluder->pixel_scale;
+    }
+}
+
 bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* target,
                            uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
                            const stp_raster_splats* splats, uint32_t first_id)
@@ -51,6 +74,7 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     fold_row(camera->matrix.m[1], splats, frame->y);
     fold_row(camera->matrix.m[2], splats, frame->n);
     fold_row(camera->matrix.m[3], splats, frame->w);
+    place_occluder(frame);
     double x[3], y[3], n[3], w[3], vx[3], vy[3], vz[3];
     widen(camera->matrix.m[0], x);
     widen(camera->matrix.m[1], y);
@@ -90,6 +114,7 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     double part = (double)splats->pixel_radius / s, most = 1.0 - radii * part;
     frame->near_w = most > 0.0 ? (float)(radii * radius * factor / most) : INFINITY;
     frame->far_w = (float)(-radius * factor);
+    measure_sides(frame);
     return true;
 }
 
@@ -101,8 +126,12 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first;
         uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
+        if (splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0) {
+            continue;
+        }
         load_positions_scalar(frame, first, count, &batch);
         project_batch(frame, &batch);
+        pick_batch(frame, &batch, first, count);
         bool disks = false;
         for (uint32_t i = 0; i < count; ++i) {
             disks = disks || batch.kind[i] == SPLAT_DISK;

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "base/context.h"
+#include "raster/occluder.h"
 #include "raster/target.h"
 
 typedef struct stp_raster_splats {
@@ -35,6 +36,11 @@ typedef struct stp_raster_splats {
         coverages; ///< NULL, or 1 a splat: below 255 the disk is drawn with holes (hashed)
     const float*
         points; ///< 3 a splat, used where `positions` is NULL (origin and step are ignored)
+    /// NULL, or what hides: splats behind it are not drawn. Surfels only.
+    const stp_raster_occluder* occluder;
+    /// NULL, or a bit a splat (from splat 0 on): those that the occluder hid are set, all others of the range cleared.
+    uint16_t* hidden;
+    const uint16_t* wanted; ///< NULL, or a bit a splat: only these are drawn
 } stp_raster_splats;
 
 /// Object space to view space: x right, y down, z along the gaze, all in object-space lengths times
@@ -49,7 +55,7 @@ typedef struct stp_raster_camera {
     float nearness_limit;
 } stp_raster_camera;
 
-/// Draws splats; splat i gets the id first_id + i. Only rows [row_begin, row_end) are touched.
+/// Draws splats; splat i gets the id first_id + i. With bits for each splat, `begin` is a multiple of 16. Only rows [row_begin, row_end) are touched.
 /// @return fragments that passed the disk test
 uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,
                                 uint32_t row_end, const stp_raster_camera* camera,

@@ -11,14 +11,14 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint
                                   uint32_t count)
 {
     const stp_raster_splats* splats = f->splats;
-    uint32_t there = count < SPLAT_BATCH ? (1u << count) - 1u : 0xFFFFu;
     uint64_t fragments = 0;
     project_batch(f, t);
-    for (uint32_t pixels = lanes_of(t, SPLAT_PIXEL) & there; pixels != 0; pixels &= pixels - 1) {
+    pick_batch(f, t, first, count);
+    for (uint32_t pixels = lanes_of(t, SPLAT_PIXEL); pixels != 0; pixels &= pixels - 1) {
         int i = __builtin_ctz(pixels);
         fragments += draw_pixel(f, t, i, first + (uint32_t)i);
     }
-    if ((lanes_of(t, SPLAT_DISK) & there) != 0) {
+    if (lanes_of(t, SPLAT_DISK) != 0) {
         if (splats->normals != NULL && count == SPLAT_BATCH) {
             load_normals(splats->normals + 2 * (size_t)first, t);
         } else if (splats->normals != NULL) {
@@ -27,18 +27,18 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint
         shape_batch(f, t);
         box_batch(t);
         sort_batch(f, t);
-        uint32_t smalls = lanes_of(t, SPLAT_SMALL) & there;
+        uint32_t smalls = lanes_of(t, SPLAT_SMALL);
         fetch_small(f, t, smalls);
         for (uint32_t small = smalls; small != 0; small &= small - 1) {
             int i = __builtin_ctz(small);
             fragments += draw_small(f, t, i, first + (uint32_t)i);
         }
-        for (uint32_t wide = lanes_of(t, SPLAT_WIDE) & there; wide != 0; wide &= wide - 1) {
+        for (uint32_t wide = lanes_of(t, SPLAT_WIDE); wide != 0; wide &= wide - 1) {
             int i = __builtin_ctz(wide);
             fragments += draw_wide(f, t, i, first + (uint32_t)i);
         }
     }
-    for (uint32_t large = lanes_of(t, SPLAT_LARGE) & there; large != 0; large &= large - 1) {
+    for (uint32_t large = lanes_of(t, SPLAT_LARGE); large != 0; large &= large - 1) {
         fragments += stp_splats_draw_large(f, first + (uint32_t)__builtin_ctz(large));
     }
     return fragments;
@@ -52,6 +52,9 @@ static uint64_t draw_all(const stp_splat_frame* frame)
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first;
         uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
+        if (splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0) {
+            continue;
+        }
         if (splats->positions != NULL && count == SPLAT_BATCH) {
             load_positions(splats->positions + 3 * (size_t)first, &batch);
         } else {

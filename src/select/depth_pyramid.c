@@ -134,19 +134,18 @@ typedef struct footprint {
 } footprint;
 
 /// @return false where a corner is not in front of `near`
-static bool project(const stp_view_frame* f, const stp_boxd* box, double near, footprint* out)
+static bool project(const stp_view_frame* f, const double rows[3][4], const stp_boxd* box,
+                    double near, footprint* out)
 {
     *out = (footprint){HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, HUGE_VAL};
-    stp_vec3d low = stp_subd(box->min, f->eye), high = stp_subd(box->max, f->eye);
-    const stp_vec3d axes[3] = {f->right, f->down, f->forward};
     double x[3][2], y[3][2], z[3][2]; // what each coordinate's ends add to each axis
     for (int k = 0; k < 3; ++k) {
-        x[k][0] = axes[k].x * low.x;
-        x[k][1] = axes[k].x * high.x;
-        y[k][0] = axes[k].y * low.y;
-        y[k][1] = axes[k].y * high.y;
-        z[k][0] = axes[k].z * low.z;
-        z[k][1] = axes[k].z * high.z;
+        x[k][0] = rows[k][0] * box->min.x + rows[k][3];
+        x[k][1] = rows[k][0] * box->max.x + rows[k][3];
+        y[k][0] = rows[k][1] * box->min.y;
+        y[k][1] = rows[k][1] * box->max.y;
+        z[k][0] = rows[k][2] * box->min.z;
+        z[k][1] = rows[k][2] * box->max.z;
     }
     for (int i = 0; i < 8; ++i) {
         int a = i & 1, b = i >> 1 & 1, c = i >> 2;
@@ -166,13 +165,14 @@ static bool project(const stp_view_frame* f, const stp_boxd* box, double near, f
     return true;
 }
 
-bool stp_depth_pyramid_hides(const stp_depth_pyramid* p, const stp_boxd* box, double margin)
+bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double rows[3][4],
+                                    const stp_boxd* box, double margin)
 {
     const stp_view_frame* f = &p->frame;
     double ratio = margin / f->scale; // the radius of such a splat over its depth
     footprint at;
     if (p->level_count == 0 || stp_boxd_is_empty(*box) || !(ratio < 0.5) ||
-        !project(f, box, f->near_distance / (1.0 - ratio), &at)) {
+        !project(f, rows, box, f->near_distance / (1.0 - ratio), &at)) {
         return false;
     }
     double wider = margin / (1.0 - ratio) * f->corner + 1.5; // disks look larger off the gaze
@@ -207,6 +207,22 @@ bool stp_depth_pyramid_hides(const stp_depth_pyramid* p, const stp_boxd* box, do
         }
     }
     return true;
+}
+
+bool stp_depth_pyramid_hides(const stp_depth_pyramid* p, const stp_boxd* box, double margin)
+{
+    const stp_view_frame* f = &p->frame;
+    const stp_vec3d axes[3] = {f->right, f->down, f->forward};
+    stp_boxd from_eye = {stp_subd(box->min, f->eye), stp_subd(box->max, f->eye)};
+    double rows[3][4];
+    for (int k = 0; k < 3; ++k) {
+        rows[k][0] = axes[k].x;
+        rows[k][1] = axes[k].y;
+        rows[k][2] = axes[k].z;
+        rows[k][3] = 0.0;
+    }
+    return stp_depth_pyramid_hides_placed(p, (const double(*)[4])rows,
+                                          stp_boxd_is_empty(*box) ? box : &from_eye, margin);
 }
 
 void stp_depth_pyramid_destroy(stp_context* context, stp_depth_pyramid* pyramid)

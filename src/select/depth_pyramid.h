@@ -40,4 +40,8 @@ STP_MUST_USE stp_result stp_depth_pyramid_fill(stp_context* context, const stp_v
 /// wholly out of that view.
 bool stp_depth_pyramid_hides(const stp_depth_pyramid* pyramid, const stp_boxd* box, double margin);
 
+/// The same of a box in other coordinates: `rows` leads from them to right, down and depth in the pyramid's view.
+bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* pyramid, const double rows[3][4],
+                                    const stp_boxd* box, double margin);
+
 void stp_depth_pyramid_destroy(stp_context* context, stp_depth_pyramid* pyramid);

@@ -117,7 +117,21 @@ static void add_cluster(const cpu_item* item, uint32_t index, float share, batch
     b->cluster_count += 1;
 }
 
-bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
+/// Whether there is anything to draw of a cluster.
+static bool is_seen(const cpu_renderer* r, const cpu_item* item, const bounding_planes* planes,
+                    stp_box box, uint32_t bit, cpu_cluster_range* range)
+{
+    if ((range->wanted & bit) == 0 || is_outside(planes, item, box)) {
+        return false;
+    }
+    if (r->occluding != NULL && cpu_hides(r, item, box)) {
+        range->hidden |= bit;
+        return false;
+    }
+    return true;
+}
+
+bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_range* range,
                        const stp_raster_target* target, cpu_worker* worker)
 {
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
@@ -126,16 +140,18 @@ bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, uint32_t beg
     cpu_keep keep = {.renderer = r, .item = item, .memory = &memory};
     bounding_planes planes = make_planes(r, item);
     bool enough = b != NULL;
-    for (uint32_t i = begin; enough && i < end;) {
+    for (uint32_t i = range->begin; enough && i < range->end;) {
         b->vertex_count = b->triangle_count = b->cluster_count = 0;
-        while (i < end && b->cluster_count < BATCH_CLUSTERS) {
+        while (i < range->end && b->cluster_count < BATCH_CLUSTERS) {
             stp_box box = stp_clusters_bounds(&item->clusters, i);
             float share = stp_draw_share(item->draw, cpu_least_depth(item, box));
-            bool outside = !(share > 0.0f) || is_outside(&planes, item, box);
-            if (outside && b->cluster_count != 0) {
+            bool seen =
+                share > 0.0f && is_seen(r, item, &planes, box, 1u << (i - range->begin), range);
+            if (!seen && b->cluster_count != 0) {
+                i += 1;
                 break; // ids of a batch follow each other
             }
-            if (!outside) {
+            if (seen) {
                 add_cluster(item, i, share, b);
             }
             i += 1;

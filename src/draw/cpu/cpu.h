@@ -60,6 +60,10 @@ typedef struct cpu_item {
     const stp_texture_pyramid* base_color;
     const stp_texture_pyramid* metallic_roughness;
     const stp_texture_pyramid* emissive;
+    // Where a pyramid hides parts of items (occlude.c):
+    double occluder_rows[3][4]; ///< item space to right, down, depth of the pyramid's view
+    stp_raster_occluder occluder;
+    size_t late; ///< where its bits begin
 } cpu_item;
 
 typedef struct cpu_shade_item cpu_shade_item;
@@ -116,8 +120,14 @@ typedef struct cpu_renderer {
     cpu_item* items;
     size_t item_count, item_capacity;
     uint32_t piece_count;
-    stp_depth_pyramid pyramid; ///< of the last frame in two passes; no levels: none
-    cpu_second_pass* second;   ///< NULL: this frame is drawn in one pass
+    stp_depth_pyramid pyramid;          ///< of the last frame in two passes; no levels: none
+    cpu_second_pass* second;            ///< NULL: this frame is drawn in one pass
+    const stp_depth_pyramid* occluding; ///< NULL, or what hides splats and clusters of this pass
+    // What the first pass hid, and the second looks at again: a bit a splat or cluster.
+    uint16_t* late;
+    size_t late_count, late_capacity;
+    uint8_t* late_pieces; ///< whether a piece has any
+    size_t late_piece_capacity;
     cpu_effects effects;
     cpu_accumulation accumulation;
     float decode[256];                   ///< sRGB bytes to linear
@@ -155,8 +165,21 @@ STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* 
 void cpu_place_items(cpu_renderer* r, const stp_draw_list* list);
 void cpu_destroy_textures(cpu_renderer* r);
 
-/// Draws all items into the workers' buffers, from a piece on. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Draws all items into the workers' buffers, from a piece on; of those before, what was hidden so far.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece);
+
+/// Room for the bits of items from `first` on, whose pieces are counted. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_prepare_late(cpu_renderer* r, size_t first);
+/// Whether anything was hidden in what is drawn so far.
+bool cpu_is_any_late(const cpu_renderer* r);
+/// Makes ready what of the pyramid an item asks.
+void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item);
+/// Whether the pyramid hides a box of the item's space.
+bool cpu_hides(const cpu_renderer* r, const cpu_item* item, stp_box box);
+/// Item space (minus `offset`) to a view's right, down and depth: the eye is taken off before anything is rounded.
+void cpu_view_rows(const stp_view_frame* frame, const stp_affine* transform, const float offset[3],
+                   double rows[3][4]);
 /// The nearness of what is in the buffers: at most as near as it is.
 void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker);
 
@@ -231,9 +254,15 @@ float cpu_least_depth(const cpu_item* item, stp_box box);
 /// Makes degenerate what does not belong to the share of a mesh's triangles: `first` is the first one's index in it.
 void cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share);
 
-/// Draws clusters [begin, end) of an item, without those outside the view.
-/// @return false where memory runs out
-bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
+/// Clusters of an item, at most 32.
+typedef struct cpu_cluster_range {
+    uint32_t begin, end;
+    uint32_t wanted; ///< a bit each: only these
+    uint32_t hidden; ///< a bit each: those that the pyramid hid are set
+} cpu_cluster_range;
+
+/// Draws clusters without those outside the view or hidden. @return false where memory runs out
+bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_range* range,
                        const stp_raster_target* target, cpu_worker* worker);
 
 // What there is of light.

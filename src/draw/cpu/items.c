@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Draw items made ready: data and textures looked up, matrices from item to screen.
 #include "draw/cpu/cpu.h"
-/// Item space (minus `offset`) to view space, in double: the eye is taken off before anything is rounded.
-static void view_rows(const cpu_renderer* r, const stp_affine* transform, const float offset[3],
-                      double rows[3][4])
+
+void cpu_view_rows(const stp_view_frame* frame, const stp_affine* transform, const float offset[3],
+                   double rows[3][4])
 {
-    const stp_view_frame* frame = &r->frame;
     const stp_vec3d axes[3] = {frame->right, frame->down, frame->forward};
     stp_vec3d base = stp_affine_point(
         transform, (stp_vec3d){(double)offset[0], (double)offset[1], (double)offset[2]});
@@ -45,7 +44,7 @@ static void place_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_ite
 {
     const stp_view_frame* frame = &r->frame;
     double rows[3][4];
-    view_rows(r, &draw->transform, item->offset, rows);
+    cpu_view_rows(frame, &draw->transform, item->offset, rows);
     stp_raster_camera* camera = &item->camera;
     *camera = (stp_raster_camera){
         .pixel_scale = (float)frame->scale, .parallel = frame->parallel, .nearness_limit = 1.0f};
@@ -81,6 +80,7 @@ static void place_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_ite
         squares += entry * entry;
     }
     item->scale = (float)sqrt(squares / 3.0);
+    cpu_place_occluder(r, draw, item);
 }
 
 void cpu_place_items(cpu_renderer* r, const stp_draw_list* list)
@@ -273,5 +273,5 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
         r->item_count = i + 1;
     }
     r->piece_count = (uint32_t)pieces; // at most one an id and one an item
-    return STP_OK;
+    return cpu_prepare_late(r, first);
 }

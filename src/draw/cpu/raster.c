@@ -23,8 +23,26 @@ static const cpu_item* find_item(const cpu_renderer* r, uint32_t piece)
 #define RIM_DEPTH 4.0f
 #define BACK_DEPTH 2.0f
 
+/// @return whether some were hidden
+static bool note_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
+{
+    uint16_t any = 0;
+    for (uint32_t i = begin / 16; i < (end + 15) / 16; ++i) {
+        any |= bits[i];
+    }
+    return any != 0;
+}
+
+/// Pieces drawn by one of the passes.
+typedef struct piece_loop {
+    cpu_renderer* r;
+    uint32_t first;
+    uint32_t first_new; ///< of those before, only what was hidden
+} piece_loop;
+
+/// Splats [begin, end) of a piece, in the runs that they belong to. `late`: those that were hidden so far.
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
-                        const stp_raster_target* target, cpu_worker* worker)
+                        bool late, const stp_raster_target* target, cpu_worker* worker)
 {
     stp_raster_splats splats = {.begin = begin, .end = end, .radius = item->radius};
     if (item->kind == STP_DRAW_SURFELS) {
@@ -35,6 +53,10 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.coverages = item->coverages;
         splats.rim_depth = RIM_DEPTH;
         splats.back_depth = BACK_DEPTH;
+        splats.occluder = r->occluding != NULL ? &item->occluder : NULL;
+        uint16_t* bits = r->occluding != NULL ? r->late + item->late : NULL;
+        splats.wanted = late ? bits : NULL;
+        splats.hidden = late ? NULL : bits;
     } else {
         splats.points = item->points.positions;
     }
@@ -93,10 +115,35 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
     worker->failed = worker->failed || result != STP_OK;
 }
 
-typedef struct piece_loop {
-    cpu_renderer* r;
-    uint32_t first;
-} piece_loop;
+/// Draws a piece. @return whether some of it was hidden
+static bool draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool late,
+                       const stp_raster_target* target, cpu_worker* worker)
+{
+    uint32_t size = item->piece_units;
+    uint32_t from = (piece - item->first_piece) * size;
+    uint32_t to = item->unit_count - from < size ? item->unit_count : from + size;
+    if (item->clusters.bytes != NULL) {
+        uint16_t* bits = r->late + item->late + (size_t)2 * (piece - item->first_piece);
+        cpu_cluster_range range = {.begin = from, .end = to, .wanted = UINT32_MAX};
+        if (late) {
+            range.wanted = (uint32_t)bits[0] | (uint32_t)bits[1] << 16;
+        }
+        bool enough = cpu_draw_clusters(r, item, &range, target, worker);
+        worker->failed = worker->failed || !enough;
+        if (!late) {
+            bits[0] = (uint16_t)range.hidden;
+            bits[1] = (uint16_t)(range.hidden >> 16);
+        }
+        return range.hidden != 0;
+    }
+    if (item->kind == STP_DRAW_MESH) {
+        draw_triangles(r, item, from, to, target, worker);
+        return false;
+    }
+    draw_splats(r, item, from, to, late, target, worker);
+    return item->kind == STP_DRAW_SURFELS && r->occluding != NULL &&
+           note_hidden(r->late + item->late, from, to);
+}
 
 static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
 {
@@ -114,27 +161,23 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
         while (item < last && item[1].first_piece <= piece) {
             item += 1;
         }
-        uint32_t size = item->piece_units;
-        uint32_t from = (piece - item->first_piece) * size;
-        uint32_t to = item->unit_count - from < size ? item->unit_count : from + size;
-        if (item->clusters.bytes != NULL) {
-            bool enough = cpu_draw_clusters(r, item, from, to, &target, worker);
-            worker->failed = worker->failed || !enough;
-        } else if (item->kind == STP_DRAW_MESH) {
-            draw_triangles(r, item, from, to, &target, worker);
-        } else {
-            draw_splats(r, item, from, to, &target, worker);
+        bool late = piece < loop->first_new;
+        if (!late || r->late_pieces[piece] != 0) {
+            r->late_pieces[piece] = draw_piece(r, item, piece, late, &target, worker);
         }
     }
 }
 
 stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece)
 {
-    uint32_t count = r->piece_count - first_piece;
+    piece_loop loop = {.r = r, .first = first_piece, .first_new = first_piece};
+    if (first_piece > 0) { // look at hidden ones again
+        loop.first = 0;
+    }
+    uint32_t count = r->piece_count - loop.first;
     if (count == 0) {
         return STP_OK;
     }
-    piece_loop loop = {r, first_piece};
     size_t grain = count / ((size_t)r->team.threads * 64);
     stp_team_run(&r->team, count, grain > 0 ? grain : 1, draw_pieces, &loop);
     for (uint32_t i = 0; i < r->team.threads; ++i) {

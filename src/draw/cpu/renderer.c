@@ -24,6 +24,8 @@ static void destroy(stp_renderer* renderer)
     stp_free(context, r->depth);
     stp_free(context, r->sums);
     stp_free(context, r->items);
+    stp_free(context, r->late);
+    stp_free(context, r->late_pieces);
     stp_free(context, r);
 }
 
@@ -133,7 +135,7 @@ static stp_result draw_rejected(cpu_renderer* r, cpu_second_pass* pass)
     stp_draw_list* list = pass->list;
     size_t first = list->count;
     uint32_t first_piece = r->piece_count;
-    if (list->hidden_count == 0) {
+    if (list->hidden_count == 0 && !cpu_is_any_late(r)) {
         return STP_OK;
     }
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_depths, r);
@@ -145,9 +147,10 @@ static stp_result draw_rejected(cpu_renderer* r, cpu_second_pass* pass)
         result = stp_select_rejected(context, r->store, pass->view, &pass->quality, list);
     }
     pass->select_ms += stp_clock_ms() - start;
-    if (result != STP_OK || list->count == first) {
+    if (result != STP_OK) {
         return result;
     }
+    r->occluding = r->pyramid.level_count > 0 ? &r->pyramid : NULL;
     result = cpu_prepare_items(r, list, first);
     if (result == STP_OK) {
         cpu_place_items(r, list);
@@ -332,8 +335,10 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
         return result;
     }
     r->second = once ? NULL : &pass;
+    r->occluding = pass.quality.occlusion;
     result = draw(renderer, view, list, style, image, stats);
     r->second = NULL;
+    r->occluding = NULL;
     start = stp_clock_ms();
     if (result == STP_OK && !once && !pass.made) {
         result = stp_depth_pyramid_make(renderer->context, view, r->depth, &r->pyramid);

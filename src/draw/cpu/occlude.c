@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// What a depth pyramid hides of items that are seen: splats and clusters. The first pass of a frame asks the pyramid of
+// the picture before and notes what that hid; the second asks the frame's own about these, and draws the rest of them.
+#include "draw/cpu/cpu.h"
+
+/// Levels of a pyramid that splats are looked up in: blocks of up to 64 pixels.
+enum { MOST_SHIFT = 6, FIRST_SHIFT = 3 };
+
+static stp_result grow(stp_context* context, void** memory, size_t* capacity, size_t wanted,
+                       size_t size)
+{
+    if (wanted <= *capacity) {
+        return STP_OK;
+    }
+    void* grown = stp_grow_array(context, *memory, capacity, wanted, size);
+    if (grown == NULL) {
+        return stp_fail_memory(context);
+    }
+    *memory = grown;
+    return STP_OK;
+}
+
+stp_result cpu_prepare_late(cpu_renderer* r, size_t first)
+{
+    if (first == 0) {
+        r->late_count = 0;
+    }
+    for (size_t i = first; i < r->item_count; ++i) {
+        cpu_item* item = &r->items[i];
+        item->late = r->late_count;
+        if (item->clusters.bytes != NULL) {
+            r->late_count += 2 * (((size_t)item->unit_count + 31) / 32);
+        } else if (item->kind == STP_DRAW_SURFELS) {
+            r->late_count += ((size_t)item->unit_count + 15) / 16;
+        }
+    }
+    void* late = r->late;
+    void* pieces = r->late_pieces;
+    stp_result result =
+        grow(r->base.context, &late, &r->late_capacity, r->late_count, sizeof(*r->late));
+    r->late = late;
+    if (result == STP_OK) {
+        result = grow(r->base.context, &pieces, &r->late_piece_capacity, r->piece_count, 1);
+        r->late_pieces = pieces;
+    }
+    return result;
+}
+
+bool cpu_is_any_late(const cpu_renderer* r)
+{
+    bool any = false;
+    for (uint32_t i = 0; r->occluding != NULL && i < r->piece_count; ++i) {
+        any = any || r->late_pieces[i] != 0;
+    }
+    return any;
+}
+
+/// The longest that a unit vector becomes, or more.
+static double find_scale(const stp_affine* a)
+{
+    double column = 0.0, sum = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        double square = a->m[0][c] * a->m[0][c] + a->m[1][c] * a->m[1][c] + a->m[2][c] * a->m[2][c];
+        column = fmax(column, square);
+        sum += square;
+    }
+    bool uniform = fabs(sum - 3.0 * column) <= 1e-9 * sum;
+    return sqrt(uniform ? column : sum);
+}
+
+/// The finest level of which splats of the list's size touch two blocks a side, or nearly.
+static uint32_t choose_level(const cpu_renderer* r)
+{
+    const stp_depth_pyramid* p = r->occluding;
+    double radius = 0.55 * (double)r->splat_size;
+    double width = 1.8 * (1.1 * radius * p->frame.corner + 0.51);
+    uint32_t level = 0;
+    while (level + 1 < p->level_count && level < MOST_SHIFT - FIRST_SHIFT &&
+           (double)(STP_DEPTH_PYRAMID_BLOCK << level) < width) {
+        level += 1;
+    }
+    return level;
+}
+
+void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+{
+    static const float nowhere[3] = {0.0f, 0.0f, 0.0f};
+    const stp_depth_pyramid* p = r->occluding;
+    if (p == NULL) {
+        return;
+    }
+    cpu_view_rows(&p->frame, &draw->transform, nowhere, item->occluder_rows);
+    if (item->kind != STP_DRAW_SURFELS) {
+        return;
+    }
+    uint32_t level = choose_level(r);
+    double behind = 1.0 + r->mesh_depth / p->frame.scale;
+    item->occluder = (stp_raster_occluder){
+        .nearness = p->levels[level],
+        .columns = p->columns[level],
+        .rows = p->rows[level],
+        .shift = FIRST_SHIFT + level,
+        .width = (float)p->frame.width,
+        .height = (float)p->frame.height,
+        .pixel_scale = (float)p->frame.scale,
+        .scale = (float)find_scale(&draw->transform),
+        .corner = (float)p->frame.corner,
+        .near_distance = (float)p->frame.near_distance,
+        .behind = (float)(behind * (1.0 + 1e-5)),
+    };
+    for (int c = 0; c < 4; ++c) {
+        double depth = item->occluder_rows[2][c];
+        item->occluder.matrix[0][c] =
+            (float)(p->frame.scale * item->occluder_rows[0][c] + p->frame.center_x * depth);
+        item->occluder.matrix[1][c] =
+            (float)(p->frame.scale * item->occluder_rows[1][c] + p->frame.center_y * depth);
+        item->occluder.matrix[2][c] = (float)depth;
+    }
+}
+
+bool cpu_hides(const cpu_renderer* r, const cpu_item* item, stp_box box)
+{
+    stp_boxd wide = {stp_to_double(box.min), stp_to_double(box.max)};
+    return stp_depth_pyramid_hides_placed(r->occluding, (const double(*)[4])item->occluder_rows,
+                                          &wide, r->mesh_depth);
+}
