@@ -130,9 +130,11 @@ static bool open_film(session* s)
 static bool fly_through(session* s, const char* file)
 {
     stp_draw_style style = draw_options_style(&args.draw);
-    return tool_open_scene_for(s->context, file, draw_options_use(&args.draw), &s->store) ==
-               STP_OK &&
-           frame_maker_create(s->context, s->store, &style, &s->maker) == STP_OK &&
+    if (tool_open_scene_for(s->context, file, draw_options_use(&args.draw), &s->store) != STP_OK) {
+        return false;
+    }
+    s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, s->store);
+    return frame_maker_create(s->context, s->store, &style, &s->maker) == STP_OK &&
            flight_run(&s->maker, &s->plan, &s->record) == STP_OK;
 }
 

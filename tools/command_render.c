@@ -87,6 +87,7 @@ static int choose_view(const stp_store* store, stp_view* view)
 {
     *view = draw_options_view(&args.draw);
     view->ortho_height = args.ortho;
+    view->eye_distance = draw_options_eye_distance(&args.draw, store);
     const char* name = args.view != NULL ? args.view : "iso";
     if (!tool_find_view(store, name, view)) {
         return tool_usage_error("there is no view named %s", name);
@@ -215,6 +216,12 @@ static int check_arguments(int argc, const char* path)
     if (tool_is_same_file(path, args.output)) {
         return tool_usage_error("%s is the scene, and would be written over", path);
     }
+    if (args.draw.stereo && args.ortho > 0.0) {
+        return tool_usage_error("--stereo and --ortho exclude each other");
+    }
+    if (args.draw.stereo && args.accumulate > 0) {
+        return tool_usage_error("--stereo and --accumulate exclude each other");
+    }
     if (args.draw.json && strcmp(args.output, "-") == 0) {
         return tool_usage_error("standard output is for the figures; name a file");
     }
@@ -261,6 +268,10 @@ const command command_render = {
         "--budget-ms draws the view until the size of splats has settled that lets a frame take so "
         "long, and keeps "
         "the last picture.\n"
+        "\n"
+        "--stereo draws what two eyes see, the left one's half on the left; both look the same "
+        "way. What "
+        "is drawn is chosen once for both, and figures are those of the whole picture.\n"
         "\n"
         "The picture is transparent where nothing was drawn. --json prints what was drawn and how "
         "long it took: frame_ms is the median of repeated frames, without opening the file.",

@@ -2,6 +2,7 @@
 #include "draw_options.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -91,6 +92,37 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
     return copy_options(table, used, list);
 }
 
+static size_t add_eye_options(option* table, size_t used, draw_options* o)
+{
+    const option list[] = {
+        {.name = "fovea",
+         .type = OPTION_TEXT,
+         .argument = "R:S,R:S",
+         .help = "size of splats away from the middle: times S at R of the half diagonal, linearly "
+                 "between 0:1 and these and as at the last beyond it; with --stereo in each eye",
+         .value = &o->fovea},
+        {.name = "fovea-center",
+         .type = OPTION_TEXT,
+         .argument = "X,Y",
+         .help = "where eyes look instead of the middle: right and down, in half diagonals",
+         .value = &o->fovea_center},
+        {.name = "stereo",
+         .help = "two eyes side by side; the width of --size is that of both",
+         .value = &o->stereo},
+        {.name = "ipd",
+         .type = OPTION_NUMBER,
+         .argument = "M",
+         .words = "0.0001..1000",
+         .help =
+             "metres between the eyes (units of the scene where it does not say what they are); "
+             "default 0.064",
+         .value = &o->ipd,
+         .given = &o->has_ipd},
+        {0},
+    };
+    return copy_options(table, used, list);
+}
+
 static size_t add_picture_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
@@ -142,6 +174,7 @@ const option* draw_options_table(option* table, const option* own, draw_options*
     size_t used = copy_options(table, 0, own);
     used = add_quality_options(table, used, options);
     used = add_effect_options(table, used, options);
+    used = add_eye_options(table, used, options);
     add_picture_options(table, used, options);
     return table;
 }
@@ -158,6 +191,79 @@ static bool parse_color(const char* text, uint8_t color[3])
     color[1] = (uint8_t)(value >> 8);
     color[2] = (uint8_t)value;
     return true;
+}
+
+/// Two numbers with a character between them. @return what comes after, NULL where they are none
+static const char* read_pair(const char* text, char between, float pair[2])
+{
+    for (int i = 0; i < 2; ++i) {
+        char* end;
+        if (strchr("+-.0123456789", *text) == NULL || *text == 0) {
+            return NULL;
+        }
+        pair[i] = strtof(text, &end);
+        if (end == text || (i == 0 && *end != between)) {
+            return NULL;
+        }
+        text = end + (i == 0);
+    }
+    return text;
+}
+
+/// @return false where the text is no list of zones
+static bool parse_fovea(const draw_options* o, stp_fovea* fovea)
+{
+    *fovea = (stp_fovea){0};
+    for (const char* at = o->fovea; at != NULL;) {
+        float pair[2];
+        at = fovea->count < STP_FOVEA_ZONES ? read_pair(at, ':', pair) : NULL;
+        if (at == NULL || !(pair[0] >= 0.0f && pair[0] <= 2.0f) ||
+            !(pair[1] >= 0.125f && pair[1] <= 64.0f) || (*at != ',' && *at != 0)) {
+            return false;
+        }
+        fovea->zones[fovea->count++] = (stp_fovea_zone){pair[0], pair[1]};
+        at = *at == ',' ? at + 1 : NULL;
+    }
+    return stp_fovea_is_valid(fovea);
+}
+
+static bool parse_fovea_center(const draw_options* o, stp_fovea* fovea)
+{
+    if (o->fovea_center == NULL) {
+        return true;
+    }
+    const char* end = read_pair(o->fovea_center, ',', fovea->center);
+    return end != NULL && *end == 0 && fabsf(fovea->center[0]) <= 1.0f &&
+           fabsf(fovea->center[1]) <= 1.0f;
+}
+
+/// @return 0, or 2 (message printed)
+static int check_eyes(const draw_options* o)
+{
+    stp_fovea fovea;
+    if (!parse_fovea(o, &fovea)) {
+        return tool_usage_error("--fovea is R:S,R:S, at most %d zones with ascending radii from 0 "
+                                "to 2 and factors from 0.125 to 64, not %s",
+                                STP_FOVEA_ZONES, o->fovea);
+    }
+    if (!parse_fovea_center(o, &fovea)) {
+        return tool_usage_error("--fovea-center is X,Y, both from -1 to 1, not %s",
+                                o->fovea_center);
+    }
+    if (o->fovea_center != NULL && o->fovea == NULL) {
+        return tool_usage_error("--fovea-center is of use with --fovea only");
+    }
+    if (o->fovea != NULL && (o->has_splats || o->reference)) {
+        return tool_usage_error("--fovea and %s exclude each other",
+                                o->has_splats ? "--splats" : "--reference");
+    }
+    if (o->has_ipd && !o->stereo) {
+        return tool_usage_error("--ipd is of use with --stereo only");
+    }
+    if (o->stereo && o->size[0] % 2 != 0) {
+        return tool_usage_error("--stereo needs an even width, not %u", o->size[0]);
+    }
+    return 0;
 }
 
 int draw_options_check(const draw_options* o)
@@ -178,15 +284,18 @@ int draw_options_check(const draw_options* o)
     if (o->background != NULL && !parse_color(o->background, color)) {
         return tool_usage_error("--background is six hexadecimal digits, not %s", o->background);
     }
-    return 0;
+    return check_eyes(o);
 }
 
 stp_quality draw_options_quality(const draw_options* o)
 {
-    return (stp_quality){.splat_size = (float)o->splat_size,
-                         .splat_count = o->splats,
-                         .policy = (stp_policy)o->policy,
-                         .reference = o->reference};
+    stp_quality quality = {.splat_size = (float)o->splat_size,
+                           .splat_count = o->splats,
+                           .policy = (stp_policy)o->policy,
+                           .reference = o->reference};
+    (void)parse_fovea(o, &quality.fovea);
+    (void)parse_fovea_center(o, &quality.fovea);
+    return quality;
 }
 
 stp_draw_style draw_options_style(const draw_options* o)
@@ -210,10 +319,17 @@ stp_view draw_options_view(const draw_options* o)
                       .fov_degrees = o->has_fov ? o->fov : 0.0};
 }
 
+double draw_options_eye_distance(const draw_options* o, const stp_store* store)
+{
+    double unit = stp_store_get_directory(store)->unit_metres;
+    double metres = o->has_ipd ? o->ipd : 0.064;
+    return !o->stereo ? 0.0 : unit > 0.0 ? metres / unit : metres;
+}
+
 /// Who asks for nothing of splats gets a picture soon.
 scene_use draw_options_use(const draw_options* o)
 {
     bool splats = o->has_splat_size || o->has_splats || o->has_budget || o->splat_scale > 0.0 ||
-                  o->policy != STP_POLICY_INSERTION;
+                  o->fovea != NULL || o->policy != STP_POLICY_INSERTION;
     return o->reference ? SCENE_FOR_ORIGINALS : splats ? SCENE_FOR_SPLATS : SCENE_FOR_A_PICTURE;
 }

@@ -18,6 +18,9 @@ typedef struct draw_options {
     bool has_splat_size, has_splats, has_budget;
     int policy, controller;
     bool reference;
+    const char *fovea, *fovea_center;
+    bool stereo, has_ipd;
+    double ipd;
     uint64_t supersample;
     int light;
     const char* background;
@@ -41,6 +44,9 @@ stp_draw_style draw_options_style(const draw_options* options);
 
 /// A view of the size asked for, and the angle (0: not asked for).
 stp_view draw_options_view(const draw_options* options);
+
+/// The distance between the eyes in the units of a scene; 0: one eye.
+double draw_options_eye_distance(const draw_options* options, const stp_store* store);
 
 /// What a scene must hold for these options.
 scene_use draw_options_use(const draw_options* options);

@@ -23,13 +23,14 @@ typedef struct frame_maker {
     stp_renderer* renderer;
     stp_draw_list list;
     stp_draw_style style;
+    stp_image eye; ///< the picture of one of two eyes
 } frame_maker;
 
 STP_MUST_USE stp_result frame_maker_create(stp_context* context, stp_store* store,
                                            const stp_draw_style* style, frame_maker* maker);
 void frame_maker_destroy(frame_maker* maker);
 
-/// Draws a view; `image` has its size. Failures are logged by the context.
+/// Draws a view, of one eye or two; `image` has its size. Failures are logged by the context.
 STP_MUST_USE stp_result frame_draw(frame_maker* maker, const stp_view* view,
                                    const stp_quality* quality, stp_image* image,
                                    frame_figures* figures);

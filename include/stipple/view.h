@@ -18,6 +18,9 @@ typedef struct stp_view {
         ortho_height; ///< height of the picture in scene units, parallel projection; 0: perspective
     double near_distance;   ///< nothing nearer is drawn; 0: chosen from the distance to the target
     uint32_t width, height; ///< pixels, at least 1
+    /// 0: one eye. Above 0: two eyes that look the same way, so far apart, `eye` in the middle; each has half the
+    /// width, the left eye's half is on the left.
+    double eye_distance;
 } stp_view;
 
 #ifdef __cplusplus

@@ -80,6 +80,7 @@ bool stp_camera_frame(const char* name, const stp_boxd* box, stp_view* view)
     stp_vec3d up = stp_crossd(toward, right);
     view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
     double aspect = (double)view->width / (double)view->height;
+    aspect = view->eye_distance > 0.0 ? 0.5 * aspect : aspect; // each eye's half
     double slope_y = filled * tan(view->fov_degrees * (STP_PI / 360.0)), slope_x = slope_y * aspect;
     // The middle of the box is the middle of the picture; each corner must be within the picture's four planes
     // through the eye: |x| <= slope (D - z) at distance D, z towards the eye.

@@ -124,8 +124,9 @@ static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const s
 }
 
 stp_result stp_select_add_set(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                              stp_depth_range range)
+                              const stp_sight* sight)
 {
+    stp_depth_range range = sight->range;
     double part = stp_select_growth(at->ceiling, range.near);
     part *= use->extra ? shrinking(use, range.far) : 1.0;
     stp_draw_item item = {.kind = STP_DRAW_SURFELS,
@@ -141,7 +142,7 @@ stp_result stp_select_add_set(stp_selection* s, const stp_select_entry* at, cons
     if (by_depth && !flat && (thin || use->extra || range.far > at->ceiling)) {
         if (thin) { // splats are as large as the coverage wanted at their own depth
             item.radius = use->surfels->candidate_radius;
-            item.pixel_radius = 0.5f * s->list->splat_size;
+            item.pixel_radius = (float)(0.5 * sight->splat_size);
         }
         extra = 0.0;
         stp_result result = add_runs(s, at, use, range, thin, &item, &extra);

@@ -3,9 +3,9 @@
 #include "select/select_internal.h"
 
 /// Radius in pixels of the largest splat: half the splat size, and what a set that shrinks away lacks.
-static double splat_margin(const stp_selection* s)
+static double splat_margin(const stp_sight* sight)
 {
-    return 0.5 * STP_LEVELS_LACK * (double)s->list->splat_size;
+    return 0.5 * STP_LEVELS_LACK * sight->largest_size;
 }
 
 static stp_result set_aside(stp_selection* s, const stp_select_entry* at)
@@ -25,7 +25,7 @@ static stp_result set_aside(stp_selection* s, const stp_select_entry* at)
 }
 
 stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at, const stp_boxd* box,
-                           bool* hidden)
+                           const stp_sight* sight, bool* hidden)
 {
     *hidden = false;
     if (s->quality->occlusion == NULL || s->quality->splat_count > 0) {
@@ -35,7 +35,12 @@ stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at, const s
         (double)s->graph->margins[at->node] * stp_select_scale(&at->transform) * (1.0 + 1e-6);
     stp_vec3d margin = {reach, reach, reach};
     stp_boxd wider = {stp_subd(box->min, margin), stp_addd(box->max, margin)};
-    *hidden = stp_depth_pyramid_hides(s->quality->occlusion, &wider, splat_margin(s));
+    *hidden = true;
+    for (uint32_t i = 0; i < s->eye_count && *hidden; ++i) {
+        const stp_depth_pyramid* pyramid = &s->quality->occlusion[i];
+        *hidden = (sight->eyes & 1u << i) == 0 ||
+                  stp_depth_pyramid_hides(pyramid, &wider, splat_margin(sight));
+    }
     if (!*hidden) {
         return STP_OK;
     }

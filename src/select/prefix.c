@@ -76,7 +76,7 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s, stp_depth
 }
 
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
-                               stp_depth_range range, bool is_inside)
+                               const stp_sight* sight)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
     const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
@@ -95,10 +95,10 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
         }
         return use;
     }
-    double pixel = stp_view_frame_pixel_size(&s->frame, 1.0);
-    double per_depth = 0.5 * (double)s->list->splat_size * pixel; // r = s d_p / 2
+    double pixel = stp_view_frame_pixel_size(&s->frames[0], 1.0);
+    double per_depth = 0.5 * sight->splat_size * pixel; // r = s d_p / 2
     per_depth /= stp_select_scale(&at->transform);
-    if (is_inside && !cloud) {
+    if (sight->is_inside && !cloud) {
         return use;
     }
     if (!(per_depth > 0.0) || !isfinite(per_depth)) {
@@ -109,10 +109,10 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
         return use;
     }
     if (s->quality->policy == STP_POLICY_PAPER) {
-        use_estimate(&use, per_depth * range.near, cloud);
+        use_estimate(&use, per_depth * sight->range.near, cloud);
     } else {
         use.per_depth = per_depth;
-        use_by_insertion(&use, s, range, cloud);
+        use_by_insertion(&use, s, sight->range, cloud);
     }
     return use;
 }

@@ -14,9 +14,17 @@ static stp_result begin(stp_selection* s, stp_context* context, const stp_store*
     list->mixes = s->directory->point_set_count > 0 ||
                   (s->directory->surfels_count > 0 && !quality->reference);
     list->splat_size = quality->splat_size >= 1.0f ? quality->splat_size : 1.0f;
-    if (!stp_view_frame_make(view, &s->frame)) {
+    s->eye_count = stp_view_eye_count(view);
+    for (uint32_t i = 0; i < s->eye_count; ++i) {
+        stp_view one = stp_view_of_eye(view, i);
+        if (!stp_view_frame_make(&one, &s->frames[i])) {
+            return stp_fail(context, STP_ERROR_ARGUMENT,
+                            "view: eye, target, angle and size do not make a picture");
+        }
+    }
+    if (!stp_fovea_is_valid(&quality->fovea)) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "view: eye, target, angle and size do not make a picture");
+                        "quality: radii of the fovea's zones must ascend and factors be above 0");
     }
     return s->directory->root == STP_STORE_NONE ? STP_OK : stp_select_find_graph(s);
 }

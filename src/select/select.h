@@ -7,6 +7,8 @@
 #pragma once
 
 #include "select/depth_pyramid.h"
+#include "select/eyes.h"
+#include "select/fovea.h"
 #include "store/store.h"
 
 #include <stipple/view.h>
@@ -21,8 +23,10 @@ typedef struct stp_quality {
     float splat_size;     ///< pixels, at least 1; default 1
     uint64_t splat_count; ///< exactly so many splats instead, in all; 0: by size
     stp_policy policy;
-    bool reference; ///< original triangles and points only
-    /// NULL, or what hides: nodes behind it are left out. See stp_select_rejected.
+    bool reference;  ///< original triangles and points only
+    stp_fovea fovea; ///< all zero: splats are of one size
+    /// NULL, or what hides from each eye of the view: nodes behind it for all that see them are left out. See
+    /// stp_select_rejected.
     const stp_depth_pyramid* occlusion;
 } stp_quality;
 
@@ -65,7 +69,7 @@ typedef struct stp_draw_list {
     uint64_t extra_triangles; ///< the same of triangle_count
     uint32_t node_count;      ///< nodes looked at
     uint32_t hidden_count;    ///< nodes that the pyramid hid, in the last pass
-    float splat_size;         ///< the size in effect
+    float splat_size;         ///< the size in effect where an eye looks
     bool mixes; ///< there may be splats beside triangles, in this list or in one of another view
     // kept between calls
     struct stp_select_entry *stack, *rejected;
@@ -98,9 +102,12 @@ static inline bool stp_draw_keeps(uint32_t index, float share)
 /// at. Points whose surfels are all of them are never opened. Surfels show nothing that moves below their node:
 /// what does is looked at by itself, with its own surfels where it has some, also below a node that is drawn.
 ///
+/// The list of a view with two eyes holds what either needs, as fine as the one needs it that is nearer: it is drawn
+/// once for each eye, with the views of select/eyes.h.
+///
 /// With a pyramid, nodes that it hides are set aside. It may be of any earlier frame: what it hides wrongly is
 /// found by stp_select_rejected.
-/// @return STP_OK, STP_ERROR_ARGUMENT (a view that is none), STP_ERROR_LIMIT (more than 2^32 - 2 splats and
+/// @return STP_OK, STP_ERROR_ARGUMENT (a view or a fovea that is none), STP_ERROR_LIMIT (more than 2^32 - 2 splats and
 /// triangles), STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_select(stp_context* context, const stp_store* store,
                                    const stp_view* view, const stp_quality* quality,

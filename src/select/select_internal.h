@@ -41,7 +41,8 @@ typedef struct stp_selection {
     const stp_quality* quality;
     stp_draw_list* list;
     const stp_select_graph* graph;
-    stp_view_frame frame;
+    stp_view_frame frames[STP_EYES_MOST]; ///< of each eye, with one gaze, scale and near plane
+    uint32_t eye_count;
     size_t stack_count;
     uint64_t visits;
     bool second_pass;
@@ -51,6 +52,15 @@ typedef struct stp_selection {
 typedef struct stp_depth_range {
     double near, far;
 } stp_depth_range;
+
+/// What is seen of a box.
+typedef struct stp_sight {
+    stp_depth_range range; ///< for the eyes that see it together
+    uint32_t eyes;         ///< bits of those that may see it
+    bool is_inside;        ///< one is within
+    double splat_size;     ///< pixels: the least wanted of what is seen
+    double largest_size;   ///< the largest of all that is seen, at least that where an eye looks
+} stp_sight;
 
 /// How a node's surfels are used. They are drawn beyond switch_depth, what is below the node is drawn nearer.
 typedef struct stp_set_use {
@@ -65,16 +75,19 @@ typedef struct stp_set_use {
 /// The longest that a unit vector becomes.
 double stp_select_scale(const stp_affine* transform);
 
+/// @return whether any eye may see some of the box
+bool stp_select_see(const stp_selection* s, const stp_boxd* box, stp_sight* sight);
+
 /// What to do with the surfels of a node (which has some).
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
-                               stp_depth_range range, bool is_inside);
+                               const stp_sight* sight);
 
 /// Appends an item of so many ids, with its first_id.
 STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item,
                                             uint64_t id_count);
 /// Appends the item of a node's surfels, with its runs.
 STP_MUST_USE stp_result stp_select_add_set(stp_selection* s, const stp_select_entry* at,
-                                           const stp_set_use* use, stp_depth_range range);
+                                           const stp_set_use* use, const stp_sight* sight);
 
 /// How much of what lies below a node is there at a depth, by the depth beyond which the node suffices.
 double stp_select_growth(double ceiling, double depth);
@@ -89,4 +102,4 @@ STP_MUST_USE stp_result stp_select_traverse(stp_selection* s);
 
 /// Whether the pyramid hides a node. Where it does in the first pass, the node is set aside.
 STP_MUST_USE stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at,
-                                        const stp_boxd* box, bool* hidden);
+                                        const stp_boxd* box, const stp_sight* sight, bool* hidden);

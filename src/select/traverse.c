@@ -62,15 +62,6 @@ static stp_boxd place_box(const stp_affine* a, const stp_boxd* box)
     return (stp_boxd){stp_subd(center, reach), stp_addd(center, reach)};
 }
 
-static bool see(const stp_selection* s, const stp_boxd* box, stp_depth_range* range)
-{
-    bool seen = stp_view_frame_sees_range(&s->frame, box, &range->near, &range->far);
-    if (s->frame.parallel) {
-        *range = (stp_depth_range){1.0, 1.0};
-    }
-    return seen;
-}
-
 static stp_boxd widen_box(stp_box box)
 {
     return (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
@@ -95,10 +86,12 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
         box = widen_box(points->bounds);
     }
     box = place_box(&at->transform, &box);
-    stp_depth_range range;
-    if (!see(s, &box, &range) || !(stp_select_growth(at->ceiling, range.near) > 0.0)) {
+    stp_sight sight;
+    if (!stp_select_see(s, &box, &sight) ||
+        !(stp_select_growth(at->ceiling, sight.range.near) > 0.0)) {
         return STP_OK;
     }
+    stp_depth_range range = sight.range;
     if (item.kind == STP_DRAW_POINTS && range.near > at->ceiling) {
         return STP_OK; // any part of them would not be spread evenly: they come all at once, below surfels
     }
@@ -149,29 +142,29 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     }
     s->list->node_count += 1;
     stp_boxd box = place_box(&at->transform, &node->bounds);
-    stp_depth_range range;
-    if (!see(s, &box, &range)) {
+    stp_sight sight;
+    if (!stp_select_see(s, &box, &sight)) {
         return STP_OK;
     }
-    at->moving_only = at->moving_only || !(stp_select_growth(at->ceiling, range.near) > 0.0);
+    double nearest = sight.range.near;
+    at->moving_only = at->moving_only || !(stp_select_growth(at->ceiling, nearest) > 0.0);
     bool hidden = false;
     if (at->moving_only && (moving & STP_MOVES_BELOW) == 0) {
         return STP_OK;
     }
-    stp_result result = stp_select_hide(s, at, &box, &hidden);
+    stp_result result = stp_select_hide(s, at, &box, &sight, &hidden);
     if (result != STP_OK || hidden) {
         return result;
     }
     if (!s->quality->reference && !at->moving_only && node->surfels != STP_STORE_NONE) {
-        bool inside = stp_view_frame_is_inside(&s->frame, &box);
-        stp_set_use use = stp_select_use_set(s, at, range, inside);
+        stp_set_use use = stp_select_use_set(s, at, &sight);
         if (use.count > 0) {
-            result = stp_select_add_set(s, at, &use, range);
+            result = stp_select_add_set(s, at, &use, &sight);
         }
         // where this node's surfels suffice nearest to the eye, switching would draw nothing below
         at->extra = at->extra || (use.count > 0 && !use.extra);
         at->ceiling = fmin(at->ceiling, use.switch_depth);
-        at->moving_only = !(stp_select_growth(at->ceiling, range.near) > 0.0);
+        at->moving_only = !(stp_select_growth(at->ceiling, nearest) > 0.0);
     }
     if (result != STP_OK || (at->moving_only && (moving & STP_MOVES_BELOW) == 0)) {
         return result;

@@ -35,8 +35,8 @@ static void make_sides(stp_view_frame* f)
 
 bool stp_view_frame_make(const stp_view* view, stp_view_frame* frame)
 {
-    if (view->width == 0 || view->height == 0 || !finite3(view->eye) || !finite3(view->target) ||
-        !finite3(view->up)) {
+    if (view->width == 0 || view->height == 0 || view->eye_distance != 0.0 || !finite3(view->eye) ||
+        !finite3(view->target) || !finite3(view->up)) {
         return false;
     }
     stp_vec3d gaze = stp_subd(view->target, view->eye);
@@ -125,6 +125,53 @@ bool stp_view_frame_sees(const stp_view_frame* frame, const stp_boxd* box, doubl
 {
     double farthest_depth;
     return stp_view_frame_sees_range(frame, box, nearest_depth, &farthest_depth);
+}
+
+static void widen(const stp_view_frame* f, stp_view_rectangle* r, double x, double y, double z)
+{
+    double factor = f->parallel ? f->scale : f->scale / z;
+    r->x0 = fmin(r->x0, f->center_x + x * factor);
+    r->x1 = fmax(r->x1, f->center_x + x * factor);
+    r->y0 = fmin(r->y0, f->center_y + y * factor);
+    r->y1 = fmax(r->y1, f->center_y + y * factor);
+}
+
+static double clamp(double x, double most)
+{
+    return x > 0.0 ? (x < most ? x : most) : 0.0;
+}
+
+stp_view_rectangle stp_view_frame_cover(const stp_view_frame* f, const stp_boxd* box)
+{
+    double corners[8][3];
+    stp_view_rectangle r = {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int i = 0; i < 8; ++i) {
+        stp_vec3d p = {(i & 1) != 0 ? box->max.x : box->min.x,
+                       (i & 2) != 0 ? box->max.y : box->min.y,
+                       (i & 4) != 0 ? box->max.z : box->min.z};
+        p = stp_subd(p, f->eye);
+        corners[i][0] = stp_dotd(f->right, p);
+        corners[i][1] = stp_dotd(f->down, p);
+        corners[i][2] = stp_dotd(f->forward, p);
+        if (f->parallel || corners[i][2] >= f->near_distance) {
+            widen(f, &r, corners[i][0], corners[i][1], corners[i][2]);
+        }
+    }
+    for (int i = 0; i < 8 && !f->parallel; ++i) { // edges that pass through the near plane
+        for (int k = 1; k < 8; k *= 2) {
+            const double *a = corners[i], *b = corners[i | k];
+            if ((i & k) == 0 && (a[2] >= f->near_distance) != (b[2] >= f->near_distance)) {
+                double part = (f->near_distance - a[2]) / (b[2] - a[2]);
+                widen(f, &r, a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]),
+                      f->near_distance);
+            }
+        }
+    }
+    if (!(r.x0 <= r.x1)) {
+        return (stp_view_rectangle){0.0, 0.0, f->width, f->height};
+    }
+    return (stp_view_rectangle){clamp(r.x0, f->width), clamp(r.y0, f->height),
+                                clamp(r.x1, f->width), clamp(r.y1, f->height)};
 }
 
 double stp_view_frame_pixel_size(const stp_view_frame* frame, double depth)

@@ -21,6 +21,7 @@ typedef struct fixture {
     stp_draw_list list;
     double scale; ///< pixels per unit of x/z, of the view drawn last
     double size;
+    stp_fovea fovea; ///< of the next selection
 } fixture;
 
 // A square with 1,024 surfels, below it the same one with 16,384, below that (or in the same node) its triangles.
@@ -76,9 +77,10 @@ static void tear_down(fixture* f)
 
 static stp_result look(fixture* f, const stp_view* view, float size, stp_policy policy)
 {
-    stp_quality quality = {.splat_size = size, .policy = policy};
+    stp_quality quality = {.splat_size = size, .policy = policy, .fovea = f->fovea};
+    stp_view eye = stp_view_of_eye(view, 0);
     stp_view_frame frame;
-    f->scale = stp_view_frame_make(view, &frame) ? frame.scale : 0.0;
+    f->scale = stp_view_frame_make(&eye, &frame) ? frame.scale : 0.0;
     f->size = (double)size;
     return stp_select(f->context, f->store, view, &quality, &f->list);
 }
@@ -161,38 +163,104 @@ static stp_view random_view(uint64_t round)
                       .height = 200};
 }
 
-// Every point of the square that is seen, in any view: one level is complete at its depth.
+// The depth of each of 25 points of the square that an eye sees, and what the size of splats is multiplied by there.
+static int list_seen(const stp_view* view, const stp_fovea* fovea, double depths[25],
+                     double factors[25])
+{
+    stp_view_frame frame;
+    int count = 0;
+    if (!stp_view_frame_make(view, &frame)) {
+        return 0;
+    }
+    double half = 0.5 * sqrt(frame.width * frame.width + frame.height * frame.height);
+    for (int i = 0; i < 25; ++i) {
+        stp_vec3d p = {i % 5 * 0.5 - 1.0, i / 5 * 0.5 - 1.0, 0};
+        stp_vec3d q = stp_subd(p, frame.eye);
+        double z = stp_dotd(q, frame.forward);
+        double x = frame.scale * stp_dotd(q, frame.right) / z;
+        double y = frame.scale * stp_dotd(q, frame.down) / z;
+        if (z >= frame.near_distance && fabs(x) < frame.center_x && fabs(y) < frame.center_y) {
+            depths[count] = z;
+            factors[count++] = stp_fovea_factor(fovea, sqrt(x * x + y * y) / half);
+        }
+    }
+    return count;
+}
+
+// The finest level that is complete at a depth: 0, 1, or 2 for the triangles; -1: none.
+static int find_complete(const fixture* f, double depth)
+{
+    return mesh_is_complete(f, depth)      ? 2
+           : is_complete(f, FINE, depth)   ? 1
+           : is_complete(f, COARSE, depth) ? 0
+                                           : -1;
+}
+
+// Every point of the square that an eye sees, in any view, with and without zones: one level is complete at its depth.
 void test_levels_leave_no_depth_without_a_complete_one(test_state* test)
 {
     fixture f;
     CHECK(set_up(&f, false));
     int by[3] = {0}, runs = 0;
-    for (uint64_t round = 0; round < 600; ++round) {
-        stp_view view = random_view(round);
-        stp_view_frame frame;
-        CHECK(stp_view_frame_make(&view, &frame));
-        CHECK_EQUAL(STP_OK,
-                    look(&f, &view, (float)uniform(round, 6, 1.0, 6.0), STP_POLICY_INSERTION));
+    double depths[25], factors[25];
+    for (uint64_t round = 0; round < 1200; ++round) {
+        stp_view view = random_view(round / 4);
+        float size = (float)uniform(round / 4, 6, 1.0, 6.0);
+        view.eye_distance = round % 4 >= 2 ? uniform(round, 7, 0.001, 0.3) : 0.0;
+        f.fovea = (stp_fovea){.count = round % 2 * 2, .zones = {{0.2f, 1.5f}, {0.9f, 5}}};
+        CHECK_EQUAL(STP_OK, look(&f, &view, size, STP_POLICY_INSERTION));
         runs += f.list.run_count > 0;
-        for (int i = 0; i < 25; ++i) {
-            stp_vec3d p = {i % 5 * 0.5 - 1.0, i / 5 * 0.5 - 1.0, 0};
-            stp_vec3d q = stp_subd(p, frame.eye);
-            double z = stp_dotd(q, frame.forward);
-            double x = frame.center_x + frame.scale * stp_dotd(q, frame.right) / z;
-            double y = frame.center_y + frame.scale * stp_dotd(q, frame.down) / z;
-            if (z < frame.near_distance || x < 0 || x >= frame.width || y < 0 ||
-                y >= frame.height) {
-                continue;
-            }
-            bool complete[3] = {is_complete(&f, COARSE, z), is_complete(&f, FINE, z),
-                                mesh_is_complete(&f, z)};
-            CHECK(complete[0] || complete[1] || complete[2]);
-            for (int k = 0; k < 3; ++k) {
-                by[k] += complete[k];
+        for (uint32_t eye = 0; eye < stp_view_eye_count(&view); ++eye) {
+            stp_view one = stp_view_of_eye(&view, eye);
+            int count = list_seen(&one, &f.fovea, depths, factors);
+            for (int i = 0; i < count; ++i) {
+                f.size = (double)size * factors[i];
+                int level = find_complete(&f, depths[i]);
+                CHECK(level >= 0);
+                by[level] += 1;
             }
         }
     }
     CHECK(by[0] > 500 && by[1] > 500 && by[2] > 500 && runs > 50);
+    tear_down(&f);
+}
+
+// What each of two eyes gets of the list for both is at least as fine as what it would get alone.
+void test_levels_of_two_eyes_are_those_of_the_nearer(test_state* test)
+{
+    fixture f;
+    CHECK(set_up(&f, false));
+    double depths[25], factors[25];
+    int finer = 0, all = 0;
+    for (uint64_t round = 0; round < 300; ++round) {
+        stp_view view = random_view(round);
+        view.eye_distance = uniform(round, 7, 0.01, 1.0) * sqrt(stp_dotd(view.eye, view.eye));
+        f.fovea = (stp_fovea){.count = round % 2 * 2, .zones = {{0.2f, 1.5f}, {0.9f, 5}}};
+        for (uint32_t eye = 0; eye < 2; ++eye) {
+            stp_view one = stp_view_of_eye(&view, eye);
+            int levels[25];
+            uint32_t missing, alone[25];
+            CHECK_EQUAL(STP_OK, look(&f, &one, 3.0f, STP_POLICY_INSERTION));
+            int count = list_seen(&one, &f.fovea, depths, factors);
+            for (int i = 0; i < count; ++i) {
+                levels[i] = find_complete(&f, depths[i]);
+                alone[i] =
+                    levels[i] < 2 ? count_drawn(&f, (uint32_t)levels[i], depths[i], &missing) : 0;
+            }
+            CHECK_EQUAL(STP_OK, look(&f, &view, 3.0f, STP_POLICY_INSERTION));
+            for (int i = 0; i < count; ++i) {
+                int level = find_complete(&f, depths[i]);
+                CHECK(level >= levels[i]);
+                all += 1;
+                if (level == levels[i] && level < 2) {
+                    uint32_t now = count_drawn(&f, (uint32_t)level, depths[i], &missing);
+                    CHECK(now >= alone[i]);
+                    finer += now > alone[i];
+                }
+            }
+        }
+    }
+    CHECK(all > 2000 && finer > 10 && finer < all);
     tear_down(&f);
 }
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// What all eyes together see of a box, and how fine it is wanted.
+#include "select/select_internal.h"
+
+/// The sizes of splats wanted in an eye's picture of the box.
+static void choose_sizes(const stp_selection* s, uint32_t eye, const stp_boxd* box,
+                         stp_sight* sight)
+{
+    const stp_fovea* fovea = &s->quality->fovea;
+    double base = (double)s->list->splat_size, least = 1.0, greatest = 1.0;
+    if (fovea->count > 0) {
+        stp_view_rectangle seen = stp_view_frame_cover(&s->frames[eye], box);
+        stp_fovea_bound(fovea, &s->frames[eye], &seen, &least, &greatest);
+    }
+    sight->splat_size = fmin(sight->splat_size, fmax(base * least, 1.0));
+    sight->largest_size = fmax(sight->largest_size, base * greatest);
+}
+
+bool stp_select_see(const stp_selection* s, const stp_boxd* box, stp_sight* sight)
+{
+    *sight = (stp_sight){.range = {HUGE_VAL, 0.0},
+                         .splat_size = HUGE_VAL,
+                         .largest_size = (double)s->list->splat_size};
+    for (uint32_t i = 0; i < s->eye_count; ++i) {
+        const stp_view_frame* frame = &s->frames[i];
+        double near, far;
+        if (!stp_view_frame_sees_range(frame, box, &near, &far)) {
+            continue;
+        }
+        sight->eyes |= 1u << i;
+        sight->range.near = fmin(sight->range.near, near);
+        sight->range.far = fmax(sight->range.far, far);
+        sight->is_inside = sight->is_inside || stp_view_frame_is_inside(frame, box);
+        choose_sizes(s, i, box, sight);
+    }
+    if (s->frames[0].parallel) {
+        sight->range = (stp_depth_range){1.0, 1.0};
+    }
+    return sight->eyes != 0;
+}
