@@ -68,12 +68,12 @@ typedef struct cpu_item {
 
 typedef struct cpu_shade_item cpu_shade_item;
 typedef struct cpu_shade_material cpu_shade_material;
-typedef struct cpu_mesh_memory cpu_mesh_memory;
+typedef struct cpu_shade_memory cpu_shade_memory;
 
 typedef struct cpu_worker {
     uint64_t* pixels;
-    uint64_t** buffers;         ///< room for those of all workers
-    cpu_mesh_memory* triangles; ///< lately shaded
+    uint64_t** buffers;        ///< room for those of all workers
+    cpu_shade_memory* shading; ///< what was shaded lately
     stp_arena scratch;
     uint64_t fragments, covered;
     bool drew, failed;
@@ -265,24 +265,14 @@ typedef struct cpu_cluster_range {
 bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_range* range,
                        const stp_raster_target* target, cpu_worker* worker);
 
-// What there is of light.
+// One light, and a sky that is lighter than the ground: enough to read shapes and materials anywhere, with nothing to
+// set up. Metals keep half of their diffuse colour, since there is nothing for them to mirror.
 #define CPU_LIGHT_SKY 0.28f
 #define CPU_LIGHT_GROUND 0.12f
 #define CPU_LIGHT_KEY 0.62f
 #define CPU_LIGHT_FILL 0.08f
 
-/// What light falls on.
-typedef struct cpu_surface {
-    float color[3], emissive[3]; ///< linear
-    float metallic, roughness;
-    stp_vec3 normal; ///< unit, scene space; zero: none
-    bool unlit;
-} cpu_surface;
-
 typedef struct cpu_light {
     stp_vec3 toward; ///< unit, to the light
     stp_vec3 up;     ///< unit
 } cpu_light;
-
-void cpu_light_surface(const cpu_light* light, stp_vec3 to_eye, const cpu_surface* surface,
-                       float out[3]);

@@ -1,134 +1,28 @@
 // SPDX-License-Identifier: MIT
-// From the visibility buffer to colours: each pixel is looked up and lit once.
+// From the visibility buffer to colours, tile by tile.
 #include "draw/cpu/shade.h"
 
 #include <string.h>
 
-/// What one band of the picture needs to know.
+/// Four numbers at once, in the compiler's own notation: the same bits everywhere.
+typedef float four __attribute__((vector_size(16)));
+typedef uint32_t four_int __attribute__((vector_size(16)));
+
+/// What one band of the picture needs to know, and where it is.
 typedef struct shader {
     cpu_renderer* r;
     cpu_worker* worker;
+    cpu_shade_memory* memory;
     const cpu_shade_kernels* kernels;
-    cpu_shade_row row;
+    cpu_shade_scene scene;
     uint32_t buffer_count;
-    uint64_t** buffers; ///< of workers that drew
-    uint32_t item;      ///< that the last pixel belonged to
-    uint32_t alone_count;
-    uint8_t alone[SHADE_CHUNK]; ///< lanes lit by themselves
-    float alone_color[SHADE_CHUNK][3];
+    uint64_t** buffers;           ///< of workers that drew
+    uint32_t empty;               ///< colour of pixels that show nothing
+    uint32_t x, y, width, height; ///< of the tile
+    uint32_t run_count;
+    uint32_t row_runs[SHADE_ROWS + 1]; ///< of each row, the first
+    cpu_shade_run runs[SHADE_PIXELS];
 } shader;
-
-static int32_t read_color(const uint8_t* color)
-{
-    return (int32_t)((uint32_t)color[0] | (uint32_t)color[1] << 8 | (uint32_t)color[2] << 16);
-}
-
-static void look_up_surfel(const cpu_shade_item* item, uint32_t index, cpu_shade_chunk* c,
-                           uint32_t lane)
-{
-    c->coded[lane] = -1;
-    c->color[lane] = read_color(item->colors + 3 * (size_t)index);
-    c->low[lane] = c->color[lane];
-    c->blend[lane] = item->blend;
-    if (index < item->low_count) {
-        c->low[lane] = read_color(item->low_colors + 3 * (size_t)index);
-        c->has_low = true;
-    }
-    uint16_t code;
-    memcpy(&code, item->normals + 2 * (size_t)index, sizeof(code));
-    c->code[lane] = code;
-    c->material[lane] = item->materials[index];
-    c->has_codes = true;
-}
-
-static void look_up_point(const shader* s, uint32_t slot, uint32_t index, cpu_shade_chunk* c,
-                          uint32_t lane)
-{
-    const cpu_item* item = &s->r->items[slot];
-    const stp_store_point_set* points = &item->points;
-    stp_vec3 normal = {0};
-    for (size_t k = 0; k < 3; ++k) {
-        float color = item->material->base_color[k];
-        if (points->colors != NULL) {
-            color *= s->row.decode[points->colors[4 * (size_t)index + k]];
-        }
-        c->linear[k][lane] = color;
-    }
-    if (points->normals != NULL) {
-        normal = cpu_decode_normal(points->normals + 2 * (size_t)index);
-    }
-    c->normal[0][lane] = normal.x;
-    c->normal[1][lane] = normal.y;
-    c->normal[2][lane] = normal.z;
-    c->material[lane] = (int32_t)s->row.items[slot].material;
-}
-
-/// Which items pixels show; what will be read of surfels is asked for.
-static void find_items(shader* s, cpu_shade_chunk* c, uint32_t size)
-{
-    const cpu_shade_item* items = s->row.items;
-    uint32_t slot = s->item;
-    for (uint32_t i = 0; i < size; ++i) {
-        c->there[i] = -(int32_t)(c->pixels[i] != STP_RASTER_EMPTY);
-        uint32_t id = stp_raster_id(c->pixels[i]);
-        if (id - items[slot].first_id >= items[slot].count && c->there[i] != 0) {
-            slot = cpu_find_item(s->r, id);
-        }
-        c->item[i] = (int32_t)slot;
-        const cpu_shade_item* item = &items[slot];
-        if (item->kind == STP_DRAW_SURFELS && c->there[i] != 0) {
-            size_t index = id - item->first_id;
-            __builtin_prefetch(item->colors + 3 * index);
-            __builtin_prefetch(item->normals + 2 * index);
-            __builtin_prefetch(item->materials + index);
-        }
-    }
-    s->item = slot;
-}
-
-/// What pixels show.
-static void look_up(shader* s, cpu_shade_chunk* c, uint32_t x, uint32_t y, uint32_t size)
-{
-    float* depth = s->r->depth + (size_t)y * s->r->width + x;
-    find_items(s, c, size);
-    c->has_codes = c->has_low = false;
-    s->alone_count = 0;
-    for (uint32_t i = 0; i < size; ++i) {
-        if (c->there[i] == 0) {
-            continue;
-        }
-        const cpu_shade_item* item = &s->row.items[c->item[i]];
-        uint32_t index = stp_raster_id(c->pixels[i]) - item->first_id;
-        c->coded[i] = 0;
-        if (item->kind == STP_DRAW_SURFELS) {
-            look_up_surfel(item, index, c, i);
-        } else if (item->kind == STP_DRAW_POINTS) {
-            look_up_point(s, (uint32_t)c->item[i], index, c, i);
-        } else {
-            depth[i] = cpu_true_nearness(&s->r->items[c->item[i]], depth[i]);
-            bool done = cpu_look_up_triangle(s->r, s->worker, &s->row, c, i, x + i, y,
-                                             s->alone_color[s->alone_count]);
-            s->alone[s->alone_count] = (uint8_t)i;
-            s->alone_count += done ? 0 : 1;
-        }
-    }
-}
-
-/// What the direction to the eye is made of, for a row: (forward + right u + down v) turned round.
-static void begin_row(shader* s, uint32_t y)
-{
-    const cpu_renderer* r = s->r;
-    const stp_view_frame* f = &r->frame;
-    stp_vec3d start = stp_scaled(f->forward, -1.0);
-    if (!f->parallel) {
-        double u = (-f->center_x - r->shift_x) / f->scale;
-        double v = ((double)y + 0.5 - f->center_y - r->shift_y) / f->scale;
-        start = stp_subd(start, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
-    }
-    s->row.start = stp_to_float(start);
-    s->row.step = stp_to_float(stp_scaled(f->right, -1.0 / f->scale));
-    s->row.parallel = f->parallel;
-}
 
 static uint8_t encode(const cpu_renderer* r, float linear)
 {
@@ -165,105 +59,250 @@ static cpu_light make_light(const cpu_renderer* r)
     return (cpu_light){.toward = stp_to_float(toward), .up = stp_to_float(up)};
 }
 
-static void add_to_sums(const cpu_renderer* r, size_t at, const cpu_shade_chunk* c, uint32_t size,
-                        bool any)
-{
-    for (uint32_t i = 0; i < size; ++i) {
-        float* sum = r->sums + 4 * (at + i);
-        bool there = any && c->there[i] != 0;
-        for (int k = 0; k < 3; ++k) {
-            float linear = there ? c->out[k][i] : 0.0f;
-            linear = linear < 1.0f ? linear : 1.0f; // so that glints do not outshine edges
-            sum[k] = r->sample == 0 ? linear : sum[k] + linear;
-        }
-        float coverage = there ? 1.0f : 0.0f;
-        sum[3] = r->sample == 0 ? coverage : sum[3] + coverage;
-    }
-}
-
-/// Shades what a chunk's pixels show.
-static void shade_chunk(shader* s, cpu_shade_chunk* c, uint32_t x, uint32_t y, uint32_t size)
-{
-    look_up(s, c, x, y, size);
-    s->kernels->light(&s->row, c, x, size);
-    for (uint32_t k = 0; k < s->alone_count; ++k) {
-        const float* color = s->alone_color[k];
-        uint32_t lane = s->alone[k];
-        write_pixel(s->r, color, 1.0f, (uint8_t*)&c->bytes[lane]);
-        for (int i = 0; i < 3; ++i) {
-            c->out[i][lane] = color[i];
-        }
-    }
-}
-
-static void finish_chunk(const shader* s, const cpu_shade_chunk* c, size_t at, uint32_t size,
-                         bool any)
+/// What the direction to the eye is made of, for a tile: (forward + right u + down v) turned round.
+static void place_eye(shader* s)
 {
     const cpu_renderer* r = s->r;
-    if (r->sample_count > 1) {
-        add_to_sums(r, at, c, size, any);
-        return;
+    const stp_view_frame* f = &r->frame;
+    stp_vec3d start = stp_scaled(f->forward, -1.0);
+    if (!f->parallel) {
+        double u = ((double)s->x - f->center_x - r->shift_x) / f->scale;
+        double v = ((double)s->y - f->center_y - r->shift_y) / f->scale;
+        start = stp_subd(start, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
     }
-    uint8_t* out = r->image->pixels + 4 * at;
-    if (any) {
-        memcpy(out, c->bytes, 4 * (size_t)size);
-        for (uint32_t i = 0; i < size; ++i) {
-            s->worker->covered += c->there[i] != 0;
+    s->scene.start = stp_to_float(start);
+    s->scene.across = stp_to_float(stp_scaled(f->right, -1.0 / f->scale));
+    s->scene.down = stp_to_float(stp_scaled(f->down, -1.0 / f->scale));
+    s->scene.parallel = f->parallel;
+}
+
+/// @return whether the tile shows anything
+static bool merge_tile(shader* s)
+{
+    uint64_t any = 0;
+    for (uint32_t row = 0; row < s->height; ++row) {
+        cpu_shade_merged* merged = &s->memory->rows[row];
+        size_t at = (size_t)(s->y + row) * s->r->width + s->x;
+        s->kernels->merge(s->buffers, s->buffer_count, at, s->width, merged);
+        any |= merged->there;
+    }
+    return any != 0;
+}
+
+static void find_runs(shader* s)
+{
+    cpu_shade_memory* memory = s->memory;
+    cpu_begin_tile(memory);
+    s->run_count = 0;
+    for (uint32_t row = 0; row < s->height; ++row) {
+        const cpu_shade_merged* merged = &memory->rows[row];
+        s->row_runs[row] = s->run_count;
+        for (uint64_t starts = merged->starts; starts != 0;) {
+            uint32_t x = (uint32_t)__builtin_ctzll(starts);
+            starts &= starts - 1;
+            uint32_t end = starts != 0 ? (uint32_t)__builtin_ctzll(starts) : SHADE_WIDTH;
+            uint32_t id = merged->ids[x + 1];
+            uint32_t surface = id == UINT32_MAX ? SHADE_EMPTY : cpu_find_surface(memory, id);
+            s->runs[s->run_count++] = (cpu_shade_run){
+                .x = (uint8_t)x, .length = (uint8_t)(end - x), .surface = (uint16_t)surface};
         }
-        return;
     }
-    for (uint32_t i = 0; i < size; ++i) {
-        memcpy(out + 4 * (size_t)i, &s->row.empty, 4);
+    s->row_runs[s->height] = s->run_count;
+}
+
+/// Lanes of a run that has one colour and normal all over.
+static uint32_t add_flat_lanes(cpu_shade_lanes* lanes, uint32_t at, const cpu_shade_run* run,
+                               uint32_t row)
+{
+    for (uint32_t x = 0; x < run->length; x += SHADE_REACH, ++at) {
+        uint32_t left = run->length - x, size = left < SHADE_REACH ? left : SHADE_REACH;
+        lanes->surface[at] = run->surface;
+        lanes->x[at] = (float)(run->x + x) + 0.5f * (float)size;
+        lanes->y[at] = (float)row + 0.5f;
+    }
+    return at;
+}
+
+static void add_lanes(shader* s, uint32_t row)
+{
+    cpu_shade_memory* memory = s->memory;
+    cpu_shade_lanes* lanes = &memory->lanes;
+    uint32_t at = lanes->count;
+    for (uint32_t i = s->row_runs[row]; i < s->row_runs[row + 1]; ++i) {
+        cpu_shade_run* run = &s->runs[i];
+        run->flat = memory->kind[run->surface] == SHADE_FLAT;
+        if (run->surface == SHADE_EMPTY) {
+            run->lane = SHADE_EMPTY_LANE;
+            continue;
+        }
+        run->lane = (uint16_t)at;
+        if (run->flat) {
+            at = add_flat_lanes(lanes, at, run, row);
+            continue;
+        }
+        cpu_make_pixel_surfaces(s->r, memory, run, s->x + run->x, s->y + row,
+                                memory->rows[row].nearness + run->x,
+                                memory->surfaces + SHADE_OWN + at);
+        for (uint32_t k = 0; k < run->length; ++k, ++at) {
+            lanes->surface[at] = SHADE_OWN + at;
+            lanes->x[at] = (float)(run->x + k) + 0.5f;
+            lanes->y[at] = (float)row + 0.5f;
+        }
+    }
+    lanes->count = at;
+}
+
+static void light_tile(shader* s)
+{
+    cpu_shade_lanes* lanes = &s->memory->lanes;
+    lanes->count = 0;
+    for (uint32_t row = 0; row < s->height; ++row) {
+        add_lanes(s, row);
+    }
+    for (uint32_t i = 0; i < SHADE_LANES_MOST; ++i) {
+        lanes->surface[lanes->count + i] = SHADE_EMPTY;
+    }
+    place_eye(s);
+    s->kernels->light(&s->scene, s->memory->surfaces, lanes);
+}
+
+/// Writes a row of bytes and nearness, up to three more than there are.
+static void spread_runs(const shader* s, uint32_t row, uint32_t* bytes, float* nearness)
+{
+    const cpu_shade_memory* memory = s->memory;
+    const float* from = memory->rows[row].nearness;
+    for (uint32_t i = s->row_runs[row]; i < s->row_runs[row + 1]; ++i) {
+        const cpu_shade_run* run = &s->runs[i];
+        const uint32_t* lane = memory->lanes.bytes + run->lane;
+        cpu_shade_nearness near = memory->nearness[run->surface];
+        for (uint32_t k = 0; k < run->length; k += 4) {
+            four_int color;
+            four depth;
+            memcpy(&depth, from + run->x + k, sizeof(depth));
+            depth = depth * near.factor + near.shift;
+            memcpy(nearness + run->x + k, &depth, sizeof(depth));
+            memcpy(&color, lane + k, sizeof(color));
+            if (run->flat) {
+                color = lane[k / SHADE_REACH] - (four_int){0};
+            }
+            memcpy(bytes + run->x + k, &color, sizeof(color));
+        }
     }
 }
 
-static shader make_shader(cpu_renderer* r, cpu_worker* worker)
+static void add_to_sums(const shader* s, uint32_t row)
 {
-    shader s = {.r = r,
-                .worker = worker,
-                .kernels = cpu_choose_shade_kernels(),
-                .row = {.items = r->shade_items,
-                        .materials = r->shade_materials,
-                        .decode = r->decode,
-                        .encode = r->encode,
-                        .light = make_light(r)},
-                .buffers = worker->buffers};
-    const float nothing[3] = {0};
-    write_pixel(r, nothing, 0.0f, (uint8_t*)&s.row.empty);
-    for (uint32_t i = 0; i < r->team.threads; ++i) {
-        if (r->workers[i].drew) {
-            s.buffers[s.buffer_count++] = r->workers[i].pixels;
+    const cpu_renderer* r = s->r;
+    const cpu_shade_lanes* lanes = &s->memory->lanes;
+    float* sums = r->sums + 4 * ((size_t)(s->y + row) * r->width + s->x);
+    for (uint32_t i = s->row_runs[row]; i < s->row_runs[row + 1]; ++i) {
+        const cpu_shade_run* run = &s->runs[i];
+        bool there = run->surface != SHADE_EMPTY;
+        for (uint32_t k = 0; k < run->length && run->x + k < s->width; ++k) {
+            float* sum = sums + 4 * (size_t)(run->x + k);
+            uint32_t lane = run->lane + (run->flat ? k / SHADE_REACH : k);
+            for (int c = 0; c < 3; ++c) {
+                float linear = there ? lanes->linear[c][lane] : 0.0f;
+                linear = linear < 1.0f ? linear : 1.0f; // so that glints do not outshine edges
+                sum[c] = r->sample == 0 ? linear : sum[c] + linear;
+            }
+            float coverage = there ? 1.0f : 0.0f;
+            sum[3] = r->sample == 0 ? coverage : sum[3] + coverage;
         }
     }
-    return s;
+}
+
+static void write_tile(const shader* s)
+{
+    cpu_renderer* r = s->r;
+    uint32_t bytes[SHADE_WIDTH + 4];
+    float nearness[SHADE_WIDTH + 4];
+    for (uint32_t row = 0; row < s->height; ++row) {
+        size_t at = (size_t)(s->y + row) * r->width + s->x;
+        spread_runs(s, row, bytes, nearness);
+        memcpy(r->depth + at, nearness, s->width * sizeof(float));
+        if (r->sample_count > 1) {
+            add_to_sums(s, row);
+        } else {
+            memcpy(r->image->pixels + 4 * at, bytes, s->width * sizeof(uint32_t));
+            s->worker->covered += (uint32_t)__builtin_popcountll(s->memory->rows[row].there);
+        }
+    }
+}
+
+static void write_nothing(const shader* s)
+{
+    cpu_renderer* r = s->r;
+    for (uint32_t row = 0; row < s->height; ++row) {
+        size_t at = (size_t)(s->y + row) * r->width + s->x;
+        memset(r->depth + at, 0, s->width * sizeof(float));
+        if (r->sample_count == 1) {
+            for (size_t i = 0; i < s->width; ++i) {
+                memcpy(r->image->pixels + 4 * (at + i), &s->empty, sizeof(s->empty));
+            }
+        } else if (r->sample == 0) {
+            memset(r->sums + 4 * at, 0, 4 * s->width * sizeof(float));
+        }
+    }
+}
+
+/// Buffers of workers that drew.
+static uint32_t find_buffers(const cpu_renderer* r, uint64_t** buffers)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        if (r->workers[i].drew) {
+            buffers[count++] = r->workers[i].pixels;
+        }
+    }
+    return count;
+}
+
+static void begin_shader(shader* s, cpu_renderer* r, cpu_worker* worker)
+{
+    const float nothing[3] = {0};
+    cpu_shade_memory* memory = worker->shading;
+    s->r = r;
+    s->worker = worker;
+    s->memory = memory;
+    s->kernels = cpu_choose_shade_kernels();
+    s->scene = (cpu_shade_scene){.encode = r->encode, .light = make_light(r)};
+    s->buffers = worker->buffers;
+    s->buffer_count = find_buffers(r, s->buffers);
+    write_pixel(r, nothing, 0.0f, (uint8_t*)&s->empty);
+    for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {
+        memory->lanes.bytes[SHADE_EMPTY_LANE + i] = s->empty;
+    }
+    memory->lanes.wants_linear = r->sample_count > 1;
 }
 
 void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker)
 {
-    shader s = make_shader(r, worker);
-    cpu_shade_chunk chunk = {0};
-    for (uint32_t y = begin; y < end; ++y) {
-        begin_row(&s, y);
-        for (uint32_t x = 0; x < r->width; x += SHADE_CHUNK) {
-            uint32_t left = r->width - x, size = left < SHADE_CHUNK ? left : SHADE_CHUNK;
-            size_t at = (size_t)y * r->width + x;
-            bool any =
-                s.kernels->merge(s.buffers, s.buffer_count, at, size, chunk.pixels, r->depth + at);
-            if (any) {
-                shade_chunk(&s, &chunk, x, y, size);
+    shader s;
+    begin_shader(&s, r, worker);
+    for (s.y = begin; s.y < end; s.y += SHADE_ROWS) {
+        s.height = end - s.y < SHADE_ROWS ? end - s.y : SHADE_ROWS;
+        for (s.x = 0; s.x < r->width; s.x += SHADE_WIDTH) {
+            s.width = r->width - s.x < SHADE_WIDTH ? r->width - s.x : SHADE_WIDTH;
+            if (!merge_tile(&s)) {
+                write_nothing(&s);
+                continue;
             }
-            finish_chunk(&s, &chunk, at, size, any);
+            find_runs(&s);
+            cpu_make_surfaces(r, s.memory);
+            light_tile(&s);
+            write_tile(&s);
         }
     }
 }
 
 void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker)
 {
-    shader s = make_shader(r, worker);
+    uint32_t count = find_buffers(r, worker->buffers);
     for (size_t at = (size_t)begin * r->width; at < (size_t)end * r->width; ++at) {
         uint64_t least = STP_RASTER_EMPTY;
-        for (uint32_t k = 0; k < s.buffer_count; ++k) {
-            least = s.buffers[k][at] < least ? s.buffers[k][at] : least;
+        for (uint32_t k = 0; k < count; ++k) {
+            least = worker->buffers[k][at] < least ? worker->buffers[k][at] : least;
         }
         r->depth[at] = least == STP_RASTER_EMPTY ? 0.0f : stp_raster_nearness(least);
     }

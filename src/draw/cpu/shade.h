@@ -1,88 +1,171 @@
 // SPDX-License-Identifier: MIT
 //
-// How a row of the visibility buffer becomes colours: in chunks of 64 pixels, each of which is
+// How a tile of the visibility buffer, 64 x 8 pixels, becomes colours:
 //
-//   merged     the nearest of all workers' pixels, which are left empty
-//   looked up  what each pixel shows: codes of surfels, or the colour and normal of a triangle or point
-//   lit        decoded, turned, lit and encoded, a vector of pixels at a time
+//   merged     the nearest of all workers' pixels, which are left empty, row by row; where ids change, a run begins
+//   looked up  what runs show: one surface an id, remembered from tile to tile
+//   lit        surfaces in lanes: one for up to 16 pixels of a run whose colour and normal are the same all over,
+//              one a pixel elsewhere; a vector of lanes at a time
+//   written    lanes spread over their pixels
 //
-// Merging and lighting are the variants' (shade_lanes.h). All arithmetic is single IEEE operations in the order of
-// cpu_light_surface: all variants give the same bits, and the same as pixels lit one by one.
+// Merging and lighting are the variants' (shade_lanes.h). All arithmetic is single IEEE operations in a fixed order: all
+// variants give the same bits. What a pixel gets depends on the tile's picture alone, not on what is remembered.
 #pragma once
 
 #include "draw/cpu/cpu.h"
 
-enum { SHADE_CHUNK = 64 };
+enum {
+    SHADE_WIDTH = 64,           ///< pixels of a tile's row
+    SHADE_ROWS = CPU_BAND_ROWS, ///< of a tile
+    SHADE_PIXELS = SHADE_WIDTH * SHADE_ROWS,
+    SHADE_REACH = 16,      ///< pixels of a row that are lit as one, at most
+    SHADE_LANES_MOST = 16, ///< of any variant's vectors
+    SHADE_LANES = SHADE_PIXELS + SHADE_LANES_MOST,
+    SHADE_EMPTY_LANE = SHADE_LANES, ///< pixels that show nothing have their colour from here on
+    SHADE_CACHE_BITS = 10,
+    SHADE_CACHE = 1 << SHADE_CACHE_BITS,
+    SHADE_KEPT =
+        SHADE_CACHE + SHADE_PIXELS, ///< surfaces of ids: remembered ones, and those of one tile
+    SHADE_EMPTY = SHADE_KEPT,       ///< the surface of pixels that show nothing
+    SHADE_OWN = SHADE_EMPTY + 1,    ///< first of the pixels' own surfaces
+    SHADE_SURFACES = SHADE_OWN + SHADE_PIXELS,
+};
 
-/// What lighting needs of an item, and what its surfels' codes are.
+/// What light needs of a material, worked out once a store.
+struct cpu_shade_material {
+    float metallic, kept, a2, gloss, emissive[3];
+    float unlit; ///< 1 or 0
+};
+
+/// What light falls on: sixteen floats, of which those that are the fourth of four are not looked at.
+typedef struct cpu_shade_surface {
+    float color[4];  ///< linear
+    float normal[4]; ///< scene space, of any length; zero: none
+    cpu_shade_material material;
+} cpu_shade_surface;
+
+/// Nearness = factor * that of the buffer + shift: cpu_true_nearness.
+typedef struct cpu_shade_nearness {
+    float factor, shift;
+} cpu_shade_nearness;
+
+/// What surfaces are made of, for each item.
 struct cpu_shade_item {
-    float normal_matrix[9]; ///< first, as floats: gathered
+    float normal_matrix[3][3];
     float blend;
+    cpu_shade_nearness nearness;
     uint32_t first_id, count;
     uint32_t low_count; ///< 0 where nothing is blended
     uint32_t material;  ///< of meshes and points
     stp_draw_kind kind;
     const uint8_t *colors, *low_colors, *materials;
     const int8_t* normals;
-    uint8_t unused[128 - 15 * 4 - 4 - 4 * sizeof(void*)]; ///< two lines of the cache
 };
 
-/// What light needs of a material, worked out once a store. Gathered: eight floats.
-struct cpu_shade_material {
-    float metallic, kept, a2, gloss, emissive[3];
-    float unlit; ///< 1 or 0
-};
-
-/// What all pixels of a row have in common.
-typedef struct cpu_shade_row {
-    const cpu_shade_item* items;
-    const cpu_shade_material* materials;
-    const float* decode;
+/// Light, and where it is seen from.
+typedef struct cpu_shade_scene {
     const uint8_t* encode; ///< three bytes longer than its size
     cpu_light light;
-    stp_vec3 start,
-        step;       ///< towards the eye from pixel x: start + step (x + 0.5), not of unit length
-    bool parallel;  ///< towards the eye: start
-    uint32_t empty; ///< colour of pixels that show nothing
-} cpu_shade_row;
+    /// Towards the eye from (x, y) of a tile: start + across x + down y, not of unit length.
+    stp_vec3 start, across, down;
+    bool parallel; ///< towards the eye: start
+} cpu_shade_scene;
 
-/// Pixels of a row. Lanes that show nothing hold whatever they hold, but valid indices.
-typedef struct cpu_shade_chunk {
-    uint64_t pixels[SHADE_CHUNK];
-    int32_t there[SHADE_CHUNK]; ///< -1: shows something
-    int32_t coded[SHADE_CHUNK]; ///< -1: colour and normal are codes
-    int32_t item[SHADE_CHUNK], material[SHADE_CHUNK];
-    int32_t color[SHADE_CHUNK], low[SHADE_CHUNK]; ///< sRGB bytes
-    int32_t code[SHADE_CHUNK];                    ///< octahedral normal: two bytes
-    float blend[SHADE_CHUNK];
-    float linear[3][SHADE_CHUNK], normal[3][SHADE_CHUNK];
-    bool has_codes, has_low;
-    float out[3][SHADE_CHUNK]; ///< linear light
-    uint32_t bytes[SHADE_CHUNK];
-} cpu_shade_chunk;
+/// What is lit at once. Lanes beyond the last, up to a whole vector, hold valid surfaces.
+typedef struct cpu_shade_lanes {
+    uint32_t count;
+    bool wants_linear;
+    uint32_t surface[SHADE_LANES];
+    float x[SHADE_LANES], y[SHADE_LANES]; ///< of the tile
+    uint32_t bytes[SHADE_LANES + SHADE_WIDTH];
+    float linear[3][SHADE_LANES]; ///< only where wanted
+} cpu_shade_lanes;
+
+/// A row of a tile. Pixels beyond the picture are empty.
+typedef struct cpu_shade_merged {
+    uint32_t ids[1 + SHADE_WIDTH]; ///< from the second on; UINT32_MAX: none
+    float nearness[SHADE_WIDTH + 4];
+    uint64_t there;  ///< pixels that show something: bit i is pixel i
+    uint64_t starts; ///< pixels whose id is not that of the pixel before
+} cpu_shade_merged;
+
+/// @param roughness,metallic 0..1
+cpu_shade_material cpu_make_shade_material(float metallic, float roughness, const float emissive[3],
+                                           bool unlit);
 
 typedef struct cpu_shade_kernels {
-    /// Takes the least of `count` buffers at `at`, empties them there, and writes how near pixels are.
-    /// @return whether any pixel shows anything
-    bool (*merge)(uint64_t* const* buffers, uint32_t count, size_t at, uint32_t size,
-                  uint64_t* pixels, float* depth);
-    /// Lights pixels x .. x + size - 1 of a row.
-    void (*light)(const cpu_shade_row* row, cpu_shade_chunk* chunk, uint32_t x, uint32_t size);
+    /// Takes the least of `count` buffers at `at` and empties them there.
+    void (*merge)(uint64_t* const* buffers, uint32_t count, size_t at, uint32_t size,
+                  cpu_shade_merged* row);
+    void (*light)(const cpu_shade_scene* scene, const cpu_shade_surface* surfaces,
+                  cpu_shade_lanes* lanes);
 } cpu_shade_kernels;
 
 extern const cpu_shade_kernels cpu_shade_kernels_portable, cpu_shade_kernels_avx2,
     cpu_shade_kernels_avx512;
 const cpu_shade_kernels* cpu_choose_shade_kernels(void);
 
-/// Triangles shaded lately; stp_free. NULL where memory runs out.
-cpu_mesh_memory* cpu_make_mesh_memory(stp_context* context);
-void cpu_forget_triangles(cpu_mesh_memory* memory);
+/// How the pixels of an id differ.
+typedef enum cpu_shade_kind {
+    SHADE_FLAT,     ///< not at all
+    SHADE_SMOOTH,   ///< triangles whose normal or colour is not the same everywhere
+    SHADE_TEXTURED, ///< triangles with textures
+} cpu_shade_kind;
+
+typedef struct cpu_triangle_memory cpu_triangle_memory;
+
+/// What a worker remembers, and its tile.
+struct cpu_shade_memory {
+    cpu_shade_surface* surfaces; ///< SHADE_SURFACES, each in a line of the cache
+    unsigned char* room;         ///< that they lie in
+    struct {
+        uint32_t id;   ///< UINT32_MAX: none
+        uint32_t tile; ///< that it was wanted in last
+    } slots[SHADE_KEPT];
+    uint32_t item[SHADE_KEPT];
+    cpu_shade_nearness nearness[SHADE_KEPT + 1];
+    uint8_t kind[SHADE_KEPT + 1];
+    uint32_t tile;       ///< counts tiles, from 1 on
+    uint32_t extra;      ///< places of this tile alone
+    uint32_t miss_count; ///< surfaces found, but not made yet
+    uint16_t misses[SHADE_PIXELS];
+    uint32_t last_item;
+    cpu_shade_merged rows[SHADE_ROWS];
+    cpu_shade_lanes lanes;
+    cpu_triangle_memory* triangles;
+};
+
+/// NULL where memory runs out.
+cpu_shade_memory* cpu_make_shade_memory(stp_context* context);
+void cpu_destroy_shade_memory(stp_context* context, cpu_shade_memory* memory);
+void cpu_forget_surfaces(cpu_shade_memory* memory);
+/// stp_free. NULL where memory runs out.
+cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context);
+void cpu_forget_triangles(cpu_triangle_memory* memory);
 
 /// The place in the frame's items of what `id` belongs to.
 uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id);
 
-/// Looks up a triangle's pixel. @return false where its material needs more than the chunk holds: then `out` is
-/// its colour
-bool cpu_look_up_triangle(const cpu_renderer* r, cpu_worker* worker, const cpu_shade_row* row,
-                          cpu_shade_chunk* chunk, uint32_t lane, uint32_t x, uint32_t y,
-                          float out[3]);
+/// Places of the tile before may be taken from now on.
+void cpu_begin_tile(cpu_shade_memory* memory);
+/// The surface of an id, which may have to be made yet.
+uint32_t cpu_find_surface(cpu_shade_memory* memory, uint32_t id);
+/// Makes those surfaces that were found since the last call and are not made yet.
+void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory);
+
+/// Makes surface `at` of a triangle, and what is remembered beside it.
+cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory* memory,
+                                         uint32_t at);
+
+/// Pixels of one row.
+typedef struct cpu_shade_run {
+    uint8_t x, length;      ///< of the tile
+    uint16_t surface, lane; ///< the first lane
+    bool flat;              ///< one lane for SHADE_REACH pixels
+} cpu_shade_run;
+
+/// Makes surfaces of pixels' own, from `out` on, of a run of a triangle that is not flat; (x, y) is its first pixel in the
+/// picture, `nearness` what the buffer says.
+void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
+                             const cpu_shade_run* run, uint32_t x, uint32_t y,
+                             const float* nearness, cpu_shade_surface* out);

@@ -11,16 +11,6 @@
 typedef int32_t lanes_int __attribute__((vector_size(32)));
 typedef float lanes_float __attribute__((vector_size(32)));
 
-static inline lanes_int lanes_index(void)
-{
-    return (lanes_int){0, 1, 2, 3, 4, 5, 6, 7};
-}
-
-static inline lanes_float lanes_gather(const float* base, lanes_int i)
-{
-    return (lanes_float)_mm256_i32gather_ps(base, (__m256i)i, 4);
-}
-
 static inline lanes_int lanes_gather_byte(const uint8_t* base, lanes_int i)
 {
     return (lanes_int)_mm256_i32gather_epi32((const int*)(const void*)base, (__m256i)i, 1) & 255;
@@ -31,24 +21,40 @@ static inline lanes_float lanes_select(lanes_int mask, lanes_float a, lanes_floa
     return (lanes_float)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)mask);
 }
 
-static inline lanes_float lanes_absolute(lanes_float a)
-{
-    return (lanes_float)((lanes_int)a & INT32_MAX);
-}
-
 static inline lanes_float lanes_root(lanes_float a)
 {
     return (lanes_float)_mm256_sqrt_ps((__m256)a);
 }
 
-static inline bool lanes_none(lanes_int mask)
+/// Bit i: the sign of number i.
+static inline uint32_t lanes_mask(lanes_int a)
 {
-    return _mm256_testz_si256((__m256i)mask, (__m256i)mask) != 0;
+    return (uint32_t)_mm256_movemask_ps((__m256)a);
+}
+
+/// Surfaces turned: field k of all.
+static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
+                              lanes_float field[16])
+{
+    for (int k = 0; k < 16; k += 4) {
+        __m256 row[4];
+        for (int i = 0; i < 4; ++i) {
+            __m128 low = _mm_loadu_ps((const float*)&surfaces[index[i]] + k);
+            __m128 high = _mm_loadu_ps((const float*)&surfaces[index[i + 4]] + k);
+            row[i] = _mm256_insertf128_ps(_mm256_castps128_ps256(low), high, 1);
+        }
+        __m256 a = _mm256_unpacklo_ps(row[0], row[1]), b = _mm256_unpackhi_ps(row[0], row[1]);
+        __m256 c = _mm256_unpacklo_ps(row[2], row[3]), d = _mm256_unpackhi_ps(row[2], row[3]);
+        field[k] = (lanes_float)_mm256_shuffle_ps(a, c, 0x44);
+        field[k + 1] = (lanes_float)_mm256_shuffle_ps(a, c, 0xEE);
+        field[k + 2] = (lanes_float)_mm256_shuffle_ps(b, d, 0x44);
+        field[k + 3] = (lanes_float)_mm256_shuffle_ps(b, d, 0xEE);
+    }
 }
 
 #include "draw/cpu/shade_lanes.h"
 
-const cpu_shade_kernels cpu_shade_kernels_avx2 = {merge_chunk, light_chunk};
+const cpu_shade_kernels cpu_shade_kernels_avx2 = {merge_row, light_all};
 
 #else
 

@@ -13,16 +13,6 @@
 typedef int32_t lanes_int __attribute__((vector_size(64)));
 typedef float lanes_float __attribute__((vector_size(64)));
 
-static inline lanes_int lanes_index(void)
-{
-    return (lanes_int){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-}
-
-static inline lanes_float lanes_gather(const float* base, lanes_int i)
-{
-    return (lanes_float)_mm512_i32gather_ps((__m512i)i, base, 4);
-}
-
 static inline lanes_int lanes_gather_byte(const uint8_t* base, lanes_int i)
 {
     return (lanes_int)_mm512_i32gather_epi32((__m512i)i, base, 1) & 255;
@@ -34,24 +24,47 @@ static inline lanes_float lanes_select(lanes_int mask, lanes_float a, lanes_floa
     return (lanes_float)_mm512_mask_blend_ps(bits, (__m512)b, (__m512)a);
 }
 
-static inline lanes_float lanes_absolute(lanes_float a)
-{
-    return (lanes_float)((lanes_int)a & INT32_MAX);
-}
-
 static inline lanes_float lanes_root(lanes_float a)
 {
     return (lanes_float)_mm512_sqrt_ps((__m512)a);
 }
 
-static inline bool lanes_none(lanes_int mask)
+/// Bit i: the sign of number i.
+static inline uint32_t lanes_mask(lanes_int a)
 {
-    return _mm512_movepi32_mask((__m512i)mask) == 0;
+    return _mm512_movepi32_mask((__m512i)a);
+}
+
+static inline __m512 load_four(const cpu_shade_surface* surfaces, const uint32_t* index, int k)
+{
+    __m512 v = _mm512_castps128_ps512(_mm_loadu_ps((const float*)&surfaces[index[0]] + k));
+    v = _mm512_mask_broadcast_f32x4(v, 0x00F0, _mm_loadu_ps((const float*)&surfaces[index[4]] + k));
+    v = _mm512_mask_broadcast_f32x4(v, 0x0F00, _mm_loadu_ps((const float*)&surfaces[index[8]] + k));
+    return _mm512_mask_broadcast_f32x4(v, 0xF000,
+                                       _mm_loadu_ps((const float*)&surfaces[index[12]] + k));
+}
+
+/// Surfaces turned: field k of all.
+static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
+                              lanes_float field[16])
+{
+    for (int k = 0; k < 16; k += 4) {
+        __m512 row[4];
+        for (int i = 0; i < 4; ++i) {
+            row[i] = load_four(surfaces, index + i, k);
+        }
+        __m512 a = _mm512_unpacklo_ps(row[0], row[1]), b = _mm512_unpackhi_ps(row[0], row[1]);
+        __m512 c = _mm512_unpacklo_ps(row[2], row[3]), d = _mm512_unpackhi_ps(row[2], row[3]);
+        field[k] = (lanes_float)_mm512_shuffle_ps(a, c, 0x44);
+        field[k + 1] = (lanes_float)_mm512_shuffle_ps(a, c, 0xEE);
+        field[k + 2] = (lanes_float)_mm512_shuffle_ps(b, d, 0x44);
+        field[k + 3] = (lanes_float)_mm512_shuffle_ps(b, d, 0xEE);
+    }
 }
 
 #include "draw/cpu/shade_lanes.h"
 
-const cpu_shade_kernels cpu_shade_kernels_avx512 = {merge_chunk, light_chunk};
+const cpu_shade_kernels cpu_shade_kernels_avx512 = {merge_row, light_all};
 
 #else
 

@@ -1,44 +1,52 @@
 // SPDX-License-Identifier: MIT
 //
-// Pixels of triangles looked up. A triangle covers pixels of several rows, so those shaded lately are remembered with
-// all that their pixels have in common.
+// Surfaces of triangles. Most are flat: their pixels have normal and colour in common. Of the others it is remembered how
+// much of each corner their pixels have, and pixels get surfaces of their own.
 #include "draw/cpu/shade.h"
 
-enum { MEMORY_BITS = 8, MEMORY_SIZE = 1 << MEMORY_BITS };
+#include <string.h>
+
+enum { READER_BITS = 4, READERS = 1 << READER_BITS };
 
 /// Four numbers at once, in the compiler's own notation: the same bits everywhere.
 typedef float four __attribute__((vector_size(16)));
+typedef int32_t four_int __attribute__((vector_size(16)));
 
-/// What all pixels of a triangle have in common. The share of corner k at pixel (x, y), times a factor that is the
-/// same for all corners, is the linear function line[k][0] + line[k][1] x + line[k][2] y, where that is above 0.
-typedef struct seen_triangle {
-    uint32_t id;      ///< UINT32_MAX: none
-    bool is_smooth;   ///< has normals
-    bool is_constant; ///< colour and normal are the same everywhere on it
+/// What pixels are mixed from. The share of corner k at pixel (x, y), times a factor that is the same for all corners, is
+/// the linear function line[k][0] + line[k][1] x + line[k][2] y, where that is above 0.
+typedef struct mixed_triangle {
+    bool is_smooth; ///< has normals
     bool has_color;
     float density; ///< texels of the base colour along an item unit
     double line[3][3];
-    four normal[3]; ///< of unit length
-    four color[3];  ///< times the material's
-    four flat;
-} seen_triangle;
+    four normal[3], flat; ///< scene space, of unit length
+    four color[3];        ///< times the material's
+} mixed_triangle;
 
-struct cpu_mesh_memory {
-    cpu_reader reader;
-    seen_triangle seen[MEMORY_SIZE];
+struct cpu_triangle_memory {
+    cpu_reader readers[READERS]; ///< neighbours in a picture belong to few clusters
+    mixed_triangle mixed[SHADE_KEPT];
 };
 
-cpu_mesh_memory* cpu_make_mesh_memory(stp_context* context)
+cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context)
 {
-    return STP_NEW_ZEROED(context, cpu_mesh_memory, 1);
+    return STP_NEW_ZEROED(context, cpu_triangle_memory, 1);
 }
 
-void cpu_forget_triangles(cpu_mesh_memory* memory)
+void cpu_forget_triangles(cpu_triangle_memory* memory)
 {
-    memory->reader = (cpu_reader){0};
-    for (int i = 0; i < MEMORY_SIZE; ++i) {
-        memory->seen[i].id = UINT32_MAX;
+    for (int i = 0; i < READERS; ++i) {
+        memory->readers[i].item = memory->readers[i].cluster_item = NULL;
     }
+}
+
+/// Triangle `index` of an item, valid until the next call.
+static const cpu_triangle* read_triangle(cpu_triangle_memory* memory, const cpu_item* item,
+                                         uint32_t index)
+{
+    uint32_t key = (item->first_id >> 7) + (index >> 7);
+    return cpu_read_triangle(&memory->readers[key * 0x9E3779B1u >> (32 - READER_BITS)], item,
+                             index);
 }
 
 static stp_vec3 flat_normal(const float c[3][3])
@@ -78,60 +86,78 @@ static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_tr
     }
 }
 
-static four widen(stp_vec3 v)
+/// From the item to the scene, of unit length, or zero.
+static four turn(const cpu_shade_item* item, stp_vec3 v)
 {
-    return (four){v.x, v.y, v.z, 0.0f};
+    const float(*m)[3] = item->normal_matrix;
+    stp_vec3 turned = {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z,
+                       m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
+                       m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
+    float square = stp_dot(turned, turned), inverse = square > 0.0f ? 1.0f / sqrtf(square) : 0.0f;
+    return (four){turned.x * inverse, turned.y * inverse, turned.z * inverse, 0.0f};
 }
 
-static void read_triangle(const cpu_renderer* r, cpu_mesh_memory* memory, const cpu_item* item,
-                          uint32_t id, seen_triangle* seen)
+static bool are_alike(const void* corners, size_t size)
 {
-    const cpu_triangle* triangle = cpu_read_triangle(&memory->reader, item, id - item->first_id);
+    const unsigned char* bytes = corners;
+    return memcmp(bytes, bytes + size, size) == 0 && memcmp(bytes, bytes + 2 * size, size) == 0;
+}
+
+static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_shade_item* shade,
+                         const cpu_triangle* triangle, mixed_triangle* mixed)
+{
     const float* base = item->material->base_color;
-    seen->id = id;
-    seen->is_smooth = triangle->has_normal;
-    seen->has_color = triangle->has_color;
-    seen->is_constant = !triangle->has_normal && !triangle->has_color && item->base_color == NULL &&
-                        item->metallic_roughness == NULL && item->emissive == NULL;
-    seen->density = 0.0f;
+    mixed->is_smooth = triangle->has_normal;
+    mixed->has_color = triangle->has_color;
+    mixed->density = 0.0f;
     if (item->base_color != NULL) {
-        seen->density =
+        mixed->density =
             cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
     }
-    seen->flat = widen(flat_normal(triangle->position));
-    if (!seen->is_constant) {
-        make_lines(r, item, triangle, seen->line);
-    }
+    make_lines(r, item, triangle, mixed->line);
+    mixed->flat = turn(shade, flat_normal(triangle->position));
     for (int k = 0; k < 3; ++k) {
         const float* color = triangle->color[k];
-        seen->color[k] = (four){base[0], base[1], base[2], 1.0f};
+        mixed->color[k] = (four){base[0], base[1], base[2], 0.0f};
         if (triangle->has_color) {
-            seen->color[k] *= (four){color[0], color[1], color[2], 1.0f};
+            mixed->color[k] *= (four){color[0], color[1], color[2], 0.0f};
         }
         if (triangle->has_normal) {
-            stp_vec3 normal = triangle->normal[k];
-            seen->normal[k] = widen(stp_scale(normal, 1.0f / stp_length(normal)));
+            mixed->normal[k] = turn(shade, triangle->normal[k]);
         }
     }
 }
 
-/// Shares of the corners, and their sum.
-static float find_shares(const seen_triangle* seen, double x, double y, float share[3])
+cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory* memory,
+                                         uint32_t at)
 {
+    const cpu_item* item = &r->items[memory->item[at]];
+    const cpu_shade_item* shade = &r->shade_items[memory->item[at]];
+    cpu_shade_surface* surface = &memory->surfaces[at];
+    const cpu_triangle* triangle =
+        read_triangle(memory->triangles, item, memory->slots[at].id - item->first_id);
+    surface->material = r->shade_materials[shade->material];
+    bool textured =
+        item->base_color != NULL || item->metallic_roughness != NULL || item->emissive != NULL;
+    bool one_normal = !triangle->has_normal || are_alike(triangle->normal, sizeof(stp_vec3));
+    bool one_color = !triangle->has_color || are_alike(triangle->color, sizeof(triangle->color[0]));
+    if (textured || !one_normal || !one_color) {
+        mix_triangle(r, item, shade, triangle, &memory->triangles->mixed[at]);
+        return textured ? SHADE_TEXTURED : SHADE_SMOOTH;
+    }
+    four normal =
+        turn(shade, triangle->has_normal ? triangle->normal[0] : flat_normal(triangle->position));
     for (int k = 0; k < 3; ++k) {
-        const double* line = seen->line[k];
-        double at = line[0] + line[1] * x + line[2] * y;
-        share[k] = at > 0.0 ? (float)at : 0.0f;
+        surface->color[k] = item->material->base_color[k];
+        if (triangle->has_color) {
+            surface->color[k] *= triangle->color[0][k];
+        }
+        surface->normal[k] = normal[k];
     }
-    float sum = share[0] + share[1] + share[2];
-    if (!(sum > 0.0f)) { // seen from its edge
-        share[0] = sum = 1.0f;
-        share[1] = share[2] = 0.0f;
-    }
-    return sum;
+    return SHADE_FLAT;
 }
 
-static four mix(const four corners[3], const float share[3])
+static four mix(const four corners[3], four share)
 {
     return corners[0] * share[0] + corners[1] * share[1] + corners[2] * share[2];
 }
@@ -144,110 +170,82 @@ static void sample_texture(const cpu_triangle* triangle, const stp_store_texture
     stp_texture_sample(pyramid, cpu_mesh_uv(triangle, use, weight), footprint, texel);
 }
 
-/// A pixel whose material changes from point to point is lit by itself.
-static void light_textured(const cpu_item* item, const cpu_triangle* triangle,
-                           const float weight[3], float pixel_size, const cpu_shade_row* row,
-                           uint32_t x, cpu_surface* surface, float out[3])
+/// What textures say of a pixel.
+static void texture_pixel(const cpu_renderer* r, cpu_triangle_memory* memory, const cpu_item* item,
+                          uint32_t index, float density, const float weight[3], float nearness,
+                          cpu_shade_surface* out)
 {
     const stp_store_material* material = item->material;
+    const cpu_triangle* triangle = read_triangle(memory, item, index);
+    float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
+    float pixel_size = depth / (item->camera.pixel_scale * item->scale);
     float texel[4];
-    surface->metallic = material->metallic;
-    surface->roughness = material->roughness;
-    surface->unlit = (material->flags & STP_SHADING_UNLIT) != 0;
-    for (int k = 0; k < 3; ++k) {
-        surface->emissive[k] = material->emissive[k];
-    }
+    cpu_mesh_color(item, triangle, weight, density * pixel_size, texel);
+    memcpy(out->color, texel, sizeof(out->color));
     if (item->metallic_roughness != NULL) {
         sample_texture(triangle, &material->metallic_roughness_texture, item->metallic_roughness,
                        weight, pixel_size, texel);
-        surface->roughness *= texel[1];
-        surface->metallic *= texel[2];
+        cpu_shade_material made =
+            cpu_make_shade_material(material->metallic * texel[2], material->roughness * texel[1],
+                                    out->material.emissive, out->material.unlit > 0.0f);
+        out->material = made;
     }
     if (item->emissive != NULL) {
         sample_texture(triangle, &material->emissive_texture, item->emissive, weight, pixel_size,
                        texel);
         for (int k = 0; k < 3; ++k) {
-            surface->emissive[k] *= texel[k];
+            out->material.emissive[k] *= texel[k];
         }
     }
-    const float(*m)[3] = item->normal_matrix;
-    stp_vec3 n = surface->normal;
-    stp_vec3 turned = {m[0][0] * n.x + m[0][1] * n.y + m[0][2] * n.z,
-                       m[1][0] * n.x + m[1][1] * n.y + m[1][2] * n.z,
-                       m[2][0] * n.x + m[2][1] * n.y + m[2][2] * n.z};
-    float square = stp_dot(turned, turned);
-    surface->normal = square > 0.0f ? stp_scale(turned, 1.0f / sqrtf(square)) : (stp_vec3){0};
-    stp_vec3 to_eye = row->start;
-    if (!row->parallel) {
-        to_eye = stp_add(row->start, stp_scale(row->step, (float)x + 0.5f));
-        to_eye = stp_scale(to_eye, 1.0f / sqrtf(stp_dot(to_eye, to_eye)));
-    }
-    cpu_light_surface(&row->light, to_eye, surface, out);
 }
 
-/// Colours with textures, and all that depends on textures.
-static bool look_up_textured(const cpu_renderer* r, cpu_worker* worker, const cpu_shade_row* row,
-                             const cpu_shade_chunk* chunk, uint32_t lane, uint32_t x, float density,
-                             const float weight[3], four normal, float color[4], float out[3])
+/// Shares of the corners at a run's first pixel, and how they change from pixel to pixel.
+static four find_shares(const mixed_triangle* mixed, uint32_t x, uint32_t y, four* step)
 {
-    const cpu_item* item = &r->items[chunk->item[lane]];
-    uint64_t pixel = chunk->pixels[lane];
-    const cpu_triangle* triangle =
-        cpu_read_triangle(&worker->triangles->reader, item, stp_raster_id(pixel) - item->first_id);
-    float nearness = cpu_true_nearness(item, stp_raster_nearness(pixel));
-    float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
-    float pixel_size = depth / (item->camera.pixel_scale * item->scale);
-    cpu_mesh_color(item, triangle, weight, density * pixel_size, color);
-    if (item->metallic_roughness == NULL && item->emissive == NULL) {
-        return true;
-    }
-    cpu_surface surface = {.color = {color[0], color[1], color[2]},
-                           .normal = {normal[0], normal[1], normal[2]}};
-    light_textured(item, triangle, weight, pixel_size, row, x, &surface, out);
-    return false;
-}
-
-static inline void set_lane(cpu_shade_chunk* chunk, uint32_t lane, four color, four normal)
-{
+    double px = (double)x + 0.5, py = (double)y + 0.5;
+    four share = {0};
+    *step = share;
     for (int k = 0; k < 3; ++k) {
-        chunk->linear[k][lane] = color[k];
-        chunk->normal[k][lane] = normal[k];
+        const double* line = mixed->line[k];
+        share[k] = (float)(line[0] + line[1] * px + line[2] * py);
+        (*step)[k] = (float)line[1];
     }
+    return share;
 }
 
-bool cpu_look_up_triangle(const cpu_renderer* r, cpu_worker* worker, const cpu_shade_row* row,
-                          cpu_shade_chunk* chunk, uint32_t lane, uint32_t x, uint32_t y,
-                          float out[3])
+void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
+                             const cpu_shade_run* run, uint32_t x, uint32_t y,
+                             const float* nearness, cpu_shade_surface* out)
 {
-    uint32_t id = stp_raster_id(chunk->pixels[lane]);
-    const cpu_item* item = &r->items[chunk->item[lane]];
-    seen_triangle* seen = &worker->triangles->seen[id * 0x9E3779B1u >> (32 - MEMORY_BITS)];
-    chunk->material[lane] = (int32_t)row->items[chunk->item[lane]].material;
-    if (seen->id != id) {
-        read_triangle(r, worker->triangles, item, id, seen);
+    const mixed_triangle* mixed = &memory->triangles->mixed[run->surface];
+    const cpu_shade_surface* surface = &memory->surfaces[run->surface];
+    bool textured = memory->kind[run->surface] == SHADE_TEXTURED;
+    four step, start = find_shares(mixed, x, y, &step);
+    for (uint32_t i = 0; i < run->length; ++i, ++out) {
+        four share = start + step * (float)i;
+        share = (four)((share > 0.0f) & (four_int)share);
+        float sum = share[0] + share[1] + share[2];
+        if (!(sum > 0.0f)) { // seen from its edge
+            share = (four){sum = 1.0f};
+        }
+        four color = mixed->color[0], normal = mixed->flat;
+        if (mixed->has_color) {
+            color = mix(mixed->color, share) * (1.0f / sum);
+        }
+        if (mixed->is_smooth) {
+            four between = mix(mixed->normal, share), square = between * between;
+            normal = square[0] + square[1] + square[2] > 1e-6f * (sum * sum) ? between : normal;
+        }
+        out->material = surface->material;
+        memcpy(out->color, &color, sizeof(color));
+        memcpy(out->normal, &normal, sizeof(normal));
+        if (textured) {
+            const cpu_item* item = &r->items[memory->item[run->surface]];
+            const float weight[3] = {share[0] / sum, share[1] / sum, share[2] / sum};
+            cpu_shade_nearness near = memory->nearness[run->surface];
+            texture_pixel(r, memory->triangles, item,
+                          memory->slots[run->surface].id - item->first_id, mixed->density, weight,
+                          near.factor * nearness[i] + near.shift, out);
+        }
     }
-    if (seen->is_constant) {
-        set_lane(chunk, lane, seen->color[0], seen->flat);
-        return true;
-    }
-    float share[3];
-    float sum = find_shares(seen, (double)x + 0.5, (double)y + 0.5, share);
-    four color = seen->color[0], normal = seen->flat;
-    if (seen->has_color) {
-        color = mix(seen->color, share) * (1.0f / sum);
-    }
-    if (seen->is_smooth) {
-        four mixed = mix(seen->normal, share), square = mixed * mixed;
-        normal = square[0] + square[1] + square[2] > 1e-6f * (sum * sum) ? mixed : normal;
-    }
-    if (item->base_color == NULL && item->metallic_roughness == NULL && item->emissive == NULL) {
-        set_lane(chunk, lane, color, normal);
-        return true;
-    }
-    float textured[4];
-    const float weight[3] = {share[0] / sum, share[1] / sum, share[2] / sum};
-    bool done = look_up_textured(r, worker, row, chunk, lane, x, seen->density, weight, normal,
-                                 textured, out);
-    set_lane(chunk, lane, (four){textured[0], textured[1], textured[2], 0.0f}, normal);
-    return done;
 }

@@ -8,16 +8,6 @@
 typedef int32_t lanes_int __attribute__((vector_size(16)));
 typedef float lanes_float __attribute__((vector_size(16)));
 
-static inline lanes_int lanes_index(void)
-{
-    return (lanes_int){0, 1, 2, 3};
-}
-
-static inline lanes_float lanes_gather(const float* base, lanes_int i)
-{
-    return (lanes_float){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
-}
-
 static inline lanes_int lanes_gather_byte(const uint8_t* base, lanes_int i)
 {
     return (lanes_int){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
@@ -28,24 +18,33 @@ static inline lanes_float lanes_select(lanes_int mask, lanes_float a, lanes_floa
     return (lanes_float)((mask & (lanes_int)a) | (~mask & (lanes_int)b));
 }
 
-static inline lanes_float lanes_absolute(lanes_float a)
-{
-    return (lanes_float)((lanes_int)a & INT32_MAX);
-}
-
 static inline lanes_float lanes_root(lanes_float a)
 {
     return (lanes_float){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])};
 }
 
-static inline bool lanes_none(lanes_int mask)
+/// Bit i: the sign of number i.
+static inline uint32_t lanes_mask(lanes_int a)
 {
-    return (mask[0] | mask[1] | mask[2] | mask[3]) == 0;
+    return (uint32_t)((a[0] & 1) | (a[1] & 2) | (a[2] & 4) | (a[3] & 8));
+}
+
+/// Surfaces turned: field k of all.
+static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
+                              lanes_float field[16])
+{
+    const float* s[4];
+    for (int i = 0; i < 4; ++i) {
+        s[i] = surfaces[index[i]].color;
+    }
+    for (int k = 0; k < 16; ++k) {
+        field[k] = (lanes_float){s[0][k], s[1][k], s[2][k], s[3][k]};
+    }
 }
 
 #include "draw/cpu/shade_lanes.h"
 
-const cpu_shade_kernels cpu_shade_kernels_portable = {merge_chunk, light_chunk};
+const cpu_shade_kernels cpu_shade_kernels_portable = {merge_row, light_all};
 
 const cpu_shade_kernels* cpu_choose_shade_kernels(void)
 {

@@ -4,10 +4,10 @@
 
 enum { SHADINGS = 256, ID_TABLE_SIZE = 1 << 16 };
 
-static cpu_shade_material make_material(float metallic, float roughness, const float emissive[3],
-                                        bool unlit)
+cpu_shade_material cpu_make_shade_material(float metallic, float roughness, const float emissive[3],
+                                           bool unlit)
 {
-    float a = stp_max(roughness, 0.25f); // as in cpu_light_surface
+    float a = stp_max(roughness, 0.25f);
     float a2 = a * a * a * a;
     return (cpu_shade_material){.metallic = metallic,
                                 .kept = 1.0f - 0.5f * metallic,
@@ -27,18 +27,19 @@ stp_result cpu_make_shade_materials(cpu_renderer* r)
     }
     const float dark[3] = {0};
     for (uint32_t i = 0; i < SHADINGS; ++i) {
-        r->shade_materials[i] = make_material(0.0f, 1.0f, dark, false);
+        r->shade_materials[i] = cpu_make_shade_material(0.0f, 1.0f, dark, false);
         if (i < d->shading_count) {
             const stp_shading* s = &d->shadings[i];
             bool unlit = (s->flags & STP_SHADING_UNLIT) != 0;
-            r->shade_materials[i] = make_material(s->metallic, s->roughness, s->emissive, unlit);
+            r->shade_materials[i] =
+                cpu_make_shade_material(s->metallic, s->roughness, s->emissive, unlit);
         }
     }
     for (size_t i = 0; i < count; ++i) {
         const stp_store_material* m = &d->materials[i];
         bool unlit = (m->flags & STP_SHADING_UNLIT) != 0;
         cpu_shade_material* made = r->shade_materials + SHADINGS + i;
-        made[0] = make_material(m->metallic, m->roughness, m->emissive, unlit);
+        made[0] = cpu_make_shade_material(m->metallic, m->roughness, m->emissive, unlit);
         made[count] = made[0];
         made[count].unlit = 1.0f;
     }
@@ -47,10 +48,13 @@ stp_result cpu_make_shade_materials(cpu_renderer* r)
 
 static cpu_shade_item make_item(const cpu_renderer* r, const cpu_item* item)
 {
-    cpu_shade_item made = {
-        .kind = item->kind, .first_id = item->first_id, .count = item->count, .blend = item->blend};
+    cpu_shade_item made = {.kind = item->kind,
+                           .first_id = item->first_id,
+                           .count = item->count,
+                           .blend = item->blend,
+                           .nearness = {item->near_factor, item->near_shift}};
     for (int k = 0; k < 9; ++k) {
-        made.normal_matrix[k] = item->normal_matrix[k / 3][k % 3];
+        made.normal_matrix[k / 3][k % 3] = item->normal_matrix[k / 3][k % 3];
     }
     if (item->kind == STP_DRAW_SURFELS) {
         made.colors = item->colors;
@@ -103,13 +107,13 @@ static bool make_room(cpu_renderer* r)
         r->id_starts = STP_NEW_ARRAY(context, uint32_t, ID_TABLE_SIZE + 2);
     }
     for (uint32_t i = 0; i < r->team.threads; ++i) {
-        if (r->workers[i].triangles == NULL) {
-            r->workers[i].triangles = cpu_make_mesh_memory(context);
+        if (r->workers[i].shading == NULL) {
+            r->workers[i].shading = cpu_make_shade_memory(context);
         }
         if (r->workers[i].buffers == NULL) {
             r->workers[i].buffers = STP_NEW_ARRAY(context, uint64_t*, r->team.threads);
         }
-        if (r->workers[i].triangles == NULL || r->workers[i].buffers == NULL) {
+        if (r->workers[i].shading == NULL || r->workers[i].buffers == NULL) {
             return false;
         }
     }
@@ -156,7 +160,7 @@ uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id)
 void cpu_begin_shading(cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->team.threads; ++i) {
-        cpu_forget_triangles(r->workers[i].triangles);
+        cpu_forget_surfaces(r->workers[i].shading);
     }
 }
 
@@ -164,7 +168,7 @@ void cpu_destroy_shading(cpu_renderer* r)
 {
     stp_context* context = r->base.context;
     for (uint32_t i = 0; r->workers != NULL && i < r->team.threads; ++i) {
-        stp_free(context, r->workers[i].triangles);
+        cpu_destroy_shade_memory(context, r->workers[i].shading);
         stp_free(context, r->workers[i].buffers);
     }
     stp_free(context, r->shade_materials);

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+//
+// What ids look like: each is looked up once and remembered, by its worker, until another id needs its place. Places that
+// a tile wants twice are lengthened by places of that tile alone.
+#include "draw/cpu/shade.h"
+
+#include <string.h>
+
+void cpu_forget_surfaces(cpu_shade_memory* memory)
+{
+    for (int i = 0; i < SHADE_KEPT; ++i) {
+        memory->slots[i].id = UINT32_MAX;
+        memory->slots[i].tile = 0;
+    }
+    memory->tile = memory->extra = memory->miss_count = 0;
+    memory->last_item = 0;
+    cpu_forget_triangles(memory->triangles);
+}
+
+void cpu_begin_tile(cpu_shade_memory* memory)
+{
+    memory->tile += 1;
+    memory->extra = 0;
+}
+
+uint32_t cpu_find_surface(cpu_shade_memory* memory, uint32_t id)
+{
+    uint32_t at = id * 0x9E3779B1u >> (32 - SHADE_CACHE_BITS);
+    if (memory->slots[at].id == id) {
+        memory->slots[at].tile = memory->tile;
+        return at;
+    }
+    if (memory->slots[at].tile == memory->tile) {
+        at = SHADE_CACHE + memory->extra++;
+    }
+    memory->slots[at].id = id;
+    memory->slots[at].tile = memory->tile;
+    memory->misses[memory->miss_count++] = (uint16_t)at;
+    return at;
+}
+
+static void turn(const cpu_shade_item* item, float x, float y, float z, float out[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        const float* m = item->normal_matrix[k];
+        out[k] = m[0] * x + m[1] * y + m[2] * z;
+    }
+}
+
+/// stp_octahedral_decode, but for the length
+static void turn_code(const cpu_shade_item* item, const int8_t* code, float out[3])
+{
+    float u = (float)code[0], v = (float)code[1];
+    float z = 127.0f - fabsf(u) - fabsf(v);
+    float fold = z < 0.0f ? -z : 0.0f;
+    u += u >= 0.0f ? -fold : fold;
+    v += v >= 0.0f ? -fold : fold;
+    turn(item, u, v, z, out);
+}
+
+static void make_surfel(const cpu_renderer* r, const cpu_shade_item* item, uint32_t index,
+                        cpu_shade_surface* surface)
+{
+    const uint8_t* color = item->colors + 3 * (size_t)index;
+    for (int k = 0; k < 3; ++k) {
+        surface->color[k] = r->decode[color[k]];
+    }
+    if (index < item->low_count) {
+        const uint8_t* low = item->low_colors + 3 * (size_t)index;
+        for (int k = 0; k < 3; ++k) {
+            float before = r->decode[low[k]];
+            surface->color[k] = before + (surface->color[k] - before) * item->blend;
+        }
+    }
+    turn_code(item, item->normals + 2 * (size_t)index, surface->normal);
+    surface->material = r->shade_materials[item->materials[index]];
+}
+
+static void make_point(const cpu_renderer* r, uint32_t slot, uint32_t index,
+                       cpu_shade_surface* surface)
+{
+    const stp_store_point_set* points = &r->items[slot].points;
+    stp_vec3 normal = {0};
+    for (size_t k = 0; k < 3; ++k) {
+        surface->color[k] = r->items[slot].material->base_color[k];
+        if (points->colors != NULL) {
+            surface->color[k] *= r->decode[points->colors[4 * (size_t)index + k]];
+        }
+    }
+    if (points->normals != NULL) {
+        normal = cpu_decode_normal(points->normals + 2 * (size_t)index);
+    }
+    turn(&r->shade_items[slot], normal.x, normal.y, normal.z, surface->normal);
+    surface->material = r->shade_materials[r->shade_items[slot].material];
+}
+
+/// Which items surfaces belong to; what will be read of surfels is asked for.
+static void find_items(const cpu_renderer* r, cpu_shade_memory* memory)
+{
+    const cpu_shade_item* items = r->shade_items;
+    uint32_t slot = memory->last_item;
+    for (uint32_t i = 0; i < memory->miss_count; ++i) {
+        uint32_t at = memory->misses[i], id = memory->slots[at].id;
+        if (id - items[slot].first_id >= items[slot].count) {
+            slot = cpu_find_item(r, id);
+        }
+        memory->item[at] = slot;
+        const cpu_shade_item* item = &items[slot];
+        if (item->kind == STP_DRAW_SURFELS) {
+            size_t index = id - item->first_id;
+            __builtin_prefetch(item->colors + 3 * index);
+            __builtin_prefetch(item->normals + 2 * index);
+            __builtin_prefetch(item->materials + index);
+            if (index < item->low_count) {
+                __builtin_prefetch(item->low_colors + 3 * index);
+            }
+        }
+    }
+    memory->last_item = slot;
+}
+
+void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory)
+{
+    find_items(r, memory);
+    for (uint32_t i = 0; i < memory->miss_count; ++i) {
+        uint32_t at = memory->misses[i], slot = memory->item[at];
+        const cpu_shade_item* item = &r->shade_items[slot];
+        cpu_shade_surface* surface = &memory->surfaces[at];
+        uint32_t index = memory->slots[at].id - item->first_id;
+        memory->nearness[at] = item->nearness;
+        memory->kind[at] = SHADE_FLAT;
+        if (item->kind == STP_DRAW_SURFELS) {
+            make_surfel(r, item, index, surface);
+        } else if (item->kind == STP_DRAW_POINTS) {
+            make_point(r, slot, index, surface);
+        } else {
+            memory->kind[at] = (uint8_t)cpu_make_triangle_surface(r, memory, at);
+        }
+    }
+    memory->miss_count = 0;
+}
+
+cpu_shade_memory* cpu_make_shade_memory(stp_context* context)
+{
+    const size_t line = 64;
+    cpu_shade_memory* memory = STP_NEW_ZEROED(context, cpu_shade_memory, 1);
+    if (memory == NULL) {
+        return NULL;
+    }
+    memory->triangles = cpu_make_triangle_memory(context);
+    memory->room =
+        STP_NEW_ZEROED(context, unsigned char, SHADE_SURFACES * sizeof(cpu_shade_surface) + line);
+    if (memory->triangles == NULL || memory->room == NULL) {
+        cpu_destroy_shade_memory(context, memory);
+        return NULL;
+    }
+    size_t past = (uintptr_t)memory->room % line;
+    void* begin = memory->room + (line - past) % line;
+    memory->surfaces = begin;
+    return memory;
+}
+
+void cpu_destroy_shade_memory(stp_context* context, cpu_shade_memory* memory)
+{
+    if (memory != NULL) {
+        stp_free(context, memory->triangles);
+        stp_free(context, memory->room);
+        stp_free(context, memory);
+    }
+}
