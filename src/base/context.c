@@ -114,6 +114,11 @@ uint64_t stp_context_peak_bytes(const stp_context* context)
     return atomic_load(&context->peak_bytes);
 }
 
+uint64_t stp_memory_limit(const stp_context* context)
+{
+    return context->desc.memory_limit_bytes;
+}
+
 uint32_t stp_context_thread_count(const stp_context* context)
 {
     return stp_jobs_thread_count(context->jobs);

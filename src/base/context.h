@@ -20,6 +20,8 @@ void stp_free(stp_context* context, void* memory);
 /// would pass the context's limit. Give back with stp_release. Any thread.
 STP_MUST_USE bool stp_reserve(stp_context* context, uint64_t size);
 void stp_release(stp_context* context, uint64_t size);
+/// The most bytes that may be allocated; 0: no limit.
+uint64_t stp_memory_limit(const stp_context* context);
 /// Gives what malloc holds free back to the system: after work with many small pieces.
 void stp_trim_heap(void);
 

@@ -18,9 +18,11 @@
 #define MOST_ATTEMPTS 100u
 #define NAME_ROOM 48u // for what a temporary file's name adds
 
-stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file)
+stp_result stp_file_map_open(stp_context* context, const char* path, stp_mapped_file* file,
+                             int* kept)
 {
     *file = (stp_mapped_file){0};
+    *kept = -1;
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     struct stat status;
     if (descriptor < 0 || fstat(descriptor, &status) != 0) {
@@ -37,12 +39,44 @@ stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file*
     size_t size = (size_t)status.st_size;
     void* bytes = size != 0 ? mmap(NULL, size, PROT_READ, MAP_PRIVATE, descriptor, 0) : NULL;
     int reason = errno;
-    close(descriptor);
     if (bytes == MAP_FAILED) {
+        close(descriptor);
         return stp_fail(context, STP_ERROR_IO, "%s: cannot be mapped: %s", path, strerror(reason));
     }
     *file = (stp_mapped_file){.bytes = bytes, .size = size};
+    *kept = descriptor;
     return STP_OK;
+}
+
+stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file)
+{
+    int descriptor;
+    stp_result result = stp_file_map_open(context, path, file, &descriptor);
+    stp_file_close(descriptor);
+    return result;
+}
+
+bool stp_file_read_at(int descriptor, uint64_t offset, void* bytes, size_t size)
+{
+    unsigned char* to = bytes;
+    while (size > 0) {
+        ssize_t got = pread(descriptor, to, size, (off_t)offset);
+        if (got <= 0 && !(got < 0 && errno == EINTR)) {
+            return false;
+        }
+        size_t read = got > 0 ? (size_t)got : 0;
+        to += read;
+        size -= read;
+        offset += read;
+    }
+    return true;
+}
+
+void stp_file_close(int descriptor)
+{
+    if (descriptor >= 0) {
+        close(descriptor);
+    }
 }
 
 void stp_file_expect_random(const stp_mapped_file* file)

@@ -13,6 +13,12 @@ typedef struct stp_mapped_file {
 /// Maps `path` for reading. Directories, devices and pipes are refused.
 /// @return STP_OK, or STP_ERROR_IO (logged, with the system's reason)
 STP_MUST_USE stp_result stp_file_map(stp_context* context, const char* path, stp_mapped_file* file);
+/// The same, and leaves the file open for reading besides: `descriptor` is the caller's to close, and -1 on failure.
+STP_MUST_USE stp_result stp_file_map_open(stp_context* context, const char* path,
+                                          stp_mapped_file* file, int* descriptor);
+/// Reads a part of an open file. Any thread. @return false where it has no such part, or cannot be read
+bool stp_file_read_at(int descriptor, uint64_t offset, void* bytes, size_t size);
+void stp_file_close(int descriptor);
 /// Says that few places of the file will be read, in no order: nothing is read ahead.
 void stp_file_expect_random(const stp_mapped_file* file);
 /// Gives back the memory that holds what has been read of the file; it stays readable, and is read again where

@@ -36,6 +36,30 @@ static const void* column_at(const unsigned char* bytes, const stp_store_column*
     return present ? bytes + column->offset : NULL;
 }
 
+void stp_store_find_mesh_columns(uint32_t present, const unsigned char* bytes, stp_store_mesh* mesh)
+{
+    stp_store_column c[STP_STORE_COLUMN_LIMIT];
+    stp_store_mesh_columns(mesh->vertex_count, mesh->triangle_count, present, c);
+    mesh->positions = column_at(bytes, &c[STP_MESH_POSITIONS], true);
+    mesh->normals = column_at(bytes, &c[STP_MESH_NORMALS], (present & STP_COLUMN_NORMALS) != 0);
+    mesh->texcoords[0] =
+        column_at(bytes, &c[STP_MESH_TEXCOORDS_0], (present & STP_COLUMN_TEXCOORDS_0) != 0);
+    mesh->texcoords[1] =
+        column_at(bytes, &c[STP_MESH_TEXCOORDS_1], (present & STP_COLUMN_TEXCOORDS_1) != 0);
+    mesh->colors = column_at(bytes, &c[STP_MESH_COLORS], (present & STP_COLUMN_COLORS) != 0);
+    mesh->indices = column_at(bytes, &c[STP_MESH_INDICES], true);
+}
+
+void stp_store_find_point_columns(uint32_t present, const unsigned char* bytes,
+                                  stp_store_point_set* points)
+{
+    stp_store_column c[STP_STORE_COLUMN_LIMIT];
+    stp_store_point_columns(points->point_count, present, c);
+    points->positions = column_at(bytes, &c[STP_POINT_POSITIONS], true);
+    points->normals = column_at(bytes, &c[STP_POINT_NORMALS], (present & STP_COLUMN_NORMALS) != 0);
+    points->colors = column_at(bytes, &c[STP_POINT_COLORS], (present & STP_COLUMN_COLORS) != 0);
+}
+
 stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* mesh)
 {
     if (index >= store->directory.mesh_count) {
@@ -54,18 +78,8 @@ stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* 
         if (result != STP_OK) {
             return result;
         }
-        stp_store_column c[STP_STORE_COLUMN_LIMIT];
         stp_store_mesh made = record->mesh;
-        uint32_t has = record->present;
-        stp_store_mesh_columns(made.vertex_count, made.triangle_count, has, c);
-        made.positions = column_at(bytes, &c[STP_MESH_POSITIONS], true);
-        made.normals = column_at(bytes, &c[STP_MESH_NORMALS], (has & STP_COLUMN_NORMALS) != 0);
-        made.texcoords[0] =
-            column_at(bytes, &c[STP_MESH_TEXCOORDS_0], (has & STP_COLUMN_TEXCOORDS_0) != 0);
-        made.texcoords[1] =
-            column_at(bytes, &c[STP_MESH_TEXCOORDS_1], (has & STP_COLUMN_TEXCOORDS_1) != 0);
-        made.colors = column_at(bytes, &c[STP_MESH_COLORS], (has & STP_COLUMN_COLORS) != 0);
-        made.indices = column_at(bytes, &c[STP_MESH_INDICES], true);
+        stp_store_find_mesh_columns(record->present, bytes, &made);
         stp_store_judge judge = stp_store_own_judge(store);
         result = stp_store_judge_mesh_data(&judge, index, &made);
         if (result != STP_OK) {
@@ -96,25 +110,35 @@ uint64_t stp_store_mesh_bytes(const stp_store* store, uint32_t index)
     return stp_store_block_at(store, records[index].block)->size;
 }
 
+const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
+                                    const unsigned char* bytes, stp_clusters* clusters)
+{
+    const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
+    const stp_store_clusters_record* known = store->tables[STP_SECTION_CLUSTERS];
+    const stp_store_mesh_record* record = &records[index];
+    size_t size = (size_t)stp_store_block_at(store, record->block)->size;
+    const char* fault = stp_clusters_open(bytes, size, clusters);
+    if (fault == NULL && (clusters->cluster_count != known[index].cluster_count ||
+                          clusters->triangle_count != record->mesh.triangle_count ||
+                          clusters->vertex_count != record->mesh.vertex_count ||
+                          clusters->present != record->present)) {
+        fault = "has clusters of other counts or columns than it says";
+    }
+    return fault;
+}
+
 static stp_result open_clusters(stp_store* store, uint32_t index,
                                 stp_store_clusters_record* clusters)
 {
     const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
-    const stp_store_mesh_record* record = &records[index];
-    const stp_store_block* block = stp_store_block_at(store, record->block);
+    const stp_store_block* block = stp_store_block_at(store, records[index].block);
     const unsigned char* bytes = NULL;
     stp_result result = stp_store_verify_block(store, block, &bytes);
     if (result != STP_OK) {
         return result;
     }
     stp_clusters made;
-    const char* fault = stp_clusters_open(bytes, (size_t)block->size, &made);
-    if (fault == NULL &&
-        (made.cluster_count != clusters->cluster_count ||
-         made.triangle_count != record->mesh.triangle_count ||
-         made.vertex_count != record->mesh.vertex_count || made.present != record->present)) {
-        fault = "has clusters of other counts or columns than it says";
-    }
+    const char* fault = stp_store_find_clusters(store, index, bytes, &made);
     if (fault != NULL) {
         return stp_fail(store->context, STP_ERROR_FORMAT, "%s: mesh %u %s", store->path, index,
                         fault);
@@ -157,13 +181,8 @@ stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_p
         if (result != STP_OK) {
             return result;
         }
-        stp_store_column c[STP_STORE_COLUMN_LIMIT];
         stp_store_point_set made = record->points;
-        uint32_t has = record->present;
-        stp_store_point_columns(made.point_count, has, c);
-        made.positions = column_at(bytes, &c[STP_POINT_POSITIONS], true);
-        made.normals = column_at(bytes, &c[STP_POINT_NORMALS], (has & STP_COLUMN_NORMALS) != 0);
-        made.colors = column_at(bytes, &c[STP_POINT_COLORS], (has & STP_COLUMN_COLORS) != 0);
+        stp_store_find_point_columns(record->present, bytes, &made);
         stp_store_judge judge = stp_store_own_judge(store);
         result = stp_store_judge_point_data(&judge, index, &made);
         if (result != STP_OK) {

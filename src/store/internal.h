@@ -11,7 +11,8 @@ struct stp_store {
     stp_context* context;
     char* path;
     stp_mapped_file file;
-    bool mapped; ///< else the bytes are the caller's
+    bool mapped;    ///< else the bytes are the caller's
+    int descriptor; ///< the mapped file, open for reading; -1: none
     stp_store_open_desc desc;
 
     uint64_t file_bytes;  ///< as the header says
@@ -32,11 +33,13 @@ struct stp_store {
     bool page_table_checked;
     uint64_t bytes_checked;           ///< of the directory
     struct stp_store_key_table* keys; ///< made when first asked for
+    struct stp_residency* residency;  ///< what loads bulk data; NULL: it is used as it is mapped
 };
 
 static inline stp_store_judge stp_store_own_judge(const stp_store* store)
 {
-    return (stp_store_judge){store->context, store->path, STP_ERROR_FORMAT};
+    return (stp_store_judge){
+        .context = store->context, .path = store->path, .failure = STP_ERROR_FORMAT};
 }
 
 /// CRC-32 of some bytes, as zlib computes it; chained by passing the value so far, 0 at first.
@@ -78,6 +81,28 @@ STP_MUST_USE stp_result stp_store_link_blocks(stp_store* store);
 
 /// Leaves the first `octave_count` octaves of a set, and what of its tables holds for them.
 void stp_store_cut_surfels(stp_surfels* surfels, uint32_t octave_count);
+
+/// Memory that the columns of so many octaves take when joined.
+uint64_t stp_store_columns_bytes(const stp_surfels* surfels, uint32_t octave_count);
+/// Takes it for all octaves of a (cut) set, and points its columns there. NULL where memory runs out, not logged.
+stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* surfels);
+/// Copies so many octaves from other columns of the same set.
+void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* before,
+                            uint32_t octave_count);
+/// Where in a set's columns those of an octave's block belong.
+void stp_store_octave_targets(const stp_surfels* surfels, uint32_t octave,
+                              void* targets[STP_SURFEL_COLUMNS]);
+/// Makes columns the set's own; what it had is the caller's.
+void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* joined,
+                           const stp_surfels* columns, uint32_t octave_count);
+
+// Pointers into a block's bytes. Nothing is checked, but clusters: @return what is wrong with them, or NULL.
+void stp_store_find_mesh_columns(uint32_t present, const unsigned char* bytes,
+                                 stp_store_mesh* mesh);
+void stp_store_find_point_columns(uint32_t present, const unsigned char* bytes,
+                                  stp_store_point_set* points);
+const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
+                                    const unsigned char* bytes, stp_clusters* clusters);
 
 /// Frees the columns of a set.
 void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record);

@@ -50,19 +50,32 @@ void stp_store_free_columns(stp_context* context, stp_store_surfels_record* reco
     record->surfels.coverages = NULL;
 }
 
+void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* joined,
+                           const stp_surfels* columns, uint32_t octave_count)
+{
+    record->joined = joined;
+    record->ready = octave_count;
+    record->surfels.positions = columns->positions;
+    record->surfels.normals = columns->normals;
+    record->surfels.materials = columns->materials;
+    record->surfels.colors = columns->colors;
+    record->surfels.coverages = columns->coverages;
+}
+
 void stp_store_release_surfels(stp_store* store, uint32_t index)
 {
     stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
-    if (index < store->directory.surfels_count) {
+    if (index < store->directory.surfels_count && store->residency == NULL) {
         stp_store_free_columns(store->context, &records[index]);
     }
 }
 
-// The bytes of each column of a whole set.
-static void measure_columns(const stp_surfels* surfels, uint64_t sizes[STP_SURFEL_COLUMNS])
+// The bytes of each column of so many octaves.
+static void measure_columns(const stp_surfels* surfels, uint32_t octave_count,
+                            uint64_t sizes[STP_SURFEL_COLUMNS])
 {
-    uint64_t n = surfels->count;
-    uint64_t entries = stp_store_pyramid_begin(surfels, surfels->octave_count);
+    uint64_t n = stp_store_octave_begin(surfels, octave_count);
+    uint64_t entries = stp_store_pyramid_begin(surfels, octave_count);
     sizes[STP_SURFEL_POSITIONS] = 6 * n;
     sizes[STP_SURFEL_NORMALS] = 2 * n;
     sizes[STP_SURFEL_MATERIALS] = n;
@@ -70,19 +83,34 @@ static void measure_columns(const stp_surfels* surfels, uint64_t sizes[STP_SURFE
     sizes[STP_SURFEL_COVERAGES] = entries;
 }
 
-// Room for all columns of a set, each 64-byte aligned; no more than a little above its blocks in the file.
-static stp_store_joined* reserve_columns(stp_context* context, stp_surfels* surfels)
+// Where the columns of `octave_count` octaves lie in a set's memory, each 64-byte aligned; @return where they end.
+static uint64_t place_columns(const stp_surfels* surfels, uint32_t octave_count,
+                              uint64_t offsets[STP_SURFEL_COLUMNS])
 {
-    uint64_t sizes[STP_SURFEL_COLUMNS], offsets[STP_SURFEL_COLUMNS], end = STP_STORE_ALIGNMENT;
-    measure_columns(surfels, sizes);
+    uint64_t sizes[STP_SURFEL_COLUMNS], end = STP_STORE_ALIGNMENT;
+    measure_columns(surfels, octave_count, sizes);
     for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
         offsets[i] = end;
         end = stp_store_align(end + sizes[i], STP_STORE_ALIGNMENT);
     }
+    return end;
+}
+
+uint64_t stp_store_columns_bytes(const stp_surfels* surfels, uint32_t octave_count)
+{
+    uint64_t offsets[STP_SURFEL_COLUMNS];
+    return place_columns(surfels, octave_count, offsets);
+}
+
+stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* surfels)
+{
+    uint64_t offsets[STP_SURFEL_COLUMNS];
+    uint64_t end = place_columns(surfels, surfels->octave_count, offsets);
     unsigned char* memory = stp_alloc(context, (size_t)end);
     if (memory == NULL) {
         return NULL;
     }
+    memset(memory, 0, sizeof(stp_store_joined));
     surfels->positions = (uint16_t*)(void*)(memory + offsets[STP_SURFEL_POSITIONS]);
     surfels->normals = (int8_t*)(memory + offsets[STP_SURFEL_NORMALS]);
     surfels->materials = memory + offsets[STP_SURFEL_MATERIALS];
@@ -91,16 +119,28 @@ static stp_store_joined* reserve_columns(stp_context* context, stp_surfels* surf
     return (stp_store_joined*)(void*)memory;
 }
 
-// Takes over the octaves that were joined before.
-static void copy_columns(stp_surfels* surfels, const stp_surfels* before)
+void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* before,
+                            uint32_t octave_count)
 {
     uint64_t sizes[STP_SURFEL_COLUMNS];
-    measure_columns(before, sizes);
+    measure_columns(before, octave_count, sizes);
     memcpy(surfels->positions, before->positions, (size_t)sizes[STP_SURFEL_POSITIONS]);
     memcpy(surfels->normals, before->normals, (size_t)sizes[STP_SURFEL_NORMALS]);
     memcpy(surfels->materials, before->materials, (size_t)sizes[STP_SURFEL_MATERIALS]);
     memcpy(surfels->colors, before->colors, (size_t)sizes[STP_SURFEL_COLORS]);
     memcpy(surfels->coverages, before->coverages, (size_t)sizes[STP_SURFEL_COVERAGES]);
+}
+
+void stp_store_octave_targets(const stp_surfels* surfels, uint32_t octave,
+                              void* targets[STP_SURFEL_COLUMNS])
+{
+    size_t first = stp_store_octave_begin(surfels, octave);
+    size_t entry = (size_t)stp_store_pyramid_begin(surfels, octave);
+    targets[STP_SURFEL_POSITIONS] = surfels->positions + 3 * first;
+    targets[STP_SURFEL_NORMALS] = surfels->normals + 2 * first;
+    targets[STP_SURFEL_MATERIALS] = surfels->materials + first;
+    targets[STP_SURFEL_COLORS] = surfels->colors + 3 * entry;
+    targets[STP_SURFEL_COVERAGES] = surfels->coverages + entry;
 }
 
 // Checks an octave's block and copies its columns to their places.
@@ -124,15 +164,8 @@ static stp_result add_octave(const stp_store* store, uint32_t index, uint32_t oc
     if (result != STP_OK) {
         return result;
     }
-    size_t first = stp_store_octave_begin(surfels, octave);
-    size_t entry = (size_t)stp_store_pyramid_begin(surfels, octave);
-    void* targets[STP_SURFEL_COLUMNS] = {
-        [STP_SURFEL_POSITIONS] = surfels->positions + 3 * first,
-        [STP_SURFEL_NORMALS] = surfels->normals + 2 * first,
-        [STP_SURFEL_MATERIALS] = surfels->materials + first,
-        [STP_SURFEL_COLORS] = surfels->colors + 3 * entry,
-        [STP_SURFEL_COVERAGES] = surfels->coverages + entry,
-    };
+    void* targets[STP_SURFEL_COLUMNS];
+    stp_store_octave_targets(surfels, octave, targets);
     for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
         memcpy(targets[i], bytes + c[i].offset, (size_t)c[i].size);
     }
@@ -144,15 +177,14 @@ static stp_result join_octaves(stp_store* store, uint32_t index, uint32_t octave
 {
     stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
     stp_store_surfels_record* record = &records[index];
-    stp_surfels made = record->surfels, before = record->surfels;
+    stp_surfels made = record->surfels;
     stp_store_cut_surfels(&made, octave_count);
-    stp_store_cut_surfels(&before, record->ready);
-    stp_store_joined* joined = reserve_columns(store->context, &made);
+    stp_store_joined* joined = stp_store_reserve_columns(store->context, &made);
     if (joined == NULL) {
         return stp_fail_memory(store->context);
     }
     if (record->ready != 0) {
-        copy_columns(&made, &before);
+        stp_store_copy_columns(&made, &record->surfels, record->ready);
     }
     for (uint32_t octave = record->ready; octave < octave_count; ++octave) {
         stp_result result = add_octave(store, index, octave, &made);
@@ -162,13 +194,7 @@ static stp_result join_octaves(stp_store* store, uint32_t index, uint32_t octave
         }
     }
     joined->older = record->joined;
-    record->joined = joined;
-    record->ready = octave_count;
-    record->surfels.positions = made.positions;
-    record->surfels.normals = made.normals;
-    record->surfels.materials = made.materials;
-    record->surfels.colors = made.colors;
-    record->surfels.coverages = made.coverages;
+    stp_store_set_columns(record, joined, &made, octave_count);
     return STP_OK;
 }
 
@@ -182,6 +208,9 @@ stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index, uint32
     const stp_store_surfels_record* record = &records[index];
     if (octave_count > record->surfels.octave_count) {
         octave_count = record->surfels.octave_count;
+    }
+    if (store->residency != NULL && octave_count > record->ready) {
+        octave_count = record->ready; // what is here: nobody waits for more
     }
     if (octave_count > record->ready) {
         stp_result result = join_octaves(store, index, octave_count);

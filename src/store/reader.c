@@ -203,6 +203,7 @@ static stp_store* create_store(stp_context* context, const char* path,
     store->context = context;
     store->path = copy;
     store->desc = *desc;
+    store->descriptor = -1;
     return store;
 }
 
@@ -230,7 +231,7 @@ stp_result stp_store_open_with(stp_context* context, const char* path,
     if (made == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    stp_result result = stp_file_map(context, path, &made->file);
+    stp_result result = stp_file_map_open(context, path, &made->file, &made->descriptor);
     if (result != STP_OK) {
         stp_store_close(made);
         return result;
@@ -281,6 +282,7 @@ void stp_store_close(stp_store* store)
     if (store->mapped) {
         stp_file_unmap(&store->file);
     }
+    stp_file_close(store->descriptor);
     stp_free(context, store->path);
     stp_free(context, store);
 }

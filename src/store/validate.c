@@ -3,6 +3,8 @@
 
 #include "store/columns.h"
 
+#include <stdio.h>
+
 static bool is_reference(uint32_t index, uint32_t count)
 {
     return index == STP_STORE_NONE || index < count;
@@ -266,21 +268,36 @@ static uint64_t find_not_finite(const float* numbers, uint64_t count)
     return count;
 }
 
+static stp_result complain(const stp_store_judge* judge, const char* format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static stp_result complain(const stp_store_judge* judge, const char* format, ...)
+{
+    char message[1024];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(message, sizeof(message), format, list);
+    va_end(list);
+    if (judge->warns) {
+        stp_warn(judge->context, "%s", message);
+        return judge->failure;
+    }
+    return stp_fail(judge->context, judge->failure, "%s", message);
+}
+
 stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, uint32_t index,
                                      const stp_store_mesh* mesh)
 {
     uint64_t vertices = mesh->vertex_count;
     uint64_t bad = find_not_finite(mesh->positions, 3 * vertices);
     if (bad < 3 * vertices) {
-        return stp_fail(judge->context, judge->failure,
-                        "%s: mesh %u: the position of vertex %llu is not finite", judge->path,
-                        index, (unsigned long long)(bad / 3));
+        return complain(judge, "%s: mesh %u: the position of vertex %llu is not finite",
+                        judge->path, index, (unsigned long long)(bad / 3));
     }
     for (int set = 0; set < 2; ++set) {
         bad = find_not_finite(mesh->texcoords[set], 2 * vertices);
         if (bad < 2 * vertices) {
-            return stp_fail(judge->context, judge->failure,
-                            "%s: mesh %u: texture coordinates of vertex %llu are not finite",
+            return complain(judge, "%s: mesh %u: texture coordinates of vertex %llu are not finite",
                             judge->path, index, (unsigned long long)(bad / 2));
         }
     }
@@ -290,9 +307,8 @@ stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, uint32_t inde
         highest = mesh->indices[i] > highest ? mesh->indices[i] : highest;
     }
     if (corners != 0 && highest >= mesh->vertex_count) {
-        return stp_fail(judge->context, judge->failure,
-                        "%s: mesh %u: index %u is not below its vertex count %u", judge->path,
-                        index, highest, mesh->vertex_count);
+        return complain(judge, "%s: mesh %u: index %u is not below its vertex count %u",
+                        judge->path, index, highest, mesh->vertex_count);
     }
     return STP_OK;
 }
@@ -303,9 +319,8 @@ stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t ind
     uint64_t numbers = 3 * (uint64_t)points->point_count;
     uint64_t bad = find_not_finite(points->positions, numbers);
     if (bad < numbers) {
-        return stp_fail(judge->context, judge->failure,
-                        "%s: point set %u: the position of point %llu is not finite", judge->path,
-                        index, (unsigned long long)(bad / 3));
+        return complain(judge, "%s: point set %u: the position of point %llu is not finite",
+                        judge->path, index, (unsigned long long)(bad / 3));
     }
     return STP_OK;
 }
@@ -319,9 +334,8 @@ stp_result stp_store_judge_surfel_data(const stp_store_judge* judge, uint32_t in
         highest = materials[i] > highest ? materials[i] : highest;
     }
     if (count != 0 && highest >= shading_count) {
-        return stp_fail(judge->context, judge->failure,
-                        "%s: surfel set %u: shading %u does not exist (there are %u)", judge->path,
-                        index, highest, shading_count);
+        return complain(judge, "%s: surfel set %u: shading %u does not exist (there are %u)",
+                        judge->path, index, highest, shading_count);
     }
     return STP_OK;
 }

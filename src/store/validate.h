@@ -11,6 +11,7 @@ typedef struct stp_store_judge {
     stp_context* context;
     const char* path;
     stp_result failure;
+    bool warns; ///< bulk data: what is wrong is a warning, for no call fails of it
 } stp_store_judge;
 
 /// The graph, its parts, materials and shadings; not the objects.

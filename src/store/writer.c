@@ -76,7 +76,7 @@ static stp_result patch_header(stp_store_writing* w, uint64_t data_offset)
 static stp_result judge_content(const stp_store_writing* w)
 {
     const stp_store_directory* d = &w->content->directory;
-    stp_store_judge judge = {w->context, w->path, STP_ERROR_ARGUMENT};
+    stp_store_judge judge = {.context = w->context, .path = w->path, .failure = STP_ERROR_ARGUMENT};
     stp_result result = stp_store_judge_graph(&judge, d);
     if (result == STP_OK) {
         result = stp_store_judge_objects(&judge, d);

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: MIT
+// A residency from beginning to end, and what is asked of it.
+#include "store/residency_internal.h"
+
+#include <string.h>
+
+enum { ALLOCATION_BYTES = 64 }; ///< that the context counts of each allocation besides
+
+static const uint64_t batch_bytes = 16 << 20, most_pinned = 1 << 20;
+
+const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave)
+{
+    const stp_store* store = r->store;
+    stp_resident_kind kind = stp_residency_kind(r, thing);
+    uint32_t index = thing - r->firsts[kind], block = 0;
+    switch (kind) {
+    case STP_RESIDENT_SURFELS: {
+        const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+        const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
+        block = octaves[sets[index].first_octave + octave].block;
+        break;
+    }
+    case STP_RESIDENT_MESH:
+        block = ((const stp_store_mesh_record*)store->tables[STP_SECTION_MESHES])[index].block;
+        break;
+    case STP_RESIDENT_POINTS:
+        block = ((const stp_store_point_record*)store->tables[STP_SECTION_POINT_SETS])[index].block;
+        break;
+    case STP_RESIDENT_TEXTURE:
+    case STP_RESIDENT_KINDS:
+        block = ((const stp_store_texture_record*)store->tables[STP_SECTION_TEXTURES])[index].block;
+        break;
+    }
+    return stp_store_block_at(store, block);
+}
+
+uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t level)
+{
+    if (stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS) {
+        return stp_store_columns_bytes(stp_residency_surfels(r, thing), level) + ALLOCATION_BYTES;
+    }
+    return stp_residency_block(r, thing, 0)->size + ALLOCATION_BYTES;
+}
+
+static void count_things(const stp_store* store, uint32_t firsts[STP_RESIDENT_KINDS + 1])
+{
+    const stp_store_directory* directory = &store->directory;
+    firsts[STP_RESIDENT_SURFELS] = 0;
+    firsts[STP_RESIDENT_MESH] = directory->surfels_count;
+    firsts[STP_RESIDENT_POINTS] = firsts[STP_RESIDENT_MESH] + directory->mesh_count;
+    firsts[STP_RESIDENT_TEXTURE] = firsts[STP_RESIDENT_POINTS] + directory->point_set_count;
+    firsts[STP_RESIDENT_KINDS] = firsts[STP_RESIDENT_TEXTURE] + directory->texture_count;
+}
+
+static stp_result create_tables(stp_residency* r)
+{
+    uint32_t count = r->firsts[STP_RESIDENT_KINDS];
+    uint32_t loads = count < STP_RESIDENCY_LOADS ? count + 1 : STP_RESIDENCY_LOADS;
+    r->things = STP_NEW_ZEROED(r->context, stp_resident, (size_t)count + 1);
+    r->steps = STP_NEW_ARRAY(r->context, stp_rank, (size_t)count + 1);
+    r->victims = STP_NEW_ARRAY(r->context, stp_rank, (size_t)count + 1);
+    r->pins = STP_NEW_ARRAY(r->context, uint32_t, (size_t)r->firsts[STP_RESIDENT_MESH] + 1);
+    r->loads = STP_NEW_ARRAY(r->context, stp_load, loads);
+    if (r->things == NULL || r->steps == NULL || r->victims == NULL || r->pins == NULL ||
+        r->loads == NULL) {
+        return stp_fail_memory(r->context);
+    }
+    for (uint32_t i = 0; i < loads; ++i) {
+        r->loads[i].next = r->spare;
+        r->spare = &r->loads[i];
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        bool surfels = i < r->firsts[STP_RESIDENT_MESH];
+        r->things[i].most = surfels ? (uint8_t)stp_residency_surfels(r, i)->octave_count : 1;
+    }
+    return STP_OK;
+}
+
+/// Marks the sets above which nothing coarser is drawn.
+static stp_result find_uppermost(stp_residency* r)
+{
+    enum { UPPERMOST = 1, BELOW = 2 };
+    const stp_store_directory* directory = &r->store->directory;
+    uint8_t* reached = STP_NEW_ZEROED(r->context, uint8_t, (size_t)directory->node_count + 1);
+    if (reached == NULL) {
+        return stp_fail_memory(r->context);
+    }
+    if (directory->root != STP_STORE_NONE) {
+        reached[directory->root] = UPPERMOST;
+    }
+    for (uint32_t i = directory->node_count; i-- > 0;) { // parents first
+        const stp_store_node* node = &directory->nodes[i];
+        uint8_t below = reached[i];
+        if (below == 0) {
+            continue;
+        }
+        if (node->surfels != STP_STORE_NONE && r->things[node->surfels].most > 0) {
+            if ((below & UPPERMOST) != 0 && r->things[node->surfels].pinned == 0) {
+                r->things[node->surfels].pinned = 1;
+                r->pins[r->pin_count++] = node->surfels;
+            }
+            below = BELOW;
+        }
+        for (uint32_t k = 0; k < node->edge_count; ++k) {
+            uint32_t child = directory->edges[node->first_edge + k].node;
+            bool moves = (directory->nodes[child].flags & 1u) != 0; // no ancestor shows it
+            reached[child] |= moves ? UPPERMOST : below;
+        }
+    }
+    stp_free(r->context, reached);
+    return STP_OK;
+}
+
+/// Pins octave after octave of the uppermost sets, as far as a small part of the memory reaches.
+static void choose_pins(stp_residency* r)
+{
+    uint64_t whole = stp_memory_limit(r->context), limit = r->desc.limit_bytes;
+    limit = limit == 0 || (whole != 0 && whole < limit) ? whole : limit;
+    uint64_t left = limit != 0 && limit / 16 < most_pinned ? limit / 16 : most_pinned;
+    for (uint32_t i = 0; i < r->pin_count; ++i) {
+        uint64_t bytes = stp_residency_bytes(r, r->pins[i], 1);
+        left = left > bytes ? left - bytes : 0;
+    }
+    for (uint32_t level = 2; level <= STP_OCTAVE_LIMIT && left > 0; ++level) {
+        for (uint32_t i = 0; i < r->pin_count && left > 0; ++i) {
+            stp_resident* t = &r->things[r->pins[i]];
+            if (level > t->most) {
+                continue;
+            }
+            uint64_t bytes = stp_residency_bytes(r, r->pins[i], level);
+            t->pinned = bytes <= left ? (uint8_t)level : t->pinned;
+            left = bytes <= left ? left - bytes : 0;
+        }
+    }
+}
+
+static bool read_file(void* user, uint64_t offset, void* bytes, size_t size)
+{
+    const stp_store* store = user;
+    if (store->descriptor >= 0) {
+        return stp_file_read_at(store->descriptor, offset, bytes, size);
+    }
+    bool whole = offset <= store->file.size && size <= store->file.size - offset;
+    if (whole) {
+        memcpy(bytes, store->file.bytes + offset, size);
+    }
+    return whole;
+}
+
+stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc,
+                                stp_residency** residency)
+{
+    *residency = NULL;
+    if (store->partial || store->residency != NULL) {
+        return stp_fail(store->context, STP_ERROR_ARGUMENT,
+                        "%s: bulk data cannot be loaded for this store", store->path);
+    }
+    stp_residency* r = STP_NEW_ZEROED(store->context, stp_residency, 1);
+    if (r == NULL) {
+        return stp_fail_memory(store->context);
+    }
+    r->context = store->context;
+    r->store = store;
+    r->desc = *desc;
+    r->desc.thread_count = desc->thread_count != 0 ? desc->thread_count : 2;
+    r->desc.batch_bytes = desc->batch_bytes != 0 ? desc->batch_bytes : batch_bytes;
+    if (desc->read == NULL) {
+        r->desc.read = read_file;
+        r->desc.read_user = store;
+    }
+    count_things(store, r->firsts);
+    pthread_mutex_init(&r->mutex, NULL);
+    pthread_cond_init(&r->work, NULL);
+    pthread_cond_init(&r->done, NULL);
+    atomic_init(&r->ending, false);
+    stp_result result = create_tables(r);
+    result = result == STP_OK ? find_uppermost(r) : result;
+    result = result == STP_OK ? stp_residency_start_threads(r) : result;
+    if (result != STP_OK) {
+        stp_residency_destroy(r);
+        return result;
+    }
+    choose_pins(r);
+    for (uint32_t i = 0; i < store->directory.surfels_count; ++i) {
+        stp_store_release_surfels(store, i);
+    }
+    store->residency = r;
+    *residency = r;
+    stp_residency_update(r, NULL, 0);
+    return STP_OK;
+}
+
+static void take_arrived(stp_residency* r)
+{
+    pthread_mutex_lock(&r->mutex);
+    stp_load* load = r->arrived;
+    r->arrived = NULL;
+    pthread_mutex_unlock(&r->mutex);
+    while (load != NULL) {
+        stp_load* next = load->next;
+        stp_residency_take(r, load);
+        load = next;
+    }
+}
+
+void stp_residency_destroy(stp_residency* r)
+{
+    if (r == NULL) {
+        return;
+    }
+    stp_residency_end_threads(r);
+    take_arrived(r);
+    for (stp_load* load = r->queue; load != NULL; load = load->next) { // never begun
+        stp_free(r->context, load->memory);
+    }
+    for (uint32_t i = 0; r->things != NULL && i < r->firsts[STP_RESIDENT_KINDS]; ++i) {
+        if (r->things[i].memory != NULL) {
+            stp_residency_drop(r, i, 0);
+        }
+    }
+    if (r->store->residency == r) {
+        r->store->residency = NULL;
+    }
+    pthread_cond_destroy(&r->done);
+    pthread_cond_destroy(&r->work);
+    pthread_mutex_destroy(&r->mutex);
+    stp_free(r->context, r->loads);
+    stp_free(r->context, r->pins);
+    stp_free(r->context, r->victims);
+    stp_free(r->context, r->steps);
+    stp_free(r->context, r->things);
+    stp_free(r->context, r);
+}
+
+void stp_residency_update(stp_residency* r, const stp_want* wants, size_t count)
+{
+    r->updates += 1;
+    take_arrived(r);
+    stp_residency_plan(r, wants, count);
+    stp_residency_start(r);
+    r->stats.limit_bytes = r->limit;
+    r->stats.resident_bytes = r->bytes;
+}
+
+bool stp_residency_wait(stp_residency* r)
+{
+    pthread_mutex_lock(&r->mutex);
+    while (r->busy > 0) {
+        pthread_cond_wait(&r->done, &r->mutex);
+    }
+    bool any = r->arrived != NULL;
+    pthread_mutex_unlock(&r->mutex);
+    return any;
+}
+
+void stp_residency_get_stats(const stp_residency* r, stp_residency_stats* stats)
+{
+    *stats = r->stats;
+}
+
+bool stp_store_streams(const stp_store* store)
+{
+    return store->residency != NULL;
+}
+
+uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index)
+{
+    const stp_surfels* surfels = stp_store_describe_surfels(store, index);
+    const stp_residency* r = store->residency;
+    return r == NULL ? surfels->count : stp_store_octave_begin(surfels, r->things[index].level);
+}
+
+static bool is_texture_here(const stp_residency* r, const stp_store_texture_use* use)
+{
+    return use->texture == STP_STORE_NONE ||
+           r->things[r->firsts[STP_RESIDENT_TEXTURE] + use->texture].level > 0;
+}
+
+bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index)
+{
+    const stp_residency* r = store->residency;
+    if (r == NULL) {
+        return true;
+    }
+    const stp_store_material* material =
+        &store->directory.materials[stp_store_describe_mesh(store, index)->material];
+    return r->things[r->firsts[STP_RESIDENT_MESH] + index].level > 0 &&
+           is_texture_here(r, &material->base_color_texture) &&
+           is_texture_here(r, &material->metallic_roughness_texture) &&
+           is_texture_here(r, &material->emissive_texture);
+}
+
+bool stp_store_are_points_resident(const stp_store* store, uint32_t index)
+{
+    const stp_residency* r = store->residency;
+    return r == NULL || r->things[r->firsts[STP_RESIDENT_POINTS] + index].level > 0;
+}
+
+uint64_t stp_store_texture_arrival(const stp_store* store, uint32_t index)
+{
+    const stp_residency* r = store->residency;
+    const stp_resident* t = r != NULL ? &r->things[r->firsts[STP_RESIDENT_TEXTURE] + index] : NULL;
+    return t != NULL && t->level > 0 ? t->arrival : 0;
+}
+
+uint32_t stp_store_thing_count(const stp_store* store)
+{
+    uint32_t firsts[STP_RESIDENT_KINDS + 1];
+    count_things(store, firsts);
+    return firsts[STP_RESIDENT_KINDS];
+}
+
+uint32_t stp_store_thing(const stp_store* store, stp_resident_kind kind, uint32_t index)
+{
+    uint32_t firsts[STP_RESIDENT_KINDS + 1];
+    count_things(store, firsts);
+    return firsts[kind] + index;
+}

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+// The threads that read: a load is taken from the queue, filled, checked, and handed back.
+#include "store/residency_internal.h"
+
+#include <string.h>
+
+/// Where a thread stands in a block.
+typedef struct block_reader {
+    stp_residency* r;
+    const stp_store_block* block;
+    uint64_t done;
+    uint32_t crc;
+} block_reader;
+
+static bool read_next(block_reader* at, void* bytes, size_t size)
+{
+    stp_residency* r = at->r;
+    if (atomic_load_explicit(&r->ending, memory_order_relaxed)) {
+        return false;
+    }
+    if (!r->desc.read(r->desc.read_user, at->block->offset + at->done, bytes, size)) {
+        if (!atomic_load(&r->ending)) {
+            stp_warn(r->context, "%s: the block at %llu cannot be read: it stays away",
+                     r->store->path, (unsigned long long)at->block->offset);
+        }
+        return false;
+    }
+    at->crc = stp_store_crc(at->crc, bytes, size);
+    at->done += size;
+    return true;
+}
+
+static bool is_right(const block_reader* at)
+{
+    if (at->crc == at->block->crc) {
+        return true;
+    }
+    stp_warn(at->r->context, "%s: the checksum of the block at %llu is wrong: it stays away",
+             at->r->store->path, (unsigned long long)at->block->offset);
+    return false;
+}
+
+/// Reads a block as it is.
+static bool read_block(stp_residency* r, const stp_store_block* block, unsigned char* bytes)
+{
+    block_reader at = {.r = r, .block = block};
+    while (at.done < block->size) {
+        uint64_t left = block->size - at.done;
+        size_t size = left < STP_RESIDENCY_CHUNK ? (size_t)left : STP_RESIDENCY_CHUNK;
+        if (!read_next(&at, bytes + at.done, size)) {
+            return false;
+        }
+    }
+    return is_right(&at);
+}
+
+/// Copies bytes [begin, begin + size) of a block to where its columns belong.
+static void scatter(const stp_store_column* columns, void* const* targets,
+                    const unsigned char* bytes, uint64_t begin, uint64_t size)
+{
+    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+        uint64_t from = columns[i].offset > begin ? columns[i].offset : begin;
+        uint64_t column_end = columns[i].offset + columns[i].size;
+        uint64_t end = column_end < begin + size ? column_end : begin + size;
+        if (from < end) {
+            memcpy((unsigned char*)targets[i] + (from - columns[i].offset), bytes + (from - begin),
+                   (size_t)(end - from));
+        }
+    }
+}
+
+static bool read_octave(stp_residency* r, const stp_load* load, uint32_t octave)
+{
+    unsigned char chunk[STP_RESIDENCY_CHUNK];
+    uint32_t index = load->thing - r->firsts[STP_RESIDENT_SURFELS];
+    block_reader at = {.r = r, .block = stp_residency_block(r, load->thing, octave)};
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    void* targets[STP_SURFEL_COLUMNS];
+    stp_store_surfel_columns(&load->columns, octave, columns);
+    stp_store_octave_targets(&load->columns, octave, targets);
+    while (at.done < at.block->size) {
+        uint64_t left = at.block->size - at.done, begin = at.done;
+        size_t size = left < sizeof(chunk) ? (size_t)left : sizeof(chunk);
+        if (!read_next(&at, chunk, size)) {
+            return false;
+        }
+        scatter(columns, targets, chunk, begin, size);
+    }
+    stp_store_judge judge = stp_store_own_judge(r->store);
+    judge.warns = true;
+    return is_right(&at) &&
+           stp_store_judge_surfel_data(&judge, index, targets[STP_SURFEL_MATERIALS],
+                                       columns[STP_SURFEL_MATERIALS].size,
+                                       r->store->directory.shading_count) == STP_OK;
+}
+
+static bool judge_mesh(stp_residency* r, stp_load* load)
+{
+    const stp_store_mesh_record* records = r->store->tables[STP_SECTION_MESHES];
+    uint32_t index = load->thing - r->firsts[STP_RESIDENT_MESH];
+    stp_store_judge judge = stp_store_own_judge(r->store);
+    judge.warns = true;
+    if (stp_store_is_clustered(r->store, index)) {
+        const char* fault = stp_store_find_clusters(r->store, index, load->memory, &load->clusters);
+        if (fault != NULL) {
+            stp_warn(r->context, "%s: mesh %u %s", r->store->path, index, fault);
+        }
+        return fault == NULL;
+    }
+    stp_store_mesh mesh = {.vertex_count = records[index].mesh.vertex_count,
+                           .triangle_count = records[index].mesh.triangle_count};
+    stp_store_find_mesh_columns(records[index].present, load->memory, &mesh);
+    return stp_store_judge_mesh_data(&judge, index, &mesh) == STP_OK;
+}
+
+static bool judge_points(stp_residency* r, const stp_load* load)
+{
+    const stp_store_point_record* records = r->store->tables[STP_SECTION_POINT_SETS];
+    uint32_t index = load->thing - r->firsts[STP_RESIDENT_POINTS];
+    stp_store_judge judge = stp_store_own_judge(r->store);
+    judge.warns = true;
+    stp_store_point_set points = {.point_count = records[index].points.point_count};
+    stp_store_find_point_columns(records[index].present, load->memory, &points);
+    return stp_store_judge_point_data(&judge, index, &points) == STP_OK;
+}
+
+static void fill_load(stp_residency* r, stp_load* load)
+{
+    load->reached = load->from;
+    load->read_bytes = 0;
+    stp_resident_kind kind = stp_residency_kind(r, load->thing);
+    if (kind == STP_RESIDENT_SURFELS) {
+        if (load->from > 0) {
+            stp_store_copy_columns(&load->columns, &load->before, load->from);
+        }
+        while (load->reached < load->to && read_octave(r, load, load->reached)) {
+            load->read_bytes += stp_residency_block(r, load->thing, load->reached)->size;
+            load->reached += 1;
+        }
+        return;
+    }
+    const stp_store_block* block = stp_residency_block(r, load->thing, 0);
+    bool good = read_block(r, block, load->memory);
+    good = good && (kind != STP_RESIDENT_MESH || judge_mesh(r, load));
+    good = good && (kind != STP_RESIDENT_POINTS || judge_points(r, load));
+    load->read_bytes = good ? block->size : 0;
+    load->reached = good ? 1 : 0;
+}
+
+static void* run_reader(void* argument)
+{
+    stp_residency* r = argument;
+    pthread_mutex_lock(&r->mutex);
+    while (!atomic_load(&r->ending)) {
+        stp_load* load = r->queue;
+        if (load == NULL) {
+            pthread_cond_wait(&r->work, &r->mutex);
+            continue;
+        }
+        r->queue = load->next;
+        pthread_mutex_unlock(&r->mutex);
+        fill_load(r, load);
+        pthread_mutex_lock(&r->mutex);
+        load->next = r->arrived;
+        r->arrived = load;
+        r->busy -= 1;
+        if (r->busy == 0) {
+            pthread_cond_broadcast(&r->done);
+        }
+    }
+    pthread_mutex_unlock(&r->mutex);
+    return NULL;
+}
+
+stp_result stp_residency_start_threads(stp_residency* r)
+{
+    uint32_t wanted = r->desc.thread_count;
+    r->threads = STP_NEW_ARRAY(r->context, pthread_t, wanted);
+    if (r->threads == NULL) {
+        return stp_fail_memory(r->context);
+    }
+    while (r->thread_count < wanted) {
+        if (pthread_create(&r->threads[r->thread_count], NULL, run_reader, r) != 0) {
+            return stp_fail(r->context, STP_ERROR_LIMIT, "%s: threads that read cannot be started",
+                            r->store->path);
+        }
+        r->thread_count += 1;
+    }
+    return STP_OK;
+}
+
+void stp_residency_end_threads(stp_residency* r)
+{
+    pthread_mutex_lock(&r->mutex);
+    atomic_store(&r->ending, true);
+    pthread_cond_broadcast(&r->work);
+    pthread_mutex_unlock(&r->mutex);
+    for (uint32_t i = 0; i < r->thread_count; ++i) {
+        pthread_join(r->threads[i], NULL);
+    }
+    r->thread_count = 0;
+    stp_free(r->context, r->threads);
+    r->threads = NULL;
+}
+
+void stp_residency_start(stp_residency* r)
+{
+    if (r->first_load == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&r->mutex);
+    if (r->queue == NULL) {
+        r->queue = r->first_load;
+    } else {
+        r->queue_end->next = r->first_load;
+    }
+    r->queue_end = r->last_load;
+    for (const stp_load* load = r->first_load; load != NULL; load = load->next) {
+        r->busy += 1;
+    }
+    pthread_cond_broadcast(&r->work);
+    pthread_mutex_unlock(&r->mutex);
+    r->first_load = r->last_load = NULL;
+}

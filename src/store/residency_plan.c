@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+// What to load and what to drop for it. Loads and drops are steps: an octave of a set, or a whole other thing. The step
+// that is needed most comes first, wherever it belongs; what gives way is what no view wanted for longest, then octaves
+// finer than wanted, then what is needed much less than what it makes room for.
+#include "base/prefix_table.h"
+#include "store/residency_internal.h"
+
+#include <string.h>
+
+/// How much more a step must be needed than what is wanted too, to take its place: else they would take turns.
+static const float worth_the_place = 2.0f;
+static const uint64_t smallest_batch = 1 << 16; ///< octaves below this are read together
+
+enum {
+    SKIPS = 64,    ///< steps that do not fit, before an update gives up
+    SHORTENS = 16, ///< one part of so many is left free, for sets to be shortened in
+};
+
+static uint64_t bits_of(float need)
+{
+    float bounded = need > 0.0f ? (need < STP_NEED_MOST ? need : STP_NEED_MOST) : 0.0f;
+    uint32_t bits;
+    memcpy(&bits, &bounded, sizeof(bits));
+    return bits; // in the order of the numbers
+}
+
+float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level)
+{
+    const stp_resident* t = &r->things[thing];
+    if (level < t->pinned) {
+        return STP_NEED_MOST;
+    }
+    if (level == 0 || stp_residency_kind(r, thing) != STP_RESIDENT_SURFELS) {
+        return t->need;
+    }
+    const stp_surfels* surfels = stp_residency_surfels(r, thing);
+    return t->octave_need *
+           stp_prefix_table_radius(&surfels->table, surfels->octave_ends[level - 1]);
+}
+
+/// How much of a thing this update's view, or its pin, asks for.
+static uint32_t find_target(const stp_residency* r, const stp_resident* t)
+{
+    uint32_t wanted = t->used == r->updates ? t->wanted : 0;
+    wanted = wanted > t->pinned ? wanted : t->pinned;
+    return wanted < t->most ? wanted : t->most;
+}
+
+static void note(stp_residency* r, uint32_t thing, uint32_t wanted, float need, float octave_need)
+{
+    stp_resident* t = &r->things[thing];
+    if (t->used != r->updates) {
+        t->used = r->updates;
+        t->wanted = 0;
+        t->need = t->octave_need = 0.0f;
+        if (t->pinned == 0) { // else it is among the steps already
+            r->steps[r->step_count++].thing = thing;
+        }
+    }
+    t->wanted = (uint8_t)(wanted > t->wanted ? wanted : t->wanted);
+    t->need = need > t->need ? need : t->need;
+    t->octave_need = octave_need > t->octave_need ? octave_need : t->octave_need;
+}
+
+static void note_textures(stp_residency* r, uint32_t mesh, float need)
+{
+    const stp_store_directory* directory = &r->store->directory;
+    const stp_store_material* material =
+        &directory->materials[stp_store_describe_mesh(r->store, mesh)->material];
+    const uint32_t used[] = {material->base_color_texture.texture,
+                             material->metallic_roughness_texture.texture,
+                             material->emissive_texture.texture};
+    for (int i = 0; i < 3; ++i) {
+        if (used[i] != STP_STORE_NONE) {
+            note(r, r->firsts[STP_RESIDENT_TEXTURE] + used[i], 1, need, 0.0f);
+        }
+    }
+}
+
+static void note_wants(stp_residency* r, const stp_want* wants, size_t count)
+{
+    for (uint32_t i = 0; i < r->pin_count; ++i) {
+        r->steps[r->step_count++].thing = r->pins[i];
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const stp_want* want = &wants[i];
+        uint32_t thing = r->firsts[want->kind] + want->index;
+        bool surfels = want->kind == STP_RESIDENT_SURFELS;
+        uint32_t octaves = want->octaves < STP_OCTAVE_LIMIT ? want->octaves : STP_OCTAVE_LIMIT;
+        note(r, thing, surfels ? octaves : 1, want->need, want->octave_need);
+        if (want->kind == STP_RESIDENT_MESH) {
+            note_textures(r, want->index, want->need);
+        }
+    }
+}
+
+/// Leaves in `steps` what is missing and not under way, most needed first.
+static void sort_steps(stp_residency* r)
+{
+    size_t kept = 0;
+    r->stats.missing = r->stats.loading = 0;
+    for (size_t i = 0; i < r->step_count; ++i) {
+        uint32_t thing = r->steps[i].thing;
+        const stp_resident* t = &r->things[thing];
+        if (t->level >= find_target(r, t)) {
+            continue;
+        }
+        r->stats.missing += 1;
+        if (t->load != NULL) {
+            r->stats.loading += 1;
+            continue;
+        }
+        float need = stp_residency_need(r, thing, t->level);
+        r->steps[kept++] = (stp_rank){.order = UINT64_MAX - bits_of(need), .thing = thing};
+    }
+    r->step_count = kept;
+    stp_ranks_sort(r->steps, kept);
+}
+
+static uint64_t order_of_victim(const stp_residency* r, uint32_t thing)
+{
+    const stp_resident* t = &r->things[thing];
+    uint32_t target = find_target(r, t);
+    if (target == 0) {
+        return t->used;
+    }
+    uint64_t kind = t->level > target ? UINT64_C(1) << 62 : UINT64_C(1) << 63;
+    return kind | bits_of(stp_residency_need(r, thing, t->level - 1u));
+}
+
+static void find_victims(stp_residency* r)
+{
+    uint32_t count = r->firsts[STP_RESIDENT_KINDS];
+    r->victim_count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const stp_resident* t = &r->things[i];
+        if (t->level > t->pinned && t->load == NULL) {
+            r->victims[r->victim_count++] = (stp_rank){.order = order_of_victim(r, i), .thing = i};
+        }
+    }
+    stp_ranks_sort(r->victims, r->victim_count);
+    r->victims_found = true;
+}
+
+/// Drops a step of the least needed thing, or more where it is not wanted at all.
+static void drop_victim(stp_residency* r)
+{
+    uint32_t thing = r->victims[0].thing;
+    const stp_resident* t = &r->things[thing];
+    uint32_t target = find_target(r, t);
+    bool surfels = stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS;
+    uint32_t level = target == 0 ? t->pinned : surfels ? t->level - 1u : 0;
+    level = t->level > target && target > level ? target : level;
+    stp_residency_drop(r, thing, level);
+    if (t->level > t->pinned) {
+        r->victims[0].order = order_of_victim(r, thing);
+        stp_ranks_sink(r->victims, r->victim_count, 0);
+    } else {
+        r->victim_count = stp_ranks_pop(r->victims, r->victim_count);
+    }
+}
+
+/// Makes room for so many bytes of a step. @return false where nothing less needed is left to drop
+static bool make_room(stp_residency* r, uint64_t bytes, float need, uint64_t limit)
+{
+    uint64_t most_given = UINT64_C(1) << 63 | bits_of(need / worth_the_place);
+    while (bytes > limit || r->bytes > limit - bytes) {
+        if (bytes > limit) {
+            return false;
+        }
+        if (!r->victims_found) {
+            find_victims(r);
+        }
+        if (r->victim_count == 0 || r->victims[0].order >= most_given) {
+            return false;
+        }
+        if (r->things[r->victims[0].thing].load != NULL) { // planned since victims were found
+            r->victim_count = stp_ranks_pop(r->victims, r->victim_count);
+        } else {
+            drop_victim(r);
+        }
+    }
+    return true;
+}
+
+/// What of the limit is left to bulk data: the context's, without what others use and some room for them to grow.
+static uint64_t find_limit(const stp_residency* r)
+{
+    uint64_t limit = r->desc.limit_bytes != 0 ? r->desc.limit_bytes : UINT64_MAX;
+    uint64_t whole = stp_memory_limit(r->context);
+    if (whole != 0) {
+        uint64_t live = stp_context_live_bytes(r->context);
+        uint64_t others = live > r->bytes ? live - r->bytes : 0;
+        uint64_t margin = whole / 8 > 1 << 20 ? whole / 8 : 1 << 20;
+        uint64_t left = whole > others + margin ? whole - others - margin : 0;
+        limit = left < limit ? left : limit;
+    }
+    return limit;
+}
+
+/// The level that a load should reach which begins at the thing's own: small octaves come together.
+static uint32_t find_next(const stp_residency* r, uint32_t thing, uint32_t from, uint32_t target)
+{
+    uint32_t to = from + 1;
+    while (to < target && stp_residency_bytes(r, thing, to + 1) <= smallest_batch) {
+        to += 1;
+    }
+    return to;
+}
+
+static stp_load* new_load(stp_residency* r, uint32_t thing)
+{
+    stp_load* load = r->spare;
+    if (load != NULL) {
+        r->spare = load->next;
+        load->next = NULL;
+        load->thing = thing;
+        load->from = load->to = r->things[thing].level;
+        load->bytes = 0;
+        load->memory = NULL;
+        r->things[thing].load = load;
+        *(r->first_load == NULL ? &r->first_load : &r->last_load->next) = load;
+        r->last_load = load;
+    }
+    return load;
+}
+
+/// Plans the first step of the heap. @return false where no further step should be tried
+static bool plan_step(stp_residency* r, uint32_t* skips)
+{
+    uint32_t thing = r->steps[0].thing;
+    stp_resident* t = &r->things[thing];
+    stp_load* load = t->load;
+    uint32_t target = find_target(r, t), from = load != NULL ? load->to : t->level;
+    uint32_t to = stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS
+                      ? find_next(r, thing, from, target)
+                      : 1;
+    uint64_t bytes = stp_residency_bytes(r, thing, to) - (load != NULL ? load->bytes : 0);
+    if (r->under_way > 0 && r->under_way + bytes > r->desc.batch_bytes) {
+        return false;
+    }
+    if (load == NULL && r->spare == NULL) {
+        return false;
+    }
+    float need = stp_residency_need(r, thing, from);
+    // what is to be loaded may not make room for itself
+    load = load != NULL ? load : new_load(r, thing);
+    bool fits = make_room(r, bytes, need, r->limit - r->limit / SHORTENS);
+    if (fits) {
+        load->to = to;
+        load->bytes += bytes;
+        stp_residency_count(r, bytes);
+        r->under_way += bytes;
+    }
+    if (fits && to < target) {
+        r->steps[0].order = UINT64_MAX - bits_of(stp_residency_need(r, thing, to));
+        stp_ranks_sink(r->steps, r->step_count, 0);
+    } else {
+        r->step_count = stp_ranks_pop(r->steps, r->step_count);
+    }
+    *skips += fits ? 0 : 1;
+    return *skips < SKIPS;
+}
+
+/// Takes memory for what was planned. What gets none is given up for this update.
+static void prepare_loads(stp_residency* r)
+{
+    stp_load* load = r->first_load;
+    r->first_load = r->last_load = NULL;
+    while (load != NULL) {
+        stp_load* next = load->next;
+        load->next = NULL;
+        if (load->to > load->from && stp_residency_prepare(r, load)) {
+            *(r->first_load == NULL ? &r->first_load : &r->last_load->next) = load;
+            r->last_load = load;
+            r->stats.loading += 1;
+        } else {
+            r->bytes -= load->bytes;
+            r->under_way -= load->bytes;
+            r->things[load->thing].load = NULL;
+            load->next = r->spare;
+            r->spare = load;
+        }
+        load = next;
+    }
+}
+
+void stp_residency_plan(stp_residency* r, const stp_want* wants, size_t count)
+{
+    r->step_count = 0;
+    r->victims_found = false;
+    r->limit = find_limit(r);
+    note_wants(r, wants, count);
+    sort_steps(r);
+    uint32_t skips = 0;
+    (void)make_room(r, 0, STP_NEED_MOST, r->limit); // others may have grown
+    while (r->step_count > 0 && plan_step(r, &skips)) {
+    }
+    prepare_loads(r);
+}

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+// What comes and goes in the store's tables. Between frames only, on the thread that updates.
+#include "store/residency_internal.h"
+
+static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t thing)
+{
+    stp_store_surfels_record* records = r->store->tables[STP_SECTION_SURFELS];
+    return &records[thing - r->firsts[STP_RESIDENT_SURFELS]];
+}
+
+bool stp_residency_prepare(stp_residency* r, stp_load* load)
+{
+    if (stp_residency_kind(r, load->thing) == STP_RESIDENT_SURFELS) {
+        const stp_surfels* surfels = &surfels_record(r, load->thing)->surfels;
+        load->before = *surfels;
+        load->columns = *surfels;
+        stp_store_cut_surfels(&load->columns, load->to);
+        load->memory = stp_store_reserve_columns(r->context, &load->columns);
+    } else {
+        uint64_t size = stp_residency_block(r, load->thing, 0)->size;
+        load->memory = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
+    }
+    return load->memory != NULL;
+}
+
+static void publish_mesh(const stp_residency* r, uint32_t index, void* memory,
+                         const stp_clusters* clusters)
+{
+    stp_store_mesh_record* records = r->store->tables[STP_SECTION_MESHES];
+    stp_store_mesh_record* record = &records[index];
+    if (stp_store_is_clustered(r->store, index)) {
+        stp_store_clusters_record* coded = r->store->tables[STP_SECTION_CLUSTERS];
+        coded[index].clusters = memory != NULL ? *clusters : (stp_clusters){0};
+        return;
+    }
+    record->checked = memory != NULL;
+    if (memory != NULL) {
+        stp_store_find_mesh_columns(record->present, memory, &record->mesh);
+    } else {
+        record->mesh.positions = NULL;
+        record->mesh.normals = NULL;
+        record->mesh.texcoords[0] = record->mesh.texcoords[1] = NULL;
+        record->mesh.colors = NULL;
+        record->mesh.indices = NULL;
+    }
+}
+
+static void publish_points(const stp_residency* r, uint32_t index, void* memory)
+{
+    stp_store_point_record* records = r->store->tables[STP_SECTION_POINT_SETS];
+    stp_store_point_record* record = &records[index];
+    record->checked = memory != NULL;
+    if (memory != NULL) {
+        stp_store_find_point_columns(record->present, memory, &record->points);
+    } else {
+        record->points.positions = NULL;
+        record->points.normals = NULL;
+        record->points.colors = NULL;
+    }
+}
+
+/// NULL: the thing is gone.
+static void publish(const stp_residency* r, uint32_t thing, void* memory,
+                    const stp_clusters* clusters)
+{
+    stp_resident_kind kind = stp_residency_kind(r, thing);
+    uint32_t index = thing - r->firsts[kind];
+    if (kind == STP_RESIDENT_MESH) {
+        publish_mesh(r, index, memory, clusters);
+    } else if (kind == STP_RESIDENT_POINTS) {
+        publish_points(r, index, memory);
+    } else {
+        stp_store_texture_record* records = r->store->tables[STP_SECTION_TEXTURES];
+        records[index].texture.texels = memory;
+        records[index].checked = memory != NULL;
+    }
+}
+
+static void free_thing(stp_residency* r, stp_resident* t)
+{
+    stp_free(r->context, t->memory);
+    r->bytes -= t->bytes;
+    t->memory = NULL;
+    t->bytes = 0;
+    t->level = 0;
+}
+
+void stp_residency_take(stp_residency* r, stp_load* load)
+{
+    stp_resident* t = &r->things[load->thing];
+    t->load = NULL;
+    r->under_way -= load->bytes;
+    r->stats.read_bytes += load->read_bytes;
+    r->stats.loaded += load->reached - load->from;
+    if (load->reached < load->to && !atomic_load(&r->ending)) {
+        t->most = (uint8_t)load->reached;
+        r->stats.damaged += 1;
+    }
+    if (load->reached <= load->from) {
+        stp_free(r->context, load->memory);
+        r->bytes -= load->bytes;
+    } else {
+        free_thing(r, t);
+        t->memory = load->memory;
+        t->bytes = load->bytes;
+        t->level = (uint8_t)load->reached;
+        t->arrival = r->updates;
+        if (stp_residency_kind(r, load->thing) == STP_RESIDENT_SURFELS) {
+            stp_store_set_columns(surfels_record(r, load->thing), load->memory, &load->columns,
+                                  load->reached);
+        } else {
+            publish(r, load->thing, load->memory, &load->clusters);
+        }
+    }
+    load->next = r->spare;
+    r->spare = load;
+}
+
+/// Copies the first octaves of a set, which are some, to memory of their own.
+static bool shorten(stp_residency* r, uint32_t thing, uint32_t level)
+{
+    stp_resident* t = &r->things[thing];
+    stp_store_surfels_record* record = surfels_record(r, thing);
+    stp_surfels columns = record->surfels;
+    uint64_t bytes = stp_residency_bytes(r, thing, level);
+    stp_store_cut_surfels(&columns, level);
+    stp_store_joined* memory =
+        r->bytes + bytes <= r->limit ? stp_store_reserve_columns(r->context, &columns) : NULL;
+    if (memory == NULL) {
+        return false;
+    }
+    stp_residency_count(r, bytes);
+    stp_store_copy_columns(&columns, &record->surfels, level);
+    free_thing(r, t);
+    stp_store_set_columns(record, memory, &columns, level);
+    t->memory = memory;
+    t->bytes = bytes;
+    t->level = (uint8_t)level;
+    return true;
+}
+
+void stp_residency_drop(stp_residency* r, uint32_t thing, uint32_t level)
+{
+    stp_resident* t = &r->things[thing];
+    uint32_t before = t->level;
+    if (stp_residency_kind(r, thing) != STP_RESIDENT_SURFELS) {
+        publish(r, thing, NULL, NULL);
+        free_thing(r, t);
+    } else if ((level == 0 || !shorten(r, thing, level)) &&
+               (t->pinned == 0 || t->pinned >= level || !shorten(r, thing, t->pinned))) {
+        stp_surfels none = {0};
+        free_thing(r, t);
+        stp_store_set_columns(surfels_record(r, thing), NULL, &none, 0);
+    }
+    r->stats.dropped += before - t->level;
+}
