@@ -10,6 +10,8 @@
 typedef struct bench_options {
     bool quick;        ///< a small case of everything, within seconds
     const char* model; ///< a model to measure on; NULL: the benchmark's own
+    uint32_t count;    ///< of what is repeated; 0: the benchmark's own
+    double splat_size; ///< of pictures of scenes
 } bench_options;
 
 typedef struct benchmark {

@@ -3,7 +3,9 @@
 // Splats a second into a picture of 1920 x 1080, from an order that is random in space: single pixels, and disks
 // with the normals of a ball. Beside it the same points through OpenGL, where that runs in software here, with as
 // many threads, in the same run. Clearing (or, here, emptying and merging the threads' buffers) counts on both sides.
+// How fast memory is copied, and how many pixels at random it takes, is measured in between.
 #include "bench.h"
+#include "memory_speed.h"
 #include "software_gl.h"
 
 #include "base/clock.h"
@@ -14,7 +16,7 @@
 
 #include <string.h>
 
-enum { WIDTH = 1920, HEIGHT = 1080, REPEATS = 7, PIECE = 16384 };
+enum { WIDTH = 1920, HEIGHT = 1080, REPEATS = 7, PIECE = 16384, MOST_THREADS = 2 };
 
 typedef struct splat_bench {
     stp_context* context;
@@ -26,10 +28,13 @@ typedef struct splat_bench {
     uint64_t* buffers; ///< one picture a thread
     stp_raster_splats splats;
     stp_raster_camera camera;
+    uint64_t fragments[MOST_THREADS]; ///< of a worker
+    memory_speed memory;
 } splat_bench;
 
 static void destroy(splat_bench* b)
 {
+    memory_speed_destroy(&b->memory);
     stp_free(b->context, b->positions);
     stp_free(b->context, b->normals);
     stp_free(b->context, b->gl_positions);
@@ -52,7 +57,8 @@ static bool create(splat_bench* b, uint32_t count, uint32_t threads)
     b->gl_positions = STP_NEW_ARRAY(b->context, float, 3 * n);
     b->gl_normals = STP_NEW_ARRAY(b->context, float, 3 * n);
     b->buffers = STP_NEW_ARRAY(b->context, uint64_t, pixels);
-    if (b->positions == NULL || b->normals == NULL || b->gl_positions == NULL ||
+    bool created = memory_speed_create(b->context, WIDTH * HEIGHT, &b->memory);
+    if (!created || b->positions == NULL || b->normals == NULL || b->gl_positions == NULL ||
         b->gl_normals == NULL || b->buffers == NULL) {
         tool_error("bench splats: out of memory");
         destroy(b);
@@ -93,7 +99,7 @@ static void draw_piece(size_t begin, size_t end, uint32_t worker, void* user)
     stp_raster_splats splats = b->splats;
     splats.begin = (uint32_t)begin;
     splats.end = (uint32_t)end;
-    (void)stp_raster_draw_splats(&target, 0, HEIGHT, &b->camera, &splats, 0);
+    b->fragments[worker] += stp_raster_draw_splats(&target, 0, HEIGHT, &b->camera, &splats, 0);
 }
 
 /// Leaves the buffers empty, as a frame does; the merged pixel would be shaded here.
@@ -119,6 +125,8 @@ static void merge_rows(size_t begin, size_t end, uint32_t worker, void* user)
 
 typedef struct lap {
     double cpu, raster, gl; ///< milliseconds
+    double copy, update;    ///< bytes and pixels a second
+    uint64_t fragments;
 } lap;
 
 // Each side draws twice and the second frame counts: in a flight, too, the frame before was its own.
@@ -126,6 +134,7 @@ static lap run_lap(splat_bench* b, software_gl* gl, float size)
 {
     lap out = {0};
     for (int frame = 0; frame < 2; ++frame) {
+        memset(b->fragments, 0, sizeof(b->fragments));
         double start = stp_clock_ms();
         stp_parallel_for(b->context, b->count, PIECE, draw_piece, b);
         out.raster = stp_clock_ms() - start;
@@ -137,12 +146,36 @@ static lap run_lap(splat_bench* b, software_gl* gl, float size)
         software_gl_draw(gl, size, size > 1.0f);
         out.gl = stp_clock_ms() - start;
     }
+    for (uint32_t i = 0; i < b->threads; ++i) {
+        out.fragments += b->fragments[i];
+    }
+    out.copy = memory_speed_copy(&b->memory);
+    out.update = memory_speed_update(&b->memory);
     return out;
+}
+
+/// What a splat moves at least: its own bytes, its fragments read and written, its share of the threads' pictures that are
+/// merged and emptied; and how much of what memory gives that is.
+static void set_memory(const splat_bench* b, const bench_entry* entry, double rate, double copy,
+                       double update, uint64_t fragments)
+{
+    double each = (double)fragments / b->count;
+    double own = b->splats.radius > 0.0f ? 8.0 : 6.0; // a position, and perhaps a normal
+    double pixels = (double)WIDTH * HEIGHT * b->threads / b->count;
+    double bytes = own + 16.0 * (each + pixels);
+    bench_set_number(entry->figures, "fragments_per_splat", each);
+    bench_set_number(entry->figures, "bytes_per_splat", bytes);
+    bench_set_number(entry->figures, "bytes_per_second", bytes * rate);
+    bench_set_number(entry->figures, "copy_bytes_per_second", copy);
+    bench_set_number(entry->figures, "part_of_copy", bytes * rate / copy);
+    bench_set_number(entry->figures, "random_pixels_per_second", update);
+    bench_set_number(entry->figures, "part_of_random_pixels", each * rate / update);
 }
 
 static void measure(splat_bench* b, software_gl* gl, float size, bool quick, json_t* results)
 {
-    double cpu[REPEATS], raster[REPEATS], slow[REPEATS];
+    double cpu[REPEATS], raster[REPEATS], slow[REPEATS], copy[REPEATS], update[REPEATS];
+    uint64_t fragments = 0;
     size_t repeats = quick ? 2 : REPEATS;
     // one pixel: the centre's; else disks of that diameter
     b->splats.radius = size > 1.0f ? 0.5f * size / (float)HEIGHT : 0.0f;
@@ -151,6 +184,9 @@ static void measure(splat_bench* b, software_gl* gl, float size, bool quick, jso
         lap l = run_lap(b, gl, size);
         cpu[i] = (double)b->count / l.cpu * 1000.0;
         raster[i] = (double)b->count / l.raster * 1000.0;
+        copy[i] = l.copy;
+        update[i] = l.update;
+        fragments = l.fragments;
         slow[i] = gl != NULL ? (double)b->count / l.gl * 1000.0 : 0.0;
     }
     bench_entry entry = bench_result(results, "splats");
@@ -160,6 +196,8 @@ static void measure(splat_bench* b, software_gl* gl, float size, bool quick, jso
     double fast = bench_median(cpu, repeats);
     bench_set_number(entry.figures, "cpu_per_second", fast);
     bench_set_number(entry.figures, "cpu_raster_per_second", bench_median(raster, repeats));
+    set_memory(b, &entry, fast, bench_median(copy, repeats), bench_median(update, repeats),
+               fragments);
     if (gl != NULL) {
         double gl_rate = bench_median(slow, repeats);
         bench_set_number(entry.figures, "gl_per_second", gl_rate);
@@ -174,7 +212,7 @@ static void measure(splat_bench* b, software_gl* gl, float size, bool quick, jso
 static int run(const bench_options* options, json_t* results)
 {
     static const float sizes[] = {1, 2, 3, 4, 8};
-    for (uint32_t threads = 1; threads <= 2; ++threads) {
+    for (uint32_t threads = 1; threads <= MOST_THREADS; ++threads) {
         splat_bench b;
         if (!create(&b, options->quick ? 300000 : 4000000, threads)) {
             return 1;

@@ -27,6 +27,8 @@ const benchmark* const* benchmarks(void)
 static struct {
     bool list, quick, json;
     const char* model;
+    uint64_t count;
+    double splat_size;
 } given;
 
 static const option* bench_options_table(void)
@@ -39,6 +41,19 @@ static const option* bench_options_table(void)
          .argument = "PATH",
          .help = "measure on this model",
          .value = &given.model},
+        {.name = "count",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..1000000",
+         .help = "positions: so many above the whole scene, and a quarter as many in each part; "
+                 "default 20",
+         .value = &given.count},
+        {.name = "splat-size",
+         .type = OPTION_NUMBER,
+         .argument = "PX",
+         .words = "1..64",
+         .help = "positions: size of splats; default 1",
+         .value = &given.splat_size},
         OPTION_JSON(&given.json),
         {0},
     };
@@ -190,7 +205,10 @@ static int run_bench(int argc, char** argv)
                                     argv[i]);
         }
     }
-    bench_options options = {.quick = given.quick, .model = given.model};
+    bench_options options = {.quick = given.quick,
+                             .model = given.model,
+                             .count = (uint32_t)given.count,
+                             .splat_size = given.splat_size > 0.0 ? given.splat_size : 1.0};
     json_t* results = json_array();
     int code = 0;
     for (const benchmark* const* b = benchmarks(); *b != NULL && code == 0; ++b) {

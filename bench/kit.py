@@ -1,0 +1,137 @@
+"""What the measuring scripts share: running stipple, tables, keeping results, and drawings as SVG."""
+import argparse
+import datetime
+import json
+import math
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+STIPPLE = pathlib.Path(os.environ.get("STIPPLE", ROOT / "build/release/tools/stipple"))
+COLORS = ("#4c72b0", "#dd8452", "#55a868", "#8172b3", "#c44e52", "#937860", "#64b5cd")
+
+
+def options(doc, size="1920x1080"):
+    """A parser with what all scripts take."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--size", default=size, metavar="WxH", help=f"of pictures; default {size}")
+    parser.add_argument("--threads", type=int, default=0, help="default: all")
+    parser.add_argument("--out", metavar="FILE.json", help="where results are kept; default bench/results/MACHINE/DATE-NAME.json")
+    parser.add_argument("--images", metavar="FOLDER", type=pathlib.Path, default=ROOT / "docs/images", help="default docs/images")
+    return parser
+
+
+def stipple(*arguments, threads=0):
+    """Runs a command with --json, and returns what it printed."""
+    call = [str(STIPPLE), *map(str, arguments), "--json", "--quiet"] + (["--threads", str(threads)] if threads else [])
+    done = subprocess.run(call, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(call)}: {done.stderr.strip() or done.returncode}")
+    return json.loads(done.stdout)
+
+
+def bench(name, *arguments):
+    """Runs a benchmark, and returns its object: machine and results."""
+    call = [str(STIPPLE), "bench", name, *map(str, arguments), "--json"]
+    done = subprocess.run(call, stdout=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(call)}: failed")
+    return json.loads(done.stdout)
+
+
+def knows(command, option):
+    """Whether this build's command has an option."""
+    help_text = subprocess.run([STIPPLE, command, "--help"], capture_output=True, text=True).stdout
+    return re.search(rf"--{option}\b", help_text) is not None
+
+
+def compare(ours, truth):
+    figures = stipple("compare", ours, truth)
+    return {name: figures[name] for name in ("ssim", "ssim_covered", "psnr")}
+
+
+def processor():
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        names = [line.split(":", 1)[1].strip() for line in file if line.startswith("model name")]
+    return names[0] if names else "unknown"
+
+
+def result(name, params, figures):
+    return {"name": name, "params": params, "figures": figures}
+
+
+def keep(name, results, out=None):
+    """Writes results as `stipple bench --json` prints them."""
+    threads = os.cpu_count()
+    folder = re.sub(r"[^a-z0-9]+", "-", processor().lower()).strip("-")
+    path = pathlib.Path(out) if out else ROOT / f"bench/results/{folder}-{threads}/{datetime.date.today()}-{name}.json"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    version = subprocess.run([STIPPLE, "--version"], capture_output=True, text=True).stdout.strip()
+    machine = {"processor": processor(), "threads": threads, "version": version}
+    path.write_text(json.dumps({"machine": machine, "results": results}, indent=1) + "\n", encoding="utf-8")
+    print(f"\n{path}", file=sys.stderr)
+
+
+def say(text):
+    """What goes on, for who waits."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def table(head, rows):
+    """A table in Markdown."""
+    print("| " + " | ".join(map(str, head)) + " |")
+    print("|" + "---|" * len(head))
+    for row in rows:
+        print("| " + " | ".join(map(str, row)) + " |")
+
+
+def short(value, digits=3):
+    """A count as people write it: 1.78 M."""
+    for unit, letter in ((1e9, " G"), (1e6, " M"), (1e4, "")):
+        if value >= unit and letter:
+            return f"{value / unit:.{digits}g}{letter}"
+    return f"{value:,.0f}"
+
+
+def rank(values, part):
+    """The least value that so large a part does not exceed."""
+    ordered = sorted(values)
+    return ordered[max(0, math.ceil(part * len(ordered) - 1e-9) - 1)]
+
+
+def round_up(value):
+    """1, 2 or 5 times a power of ten, at least `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(step * power for step in (1, 2, 5, 10) if step * power >= value * (1 - 1e-9))
+
+
+class Drawing:
+    """An SVG on white ground."""
+
+    def __init__(self, width, height):
+        self.parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
+                      f'viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">\n'
+                      f'<rect width="{width}" height="{height}" fill="#fff"/>\n']
+
+    def put(self, text):
+        self.parts.append(text + "\n")
+
+    def text(self, x, y, words, anchor="start", more=""):
+        words = str(words).replace("&", "&amp;").replace("<", "&lt;")
+        self.put(f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" {more}>{words}</text>')
+
+    def line(self, points, color, width=1.0, more=""):
+        places = "L".join(f"{x:.2f} {y:.2f}" for x, y in points)
+        self.put(f'<path fill="none" stroke="{color}" stroke-width="{width}" {more} d="M{places}"/>')
+
+    def shape(self, points, fill):
+        places = "L".join(f"{x:.2f} {y:.2f}" for x, y in points)
+        self.put(f'<path fill="{fill}" stroke="#444" stroke-width="0.7" d="M{places}Z"/>')
+
+    def write(self, path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("".join(self.parts) + "</svg>\n", encoding="utf-8")
+        print(path, file=sys.stderr)
