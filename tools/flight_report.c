@@ -28,11 +28,31 @@ static json_t* describe_frames(const flight_record* record)
     for (uint32_t i = 0; i < record->frame_count; ++i) {
         const frame_figures* f = &record->frames[i];
         json_array_append_new(
-            list, json_pack("{s:f, s:f, s:I, s:I, s:f}", "t", record->times[i], "frame_ms",
-                            f->frame_ms, "splats", (json_int_t)f->splats, "triangles",
-                            (json_int_t)f->triangles, "splat_size", (double)f->splat_size));
+            list, json_pack("{s:f, s:f, s:I, s:I, s:I, s:f}", "t", record->times[i], "frame_ms",
+                            f->frame_ms, "splats", (json_int_t)f->splats, "extra_splats",
+                            (json_int_t)f->extra_splats, "triangles", (json_int_t)f->triangles,
+                            "splat_size", (double)f->splat_size));
     }
     return list;
+}
+
+static double part_within(const flight_record* record, double most_ms)
+{
+    uint32_t within = 0;
+    for (uint32_t i = 0; i < record->frame_count; ++i) {
+        within += record->frames[i].frame_ms <= most_ms;
+    }
+    return (double)within / (double)record->frame_count;
+}
+
+static json_t* describe_budget(const flight_record* record)
+{
+    double ms = record->budget_ms;
+    return ms > 0.0
+               ? json_pack("{s:f, s:f, s:f, s:f}", "ms", ms, "within_1_0", part_within(record, ms),
+                           "within_1_1", part_within(record, 1.1 * ms), "within_1_5",
+                           part_within(record, 1.5 * ms))
+               : json_null();
 }
 
 json_t* flight_describe(const flight_record* record)
@@ -44,14 +64,14 @@ json_t* flight_describe(const flight_record* record)
                                       record->popping_p999, "max", record->popping_max)
                           : json_null();
     return json_pack(
-        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "frames",
-        (json_int_t)record->frame_count, "frame_ms", "p50", ms.p50, "p95", ms.p95, "p99", ms.p99,
-        "max", ms.max, "splat_size", "p50", size.p50, "max", size.max, "splats",
+        "{s:I, s:{s:f, s:f, s:f, s:f}, s:{s:f, s:f}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "frames", (json_int_t)record->frame_count, "frame_ms", "p50", ms.p50, "p95", ms.p95, "p99",
+        ms.p99, "max", ms.max, "splat_size", "p50", size.p50, "max", size.max, "splats",
         describe_counts(record, flight_splats), "triangles",
         describe_counts(record, flight_triangles), "draw_calls",
         describe_counts(record, flight_draw_calls), "extra_splats",
-        describe_counts(record, flight_extra_splats), "popping", popping, "quality",
-        describe_qualities(record), "per_frame", describe_frames(record));
+        describe_counts(record, flight_extra_splats), "budget", describe_budget(record), "popping",
+        popping, "quality", describe_qualities(record), "per_frame", describe_frames(record));
 }
 
 static void print_row(const flight_record* record, const char* name, flight_value value,
@@ -71,6 +91,14 @@ void flight_print(const flight_record* record)
     print_row(record, "triangles", flight_triangles, 0);
     print_row(record, "draw calls", flight_draw_calls, 0);
     print_row(record, "extra splats", flight_extra_splats, 0);
+    if (record->budget_ms > 0.0) {
+        printf("\nwithin the budget of %g ms %.1f %% of the frames, within 1.1 times that %.1f %%, "
+               "1.5 "
+               "times %.1f %%\n",
+               record->budget_ms, 100.0 * part_within(record, record->budget_ms),
+               100.0 * part_within(record, 1.1 * record->budget_ms),
+               100.0 * part_within(record, 1.5 * record->budget_ms));
+    }
     if (record->has_popping) {
         printf("\npopping (0 to 255), of the blocks: 50 %% %.3f, 99.9 %% %.3f, all %.3f\n",
                record->popping_p50, record->popping_p999, record->popping_max);

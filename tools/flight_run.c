@@ -21,6 +21,7 @@ static stp_result create_record(stp_context* context, const flight_plan* plan,
 {
     uint32_t count = flight_count_frames(plan);
     *record = (flight_record){.frame_count = count,
+                              .budget_ms = plan->budget_ms,
                               .times = STP_NEW_ARRAY(context, double, count),
                               .frames = STP_NEW_ZEROED(context, frame_figures, count),
                               .qualities = STP_NEW_ARRAY(context, flight_quality, count)};

@@ -43,6 +43,7 @@ typedef struct flight_record {
     frame_figures* frames;
     flight_quality* qualities;
     uint32_t quality_count;
+    double budget_ms; ///< 0: none
     bool has_popping;
     double popping_p50, popping_p999, popping_max;
 } flight_record;

@@ -70,14 +70,14 @@ import json
 def load(name):
     f = json.load(open(name + ".json"))
     expected = """backend device width height threads frames frame_ms splats triangles splat_size draw_calls extra_splats
-    popping quality per_frame""".split()
+    budget popping quality per_frame""".split()
     assert sorted(f) == sorted(expected), (name, sorted(f))
     assert sorted(f["frame_ms"]) == ["max", "p50", "p95", "p99"], f["frame_ms"]
     for key in "splats", "triangles", "splat_size", "draw_calls", "extra_splats":
         assert sorted(f[key]) == ["max", "p50"], f[key]
     assert len(f["per_frame"]) == f["frames"]
     for frame in f["per_frame"]:
-        assert sorted(frame) == ["frame_ms", "splat_size", "splats", "t", "triangles"], frame
+        assert sorted(frame) == ["extra_splats", "frame_ms", "splat_size", "splats", "t", "triangles"], frame
         assert frame["frame_ms"] > 0
     for key in "frame_ms", "splats", "triangles", "splat_size":
         values = sorted(frame[key] for frame in f["per_frame"])
@@ -88,7 +88,7 @@ def load(name):
     return f
 f = load("plain")
 assert (f["backend"], f["width"], f["height"], f["frames"]) == ("cpu", 64, 48, 5)
-assert f["popping"] is None and f["quality"] == []
+assert f["popping"] is None and f["quality"] == [] and f["budget"] is None
 assert [frame["t"] for frame in f["per_frame"]] == [0, 1, 2, 3, 4]
 assert f["triangles"]["p50"] > 0
 for name in "same", "same_ball":
@@ -104,8 +104,13 @@ assert f["popping"]["p50"] <= f["popping"]["p999"] <= f["popping"]["max"] and f[
 assert f["splats"]["max"] > 0 and f["splat_size"]["max"] == 3
 f = load("budget")
 assert f["threads"] == 1 and all(1 <= frame["splat_size"] <= 8 for frame in f["per_frame"])
+assert sorted(f["budget"]) == ["ms", "within_1_0", "within_1_1", "within_1_5"] and f["budget"]["ms"] == 0.1, f["budget"]
+for key, factor in ("within_1_0", 1.0), ("within_1_1", 1.1), ("within_1_5", 1.5):
+    within = [frame["frame_ms"] <= factor * 0.1 for frame in f["per_frame"]]
+    assert abs(f["budget"][key] - sum(within) / len(within)) < 1e-9, (key, f["budget"])
 f = load("paper") # all the time of the world: as fine as can be
 assert all(frame["splat_size"] == 1 for frame in f["per_frame"]), f["per_frame"]
+assert f["budget"]["within_1_0"] == 1, f["budget"]
 assert load("policy")["splat_size"]["p50"] == 6 and load("policy")["extra_splats"]["max"] == 0
 assert load("one")["frames"] == 1
 END

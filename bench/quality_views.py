@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""How alike pictures of named scenes are to the originals: every named view, at a splat a pixel and at equal numbers of splats.
+
+usage: bench/quality_views.py [--files FOLDER] [--splat-sizes 1,2,4] [--supersample N] [--no-paper] [SCENE...]
+
+default: all named scenes, the large ones scaled. Each is built into FOLDER (default build/scenes) unless it is there,
+once with our order and once with --order paper-fast; a SCENE that is a .stip is drawn as it is, with OTHER beside it
+as SCENE=OTHER. For each view:
+- SSIM on covered pixels at splat size 1, against the original triangles;
+- against a picture of N x N samples a pixel: ours, and the original triangles at one sample;
+- with as many splats as ours draws at each of the sizes (--splats, none hidden): our order and policy, and the
+  paper's order with --policy paper, each against the original triangles.
+"""
+import pathlib
+import statistics
+import tempfile
+
+import kit
+
+SCENES = ("boxes", "spheres,scale=0.02", "one-mesh", "power-plant,scale=0.2", "forest,scale=0.1", "city-small", "city,scale=0.1",
+          "terrain,scale=0.02", "bakery-line,scale=0.2", "car-factory,scale=0.1", "twenty-million,scale=0.05", "paper,scale=0.02",
+          "paper-huge,scale=0.002")
+
+
+def files_of(given, scene):
+    """Ours, and the one in the paper's order (None: not wanted)."""
+    if ".stip" in scene:
+        ours, _, other = scene.partition("=")
+        return ours, other or None
+    name = scene.removeprefix("scene:")
+    files = []
+    for order in ("exact",) if given.no_paper else ("exact", "paper-fast"):
+        path = given.files / f"{name.replace(',', '-').replace('=', '')}-{order}.stip"
+        if not path.exists():
+            kit.say(f"{path} ...")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            kit.stipple("build", f"scene:{name}", "-o", path, *([] if order == "exact" else ["--order", order]), threads=given.threads)
+        files.append(path)
+    return files[0], files[1] if len(files) > 1 else None
+
+
+class Viewer:
+    """Pictures of one view."""
+
+    def __init__(self, given, file, view, folder):
+        self.given, self.file, self.view, self.folder = given, file, view, folder
+
+    def draw(self, name, *more, file=None):
+        png = self.folder / f"{name}.png"
+        figures = kit.stipple("render", file or self.file, "--view", self.view, "--size", self.given.size, "-o", png, *more,
+                              threads=self.given.threads)
+        return png, figures
+
+
+def equal_splats(viewer, paper_file, truth, splat_size, splats):
+    """The same number of splats in our order and in the paper's."""
+    figures = {"splats": splats}
+    for name, more in (("ours", {}), ("paper", {"file": paper_file})):
+        policy = ["--policy", "paper"] if name == "paper" else []
+        png, drawn = viewer.draw("equal", "--splats", splats, *policy, **more)
+        figures[name] = kit.compare(png, truth)["ssim_covered"]
+        figures[f"{name}_drawn"] = drawn["splats"]
+    return {f"equal_{splat_size}": figures}
+
+
+def measure_view(given, file, paper_file, view, folder):
+    viewer = Viewer(given, file, view, folder)
+    truth, whole = viewer.draw("truth", "--reference")
+    ours, drawn = viewer.draw("ours", "--splat-size", 1)
+    alike = kit.compare(ours, truth)
+    figures = {"splats": drawn["splats"], "triangles": drawn["triangles"], "triangles_without_lod": whole["triangles"], **alike}
+    if given.supersample > 1:
+        fine, _ = viewer.draw("fine", "--reference", "--supersample", given.supersample)
+        figures["fine_ours"] = kit.compare(ours, fine)["ssim_covered"]
+        figures["fine_originals"] = kit.compare(truth, fine)["ssim_covered"]
+    for splat_size in [] if paper_file is None else given.splat_sizes.split(","):
+        count = viewer.draw("counted", "--splat-size", splat_size)[1]["splats"]
+        if count > 0:
+            figures.update(equal_splats(viewer, paper_file, truth, splat_size, count))
+    return figures
+
+
+def row_of(given, scene, view, f):
+    def value(key):
+        return f"{f[key]:.4f}" if key in f else ""
+
+    row = [scene, view, kit.short(f["splats"]), kit.short(f["triangles"]), value("ssim"), value("ssim_covered"), value("fine_ours"),
+           value("fine_originals")]
+    for splat_size in [] if given.no_paper else given.splat_sizes.split(","):
+        equal = f.get(f"equal_{splat_size}")
+        row.append("" if equal is None else f"{equal['ours']:.4f} / {equal['paper']:.4f} ({kit.short(equal['splats'])})")
+    return row
+
+
+def conclude(results):
+    """What the goals ask for, as counts."""
+    views = [r["figures"] for r in results]
+    fine = [f for f in views if "fine_ours" in f]
+    equal = [e for f in views for k, e in f.items() if k.startswith("equal_")]
+    covered = [f["ssim_covered"] for f in views]
+    print(f"\n{len(views)} views: SSIM on covered pixels, median {statistics.median(covered):.4f}, least {min(covered):.4f}")
+    if fine:
+        print(f"against the supersampled reference ours is more alike than the originals at one sample in {sum(f['fine_ours'] > f['fine_originals'] for f in fine)} of {len(fine)} views, "
+              f"equal in {sum(f['fine_ours'] == f['fine_originals'] for f in fine)}")
+    if equal:
+        print(f"at equal splats ours is more alike than --policy paper --order paper-fast in {sum(e['ours'] > e['paper'] for e in equal)} of {len(equal)} cases, "
+              f"less in {sum(e['ours'] < e['paper'] for e in equal)}")
+
+
+def main():
+    parser = kit.options(__doc__)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", default=SCENES)
+    parser.add_argument("--files", type=pathlib.Path, default=kit.ROOT / "build/scenes")
+    parser.add_argument("--splat-sizes", default="1,2,4")
+    parser.add_argument("--supersample", type=int, default=4, help="default 4; 1: none")
+    parser.add_argument("--no-paper", action="store_true", help="nothing of --order paper-fast")
+    parser.add_argument("--views", help="only these, with commas between")
+    given = parser.parse_args()
+    results, rows = [], []
+    for scene in given.scenes or SCENES:
+        file, paper_file = files_of(given, scene)
+        views = given.views.split(",") if given.views else kit.stipple("info", file)["views"] or ["iso"]
+        for view in views:
+            kit.say(f"{scene}, {view}")
+            with tempfile.TemporaryDirectory() as folder:
+                figures = measure_view(given, file, paper_file, view, pathlib.Path(folder))
+            results.append(kit.result("quality_views", {"scene": scene, "view": view, "size": given.size}, figures))
+            rows.append(row_of(given, scene, view, figures))
+    equal = [] if given.no_paper else [f"splats of size {s}: ours / paper's" for s in given.splat_sizes.split(",")]
+    kit.table(["scene", "view", "splats", "triangles", "SSIM", "covered", f"{given.supersample}x{given.supersample}: ours", "originals", *equal], rows)
+    conclude(results)
+    kit.keep("quality-views", results, given.out)
+
+
+main()
