@@ -46,6 +46,36 @@ const scene_recipe* scene_find(const char* name)
     return NULL;
 }
 
+// All scenes are made in metres. Where the inputs before have another unit, what was added after them is brought to it.
+static void convert_unit(stp_scene* scene, const char* name, size_t first_object, size_t first_view)
+{
+    if (scene->unit_metres == 0.0 && first_object > 0) {
+        stp_warn(scene->context,
+                 "scene %s: its unit of length is 1 m: taken to be that of the inputs before it, "
+                 "which do not say theirs",
+                 name);
+    }
+    if (scene->unit_metres == 0.0) {
+        scene->unit_metres = 1.0;
+    }
+    double scale = 1.0 / scene->unit_metres;
+    if (scale == 1.0) { // spared, not to make -0 of 0
+        return;
+    }
+    stp_affine scaled = {{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}};
+    for (size_t i = first_object; i < scene->object_count; ++i) {
+        stp_object* object = &scene->objects[i];
+        if (object->parent == STP_NONE) {
+            object->transform = stp_affine_multiply(scaled, object->transform);
+        }
+    }
+    for (size_t i = first_view; i < scene->view_count; ++i) {
+        stp_scene_view* view = &scene->views[i];
+        view->eye = stp_affine_point(&scaled, view->eye);
+        view->target = stp_affine_point(&scaled, view->target);
+    }
+}
+
 stp_result scene_make(stp_scene* scene, const char* name, const scene_options* options)
 {
     const scene_recipe* recipe = scene_find(name);
@@ -57,8 +87,12 @@ stp_result scene_make(stp_scene* scene, const char* name, const scene_options* o
         return stp_fail(scene->context, STP_ERROR_ARGUMENT,
                         "scene %s: the scale must be above 0 and at most 1000", name);
     }
-    scene->unit_metres = 1.0;
-    return recipe->make(scene, options);
+    size_t first_object = scene->object_count, first_view = scene->view_count;
+    stp_result result = recipe->make(scene, options);
+    if (result == STP_OK) {
+        convert_unit(scene, name, first_object, first_view);
+    }
+    return result;
 }
 
 // One setting, "scale=0.5" or "seed=3", of `length` characters.

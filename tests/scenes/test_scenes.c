@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/file.h"
 #include "import/import.h"
+#include "scenes/compose.h"
 #include "scenes/gltf_file.h"
 #include "scenes/support_scenes.h"
 
@@ -150,6 +151,36 @@ void test_scene_inputs_carry_settings(test_state* test)
         stp_scene_destroy(scene);
     }
     stp_context_destroy(context);
+}
+
+// A scene is in metres, whatever the inputs before it are in.
+void test_scenes_keep_their_size_among_other_inputs(test_state* test)
+{
+    static const struct {
+        double before, after; ///< units of the scene, in metres; 0: unknown
+        int warnings;
+    } cases[] = {{0.001, 0.001, 0}, {1.0, 1.0, 0}, {0.0, 1.0, 1}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        test_log log = {0};
+        stp_context* context = test_context(NULL, 1, &log);
+        stp_scene* scene = NULL;
+        CHECK(stp_scene_create(context, &scene) == STP_OK);
+        stp_affine still = stp_affine_identity();
+        CHECK(add_group(scene, "before", STP_NONE, &still, NULL) == STP_OK);
+        scene->unit_metres = cases[i].before;
+        CHECK(scene_make_input(scene, "scene:boxes", NULL) == STP_OK);
+        CHECK(stp_scene_finish(scene) == STP_OK);
+        CHECK(scene->unit_metres == cases[i].after);
+        CHECK_EQUAL(cases[i].warnings, log.warnings);
+        // the boxes are four metres wide, and a view stands before them
+        const stp_boxd* bounds = &scene->nodes[scene->root].bounds;
+        CHECK(fabs((bounds->max.x - bounds->min.x) * scene->unit_metres - 4.0) < 1e-9);
+        double away = scene->views[0].eye.z * scene->unit_metres;
+        CHECK(away > 4.0 && away < 40.0);
+        CHECK(scene->views[0].up.y == 1.0);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
 }
 
 void test_scenes_survive_any_failed_allocation(test_state* test)
