@@ -85,6 +85,11 @@ stp_result stp_spill_create(stp_context* context, const char* folder, stp_spill*
     return STP_OK;
 }
 
+stp_result stp_spill_create_beside(const stp_spill* other, stp_spill** spill)
+{
+    return stp_spill_create(other->context, other->folder, spill);
+}
+
 void stp_spill_destroy(stp_spill* spill)
 {
     if (spill == NULL) {

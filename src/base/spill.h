@@ -12,6 +12,8 @@ typedef struct stp_spill stp_spill;
 /// `folder` must exist. @return STP_OK, STP_ERROR_IO (logged, with the system's reason), OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_spill_create(stp_context* context, const char* folder,
                                          stp_spill** spill);
+/// Another one in the same folder, to be destroyed sooner.
+STP_MUST_USE stp_result stp_spill_create_beside(const stp_spill* other, stp_spill** spill);
 void stp_spill_destroy(stp_spill* spill);
 
 /// `size` bytes, 64-byte aligned, zero, valid until the spill is destroyed. Room on the disk is reserved first:

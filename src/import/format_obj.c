@@ -99,20 +99,19 @@ static void warn_of_losses(const stp_obj* obj)
 static void destroy(stp_obj* obj)
 {
     for (size_t i = 0; i < obj->chunk_count; ++i) {
-        stp_obj_chunk* c = &obj->chunks[i];
-        void* items[] = {c->positions.items, c->colors.items,  c->texcoords.items,
-                         c->normals.items,   c->corners.items, c->polygons.items,
-                         c->points.items,    c->events.items};
-        for (size_t k = 0; k < sizeof(items) / sizeof(items[0]); ++k) {
-            stp_free(obj->context, items[k]);
-        }
+        stp_obj_free_chunk(obj, &obj->chunks[i]);
     }
-    void* arrays[] = {obj->chunks,  obj->tail,         obj->positions,    obj->colors,
-                      obj->normals, obj->texcoords,    obj->corners,      obj->polygons,
-                      obj->points,  obj->groups.items, obj->meshes.items, obj->runs.items};
+    void* whole[] = {obj->positions, obj->colors,   obj->normals, obj->texcoords,
+                     obj->corners,   obj->polygons, obj->points};
+    for (size_t i = 0; i < sizeof(whole) / sizeof(whole[0]); ++i) {
+        stp_obj_free(obj, whole[i]);
+    }
+    void* arrays[] = {obj->chunks, obj->tail, obj->groups.items, obj->meshes.items,
+                      obj->runs.items};
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(obj->context, arrays[i]);
     }
+    stp_spill_destroy(obj->scratch);
     stp_lookup_destroy(&obj->group_names);
     stp_lookup_destroy(&obj->mesh_keys);
     stp_lookup_destroy(&obj->material_names);
@@ -129,7 +128,10 @@ stp_result stp_obj_read(stp_import* import, size_t chunk_size)
                    .material_names = {.context = context},
                    .libraries = {.context = context}};
     stp_import_default_axes(import, 'y');
-    stp_result result = stp_obj_parse(&obj, chunk_size);
+    stp_result result = stp_obj_open_scratch(&obj);
+    if (result == STP_OK) {
+        result = stp_obj_parse(&obj, chunk_size);
+    }
     if (result == STP_OK) {
         warn_of_losses(&obj);
         result = stp_progress(context, "import", 0.5);

@@ -2,7 +2,8 @@
 //
 // Inside the OBJ reader. The text is cut into chunks of whole lines that are parsed at the same
 // time (obj_parse.c); what they hold is put in order (obj_stitch.c); corners that name the same
-// position, texture coordinate and normal become one vertex (obj_mesh.c).
+// position, texture coordinate and normal become one vertex (obj_mesh.c). What is large beside the
+// limit of memory goes to a file of its own meanwhile (obj_scratch.c).
 #pragma once
 
 #include "import/import.h"
@@ -17,6 +18,7 @@
 #define STP_OBJ_RELATIVE_ZERO UINT32_C(0xc0000000) ///< the chunk's first element
 #define STP_OBJ_INDEX_LIMIT INT64_C(0x3fffffff)    ///< most elements of a kind
 
+#define STP_OBJ_SMALL_MESH ((size_t)1 << 16) ///< corners; smaller meshes are built side by side
 #define STP_OBJ_NO_COLOR (-1.0f) ///< of a position without a colour among others that have one
 
 typedef struct stp_obj_corner {
@@ -58,6 +60,7 @@ typedef struct stp_obj_chunk {
     size_t line_elements, small_faces, curves, bad_attributes; ///< left out, for the warnings
     float color_max;
     bool out_of_memory;
+    bool in_scratch;   ///< its arrays lie there
     const char* error; ///< NULL, or what is wrong in the line at error_at
     stp_text error_at;
 } stp_obj_chunk;
@@ -87,8 +90,10 @@ typedef struct stp_obj {
     stp_context* context;
     double origin[3]; ///< taken off all positions: files in national grids keep their precision
     stp_obj_chunk* chunks;
-    size_t chunk_count;
-    unsigned char* tail; ///< a copy of an unfinished last line
+    size_t chunk_count, parsed; ///< chunks that went to the scratch file
+    unsigned char* tail;        ///< a copy of an unfinished last line
+    stp_spill* scratch;         ///< for what is read; NULL: it is kept in memory
+    bool scratch_full;          ///< the disk is; was logged
 
     // the whole file's, in order
     float *positions, *colors, *texcoords, *normals;
@@ -115,13 +120,24 @@ static inline float stp_obj_color(const stp_obj* obj, size_t index)
 /// Room for `count` more items; NULL where memory runs out. The caller adds to `count`.
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size);
 
+/// Makes `scratch` where the file is large beside what the scene may keep in memory.
+STP_MUST_USE stp_result stp_obj_open_scratch(stp_obj* obj);
+/// Moves what a parsed chunk holds there. @return STP_OK or what went wrong (logged; nothing changed)
+STP_MUST_USE stp_result stp_obj_move_chunk(stp_obj* obj, stp_obj_chunk* chunk);
+void stp_obj_free_chunk(const stp_obj* obj, stp_obj_chunk* chunk);
+/// An array in the scratch file, or in memory; NULL: stp_obj_no_room tells. For one thread at a time.
+void* stp_obj_alloc(stp_obj* obj, size_t count, size_t size);
+/// What an array that could not be had comes to. @return STP_ERROR_IO or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_obj_no_room(const stp_obj* obj);
+void stp_obj_free(const stp_obj* obj, void* memory);
+
 /// Cuts the file into chunks of about `chunk_size` bytes and parses them.
 STP_MUST_USE stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size);
 /// Joins the chunks and sorts the faces by mesh. Material libraries were read before.
 STP_MUST_USE stp_result stp_obj_stitch(stp_obj* obj);
-/// Builds one mesh. @return whether memory sufficed (not logged); otherwise nothing is left in
-/// `out`
-STP_MUST_USE bool stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out);
+/// Builds one mesh. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (not logged) or STP_ERROR_IO (logged); then
+/// nothing is left in `out`
+STP_MUST_USE stp_result stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out);
 void stp_obj_free_mesh(stp_context* context, const stp_mesh* mesh);
 /// Adds meshes, point sets and objects to the scene.
 STP_MUST_USE stp_result stp_obj_build(stp_obj* obj);

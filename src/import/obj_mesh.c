@@ -2,7 +2,7 @@
 //
 // Faces of one group and material to a mesh. Corners are gathered by position; within one position,
 // corners of equal texture coordinate and normal share a vertex. Vertices follow the order of
-// positions, so the result does not depend on which thread did what.
+// positions, so the result does not depend on which thread did what. Tables of large meshes go where the file's do.
 #include "base/sort.h"
 #include "import/obj.h"
 #include "import/surface.h"
@@ -27,6 +27,7 @@ typedef struct builder {
     uint32_t* first_vertex;    ///< of each bucket
     uint32_t* vertices;        ///< of each corner; first counted within its bucket
     bool has_texcoords, has_normals;
+    bool large; ///< built alone
     atomic_bool out_of_memory;
     stp_mesh mesh;
 } builder;
@@ -45,14 +46,28 @@ static void find_range(builder* b)
     b->bucket_count = (size_t)(high - low) + 1;
 }
 
+static void* alloc_table(builder* b, size_t count, size_t size)
+{
+    return b->large ? stp_obj_alloc(b->obj, count, size) : stp_alloc_array(b->context, count, size);
+}
+
+static void free_table(const builder* b, void* table)
+{
+    if (b->large) {
+        stp_obj_free(b->obj, table);
+    } else {
+        stp_free(b->context, table);
+    }
+}
+
 // A mesh that uses few of a wide range of positions: sorts the positions instead of spanning the
 // range.
 static bool rank_positions(builder* b)
 {
     size_t count = b->corner_count;
-    uint64_t* items = STP_NEW_ARRAY(b->context, uint64_t, count);
-    uint64_t* scratch = STP_NEW_ARRAY(b->context, uint64_t, count);
-    b->ranks = STP_NEW_ARRAY(b->context, uint32_t, count);
+    uint64_t* items = alloc_table(b, count, sizeof(uint64_t));
+    uint64_t* scratch = alloc_table(b, count, sizeof(uint64_t));
+    b->ranks = alloc_table(b, count, sizeof(uint32_t));
     bool ready = items != NULL && scratch != NULL && b->ranks != NULL;
     if (ready) {
         for (size_t i = 0; i < count; ++i) {
@@ -66,8 +81,8 @@ static bool rank_positions(builder* b)
         }
         b->bucket_count = (size_t)rank + 1;
     }
-    stp_free(b->context, items);
-    stp_free(b->context, scratch);
+    free_table(b, items);
+    free_table(b, scratch);
     return ready;
 }
 
@@ -277,13 +292,14 @@ static bool merge_corners(builder* b)
     if (b->bucket_count / 8 > b->corner_count && !rank_positions(b)) {
         return false;
     }
-    b->buckets = stp_alloc_zeroed(b->context, b->bucket_count, sizeof(*b->buckets));
-    b->sorted = STP_NEW_ARRAY(b->context, uint32_t, b->corner_count);
-    b->vertices = STP_NEW_ARRAY(b->context, uint32_t, b->corner_count);
-    b->first_vertex = STP_NEW_ARRAY(b->context, uint32_t, b->bucket_count);
+    b->buckets = alloc_table(b, b->bucket_count, sizeof(*b->buckets));
+    b->sorted = alloc_table(b, b->corner_count, sizeof(uint32_t));
+    b->vertices = alloc_table(b, b->corner_count, sizeof(uint32_t));
+    b->first_vertex = alloc_table(b, b->bucket_count, sizeof(uint32_t));
     if (b->buckets == NULL || b->sorted == NULL || b->vertices == NULL || b->first_vertex == NULL) {
         return false;
     }
+    memset((void*)(uintptr_t)b->buckets, 0, b->bucket_count * sizeof(*b->buckets));
     stp_parallel_for(b->context, b->corner_count, GRAIN, count_corners, b);
     (void)sum_buckets(b);
     stp_parallel_for(b->context, b->corner_count, GRAIN, scatter_corners, b);
@@ -305,7 +321,7 @@ void stp_obj_free_mesh(stp_context* context, const stp_mesh* mesh)
     stp_free(context, mesh->indices);
 }
 
-bool stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out)
+stp_result stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out)
 {
     builder b = {.obj = obj,
                  .context = obj->context,
@@ -313,17 +329,18 @@ bool stp_obj_build_mesh(stp_obj* obj, const stp_obj_mesh* in, stp_mesh* out)
                  .polygon_ends = obj->polygons + in->first_polygon,
                  .corner_count = in->corner_count,
                  .polygon_count = in->polygon_count,
+                 .large = in->corner_count > STP_OBJ_SMALL_MESH,
                  .mesh = {.material = in->material}};
     atomic_init(&b.out_of_memory, false);
     bool good = merge_corners(&b);
-    stp_free(b.context, b.ranks);
-    stp_free(b.context, (void*)(uintptr_t)b.buckets);
-    stp_free(b.context, b.sorted);
-    stp_free(b.context, b.first_vertex);
-    stp_free(b.context, b.vertices);
+    free_table(&b, b.ranks);
+    free_table(&b, (void*)(uintptr_t)b.buckets);
+    free_table(&b, b.sorted);
+    free_table(&b, b.first_vertex);
+    free_table(&b, b.vertices);
     if (!good) {
         stp_obj_free_mesh(b.context, &b.mesh);
     }
     *out = good ? b.mesh : (stp_mesh){0};
-    return good;
+    return good ? STP_OK : b.large && obj->scratch_full ? STP_ERROR_IO : STP_ERROR_OUT_OF_MEMORY;
 }

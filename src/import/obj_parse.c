@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#define CHUNKS_PER_THREAD 4 // that are in memory until they are moved to the scratch file
+
 void* stp_obj_grow(stp_context* context, stp_obj_array* array, size_t count, size_t size)
 {
     if (array->items == NULL || array->capacity - array->count < count) {
@@ -378,8 +380,29 @@ static void parse_chunks(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     stp_obj* obj = user;
     for (size_t i = begin; i < end; ++i) {
-        parse_chunk(&(parser){obj->context, &obj->chunks[i], obj->origin});
+        stp_obj_chunk* chunk = &obj->chunks[obj->parsed + i];
+        parse_chunk(&(parser){obj->context, chunk, obj->origin});
     }
+}
+
+// A few chunks at a time, each moved on before the next ones.
+static stp_result parse_into_scratch(stp_obj* obj)
+{
+    stp_result result = STP_OK;
+    size_t most = CHUNKS_PER_THREAD * (size_t)stp_context_thread_count(obj->context);
+    while (result == STP_OK && obj->parsed < obj->chunk_count) {
+        size_t left = obj->chunk_count - obj->parsed, count = left < most ? left : most;
+        stp_parallel_for(obj->context, count, 1, parse_chunks, obj);
+        for (size_t i = 0; result == STP_OK && i < count; ++i) {
+            stp_obj_chunk* chunk = &obj->chunks[obj->parsed++];
+            bool broken = chunk->out_of_memory || chunk->error != NULL;
+            result = broken ? STP_OK : stp_obj_move_chunk(obj, chunk);
+            if (broken) {
+                return STP_OK; // the report says so
+            }
+        }
+    }
+    return result;
 }
 
 // The end of a chunk of at least `size` bytes: after a line end that no backslash precedes.
@@ -492,6 +515,10 @@ stp_result stp_obj_parse(stp_obj* obj, size_t chunk_size)
         return result;
     }
     find_origin(obj);
-    stp_parallel_for(obj->context, obj->chunk_count, 1, parse_chunks, obj);
-    return report(obj);
+    if (obj->scratch != NULL) {
+        result = parse_into_scratch(obj);
+    } else {
+        stp_parallel_for(obj->context, obj->chunk_count, 1, parse_chunks, obj);
+    }
+    return result != STP_OK ? result : report(obj);
 }

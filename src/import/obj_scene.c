@@ -6,8 +6,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define SMALL_MESH ((size_t)1 << 16) ///< corners; smaller meshes are built side by side
-
 typedef struct build {
     stp_obj* obj;
     stp_mesh* built; ///< one for each of obj->meshes
@@ -23,11 +21,19 @@ static void build_small_meshes(size_t begin, size_t end, uint32_t worker, void* 
     build* all = user;
     const stp_obj_mesh* meshes = all->obj->meshes.items;
     for (size_t i = begin; i < end; ++i) {
-        if (meshes[i].corner_count <= SMALL_MESH &&
-            !stp_obj_build_mesh(all->obj, &meshes[i], &all->built[i])) {
+        if (meshes[i].corner_count <= STP_OBJ_SMALL_MESH &&
+            stp_obj_build_mesh(all->obj, &meshes[i], &all->built[i]) != STP_OK) {
             atomic_store(&all->out_of_memory, true);
         }
     }
+}
+
+static stp_result build_mesh(build* all, size_t index)
+{
+    stp_obj* obj = all->obj;
+    const stp_obj_mesh* mesh = (const stp_obj_mesh*)obj->meshes.items + index;
+    stp_result result = stp_obj_build_mesh(obj, mesh, &all->built[index]);
+    return result == STP_ERROR_OUT_OF_MEMORY ? stp_fail_memory(obj->context) : result;
 }
 
 static stp_result build_meshes(build* all)
@@ -35,9 +41,10 @@ static stp_result build_meshes(build* all)
     stp_obj* obj = all->obj;
     const stp_obj_mesh* meshes = obj->meshes.items;
     for (size_t i = 0; i < obj->meshes.count; ++i) {
-        if (meshes[i].corner_count > SMALL_MESH &&
-            !stp_obj_build_mesh(obj, &meshes[i], &all->built[i])) {
-            return stp_fail_memory(obj->context);
+        stp_result result =
+            meshes[i].corner_count > STP_OBJ_SMALL_MESH ? build_mesh(all, i) : STP_OK;
+        if (result != STP_OK) {
+            return result;
         }
     }
     stp_parallel_for(obj->context, obj->meshes.count, 1, build_small_meshes, all);
@@ -50,6 +57,11 @@ static stp_result add_parts(build* all, size_t group)
     stp_scene* scene = all->obj->import->scene;
     stp_obj_group* groups = all->obj->groups.items;
     for (uint32_t i = all->first[group]; i != STP_NONE; i = all->next[i]) {
+        // where the file is too large for memory, so may all meshes at once be
+        stp_result built = all->obj->scratch != NULL ? build_mesh(all, i) : STP_OK;
+        if (built != STP_OK) {
+            return built;
+        }
         stp_mesh mesh = all->built[i];
         all->built[i] = (stp_mesh){0};
         mesh.name = groups[group].name[0] != '\0' ? groups[group].name : NULL;
@@ -168,7 +180,10 @@ stp_result stp_obj_build(stp_obj* obj)
                  .needed = STP_NEW_ZEROED(obj->context, bool, obj->groups.count)};
     atomic_init(&all.out_of_memory, false);
     bool ready = all.built != NULL && all.first != NULL && all.next != NULL && all.needed != NULL;
-    stp_result result = ready ? build_meshes(&all) : stp_fail_memory(obj->context);
+    stp_result result = ready ? STP_OK : stp_fail_memory(obj->context);
+    if (result == STP_OK && obj->scratch == NULL) {
+        result = build_meshes(&all);
+    }
     if (result == STP_OK && (obj->point_count != 0 || obj->meshes.count == 0)) {
         result = add_points(obj);
     }

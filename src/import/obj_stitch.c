@@ -41,7 +41,9 @@ static void copy_chunk(stitch* s, size_t index)
     }
     stp_obj_array* done[] = {&chunk->positions, &chunk->texcoords, &chunk->normals, &chunk->colors};
     for (size_t i = 0; i < sizeof(done) / sizeof(done[0]); ++i) {
-        stp_free(obj->context, done[i]->items);
+        if (!chunk->in_scratch) {
+            stp_free(obj->context, done[i]->items);
+        }
         done[i]->items = NULL;
     }
 }
@@ -79,13 +81,13 @@ static stp_result join_elements(stitch* s)
         return stp_fail(obj->context, STP_ERROR_LIMIT, "%s: has more than 2^30 elements of a kind",
                         obj->import->path);
     }
-    obj->positions = STP_NEW_ARRAY(obj->context, float, 3 * sum.position);
-    obj->texcoords = STP_NEW_ARRAY(obj->context, float, 2 * sum.texcoord);
-    obj->normals = STP_NEW_ARRAY(obj->context, float, 3 * sum.normal);
-    obj->colors = obj->has_colors ? STP_NEW_ARRAY(obj->context, float, 3 * sum.position) : NULL;
+    obj->positions = stp_obj_alloc(obj, sum.position, 3 * sizeof(float));
+    obj->texcoords = stp_obj_alloc(obj, sum.texcoord, 2 * sizeof(float));
+    obj->normals = stp_obj_alloc(obj, sum.normal, 3 * sizeof(float));
+    obj->colors = obj->has_colors ? stp_obj_alloc(obj, sum.position, 3 * sizeof(float)) : NULL;
     if (obj->positions == NULL || obj->texcoords == NULL || obj->normals == NULL ||
         (obj->has_colors && obj->colors == NULL)) {
-        return stp_fail_memory(obj->context);
+        return stp_obj_no_room(obj);
     }
     stp_parallel_for(obj->context, obj->chunk_count, 1, copy_chunks, s);
     return STP_OK;
@@ -253,9 +255,9 @@ static stp_result place_runs(stp_obj* obj)
         mesh->corner_count += runs[i].corner_count;
         mesh->polygon_count += runs[i].polygon_count;
     }
-    obj->corners = STP_NEW_ARRAY(obj->context, stp_obj_corner, obj->corner_count);
-    obj->polygons = STP_NEW_ARRAY(obj->context, uint32_t, obj->polygon_count);
-    return obj->corners != NULL && obj->polygons != NULL ? STP_OK : stp_fail_memory(obj->context);
+    obj->corners = stp_obj_alloc(obj, obj->corner_count, sizeof(stp_obj_corner));
+    obj->polygons = stp_obj_alloc(obj, obj->polygon_count, sizeof(uint32_t));
+    return obj->corners != NULL && obj->polygons != NULL ? STP_OK : stp_obj_no_room(obj);
 }
 
 // The element meant, or STP_OBJ_ABSENT with *good false.
@@ -341,9 +343,9 @@ static stp_result join_points(stitch* s)
     for (size_t i = 0; i < obj->chunk_count; ++i) {
         obj->point_count += obj->chunks[i].points.count;
     }
-    obj->points = STP_NEW_ARRAY(obj->context, uint32_t, obj->point_count);
+    obj->points = stp_obj_alloc(obj, obj->point_count, sizeof(uint32_t));
     if (obj->points == NULL) {
-        return stp_fail_memory(obj->context);
+        return stp_obj_no_room(obj);
     }
     bool good = true;
     size_t target = 0;
