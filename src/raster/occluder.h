@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+enum { STP_RASTER_OCCLUDER_BLOCKS = 4 }; ///< what touches more of them a side is taken to be seen
+
 typedef struct stp_raster_occluder {
     const float* nearness; ///< the least of each block, row by row; 0: background shows
     uint32_t columns, rows;

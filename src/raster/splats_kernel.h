@@ -206,7 +206,8 @@ typedef struct splat_blocks {
     float left[SPLAT_BATCH], top[SPLAT_BATCH], right[SPLAT_BATCH], bottom[SPLAT_BATCH];
     float nearest[SPLAT_BATCH];
     int32_t asked[SPLAT_BATCH];
-    int32_t a[SPLAT_BATCH], b[SPLAT_BATCH], c[SPLAT_BATCH], d[SPLAT_BATCH]; ///< corners' blocks
+    int32_t first[SPLAT_BATCH], across[SPLAT_BATCH],
+        down[SPLAT_BATCH]; ///< index, and how many beyond
 } splat_blocks;
 
 static inline void find_extents(const stp_splat_frame* restrict f, const splat_batch* restrict t,
@@ -252,18 +253,32 @@ static inline void find_blocks(const stp_raster_occluder* o, splat_blocks* restr
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         int32_t x0 = (int32_t)(k->left[i] * per_pixel), x1 = (int32_t)(k->right[i] * per_pixel);
         int32_t y0 = (int32_t)(k->top[i] * per_pixel), y1 = (int32_t)(k->bottom[i] * per_pixel);
-        k->asked[i] &= (int32_t)(x1 - x0 <= 1) & (int32_t)(y1 - y0 <= 1);
-        k->a[i] = y0 * columns + x0;
-        k->b[i] = y0 * columns + x1;
-        k->c[i] = y1 * columns + x0;
-        k->d[i] = y1 * columns + x1;
+        k->asked[i] &= (int32_t)(x1 - x0 < STP_RASTER_OCCLUDER_BLOCKS) &
+                       (int32_t)(y1 - y0 < STP_RASTER_OCCLUDER_BLOCKS);
+        k->first[i] = y0 * columns + x0;
+        k->across[i] = x1 - x0;
+        k->down[i] = y1 - y0;
     }
+}
+
+/// Whether all blocks that splat `i` may touch are nearer than it.
+static inline bool are_nearer(const stp_raster_occluder* o, const splat_blocks* k, int i)
+{
+    const float* blocks = o->nearness + k->first[i];
+    float nearest = k->nearest[i];
+    for (int32_t y = 0; y <= k->down[i]; ++y, blocks += o->columns) {
+        for (int32_t x = 0; x <= k->across[i]; ++x) {
+            if (!(blocks[x] > nearest)) {
+                return false;
+            }
+        }
+    }
+    return true;
 }
 
 /// Of the splats of a batch, drops those that the occluder hides, and gives their bits.
 static inline uint32_t drop_hidden(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
-    const float* blocks = f->splats->occluder->nearness;
     splat_blocks k;
     find_extents(f, t, &k);
     find_blocks(f->splats->occluder, &k);
@@ -275,9 +290,7 @@ static inline uint32_t drop_hidden(const stp_splat_frame* restrict f, splat_batc
     }
     for (uint32_t left = bits; left != 0; left &= left - 1) {
         int i = __builtin_ctz(left);
-        float nearest = k.nearest[i];
-        bool hidden = blocks[k.a[i]] > nearest && blocks[k.d[i]] > nearest &&
-                      blocks[k.b[i]] > nearest && blocks[k.c[i]] > nearest;
+        bool hidden = are_nearer(f->splats->occluder, &k, i);
         t->kind[i] = hidden ? SPLAT_NONE : t->kind[i];
         bits &= ~((uint32_t)!hidden << i);
     }

@@ -20,6 +20,7 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define SLOWEST_FINER                                                                              \
     0.92 // sizes shrink by no more than so much a frame: a shrink too far is a late frame
 #define EXPONENT_FOLLOWS 0.2
+#define LITTLE_GAIN 1.1
 #define LEAST_CHANGE 0.05 // of the logarithm of the size, below which nothing is said of exponents
 
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms)
@@ -49,9 +50,9 @@ static double clamp_number(double value, double least, double most)
     return value > least ? (value < most ? value : most) : least;
 }
 
-static float clamp_size(double size)
+static float clamp_size(double size, double most)
 {
-    return (float)clamp_number(size, (double)STP_SPLAT_SIZE_LEAST, (double)STP_SPLAT_SIZE_MOST);
+    return (float)clamp_number(size, (double)STP_SPLAT_SIZE_LEAST, most);
 }
 
 // The moving average of the sizes of the last three frames, and that size weighted by how late the last one was.
@@ -65,7 +66,8 @@ static void react(stp_budget* b, const stp_frame_cost* cost)
     }
     double deviation = cost->milliseconds / b->budget_ms;
     if (deviation < 1.0 - DEAD_BAND || deviation > 1.0 + DEAD_BAND) {
-        b->splat_size = clamp_size((old * 3.0 + old * deviation) / 4.0);
+        b->splat_size =
+            clamp_size((old * 3.0 + old * deviation) / 4.0, (double)STP_SPLAT_SIZE_MOST);
     }
 }
 
@@ -153,6 +155,12 @@ static void learn_exponents(stp_budget* b, const stp_frame_cost* cost)
 static double solve_size(const stp_budget* b, double goal)
 {
     double low = (double)STP_SPLAT_SIZE_LEAST, high = (double)STP_SPLAT_SIZE_MOST;
+    if (stp_budget_predict(b, high) > goal) {
+        low = high;
+        high = (double)STP_SPLAT_SIZE_COARSEST;
+        // where even the coarsest is too late, what would gain next to nothing is not given up for it
+        goal = fmax(goal, LITTLE_GAIN * stp_budget_predict(b, high));
+    }
     for (int i = 0; i < 24; ++i) {
         double middle = 0.5 * (low + high);
         *(stp_budget_predict(b, middle) > goal ? &low : &high) = middle;
@@ -179,7 +187,7 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // mean deviations to sigmas
     double goal = b->budget_ms * (margin < 1.0 ? margin : 1.0);
     double size = solve_size(b, goal), least = (double)cost->splat_size * SLOWEST_FINER;
-    b->splat_size = clamp_size(size > least ? size : least);
+    b->splat_size = clamp_size(size > least ? size : least, (double)STP_SPLAT_SIZE_COARSEST);
 }
 
 void stp_budget_learn(stp_budget* b, const stp_frame_cost* cost)

@@ -12,7 +12,9 @@ typedef enum stp_controller {
 } stp_controller;
 
 #define STP_SPLAT_SIZE_LEAST 1.0f
-#define STP_SPLAT_SIZE_MOST 8.0f
+#define STP_SPLAT_SIZE_MOST 8.0f ///< the paper's
+#define STP_SPLAT_SIZE_COARSEST                                                                    \
+    24.0f ///< of the predicting controller, where a budget cannot be held otherwise
 
 /// What a frame was and what it took.
 typedef struct stp_frame_cost {
@@ -45,7 +47,7 @@ typedef struct stp_budget {
 /// `budget_ms` above 0.
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms);
 
-/// For the next frame: between STP_SPLAT_SIZE_LEAST and STP_SPLAT_SIZE_MOST.
+/// For the next frame: between STP_SPLAT_SIZE_LEAST and STP_SPLAT_SIZE_MOST, or STP_SPLAT_SIZE_COARSEST.
 float stp_budget_splat_size(const stp_budget* budget);
 
 /// To be called after each frame. What is not a number or negative is not learned from.

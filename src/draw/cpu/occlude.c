@@ -68,16 +68,16 @@ static double find_scale(const stp_affine* a)
     return sqrt(uniform ? column : sum);
 }
 
-/// The finest level of which splats of the list's size touch two blocks a side, or nearly.
+/// The finest level of which splats up to twice the list's size touch few blocks.
 static uint32_t choose_level(const cpu_renderer* r)
 {
     const stp_depth_pyramid* p = r->occluding;
-    double radius = 0.55 * (double)r->splat_size;
-    double width = 1.8 * (1.1 * radius * p->frame.corner + 0.51);
+    double width = 2.0 * (1.1 * (double)r->splat_size * p->frame.corner + 0.51);
+    double most = (double)(STP_DEPTH_PYRAMID_BLOCK * (STP_RASTER_OCCLUDER_BLOCKS - 1));
     uint32_t level = 0;
-    while (level + 1 < p->level_count && level < MOST_SHIFT - FIRST_SHIFT &&
-           (double)(STP_DEPTH_PYRAMID_BLOCK << level) < width) {
+    while (level + 1 < p->level_count && level < MOST_SHIFT - FIRST_SHIFT && most < width) {
         level += 1;
+        most *= 2.0;
     }
     return level;
 }
