@@ -34,6 +34,7 @@ typedef struct stp_raster_splats {
     float back_depth;
     const uint8_t*
         coverages; ///< NULL, or 1 a splat: below 255 the disk is drawn with holes (hashed)
+    uint32_t seed; ///< of the holes
     const float*
         points; ///< 3 a splat, used where `positions` is NULL (origin and step are ignored)
     /// NULL, or what hides: splats behind it are not drawn. Surfels only.

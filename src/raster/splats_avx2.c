@@ -128,7 +128,7 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
                                           _mm256_set1_epi32(t->x0[i] - t->cx[i]));
             __m256i dy =
                 _mm256_add_epi32(_mm256_cvttps_epi32(rows), _mm256_set1_epi32(t->y0[i] - t->cy[i]));
-            inside = _mm256_and_si256(inside, hash_fragments(coverage, index, dx, dy));
+            inside = _mm256_and_si256(inside, hash_fragments(coverage, f->seed + index, dx, dy));
         }
         fragments +=
             (uint64_t)__builtin_popcount((unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(inside)));
@@ -177,7 +177,8 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
             if (coverage < 255) {
                 __m256i dx = _mm256_add_epi32(_mm256_set1_epi32(x - t->cx[i]), steps);
                 __m256i dy = _mm256_set1_epi32(y - t->cy[i]);
-                inside = _mm256_and_si256(inside, hash_fragments(coverage, index, dx, dy));
+                inside =
+                    _mm256_and_si256(inside, hash_fragments(coverage, f->seed + index, dx, dy));
             }
             unsigned mask = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(inside));
             if (mask == 0) {

@@ -95,7 +95,7 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
             _mm512_add_epi32(_mm512_cvttps_epi32(columns), _mm512_set1_epi32(t->x0[i] - t->cx[i]));
         __m512i dy =
             _mm512_add_epi32(_mm512_cvttps_epi32(rows), _mm512_set1_epi32(t->y0[i] - t->cy[i]));
-        mask &= hash_fragments(coverage, index, dx, dy);
+        mask &= hash_fragments(coverage, f->seed + index, dx, dy);
     }
     const __m512i pair_low =
         _mm512_setr_epi32(16, 0, 17, 1, 18, 2, 19, 3, 20, 4, 21, 5, 22, 6, 23, 7);
@@ -150,7 +150,7 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
         if (coverage < 255) {
             __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->cx[i]), steps);
             __m512i dy = _mm512_add_epi32(_mm512_set1_epi32(y - t->cy[i]), rows);
-            mask &= hash_fragments(coverage, index, dx, dy);
+            mask &= hash_fragments(coverage, f->seed + index, dx, dy);
         }
         fragments += (uint64_t)__builtin_popcount(mask);
         if ((mask & 255u) != 0) {
@@ -190,7 +190,8 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
             mask &= box.x1 - x < 16 ? (1u << (box.x1 - x)) - 1u : 0xFFFFu;
             if (coverage < 255) {
                 __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(x - t->cx[i]), steps);
-                mask &= hash_fragments(coverage, index, dx, _mm512_set1_epi32(y - t->cy[i]));
+                mask &=
+                    hash_fragments(coverage, f->seed + index, dx, _mm512_set1_epi32(y - t->cy[i]));
             }
             fragments += (uint64_t)__builtin_popcount(mask);
             for (int half = 0; half < 2 && mask >> (8 * half) != 0; ++half) {

@@ -55,6 +55,7 @@ typedef struct stp_splat_frame {
     float beside[4];       ///< length of a step from a ball's centre to each side, per radius
     float occluder[3][4];  ///< rows of the occluder's matrix after the position grid
     float occluder_radius; ///< projected radius times its W
+    uint32_t seed;         ///< added to a splat's index where holes are hashed
 } stp_splat_frame;
 
 /// Sixteen splats. Lanes that are not drawn hold whatever they hold.
@@ -84,7 +85,7 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
                            uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
                            const stp_raster_splats* splats, uint32_t first_id);
 
-/// Whether a fragment of a splat with holes is there: a hash of the splat and of where in it the
+/// Whether a fragment of a splat with holes is there: a hash of the splat (index and seed) and of where in it the
 /// fragment lies, so that holes move with the surface.
 static inline bool splat_has_fragment(uint32_t coverage, uint32_t index, int32_t dx, int32_t dy)
 {
@@ -483,7 +484,7 @@ static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_ba
                 continue;
             }
             if (coverage < 255 &&
-                !splat_has_fragment(coverage, index, x - t->cx[i], y - t->cy[i])) {
+                !splat_has_fragment(coverage, f->seed + index, x - t->cx[i], y - t->cy[i])) {
                 continue;
             }
             splat_store(&row[x], stp_raster_pixel(nearness, f->first_id + index));
@@ -497,7 +498,7 @@ static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t
                                   uint32_t index)
 {
     uint32_t coverage = splat_coverage(f->splats, index);
-    if (coverage < 255 && !splat_has_fragment(coverage, index, 0, 0)) {
+    if (coverage < 255 && !splat_has_fragment(coverage, f->seed + index, 0, 0)) {
         return 0;
     }
     splat_store(f->target->pixels + (size_t)t->cy[i] * f->target->stride + (size_t)t->cx[i],

@@ -188,7 +188,8 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
             if (!in || !(nearness > 0.0) || nearness > limit) {
                 continue;
             }
-            if (coverage < 255 && !splat_has_fragment(coverage, index, x - whole_x, y - whole_y)) {
+            if (coverage < 255 &&
+                !splat_has_fragment(coverage, frame->seed + index, x - whole_x, y - whole_y)) {
                 continue;
             }
             splat_store(&row[x], stp_raster_pixel((float)nearness, frame->first_id + index));

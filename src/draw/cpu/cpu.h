@@ -36,6 +36,8 @@ typedef struct cpu_item {
     stp_draw_kind kind;
     uint32_t first_id, count;
     uint32_t first_piece;
+    uint32_t
+        seed; ///< of its holes and of hashed alpha: what it is and where, whatever else is drawn
     uint32_t unit_count, piece_units; ///< splats, triangles or clusters: in all, and of a piece
     stp_raster_camera camera;         ///< of positions minus `offset`
     float near_factor,
@@ -238,6 +240,12 @@ typedef struct cpu_keep {
 
 bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
                        uint32_t x, uint32_t y);
+/// The seed for the sample that is drawn.
+static inline uint32_t cpu_sample_seed(const cpu_renderer* r, const cpu_item* item)
+{
+    return item->seed + r->pattern * 0x9E3779B1u;
+}
+
 bool cpu_item_needs_keep(const cpu_item* item);
 
 stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,

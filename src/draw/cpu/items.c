@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Draw items made ready: data and textures looked up, matrices from item to screen.
+#include "base/rng.h"
 #include "draw/cpu/cpu.h"
 
 void cpu_view_rows(const stp_view_frame* frame, const stp_affine* transform, const float offset[3],
@@ -210,12 +211,27 @@ static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_i
     return result;
 }
 
+/// Of what is drawn and where it is placed, and of nothing that changes from frame to frame: the same pixels of it are
+/// left out in one pass and in two, and while other things come and go.
+static uint32_t seed_of(const stp_draw_item* draw)
+{
+    uint64_t seed = stp_rng_hash((uint64_t)draw->kind, draw->index);
+    for (int k = 0; k < 12; ++k) {
+        uint64_t bits;
+        double entry = draw->transform.m[k / 4][k % 4] + 0.0; // one zero
+        memcpy(&bits, &entry, sizeof(bits));
+        seed = stp_rng_hash(seed, bits);
+    }
+    return (uint32_t)(seed >> 32);
+}
+
 static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
                                const stp_draw_item* draw, cpu_item* item)
 {
     stp_result result = STP_OK;
     *item = (cpu_item){
         .kind = draw->kind, .first_id = draw->first_id, .count = draw->prefix, .draw = draw};
+    item->seed = seed_of(draw);
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
     item->radius = draw->radius * scale;
     item->pixel_radius = draw->pixel_radius * scale;

@@ -129,7 +129,7 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
     if (corners->has_color) {
         alpha *= vertex_color(corners, weight, 3);
     }
-    uint64_t seed = (uint64_t)keep->renderer->pattern << 32 | (item->first_id + triangle);
+    uint64_t seed = (uint64_t)cpu_sample_seed(keep->renderer, item) << 32 | triangle;
     if (material->alpha == STP_STORE_BLEND) {
         return alpha >= 1.0f || alpha > noise(seed, x, y);
     }

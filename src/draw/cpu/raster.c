@@ -51,6 +51,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.origin = item->surfels.origin;
         splats.step = item->surfels.step;
         splats.coverages = item->coverages;
+        splats.seed = cpu_sample_seed(r, item);
         splats.rim_depth = RIM_DEPTH;
         splats.back_depth = BACK_DEPTH;
         splats.occluder = r->occluding != NULL ? &item->occluder : NULL;
