@@ -72,6 +72,13 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
 static size_t add_effect_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
+        {.name = "filter",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "none|ewa",
+         .help = "blend splats that overlap, weighted by how close their centres are (as EWA "
+                 "filters do), or show the nearest; default none",
+         .value = &o->filter},
         {.name = "eye-dome",
          .type = OPTION_NUMBER,
          .argument = "[STRENGTH]",
@@ -304,6 +311,7 @@ stp_draw_style draw_options_style(const draw_options* o)
                             .supersample = (uint32_t)o->supersample,
                             .headlight = o->light == LIGHT_HEAD,
                             .background = o->background != NULL,
+                            .filter = (stp_filter)o->filter,
                             .eye_dome = (float)o->eye_dome,
                             .ambient_occlusion = (float)(0.01 * o->ambient_occlusion)};
     if (style.background) {

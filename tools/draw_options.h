@@ -24,6 +24,7 @@ typedef struct draw_options {
     uint64_t supersample;
     int light;
     const char* background;
+    int filter;
     double eye_dome, ambient_occlusion;
     uint64_t threads, memory;
     bool json;

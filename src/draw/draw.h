@@ -7,6 +7,11 @@
 
 #include <stipple/image.h>
 
+typedef enum stp_filter {
+    STP_FILTER_NONE, ///< a pixel shows one splat
+    STP_FILTER_EWA, ///< splats of a pixel's surface are blended, weighted by how close their centres are
+} stp_filter;
+
 typedef struct stp_draw_style {
     float splat_scale;    ///< times the radius of every splat; default 1
     uint32_t supersample; ///< n x n samples a pixel; default 1
@@ -14,6 +19,7 @@ typedef struct stp_draw_style {
         headlight; ///< light from the eye; default: a directional light from above left of the viewer
     bool background; ///< fill with background_color, alpha 255; default: transparent black
     uint8_t background_color[3];
+    stp_filter filter;
     float eye_dome;          ///< strength of eye-dome lighting; 0: none
     float ambient_occlusion; ///< reach of ambient occlusion, in heights of the picture; 0: none
 } stp_draw_style;
@@ -41,7 +47,7 @@ STP_MUST_USE stp_result stp_renderer_draw(stp_renderer* renderer, const stp_view
 /// Selects and draws in two passes: what the renderer's picture before hides is set aside, and what of that the new
 /// picture does not hide is drawn after. `list` is filled; `quality->occlusion` is not looked at. The picture is that of
 /// stp_select without occlusion and stp_renderer_draw, but for what lies at equal depths; only time depends on what was
-/// drawn before. Supersampled and parallel pictures, and those of a number of splats, are drawn in one pass.
+/// drawn before. Supersampled, filtered and parallel pictures, and those of a number of splats, are drawn in one pass.
 /// @return as stp_select, stp_select_rejected and stp_renderer_draw
 STP_MUST_USE stp_result stp_renderer_draw_selected(stp_renderer* renderer, const stp_view* view,
                                                    const stp_quality* quality,

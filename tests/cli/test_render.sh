@@ -82,6 +82,15 @@ export XDG_CACHE_HOME=$PWD/cache
 rm -rf cache
 "$stipple" render ball.obj -o ball.png --size 64x64 -q || fail "a model"
 [ "$(ls cache/stipple | wc -l)" -eq 1 ] || fail "the cache holds $(ls cache/stipple)"
+"$stipple" render ball.obj -o plain.png --size 48x48 --splat-size 4 -q || fail "no filter"
+"$stipple" render ball.obj -o blended.png --size 48x48 --splat-size 4 --filter ewa -q || fail "filter"
+"$stipple" render ball.obj -o p.png --size 48x48 --splat-size 4 --filter ewa --threads 1 -q || fail "filter, one thread"
+cmp -s p.png blended.png || fail "threads change the filter"
+cmp -s plain.png blended.png && fail "the filter changes nothing"
+for processor in baseline avx2; do
+    STP_PROCESSOR=$processor "$stipple" render ball.obj -o p.png --size 48x48 --splat-size 4 --filter ewa -q || fail "filter, $processor"
+    cmp -s p.png blended.png || fail "$processor changes the filter"
+done
 "$stipple" render ball.obj -o again.png --size 64x64 -v 2> err || fail "a model again"
 grep -q "from the cache" err || fail "built twice: $(cat err)"
 cmp -s ball.png again.png || fail "the cache changes the picture"
@@ -159,6 +168,7 @@ refused 2 "no view named" "$file" -o a.png --view nowhere
 refused 2 "exclude" "$file" -o a.png --splats 4 --splat-size 2
 refused 2 "exclude" "$file" -o a.png --accumulate 4 --supersample 2
 refused 2 "--eye-dome" "$file" -o a.png --eye-dome=bright
+refused 2 "--filter" "$file" -o a.png --filter box
 refused 2 "--ambient-occlusion" "$file" -o a.png --ambient-occlusion 99
 "$stipple" render -o eye.png --size 48x48 --eye-dome "$file" || fail "an option without its value before the file"
 refused 2 "gl backend" "$file" -o a.png --backend gl

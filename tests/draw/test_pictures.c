@@ -278,6 +278,8 @@ void test_pictures_look_as_they_did(test_state* test)
     } cases[] = {
         {"balls_splats", view, {.splat_size = 14}, {.splat_scale = 1}},
         {"balls_dots", parallel, {.splat_size = 8}, {.splat_scale = 0.3f, .headlight = true}},
+        {"balls_blended", view, {.splat_size = 14}, {.filter = STP_FILTER_EWA}},
+        {"balls_dark", view, {.splat_size = 14}, {.eye_dome = 1, .ambient_occlusion = 0.12f}},
         {"balls_smooth",
          view,
          {.reference = true},

@@ -48,7 +48,8 @@ static bool is_same_style(const stp_draw_style* a, const stp_draw_style* b)
     return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
            a->headlight == b->headlight && a->background == b->background &&
            memcmp(a->background_color, b->background_color, sizeof(a->background_color)) == 0 &&
-           a->eye_dome == b->eye_dome && a->ambient_occlusion == b->ambient_occlusion;
+           a->filter == b->filter && a->eye_dome == b->eye_dome &&
+           a->ambient_occlusion == b->ambient_occlusion;
 }
 
 bool cpu_continues(const cpu_renderer* r, const stp_view* view, const stp_quality* quality,

@@ -10,7 +10,7 @@
 #include "base/arena.h"
 #include "base/team.h"
 #include "draw/renderer.h"
-#include "raster/splats.h"
+#include "raster/splats_blend.h"
 #include "raster/texture.h"
 #include "raster/triangles.h"
 #include "select/view_frame.h"
@@ -97,6 +97,15 @@ typedef struct cpu_effects {
     stp_depth_pyramid pyramid; ///< in parallel projection, where culling has none
 } cpu_effects;
 
+/// Memory of the filter (blend.h).
+typedef struct cpu_blend {
+    stp_raster_plane* planes;
+    uint64_t* sums; ///< 2 a pixel
+    size_t capacity;
+    /// What is done with splats instead of drawing them.
+    enum { CPU_BLEND_NONE, CPU_BLEND_PLANES, CPU_BLEND_SPLATS } stage;
+} cpu_blend;
+
 /// The sum of frames that were each shifted by a part of a pixel (accumulate.h).
 typedef struct cpu_accumulation {
     uint32_t* sums;   ///< 4 a pixel: linear colour and frames that cover it
@@ -132,6 +141,7 @@ typedef struct cpu_renderer {
     size_t late_piece_capacity;
     cpu_effects effects;
     cpu_accumulation accumulation;
+    cpu_blend blend;
     float decode[256];                   ///< sRGB bytes to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3]; ///< read four at a time
     cpu_shade_material* shade_materials; ///< see cpu_make_shade_materials

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Items drawn in pieces, by whichever worker is free, each into its own buffer.
-#include "draw/cpu/cpu.h"
+#include "draw/cpu/blend.h"
 
 /// The item that a piece belongs to: the last that begins at or before it.
 static const cpu_item* find_item(const cpu_renderer* r, uint32_t piece)
@@ -40,6 +40,17 @@ typedef struct piece_loop {
     uint32_t first_new; ///< of those before, only what was hidden
 } piece_loop;
 
+/// @return fragments
+static uint64_t draw_range(const cpu_renderer* r, const cpu_item* item,
+                           const stp_raster_splats* splats, const stp_raster_target* target)
+{
+    if (r->blend.stage != CPU_BLEND_NONE) {
+        cpu_blend_range(r, item, splats);
+        return 0;
+    }
+    return stp_raster_draw_splats(target, 0, r->height, &item->camera, splats, item->first_id);
+}
+
 /// Splats [begin, end) of a piece, in the runs that they belong to. `late`: those that were hidden so far.
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
@@ -62,8 +73,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.points = item->points.positions;
     }
     if (item->runs == NULL) {
-        worker->fragments +=
-            stp_raster_draw_splats(target, 0, r->height, &item->camera, &splats, item->first_id);
+        worker->fragments += draw_range(r, item, &splats, target);
         return;
     }
     splats.pixel_radius = item->pixel_radius;
@@ -76,8 +86,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.end = at = item->runs[run].end < end ? item->runs[run].end : end;
         splats.nearest = item->runs[run].nearest;
         splats.farthest = item->runs[run].farthest;
-        worker->fragments +=
-            stp_raster_draw_splats(target, 0, r->height, &item->camera, &splats, item->first_id);
+        worker->fragments += draw_range(r, item, &splats, target);
     }
 }
 
@@ -123,6 +132,9 @@ static bool draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bo
     uint32_t size = item->piece_units;
     uint32_t from = (piece - item->first_piece) * size;
     uint32_t to = item->unit_count - from < size ? item->unit_count : from + size;
+    if (r->blend.stage != CPU_BLEND_NONE && item->kind == STP_DRAW_MESH) {
+        return false;
+    }
     if (item->clusters.bytes != NULL) {
         uint16_t* bits = r->late + item->late + (size_t)2 * (piece - item->first_piece);
         cpu_cluster_range range = {.begin = from, .end = to, .wanted = UINT32_MAX};

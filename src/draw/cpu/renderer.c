@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/color.h"
 #include "draw/cpu/accumulate.h"
+#include "draw/cpu/blend.h"
 #include "draw/cpu/effects.h"
 
 enum { SUPERSAMPLE_LIMIT = 64, SCRATCH_BLOCK = 1 << 20 };
@@ -20,6 +21,7 @@ static void destroy(stp_renderer* renderer)
     cpu_destroy_shading(r);
     cpu_destroy_effects(r);
     cpu_destroy_accumulation(r);
+    cpu_destroy_blend(r);
     stp_free(context, r->workers);
     stp_free(context, r->depth);
     stp_free(context, r->sums);
@@ -176,12 +178,20 @@ static stp_result draw_sample(cpu_renderer* r, const stp_draw_list* list, uint32
         return result;
     }
     double drawn = stp_clock_ms();
+    bool blends = cpu_has_filter(r->style) && r->splat_size > 0.0f;
+    if (blends && cpu_find_visible(r) != STP_OK) {
+        empty_pixels(r);
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
     cpu_begin_shading(r);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
+    if (blends) {
+        result = cpu_blend_splats(r);
+    }
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         r->workers[i].drew = false;
     }
-    if (cpu_has_effects(r->style)) {
+    if (result == STP_OK && cpu_has_effects(r->style)) {
         result = cpu_apply_effects(r);
     }
     stats->draw_ms += drawn - start;
@@ -230,6 +240,12 @@ static stp_result draw_accumulated(cpu_renderer* r, const stp_draw_list* list, u
     return result;
 }
 
+/// Whether something is done with the bytes of each sample.
+static bool works_on_bytes(const stp_draw_style* style)
+{
+    return cpu_has_effects(style) || cpu_has_filter(style);
+}
+
 /// Draws samples [first, end) of side * side.
 static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
                             const stp_draw_style* style, stp_image* image, uint32_t first,
@@ -250,7 +266,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
     r->splat_size = list->splat_count > 0 ? stp_max(list->splat_size, 1.0f) : 0.0f;
     r->mesh_depth = list->mixes ? MESH_DEPTH * 0.5 * (double)list->splat_size : 0.0;
     choose_nearness(r);
-    bool summed = end - first == all && (all == 1 || !cpu_has_effects(style));
+    bool summed = end - first == all && (all == 1 || !works_on_bytes(style));
     stp_result result = make_room(r, side > 1 && summed);
     result = result == STP_OK && !summed ? cpu_make_accumulation(r, first) : result;
     result = result != STP_OK ? result : cpu_prepare_items(r, list, 0);
@@ -287,7 +303,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
     cpu_renderer* r = (cpu_renderer*)renderer;
     stp_result result = draw_part(r, view, list, style, image, 0, side * side, stats);
-    if (side > 1 && cpu_has_effects(style)) {
+    if (side > 1 && works_on_bytes(style)) {
         r->accumulation.frames = 0; // its sums were used
     }
     return result;
@@ -324,7 +340,8 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
                                 stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
 {
     cpu_renderer* r = (cpu_renderer*)renderer;
-    bool once = style->supersample > 1 || quality->splat_count > 0 || view->ortho_height > 0.0;
+    bool once = style->supersample > 1 || cpu_has_filter(style) || quality->splat_count > 0 ||
+                view->ortho_height > 0.0;
     cpu_second_pass pass = {.view = view, .quality = *quality, .list = list};
     pass.quality.occlusion = once || r->pyramid.level_count == 0 ? NULL : &r->pyramid;
     double start = stp_clock_ms();

@@ -60,20 +60,26 @@ static cpu_light make_light(const cpu_renderer* r)
 }
 
 /// What the direction to the eye is made of, for a tile: (forward + right u + down v) turned round.
-static void place_eye(shader* s)
+static void place_eye(const cpu_renderer* r, uint32_t x, uint32_t y, cpu_shade_scene* scene)
 {
-    const cpu_renderer* r = s->r;
     const stp_view_frame* f = &r->frame;
     stp_vec3d start = stp_scaled(f->forward, -1.0);
     if (!f->parallel) {
-        double u = ((double)s->x - f->center_x - r->shift_x) / f->scale;
-        double v = ((double)s->y - f->center_y - r->shift_y) / f->scale;
+        double u = ((double)x - f->center_x - r->shift_x) / f->scale;
+        double v = ((double)y - f->center_y - r->shift_y) / f->scale;
         start = stp_subd(start, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
     }
-    s->scene.start = stp_to_float(start);
-    s->scene.across = stp_to_float(stp_scaled(f->right, -1.0 / f->scale));
-    s->scene.down = stp_to_float(stp_scaled(f->down, -1.0 / f->scale));
-    s->scene.parallel = f->parallel;
+    scene->start = stp_to_float(start);
+    scene->across = stp_to_float(stp_scaled(f->right, -1.0 / f->scale));
+    scene->down = stp_to_float(stp_scaled(f->down, -1.0 / f->scale));
+    scene->parallel = f->parallel;
+}
+
+cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r)
+{
+    cpu_shade_scene scene = {.encode = r->encode, .light = make_light(r)};
+    place_eye(r, 0, 0, &scene);
+    return scene;
 }
 
 /// @return whether the tile shows anything
@@ -162,7 +168,7 @@ static void light_tile(shader* s)
     for (uint32_t i = 0; i < SHADE_LANES_MOST; ++i) {
         lanes->surface[lanes->count + i] = SHADE_EMPTY;
     }
-    place_eye(s);
+    place_eye(s->r, s->x, s->y, &s->scene);
     s->kernels->light(&s->scene, s->memory->surfaces, lanes);
 }
 
@@ -266,7 +272,7 @@ static void begin_shader(shader* s, cpu_renderer* r, cpu_worker* worker)
     s->worker = worker;
     s->memory = memory;
     s->kernels = cpu_choose_shade_kernels();
-    s->scene = (cpu_shade_scene){.encode = r->encode, .light = make_light(r)};
+    s->scene = cpu_make_shade_scene(r);
     s->buffers = worker->buffers;
     s->buffer_count = find_buffers(r, s->buffers);
     write_pixel(r, nothing, 0.0f, (uint8_t*)&s->empty);

@@ -153,6 +153,12 @@ uint32_t cpu_find_surface(cpu_shade_memory* memory, uint32_t id);
 /// Makes those surfaces that were found since the last call and are not made yet.
 void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory);
 
+/// The surface of a surfel or point, by its item and its index there.
+void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index,
+                            cpu_shade_surface* surface);
+/// Light and eye for places in the whole picture.
+cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r);
+
 /// Makes surface `at` of a triangle, and what is remembered beside it.
 cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory* memory,
                                          uint32_t at);

@@ -94,6 +94,17 @@ static void make_point(const cpu_renderer* r, uint32_t slot, uint32_t index,
     surface->material = r->shade_materials[r->shade_items[slot].material];
 }
 
+void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index,
+                            cpu_shade_surface* surface)
+{
+    const cpu_shade_item* item = &r->shade_items[slot];
+    if (item->kind == STP_DRAW_SURFELS) {
+        make_surfel(r, item, index, surface);
+    } else {
+        make_point(r, slot, index, surface);
+    }
+}
+
 /// Which items surfaces belong to; what will be read of surfels is asked for.
 static void find_items(const cpu_renderer* r, cpu_shade_memory* memory)
 {
@@ -129,10 +140,8 @@ void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory)
         uint32_t index = memory->slots[at].id - item->first_id;
         memory->nearness[at] = item->nearness;
         memory->kind[at] = SHADE_FLAT;
-        if (item->kind == STP_DRAW_SURFELS) {
-            make_surfel(r, item, index, surface);
-        } else if (item->kind == STP_DRAW_POINTS) {
-            make_point(r, slot, index, surface);
+        if (item->kind != STP_DRAW_MESH) {
+            cpu_make_splat_surface(r, slot, index, surface);
         } else {
             memory->kind[at] = (uint8_t)cpu_make_triangle_surface(r, memory, at);
         }

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include "draw/cpu/blend.h"
+
+#include "draw/cpu/shade.h"
+
+static stp_result make_room(cpu_renderer* r)
+{
+    cpu_blend* b = &r->blend;
+    size_t needed = (size_t)r->width * r->height;
+    if (needed <= b->capacity) {
+        return STP_OK;
+    }
+    b->capacity = 0;
+    stp_free(r->base.context, b->planes);
+    stp_free(r->base.context, b->sums);
+    b->planes = STP_NEW_ARRAY(r->base.context, stp_raster_plane, needed);
+    b->sums = STP_NEW_ARRAY(r->base.context, uint64_t, 2 * needed);
+    if (b->planes == NULL || b->sums == NULL) {
+        return stp_fail_memory(r->base.context);
+    }
+    b->capacity = needed;
+    return STP_OK;
+}
+
+/// The nearest of all workers' pixels; what is no splat's is not blended.
+static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const cpu_renderer* r = user;
+    uint32_t slot = 0;
+    (void)worker;
+    for (size_t at = begin * r->width; at < end * r->width; ++at) {
+        uint64_t pixel = STP_RASTER_EMPTY;
+        for (uint32_t k = 0; k < r->team.threads; ++k) {
+            uint64_t other = r->workers[k].drew ? r->workers[k].pixels[at] : STP_RASTER_EMPTY;
+            pixel = other < pixel ? other : pixel;
+        }
+        r->blend.sums[2 * at] = r->blend.sums[2 * at + 1] = 0;
+        r->blend.planes[at] = (stp_raster_plane){.nearness = FLT_MAX, .id = UINT32_MAX};
+        if (pixel != STP_RASTER_EMPTY) {
+            uint32_t id = stp_raster_id(pixel);
+            const cpu_item* item = &r->items[slot];
+            if (id - item->first_id >= item->count) {
+                slot = cpu_find_item(r, id);
+                item = &r->items[slot];
+            }
+            if (item->kind != STP_DRAW_MESH) {
+                r->blend.planes[at].id = id;
+            }
+        }
+    }
+}
+
+stp_result cpu_find_visible(cpu_renderer* r)
+{
+    stp_result result = make_room(r);
+    if (result == STP_OK) {
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_rows, r);
+    }
+    return result;
+}
+
+typedef struct splat_lighter {
+    const cpu_renderer* r;
+    uint32_t slot; ///< of the item
+    const cpu_shade_kernels* kernels;
+    cpu_shade_scene scene;
+    cpu_shade_lanes lanes;
+    _Alignas(64) cpu_shade_surface surfaces[SHADE_LANES_MOST];
+} splat_lighter;
+
+/// As pixels in the middle of the splats would be lit.
+static void light_splats(void* user, uint32_t first, uint32_t count, const float* x, const float* y,
+                         uint32_t (*out)[3])
+{
+    splat_lighter* s = user;
+    for (uint32_t i = 0; i < SHADE_LANES_MOST; ++i) {
+        uint32_t there = i < count ? i : 0;
+        s->lanes.surface[i] = there;
+        s->lanes.x[i] = x[there];
+        s->lanes.y[i] = y[there];
+        if (i < count) {
+            cpu_make_splat_surface(s->r, s->slot, first + i, &s->surfaces[i]);
+        }
+    }
+    s->lanes.count = count;
+    s->lanes.wants_linear = true;
+    s->kernels->light(&s->scene, s->surfaces, &s->lanes);
+    for (uint32_t i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            float scaled = s->lanes.linear[k][i] * (float)STP_BLEND_COLORS;
+            bool inside = scaled > 0.0f && scaled < (float)(STP_BLEND_COLORS - 1);
+            out[i][k] = inside ? (uint32_t)scaled : scaled > 0.0f ? STP_BLEND_COLORS - 1 : 0;
+        }
+    }
+}
+
+void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats)
+{
+    stp_raster_blend blend = {.width = r->width,
+                              .height = r->height,
+                              .planes = r->blend.planes,
+                              .first_id = item->first_id};
+    if (r->blend.stage == CPU_BLEND_PLANES) {
+        stp_raster_find_planes(&blend, &item->camera, splats);
+        return;
+    }
+    splat_lighter lighter;
+    lighter.r = r;
+    lighter.slot = (uint32_t)(item - r->items);
+    lighter.kernels = cpu_choose_shade_kernels();
+    lighter.scene = cpu_make_shade_scene(r);
+    blend.sums = (_Atomic uint64_t*)r->blend.sums;
+    blend.colors = light_splats;
+    blend.user = &lighter;
+    stp_raster_blend_splats(&blend, &item->camera, splats);
+}
+
+static void mix_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const cpu_renderer* r = user;
+    (void)worker;
+    for (size_t at = begin * r->width; at < end * r->width; ++at) {
+        uint64_t first = r->blend.sums[2 * at], second = r->blend.sums[2 * at + 1];
+        uint32_t weight = (uint32_t)(second >> 32);
+        if (weight == 0 || weight > STP_BLEND_LIMIT) {
+            continue; // nothing was added, or more than sums hold
+        }
+        const uint32_t sums[3] = {(uint32_t)first, (uint32_t)(first >> 32), (uint32_t)second};
+        for (int k = 0; k < 3; ++k) {
+            r->image->pixels[4 * at + (size_t)k] = r->encode[sums[k] / weight];
+        }
+    }
+}
+
+stp_result cpu_blend_splats(cpu_renderer* r)
+{
+    r->blend.stage = CPU_BLEND_PLANES;
+    stp_result result = cpu_draw_items(r, 0);
+    r->blend.stage = CPU_BLEND_SPLATS;
+    result = result == STP_OK ? cpu_draw_items(r, 0) : result;
+    r->blend.stage = CPU_BLEND_NONE;
+    if (result == STP_OK) {
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, mix_rows, r);
+    }
+    return result;
+}
+
+void cpu_destroy_blend(cpu_renderer* r)
+{
+    stp_free(r->base.context, r->blend.planes);
+    stp_free(r->base.context, r->blend.sums);
+}
