@@ -66,6 +66,23 @@ typedef struct session {
     flight_record record;
 } session;
 
+// What loading did, of a flight under a limit of memory.
+static json_t* describe_residency(const session* s)
+{
+    stp_residency_stats stats;
+    uint32_t lacking = 0;
+    stp_residency_get_stats(s->maker.residency, &stats);
+    for (uint32_t i = 0; i < s->record.frame_count; ++i) {
+        lacking += s->record.frames[i].missing > 0 ? 1 : 0;
+    }
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "limit_bytes",
+                     (json_int_t)stats.limit_bytes, "resident_bytes",
+                     (json_int_t)stats.resident_bytes, "peak_bytes", (json_int_t)stats.peak_bytes,
+                     "read_bytes", (json_int_t)stats.read_bytes, "loaded", (json_int_t)stats.loaded,
+                     "dropped", (json_int_t)stats.dropped, "damaged", (json_int_t)stats.damaged,
+                     "frames_lacking", (json_int_t)lacking);
+}
+
 static int print_json(const session* s)
 {
     char device[200];
@@ -81,6 +98,11 @@ static int print_json(const session* s)
         return tool_error("out of memory");
     }
     json_decref(figures);
+    if (s->maker.residency != NULL &&
+        json_object_set_new(object, "residency", describe_residency(s)) != 0) {
+        json_decref(object);
+        return tool_error("out of memory");
+    }
     return tool_print_json(object);
 }
 
@@ -134,7 +156,9 @@ static bool fly_through(session* s, const char* file)
         return false;
     }
     s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, s->store);
+    bool streams = args.draw.memory > 0 && !args.draw.reference;
     return frame_maker_create(s->context, s->store, &style, &s->maker) == STP_OK &&
+           (!streams || frame_maker_stream(&s->maker) == STP_OK) &&
            flight_run(&s->maker, &s->plan, &s->record) == STP_OK;
 }
 

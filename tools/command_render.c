@@ -134,7 +134,7 @@ static stp_result draw_frames(session* s)
         result = frame_settle(&s->maker, &s->view, &budget, &s->quality, &s->image);
     }
     if (result == STP_OK) {
-        result = frame_draw(&s->maker, &s->view, &s->quality, &s->image, &frames[0]);
+        result = frame_draw_loaded(&s->maker, &s->view, &s->quality, &s->image, &frames[0]);
     }
     size_t count = 0;
     bool repeated = result == STP_OK && args.draw.json && frames[0].frame_ms < slow_ms;
@@ -155,7 +155,8 @@ static int print_json(const session* s)
 {
     char device[200];
     frame_read_device(device, sizeof(device));
-    uint64_t resident = stp_context_live_bytes(s->context) + stp_store_file_bytes(s->store);
+    uint64_t resident = stp_context_live_bytes(s->context);
+    resident += s->maker.residency == NULL ? stp_store_file_bytes(s->store) : 0;
     json_t* object = json_pack("{s:s, s:s, s:I, s:I, s:I}", "backend", "cpu", "device", device,
                                "width", (json_int_t)s->view.width, "height",
                                (json_int_t)s->view.height, "resident_bytes", (json_int_t)resident);
@@ -196,6 +197,9 @@ static int render(session* s, const char* path)
     }
     stp_draw_style style = draw_options_style(&args.draw);
     stp_result result = frame_maker_create(s->context, s->store, &style, &s->maker);
+    if (result == STP_OK && args.draw.memory > 0 && !args.draw.reference) {
+        result = frame_maker_stream(&s->maker);
+    }
     if (result == STP_OK) {
         result = draw_frames(s);
     }

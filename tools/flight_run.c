@@ -118,7 +118,7 @@ static stp_result study_frame(study* s, uint32_t i)
     if (plan->budget_ms > 0.0) {
         quality.splat_size = s->record->frames[i].splat_size;
     }
-    stp_result result = frame_draw(s->maker, &view, &quality, ours, &figures);
+    stp_result result = frame_draw_loaded(s->maker, &view, &quality, ours, &figures);
     if (result == STP_OK && plan->sink != NULL) {
         result = plan->sink(plan->sink_user, ours, i);
     }

@@ -10,6 +10,7 @@
 enum {
     SETTLE_FRAMES = 150, ///< most
     STEADY_FRAMES = 5,   ///< in a row without much change are settled
+    LOADED_FRAMES = 200, ///< most while what a view wants is loaded
 };
 static const double settle_ms = 20000.0, steady_change = 0.02;
 
@@ -20,11 +21,22 @@ stp_result frame_maker_create(stp_context* context, stp_store* store, const stp_
     return stp_draw_cpu_create(context, store, &maker->renderer);
 }
 
+stp_result frame_maker_stream(frame_maker* maker)
+{
+    stp_result result =
+        stp_residency_create(maker->store, &(stp_residency_desc){0}, &maker->residency);
+    while (result == STP_OK && stp_residency_wait(maker->residency)) {
+        stp_residency_update(maker->residency, NULL, 0);
+    }
+    return result;
+}
+
 void frame_maker_destroy(frame_maker* maker)
 {
     if (maker->renderer != NULL) {
         stp_renderer_destroy(maker->renderer);
     }
+    stp_residency_destroy(maker->residency);
     if (maker->context != NULL) {
         stp_draw_list_destroy(maker->context, &maker->list);
         stp_free(maker->context, maker->eye.pixels);
@@ -77,7 +89,15 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
         eyes > 1 ? draw_eyes(maker, view, quality, image, &stats)
                  : stp_renderer_draw_selected(maker->renderer, view, quality, &maker->style,
                                               &maker->list, image, &stats);
+    uint32_t missing = 0;
+    if (maker->residency != NULL && result == STP_OK && !quality->reference) {
+        stp_residency_stats loaded;
+        stp_residency_update(maker->residency, maker->list.wants, maker->list.want_count);
+        stp_residency_get_stats(maker->residency, &loaded);
+        missing = loaded.missing;
+    }
     *figures = (frame_figures){.frame_ms = stp_clock_ms() - start,
+                               .missing = missing,
                                .select_ms = stats.select_ms,
                                .draw_ms = stats.draw_ms,
                                .shade_ms = stats.shade_ms,
@@ -91,6 +111,26 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
                                .draw_calls = stats.draw_calls};
     for (size_t i = 0; i < maker->list.count; ++i) {
         figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH ? eyes : 0;
+    }
+    return result;
+}
+
+stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view, const stp_quality* quality,
+                             stp_image* image, frame_figures* figures)
+{
+    stp_result result = frame_draw(maker, view, quality, image, figures);
+    // what comes may let nodes be opened, whose content is then wanted; what is needed twice as much takes places, so
+    // this ends, but nobody should wait for ever where it does not
+    for (int i = 0; i < LOADED_FRAMES && result == STP_OK && maker->residency != NULL; ++i) {
+        if (!stp_residency_wait(maker->residency)) {
+            break;
+        }
+        int updates = 0;
+        do {
+            stp_residency_update(maker->residency, maker->list.wants, maker->list.want_count);
+            updates += 1;
+        } while (updates < LOADED_FRAMES && stp_residency_wait(maker->residency));
+        result = frame_draw(maker, view, quality, image, figures);
     }
     return result;
 }

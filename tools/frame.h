@@ -14,6 +14,7 @@ typedef struct frame_figures {
     uint64_t splats, triangles, fragments, covered_pixels;
     uint64_t extra_splats; ///< drawn while levels blend
     uint64_t clusters, nodes, draw_calls;
+    uint32_t missing; ///< things the view wants that were not, or not wholly, loaded
 } frame_figures;
 
 /// All zero at first.
@@ -21,6 +22,7 @@ typedef struct frame_maker {
     stp_context* context;
     stp_store* store; ///< borrowed
     stp_renderer* renderer;
+    stp_residency* residency; ///< NULL: the file is used as it is mapped
     stp_draw_list list;
     stp_draw_style style;
     stp_image eye; ///< the picture of one of two eyes
@@ -28,12 +30,19 @@ typedef struct frame_maker {
 
 STP_MUST_USE stp_result frame_maker_create(stp_context* context, stp_store* store,
                                            const stp_draw_style* style, frame_maker* maker);
+/// From now on bulk data is loaded under the context's limit of memory; the coarsest of it is there at once.
+STP_MUST_USE stp_result frame_maker_stream(frame_maker* maker);
 void frame_maker_destroy(frame_maker* maker);
 
 /// Draws a view, of one eye or two; `image` has its size. Failures are logged by the context.
 STP_MUST_USE stp_result frame_draw(frame_maker* maker, const stp_view* view,
                                    const stp_quality* quality, stp_image* image,
                                    frame_figures* figures);
+
+/// Draws a view again and again until all that it wants is there, or as much as memory has room for.
+STP_MUST_USE stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view,
+                                          const stp_quality* quality, stp_image* image,
+                                          frame_figures* figures);
 
 /// Draws the next of `count` frames that are accumulated (stp_renderer_accumulate).
 STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* view,

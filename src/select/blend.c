@@ -137,7 +137,8 @@ stp_result stp_select_add_set(stp_selection* s, const stp_select_entry* at, cons
                           .transform = at->transform};
     bool flat = range.far < range.near * ONE_DEPTH;
     bool by_depth = use->per_depth > 0.0 && s->quality->policy == STP_POLICY_INSERTION;
-    bool thin = by_depth && range.far > range.near * THIN_FROM && item.prefix >= THINNED_LEAST;
+    bool thin = by_depth && !use->limited && range.far > range.near * THIN_FROM &&
+                item.prefix >= THINNED_LEAST;
     double extra = at->extra || use->extra ? (double)item.prefix : 0.0;
     if (by_depth && !flat && (thin || use->extra || range.far > at->ceiling)) {
         if (thin) { // splats are as large as the coverage wanted at their own depth

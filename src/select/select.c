@@ -3,13 +3,15 @@
 #include "select/select_internal.h"
 
 static stp_result begin(stp_selection* s, stp_context* context, const stp_store* store,
-                        const stp_view* view, const stp_quality* quality, stp_draw_list* list)
+                        const stp_view* view, const stp_quality* quality, stp_draw_list* list,
+                        bool second_pass)
 {
     *s = (stp_selection){.context = context,
                          .store = store,
                          .directory = stp_store_get_directory(store),
                          .quality = quality,
-                         .list = list};
+                         .list = list,
+                         .second_pass = second_pass};
     list->hidden_count = 0;
     list->mixes = s->directory->point_set_count > 0 ||
                   (s->directory->surfels_count > 0 && !quality->reference);
@@ -26,7 +28,9 @@ static stp_result begin(stp_selection* s, stp_context* context, const stp_store*
         return stp_fail(context, STP_ERROR_ARGUMENT,
                         "quality: radii of the fovea's zones must ascend and factors be above 0");
     }
-    return s->directory->root == STP_STORE_NONE ? STP_OK : stp_select_find_graph(s);
+    stp_result result = stp_select_begin_wants(s);
+    return result != STP_OK || s->directory->root == STP_STORE_NONE ? result
+                                                                    : stp_select_find_graph(s);
 }
 
 stp_result stp_select(stp_context* context, const stp_store* store, const stp_view* view,
@@ -37,12 +41,15 @@ stp_result stp_select(stp_context* context, const stp_store* store, const stp_vi
     list->splat_count = list->triangle_count = 0;
     list->extra_splats = list->extra_triangles = 0;
     list->node_count = 0;
-    stp_result result = begin(&s, context, store, view, quality, list);
+    stp_result result = begin(&s, context, store, view, quality, list, false);
     if (result != STP_OK || s.directory->root == STP_STORE_NONE) {
         return result;
     }
-    stp_select_entry root = {
-        .node = s.directory->root, .ceiling = HUGE_VAL, .transform = stp_affine_identity()};
+    stp_select_entry root = {.node = s.directory->root,
+                             .ceiling = HUGE_VAL,
+                             .covered = HUGE_VAL,
+                             .eager = 1.0,
+                             .transform = stp_affine_identity()};
     result = stp_select_push(&s, &root);
     result = result != STP_OK ? result : stp_select_traverse(&s);
     list->first_pass_count = list->count;
@@ -53,8 +60,7 @@ stp_result stp_select_rejected(stp_context* context, const stp_store* store, con
                                const stp_quality* quality, stp_draw_list* list)
 {
     stp_selection s;
-    stp_result result = begin(&s, context, store, view, quality, list);
-    s.second_pass = true;
+    stp_result result = begin(&s, context, store, view, quality, list, true);
     for (size_t i = 0; i < list->rejected_count && result == STP_OK; ++i) {
         result = stp_select_push(&s, &list->rejected[i]);
         result = result != STP_OK ? result : stp_select_traverse(&s);
@@ -69,6 +75,8 @@ void stp_draw_list_destroy(stp_context* context, stp_draw_list* list)
     stp_free(context, list->runs);
     stp_free(context, list->stack);
     stp_free(context, list->rejected);
+    stp_free(context, list->wants);
+    stp_free(context, list->want_slots);
     stp_select_destroy_graph(context, list->graph);
     *list = (stp_draw_list){0};
 }

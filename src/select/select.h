@@ -9,7 +9,7 @@
 #include "select/depth_pyramid.h"
 #include "select/eyes.h"
 #include "select/fovea.h"
-#include "store/store.h"
+#include "store/residency.h"
 
 #include <stipple/view.h>
 
@@ -71,7 +71,12 @@ typedef struct stp_draw_list {
     uint32_t hidden_count;    ///< nodes that the pyramid hid, in the last pass
     float splat_size;         ///< the size in effect where an eye looks
     bool mixes; ///< there may be splats beside triangles, in this list or in one of another view
+    /// Of a store that streams, each thing once: what the view would draw, here or not (stp_residency_update).
+    stp_want* wants;
+    size_t want_count;
     // kept between calls
+    uint32_t* want_slots; ///< of each thing of the store, its want's place and 1; 0: none
+    size_t want_capacity;
     struct stp_select_entry *stack, *rejected;
     size_t stack_capacity, rejected_count, rejected_capacity;
     struct stp_select_graph* graph; ///< of the store that the list is used with
@@ -104,6 +109,9 @@ static inline bool stp_draw_keeps(uint32_t index, float share)
 ///
 /// The list of a view with two eyes holds what either needs, as fine as the one needs it that is nearer: it is drawn
 /// once for each eye, with the views of select/eyes.h.
+///
+/// Of a store that streams (store/residency.h), what is resident is drawn: a node whose stand-ins are not all here is
+/// not opened, and a set that is not all here is drawn as far as it is, with larger splats. References take no notice.
 ///
 /// With a pyramid, nodes that it hides are set aside. It may be of any earlier frame: what it hides wrongly is
 /// found by stp_select_rejected.

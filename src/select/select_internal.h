@@ -19,6 +19,9 @@ typedef struct stp_select_entry {
     bool moving_only; ///< an ancestor's surfels stand for all that does not move
     bool extra;       ///< an ancestor is drawn where it is nearest
     double ceiling;   ///< beyond this depth an ancestor's surfels suffice
+    double
+        covered;  ///< how well the nearest ancestor's set covers, scene units; infinite: none does
+    double eager; ///< how much sooner what is below is loaded than what it covers with tells
     stp_affine transform;
 } stp_select_entry;
 
@@ -46,6 +49,7 @@ typedef struct stp_selection {
     size_t stack_count;
     uint64_t visits;
     bool second_pass;
+    bool streams; ///< what is resident is drawn, and what would be is asked for
 } stp_selection;
 
 /// Depths between which a box is seen; both 1 in parallel projection.
@@ -70,6 +74,7 @@ typedef struct stp_set_use {
     double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
     double switch_depth; ///< 0: nothing below is drawn; infinite: all of it
     bool extra;          ///< switching would not draw them
+    bool limited;        ///< to what is resident: splats are larger than wanted
 } stp_set_use;
 
 /// The longest that a unit vector becomes.
@@ -77,6 +82,25 @@ double stp_select_scale(const stp_affine* transform);
 
 /// @return whether any eye may see some of the box
 bool stp_select_see(const stp_selection* s, const stp_boxd* box, stp_sight* sight);
+
+/// The box that holds a transformed box.
+stp_boxd stp_select_place_box(const stp_affine* transform, const stp_boxd* box);
+/// The box of a node's mesh or points, in scene space.
+stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part,
+                             const stp_affine* transform);
+
+// Of stores that stream (resident.c).
+/// Empties the list's wants, but in the second pass.
+STP_MUST_USE stp_result stp_select_begin_wants(stp_selection* s);
+/// Asks for a mesh or points of a node. @return whether they are here
+bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
+                          const stp_sight* sight);
+/// Makes the entry of a node with a set that of what is below it.
+void stp_select_cover(const stp_selection* s, const stp_surfels* surfels, const stp_sight* sight,
+                      stp_select_entry* at);
+/// Changes what is to be done with a node's surfels to what can be, and asks for what is missing.
+STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
+                                             const stp_sight* sight, stp_set_use* use);
 
 /// What to do with the surfels of a node (which has some).
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,

@@ -45,8 +45,7 @@ stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id
     return STP_OK;
 }
 
-/// The box that holds the transformed box.
-static stp_boxd place_box(const stp_affine* a, const stp_boxd* box)
+stp_boxd stp_select_place_box(const stp_affine* a, const stp_boxd* box)
 {
     if (stp_boxd_is_empty(*box)) {
         return *box;
@@ -62,9 +61,13 @@ static stp_boxd place_box(const stp_affine* a, const stp_boxd* box)
     return (stp_boxd){stp_subd(center, reach), stp_addd(center, reach)};
 }
 
-static stp_boxd widen_box(stp_box box)
+stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part, const stp_affine* a)
 {
-    return (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
+    stp_box box = part.kind == STP_STORE_PART_MESH
+                      ? stp_store_describe_mesh(s->store, part.index)->bounds
+                      : stp_store_describe_point_set(s->store, part.index)->bounds;
+    stp_boxd wide = {stp_to_double(box.min), stp_to_double(box.max)};
+    return stp_select_place_box(a, &wide);
 }
 
 /// A node's own triangles or points, up to the depth where its surfels, or an ancestor's, suffice.
@@ -72,23 +75,23 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
 {
     stp_draw_item item = {.index = part.index, .transform = at->transform};
     uint64_t count;
-    stp_boxd box;
     if (part.kind == STP_STORE_PART_MESH) {
         const stp_store_mesh* mesh = stp_store_describe_mesh(s->store, part.index);
         item.kind = STP_DRAW_MESH;
         count = mesh->triangle_count;
-        box = widen_box(mesh->bounds);
     } else {
         const stp_store_point_set* points = stp_store_describe_point_set(s->store, part.index);
         item.kind = STP_DRAW_POINTS;
         item.prefix = item.full_prefix = points->point_count;
         count = points->point_count;
-        box = widen_box(points->bounds);
     }
-    box = place_box(&at->transform, &box);
+    stp_boxd box = stp_select_part_box(s, part, &at->transform);
     stp_sight sight;
     if (!stp_select_see(s, &box, &sight) ||
         !(stp_select_growth(at->ceiling, sight.range.near) > 0.0)) {
+        return STP_OK;
+    }
+    if (s->streams && !stp_select_want_part(s, part, at, &sight)) {
         return STP_OK;
     }
     stp_depth_range range = sight.range;
@@ -138,10 +141,11 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     }
     if ((moving & STP_NODE_MOVES) != 0) { // no ancestor shows it
         at->moving_only = at->extra = false;
-        at->ceiling = HUGE_VAL;
+        at->ceiling = at->covered = HUGE_VAL;
+        at->eager = 1.0;
     }
     s->list->node_count += 1;
-    stp_boxd box = place_box(&at->transform, &node->bounds);
+    stp_boxd box = stp_select_place_box(&at->transform, &node->bounds);
     stp_sight sight;
     if (!stp_select_see(s, &box, &sight)) {
         return STP_OK;
@@ -158,13 +162,17 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     }
     if (!s->quality->reference && !at->moving_only && node->surfels != STP_STORE_NONE) {
         stp_set_use use = stp_select_use_set(s, at, &sight);
-        if (use.count > 0) {
+        result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
+        if (use.count > 0 && result == STP_OK) {
             result = stp_select_add_set(s, at, &use, &sight);
         }
         // where this node's surfels suffice nearest to the eye, switching would draw nothing below
         at->extra = at->extra || (use.count > 0 && !use.extra);
         at->ceiling = fmin(at->ceiling, use.switch_depth);
         at->moving_only = !(stp_select_growth(at->ceiling, nearest) > 0.0);
+        if (s->streams && use.surfels->count > 0) {
+            stp_select_cover(s, use.surfels, &sight, at);
+        }
     }
     if (result != STP_OK || (at->moving_only && (moving & STP_MOVES_BELOW) == 0)) {
         return result;

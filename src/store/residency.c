@@ -168,6 +168,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
         r->desc.read = read_file;
         r->desc.read_user = store;
     }
+    r->worth = 1.0f;
     count_things(store, r->firsts);
     pthread_mutex_init(&r->mutex, NULL);
     pthread_cond_init(&r->work, NULL);

@@ -29,6 +29,7 @@ typedef struct stp_want {
     float need;       ///< without any of it
     float
         octave_need; ///< surfels: times the radius that is covered without an octave, the need of that octave
+    uint32_t thing; ///< for those who make lists of wants: stp_store_thing; not looked at
 } stp_want;
 
 #define STP_NEED_MOST 1e30f

@@ -55,7 +55,9 @@ struct stp_residency {
     stp_rank* steps;                         ///< heap of what is missing
     stp_rank* victims;                       ///< heap of what may go
     size_t step_count, victim_count;
-    bool victims_found; ///< in this update
+    bool victims_found;  ///< in this update
+    bool dropped_wanted; ///< in this update
+    float worth; ///< how much more a step must be needed to take the place of what is wanted
     uint32_t* pins;
     uint32_t pin_count;
     uint64_t updates; ///< number of the current one

@@ -5,10 +5,12 @@
 #include "base/prefix_table.h"
 #include "store/residency_internal.h"
 
+#include <math.h>
 #include <string.h>
 
-/// How much more a step must be needed than what is wanted too, to take its place: else they would take turns.
-static const float worth_the_place = 2.0f;
+// How much more a step must be needed than what is wanted too, to take its place: else they would take turns. What is
+// wanted depends on what is here, so they might even so: each update that drops what is wanted raises the factor.
+static const float least_worth = 2.0f, most_worth = 1e6f, worth_rises = 1.25f, worth_falls = 0.99f;
 static const uint64_t smallest_batch = 1 << 16; ///< octaves below this are read together
 
 enum {
@@ -149,6 +151,7 @@ static void drop_victim(stp_residency* r)
     const stp_resident* t = &r->things[thing];
     uint32_t target = find_target(r, t);
     bool surfels = stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS;
+    r->dropped_wanted = r->dropped_wanted || (target > 0 && t->level <= target);
     uint32_t level = target == 0 ? t->pinned : surfels ? t->level - 1u : 0;
     level = t->level > target && target > level ? target : level;
     stp_residency_drop(r, thing, level);
@@ -163,7 +166,7 @@ static void drop_victim(stp_residency* r)
 /// Makes room for so many bytes of a step. @return false where nothing less needed is left to drop
 static bool make_room(stp_residency* r, uint64_t bytes, float need, uint64_t limit)
 {
-    uint64_t most_given = UINT64_C(1) << 63 | bits_of(need / worth_the_place);
+    uint64_t most_given = UINT64_C(1) << 63 | bits_of(need / r->worth);
     while (bytes > limit || r->bytes > limit - bytes) {
         if (bytes > limit) {
             return false;
@@ -293,8 +296,11 @@ void stp_residency_plan(stp_residency* r, const stp_want* wants, size_t count)
     note_wants(r, wants, count);
     sort_steps(r);
     uint32_t skips = 0;
-    (void)make_room(r, 0, STP_NEED_MOST, r->limit); // others may have grown
+    (void)make_room(r, 0, INFINITY, r->limit); // others may have grown
+    r->dropped_wanted = false;
     while (r->step_count > 0 && plan_step(r, &skips)) {
     }
+    float worth = r->worth * (r->dropped_wanted ? worth_rises : worth_falls);
+    r->worth = fminf(fmaxf(worth, least_worth), most_worth);
     prepare_loads(r);
 }

@@ -146,11 +146,15 @@ void stp_residency_drop(stp_residency* r, uint32_t thing, uint32_t level)
     if (stp_residency_kind(r, thing) != STP_RESIDENT_SURFELS) {
         publish(r, thing, NULL, NULL);
         free_thing(r, t);
-    } else if ((level == 0 || !shorten(r, thing, level)) &&
-               (t->pinned == 0 || t->pinned >= level || !shorten(r, thing, t->pinned))) {
-        stp_surfels none = {0};
-        free_thing(r, t);
-        stp_store_set_columns(surfels_record(r, thing), NULL, &none, 0);
+    } else {
+        while (level > 0 && !shorten(r, thing, level)) { // no room for the copy
+            level -= 1;
+        }
+        if (level == 0) {
+            stp_surfels none = {0};
+            free_thing(r, t);
+            stp_store_set_columns(surfels_record(r, thing), NULL, &none, 0);
+        }
     }
     r->stats.dropped += before - t->level;
 }

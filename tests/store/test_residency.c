@@ -332,8 +332,8 @@ void test_residency_needed_most_stays(test_state* test)
     CHECK(set_up(&f, context, rich_seed(context, 33), true));
     uint64_t one = stp_store_columns_bytes(stp_store_describe_surfels(f.store, 0), OCTAVES);
     CHECK_EQUAL(STP_OK, stream(&f, 2 * one, 2));
-    stp_want a = {STP_RESIDENT_SURFELS, 0, OCTAVES, 10.0f, 10.0f};
-    stp_want b = {STP_RESIDENT_SURFELS, 1, OCTAVES, 1.0f, 1.0f};
+    stp_want a = {STP_RESIDENT_SURFELS, 0, OCTAVES, 10.0f, 10.0f, 0};
+    stp_want b = {STP_RESIDENT_SURFELS, 1, OCTAVES, 1.0f, 1.0f, 0};
     residency_settle(f.residency, &a, 1);
     uint32_t all = stp_store_describe_surfels(f.store, 0)->count;
     CHECK_EQUAL(all, stp_store_resident_surfels(f.store, 0));

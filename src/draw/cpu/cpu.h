@@ -29,6 +29,7 @@ enum {
 typedef struct cpu_texture {
     stp_texture_pyramid as_color, as_data;
     bool has_color, has_data;
+    uint64_t arrival; ///< of its texels (stp_store_texture_arrival)
 } cpu_texture;
 
 /// A draw item with all that its pieces and pixels need.

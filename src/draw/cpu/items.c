@@ -142,15 +142,33 @@ static stp_result find_texture(cpu_renderer* r, const stp_store_texture_use* use
     return STP_OK;
 }
 
+static void forget_texture(cpu_renderer* r, cpu_texture* texture)
+{
+    if (texture->has_color) {
+        stp_texture_pyramid_destroy(r->base.context, &texture->as_color);
+    }
+    if (texture->has_data) {
+        stp_texture_pyramid_destroy(r->base.context, &texture->as_data);
+    }
+    *texture = (cpu_texture){0};
+}
+
+/// Drops what was made of texels that are no longer there.
+static void forget_old_textures(cpu_renderer* r)
+{
+    for (uint32_t i = 0; stp_store_streams(r->store) && i < r->directory->texture_count; ++i) {
+        uint64_t arrival = stp_store_texture_arrival(r->store, i);
+        if (r->textures[i].arrival != arrival) {
+            forget_texture(r, &r->textures[i]);
+            r->textures[i].arrival = arrival;
+        }
+    }
+}
+
 void cpu_destroy_textures(cpu_renderer* r)
 {
     for (uint32_t i = 0; r->textures != NULL && i < r->directory->texture_count; ++i) {
-        if (r->textures[i].has_color) {
-            stp_texture_pyramid_destroy(r->base.context, &r->textures[i].as_color);
-        }
-        if (r->textures[i].has_data) {
-            stp_texture_pyramid_destroy(r->base.context, &r->textures[i].as_data);
-        }
+        forget_texture(r, &r->textures[i]);
     }
     stp_free(r->base.context, r->textures);
 }
@@ -266,6 +284,9 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
             return stp_fail_memory(r->base.context);
         }
         r->items = items;
+    }
+    if (first == 0) {
+        forget_old_textures(r);
     }
     for (size_t i = 0; i < first; ++i) { // the list may lie elsewhere now
         const stp_draw_item* draw = &list->items[i];
