@@ -77,7 +77,9 @@ stp_result stp_gltf_load_buffers(stp_gltf_scope* scope, stp_gltf* gltf)
 
 void stp_gltf_forget_buffers(const stp_gltf* gltf)
 {
-    stp_file_forget(&gltf->import->file);
+    if (!gltf->import->alone) { // else it is the caller's memory, which would be lost
+        stp_file_forget(&gltf->import->file);
+    }
     for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_BUFFERS); ++i) {
         stp_file_forget(&gltf->buffers[i].file);
     }

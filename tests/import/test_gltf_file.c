@@ -109,6 +109,27 @@ void test_gltf_reads_data_uris(test_state* test)
     }
 }
 
+void test_gltf_leaves_the_memory_it_reads(test_state* test)
+{
+    enum { PAGE = 4096 };
+    const char* json = TRIANGLE_IN("data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA");
+    char* page = aligned_alloc(PAGE, PAGE); // as mapped files begin
+    char copy[PAGE];
+    CHECK(page != NULL);
+    memset(page, ' ', PAGE);
+    size_t size = gltf_quote(page, json);
+    memcpy(copy, page, PAGE);
+    gltf_run run;
+    gltf_run_begin(&run, 1);
+    const stp_import_desc desc = {0};
+    run.result = stp_import_memory(run.scene, "test.gltf", page, size, &desc);
+    bool same = memcmp(copy, page, PAGE) == 0;
+    free(page);
+    CHECK_EQUAL(STP_OK, run.result);
+    gltf_run_end(&run);
+    CHECK(same);
+}
+
 void test_gltf_says_what_it_cannot_read(test_state* test)
 {
     const struct {
