@@ -254,6 +254,18 @@ uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle)
     return low;
 }
 
+void stp_clusters_prefetch(const stp_clusters* clusters, uint32_t index)
+{
+    enum { LINE = 64, MOST = 16 };
+    size_t begin = 4 * (size_t)stp_read_u32(entry_at(clusters, index)), end = clusters->size;
+    if (index + 1 < clusters->cluster_count) {
+        end = 4 * (size_t)stp_read_u32(entry_at(clusters, index + 1));
+    }
+    for (size_t at = begin; at < end && at < begin + (size_t)LINE * MOST; at += LINE) {
+        __builtin_prefetch(clusters->bytes + at);
+    }
+}
+
 stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index)
 {
     clusters_entry entry = clusters_read_entry(entry_at(clusters, index));

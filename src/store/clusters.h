@@ -111,6 +111,8 @@ stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index);
 uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t index);
 /// The cluster that triangle `triangle` (below triangle_count) belongs to.
 uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle);
+/// Asks for a cluster's bytes, which are read soon.
+void stp_clusters_prefetch(const stp_clusters* clusters, uint32_t index);
 
 /// Number `i` of those of `width` bits.
 static inline uint32_t stp_cluster_bits(const unsigned char* bytes, uint32_t width, uint32_t i)

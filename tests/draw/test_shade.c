@@ -92,10 +92,10 @@ static void light_one(const cpu_shade_scene* scene, const cpu_shade_surface* s, 
     float height = 0.5f + 0.5f * stp_dot(n, scene->light.up);
     float diffuse = CPU_LIGHT_GROUND + (CPU_LIGHT_SKY - CPU_LIGHT_GROUND) * height +
                     CPU_LIGHT_KEY * lambert + CPU_LIGHT_FILL * facing;
-    stp_vec3 half = stp_add(scene->light.toward, eye);
-    float length = stp_length(half);
-    float cosine = length > 0.0f ? stp_max(stp_dot(n, half) / length, 0.0f) : 0.0f;
-    float d = cosine * cosine * (m->a2 - 1.0f) + 1.0f;
+    float square = 2.0f + 2.0f * stp_dot(eye, scene->light.toward);
+    float along = stp_max(stp_dot(n, scene->light.toward) + facing, 0.0f);
+    float squared = square > 0.0f ? along * along / square : 0.0f;
+    float d = squared * (m->a2 - 1.0f) + 1.0f;
     float gloss = lambert * stp_min(m->a2 / (d * d) * m->gloss, 2.0f);
     for (int k = 0; k < 3; ++k) {
         float mirror = 0.04f + (s->color[k] - 0.04f) * m->metallic;
@@ -215,7 +215,50 @@ void test_shade_merges_the_nearest_and_empties(test_state* test)
     }
 }
 
-void test_shade_keeps_all_surfaces_of_a_tile(test_state* test)
+/// Spreading against pixels one by one.
+void test_shade_spreads_runs(test_state* test)
+{
+    enum { SPACE = SHADE_WIDTH + SHADE_LANES_MOST, LANES = 2 * SHADE_WIDTH + SHADE_LANES_MOST };
+    dice rng = {10, 0};
+    const cpu_shade_kernels* variants[3];
+    int count = list_variants(variants);
+    for (int round = 0; round < 40; ++round) {
+        cpu_shade_run runs[SHADE_WIDTH];
+        cpu_shade_nearness near[SHADE_WIDTH];
+        uint32_t lanes[LANES], wanted[SHADE_WIDTH];
+        float nearness[SPACE], wanted_depth[SHADE_WIDTH];
+        uint32_t run_count = 0, lane = 0;
+        for (uint32_t i = 0; i < LANES; ++i) {
+            lanes[i] = (uint32_t)next(&rng);
+        }
+        for (uint32_t i = 0; i < SPACE; ++i) {
+            nearness[i] = unit(&rng);
+        }
+        for (uint32_t x = 0; x < SHADE_WIDTH; ++run_count) {
+            uint32_t length = 1 + (uint32_t)next(&rng) % (round % 2 == 0 ? 50 : 5);
+            length = length < SHADE_WIDTH - x ? length : SHADE_WIDTH - x;
+            cpu_shade_run* run = &runs[run_count];
+            *run = (cpu_shade_run){(uint8_t)x, (uint8_t)length, (uint16_t)run_count, (uint16_t)lane,
+                                   next(&rng) % 2 == 0};
+            near[run_count] = (cpu_shade_nearness){0.9f + unit(&rng), unit(&rng)};
+            for (uint32_t k = 0; k < length; ++k, ++x) {
+                wanted[x] = lanes[lane + (run->flat ? k / SHADE_REACH : k)];
+                wanted_depth[x] = near[run_count].factor * nearness[x] + near[run_count].shift;
+            }
+            lane += length;
+        }
+        for (int v = 0; v < count; ++v) {
+            uint32_t bytes[SPACE];
+            float depth[SPACE];
+            variants[v]->spread(runs, runs + run_count, near, lanes, nearness, bytes, depth);
+            CHECK_EQUAL(0, memcmp(bytes, wanted, sizeof(wanted)));
+            CHECK_EQUAL(0, memcmp(depth, wanted_depth, sizeof(wanted_depth)));
+        }
+    }
+}
+
+/// Neither does a tile take a surface's place from the tile before, which is not lit yet.
+void test_shade_keeps_all_surfaces_of_two_tiles(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
     cpu_shade_memory* memory = cpu_make_shade_memory(context);
@@ -227,28 +270,30 @@ void test_shade_keeps_all_surfaces_of_a_tile(test_state* test)
     cpu_forget_surfaces(memory);
     CHECK((uintptr_t)memory->surfaces % sizeof(cpu_shade_surface) == 0);
     dice rng = {9, 0};
-    for (int tile = 0; tile < 50; ++tile) {
-        uint32_t ids[SHADE_PIXELS], places[SHADE_PIXELS], before = memory->miss_count;
-        cpu_begin_tile(memory);
+    static uint32_t ids[2][SHADE_PIXELS], places[2][SHADE_PIXELS];
+    for (int number = 0; number < 50; ++number) {
+        cpu_shade_tile* tile = cpu_begin_tile(memory);
+        int now = number % 2;
         for (int i = 0; i < SHADE_PIXELS; ++i) {
-            ids[i] = (uint32_t)(next(&rng) % (tile % 2 == 0 ? 300 : 1 << 20));
-            places[i] = cpu_find_surface(memory, ids[i]);
+            ids[now][i] = (uint32_t)(next(&rng) % (number % 4 < 2 ? 300 : 1 << 20));
+            places[now][i] = cpu_find_surface(memory, tile, ids[now][i]);
         }
-        for (int i = 0; i < SHADE_PIXELS; ++i) { // whatever came after took no other's place
-            CHECK(places[i] < SHADE_KEPT && memory->slots[places[i]].id == ids[i]);
+        for (int i = 0; i < SHADE_PIXELS; ++i) {
+            CHECK(places[now][i] < SHADE_KEPT && memory->slots[places[now][i]].id == ids[now][i]);
+            CHECK(number == 0 || memory->slots[places[!now][i]].id == ids[!now][i]);
         }
-        CHECK(before == 0 && memory->miss_count <= SHADE_PIXELS);
         bool made[SHADE_KEPT] = {false};
-        for (uint32_t i = 0; i < memory->miss_count; ++i) { // each is made once
-            CHECK(!made[memory->misses[i]]);
-            made[memory->misses[i]] = true;
+        CHECK(tile->miss_count <= SHADE_PIXELS);
+        for (uint32_t i = 0; i < tile->miss_count; ++i) { // each is made once
+            CHECK(!made[tile->misses[i]]);
+            made[tile->misses[i]] = true;
         }
-        memory->miss_count = 0;
+        tile->miss_count = 0;
         for (int i = 0; i < SHADE_PIXELS; ++i) {
-            bool seen = places[i] < SHADE_CACHE;
-            CHECK(!seen || cpu_find_surface(memory, ids[i]) == places[i]);
+            bool remembered = places[now][i] < SHADE_CACHE;
+            CHECK(!remembered || cpu_find_surface(memory, tile, ids[now][i]) == places[now][i]);
         }
-        CHECK(memory->miss_count == 0);
+        CHECK(tile->miss_count == 0);
     }
     cpu_destroy_shade_memory(context, memory);
     stp_context_destroy(context);

@@ -21,7 +21,7 @@ enum {
     CPU_PIECE_SPLATS = 16384,
     CPU_PIECE_TRIANGLES = 4096,
     CPU_PIECE_CLUSTERS = 32,
-    CPU_BAND_ROWS = 8,
+    CPU_BAND_ROWS = 16,
     CPU_ENCODE_SIZE = 16384,
 };
 
@@ -233,6 +233,9 @@ typedef struct cpu_reader {
 
 /// Triangle `index` of a mesh item; valid until the next call.
 const cpu_triangle* cpu_read_triangle(cpu_reader* reader, const cpu_item* item, uint32_t index);
+/// The same of a mesh of clusters, from that which holds it.
+void cpu_read_from_cluster(const cpu_item* item, const stp_cluster* cluster, uint32_t index,
+                           cpu_triangle* out);
 
 /// What the last fragment's triangle had in common with its other fragments.
 typedef struct cpu_keep_memory {

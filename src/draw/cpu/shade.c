@@ -4,10 +4,6 @@
 
 #include <string.h>
 
-/// Four numbers at once, in the compiler's own notation: the same bits everywhere.
-typedef float four __attribute__((vector_size(16)));
-typedef uint32_t four_int __attribute__((vector_size(16)));
-
 /// What one band of the picture needs to know, and where it is.
 typedef struct shader {
     cpu_renderer* r;
@@ -16,12 +12,8 @@ typedef struct shader {
     const cpu_shade_kernels* kernels;
     cpu_shade_scene scene;
     uint32_t buffer_count;
-    uint64_t** buffers;           ///< of workers that drew
-    uint32_t empty;               ///< colour of pixels that show nothing
-    uint32_t x, y, width, height; ///< of the tile
-    uint32_t run_count;
-    uint32_t row_runs[SHADE_ROWS + 1]; ///< of each row, the first
-    cpu_shade_run runs[SHADE_PIXELS];
+    uint64_t** buffers; ///< of workers that drew
+    uint32_t empty;     ///< colour of pixels that show nothing
 } shader;
 
 static uint8_t encode(const cpu_renderer* r, float linear)
@@ -82,38 +74,35 @@ cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r)
     return scene;
 }
 
-/// @return whether the tile shows anything
-static bool merge_tile(shader* s)
+static void merge_tile(const shader* s, cpu_shade_tile* tile)
 {
     uint64_t any = 0;
-    for (uint32_t row = 0; row < s->height; ++row) {
-        cpu_shade_merged* merged = &s->memory->rows[row];
-        size_t at = (size_t)(s->y + row) * s->r->width + s->x;
-        s->kernels->merge(s->buffers, s->buffer_count, at, s->width, merged);
-        any |= merged->there;
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        size_t at = (size_t)(tile->y + row) * s->r->width + tile->x;
+        s->kernels->merge(s->buffers, s->buffer_count, at, tile->width, &tile->rows[row]);
+        any |= tile->rows[row].there;
     }
-    return any != 0;
+    tile->any = any != 0;
 }
 
-static void find_runs(shader* s)
+static void find_runs(const shader* s, cpu_shade_tile* tile)
 {
-    cpu_shade_memory* memory = s->memory;
-    cpu_begin_tile(memory);
-    s->run_count = 0;
-    for (uint32_t row = 0; row < s->height; ++row) {
-        const cpu_shade_merged* merged = &memory->rows[row];
-        s->row_runs[row] = s->run_count;
+    uint32_t count = 0;
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        const cpu_shade_merged* merged = &tile->rows[row];
+        tile->row_runs[row] = count;
         for (uint64_t starts = merged->starts; starts != 0;) {
             uint32_t x = (uint32_t)__builtin_ctzll(starts);
             starts &= starts - 1;
             uint32_t end = starts != 0 ? (uint32_t)__builtin_ctzll(starts) : SHADE_WIDTH;
             uint32_t id = merged->ids[x + 1];
-            uint32_t surface = id == UINT32_MAX ? SHADE_EMPTY : cpu_find_surface(memory, id);
-            s->runs[s->run_count++] = (cpu_shade_run){
+            uint32_t surface =
+                id == UINT32_MAX ? SHADE_EMPTY : cpu_find_surface(s->memory, tile, id);
+            tile->runs[count++] = (cpu_shade_run){
                 .x = (uint8_t)x, .length = (uint8_t)(end - x), .surface = (uint16_t)surface};
         }
     }
-    s->row_runs[s->height] = s->run_count;
+    tile->row_runs[tile->height] = count;
 }
 
 /// Lanes of a run that has one colour and normal all over.
@@ -129,13 +118,13 @@ static uint32_t add_flat_lanes(cpu_shade_lanes* lanes, uint32_t at, const cpu_sh
     return at;
 }
 
-static void add_lanes(shader* s, uint32_t row)
+static void add_lanes(const shader* s, cpu_shade_tile* tile, uint32_t row)
 {
     cpu_shade_memory* memory = s->memory;
     cpu_shade_lanes* lanes = &memory->lanes;
     uint32_t at = lanes->count;
-    for (uint32_t i = s->row_runs[row]; i < s->row_runs[row + 1]; ++i) {
-        cpu_shade_run* run = &s->runs[i];
+    for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
+        cpu_shade_run* run = &tile->runs[i];
         run->flat = memory->kind[run->surface] == SHADE_FLAT;
         if (run->surface == SHADE_EMPTY) {
             run->lane = SHADE_EMPTY_LANE;
@@ -146,8 +135,8 @@ static void add_lanes(shader* s, uint32_t row)
             at = add_flat_lanes(lanes, at, run, row);
             continue;
         }
-        cpu_make_pixel_surfaces(s->r, memory, run, s->x + run->x, s->y + row,
-                                memory->rows[row].nearness + run->x,
+        cpu_make_pixel_surfaces(s->r, memory, run, tile->x + run->x, tile->y + row,
+                                tile->rows[row].nearness + run->x,
                                 memory->surfaces + SHADE_OWN + at);
         for (uint32_t k = 0; k < run->length; ++k, ++at) {
             lanes->surface[at] = SHADE_OWN + at;
@@ -158,53 +147,29 @@ static void add_lanes(shader* s, uint32_t row)
     lanes->count = at;
 }
 
-static void light_tile(shader* s)
+static void light_tile(shader* s, cpu_shade_tile* tile)
 {
     cpu_shade_lanes* lanes = &s->memory->lanes;
     lanes->count = 0;
-    for (uint32_t row = 0; row < s->height; ++row) {
-        add_lanes(s, row);
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        add_lanes(s, tile, row);
     }
     for (uint32_t i = 0; i < SHADE_LANES_MOST; ++i) {
         lanes->surface[lanes->count + i] = SHADE_EMPTY;
     }
-    place_eye(s->r, s->x, s->y, &s->scene);
+    place_eye(s->r, tile->x, tile->y, &s->scene);
     s->kernels->light(&s->scene, s->memory->surfaces, lanes);
 }
 
-/// Writes a row of bytes and nearness, up to three more than there are.
-static void spread_runs(const shader* s, uint32_t row, uint32_t* bytes, float* nearness)
-{
-    const cpu_shade_memory* memory = s->memory;
-    const float* from = memory->rows[row].nearness;
-    for (uint32_t i = s->row_runs[row]; i < s->row_runs[row + 1]; ++i) {
-        const cpu_shade_run* run = &s->runs[i];
-        const uint32_t* lane = memory->lanes.bytes + run->lane;
-        cpu_shade_nearness near = memory->nearness[run->surface];
-        for (uint32_t k = 0; k < run->length; k += 4) {
-            four_int color;
-            four depth;
-            memcpy(&depth, from + run->x + k, sizeof(depth));
-            depth = depth * near.factor + near.shift;
-            memcpy(nearness + run->x + k, &depth, sizeof(depth));
-            memcpy(&color, lane + k, sizeof(color));
-            if (run->flat) {
-                color = lane[k / SHADE_REACH] - (four_int){0};
-            }
-            memcpy(bytes + run->x + k, &color, sizeof(color));
-        }
-    }
-}
-
-static void add_to_sums(const shader* s, uint32_t row)
+static void add_to_sums(const shader* s, const cpu_shade_tile* tile, uint32_t row)
 {
     const cpu_renderer* r = s->r;
     const cpu_shade_lanes* lanes = &s->memory->lanes;
-    float* sums = r->sums + 4 * ((size_t)(s->y + row) * r->width + s->x);
-    for (uint32_t i = s->row_runs[row]; i < s->row_runs[row + 1]; ++i) {
-        const cpu_shade_run* run = &s->runs[i];
+    float* sums = r->sums + 4 * ((size_t)(tile->y + row) * r->width + tile->x);
+    for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
+        const cpu_shade_run* run = &tile->runs[i];
         bool there = run->surface != SHADE_EMPTY;
-        for (uint32_t k = 0; k < run->length && run->x + k < s->width; ++k) {
+        for (uint32_t k = 0; k < run->length && run->x + k < tile->width; ++k) {
             float* sum = sums + 4 * (size_t)(run->x + k);
             uint32_t lane = run->lane + (run->flat ? k / SHADE_REACH : k);
             for (int c = 0; c < 3; ++c) {
@@ -218,36 +183,38 @@ static void add_to_sums(const shader* s, uint32_t row)
     }
 }
 
-static void write_tile(const shader* s)
+static void write_tile(const shader* s, const cpu_shade_tile* tile)
 {
     cpu_renderer* r = s->r;
-    uint32_t bytes[SHADE_WIDTH + 4];
-    float nearness[SHADE_WIDTH + 4];
-    for (uint32_t row = 0; row < s->height; ++row) {
-        size_t at = (size_t)(s->y + row) * r->width + s->x;
-        spread_runs(s, row, bytes, nearness);
-        memcpy(r->depth + at, nearness, s->width * sizeof(float));
+    uint32_t bytes[SHADE_WIDTH + SHADE_LANES_MOST];
+    float depth[SHADE_WIDTH + SHADE_LANES_MOST];
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        size_t at = (size_t)(tile->y + row) * r->width + tile->x;
+        s->kernels->spread(tile->runs + tile->row_runs[row], tile->runs + tile->row_runs[row + 1],
+                           s->memory->nearness, s->memory->lanes.bytes, tile->rows[row].nearness,
+                           bytes, depth);
+        memcpy(r->depth + at, depth, tile->width * sizeof(float));
         if (r->sample_count > 1) {
-            add_to_sums(s, row);
+            add_to_sums(s, tile, row);
         } else {
-            memcpy(r->image->pixels + 4 * at, bytes, s->width * sizeof(uint32_t));
-            s->worker->covered += (uint32_t)__builtin_popcountll(s->memory->rows[row].there);
+            memcpy(r->image->pixels + 4 * at, bytes, tile->width * sizeof(uint32_t));
+            s->worker->covered += (uint32_t)__builtin_popcountll(tile->rows[row].there);
         }
     }
 }
 
-static void write_nothing(const shader* s)
+static void write_nothing(const shader* s, const cpu_shade_tile* tile)
 {
     cpu_renderer* r = s->r;
-    for (uint32_t row = 0; row < s->height; ++row) {
-        size_t at = (size_t)(s->y + row) * r->width + s->x;
-        memset(r->depth + at, 0, s->width * sizeof(float));
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        size_t at = (size_t)(tile->y + row) * r->width + tile->x;
+        memset(r->depth + at, 0, tile->width * sizeof(float));
         if (r->sample_count == 1) {
-            for (size_t i = 0; i < s->width; ++i) {
+            for (size_t i = 0; i < tile->width; ++i) {
                 memcpy(r->image->pixels + 4 * (at + i), &s->empty, sizeof(s->empty));
             }
         } else if (r->sample == 0) {
-            memset(r->sums + 4 * at, 0, 4 * s->width * sizeof(float));
+            memset(r->sums + 4 * at, 0, 4 * tile->width * sizeof(float));
         }
     }
 }
@@ -264,41 +231,68 @@ static uint32_t find_buffers(const cpu_renderer* r, uint64_t** buffers)
     return count;
 }
 
-static void begin_shader(shader* s, cpu_renderer* r, cpu_worker* worker)
+static shader make_shader(cpu_renderer* r, cpu_worker* worker)
 {
     const float nothing[3] = {0};
     cpu_shade_memory* memory = worker->shading;
-    s->r = r;
-    s->worker = worker;
-    s->memory = memory;
-    s->kernels = cpu_choose_shade_kernels();
-    s->scene = cpu_make_shade_scene(r);
-    s->buffers = worker->buffers;
-    s->buffer_count = find_buffers(r, s->buffers);
-    write_pixel(r, nothing, 0.0f, (uint8_t*)&s->empty);
+    shader s = {.r = r,
+                .worker = worker,
+                .memory = memory,
+                .kernels = cpu_choose_shade_kernels(),
+                .scene = cpu_make_shade_scene(r),
+                .buffers = worker->buffers};
+    s.buffer_count = find_buffers(r, s.buffers);
+    write_pixel(r, nothing, 0.0f, (uint8_t*)&s.empty);
     for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {
-        memory->lanes.bytes[SHADE_EMPTY_LANE + i] = s->empty;
+        memory->lanes.bytes[SHADE_EMPTY_LANE + i] = s.empty;
     }
     memory->lanes.wants_linear = r->sample_count > 1;
+    return s;
+}
+
+/// What a tile shows: from now on memory fetches what it is made of.
+static cpu_shade_tile* begin_tile(const shader* s, uint32_t x, uint32_t y, uint32_t end)
+{
+    uint32_t left = s->r->width - x, rows = end - y;
+    cpu_shade_tile* tile = cpu_begin_tile(s->memory);
+    tile->x = x;
+    tile->y = y;
+    tile->width = left < SHADE_WIDTH ? left : SHADE_WIDTH;
+    tile->height = rows < SHADE_ROWS ? rows : SHADE_ROWS;
+    merge_tile(s, tile);
+    if (tile->any) {
+        find_runs(s, tile);
+        cpu_ask_surfaces(s->r, s->memory, tile);
+    }
+    return tile;
+}
+
+static void finish_tile(shader* s, cpu_shade_tile* tile)
+{
+    if (!tile->any) {
+        write_nothing(s, tile);
+        return;
+    }
+    cpu_make_surfaces(s->r, s->memory, tile);
+    light_tile(s, tile);
+    write_tile(s, tile);
 }
 
 void cpu_shade_rows(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker)
 {
-    shader s;
-    begin_shader(&s, r, worker);
-    for (s.y = begin; s.y < end; s.y += SHADE_ROWS) {
-        s.height = end - s.y < SHADE_ROWS ? end - s.y : SHADE_ROWS;
-        for (s.x = 0; s.x < r->width; s.x += SHADE_WIDTH) {
-            s.width = r->width - s.x < SHADE_WIDTH ? r->width - s.x : SHADE_WIDTH;
-            if (!merge_tile(&s)) {
-                write_nothing(&s);
-                continue;
+    shader s = make_shader(r, worker);
+    cpu_shade_tile* before = NULL;
+    for (uint32_t y = begin; y < end; y += SHADE_ROWS) {
+        for (uint32_t x = 0; x < r->width; x += SHADE_WIDTH) {
+            cpu_shade_tile* tile = begin_tile(&s, x, y, end);
+            if (before != NULL) {
+                finish_tile(&s, before);
             }
-            find_runs(&s);
-            cpu_make_surfaces(r, s.memory);
-            light_tile(&s);
-            write_tile(&s);
+            before = tile;
         }
+    }
+    if (before != NULL) {
+        finish_tile(&s, before);
     }
 }
 

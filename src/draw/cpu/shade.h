@@ -24,10 +24,9 @@ enum {
     SHADE_EMPTY_LANE = SHADE_LANES, ///< pixels that show nothing have their colour from here on
     SHADE_CACHE_BITS = 10,
     SHADE_CACHE = 1 << SHADE_CACHE_BITS,
-    SHADE_KEPT =
-        SHADE_CACHE + SHADE_PIXELS, ///< surfaces of ids: remembered ones, and those of one tile
-    SHADE_EMPTY = SHADE_KEPT,       ///< the surface of pixels that show nothing
-    SHADE_OWN = SHADE_EMPTY + 1,    ///< first of the pixels' own surfaces
+    SHADE_KEPT = SHADE_CACHE + 2 * SHADE_PIXELS, ///< surfaces of ids: remembered, and of two tiles
+    SHADE_EMPTY = SHADE_KEPT,                    ///< the surface of pixels that show nothing
+    SHADE_OWN = SHADE_EMPTY + 1,                 ///< first of the pixels' own surfaces
     SHADE_SURFACES = SHADE_OWN + SHADE_PIXELS,
 };
 
@@ -77,17 +76,24 @@ typedef struct cpu_shade_lanes {
     bool wants_linear;
     uint32_t surface[SHADE_LANES];
     float x[SHADE_LANES], y[SHADE_LANES]; ///< of the tile
-    uint32_t bytes[SHADE_LANES + SHADE_WIDTH];
+    uint32_t bytes[SHADE_LANES + SHADE_WIDTH + SHADE_LANES_MOST];
     float linear[3][SHADE_LANES]; ///< only where wanted
 } cpu_shade_lanes;
 
 /// A row of a tile. Pixels beyond the picture are empty.
 typedef struct cpu_shade_merged {
     uint32_t ids[1 + SHADE_WIDTH]; ///< from the second on; UINT32_MAX: none
-    float nearness[SHADE_WIDTH + 4];
+    float nearness[SHADE_WIDTH + SHADE_LANES_MOST];
     uint64_t there;  ///< pixels that show something: bit i is pixel i
     uint64_t starts; ///< pixels whose id is not that of the pixel before
 } cpu_shade_merged;
+
+/// Pixels of one row.
+typedef struct cpu_shade_run {
+    uint8_t x, length;      ///< of the tile
+    uint16_t surface, lane; ///< the first lane
+    bool flat;              ///< one lane for SHADE_REACH pixels
+} cpu_shade_run;
 
 /// @param roughness,metallic 0..1
 cpu_shade_material cpu_make_shade_material(float metallic, float roughness, const float emissive[3],
@@ -99,6 +105,10 @@ typedef struct cpu_shade_kernels {
                   cpu_shade_merged* row);
     void (*light)(const cpu_shade_scene* scene, const cpu_shade_surface* surfaces,
                   cpu_shade_lanes* lanes);
+    /// Writes colours and true nearness of runs, up to SHADE_LANES_MOST - 1 pixels more than there are.
+    void (*spread)(const cpu_shade_run* run, const cpu_shade_run* end,
+                   const cpu_shade_nearness* surfaces, const uint32_t* lanes, const float* nearness,
+                   uint32_t* bytes, float* depth);
 } cpu_shade_kernels;
 
 extern const cpu_shade_kernels cpu_shade_kernels_portable, cpu_shade_kernels_avx2,
@@ -112,9 +122,21 @@ typedef enum cpu_shade_kind {
     SHADE_TEXTURED, ///< triangles with textures
 } cpu_shade_kind;
 
+typedef struct cpu_shade_tile {
+    uint32_t x, y, width, height;
+    uint32_t number; ///< counts tiles
+    bool any;        ///< shows something
+    cpu_shade_merged rows[SHADE_ROWS];
+    uint32_t row_runs[SHADE_ROWS + 1]; ///< of each row, the first
+    cpu_shade_run runs[SHADE_PIXELS];
+    uint32_t extra;      ///< the next place of this tile alone
+    uint32_t miss_count; ///< surfaces found, but not made yet
+    uint16_t misses[SHADE_PIXELS];
+} cpu_shade_tile;
+
 typedef struct cpu_triangle_memory cpu_triangle_memory;
 
-/// What a worker remembers, and its tile.
+/// What a worker remembers, and its tiles: what one needs is asked of memory while the one before is lit.
 struct cpu_shade_memory {
     cpu_shade_surface* surfaces; ///< SHADE_SURFACES, each in a line of the cache
     unsigned char* room;         ///< that they lie in
@@ -123,14 +145,12 @@ struct cpu_shade_memory {
         uint32_t tile; ///< that it was wanted in last
     } slots[SHADE_KEPT];
     uint32_t item[SHADE_KEPT];
+    uint32_t cluster[SHADE_KEPT]; ///< of triangles
     cpu_shade_nearness nearness[SHADE_KEPT + 1];
     uint8_t kind[SHADE_KEPT + 1];
-    uint32_t tile;       ///< counts tiles, from 1 on
-    uint32_t extra;      ///< places of this tile alone
-    uint32_t miss_count; ///< surfaces found, but not made yet
-    uint16_t misses[SHADE_PIXELS];
+    uint32_t tile_count;
     uint32_t last_item;
-    cpu_shade_merged rows[SHADE_ROWS];
+    cpu_shade_tile tiles[2];
     cpu_shade_lanes lanes;
     cpu_triangle_memory* triangles;
 };
@@ -146,12 +166,14 @@ void cpu_forget_triangles(cpu_triangle_memory* memory);
 /// The place in the frame's items of what `id` belongs to.
 uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id);
 
-/// Places of the tile before may be taken from now on.
-void cpu_begin_tile(cpu_shade_memory* memory);
+/// The next tile: places of the last but one may be taken from now on.
+cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory);
 /// The surface of an id, which may have to be made yet.
-uint32_t cpu_find_surface(cpu_shade_memory* memory, uint32_t id);
-/// Makes those surfaces that were found since the last call and are not made yet.
-void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory);
+uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32_t id);
+/// Asks for what those surfaces of a tile are made of that are not made yet.
+void cpu_ask_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, const cpu_shade_tile* tile);
+/// Makes them.
+void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, cpu_shade_tile* tile);
 
 /// The surface of a surfel or point, by its item and its index there.
 void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index,
@@ -159,17 +181,10 @@ void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index
 /// Light and eye for places in the whole picture.
 cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r);
 
-/// Makes surface `at` of a triangle, and what is remembered beside it.
+void cpu_ask_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at);
+/// Makes surface `at` of a triangle that was asked for, and what is remembered beside it.
 cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory* memory,
                                          uint32_t at);
-
-/// Pixels of one row.
-typedef struct cpu_shade_run {
-    uint8_t x, length;      ///< of the tile
-    uint16_t surface, lane; ///< the first lane
-    bool flat;              ///< one lane for SHADE_REACH pixels
-} cpu_shade_run;
-
 /// Makes surfaces of pixels' own, from `out` on, of a run of a triangle that is not flat; (x, y) is its first pixel in the
 /// picture, `nearness` what the buffer says.
 void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,

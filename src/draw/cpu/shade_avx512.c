@@ -64,7 +64,7 @@ static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t*
 
 #include "draw/cpu/shade_lanes.h"
 
-const cpu_shade_kernels cpu_shade_kernels_avx512 = {merge_row, light_all};
+const cpu_shade_kernels cpu_shade_kernels_avx512 = {merge_row, light_all, spread_row};
 
 #else
 

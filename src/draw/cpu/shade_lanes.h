@@ -89,16 +89,15 @@ static inline void light_lanes(const cpu_light* light, const lanes_float eye[3],
         n[k] = lanes_select(turned, n[k] * -1.0f, n[k]);
     }
     facing = lanes_select(turned, -facing, facing);
-    lanes_float lambert = most(dot_with(n, light->toward), spread(0.0f));
+    lanes_float toward = dot_with(n, light->toward), lambert = most(toward, spread(0.0f));
     lanes_float height = 0.5f + 0.5f * dot_with(n, light->up);
     lanes_float diffuse = CPU_LIGHT_GROUND + (CPU_LIGHT_SKY - CPU_LIGHT_GROUND) * height +
                           CPU_LIGHT_KEY * lambert + CPU_LIGHT_FILL * facing;
-    lanes_float half[3] = {light->toward.x + eye[0], light->toward.y + eye[1],
-                           light->toward.z + eye[2]};
-    lanes_float length = lanes_root(dot(half, half));
-    lanes_float cosine = most(dot(n, half) / length, spread(0.0f));
-    cosine = lanes_select(length > 0.0f, cosine, spread(0.0f));
-    lanes_float d = cosine * cosine * (a2 - 1.0f) + 1.0f;
+    // of the vector halfway between light and eye, which are of unit length: its square is 2 + 2 light . eye
+    lanes_float square = 2.0f + 2.0f * dot_with(eye, light->toward);
+    lanes_float along = most(toward + facing, spread(0.0f));
+    lanes_float squared = lanes_select(square > 0.0f, along * along / square, spread(0.0f));
+    lanes_float d = squared * (a2 - 1.0f) + 1.0f;
     lanes_float gloss = lambert * least(a2 / (d * d) * material[3], spread(2.0f));
     lanes_int unlit = material[7] > 0.0f;
     for (int k = 0; k < 3; ++k) {
@@ -138,10 +137,32 @@ static void light_all(const cpu_shade_scene* scene, const cpu_shade_surface* sur
     }
 }
 
+/// Writes up to LANES - 1 pixels more than there are.
+static void spread_row(const cpu_shade_run* run, const cpu_shade_run* end,
+                       const cpu_shade_nearness* surfaces, const uint32_t* lanes,
+                       const float* nearness, uint32_t* bytes, float* depth)
+{
+    for (; run < end; ++run) {
+        const uint32_t* lane = lanes + run->lane;
+        cpu_shade_nearness near = surfaces[run->surface];
+        for (uint32_t k = 0; k < run->length; k += LANES) {
+            lanes_float there = load_float(nearness + run->x + k) * near.factor + near.shift;
+            lanes_int color =
+                run->flat ? spread_int((int32_t)lane[k / SHADE_REACH]) : load_int(lane + k);
+            memcpy(depth + run->x + k, &there, sizeof(there));
+            memcpy(bytes + run->x + k, &color, sizeof(color));
+        }
+    }
+}
+
 /// All pixels of one buffer into the least of all, where any is there at all.
 static inline void merge_one(uint64_t* restrict from, uint32_t size, uint64_t* restrict pixels)
 {
     uint64_t all = STP_RASTER_EMPTY;
+    for (uint32_t i = 0; i < SHADE_WIDTH;
+         i += 8) { // the next tile's: its rows lie far from each other
+        __builtin_prefetch(from + SHADE_WIDTH + i, 1);
+    }
     for (uint32_t i = 0; i < size; ++i) {
         all &= from[i];
     }

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { READER_BITS = 4, READERS = 1 << READER_BITS };
+enum { PLACE_BITS = 8, PLACES = 1 << PLACE_BITS, OPEN_BITS = 5, OPEN = 1 << OPEN_BITS };
 
 /// Four numbers at once, in the compiler's own notation: the same bits everywhere.
 typedef float four __attribute__((vector_size(16)));
@@ -23,8 +23,21 @@ typedef struct mixed_triangle {
     four color[3];        ///< times the material's
 } mixed_triangle;
 
+/// A cluster that was found lately: of ids [first_id, first_id + count).
+typedef struct cluster_place {
+    uint32_t first_id, count, cluster;
+} cluster_place;
+
+typedef struct open_cluster {
+    uint32_t item, index; ///< item UINT32_MAX: none
+    stp_cluster cluster;
+} open_cluster;
+
 struct cpu_triangle_memory {
-    cpu_reader readers[READERS]; ///< neighbours in a picture belong to few clusters
+    cluster_place places[PLACES];
+    open_cluster open[OPEN]; ///< neighbours in a picture belong to few clusters
+    cpu_reader reader;       ///< of meshes that have no clusters
+    cpu_triangle triangle;   ///< read last
     mixed_triangle mixed[SHADE_KEPT];
 };
 
@@ -35,18 +48,64 @@ cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context)
 
 void cpu_forget_triangles(cpu_triangle_memory* memory)
 {
-    for (int i = 0; i < READERS; ++i) {
-        memory->readers[i].item = memory->readers[i].cluster_item = NULL;
+    memset(memory->places, 0, sizeof(memory->places));
+    for (int i = 0; i < OPEN; ++i) {
+        memory->open[i].item = UINT32_MAX;
+    }
+    memory->reader = (cpu_reader){0};
+}
+
+static void find_cluster(const cpu_item* item, uint32_t index, cluster_place* place)
+{
+    const stp_clusters* clusters = &item->clusters;
+    uint32_t cluster = stp_clusters_find(clusters, index);
+    uint32_t first = stp_clusters_first_triangle(clusters, cluster);
+    uint32_t end = cluster + 1 < clusters->cluster_count
+                       ? stp_clusters_first_triangle(clusters, cluster + 1)
+                       : clusters->triangle_count;
+    *place = (cluster_place){item->first_id + first, end - first, cluster};
+    stp_clusters_prefetch(clusters, cluster);
+}
+
+void cpu_ask_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at)
+{
+    const cpu_item* item = &r->items[memory->item[at]];
+    uint32_t id = memory->slots[at].id;
+    if (item->clusters.bytes != NULL) {
+        uint32_t key = (id >> 6) * 0x9E3779B1u >> (32 - PLACE_BITS);
+        cluster_place* place = &memory->triangles->places[key];
+        if (id - place->first_id >= place->count) {
+            find_cluster(item, id - item->first_id, place);
+        }
+        memory->cluster[at] = place->cluster;
     }
 }
 
-/// Triangle `index` of an item, valid until the next call.
-static const cpu_triangle* read_triangle(cpu_triangle_memory* memory, const cpu_item* item,
-                                         uint32_t index)
+static const stp_cluster* open_cluster_of(const cpu_item* item, cpu_shade_memory* memory,
+                                          uint32_t at)
 {
-    uint32_t key = (item->first_id >> 7) + (index >> 7);
-    return cpu_read_triangle(&memory->readers[key * 0x9E3779B1u >> (32 - READER_BITS)], item,
-                             index);
+    uint32_t slot = memory->item[at], index = memory->cluster[at];
+    uint32_t key = (slot * 0x85EBCA6Bu + index) * 0x9E3779B1u >> (32 - OPEN_BITS);
+    open_cluster* open = &memory->triangles->open[key];
+    if (open->item != slot || open->index != index) {
+        open->item = slot;
+        open->index = index;
+        stp_clusters_get(&item->clusters, index, &open->cluster);
+    }
+    return &open->cluster;
+}
+
+/// The triangle of surface `at`, valid until the next call.
+static const cpu_triangle* read_triangle(const cpu_item* item, cpu_shade_memory* memory,
+                                         uint32_t at)
+{
+    cpu_triangle_memory* triangles = memory->triangles;
+    uint32_t index = memory->slots[at].id - item->first_id;
+    if (item->clusters.bytes == NULL) {
+        return cpu_read_triangle(&triangles->reader, item, index);
+    }
+    cpu_read_from_cluster(item, open_cluster_of(item, memory, at), index, &triangles->triangle);
+    return &triangles->triangle;
 }
 
 static stp_vec3 flat_normal(const float c[3][3])
@@ -54,6 +113,11 @@ static stp_vec3 flat_normal(const float c[3][3])
     return stp_normalize(
         stp_cross((stp_vec3){c[1][0] - c[0][0], c[1][1] - c[0][1], c[1][2] - c[0][2]},
                   (stp_vec3){c[2][0] - c[0][0], c[2][1] - c[0][1], c[2][2] - c[0][2]}));
+}
+
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
 }
 
 /// Lines of weights: with corners (X, Y, W) on the screen, the weight of corner 0 is the determinant of
@@ -76,8 +140,9 @@ static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_tr
         line[k][0] = a[0] * b[1] - b[0] * a[1];
         line[k][1] = a[1] * b[2] - b[1] * a[2];
         line[k][2] = a[2] * b[0] - b[2] * a[0];
-        most = fmax(most, fabs(line[k][0]));
-        most = fmax(most, fmax(fabs(line[k][1]) * r->width, fabs(line[k][2]) * r->height));
+        most = larger(most, fabs(line[k][0]));
+        most = larger(most, fabs(line[k][1]) * r->width);
+        most = larger(most, fabs(line[k][2]) * r->height);
         sign += corner[k][2] * line[k][0]; // the determinant of all three: which way round it is
     }
     double factor = most > 0.0 && most <= DBL_MAX ? (sign < 0.0 ? -1.0 : 1.0) / most : 0.0;
@@ -86,15 +151,21 @@ static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_tr
     }
 }
 
-/// From the item to the scene, of unit length, or zero.
+/// From the item to the scene.
 static four turn(const cpu_shade_item* item, stp_vec3 v)
 {
     const float(*m)[3] = item->normal_matrix;
-    stp_vec3 turned = {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z,
-                       m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
-                       m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
-    float square = stp_dot(turned, turned), inverse = square > 0.0f ? 1.0f / sqrtf(square) : 0.0f;
-    return (four){turned.x * inverse, turned.y * inverse, turned.z * inverse, 0.0f};
+    return (four){m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z,
+                  m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
+                  m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z, 0.0f};
+}
+
+/// Of unit length, or zero.
+static four turn_to_unit(const cpu_shade_item* item, stp_vec3 v)
+{
+    four turned = turn(item, v), squares = turned * turned;
+    float square = squares[0] + squares[1] + squares[2];
+    return turned * (square > 0.0f ? 1.0f / sqrtf(square) : 0.0f);
 }
 
 static bool are_alike(const void* corners, size_t size)
@@ -115,7 +186,7 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
             cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
     }
     make_lines(r, item, triangle, mixed->line);
-    mixed->flat = turn(shade, flat_normal(triangle->position));
+    mixed->flat = turn_to_unit(shade, flat_normal(triangle->position));
     for (int k = 0; k < 3; ++k) {
         const float* color = triangle->color[k];
         mixed->color[k] = (four){base[0], base[1], base[2], 0.0f};
@@ -123,8 +194,50 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
             mixed->color[k] *= (four){color[0], color[1], color[2], 0.0f};
         }
         if (triangle->has_normal) {
-            mixed->normal[k] = turn(shade, triangle->normal[k]);
+            mixed->normal[k] = turn_to_unit(shade, triangle->normal[k]);
         }
+    }
+}
+
+/// The normal of a triangle that has one, of a mesh without colours and textures. @return false where it has more
+static bool find_only_normal(const cpu_item* item, cpu_shade_memory* memory, uint32_t at,
+                             stp_vec3* normal)
+{
+    if (item->clusters.bytes == NULL || (item->clusters.present & STP_COLUMN_COLORS) != 0) {
+        return false;
+    }
+    const stp_cluster* cluster = open_cluster_of(item, memory, at);
+    uint32_t local = memory->slots[at].id - item->first_id - cluster->first_triangle;
+    if (local < cluster->smooth_count) {
+        return false;
+    }
+    stp_vec3 normals[3];
+    if (stp_cluster_normals(cluster, local, normals)) {
+        *normal = normals[0];
+        return true;
+    }
+    uint32_t corner[3];
+    float position[3][3];
+    stp_cluster_corners(cluster, local, corner);
+    for (int k = 0; k < 3; ++k) {
+        stp_vec3 p = stp_cluster_position(&item->clusters, cluster, corner[k]);
+        position[k][0] = p.x;
+        position[k][1] = p.y;
+        position[k][2] = p.z;
+    }
+    *normal = flat_normal((const float(*)[3])position);
+    return true;
+}
+
+static void make_flat(const cpu_renderer* r, const cpu_item* item, const cpu_shade_item* shade,
+                      stp_vec3 normal, const float* vertex_color, cpu_shade_surface* surface)
+{
+    four turned = turn(shade, normal);
+    memcpy(surface->normal, &turned, sizeof(turned));
+    surface->material = r->shade_materials[shade->material];
+    for (int k = 0; k < 3; ++k) {
+        float factor = vertex_color != NULL ? vertex_color[k] : 1.0f;
+        surface->color[k] = item->material->base_color[k] * factor;
     }
 }
 
@@ -134,26 +247,23 @@ cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory
     const cpu_item* item = &r->items[memory->item[at]];
     const cpu_shade_item* shade = &r->shade_items[memory->item[at]];
     cpu_shade_surface* surface = &memory->surfaces[at];
-    const cpu_triangle* triangle =
-        read_triangle(memory->triangles, item, memory->slots[at].id - item->first_id);
-    surface->material = r->shade_materials[shade->material];
     bool textured =
         item->base_color != NULL || item->metallic_roughness != NULL || item->emissive != NULL;
+    stp_vec3 normal;
+    if (!textured && find_only_normal(item, memory, at, &normal)) {
+        make_flat(r, item, shade, normal, NULL, surface);
+        return SHADE_FLAT;
+    }
+    const cpu_triangle* triangle = read_triangle(item, memory, at);
     bool one_normal = !triangle->has_normal || are_alike(triangle->normal, sizeof(stp_vec3));
     bool one_color = !triangle->has_color || are_alike(triangle->color, sizeof(triangle->color[0]));
     if (textured || !one_normal || !one_color) {
+        surface->material = r->shade_materials[shade->material];
         mix_triangle(r, item, shade, triangle, &memory->triangles->mixed[at]);
         return textured ? SHADE_TEXTURED : SHADE_SMOOTH;
     }
-    four normal =
-        turn(shade, triangle->has_normal ? triangle->normal[0] : flat_normal(triangle->position));
-    for (int k = 0; k < 3; ++k) {
-        surface->color[k] = item->material->base_color[k];
-        if (triangle->has_color) {
-            surface->color[k] *= triangle->color[0][k];
-        }
-        surface->normal[k] = normal[k];
-    }
+    normal = triangle->has_normal ? triangle->normal[0] : flat_normal(triangle->position);
+    make_flat(r, item, shade, normal, triangle->has_color ? triangle->color[0] : NULL, surface);
     return SHADE_FLAT;
 }
 
@@ -171,12 +281,11 @@ static void sample_texture(const cpu_triangle* triangle, const stp_store_texture
 }
 
 /// What textures say of a pixel.
-static void texture_pixel(const cpu_renderer* r, cpu_triangle_memory* memory, const cpu_item* item,
-                          uint32_t index, float density, const float weight[3], float nearness,
+static void texture_pixel(const cpu_renderer* r, const cpu_item* item, const cpu_triangle* triangle,
+                          float density, const float weight[3], float nearness,
                           cpu_shade_surface* out)
 {
     const stp_store_material* material = item->material;
-    const cpu_triangle* triangle = read_triangle(memory, item, index);
     float depth = item->camera.parallel ? 1.0f : (float)r->nearness_scale / nearness;
     float pixel_size = depth / (item->camera.pixel_scale * item->scale);
     float texel[4];
@@ -219,7 +328,11 @@ void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
 {
     const mixed_triangle* mixed = &memory->triangles->mixed[run->surface];
     const cpu_shade_surface* surface = &memory->surfaces[run->surface];
-    bool textured = memory->kind[run->surface] == SHADE_TEXTURED;
+    const cpu_item* item = &r->items[memory->item[run->surface]];
+    cpu_shade_nearness near = memory->nearness[run->surface];
+    const cpu_triangle* textured = memory->kind[run->surface] == SHADE_TEXTURED
+                                       ? read_triangle(item, memory, run->surface)
+                                       : NULL;
     four step, start = find_shares(mixed, x, y, &step);
     for (uint32_t i = 0; i < run->length; ++i, ++out) {
         four share = start + step * (float)i;
@@ -239,12 +352,9 @@ void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
         out->material = surface->material;
         memcpy(out->color, &color, sizeof(color));
         memcpy(out->normal, &normal, sizeof(normal));
-        if (textured) {
-            const cpu_item* item = &r->items[memory->item[run->surface]];
+        if (textured != NULL) {
             const float weight[3] = {share[0] / sum, share[1] / sum, share[2] / sum};
-            cpu_shade_nearness near = memory->nearness[run->surface];
-            texture_pixel(r, memory->triangles, item,
-                          memory->slots[run->surface].id - item->first_id, mixed->density, weight,
+            texture_pixel(r, item, textured, mixed->density, weight,
                           near.factor * nearness[i] + near.shift, out);
         }
     }

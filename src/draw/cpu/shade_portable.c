@@ -44,7 +44,7 @@ static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t*
 
 #include "draw/cpu/shade_lanes.h"
 
-const cpu_shade_kernels cpu_shade_kernels_portable = {merge_row, light_all};
+const cpu_shade_kernels cpu_shade_kernels_portable = {merge_row, light_all, spread_row};
 
 const cpu_shade_kernels* cpu_choose_shade_kernels(void)
 {

@@ -12,30 +12,33 @@ void cpu_forget_surfaces(cpu_shade_memory* memory)
         memory->slots[i].id = UINT32_MAX;
         memory->slots[i].tile = 0;
     }
-    memory->tile = memory->extra = memory->miss_count = 0;
-    memory->last_item = 0;
+    memory->tile_count = memory->last_item = 0;
     cpu_forget_triangles(memory->triangles);
 }
 
-void cpu_begin_tile(cpu_shade_memory* memory)
+cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory)
 {
-    memory->tile += 1;
-    memory->extra = 0;
+    uint32_t which = memory->tile_count++ & 1;
+    cpu_shade_tile* tile = &memory->tiles[which];
+    tile->number = memory->tile_count + 1; // 0 is of none
+    tile->extra = SHADE_CACHE + which * SHADE_PIXELS;
+    tile->miss_count = 0;
+    return tile;
 }
 
-uint32_t cpu_find_surface(cpu_shade_memory* memory, uint32_t id)
+uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32_t id)
 {
     uint32_t at = id * 0x9E3779B1u >> (32 - SHADE_CACHE_BITS);
     if (memory->slots[at].id == id) {
-        memory->slots[at].tile = memory->tile;
+        memory->slots[at].tile = tile->number;
         return at;
     }
-    if (memory->slots[at].tile == memory->tile) {
-        at = SHADE_CACHE + memory->extra++;
+    if (memory->slots[at].tile + 1 >= tile->number) {
+        at = tile->extra++;
     }
     memory->slots[at].id = id;
-    memory->slots[at].tile = memory->tile;
-    memory->misses[memory->miss_count++] = (uint16_t)at;
+    memory->slots[at].tile = tile->number;
+    tile->misses[tile->miss_count++] = (uint16_t)at;
     return at;
 }
 
@@ -105,36 +108,40 @@ void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index
     }
 }
 
-/// Which items surfaces belong to; what will be read of surfels is asked for.
-static void find_items(const cpu_renderer* r, cpu_shade_memory* memory)
+static void ask_surfel(const cpu_shade_item* item, size_t index)
 {
-    const cpu_shade_item* items = r->shade_items;
+    __builtin_prefetch(item->colors + 3 * index);
+    __builtin_prefetch(item->normals + 2 * index);
+    __builtin_prefetch(item->materials + index);
+    if (index < item->low_count) {
+        __builtin_prefetch(item->low_colors + 3 * index);
+    }
+}
+
+void cpu_ask_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, const cpu_shade_tile* tile)
+{
     uint32_t slot = memory->last_item;
-    for (uint32_t i = 0; i < memory->miss_count; ++i) {
-        uint32_t at = memory->misses[i], id = memory->slots[at].id;
-        if (id - items[slot].first_id >= items[slot].count) {
+    for (uint32_t i = 0; i < tile->miss_count; ++i) {
+        uint32_t at = tile->misses[i], id = memory->slots[at].id;
+        const cpu_shade_item* item = &r->shade_items[slot];
+        if (id - item->first_id >= item->count) {
             slot = cpu_find_item(r, id);
+            item = &r->shade_items[slot];
         }
         memory->item[at] = slot;
-        const cpu_shade_item* item = &items[slot];
         if (item->kind == STP_DRAW_SURFELS) {
-            size_t index = id - item->first_id;
-            __builtin_prefetch(item->colors + 3 * index);
-            __builtin_prefetch(item->normals + 2 * index);
-            __builtin_prefetch(item->materials + index);
-            if (index < item->low_count) {
-                __builtin_prefetch(item->low_colors + 3 * index);
-            }
+            ask_surfel(item, id - item->first_id);
+        } else if (item->kind == STP_DRAW_MESH) {
+            cpu_ask_triangle(r, memory, at);
         }
     }
     memory->last_item = slot;
 }
 
-void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory)
+void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, cpu_shade_tile* tile)
 {
-    find_items(r, memory);
-    for (uint32_t i = 0; i < memory->miss_count; ++i) {
-        uint32_t at = memory->misses[i], slot = memory->item[at];
+    for (uint32_t i = 0; i < tile->miss_count; ++i) {
+        uint32_t at = tile->misses[i], slot = memory->item[at];
         const cpu_shade_item* item = &r->shade_items[slot];
         cpu_shade_surface* surface = &memory->surfaces[at];
         uint32_t index = memory->slots[at].id - item->first_id;
@@ -146,7 +153,7 @@ void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory)
             memory->kind[at] = (uint8_t)cpu_make_triangle_surface(r, memory, at);
         }
     }
-    memory->miss_count = 0;
+    tile->miss_count = 0;
 }
 
 cpu_shade_memory* cpu_make_shade_memory(stp_context* context)

@@ -57,8 +57,8 @@ static void open_cluster(cpu_reader* reader, const cpu_item* item, uint32_t inde
     }
 }
 
-static void read_cluster(const cpu_item* item, const stp_cluster* cluster, uint32_t index,
-                         cpu_triangle* out)
+void cpu_read_from_cluster(const cpu_item* item, const stp_cluster* cluster, uint32_t index,
+                           cpu_triangle* out)
 {
     const stp_clusters* clusters = &item->clusters;
     uint32_t local = index - cluster->first_triangle;
@@ -94,7 +94,7 @@ const cpu_triangle* cpu_read_triangle(cpu_reader* reader, const cpu_item* item, 
     reader->index = index;
     if (item->clusters.bytes != NULL) {
         open_cluster(reader, item, index);
-        read_cluster(item, &reader->cluster, index, &reader->triangle);
+        cpu_read_from_cluster(item, &reader->cluster, index, &reader->triangle);
     } else {
         read_columns(item, index, &reader->triangle);
     }
