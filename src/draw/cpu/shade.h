@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// How a tile of the visibility buffer, 64 x 8 pixels, becomes colours:
+// How a tile of the visibility buffer, 64 x 16 pixels, becomes colours:
 //
 //   merged     the nearest of all workers' pixels, which are left empty, row by row; where ids change, a run begins
 //   looked up  what runs show: one surface an id, remembered from tile to tile
