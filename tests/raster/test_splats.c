@@ -310,6 +310,46 @@ void test_splats_keep_their_center_pixel(test_state* test)
     CHECK_EQUAL(3, stp_raster_id(s.pixels[HEIGHT / 2 * WIDTH + WIDTH / 2]));
 }
 
+// Many disks one by one, anywhere among the pixels and turned any way: on average they cover as many pixels as they have
+// area, and the pixel of the centre where that is not among them. Nothing grows.
+void test_splats_cover_their_area(test_state* test)
+{
+    static splat_scene s;
+    const double radii[] = {0.3, 0.6, 1.0, 2.3, 4.7};
+    const double focal = 40.0;
+    for (int k = 0; k < 5; ++k) {
+        double area = 0.0, added = 0.0, covered = 0.0;
+        for (uint64_t seed = 0; seed < 4; ++seed) {
+            make_scene(&s, 100 * seed + 7, radii[k] / focal / 2.0); // the view is twice as large
+            place_camera(&s, 0.3 + (double)seed, 4.0, focal / 2.0, true, false);
+            s.splats.radius *= 2.0f;
+            for (uint32_t i = 0; i < SPLATS; ++i) {
+                s.splats.begin = i;
+                s.splats.end = i + 1;
+                covered +=
+                    (double)stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
+                double center[3], nearness, facing = 0.0, length = 0.0;
+                double sx = 0.0, sy = 0.0;
+                meet(&s, i, 0.0, 0.0, center, &nearness);
+                sx = 0.5 * WIDTH + 0.5 * focal * center[0];
+                sy = 0.5 * HEIGHT + 0.5 * focal * center[1];
+                stp_vec3 n = stp_octahedral_decode(s.normals[2 * i], s.normals[2 * i + 1]);
+                const double normal[3] = {(double)n.x, (double)n.y, (double)n.z};
+                for (int a = 0; a < 3; ++a) {
+                    double axis = (double)s.camera.view[2][a];
+                    facing += axis * normal[a];
+                    length += axis * axis;
+                }
+                area += STP_PI * radii[k] * radii[k] * fabs(facing) / sqrt(length);
+                double distance = meet(&s, i, floor(sx) + 0.5, floor(sy) + 0.5, center, &nearness);
+                added += distance * 0.5 * focal > radii[k] ? 1.0 : 0.0;
+            }
+        }
+        double share = (covered - added) / area;
+        CHECK(fabs(share - 1.0) < (k == 0 ? 0.06 : 0.03));
+    }
+}
+
 // A surface of many candidates, ordered; its prefixes drawn at the radius they cover to.
 typedef struct surface {
     uint32_t count;
