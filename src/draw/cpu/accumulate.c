@@ -34,13 +34,27 @@ static bool is_same_view(const stp_view* a, const stp_view* b)
     return is_same_vector(a->eye, b->eye) && is_same_vector(a->target, b->target) &&
            is_same_vector(a->up, b->up) && a->fov_degrees == b->fov_degrees &&
            a->ortho_height == b->ortho_height && a->near_distance == b->near_distance &&
-           a->width == b->width && a->height == b->height;
+           a->eye_distance == b->eye_distance && a->width == b->width && a->height == b->height;
 }
 
-static bool is_same_quality(const stp_quality* a, const stp_quality* b)
+/// Of what is drawn: it changes with the quality, and with what of a scene is in memory.
+static stp_hash hash_list(const stp_draw_list* list)
 {
-    return a->splat_size == b->splat_size && a->splat_count == b->splat_count &&
-           a->policy == b->policy && a->reference == b->reference;
+    stp_hash hash = {0};
+    for (size_t i = 0; i < list->count; ++i) {
+        const stp_draw_item* item = &list->items[i];
+        const uint32_t numbers[] = {(uint32_t)item->kind, item->index,     item->prefix,
+                                    item->full_prefix,    item->first_run, item->run_count};
+        const float sizes[] = {item->radius, item->pixel_radius, item->fade_begin, item->fade_end};
+        hash = stp_hash_bytes(hash, numbers, sizeof(numbers));
+        hash = stp_hash_bytes(hash, sizes, sizeof(sizes));
+        hash = stp_hash_bytes(hash, item->transform.m, sizeof(item->transform.m));
+    }
+    const float whole[] = {list->splat_size, list->mixes ? 1.0f : 0.0f};
+    hash = stp_hash_bytes(hash, whole, sizeof(whole));
+    return list->run_count > 0
+               ? stp_hash_bytes(hash, list->runs, list->run_count * sizeof(*list->runs))
+               : hash;
 }
 
 static bool is_same_style(const stp_draw_style* a, const stp_draw_style* b)
@@ -52,22 +66,18 @@ static bool is_same_style(const stp_draw_style* a, const stp_draw_style* b)
            a->ambient_occlusion == b->ambient_occlusion;
 }
 
-bool cpu_continues(const cpu_renderer* r, const stp_view* view, const stp_quality* quality,
-                   const stp_draw_style* style)
-{
-    const cpu_accumulation* a = &r->accumulation;
-    return a->frames > 0 && is_same_view(&a->view, view) && is_same_quality(&a->quality, quality) &&
-           is_same_style(&a->style, style);
-}
-
-void cpu_start_accumulation(cpu_renderer* r, const stp_view* view, const stp_quality* quality,
-                            const stp_draw_style* style)
+void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
+                               const stp_draw_style* style)
 {
     cpu_accumulation* a = &r->accumulation;
+    stp_hash hash = hash_list(list);
+    if (!is_same_view(&a->view, view) || !stp_hash_equal(a->list, hash) ||
+        !is_same_style(&a->style, style)) {
+        a->frames = 0;
+    }
     a->view = *view;
-    a->quality = *quality;
+    a->list = hash;
     a->style = *style;
-    a->frames = 0;
 }
 
 stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames)

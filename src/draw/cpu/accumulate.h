@@ -9,12 +9,9 @@
 /// The place in the grid of samples of the k-th frame: neighbours in time lie far apart.
 uint32_t cpu_choose_sample(uint32_t side, uint32_t k);
 
-/// Whether the frames so far are of this view, quality and style.
-bool cpu_continues(const cpu_renderer* r, const stp_view* view, const stp_quality* quality,
-                   const stp_draw_style* style);
-/// Begins anew, with no frame yet.
-void cpu_start_accumulation(cpu_renderer* r, const stp_view* view, const stp_quality* quality,
-                            const stp_draw_style* style);
+/// Forgets the frames so far where they are of another view, list or style.
+void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
+                               const stp_draw_style* style);
 
 /// Room for the sums, of which there are `frames`. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames);

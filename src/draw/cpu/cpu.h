@@ -8,6 +8,7 @@
 #pragma once
 
 #include "base/arena.h"
+#include "base/hash.h"
 #include "base/team.h"
 #include "draw/renderer.h"
 #include "raster/splats_blend.h"
@@ -114,7 +115,7 @@ typedef struct cpu_accumulation {
     size_t capacity;  ///< pixels
     uint32_t frames;  ///< summed; 0: none yet, or no longer of any use
     stp_view view;    ///< what they are of
-    stp_quality quality;
+    stp_hash list;
     stp_draw_style style;
 } cpu_accumulation;
 

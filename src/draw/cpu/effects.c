@@ -11,6 +11,7 @@ enum { SCRATCH_ROWS = 3, PAIR_LIMIT = 64, DIRECTIONS = 6, BLUR_REACH = 2, CLOSE_
 // Of the last factor: how dark it may get, and what full enclosure takes away.
 #define OCCLUSION_STRENGTH 2.2f
 #define OCCLUSION_LEAST 0.15f
+#define EYE_DOME_MOST 1000.0f
 #define EYE_DOME_GAIN 0.22f ///< of mean rises, at strength 1
 #define BLUR_SLOPE 4.0f     ///< neighbours that rise so steeply are another surface
 
@@ -157,7 +158,8 @@ static void light_row(const effect_frame* f, int64_t y, const float* gain, float
                              f->r->width);
         }
     }
-    f->kernels->eye_dome(out, f->r->style->eye_dome * (EYE_DOME_GAIN / 16.0f), f->r->width);
+    float strength = stp_min(f->r->style->eye_dome, EYE_DOME_MOST);
+    f->kernels->eye_dome(out, strength * (EYE_DOME_GAIN / 16.0f), f->r->width);
 }
 
 static void find_occlusion(const effect_frame* f, int64_t y, const float* gain)
@@ -298,7 +300,7 @@ static void choose_pairs(effect_frame* f)
     if (!(f->r->style->ambient_occlusion > 0.0f)) {
         return;
     }
-    reach = reach > 2.0f ? reach : 2.0f;
+    reach = stp_clamp(reach, 2.0f, (float)EFFECT_REACH_MOST);
     float most = (float)EFFECT_NEAR_REACH, near = reach < most ? reach : most;
     add_ring(f, 0.25f * near, reach, false, false);
     add_ring(f, 0.5f * near, reach, true, false);

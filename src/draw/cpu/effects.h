@@ -12,6 +12,7 @@
 
 enum {
     EFFECT_BAND_ROWS = 8,
+    EFFECT_REACH_MOST = 4096, ///< pixels
     EFFECT_NEAR_REACH = 16, ///< pixels: occlusion from farther away is read from the depth pyramid
 };
 

@@ -318,19 +318,17 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
     finer.supersample = style->supersample > 2 ? style->supersample : 2;
     double start = stp_clock_ms();
     *stats = (stp_draw_stats){0};
-    if (!cpu_continues(r, view, quality, &finer)) {
-        stp_quality whole = *quality;
-        whole.occlusion = NULL;
-        stp_result result = stp_select(renderer->context, r->store, view, &whole, list);
-        if (result != STP_OK) {
-            return result;
-        }
-        cpu_start_accumulation(r, view, quality, &finer);
+    stp_quality whole = *quality;
+    whole.occlusion = NULL;
+    stp_result result = stp_select(renderer->context, r->store, view, &whole, list);
+    if (result != STP_OK) {
+        return result;
     }
+    cpu_continue_accumulation(r, view, list, &finer);
     double select_ms = stp_clock_ms() - start;
     uint32_t first = r->accumulation.frames;
     uint32_t all = finer.supersample * finer.supersample, end = first < all ? first + 1 : all;
-    stp_result result = draw_part(r, view, list, &finer, image, first, end, stats);
+    result = draw_part(r, view, list, &finer, image, first, end, stats);
     stats->select_ms = select_ms;
     return result;
 }
