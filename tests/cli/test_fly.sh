@@ -103,7 +103,7 @@ assert any(q["ssim"] < 1 for q in f["quality"]) and all(q["ssim"] > 0.3 for q in
 assert f["popping"]["p50"] <= f["popping"]["p999"] <= f["popping"]["max"] and f["popping"]["max"] > 0
 assert f["splats"]["max"] > 0 and f["splat_size"]["max"] == 3
 f = load("budget")
-assert f["threads"] == 1 and all(1 <= frame["splat_size"] <= 8 for frame in f["per_frame"])
+assert f["threads"] == 1 and all(1 <= frame["splat_size"] <= 24 for frame in f["per_frame"])
 assert sorted(f["budget"]) == ["ms", "within_1_0", "within_1_1", "within_1_5"] and f["budget"]["ms"] == 0.1, f["budget"]
 for key, factor in ("within_1_0", 1.0), ("within_1_1", 1.1), ("within_1_5", 1.5):
     within = [frame["frame_ms"] <= factor * 0.1 for frame in f["per_frame"]]
