@@ -39,7 +39,8 @@ typedef struct stp_build_report {
     double capture_s, order_s, finish_s; ///< shares of the time that surfels took
     double surfel_thread_s;              ///< time of all threads for surfels
     uint64_t candidates;
-    uint32_t sets_made, sets_found; ///< surfel sets made, and taken from a former build
+    // made now, and taken from what was there before the build began: a killed build's work directory, a former output
+    uint32_t sets_made, sets_found;
     uint32_t meshes_made, meshes_found;
     uint64_t work_bytes; ///< of the work directory, at its largest
 } stp_build_report;

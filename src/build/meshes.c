@@ -3,6 +3,7 @@
 
 #include "base/octahedral.h"
 #include "base/position_grid.h"
+#include "build/origin.h"
 #include "build/piece.h"
 
 #include <pthread.h>
@@ -16,7 +17,8 @@ typedef struct run {
     stp_work* work;
     stp_former* former;
     stp_build_meshes* meshes;
-    pthread_mutex_t mutex;        ///< of the counts and the result
+    stp_build_origin* origins;    ///< one a mesh
+    pthread_mutex_t mutex;        ///< of the result
     pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
     stp_result result;            ///< the first failure
 } run;
@@ -122,10 +124,9 @@ static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
         meshes->keys[i] = key;
         bool found = find_mesh(r, key, &meshes->coded[i]);
         stp_result result = found ? STP_OK : make_mesh(r, mesh, texcoords, key, &meshes->coded[i]);
+        r->origins[i] = (stp_build_origin){key, !found};
         pthread_mutex_lock(&r->mutex);
         r->result = r->result != STP_OK ? r->result : result;
-        meshes->made += !found;
-        meshes->found += found;
         pthread_mutex_unlock(&r->mutex);
         stp_progress_add(r->scene->context, mesh->triangle_count);
         if (result != STP_OK) {
@@ -141,11 +142,13 @@ stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work, stp_for
     *meshes = (stp_build_meshes){0};
     meshes->coded = STP_NEW_ZEROED(context, stp_coded_mesh, scene->mesh_count);
     meshes->keys = STP_NEW_ZEROED(context, stp_hash, scene->mesh_count);
-    if (meshes->coded == NULL || meshes->keys == NULL) {
+    run r = {.scene = scene, .work = work, .former = former, .meshes = meshes};
+    r.origins = STP_NEW_ZEROED(context, stp_build_origin, scene->mesh_count);
+    if (meshes->coded == NULL || meshes->keys == NULL || r.origins == NULL) {
+        stp_free(context, r.origins);
         stp_build_meshes_destroy(context, meshes);
         return stp_fail_memory(context);
     }
-    run r = {.scene = scene, .work = work, .former = former, .meshes = meshes};
     stp_loop_report report = {.stage = "clusters", .unit = "triangles"};
     for (size_t i = 0; i < scene->mesh_count; ++i) {
         report.total += scene->meshes[i].triangle_count;
@@ -157,9 +160,13 @@ stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work, stp_for
     pthread_mutex_destroy(&r.former_mutex);
     pthread_mutex_destroy(&r.mutex);
     result = r.result != STP_OK ? r.result : result;
-    if (result != STP_OK) {
+    if (result == STP_OK) {
+        meshes->found = (uint32_t)stp_build_count_found(r.origins, scene->mesh_count);
+        meshes->made = (uint32_t)scene->mesh_count - meshes->found;
+    } else {
         stp_build_meshes_destroy(context, meshes);
     }
+    stp_free(context, r.origins);
     return result;
 }
 

@@ -8,7 +8,7 @@
 typedef struct stp_build_meshes {
     stp_coded_mesh* coded; ///< one a mesh of the scene; bytes lie in the work directory
     stp_hash* keys;        ///< likewise
-    uint32_t made, found;
+    uint32_t made, found;  ///< meshes made now; meshes that were there before the build began
 } stp_build_meshes;
 
 /// `former` may be NULL. @return STP_OK, or what the stages return (logged)

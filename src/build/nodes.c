@@ -4,6 +4,7 @@
 #include "base/gate.h"
 #include "base/wait.h"
 #include "build/former.h"
+#include "build/origin.h"
 #include "build/piece.h"
 
 #include <pthread.h>
@@ -20,6 +21,7 @@ typedef struct run {
     pthread_cond_t advanced;
     pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
     bool* done;                   ///< by step
+    stp_build_origin* origins;    ///< by step
     uint32_t done_count;          ///< so many steps, the first ones, are done
     uint32_t first;               ///< step of the loop's first element
     stp_result result;            ///< the first failure
@@ -51,8 +53,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     nodes->capture_ms += report->capture_ms;
     nodes->order_ms += report->order_ms;
     nodes->finish_ms += report->finish_ms;
-    nodes->made += !found;
-    nodes->found += found;
+    r->origins[index] = (stp_build_origin){step->key, !found};
     r->done[index] = true;
     while (r->done_count < plan->step_count && r->done[r->done_count]) {
         r->done_count += 1;
@@ -135,7 +136,8 @@ static stp_result open_run(run* r)
     r->nodes->sets = STP_NEW_ZEROED(context, stp_surfels, plan->step_count);
     r->sets = STP_NEW_ZEROED(context, const stp_surfels*, scene->node_count);
     r->done = STP_NEW_ZEROED(context, bool, plan->step_count);
-    if (r->nodes->sets == NULL || r->sets == NULL || r->done == NULL) {
+    r->origins = STP_NEW_ZEROED(context, stp_build_origin, plan->step_count);
+    if (r->nodes->sets == NULL || r->sets == NULL || r->done == NULL || r->origins == NULL) {
         return stp_fail_memory(context);
     }
     stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
@@ -175,6 +177,11 @@ stp_result stp_build_nodes_make(const stp_scene* scene, const stp_build_nodes_de
     }
     stp_capture_textures_destroy(r.textures);
     stp_gate_destroy(r.gate);
+    if (r.result == STP_OK) {
+        nodes->found = (uint32_t)stp_build_count_found(r.origins, plan->step_count);
+        nodes->made = plan->step_count - nodes->found;
+    }
+    stp_free(context, r.origins);
     stp_free(context, r.done);
     stp_free(context, r.sets);
     pthread_mutex_destroy(&r.former_mutex);

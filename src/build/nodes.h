@@ -23,7 +23,7 @@ typedef struct stp_build_nodes {
     stp_surfels* sets;
     uint64_t candidates;                    ///< over all steps that were made now
     double capture_ms, order_ms, finish_ms; ///< of threads' time
-    uint32_t made, found; ///< steps made now; steps whose result was there already
+    uint32_t made, found; ///< steps made now; steps whose result was there before the build began
 } stp_build_nodes;
 
 /// @return STP_OK, or what the stages return (logged)
