@@ -192,12 +192,12 @@ static void sum_unique(tally* t, const stp_store_census* census, stp_store_summa
     }
 }
 
-// Of the whole, all that is stored counts, shown or not.
+// Of the whole, all matter that is stored counts, shown or not. Nodes do not: objects whose content their parent has
+// taken apart keep one of their own, which nobody draws.
 static void sum_stored(const tally* t, stp_store_figures* figures)
 {
     const stp_store_directory* d = t->directory;
     const stp_store_matter* m = t->matter;
-    figures->unique_nodes = d->node_count;
     figures->unique_triangles = figures->triangle_bytes = 0;
     figures->unique_points = figures->point_bytes = 0;
     figures->unique_lods = figures->unique_surfels = figures->splat_bytes = 0;

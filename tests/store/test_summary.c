@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Summaries, scene parts and keys: against what was written, and against brute force.
+#include "support_reseal.h"
 #include "support_sample.h"
 #include "tests.h"
+
+#include "base/file.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -124,6 +127,7 @@ void test_store_summary_sums_all_instances(test_state* test)
         }
         const stp_store_figures* f = &found.figures;
         CHECK_EQUAL(wanted.nodes, f->nodes);
+        CHECK(f->unique_nodes <= f->nodes);
         CHECK_EQUAL(wanted.objects, f->objects);
         CHECK_EQUAL(wanted.instances, f->instances);
         CHECK_EQUAL(wanted.triangles, f->triangles);
@@ -140,6 +144,62 @@ void test_store_summary_sums_all_instances(test_state* test)
         stp_store_summary_destroy(context, &found);
         stp_arena_destroy(&arena);
     }
+    stp_context_destroy(context);
+}
+
+// Whether a check of the file passes once its summary says so many unique nodes.
+static bool passes_with(stp_context* context, const char* path, uint64_t unique_nodes)
+{
+    stp_mapped_file file;
+    if (stp_file_map(context, path, &file) != STP_OK) {
+        return false;
+    }
+    size_t size = file.size;
+    unsigned char* bytes = stp_alloc(context, size);
+    memcpy(bytes, file.bytes, size);
+    stp_file_unmap(&file);
+    for (size_t at = STP_STORE_HEADER_BYTES; at < 4096; at += STP_STORE_SECTION_BYTES) {
+        if (stp_read_u32(bytes + at) == STP_SECTION_SUMMARY) {
+            stp_write_u64(bytes + stp_read_u64(bytes + at + 8) + 32, unique_nodes);
+            break;
+        }
+    }
+    reseal(bytes, size);
+    FILE* out = fopen(path, "wb");
+    bool passes = out != NULL && fwrite(bytes, 1, size, out) == size && fclose(out) == 0 &&
+                  stp_store_check(context, path, false) == STP_OK;
+    stp_free(context, bytes);
+    return passes;
+}
+
+// Nodes that the root does not reach are not counted; files that count them are valid, too.
+void test_store_summary_counts_nodes_that_the_root_reaches(test_state* test)
+{
+    char path[256];
+    temporary_path(path, "reached");
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    int with_others = 0;
+    for (uint64_t seed = 0; seed < 60; ++seed) {
+        stp_arena arena = stp_arena_create(context, 1 << 16);
+        sample made = sample_make(&arena, seed);
+        stp_store_summary found;
+        CHECK_EQUAL(STP_OK, stp_store_summarise_content(context, &made.content, &found));
+        uint64_t all = made.content.directory.node_count, unique = found.figures.unique_nodes;
+        stp_store_summary_destroy(context, &found);
+        if (all > unique + 1) {
+            CHECK_EQUAL(STP_OK, stp_store_write(context, &made.content, path));
+            CHECK(passes_with(context, path, unique));
+            CHECK(passes_with(context, path, all));
+            CHECK(!passes_with(context, path, all - 1));
+            CHECK(!passes_with(context, path, all + 1));
+            with_others += 1;
+        }
+        stp_arena_destroy(&arena);
+    }
+    unlink(path);
+    CHECK(with_others > 3);
     stp_context_destroy(context);
 }
 
