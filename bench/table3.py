@@ -11,7 +11,7 @@ import tempfile
 
 import kit
 
-SIZES = {"1k": "1920x1080", "2.5k": "2560x1440", "4k": "3840x2160", "HMD": "1344x1600"}
+SIZES = {"1k": "1920x1080", "2.5k": "2560x1440", "4k": "3840x2160", "HMD": "2688x1600"}
 NAMES = {"1": "Overview", "2": "Pompeii", "3": "Car factory", "4": "Bakery", "5": "Power plants"}
 # draw calls, triangles, surfels, FPS, quality
 PAPER = {

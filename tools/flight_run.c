@@ -24,8 +24,10 @@ static stp_result create_record(stp_context* context, const flight_plan* plan,
                               .budget_ms = plan->budget_ms,
                               .times = STP_NEW_ARRAY(context, double, count),
                               .frames = STP_NEW_ZEROED(context, frame_figures, count),
-                              .qualities = STP_NEW_ARRAY(context, flight_quality, count)};
-    if (record->times == NULL || record->frames == NULL || record->qualities == NULL) {
+                              .qualities = STP_NEW_ARRAY(context, flight_quality, count),
+                              .poppings = STP_NEW_ZEROED(context, double, count)};
+    if (record->times == NULL || record->frames == NULL || record->qualities == NULL ||
+        record->poppings == NULL) {
         return stp_fail_memory(context);
     }
     double first = plan->flight->keys[0].t;
@@ -43,6 +45,7 @@ void flight_record_destroy(stp_context* context, flight_record* record)
     stp_free(context, record->times);
     stp_free(context, record->frames);
     stp_free(context, record->qualities);
+    stp_free(context, record->poppings);
     *record = (flight_record){0};
 }
 
@@ -134,6 +137,7 @@ static stp_result study_frame(study* s, uint32_t i)
     if (result == STP_OK && plan->popping && i > 0) {
         result = stp_popping_add(context, &s->popping, &s->ours[(i + 1) & 1], ours,
                                  &s->references[(i + 1) & 1], reference);
+        s->record->poppings[i] = s->popping.last_mean;
     }
     return result;
 }

@@ -46,6 +46,7 @@ typedef struct flight_record {
     double budget_ms; ///< 0: none
     bool has_popping;
     double popping_p50, popping_p999, popping_max;
+    double* poppings; ///< of each frame, the mean over its blocks, from the one before
 } flight_record;
 
 /// Flies. The record is the caller's, also where that fails (flight_record_destroy). Failures are logged.

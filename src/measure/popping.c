@@ -91,10 +91,14 @@ stp_result stp_popping_add(stp_context* context, stp_popping* popping, const stp
     }
     p.values = popping->values;
     stp_parallel_for(context, rows, 8, measure_rows, &p);
+    uint64_t sum = 0;
     for (size_t i = 0; i < blocks; ++i) {
         popping->counts[p.values[i]] += 1;
+        sum += p.values[i];
     }
     popping->total += blocks;
+    popping->last_mean =
+        blocks > 0 ? (double)sum / (double)blocks / (double)STP_POPPING_UNITS : 0.0;
     return STP_OK;
 }
 

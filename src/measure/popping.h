@@ -22,6 +22,7 @@ enum {
 typedef struct stp_popping {
     uint64_t* counts; ///< STP_POPPING_VALUES
     uint64_t total;
+    double last_mean; ///< of the blocks of the pair added last
     uint16_t* values; ///< of the blocks of one pair
     size_t value_capacity;
 } stp_popping;

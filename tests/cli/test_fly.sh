@@ -77,6 +77,7 @@ def load(name):
         assert sorted(f[key]) == ["max", "p50"], f[key]
     assert len(f["per_frame"]) == f["frames"]
     for frame in f["per_frame"]:
+        assert ("popping" in frame) == (f["popping"] is not None) and frame.pop("popping", 0) >= 0
         assert sorted(frame) == ["extra_splats", "frame_ms", "splat_size", "splats", "t", "triangles"], frame
         assert frame["frame_ms"] > 0
     for key in "frame_ms", "splats", "triangles", "splat_size":

@@ -72,6 +72,11 @@ void test_popping_is_what_its_definition_says(test_state* test)
                                 change_of(p.bytes[2], p.bytes[3], i % COLUMNS, i / COLUMNS);
                 values[count++] = beyond > 0.0 ? beyond : 0.0;
             }
+            double sum = 0.0;
+            for (size_t i = count - COLUMNS * ROWS; i < count; ++i) {
+                sum += values[i];
+            }
+            CHECK(fabs(popping.last_mean - sum / (COLUMNS * ROWS)) <= 0.5 / 192 + 1e-9);
         }
         CHECK_EQUAL(count, popping.total);
         qsort(values, count, sizeof(values[0]), compare_doubles);
