@@ -20,7 +20,7 @@ def draw(given, file, view, png, budget, *more):
 
 def measure(given, view, folder):
     truth = folder / "truth.png"
-    kit.stipple("render", given.scene, "--view", view, "--size", given.size, "-o", truth, "--reference", threads=given.threads)
+    kit.stipple("render", given.scene, "--view", view, "--size", given.size, "-o", truth, "--reference", "--once", threads=given.threads)
     found = []
     budget = given.budget_ms
     for name, file, more in (("ours", given.scene, ()), ("paper", given.paper_scene, ("--policy", "paper"))):

@@ -19,8 +19,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         ours, truth, alike = (pathlib.Path(folder) / f"{name}.png" for name in ("ours", "truth", "alike"))
         common = ["render", given.scene, "--view", given.view, "--size", given.size, "--background", "b9d0e6"]
-        drawn = kit.stipple(*common, "--splat-size", given.splat_size, "-o", ours, threads=given.threads)
-        whole = kit.stipple(*common, "--reference", "-o", truth, threads=given.threads)
+        drawn = kit.stipple(*common, "--splat-size", given.splat_size, "-o", ours, "--once", threads=given.threads)
+        whole = kit.stipple(*common, "--reference", "-o", truth, "--once", threads=given.threads)
         figures = kit.stipple("compare", ours, truth, "--map", alike)
         sheet = given.images / "figure7.png"
         subprocess.run([kit.ROOT / "scripts/contact_sheet.py", sheet, "1", ours, truth, alike], check=True)

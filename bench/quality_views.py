@@ -9,8 +9,10 @@ as SCENE=OTHER. For each view:
 - SSIM on covered pixels at splat size 1, against the original triangles;
 - against a picture of N x N samples a pixel: ours, and the original triangles at one sample;
 - with as many splats as ours draws at each of the sizes (--splats, none hidden): our order and policy, and the
-  paper's order with --policy paper, each against the original triangles.
+  paper's order with --policy paper, each against the original triangles;
+- the paper's at each of the sizes, and ours at the least size with which it draws no more splats and triangles.
 """
+import math
 import pathlib
 import statistics
 import tempfile
@@ -47,12 +49,12 @@ class Viewer:
 
     def draw(self, name, *more, file=None):
         png = self.folder / f"{name}.png"
-        figures = kit.stipple("render", file or self.file, "--view", self.view, "--size", self.given.size, "-o", png, *more,
+        figures = kit.stipple("render", file or self.file, "--view", self.view, "--size", self.given.size, "-o", png, "--once", *more,
                               threads=self.given.threads)
         return png, figures
 
 
-def equal_splats(viewer, paper_file, truth, splat_size, splats):
+def equal_splats(viewer, paper_file, truth, splats):
     """The same number of splats in our order and in the paper's."""
     figures = {"splats": splats}
     for name, more in (("ours", {}), ("paper", {"file": paper_file})):
@@ -60,7 +62,30 @@ def equal_splats(viewer, paper_file, truth, splat_size, splats):
         png, drawn = viewer.draw("equal", "--splats", splats, *policy, **more)
         figures[name] = kit.compare(png, truth)["ssim_covered"]
         figures[f"{name}_drawn"] = drawn["splats"]
-    return {f"equal_{splat_size}": figures}
+    return figures
+
+
+def work_of(drawn):
+    return drawn["splats"] + drawn["triangles"]
+
+
+def equal_work(viewer, paper_file, truth, splat_size):
+    """The paper's at a size of splats, and ours at the least size with which it draws no more splats and triangles together."""
+    png, paper = viewer.draw("paper", "--splat-size", splat_size, "--policy", "paper", file=paper_file)
+    figures = {"paper": kit.compare(png, truth)["ssim_covered"], "paper_splats": paper["splats"], "paper_triangles": paper["triangles"]}
+    most, low, high, best = work_of(paper), 1.0, 48.0, None
+    for step in range(8):
+        size = 1.0 if step == 0 else math.sqrt(low * high)
+        png, drawn = viewer.draw("ours-equal", "--splat-size", f"{size:.4f}")
+        if work_of(drawn) <= most:
+            best, high = (size, drawn, kit.compare(png, truth)["ssim_covered"]), size
+            if step == 0 or work_of(drawn) > 0.98 * most:
+                break
+        else:
+            low = size
+    if best is not None:
+        figures.update({"ours_size": best[0], "ours_splats": best[1]["splats"], "ours_triangles": best[1]["triangles"], "ours": best[2]})
+    return figures
 
 
 def measure_view(given, file, paper_file, view, folder):
@@ -76,7 +101,8 @@ def measure_view(given, file, paper_file, view, folder):
     for splat_size in [] if paper_file is None else given.splat_sizes.split(","):
         count = viewer.draw("counted", "--splat-size", splat_size)[1]["splats"]
         if count > 0:
-            figures.update(equal_splats(viewer, paper_file, truth, splat_size, count))
+            figures[f"equal_{splat_size}"] = equal_splats(viewer, paper_file, truth, count)
+        figures[f"work_{splat_size}"] = equal_work(viewer, paper_file, truth, splat_size)
     return figures
 
 
@@ -89,6 +115,8 @@ def row_of(given, scene, view, f):
     for splat_size in [] if given.no_paper else given.splat_sizes.split(","):
         equal = f.get(f"equal_{splat_size}")
         row.append("" if equal is None else f"{equal['ours']:.4f} / {equal['paper']:.4f} ({kit.short(equal['splats'])})")
+        work = f.get(f"work_{splat_size}", {})
+        row.append(f"{work['ours']:.4f} / {work['paper']:.4f} ({kit.short(work['paper_splats'] + work['paper_triangles'])})" if "ours" in work else "")
     return row
 
 
@@ -96,15 +124,17 @@ def conclude(results):
     """What the goals ask for, as counts."""
     views = [r["figures"] for r in results]
     fine = [f for f in views if "fine_ours" in f]
-    equal = [e for f in views for k, e in f.items() if k.startswith("equal_")]
     covered = [f["ssim_covered"] for f in views]
     print(f"\n{len(views)} views: SSIM on covered pixels, median {statistics.median(covered):.4f}, least {min(covered):.4f}")
     if fine:
         print(f"against the supersampled reference ours is more alike than the originals at one sample in {sum(f['fine_ours'] > f['fine_originals'] for f in fine)} of {len(fine)} views, "
               f"equal in {sum(f['fine_ours'] == f['fine_originals'] for f in fine)}")
-    if equal:
-        print(f"at equal splats ours is more alike than --policy paper --order paper-fast in {sum(e['ours'] > e['paper'] for e in equal)} of {len(equal)} cases, "
-              f"less in {sum(e['ours'] < e['paper'] for e in equal)}")
+    for kind, words in (("equal_", "at equal splats"), ("work_", "with no more splats and triangles")):
+        pairs = [e for f in views for k, e in f.items() if k.startswith(kind) and "ours" in e]
+        if pairs:
+            gains = [e["ours"] - e["paper"] for e in pairs]
+            print(f"{words} ours is more alike than --policy paper --order paper-fast in {sum(g > 0 for g in gains)} of {len(gains)} cases, "
+                  f"less in {sum(g < 0 for g in gains)} (least {min(gains):+.4f}, median {statistics.median(gains):+.4f})")
 
 
 def main():
@@ -126,7 +156,8 @@ def main():
                 figures = measure_view(given, file, paper_file, view, pathlib.Path(folder))
             results.append(kit.result("quality_views", {"scene": scene, "view": view, "size": given.size}, figures))
             rows.append(row_of(given, scene, view, figures))
-    equal = [] if given.no_paper else [f"splats of size {s}: ours / paper's" for s in given.splat_sizes.split(",")]
+    equal = [] if given.no_paper else [h for s in given.splat_sizes.split(",")
+                                       for h in (f"splats of size {s}: ours / paper's (splats)", f"work of size {s}: ours / paper's (splats and triangles)")]
     kit.table(["scene", "view", "splats", "triangles", "SSIM", "covered", f"{given.supersample}x{given.supersample}: ours", "originals", *equal], rows)
     conclude(results)
     kit.keep("quality-views", results, given.out)

@@ -53,7 +53,7 @@ def measure_column(given, view, column, folder):
     params = {"scene": given.scene, "view": view, "size": size}
     figures = draw(given, view, size, ours, *quality_options(given), *stereo)
     if not given.no_reference and not stereo:
-        reference = draw(given, view, size, truth, "--reference")
+        reference = draw(given, view, size, truth, "--reference", "--once")
         figures.update(kit.compare(ours, truth))
         found.append(kit.result("table3", {**params, "column": f"no LOD {column}"}, reference))
     found.append(kit.result("table3", {**params, "column": column, "options": " ".join(map(str, quality_options(given)))}, figures))
