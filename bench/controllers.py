@@ -96,7 +96,7 @@ def main():
              f"{r['figures']['splat_size_p50']:.2f}", f"{100 * r['figures']['at_largest_size']:.0f} %", f"{100 * r['figures']['size_change']:.1f} %",
              "" if r["figures"]["ssim_covered"] is None else f"{r['figures']['ssim_covered']:.3f}"] for r in results]
     kit.table([f"budget {budget:.1f} ms", "frames", "median", "95 %", "99 %", "max", "within 1.1 x", "within 1.5 x", "size, median",
-               "frames at 8", "change of size", "SSIM, covered"], rows)
+               "frames at 8 or more", "change of size", "SSIM, covered"], rows)
     suffix = "" if given.budget_ms != "auto" else "-auto"
     plot(results, given.images / f"controllers{suffix}.svg")
     kit.keep(f"controllers{suffix}", results, given.out)

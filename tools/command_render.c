@@ -141,7 +141,7 @@ static stp_result draw_frames(session* s)
         result = frame_draw_loaded(&s->maker, &s->view, &s->quality, &s->image, &frames[0]);
     }
     size_t count = 0;
-    bool repeated = args.draw.json && frames[0].frame_ms < slow_ms;
+    bool repeated = result == STP_OK && args.draw.json && frames[0].frame_ms < slow_ms;
     while (repeated && result == STP_OK && count < (args.once ? 1 : REPEATS) &&
            (count < 3 || total < repeat_ms)) {
         result = frame_draw(&s->maker, &s->view, &s->quality, &s->image, &frames[count]);
