@@ -45,6 +45,21 @@ static void use_estimate(stp_set_use* use, double radius, bool cloud)
     use->switch_depth = 0.0;
 }
 
+#define SHORT 2.0 ///< far over near depth up to which a node is opened slowly
+#define LONG 3.0  ///< and from which on it is opened soon
+
+/// By what the depth from which a node suffices is multiplied where its nearest part lacks some of the radius: by the third
+/// power of that, and by up to the seventh for a long node. All of it is opened before the eye is within its box,
+/// and before few of its surfels are drawn of many that are looked at; what is short is seen at about one depth
+/// and has the time to go by degrees.
+static double move_out(double lacks, stp_depth_range range)
+{
+    double length = (range.far / range.near - SHORT) / (LONG - SHORT);
+    double part = length > 0.0 ? fmin(length, 1.0) : 0.0;
+    double cubed = lacks * lacks * lacks;
+    return cubed * (1.0 + part * (cubed * lacks - 1.0));
+}
+
 /// By insertion radius: as many as cover at the nearest depth, and all where they do not.
 static void use_by_insertion(stp_set_use* use, const stp_selection* s, stp_depth_range range,
                              bool cloud)
@@ -64,11 +79,7 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s, stp_depth
         use->switch_depth = cloud || s->quality->policy == STP_POLICY_SWITCH ? 0.0 : suffices_from;
         return;
     }
-    // The nearer the eye is to some of the node, the farther out the rest is opened: all of it before the eye is within
-    // its box, and before few of its surfels are drawn of many that are looked at (STP_LEVELS_SHRINK).
-    double lacks = suffices_from / range.near;
-    double squared = lacks * lacks, cubed = squared * lacks;
-    use->switch_depth = suffices_from * (cubed * cubed * lacks);
+    use->switch_depth = suffices_from * move_out(suffices_from / range.near, range);
     use->extra = true;
     if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
         use_count(use, surfels->count);

@@ -7,11 +7,10 @@
 /// Times the depth at which a node's surfels just suffice: up to there what is below it grows in.
 #define STP_LEVELS_GROW 1.15
 /// What a set may lack of the wanted radius before all of its surfels are gone.
-#define STP_LEVELS_LACK 1.05
+#define STP_LEVELS_LACK 1.1
 #define STP_LEVELS_LACK_TWICE (STP_LEVELS_LACK * STP_LEVELS_LACK)
-/// The same in depths: where they just suffice is moved out by the seventh power of what they lack (prefix.c).
-#define STP_LEVELS_SHRINK                                                                          \
-    (STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE)
+/// The same in depths: where they just suffice is moved out by the third power, at least, of what they lack (prefix.c).
+#define STP_LEVELS_SHRINK (STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE)
 
 /// A node still to be looked at.
 typedef struct stp_select_entry {
