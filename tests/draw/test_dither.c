@@ -100,3 +100,37 @@ void test_dither_of_samples_differs(test_state* test)
     CHECK(levels[0] + levels[255] < inner / 20);
     made_picture_end(&p);
 }
+
+// Drawn in two passes behind something, or in one.
+void test_dither_is_the_same_in_two_passes(test_state* test)
+{
+    static uint8_t once[BYTES];
+    made_picture p;
+    CHECK(made_picture_begin(&p, NULL, 2));
+    make_pair(&p, grey, 128);
+    made_picture_add(&p, 0.0, (stp_vec3d){0, 0, -4}, grey);
+    made_picture_add(&p, 0.0, (stp_vec3d){0, 0.2, 2}, NULL);
+    p.scene.material_count = 2;
+    p.scene.materials[1] = made_material();
+    p.scene.meshes[3].material = 1;
+    CHECK_EQUAL(STP_OK, made_picture_open(&p));
+    CHECK_EQUAL(STP_OK, stp_select(p.context, p.store, &p.view, &p.quality, &p.list));
+    CHECK_EQUAL(STP_OK,
+                stp_renderer_draw(p.renderer, &p.view, &p.list, &p.style, &p.image, &p.stats));
+    memcpy(once, p.pixels, BYTES);
+    uint64_t all = p.stats.fragments;
+    int hidden = 0;
+    for (int i = 0; i < 6; ++i) { // back and forth: pyramids of other views
+        CHECK_EQUAL(STP_OK, made_picture_draw(&p));
+        CHECK_EQUAL(0, memcmp(once, p.pixels, BYTES));
+        hidden += p.stats.fragments < all ? 1 : 0;
+        made_picture other = p;
+        static uint8_t pixels[BYTES];
+        other.image.pixels = pixels;
+        other.view.eye.x += i % 2 == 0 ? 2.0 : -2.0;
+        CHECK_EQUAL(STP_OK, made_picture_draw(&other));
+        p.list = other.list;
+    }
+    CHECK(hidden > 0);
+    made_picture_end(&p);
+}
