@@ -38,7 +38,8 @@ static bool write_colored(const char* model, const char* library)
             fprintf(obj, "f %d %d %d\n", a, a + 10, a + 1);
         }
     }
-    return (fclose(obj) == 0) & (fclose(mtl) == 0);
+    bool closed = fclose(obj) == 0;
+    return fclose(mtl) == 0 && closed;
 }
 
 void test_identical_meshes_of_one_build_were_not_there_before(test_state* test)
