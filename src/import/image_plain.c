@@ -71,7 +71,7 @@ static bool describe_bmp(const unsigned char* bytes, size_t size, plain* p)
     bool known = header >= 40 && header <= 124 && (bits == 8 || bits == 24 || bits == 32) &&
                  (compression == 0 || (compression == 3 && bits == 32)) && height != INT32_MIN;
     *p = (plain){.width = stp_read_u32(bytes + 18),
-                 .height = (uint32_t)(height < 0 ? -height : height),
+                 .height = height < 0 ? 0u - (uint32_t)height : (uint32_t)height,
                  .pixel_size = bits / 8,
                  .palette_count = bits != 8                 ? 0
                                   : used == 0 || used > 256 ? 256

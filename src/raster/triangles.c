@@ -131,6 +131,7 @@ static void draw_kept(const stp_triangle_window* window, const stp_screen_vertex
             }
             draw_fragment(kept, pixels + x, nearness, x, row);
         }
+        *window->fragments += last < first ? 0 : (uint64_t)(last - first) + 1;
     }
 }
 
@@ -241,13 +242,15 @@ static bool transform_chunk(const stp_triangle_kernels* kernels,
     return true;
 }
 
-static stp_result draw_mesh(const stp_triangle_window* window, const stp_raster_matrix* matrix,
+static stp_result draw_mesh(stp_triangle_window* window, const stp_raster_matrix* matrix,
                             float nearness_limit, const stp_raster_mesh* mesh, uint32_t first_id,
                             stp_arena* scratch)
 {
     if (window->row_begin >= window->row_end || window->width == 0 || mesh->triangle_count == 0) {
         return STP_OK;
     }
+    uint64_t fragments = 0;
+    window->fragments = &fragments;
     const stp_triangle_kernels* kernels = choose_kernels();
     stp_triangle_transform transform = {.nearness_limit = nearness_limit};
     memcpy(transform.matrix, matrix->m, sizeof(transform.matrix));
@@ -279,6 +282,9 @@ static stp_result draw_mesh(const stp_triangle_window* window, const stp_raster_
         begin += chunk.triangle_count;
     }
     stp_arena_rewind(scratch, mark);
+    if (mesh->fragments != NULL) {
+        *mesh->fragments += fragments;
+    }
     return enough ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
 }
 

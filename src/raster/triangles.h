@@ -22,6 +22,7 @@ typedef struct stp_raster_mesh {
                      ///< numbers are large and close together keeps its precision
     stp_raster_keep keep; ///< NULL: every fragment is there
     const void* keep_user;
+    uint64_t* fragments; ///< NULL, or a count to which those that lie within triangles are added
 } stp_raster_mesh;
 
 /// Draws triangles; triangle t gets the id first_id + t. Clipped to the near plane and to rows

@@ -14,6 +14,7 @@
 typedef int32_t lanes_int __attribute__((vector_size(64)));
 typedef uint32_t lanes_uint __attribute__((vector_size(64)));
 typedef float lanes_float __attribute__((vector_size(64)));
+typedef double lanes_double __attribute__((vector_size(128)));
 
 static inline lanes_int lanes_index(void)
 {

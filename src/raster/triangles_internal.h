@@ -36,6 +36,7 @@ typedef struct stp_triangle_window {
     uint64_t* pixels; ///< of row first_row
     size_t stride;
     int32_t width, first_row, row_begin, row_end;
+    uint64_t* fragments; ///< counts those that lie within triangles
 } stp_triangle_window;
 
 static inline uint64_t* stp_triangle_row(const stp_triangle_window* window, int32_t row)

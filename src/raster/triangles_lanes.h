@@ -125,6 +125,7 @@ static void draw_rows(const stp_triangle_window* window, const pixel_box* box,
                       const small_walk* start, uint32_t id)
 {
     small_walk walk = *start; // a copy that no store of pixels can touch
+    uint64_t fragments = 0;
     for (int32_t row = box->top; row <= box->bottom; ++row) {
         uint64_t* pixels = stp_triangle_row(window, row);
         lanes_uint e0 = walk.at[0], e1 = walk.at[1], e2 = walk.at[2];
@@ -133,6 +134,7 @@ static void draw_rows(const stp_triangle_window* window, const pixel_box* box,
             uint32_t bits = lanes_sign_bits(inside);
             if (bits != 0) {
                 lanes_write(pixels + column, bits, walk_nearness(&walk, e1, e2), id);
+                fragments += (uint64_t)__builtin_popcount(bits);
             }
             e0 += walk.onwards[0];
             e1 += walk.onwards[1];
@@ -142,6 +144,7 @@ static void draw_rows(const stp_triangle_window* window, const pixel_box* box,
             walk.at[k] += walk.across[k];
         }
     }
+    *window->fragments += fragments;
 }
 
 /// Like lanes_write, but down a column.
@@ -170,6 +173,7 @@ static void draw_columns(const stp_triangle_window* window, const pixel_box* box
             if (bits != 0) {
                 write_column(stp_triangle_row(window, row) + column, window->stride, bits,
                              walk_nearness(&walk, e1, e2), id);
+                *window->fragments += (uint64_t)__builtin_popcount(bits);
             }
             e0 += walk.onwards[0];
             e1 += walk.onwards[1];
@@ -223,7 +227,11 @@ static void draw_large(const stp_triangle_window* window, const stp_triangle_set
         edges[k] = stp_triangle_edge_make(setup->corner[k], setup->corner[(k + 1) % 3]);
     }
     stp_triangle_plane plane = stp_triangle_plane_make(setup);
+    const lanes_float zero = {0};
     float low = setup->low, high = setup->high;
+    const lanes_float lowest = zero + low, highest = zero + high;
+    const lanes_double steps = __builtin_convertvector(lanes_index(), lanes_double);
+    uint64_t fragments = 0;
     for (int32_t row = setup->top; row <= setup->bottom; ++row) {
         int64_t first = setup->left, last = setup->right;
         for (int k = 0; k < 3; ++k) {
@@ -231,13 +239,20 @@ static void draw_large(const stp_triangle_window* window, const stp_triangle_set
         }
         uint64_t* pixels = stp_triangle_row(window, row);
         double row_nearness = stp_triangle_plane_row(&plane, row);
-        int32_t end = last < first ? (int32_t)first : (int32_t)last + 1;
-        for (int32_t column = (int32_t)first; column < end; ++column) {
-            float nearness = stp_triangle_plane_at(&plane, row_nearness, column, low, high);
-            uint64_t pixel = stp_raster_pixel(nearness, id);
-            pixels[column] = pixel < pixels[column] ? pixel : pixels[column];
+        for (int64_t column = first; column <= last; column += LANES) { // as stp_triangle_plane_at
+            lanes_double x = (steps + (double)column) * (double)STP_SUBPIXEL;
+            x += (double)STP_SUBPIXEL_HALF;
+            lanes_double at = row_nearness + plane.along_x * (x - plane.x);
+            lanes_float nearness = __builtin_convertvector(at, lanes_float);
+            nearness = lanes_select_float(nearness > low, nearness, lowest);
+            nearness = lanes_select_float(nearness < high, nearness, highest);
+            int64_t left = last - column + 1;
+            uint32_t bits = left < LANES ? (1U << left) - 1 : LANES_ALL;
+            lanes_write(pixels + column, bits, (lanes_int)nearness, id);
         }
+        fragments += last < first ? 0 : (uint64_t)(last - first) + 1;
     }
+    *window->fragments += fragments;
 }
 
 static void draw_one(const stp_triangle_window* window, const stp_screen_vertex corners[3],
@@ -315,6 +330,7 @@ static inline void write_lanes(const stp_triangle_window* window, const batch* b
 {
     float depth[LANES];
     memcpy(depth, &nearness, sizeof(depth));
+    *window->fragments += (uint64_t)__builtin_popcount(bits);
     for (; bits != 0; bits &= bits - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(bits);
         uint64_t* place = stp_triangle_row(window, b->top[lane] + row) + b->left[lane] + column;

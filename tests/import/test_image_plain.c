@@ -49,6 +49,20 @@ void test_image_plain_pictures(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_image_plain_heights_have_ends(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    unsigned char copy[sizeof(bmp)];
+    memcpy(copy, bmp, sizeof(bmp));
+    memcpy(copy + 22, (const unsigned char[4]){0, 0, 0, 0x80},
+           4); // the least of all, which has no opposite
+    stp_texture texture = {0};
+    const char* reason = NULL;
+    CHECK(stp_image_decode_plain(context, copy, sizeof(copy), &texture, &reason) != STP_OK);
+    CHECK(reason != NULL);
+    stp_context_destroy(context);
+}
+
 void test_image_plain_is_not_trusted(test_state* test)
 {
     // every truncation is refused; every byte changed is refused or decodes within its bounds

@@ -67,7 +67,8 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch*
                             .vertex_count = b->vertex_count,
                             .indices = b->indices,
                             .triangle_count = b->triangle_count,
-                            .offset = {item->offset[0], item->offset[1], item->offset[2]}};
+                            .offset = {item->offset[0], item->offset[1], item->offset[2]},
+                            .fragments = &worker->fragments};
     if (cpu_item_needs_keep(item)) {
         keep->first_triangle = b->first_triangle;
         mesh.keep = cpu_keep_fragment;

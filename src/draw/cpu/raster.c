@@ -99,7 +99,8 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
                             .vertex_count = item->mesh.vertex_count,
                             .indices = item->mesh.indices + 3 * (size_t)begin,
                             .triangle_count = end - begin,
-                            .offset = {item->offset[0], item->offset[1], item->offset[2]}};
+                            .offset = {item->offset[0], item->offset[1], item->offset[2]},
+                            .fragments = &worker->fragments};
     if (cpu_item_needs_keep(item)) {
         mesh.keep = cpu_keep_fragment;
         mesh.keep_user = &keep;
