@@ -73,7 +73,7 @@ def main():
     for i, r in enumerate(results):
         p, f = r["params"], r["figures"]
         ratios = [f"{f['frame_ms_p50'] / results[max(0, k)]['figures']['frame_ms_p50']:.2f}" for k in (i - 1, 0)]
-        rows.append([p["scene"], kit.short(p["triangles"]), *(f"{f[n]:.1f}" for n in ("frame_ms_p50", "frame_ms_p95", "frame_ms_max")),
+        rows.append([kit.name_of(p["scene"]), kit.short(p["triangles"]), *(f"{f[n]:.1f}" for n in ("frame_ms_p50", "frame_ms_p95", "frame_ms_max")),
                      kit.short(f["splats_p50"]), kit.short(f["triangles_p50"]), kit.short(f["draw_calls_p50"]), *ratios])
     kit.table(["scene", "triangles", "median, ms", "95 %", "max", "splats drawn", "triangles drawn", "draw items", "to the one before", "to the first"],
               rows)

@@ -63,8 +63,15 @@ def result(name, params, figures):
     return {"name": name, "params": params, "figures": figures}
 
 
+def name_of(scene):
+    """A scene as it is told: files without their folders."""
+    return pathlib.Path(scene).name if "/" in str(scene) else str(scene)
+
+
 def keep(name, results, out=None):
-    """Writes results as `stipple bench --json` prints them."""
+    """Writes results as `stipple bench --json` prints them; of files only their names."""
+    for r in results:
+        r["params"] = {key: name_of(value) if isinstance(value, str) else value for key, value in r["params"].items()}
     threads = os.cpu_count()
     folder = re.sub(r"[^a-z0-9]+", "-", processor().lower()).strip("-")
     path = pathlib.Path(out) if out else ROOT / f"bench/results/{folder}-{threads}/{datetime.date.today()}-{name}.json"

@@ -155,7 +155,7 @@ def main():
             with tempfile.TemporaryDirectory() as folder:
                 figures = measure_view(given, file, paper_file, view, pathlib.Path(folder))
             results.append(kit.result("quality_views", {"scene": scene, "view": view, "size": given.size}, figures))
-            rows.append(row_of(given, scene, view, figures))
+            rows.append(row_of(given, kit.name_of(scene.partition("=")[0]) if ".stip" in scene else scene, view, figures))
     equal = [] if given.no_paper else [h for s in given.splat_sizes.split(",")
                                        for h in (f"splats of size {s}: ours / paper's (splats)", f"work of size {s}: ours / paper's (splats and triangles)")]
     kit.table(["scene", "view", "splats", "triangles", "SSIM", "covered", f"{given.supersample}x{given.supersample}: ours", "originals", *equal], rows)
