@@ -82,6 +82,10 @@ stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_by
 /// Prints one sentence on stderr and returns 2, or 1.
 int tool_usage_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
 int tool_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
+// Around what is tried again where it fails: errors that the library logs are kept, and the last of them is printed
+// at the end or dropped. One thread.
+void tool_hold_errors(void);
+void tool_release_errors(bool print);
 /// Prints the object and a newline on stdout and frees it; returns the exit code (1 where writing
 /// fails).
 int tool_print_json(json_t* object);

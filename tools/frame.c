@@ -79,16 +79,38 @@ static stp_result draw_eyes(frame_maker* maker, const stp_view* view, const stp_
     return result;
 }
 
+static stp_result draw_view(frame_maker* maker, const stp_view* view, const stp_quality* quality,
+                            stp_image* image, stp_draw_stats* stats)
+{
+    *stats = (stp_draw_stats){0};
+    return stp_view_eye_count(view) > 1
+               ? draw_eyes(maker, view, quality, image, stats)
+               : stp_renderer_draw_selected(maker->renderer, view, quality, &maker->style,
+                                            &maker->list, image, stats);
+}
+
+// Where a picture runs out of memory, what was loaded gives way to it.
+static stp_result draw_streamed(frame_maker* maker, const stp_view* view,
+                                const stp_quality* quality, stp_image* image, stp_draw_stats* stats)
+{
+    tool_hold_errors();
+    stp_result result = draw_view(maker, view, quality, image, stats);
+    while (result == STP_ERROR_OUT_OF_MEMORY && stp_residency_yield(maker->residency)) {
+        result = draw_view(maker, view, quality, image, stats);
+    }
+    tool_release_errors(result != STP_OK);
+    return result;
+}
+
 stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_quality* quality,
                       stp_image* image, frame_figures* figures)
 {
-    stp_draw_stats stats = {0};
+    stp_draw_stats stats;
     double start = stp_clock_ms();
     uint32_t eyes = stp_view_eye_count(view);
-    stp_result result =
-        eyes > 1 ? draw_eyes(maker, view, quality, image, &stats)
-                 : stp_renderer_draw_selected(maker->renderer, view, quality, &maker->style,
-                                              &maker->list, image, &stats);
+    stp_result result = maker->residency != NULL
+                            ? draw_streamed(maker, view, quality, image, &stats)
+                            : draw_view(maker, view, quality, image, &stats);
     uint32_t missing = 0;
     if (maker->residency != NULL && result == STP_OK && !quality->reference) {
         stp_residency_stats loaded;

@@ -7,6 +7,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,6 +18,8 @@
 static pthread_mutex_t output_mutex = PTHREAD_MUTEX_INITIALIZER;
 static progress_state progress;
 static volatile sig_atomic_t interrupted;
+static bool holds_errors;
+static char held_error[1024];
 
 tool_settings* tool_settings_get(void)
 {
@@ -77,11 +80,29 @@ int tool_error(const char* format, ...)
     return 1;
 }
 
+void tool_hold_errors(void)
+{
+    holds_errors = true;
+    held_error[0] = 0;
+}
+
+void tool_release_errors(bool print)
+{
+    holds_errors = false;
+    if (print && held_error[0] != 0) {
+        print_text("", "", "%s", held_error);
+    }
+}
+
 static void print_log(stp_log_level level, const char* message, void* user)
 {
     (void)user;
     const tool_settings* settings = tool_settings_get();
-    if (level == STP_LOG_ERROR) {
+    if (level == STP_LOG_ERROR && holds_errors) {
+        pthread_mutex_lock(&output_mutex);
+        snprintf(held_error, sizeof(held_error), "%s", message);
+        pthread_mutex_unlock(&output_mutex);
+    } else if (level == STP_LOG_ERROR) {
         print_text("", "", "%s", message);
     } else if (level == STP_LOG_WARNING && !settings->quiet) {
         print_text("\033[33m", "warning: ", "%s", message);

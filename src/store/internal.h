@@ -33,6 +33,7 @@ struct stp_store {
     bool page_table_checked;
     uint64_t bytes_checked;           ///< of the directory
     struct stp_store_key_table* keys; ///< made when first asked for
+    uint64_t arrivals;                ///< of bulk data, in all its residencies
     struct stp_residency* residency;  ///< what loads bulk data; NULL: it is used as it is mapped
 };
 

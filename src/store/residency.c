@@ -134,6 +134,36 @@ static void choose_pins(stp_residency* r)
     }
 }
 
+static void take_arrived(stp_residency* r)
+{
+    pthread_mutex_lock(&r->mutex);
+    stp_load* load = r->arrived;
+    r->arrived = NULL;
+    pthread_mutex_unlock(&r->mutex);
+    while (load != NULL) {
+        stp_load* next = load->next;
+        stp_residency_take(r, load);
+        load = next;
+    }
+}
+
+static uint64_t least_margin(const stp_residency* r)
+{
+    uint64_t part = stp_memory_limit(r->context) / 8;
+    return part > 1 << 20 ? part : 1 << 20;
+}
+
+bool stp_residency_yield(stp_residency* r)
+{
+    uint64_t before = r->bytes;
+    take_arrived(r);
+    r->margin += least_margin(r);
+    stp_residency_make_way(r);
+    r->stats.limit_bytes = r->limit;
+    r->stats.resident_bytes = r->bytes;
+    return r->bytes < before;
+}
+
 static bool read_file(void* user, uint64_t offset, void* bytes, size_t size)
 {
     const stp_store* store = user;
@@ -169,6 +199,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
         r->desc.read_user = store;
     }
     r->worth = 1.0f;
+    r->margin = least_margin(r);
     count_things(store, r->firsts);
     pthread_mutex_init(&r->mutex, NULL);
     pthread_cond_init(&r->work, NULL);
@@ -189,19 +220,6 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
     *residency = r;
     stp_residency_update(r, NULL, 0);
     return STP_OK;
-}
-
-static void take_arrived(stp_residency* r)
-{
-    pthread_mutex_lock(&r->mutex);
-    stp_load* load = r->arrived;
-    r->arrived = NULL;
-    pthread_mutex_unlock(&r->mutex);
-    while (load != NULL) {
-        stp_load* next = load->next;
-        stp_residency_take(r, load);
-        load = next;
-    }
 }
 
 void stp_residency_destroy(stp_residency* r)

@@ -59,7 +59,7 @@ typedef struct stp_residency_stats {
 } stp_residency_stats;
 
 /// Attaches a residency to a store without one: its bulk data leaves memory, and the threads begin with the coarsest
-/// octaves of what has nothing coarser above it, which will stay as long as the limit allows. Not for a store opened for
+/// octaves of what has nothing coarser above it, 1 MiB at most beyond the very first, which stay. Not for a store opened for
 /// its summary. The store must outlive it.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (no threads), STP_ERROR_ARGUMENT; logged
 STP_MUST_USE stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc,
@@ -71,6 +71,10 @@ void stp_residency_destroy(stp_residency* residency);
 /// is missing of `wants` (each thing at most once) begins to be read, most needed first. Returns at once; never fails:
 /// without memory, less is resident. A damaged block is said once, as a warning, and never comes.
 void stp_residency_update(stp_residency* residency, const stp_want* wants, size_t count);
+
+/// Between frames, where others ran out of the context's memory: leaves them more of it from now on, and drops what is
+/// needed least until they have it. @return false where there was nothing to drop
+bool stp_residency_yield(stp_residency* residency);
 
 /// Waits until all that is under way was read, for the next update to take in. @return false where nothing was
 bool stp_residency_wait(stp_residency* residency);

@@ -32,7 +32,7 @@ typedef struct stp_resident {
     uint64_t bytes;
     stp_load* load;   ///< NULL: nothing is under way
     uint64_t used;    ///< number of the update that wanted it last
-    uint64_t arrival; ///< number of the update that took it in
+    uint64_t arrival; ///< of the store's
     float need, octave_need;
     uint8_t level;  ///< octaves, or 1: here
     uint8_t most;   ///< that can come
@@ -62,6 +62,7 @@ struct stp_residency {
     uint32_t pin_count;
     uint64_t updates; ///< number of the current one
     uint64_t bytes, under_way, limit;
+    uint64_t margin; ///< of the context's limit, for others to grow in
     stp_residency_stats stats;
     stp_load* loads; ///< all there are
     stp_load* spare;
@@ -106,6 +107,9 @@ static inline void stp_residency_count(stp_residency* r, uint64_t bytes)
 
 /// Plans an update: notes wants, makes room, prepares loads. They are handed over by stp_residency_start.
 void stp_residency_plan(stp_residency* r, const stp_want* wants, size_t count);
+
+/// Drops what is needed least where the limit fell below what is here.
+void stp_residency_make_way(stp_residency* r);
 
 /// Memory for a planned load. @return false where there is none
 bool stp_residency_prepare(stp_residency* r, stp_load* load);

@@ -194,8 +194,8 @@ static uint64_t find_limit(const stp_residency* r)
     if (whole != 0) {
         uint64_t live = stp_context_live_bytes(r->context);
         uint64_t others = live > r->bytes ? live - r->bytes : 0;
-        uint64_t margin = whole / 8 > 1 << 20 ? whole / 8 : 1 << 20;
-        uint64_t left = whole > others + margin ? whole - others - margin : 0;
+        uint64_t left = whole > others ? whole - others : 0;
+        left = left > r->margin ? left - r->margin : 0;
         limit = left < limit ? left : limit;
     }
     return limit;
@@ -288,15 +288,20 @@ static void prepare_loads(stp_residency* r)
     }
 }
 
+void stp_residency_make_way(stp_residency* r)
+{
+    r->limit = find_limit(r);
+    r->victims_found = false;
+    (void)make_room(r, 0, INFINITY, r->limit);
+}
+
 void stp_residency_plan(stp_residency* r, const stp_want* wants, size_t count)
 {
+    uint32_t skips = 0;
     r->step_count = 0;
-    r->victims_found = false;
-    r->limit = find_limit(r);
     note_wants(r, wants, count);
     sort_steps(r);
-    uint32_t skips = 0;
-    (void)make_room(r, 0, INFINITY, r->limit); // others may have grown
+    stp_residency_make_way(r); // others may have grown
     r->dropped_wanted = false;
     while (r->step_count > 0 && plan_step(r, &skips)) {
     }

@@ -104,7 +104,7 @@ void stp_residency_take(stp_residency* r, stp_load* load)
         t->memory = load->memory;
         t->bytes = load->bytes;
         t->level = (uint8_t)load->reached;
-        t->arrival = r->updates;
+        t->arrival = ++r->store->arrivals;
         if (stp_residency_kind(r, load->thing) == STP_RESIDENT_SURFELS) {
             stp_store_set_columns(surfels_record(r, load->thing), load->memory, &load->columns,
                                   load->reached);

@@ -398,7 +398,7 @@ void test_residency_of_a_truncated_file(test_state* test)
     for (uint64_t part = 0; part <= 8; ++part) {
         f.reader.size = begin + (f.size - begin) * part / 8;
         log.warnings = log.errors = 0;
-        CHECK_EQUAL(STP_OK, stream(&f, 0, 2));
+        CHECK_EQUAL(STP_OK, stream(&f, 0, 1));
         residency_settle(f.residency, f.wants, f.want_count);
         residency_settle(f.residency, f.wants, f.want_count);
         stp_residency_stats stats;
@@ -500,6 +500,36 @@ void test_residency_pins_what_is_uppermost(test_state* test)
     CHECK_EQUAL(STP_ERROR_ARGUMENT,
                 stp_residency_create(f.store, &(stp_residency_desc){0}, &second));
     CHECK(second == NULL);
+    tear_down(&f);
+    stp_context_destroy(context);
+}
+
+void test_residency_yields_to_others(test_state* test)
+{
+    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = 16 << 20};
+    stp_context* context = NULL;
+    CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+    fixture f;
+    CHECK(set_up(&f, context, rich_seed(context, 91), true));
+    CHECK_EQUAL(STP_OK, stream(&f, 0, 2)); // under the context's limit
+    residency_settle(f.residency, f.wants, f.want_count);
+    stp_residency_stats stats;
+    stp_residency_get_stats(f.residency, &stats);
+    uint64_t limit = stats.limit_bytes, loaded = stats.resident_bytes;
+    CHECK(stats.missing == 0 && limit < desc.memory_limit_bytes);
+    uint64_t others = desc.memory_limit_bytes - stp_context_live_bytes(context) - (3 << 20);
+    void* block = stp_alloc(context, (size_t)others); // somebody takes nearly all of the rest
+    CHECK(block != NULL && stp_alloc(context, 3 << 20) == NULL);
+    bool yielded = false;
+    for (int i = 0; i < 4; ++i) {
+        yielded = stp_residency_yield(f.residency) || yielded;
+    }
+    stp_residency_get_stats(f.residency, &stats);
+    CHECK(yielded && stats.resident_bytes < loaded && stats.limit_bytes < limit);
+    CHECK(stats.resident_bytes <= stats.limit_bytes + (1 << 20)); // what is pinned stays
+    stp_free(context, block);
+    residency_settle(f.residency, f.wants, f.want_count);
+    CHECK(sample_difference(&f.made.content, f.store) == NULL); // there is room again
     tear_down(&f);
     stp_context_destroy(context);
 }

@@ -156,7 +156,7 @@ static void forget_texture(cpu_renderer* r, cpu_texture* texture)
 /// Drops what was made of texels that are no longer there.
 static void forget_old_textures(cpu_renderer* r)
 {
-    for (uint32_t i = 0; stp_store_streams(r->store) && i < r->directory->texture_count; ++i) {
+    for (uint32_t i = 0; i < r->directory->texture_count; ++i) {
         uint64_t arrival = stp_store_texture_arrival(r->store, i);
         if (r->textures[i].arrival != arrival) {
             forget_texture(r, &r->textures[i]);
