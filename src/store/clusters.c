@@ -242,7 +242,24 @@ uint32_t stp_clusters_first_triangle(const stp_clusters* clusters, uint32_t inde
 
 uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle)
 {
-    uint32_t low = 0, high = clusters->cluster_count;
+    // Clusters hold about equally many triangles: it lies near where it would if they did.
+    uint32_t count = clusters->cluster_count, step = 1;
+    uint32_t guess = (uint32_t)((uint64_t)triangle * count / clusters->triangle_count);
+    uint32_t low = guess, high = guess;
+    if (stp_clusters_first_triangle(clusters, guess) <= triangle) {
+        for (high = guess + 1; high < count; step *= 2) {
+            if (stp_clusters_first_triangle(clusters, high) > triangle) {
+                break;
+            }
+            low = high;
+            high = step < count - high ? high + step : count;
+        }
+    } else {
+        for (low = guess - 1; stp_clusters_first_triangle(clusters, low) > triangle; step *= 2) {
+            high = low;
+            low = step < low ? low - step : 0;
+        }
+    }
     while (high - low > 1) {
         uint32_t middle = low + (high - low) / 2;
         if (stp_clusters_first_triangle(clusters, middle) <= triangle) {

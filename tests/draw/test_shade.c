@@ -248,10 +248,10 @@ void test_shade_spreads_runs(test_state* test)
             lane += length;
         }
         for (int v = 0; v < count; ++v) {
-            uint32_t bytes[SPACE];
+            uint8_t colors[4 * SPACE];
             float depth[SPACE];
-            variants[v]->spread(runs, runs + run_count, near, lanes, nearness, bytes, depth);
-            CHECK_EQUAL(0, memcmp(bytes, wanted, sizeof(wanted)));
+            variants[v]->spread(runs, runs + run_count, near, lanes, nearness, colors, depth);
+            CHECK_EQUAL(0, memcmp(colors, wanted, sizeof(wanted)));
             CHECK_EQUAL(0, memcmp(depth, wanted_depth, sizeof(wanted_depth)));
         }
     }

@@ -183,21 +183,35 @@ static void add_to_sums(const shader* s, const cpu_shade_tile* tile, uint32_t ro
     }
 }
 
-static void write_tile(const shader* s, const cpu_shade_tile* tile)
+/// Kernels write further than a row's end: into the next tile, which is written later, or into room of our own.
+static void spread_row(const shader* s, const cpu_shade_tile* tile, uint32_t row)
 {
     cpu_renderer* r = s->r;
-    uint32_t bytes[SHADE_WIDTH + SHADE_LANES_MOST];
-    float depth[SHADE_WIDTH + SHADE_LANES_MOST];
-    for (uint32_t row = 0; row < tile->height; ++row) {
-        size_t at = (size_t)(tile->y + row) * r->width + tile->x;
-        s->kernels->spread(tile->runs + tile->row_runs[row], tile->runs + tile->row_runs[row + 1],
-                           s->memory->nearness, s->memory->lanes.bytes, tile->rows[row].nearness,
-                           bytes, depth);
+    const cpu_shade_memory* memory = s->memory;
+    uint8_t own_colors[4 * (SHADE_WIDTH + SHADE_LANES_MOST)];
+    float own_depth[SHADE_WIDTH + SHADE_LANES_MOST];
+    size_t at = (size_t)(tile->y + row) * r->width + tile->x;
+    bool last = tile->x + SHADE_WIDTH + SHADE_LANES_MOST > r->width, sums = r->sample_count > 1;
+    uint8_t* colors = last || sums ? own_colors : r->image->pixels + 4 * at;
+    float* depth = last ? own_depth : r->depth + at;
+    s->kernels->spread(tile->runs + tile->row_runs[row], tile->runs + tile->row_runs[row + 1],
+                       memory->nearness, memory->lanes.bytes, tile->rows[row].nearness, colors,
+                       depth);
+    if (last) {
         memcpy(r->depth + at, depth, tile->width * sizeof(float));
-        if (r->sample_count > 1) {
+    }
+    if (last && !sums) {
+        memcpy(r->image->pixels + 4 * at, colors, tile->width * sizeof(uint32_t));
+    }
+}
+
+static void write_tile(const shader* s, const cpu_shade_tile* tile)
+{
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        spread_row(s, tile, row);
+        if (s->r->sample_count > 1) {
             add_to_sums(s, tile, row);
         } else {
-            memcpy(r->image->pixels + 4 * at, bytes, tile->width * sizeof(uint32_t));
             s->worker->covered += (uint32_t)__builtin_popcountll(tile->rows[row].there);
         }
     }

@@ -108,7 +108,7 @@ typedef struct cpu_shade_kernels {
     /// Writes colours and true nearness of runs, up to SHADE_LANES_MOST - 1 pixels more than there are.
     void (*spread)(const cpu_shade_run* run, const cpu_shade_run* end,
                    const cpu_shade_nearness* surfaces, const uint32_t* lanes, const float* nearness,
-                   uint32_t* bytes, float* depth);
+                   uint8_t* colors, float* depth);
 } cpu_shade_kernels;
 
 extern const cpu_shade_kernels cpu_shade_kernels_portable, cpu_shade_kernels_avx2,

@@ -140,17 +140,19 @@ static void light_all(const cpu_shade_scene* scene, const cpu_shade_surface* sur
 /// Writes up to LANES - 1 pixels more than there are.
 static void spread_row(const cpu_shade_run* run, const cpu_shade_run* end,
                        const cpu_shade_nearness* surfaces, const uint32_t* lanes,
-                       const float* nearness, uint32_t* bytes, float* depth)
+                       const float* nearness, uint8_t* restrict colors, float* restrict depth)
 {
     for (; run < end; ++run) {
-        const uint32_t* lane = lanes + run->lane;
-        cpu_shade_nearness near = surfaces[run->surface];
-        for (uint32_t k = 0; k < run->length; k += LANES) {
-            lanes_float there = load_float(nearness + run->x + k) * near.factor + near.shift;
+        cpu_shade_run now = *run;
+        cpu_shade_nearness near = surfaces[now.surface];
+        const uint32_t* lane = lanes + now.lane;
+        for (uint32_t k = 0; k < now.length; k += LANES) {
+            uint32_t x = now.x + k;
+            lanes_float there = load_float(nearness + x) * near.factor + near.shift;
             lanes_int color =
-                run->flat ? spread_int((int32_t)lane[k / SHADE_REACH]) : load_int(lane + k);
-            memcpy(depth + run->x + k, &there, sizeof(there));
-            memcpy(bytes + run->x + k, &color, sizeof(color));
+                now.flat ? spread_int((int32_t)lane[k / SHADE_REACH]) : load_int(lane + k);
+            memcpy(depth + x, &there, sizeof(there));
+            memcpy(colors + 4 * (size_t)x, &color, sizeof(color));
         }
     }
 }

@@ -19,7 +19,7 @@ typedef struct mixed_triangle {
     bool has_color;
     float density; ///< texels of the base colour along an item unit
     double line[3][3];
-    four normal[3], flat; ///< scene space, of unit length
+    four normal[3], flat; ///< scene space, of unit length; flat only where it may be needed
     four color[3];        ///< times the material's
 } mixed_triangle;
 
@@ -174,6 +174,18 @@ static bool are_alike(const void* corners, size_t size)
     return memcmp(bytes, bytes + size, size) == 0 && memcmp(bytes, bytes + 2 * size, size) == 0;
 }
 
+/// Whether some mixture of normals of unit length is much shorter.
+static bool may_cancel(const four normal[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        four product = normal[k] * normal[(k + 1) % 3];
+        if (!(product[0] + product[1] + product[2] > -0.4f)) { // at -0.5 three may be of length 0
+            return true;
+        }
+    }
+    return false;
+}
+
 static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_shade_item* shade,
                          const cpu_triangle* triangle, mixed_triangle* mixed)
 {
@@ -186,7 +198,6 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
             cpu_mesh_density(triangle, &item->material->base_color_texture, item->base_color);
     }
     make_lines(r, item, triangle, mixed->line);
-    mixed->flat = turn_to_unit(shade, flat_normal(triangle->position));
     for (int k = 0; k < 3; ++k) {
         const float* color = triangle->color[k];
         mixed->color[k] = (four){base[0], base[1], base[2], 0.0f};
@@ -196,6 +207,9 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
         if (triangle->has_normal) {
             mixed->normal[k] = turn_to_unit(shade, triangle->normal[k]);
         }
+    }
+    if (!triangle->has_normal || may_cancel(mixed->normal)) {
+        mixed->flat = turn_to_unit(shade, flat_normal(triangle->position));
     }
 }
 
