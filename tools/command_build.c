@@ -291,7 +291,8 @@ const command command_build = {
     .arguments = "INPUT... -o FILE.stip",
     .summary = "import models, order them into splats, write a .stip file",
     .text =
-        "Several inputs make one scene. An input may also be scene:NAME, a named procedural scene "
+        "Several inputs make one scene; of views of one name, all but the first get a number: "
+        "front, front-2. An input may also be scene:NAME, a named procedural scene "
         "(`stipple scene --list`), with settings after commas: scene:paper,scale=0.1,seed=3. What "
         "can be seen from outside is captured from all around, "
         "and "

@@ -236,7 +236,8 @@ stp_texture_use stp_texture_use_none(void);
 
 /// Computes bounds, drops degenerate meshes' parts (no triangles), merges identical meshes and identical
 /// subtrees, and makes the graph of nodes. What would lie out of reach in its parent is left out, with a warning that
-/// names the first such object: the rest of the scene is not spoilt. Call once, after everything was added.
+/// names the first such object: the rest of the scene is not spoilt. Views of one name get numbers. Call once, after
+/// everything was added.
 STP_MUST_USE stp_result stp_scene_finish(stp_scene* scene);
 
 /// One use of a part in the whole scene.

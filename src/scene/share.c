@@ -10,6 +10,7 @@
 #include "scene/merge.h"
 #include "scene/reach.h"
 #include "scene/scene.h"
+#include "scene/view_names.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -260,6 +261,7 @@ stp_result stp_scene_finish(stp_scene* scene)
     assert(scene->nodes == NULL && scene->root == STP_NONE && "finished already");
     stp_scene_tell_dropped(scene);
     stp_result result = stp_scene_merge(scene);
+    result = result != STP_OK ? result : stp_scene_distinguish_views(scene);
     if (result != STP_OK) {
         return result;
     }
