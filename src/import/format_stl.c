@@ -5,127 +5,93 @@
 // the attribute bytes are left alone: each means the opposite of the other. Up is z where nothing
 // else is asked for, as in the CAD programs and printers that write the format.
 #include "base/bytes.h"
+#include "import/stl_weld.h"
 #include "import/surface.h"
 #include "import/text.h"
 
 #include <string.h>
 
 #define HEADER_SIZE ((size_t)84)
-#define FACET_SIZE ((size_t)50)
 
-// A mesh in the making.
-typedef struct welder {
+// A file being read.
+typedef struct reader {
     stp_import* import;
     stp_context* context;
-    stp_lookup corners; ///< positions to vertices
-    float* positions;
-    size_t vertex_count, vertex_capacity; ///< capacity in vertices
-    uint32_t* indices;
-    size_t index_count, index_capacity;
+    stp_weld weld; ///< the mesh in the making
     uint32_t material;
-} welder;
+    // of a text:
+    const unsigned char* tail; ///< a copy of an unfinished last line
+    size_t tail_at;            ///< where it is in the file
+    size_t facet_start;        ///< indices before the facet in the making
+    const char* name;          ///< of the solid in the making; may be NULL
+} reader;
 
-static stp_result fail_facet(const welder* w, uint64_t facet)
+static stp_result fail_facet(const reader* r, uint64_t facet)
 {
-    return stp_fail(w->context, STP_ERROR_FORMAT,
-                    "%s: facet %llu has a position that is not finite", w->import->path,
+    return stp_fail(r->context, STP_ERROR_FORMAT,
+                    "%s: facet %llu has a position that is not finite", r->import->path,
                     (unsigned long long)facet + 1);
-}
-
-static stp_result add_corner(welder* w, stp_vec3 p)
-{
-    p = (stp_vec3){p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}; // -0 becomes 0: the same place
-    uint32_t index;
-    stp_result result =
-        stp_lookup_add(&w->corners, &p, sizeof(p), (uint32_t)w->vertex_count, &index);
-    if (result != STP_OK) {
-        return result;
-    }
-    if (index == w->vertex_count) {
-        float* positions = stp_grow_array(w->context, w->positions, &w->vertex_capacity,
-                                          w->vertex_count + 1, 3 * sizeof(float));
-        if (positions == NULL) {
-            return stp_fail_memory(w->context);
-        }
-        w->positions = positions;
-        memcpy(positions + 3 * w->vertex_count, &p, sizeof(p));
-        w->vertex_count += 1;
-    }
-    uint32_t* indices = stp_grow_array(w->context, w->indices, &w->index_capacity,
-                                       w->index_count + 1, sizeof(uint32_t));
-    if (indices == NULL) {
-        return stp_fail_memory(w->context);
-    }
-    w->indices = indices;
-    indices[w->index_count++] = index;
-    return STP_OK;
 }
 
 // Adds what was gathered as an object below the root; as a part of the root itself where it has no
 // name.
-static stp_result end_solid(welder* w, const char* name)
+static stp_result end_solid(reader* r, const char* name)
 {
-    stp_scene* scene = w->import->scene;
+    stp_scene* scene = r->import->scene;
+    stp_weld* weld = &r->weld;
     stp_result result = STP_OK;
-    if (w->index_count != 0) {
-        result = stp_add_plain_material(w->import, &w->material);
+    if (weld->index_count != 0) {
+        result = stp_weld_finish(weld);
+        result = result != STP_OK ? result : stp_add_plain_material(r->import, &r->material);
         stp_object object = {
-            .name = name, .parent = w->import->root, .transform = stp_affine_identity()};
+            .name = name, .parent = r->import->root, .transform = stp_affine_identity()};
         if (result == STP_OK && name != NULL) {
             result = stp_scene_add_object(scene, &object, NULL);
         }
         stp_mesh mesh = {.name = name,
-                         .vertex_count = (uint32_t)w->vertex_count,
-                         .triangle_count = (uint32_t)(w->index_count / 3),
-                         .positions = w->positions,
-                         .indices = w->indices,
-                         .material = w->material};
+                         .vertex_count = (uint32_t)weld->vertex_count,
+                         .triangle_count = (uint32_t)(weld->index_count / 3),
+                         .positions = weld->positions,
+                         .indices = weld->indices,
+                         .material = r->material};
         stp_part part = {.kind = STP_PART_MESH};
         if (result == STP_OK) {
-            w->positions = NULL;
-            w->indices = NULL;
+            weld->positions = NULL;
+            weld->indices = NULL;
             result = stp_scene_add_mesh(scene, &mesh, &part.index);
         }
         if (result == STP_OK) {
             result = stp_scene_add_part(scene, part);
         }
     }
-    stp_lookup_destroy(&w->corners);
-    stp_free(w->context, w->positions);
-    stp_free(w->context, w->indices);
-    w->positions = NULL;
-    w->indices = NULL;
-    w->vertex_count = w->vertex_capacity = w->index_count = w->index_capacity = 0;
+    stp_weld_clear(weld);
     return result;
 }
 
-static stp_result read_binary(welder* w, size_t facet_count)
+static stp_result read_binary(reader* r, size_t facet_count)
 {
-    const unsigned char* facet = w->import->file.bytes + HEADER_SIZE;
+    const unsigned char* facets = r->import->file.bytes + HEADER_SIZE;
     if (facet_count >= STP_NONE / 3) {
-        return stp_fail(w->context, STP_ERROR_LIMIT, "%s: has more than 2^32 corners",
-                        w->import->path);
+        return stp_fail(r->context, STP_ERROR_LIMIT, "%s: has more than 2^32 corners",
+                        r->import->path);
     }
-    for (size_t i = 0; i < facet_count; ++i, facet += FACET_SIZE) {
-        for (size_t corner = 0; corner < 3; ++corner) {
-            const unsigned char* bytes = facet + 12 + 12 * corner; // the normal comes first
-            stp_vec3 p = {stp_read_f32(bytes), stp_read_f32(bytes + 4), stp_read_f32(bytes + 8)};
-            stp_result result = stp_is_finite(p) ? add_corner(w, p) : fail_facet(w, i);
-            if (result != STP_OK) {
-                return result;
-            }
-        }
+    stp_result result = stp_weld_begin(&r->weld, facets, facet_count);
+    for (size_t i = 0; result == STP_OK && i < 3 * facet_count; ++i) {
+        stp_vec3 p = stp_stl_corner(facets, i);
+        result = stp_is_finite(p) ? stp_weld_add(&r->weld, p) : fail_facet(r, i / 3);
     }
-    return end_solid(w, NULL);
+    return result == STP_OK ? end_solid(r, NULL) : result;
 }
 
-static stp_result fail_line(const welder* w, stp_text text, stp_text at, const char* what)
+static stp_result fail_line(const reader* r, stp_text at, bool in_tail, const char* what)
 {
-    return stp_fail(w->context, STP_ERROR_FORMAT, "%s: line %llu: %s", w->import->path,
-                    (unsigned long long)stp_line_number(text, (size_t)(at - text)), what);
+    stp_text bytes = r->import->file.bytes;
+    size_t offset = in_tail ? r->tail_at + (size_t)(at - r->tail) : (size_t)(at - bytes);
+    return stp_fail(r->context, STP_ERROR_FORMAT, "%s: line %llu: %s", r->import->path,
+                    (unsigned long long)stp_line_number(bytes, offset), what);
 }
 
-static stp_result read_vertex(welder* w, stp_text text, stp_text at)
+static stp_result read_vertex(reader* r, stp_text at, bool in_tail)
 {
     double n[3];
     stp_text next = at;
@@ -133,20 +99,20 @@ static stp_result read_vertex(welder* w, stp_text text, stp_text at)
         next = stp_read_number(next, &n[i]);
     }
     if (next == NULL) {
-        return fail_line(w, text, at, "a vertex has three numbers");
+        return fail_line(r, at, in_tail, "a vertex has three numbers");
     }
-    stp_vec3 p = {(float)n[0], (float)n[1], (float)n[2]};
+    stp_vec3 p = {(float)n[0] + 0.0f, (float)n[1] + 0.0f, (float)n[2] + 0.0f}; // -0 becomes 0
     if (!stp_is_finite(p)) {
-        return fail_line(w, text, at, "the numbers of a vertex are finite");
+        return fail_line(r, at, in_tail, "the numbers of a vertex are finite");
     }
-    if (w->index_count >= STP_NONE) {
-        return stp_fail(w->context, STP_ERROR_LIMIT, "%s: has more than 2^32 corners",
-                        w->import->path);
+    if (r->weld.index_count >= STP_NONE - 1) {
+        return stp_fail(r->context, STP_ERROR_LIMIT, "%s: has more than 2^32 corners",
+                        r->import->path);
     }
-    return add_corner(w, p);
+    return stp_weld_add(&r->weld, p);
 }
 
-static stp_result copy_name(const welder* w, stp_text at, const char** name)
+static stp_result copy_name(const reader* r, stp_text at, const char** name)
 {
     at = stp_skip_blanks(at);
     stp_text end = at;
@@ -158,62 +124,76 @@ static stp_result copy_name(const welder* w, stp_text at, const char** name)
         return STP_OK;
     }
     size_t length = end - at < 4096 ? (size_t)(end - at) : 4096;
-    *name = stp_arena_copy_text(&w->import->scene->text, (const char*)at, length);
-    return *name != NULL ? STP_OK : stp_fail_memory(w->context);
+    *name = stp_arena_copy_text(&r->import->scene->text, (const char*)at, length);
+    return *name != NULL ? STP_OK : stp_fail_memory(r->context);
 }
 
 // Only "solid", "vertex" and what ends a facet or a solid matter.
-static stp_result read_lines(welder* w, stp_text text, stp_text end)
+static stp_result read_line(reader* r, stp_text at, bool in_tail)
 {
-    const char* name = NULL;
-    size_t facet_start = 0;
-    stp_result result = STP_OK;
-    for (stp_text at = text; at < end && result == STP_OK;) {
-        stp_text word = stp_skip_blanks(at);
-        stp_text next = stp_skip_word(word);
-        if (stp_word_is(word, next, "vertex")) {
-            result = read_vertex(w, text, next);
-        } else if (stp_word_is(word, next, "endfacet") || stp_word_is(word, next, "endloop")) {
-            size_t corners = w->index_count - facet_start;
-            result = corners == 3 || corners == 0
-                         ? STP_OK
-                         : fail_line(w, text, word, "a facet has three vertices");
-            facet_start = w->index_count;
-        } else if (stp_word_is(word, next, "solid")) {
-            result = end_solid(w, name);
-            facet_start = 0;
-            if (result == STP_OK) {
-                result = copy_name(w, next, &name);
-            }
-        }
-        at = (stp_text)memchr(next, '\n', (size_t)(end - next)) + 1;
+    stp_text word = stp_skip_blanks(at);
+    stp_text next = stp_skip_word(word);
+    if (stp_word_is(word, next, "vertex")) {
+        return read_vertex(r, next, in_tail);
     }
-    if (result == STP_OK && w->index_count != facet_start) {
-        return stp_fail(w->context, STP_ERROR_TRUNCATED, "%s: ends within a facet",
-                        w->import->path);
+    if (stp_word_is(word, next, "endfacet") || stp_word_is(word, next, "endloop")) {
+        size_t corners = r->weld.index_count - r->facet_start;
+        r->facet_start = r->weld.index_count;
+        return corners == 3 || corners == 0
+                   ? STP_OK
+                   : fail_line(r, word, in_tail, "a facet has three vertices");
     }
-    return result == STP_OK ? end_solid(w, name) : result;
+    if (stp_word_is(word, next, "solid")) {
+        stp_result result = end_solid(r, r->name);
+        r->facet_start = 0;
+        return result != STP_OK ? result : copy_name(r, next, &r->name);
+    }
+    return STP_OK;
 }
 
-static stp_result read_ascii(welder* w)
+static stp_result read_lines(reader* r, stp_text at, stp_text end, bool in_tail)
 {
-    size_t size = w->import->file.size;
-    unsigned char* text = stp_alloc(w->context, size + 1);
-    if (text == NULL) {
-        return stp_fail_memory(w->context);
+    stp_result result = STP_OK;
+    while (at < end && result == STP_OK) {
+        result = read_line(r, at, in_tail);
+        at = (stp_text)memchr(at, '\n', (size_t)(end - at)) + 1;
     }
-    memcpy(text, w->import->file.bytes, size);
-    text[size] = '\n';
-    stp_result result = read_lines(w, text, text + size + 1);
-    stp_free(w->context, text);
     return result;
+}
+
+// The text is read where it lies; only a last line without an end is copied, to be given one.
+static stp_result read_ascii(reader* r)
+{
+    stp_text bytes = r->import->file.bytes;
+    size_t size = r->import->file.size, whole = size;
+    while (whole > 0 && bytes[whole - 1] != '\n') {
+        whole -= 1;
+    }
+    unsigned char* tail = stp_alloc(r->context, size - whole + 1);
+    if (tail == NULL) {
+        return stp_fail_memory(r->context);
+    }
+    memcpy(tail, bytes + whole, size - whole);
+    tail[size - whole] = '\n';
+    r->tail = tail;
+    r->tail_at = whole;
+    stp_result result = read_lines(r, bytes, bytes + whole, false);
+    if (result == STP_OK) {
+        result = read_lines(r, tail, tail + (size - whole) + 1, true);
+    }
+    stp_free(r->context, tail);
+    if (result == STP_OK && r->weld.index_count != r->facet_start) {
+        return stp_fail(r->context, STP_ERROR_TRUNCATED, "%s: ends within a facet",
+                        r->import->path);
+    }
+    return result == STP_OK ? end_solid(r, r->name) : result;
 }
 
 // Whether the size is what the count of facets makes it.
 static bool is_binary(const unsigned char* bytes, size_t size)
 {
-    return size >= HEADER_SIZE && (size - HEADER_SIZE) % FACET_SIZE == 0 &&
-           (size - HEADER_SIZE) / FACET_SIZE == stp_read_u32(bytes + 80);
+    return size >= HEADER_SIZE && (size - HEADER_SIZE) % STP_STL_FACET_SIZE == 0 &&
+           (size - HEADER_SIZE) / STP_STL_FACET_SIZE == stp_read_u32(bytes + 80);
 }
 
 // "solid" begins a text, but also the header of many binary files: those have the size their count
@@ -251,42 +231,40 @@ static bool detect(const unsigned char* bytes, size_t size)
     return false; // a binary file says nothing but its size: the extension decides
 }
 
-static stp_result read_with(welder* w)
+static stp_result read_with(reader* r)
 {
-    const stp_mapped_file* file = &w->import->file;
+    const stp_mapped_file* file = &r->import->file;
     if (file->size != 0 && is_ascii(file->bytes, file->size)) {
-        return read_ascii(w);
+        return read_ascii(r);
     }
     if (file->size < HEADER_SIZE) {
-        return stp_fail(w->context, STP_ERROR_TRUNCATED,
-                        "%s: is shorter than the header of an STL file", w->import->path);
+        return stp_fail(r->context, STP_ERROR_TRUNCATED,
+                        "%s: is shorter than the header of an STL file", r->import->path);
     }
     uint64_t count = stp_read_u32(file->bytes + 80);
-    uint64_t held = (file->size - HEADER_SIZE) / FACET_SIZE;
+    uint64_t held = (file->size - HEADER_SIZE) / STP_STL_FACET_SIZE;
     if (count > held) {
-        return stp_fail(w->context, STP_ERROR_TRUNCATED,
-                        "%s: has %llu facets by its header, but ends after %llu", w->import->path,
+        return stp_fail(r->context, STP_ERROR_TRUNCATED,
+                        "%s: has %llu facets by its header, but ends after %llu", r->import->path,
                         (unsigned long long)count, (unsigned long long)held);
     }
     if (!is_binary(file->bytes, file->size)) {
-        stp_warn(w->context, "%s: has more bytes than the facets of its header take",
-                 w->import->path);
+        stp_warn(r->context, "%s: has more bytes than the facets of its header take",
+                 r->import->path);
     }
-    return read_binary(w, (size_t)count);
+    return read_binary(r, (size_t)count);
 }
 
 static stp_result read(stp_import* import)
 {
-    welder w = {.import = import,
+    reader r = {.import = import,
                 .context = import->context,
-                .corners = {.context = import->context},
+                .weld = {.context = import->context},
                 .material = STP_NONE};
     stp_import_default_axes(import, 'z');
     size_t objects = import->scene->part_count;
-    stp_result result = read_with(&w);
-    stp_lookup_destroy(&w.corners);
-    stp_free(w.context, w.positions);
-    stp_free(w.context, w.indices);
+    stp_result result = read_with(&r);
+    stp_weld_clear(&r.weld);
     if (result == STP_OK && import->scene->part_count == objects) {
         stp_warn(import->context, "%s: has no facets", import->path);
     }
