@@ -499,6 +499,14 @@ static stp_result read_scene(reader* r)
     return take_u32(r, &end) && end == STP_ASSIMP_END ? STP_OK : fail_stream(r, "an end");
 }
 
+stp_result stp_assimp_fail_memory(const stp_import* import)
+{
+    return stp_fail(import->context, STP_ERROR_OUT_OF_MEMORY,
+                    "%s: out of memory: the %llu bytes that assimp may use to read it do not "
+                    "suffice: give a higher limit (--memory)",
+                    import->path, (unsigned long long)stp_assimp_memory_limit(import));
+}
+
 // assimp's reason, on one line.
 static stp_result fail_as_told(reader* r)
 {
@@ -513,6 +521,9 @@ static stp_result fail_as_told(reader* r)
         unsigned char c = (unsigned char)told[length];
         reason[length] = c < 0x20 ? ' ' : (char)c;
         reason[length + 1] = '\0';
+    }
+    if (strstr(reason, "bad_alloc") != NULL) {
+        return stp_assimp_fail_memory(r->import);
     }
     return stp_fail(r->context, STP_ERROR_FORMAT, "%s: assimp cannot read it: %s", r->import->path,
                     reason);

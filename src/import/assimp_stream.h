@@ -52,9 +52,19 @@ typedef struct stp_assimp_mesh {
 } stp_assimp_mesh;
 
 /// Adds what a stream holds to the scene. @return STP_OK; STP_ERROR_FORMAT where assimp failed, or where the
-/// stream is not sound; STP_ERROR_OUT_OF_MEMORY (each logged)
+/// stream is not sound; STP_ERROR_OUT_OF_MEMORY, also where assimp had too little (each logged)
 STP_MUST_USE stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes,
                                                size_t size);
+
+/// The address space that the child may use beyond what it inherits.
+static inline uint64_t stp_assimp_memory_limit(const stp_import* import)
+{
+    uint64_t asked = import->desc.helper_memory_bytes;
+    return asked != 0 ? asked : (uint64_t)4 << 30;
+}
+
+/// Says that this does not suffice. @return STP_ERROR_OUT_OF_MEMORY (logged)
+stp_result stp_assimp_fail_memory(const stp_import* import);
 
 /// What the child does: imports `path` (or the bytes, where `bytes` is not NULL, of a file called `path`) and
 /// writes the stream to `descriptor`. Uses no context: locks of other threads may be held for good in a

@@ -26,7 +26,6 @@
 #include <sys/prctl.h>
 #endif
 
-#define DEFAULT_MEMORY ((uint64_t)4 << 30)
 #define DEFAULT_SECONDS 600
 #define READ_SIZE ((size_t)1 << 20)
 #define POLL_MS 100
@@ -149,8 +148,7 @@ static stp_result receive(helper* h, bool* ended)
     *ended = count == 0;
     h->size += count > 0 ? (size_t)count : 0;
     if (h->size > h->memory_limit) {
-        return stp_fail(h->context, STP_ERROR_LIMIT, "%s: assimp makes more of it than %llu bytes",
-                        h->import->path, (unsigned long long)h->memory_limit);
+        return stp_assimp_fail_memory(h->import);
     }
     return STP_OK;
 }
@@ -242,8 +240,7 @@ static stp_result read_foreign(stp_import* import)
     const stp_import_desc* desc = &import->desc;
     helper h = {.import = import,
                 .context = import->context,
-                .memory_limit =
-                    desc->helper_memory_bytes != 0 ? desc->helper_memory_bytes : DEFAULT_MEMORY,
+                .memory_limit = stp_assimp_memory_limit(import),
                 .seconds = desc->helper_seconds != 0 ? desc->helper_seconds : DEFAULT_SECONDS};
     stp_result result = run_helper(&h);
     if (result == STP_OK) {

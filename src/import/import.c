@@ -142,8 +142,20 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
     return result;
 }
 
+// What the build writes is no input: it begins like no format that is one (docs/format.md).
+static bool is_built(const stp_mapped_file* file)
+{
+    static const unsigned char magic[8] = {0x89, 'S', 'T', 'P', '\r', '\n', 0x1a, '\n'};
+    return file->size >= sizeof(magic) && memcmp(file->bytes, magic, sizeof(magic)) == 0;
+}
+
 static stp_result import_mapped(stp_import* import)
 {
+    if (is_built(&import->file)) {
+        return stp_fail(import->context, STP_ERROR_UNSUPPORTED,
+                        "%s: is built already: give the models that it was built from",
+                        import->path);
+    }
     const stp_importer* importer = find_importer(import->path, &import->file);
     if (importer == NULL) {
         return stp_fail(import->context, STP_ERROR_UNSUPPORTED,

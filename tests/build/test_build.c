@@ -379,6 +379,22 @@ void test_several_inputs_make_one_scene(test_state* test)
     close_workshop(&w);
 }
 
+void test_built_files_are_not_built_again(test_state* test)
+{
+    workshop w;
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL && open_workshop(&w, 4));
+    CHECK_EQUAL(STP_OK, build_to(context, &w, w.output, 0, NULL));
+    CHECK(rename(w.output, w.model) == 0); // its content tells
+    CHECK_EQUAL(STP_ERROR_UNSUPPORTED, build_to(context, &w, w.output, 0, NULL));
+    CHECK_EQUAL(1, log.errors);
+    CHECK(strstr(log.text, w.model) != NULL && strstr(log.text, "is built already") != NULL);
+    stp_context_destroy(context);
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w));
+}
+
 void test_shadings_are_exact_up_to_256(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);

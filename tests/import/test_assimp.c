@@ -146,8 +146,11 @@ void test_assimp_memory_is_limited(test_state* test)
     stp_scene* scene;
     CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
     stp_import_desc desc = {.helper_memory_bytes = (uint64_t)256 << 20, .helper_seconds = 20};
-    CHECK(stp_import_memory(scene, "a.off", text, strlen(text), &desc) != STP_OK);
+    CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY,
+                stp_import_memory(scene, "a.off", text, strlen(text), &desc));
     CHECK_EQUAL(1, log.errors);
+    CHECK(strstr(log.text, "a.off") != NULL && strstr(log.text, "--memory") != NULL);
+    CHECK(strstr(log.text, "268435456") != NULL); // what it had
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
