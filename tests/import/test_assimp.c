@@ -146,11 +146,14 @@ void test_assimp_memory_is_limited(test_state* test)
     stp_scene* scene;
     CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
     stp_import_desc desc = {.helper_memory_bytes = (uint64_t)256 << 20, .helper_seconds = 20};
-    CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY,
-                stp_import_memory(scene, "a.off", text, strlen(text), &desc));
+    stp_result result = stp_import_memory(scene, "a.off", text, strlen(text), &desc);
+    CHECK(result != STP_OK);
     CHECK_EQUAL(1, log.errors);
-    CHECK(strstr(log.text, "a.off") != NULL && strstr(log.text, "--memory") != NULL);
-    CHECK(strstr(log.text, "268435456") != NULL); // what it had
+    if (strstr(log.text, "gave up") == NULL) { // a sanitizer's allocator ends the child
+        CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY, result);
+        CHECK(strstr(log.text, "a.off") != NULL && strstr(log.text, "--memory") != NULL);
+        CHECK(strstr(log.text, "268435456") != NULL); // what it had
+    }
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
@@ -363,6 +366,31 @@ void test_assimp_stream(test_state* test)
     CHECK(scene->views[0].eye.y == 9.0); // z up was turned
     stp_scene_destroy(scene);
     stp_context_destroy(context);
+}
+
+void test_assimp_stream_tells_of_too_little_memory(test_state* test)
+{
+    static const struct {
+        const char* reason;
+        stp_result result;
+        const char* says;
+    } cases[] = {{"std::bad_alloc", STP_ERROR_OUT_OF_MEMORY, "--memory"},
+                 {"no bones", STP_ERROR_FORMAT, "assimp cannot read it: no bones"}};
+    for (size_t i = 0; i < 2; ++i) {
+        static stream s;
+        s.size = 0;
+        put_u32(&s, STP_ASSIMP_MAGIC);
+        put_u32(&s, STP_ASSIMP_FAILED);
+        put_text(&s, cases[i].reason);
+        test_log log = {0};
+        stp_context* context = test_context(NULL, 1, &log);
+        stp_result result;
+        stp_scene* scene = read_stream(context, s.bytes, s.size, &result);
+        CHECK(scene == NULL && log.errors == 1);
+        CHECK_EQUAL(cases[i].result, result);
+        CHECK(strstr(log.text, cases[i].says) != NULL);
+        stp_context_destroy(context);
+    }
 }
 
 void test_assimp_stream_is_not_trusted(test_state* test)
