@@ -192,6 +192,20 @@ static inline double stp_affine_determinant(const stp_affine* a)
            a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
 }
 
+/// The longest that a unit vector becomes, or somewhat more.
+static inline double stp_affine_scale(const stp_affine* a)
+{
+    // the largest column is exact for rotations and uniform scales, and the norm bounds it in between
+    double column = 0.0, sum = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        double square = a->m[0][c] * a->m[0][c] + a->m[1][c] * a->m[1][c] + a->m[2][c] * a->m[2][c];
+        column = square > column ? square : column;
+        sum += square;
+    }
+    bool uniform = sum <= 3.0 * column * (1.0 + 1e-9) && sum >= 3.0 * column * (1.0 - 1e-9);
+    return sqrt(uniform ? column : sum);
+}
+
 /// The matrix that turns normals with the surface: the cofactors of the linear part, which need no division
 /// and keep the side where the map mirrors. Results are not of unit length.
 static inline void stp_affine_normal_matrix(const stp_affine* a, double out[3][3])

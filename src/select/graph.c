@@ -39,7 +39,7 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         const stp_store_edge* edge = &s->directory->edges[node->first_edge + i];
         double below = (double)graph->margins[edge->node];
-        margin = above(below * stp_select_scale(&edge->transform), margin);
+        margin = above(below * stp_affine_scale(&edge->transform), margin);
     }
     return margin * (1.0 + 1e-6);
 }

@@ -32,7 +32,7 @@ stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at, const s
         return STP_OK; // as many as were asked for, be they seen or not: their radius is anything
     }
     double reach =
-        (double)s->graph->margins[at->node] * stp_select_scale(&at->transform) * (1.0 + 1e-6);
+        (double)s->graph->margins[at->node] * stp_affine_scale(&at->transform) * (1.0 + 1e-6);
     stp_vec3d margin = {reach, reach, reach};
     stp_boxd wider = {stp_subd(box->min, margin), stp_addd(box->max, margin)};
     *hidden = true;

@@ -3,19 +3,6 @@
 #include "base/prefix_table.h"
 #include "select/select_internal.h"
 
-double stp_select_scale(const stp_affine* a)
-{
-    // the largest column is exact for rotations and uniform scales, and the norm bounds it in between
-    double column = 0.0, sum = 0.0;
-    for (int c = 0; c < 3; ++c) {
-        double square = a->m[0][c] * a->m[0][c] + a->m[1][c] * a->m[1][c] + a->m[2][c] * a->m[2][c];
-        column = square > column ? square : column;
-        sum += square;
-    }
-    bool uniform = sum <= 3.0 * column * (1.0 + 1e-9) && sum >= 3.0 * column * (1.0 - 1e-9);
-    return sqrt(uniform ? column : sum);
-}
-
 /// Whether the surfels are all that is in a node: points have no size but theirs.
 static bool is_cloud(const stp_store_node* node, const stp_surfels* surfels)
 {
@@ -108,7 +95,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
     }
     double pixel = stp_view_frame_pixel_size(&s->frames[0], 1.0);
     double per_depth = 0.5 * sight->splat_size * pixel; // r = s d_p / 2
-    per_depth /= stp_select_scale(&at->transform);
+    per_depth /= stp_affine_scale(&at->transform);
     if (sight->is_inside && !cloud) {
         return use;
     }

@@ -73,7 +73,7 @@ bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_selec
 static void want_set(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                      uint32_t octaves)
 {
-    double scale = stp_select_scale(&at->transform);
+    double scale = stp_affine_scale(&at->transform);
     add_want(s, (stp_want){.kind = STP_RESIDENT_SURFELS,
                            .index = s->directory->nodes[at->node].surfels,
                            .octaves = octaves,
@@ -90,7 +90,7 @@ void stp_select_cover(const stp_selection* s, const stp_surfels* surfels, const 
                       stp_select_entry* at)
 {
     double reach = fmax(radius_of(surfels, surfels->count), (double)surfels->candidate_radius);
-    at->covered = reach * stp_select_scale(&at->transform);
+    at->covered = reach * stp_affine_scale(&at->transform);
     // Where a set is far from enough, its finest octaves, which are most of it, need not come first.
     at->eager = fmin(fmax((double)find_need(s, sight, at->covered), 1.0), EAGER_MOST);
 }
@@ -100,7 +100,7 @@ static bool stands_in(const stp_surfels* surfels, uint32_t here, const stp_selec
 {
     return here > 0 &&
            (here >= surfels->count ||
-            radius_of(surfels, here) * stp_select_scale(&at->transform) <= at->covered * ROUNDED);
+            radius_of(surfels, here) * stp_affine_scale(&at->transform) <= at->covered * ROUNDED);
 }
 
 /// The octaves that cover as well as what covers above.

@@ -76,9 +76,6 @@ typedef struct stp_set_use {
     bool limited;        ///< to what is resident: splats are larger than wanted
 } stp_set_use;
 
-/// The longest that a unit vector becomes.
-double stp_select_scale(const stp_affine* transform);
-
 /// @return whether any eye may see some of the box
 bool stp_select_see(const stp_selection* s, const stp_boxd* box, stp_sight* sight);
 

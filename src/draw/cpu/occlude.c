@@ -55,19 +55,6 @@ bool cpu_is_any_late(const cpu_renderer* r)
     return any;
 }
 
-/// The longest that a unit vector becomes, or more.
-static double find_scale(const stp_affine* a)
-{
-    double column = 0.0, sum = 0.0;
-    for (int c = 0; c < 3; ++c) {
-        double square = a->m[0][c] * a->m[0][c] + a->m[1][c] * a->m[1][c] + a->m[2][c] * a->m[2][c];
-        column = fmax(column, square);
-        sum += square;
-    }
-    bool uniform = fabs(sum - 3.0 * column) <= 1e-9 * sum;
-    return sqrt(uniform ? column : sum);
-}
-
 /// The finest level of which splats up to twice the list's size touch few blocks.
 static uint32_t choose_level(const cpu_renderer* r)
 {
@@ -103,7 +90,7 @@ void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_it
         .width = (float)p->frame.width,
         .height = (float)p->frame.height,
         .pixel_scale = (float)p->frame.scale,
-        .scale = (float)find_scale(&draw->transform),
+        .scale = (float)stp_affine_scale(&draw->transform),
         .corner = (float)p->frame.corner,
         .near_distance = (float)p->frame.near_distance,
         .behind = (float)(behind * (1.0 + 1e-5)),
