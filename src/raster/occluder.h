@@ -10,7 +10,7 @@ enum { STP_RASTER_OCCLUDER_BLOCKS = 4 }; ///< what touches more of them a side i
 
 typedef struct stp_raster_occluder {
     const float* nearness; ///< the least of each block, row by row; 0: background shows
-    uint32_t columns, rows;
+    uint32_t columns;
     uint32_t shift;      ///< a block is 2^shift pixels a side
     float width, height; ///< of the picture, pixels
     float matrix[3][4];  ///< object space to X, Y, W: pixel = X / W, Y / W; W is depth

@@ -3,17 +3,10 @@
 set -u
 stipple=$1
 scratch=$2
+. "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 rm -rf ./*
 command -v python3 > /dev/null || exit 77
-failures=0
-
-fail()
-{
-    echo "FAIL: $*" >&2
-    failures=$((failures + 1))
-}
-
 # run CODE COMMAND ARGUMENTS...: stdout to out, stderr to err
 run()
 {

@@ -3,16 +3,9 @@
 set -u
 stipple=$1
 scratch=$2
+. "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
-failures=0
-
-fail()
-{
-    echo "FAIL: $*" >&2
-    failures=$((failures + 1))
-}
-
 python3 - << 'END' || exit 1
 import struct, zlib
 

@@ -4,15 +4,9 @@ set -u
 stipple=$1
 scratch=$2
 rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
-failures=0
-
-fail()
-{
-    echo "FAIL: $*" >&2
-    failures=$((failures + 1))
-}
 
 # refused COMMAND WORD ARGUMENTS...: exits with 2 and one sentence that has WORD
 refused()

@@ -5,16 +5,10 @@ stipple=$1
 scratch=$2
 source=$3
 rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
 export XDG_CACHE_HOME=$PWD/cache
-failures=0
-
-fail()
-{
-    echo "FAIL: $*" >&2
-    failures=$((failures + 1))
-}
 
 # refused CODE WORD ARGUMENTS...: exits with CODE and one sentence that has WORD; `programs` is its PATH
 refused()

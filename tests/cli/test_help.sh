@@ -3,15 +3,8 @@
 set -u
 stipple=$1
 scratch=$2
+. "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
-failures=0
-
-fail()
-{
-    echo "FAIL: $*" >&2
-    failures=$((failures + 1))
-}
-
 # a page without warnings, under whichever formatter is here
 check_page()
 {

@@ -15,7 +15,6 @@ import sys
 stipple = sys.argv[1]
 MEGABYTE = 1 << 20
 
-
 def write_sheet(name, size):
     """A wavy sheet of 2 * size * size triangles."""
     with open(name, "w") as file:
@@ -27,11 +26,9 @@ def write_sheet(name, size):
                 a = y * (size + 1) + x + 1
                 file.write(f"f {a} {a + size + 1} {a + 1}\nf {a + 1} {a + size + 1} {a + size + 2}\n")
 
-
 def build(output, *options):
     return subprocess.run([stipple, "build", "sheet.obj", "-o", output, "--surfels", "3000", "--json", *options],
                           capture_output=True, text=True)
-
 
 write_sheet("sheet.obj", 90)
 done = build("expected.stip", "--threads", "1")

@@ -15,7 +15,6 @@ import zlib
 
 stipple = sys.argv[1]
 
-
 def write_sheet(name, size):
     """A wavy sheet of 2 * size * size triangles, in nine parts."""
     with open(name, "w") as file:
@@ -29,10 +28,8 @@ def write_sheet(name, size):
                     a = y * (size + 1) + x + 1
                     file.write(f"f {a} {a + size + 1} {a + 1}\nf {a + 1} {a + size + 1} {a + size + 2}\n")
 
-
 def run(*options):
     return subprocess.run([stipple, *options], capture_output=True, text=True)
-
 
 def read_alpha(name):
     """The alpha of each pixel of an RGBA PNG, by rows."""
@@ -63,7 +60,6 @@ def read_alpha(name):
         rows += row[3::4]
         before = row
     return rows
-
 
 write_sheet("sheet.obj", 150)
 assert run("build", "sheet.obj", "-o", "sheet.stip", "-q").returncode == 0

@@ -20,7 +20,6 @@ import sys
 stipple, source = sys.argv[1:3]
 ROWS, COLUMNS = 24, 36
 
-
 def write_part(seed, stretch):
     """Positions and indices of a dented ball: about 1,700 triangles."""
     noise = random.Random(seed)
@@ -36,7 +35,6 @@ def write_part(seed, stretch):
                 k = row * (COLUMNS + 1) + column
                 indices += [k, k + 1, k + COLUMNS + 1, k + 1, k + COLUMNS + 2, k + COLUMNS + 1]
     return positions, indices
-
 
 def write_assembly(name, changed=None):
     """Four groups of four parts each, in the corners of a square; part `changed` is another one."""
@@ -65,10 +63,8 @@ def write_assembly(name, changed=None):
                "accessors": accessors, "bufferViews": views,
                "buffers": [{"uri": f"{name}.bin", "byteLength": len(binary)}]}, open(f"{name}.gltf", "w"))
 
-
 def command(output, model="model", *options):
     return [stipple, "build", f"{model}.gltf", "-o", output, "--json", "--surfels", "300", *options]
-
 
 def build(output, model="model", *options):
     done = subprocess.run(command(output, model, *options), capture_output=True, text=True)
@@ -76,10 +72,8 @@ def build(output, model="model", *options):
     assert not os.path.exists(f"{output}.work"), os.listdir(f"{output}.work")
     return json.loads(done.stdout)["unchanged"]
 
-
 def read(name):
     return open(name, "rb").read()
-
 
 def stop_at(stage, fraction, output, end):
     """Starts a build and sends `end` once it reports the stage; the process, or None where it was too fast."""
@@ -92,7 +86,6 @@ def stop_at(stage, fraction, output, end):
             break
     return process
 
-
 def fails(output, *, where, **how):
     """A build that ends with one sentence about `where`."""
     done = subprocess.run(command(output), capture_output=True, text=True, **how)
@@ -100,7 +93,6 @@ def fails(output, *, where, **how):
     lines = done.stderr.splitlines()
     assert len(lines) == 1 and lines[0].startswith("stipple: ") and where in lines[0], done.stderr
     return lines[0]
-
 
 write_assembly("model")
 write_assembly("changed", changed=6)
@@ -150,14 +142,12 @@ process.communicate()
 assert process.returncode == 0 and read("out.stip") == expected
 os.remove("out.stip")
 
-
 # a disk that is full: files end after so many bytes
 def limit_files(size):
     def apply():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
     return apply
-
 
 kept_before = 0
 for size in (2000, 50000, len(expected) // 2, len(expected) - 1):

@@ -83,7 +83,6 @@ static void make_scene(hidden_scene* s, uint64_t seed, double radius, float pixe
     }
     s->occluder = (stp_raster_occluder){.nearness = s->blocks,
                                         .columns = COLUMNS,
-                                        .rows = ROWS,
                                         .shift = 3,
                                         .width = WIDTH,
                                         .height = HEIGHT,

@@ -85,7 +85,6 @@ void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_it
     item->occluder = (stp_raster_occluder){
         .nearness = p->levels[level],
         .columns = p->columns[level],
-        .rows = p->rows[level],
         .shift = FIRST_SHIFT + level,
         .width = (float)p->frame.width,
         .height = (float)p->frame.height,
