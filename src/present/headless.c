@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include "present/headless.h"
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/glcorearb.h>
+#include <dlfcn.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#define EGL_FUNCTIONS(X)                                                                           \
+    X(PFNEGLGETPROCADDRESSPROC, eglGetProcAddress)                                                 \
+    X(PFNEGLINITIALIZEPROC, eglInitialize)                                                         \
+    X(PFNEGLTERMINATEPROC, eglTerminate)                                                           \
+    X(PFNEGLBINDAPIPROC, eglBindAPI)                                                               \
+    X(PFNEGLCREATECONTEXTPROC, eglCreateContext)                                                   \
+    X(PFNEGLDESTROYCONTEXTPROC, eglDestroyContext)                                                 \
+    X(PFNEGLMAKECURRENTPROC, eglMakeCurrent)
+
+enum { DEVICES_MOST = 16 };
+
+typedef struct egl {
+#define X(type, name) type name;
+    EGL_FUNCTIONS(X)
+#undef X
+    PFNEGLGETPLATFORMDISPLAYEXTPROC get_display;
+    PFNEGLQUERYDEVICESEXTPROC query_devices; ///< NULL: devices cannot be listed
+} egl;
+
+static bool find_functions(void* library, egl* e)
+{
+#define X(type, name)                                                                              \
+    *(void**)&e->name = dlsym(library, #name);                                                     \
+    if (e->name == NULL) {                                                                         \
+        return false;                                                                              \
+    }
+    EGL_FUNCTIONS(X)
+#undef X
+    e->get_display =
+        (PFNEGLGETPLATFORMDISPLAYEXTPROC)e->eglGetProcAddress("eglGetPlatformDisplayEXT");
+    e->query_devices = (PFNEGLQUERYDEVICESEXTPROC)e->eglGetProcAddress("eglQueryDevicesEXT");
+    return e->get_display != NULL;
+}
+
+/// Whether a device's name is that of a program.
+static bool is_software_name(const char* name)
+{
+    static const char* const names[] = {"llvmpipe", "softpipe", "swrast", "SwiftShader",
+                                        "Software"};
+    bool software = false;
+    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); ++i) {
+        software = software || strstr(name, names[i]) != NULL;
+    }
+    return software;
+}
+
+static bool make_current(const egl* e, const stp_headless_desc* desc, stp_headless* headless)
+{
+    const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION,
+                             4,
+                             EGL_CONTEXT_MINOR_VERSION,
+                             5,
+                             EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                             EGL_CONTEXT_OPENGL_DEBUG,
+                             desc->debug ? EGL_TRUE : EGL_FALSE,
+                             EGL_NONE};
+    e->eglBindAPI(EGL_OPENGL_API);
+    headless->context =
+        e->eglCreateContext(headless->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted);
+    return headless->context != EGL_NO_CONTEXT &&
+           e->eglMakeCurrent(headless->display, EGL_NO_SURFACE, EGL_NO_SURFACE, headless->context);
+}
+
+static void let_go(const egl* e, stp_headless* headless)
+{
+    if (headless->display != EGL_NO_DISPLAY) {
+        e->eglMakeCurrent(headless->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        if (headless->context != EGL_NO_CONTEXT) {
+            e->eglDestroyContext(headless->display, headless->context);
+        }
+        e->eglTerminate(headless->display);
+    }
+    headless->display = EGL_NO_DISPLAY;
+    headless->context = EGL_NO_CONTEXT;
+}
+
+/// A context on one display, where it is of the kind wanted.
+static bool try_display(const egl* e, const stp_headless_desc* desc, EGLenum platform, void* native,
+                        stp_headless* headless)
+{
+    headless->display = e->get_display(platform, native, NULL);
+    if (headless->display == EGL_NO_DISPLAY || !e->eglInitialize(headless->display, NULL, NULL)) {
+        headless->display = EGL_NO_DISPLAY;
+        return false;
+    }
+    PFNGLGETSTRINGPROC get_string = (PFNGLGETSTRINGPROC)e->eglGetProcAddress("glGetString");
+    if (get_string == NULL || !make_current(e, desc, headless)) {
+        let_go(e, headless);
+        return false;
+    }
+    const GLubyte* name = get_string(GL_RENDERER);
+    snprintf(headless->device, sizeof(headless->device), "%s",
+             name != NULL ? (const char*)name : "");
+    headless->is_software = is_software_name(headless->device);
+    if ((desc->software && !headless->is_software) ||
+        (desc->only_hardware && headless->is_software)) {
+        let_go(e, headless);
+        return false;
+    }
+    return true;
+}
+
+/// The first device of hardware (or of software) that gives a context.
+static bool try_devices(const egl* e, const stp_headless_desc* desc, bool software,
+                        stp_headless* headless)
+{
+    EGLDeviceEXT devices[DEVICES_MOST];
+    EGLint count = 0;
+    stp_headless_desc kind = *desc;
+    kind.software = software;
+    kind.only_hardware = !software;
+    if (e->query_devices == NULL || !e->query_devices(DEVICES_MOST, devices, &count)) {
+        return false;
+    }
+    for (EGLint i = 0; i < count; ++i) {
+        if (try_display(e, &kind, EGL_PLATFORM_DEVICE_EXT, devices[i], headless)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+const char* stp_headless_create(const stp_headless_desc* desc, stp_headless* headless)
+{
+    egl e;
+    *headless = (stp_headless){0};
+    // never closed again: drivers do not survive being unloaded
+    headless->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (headless->library == NULL) {
+        return "there is no libEGL.so.1 (Debian: libegl1)";
+    }
+    if (!find_functions(headless->library, &e)) {
+        return "libEGL.so.1 lacks functions of EGL 1.5";
+    }
+    headless->get_proc_address = e.eglGetProcAddress;
+    bool made = !desc->software && try_devices(&e, desc, false, headless);
+    made =
+        made || try_display(&e, desc, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, headless);
+    made = made || (!desc->only_hardware && try_devices(&e, desc, true, headless));
+    if (made) {
+        return NULL;
+    }
+    return desc->only_hardware ? "no graphics processor gives OpenGL 4.5 without a window"
+                               : "no device gives OpenGL 4.5 without a window (Debian: "
+                                 "libgl1-mesa-dri draws on the processor)";
+}
+
+void stp_headless_destroy(stp_headless* headless)
+{
+    egl e;
+    if (headless->library != NULL && find_functions(headless->library, &e)) {
+        let_go(&e, headless);
+    }
+    *headless = (stp_headless){0};
+}
+
+void (*stp_headless_get_proc_address(const char* name, void* user))(void)
+{
+    const stp_headless* headless = user;
+    return headless->get_proc_address(name);
+}
