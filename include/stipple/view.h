@@ -9,6 +9,20 @@
 extern "C" {
 #endif
 
+enum { STP_SECTION_PLANES = 14 }; ///< eight, and the six of a box
+
+/// Where normal . p > distance nothing is drawn, in scene space.
+typedef struct stp_section_plane {
+    stp_vec3d normal; ///< of any length above 0
+    double distance;
+} stp_section_plane;
+
+/// What of a scene is cut away: what lies beyond any of the planes.
+typedef struct stp_sections {
+    uint32_t count;
+    stp_section_plane planes[STP_SECTION_PLANES];
+} stp_sections;
+
 /// A pinhole camera. Pixel (x, y) covers [x, x + 1) x [y, y + 1), y down; its centre is at + 0.5.
 typedef struct stp_view {
     stp_vec3d eye, target,
@@ -21,6 +35,7 @@ typedef struct stp_view {
     /// 0: one eye. Above 0: two eyes that look the same way, so far apart, `eye` in the middle; each has half the
     /// width, the left eye's half is on the left.
     double eye_distance;
+    stp_sections sections; ///< none, or planes that cut the scene open
 } stp_view;
 
 #ifdef __cplusplus

@@ -22,6 +22,7 @@ typedef struct stp_draw_style {
     stp_filter filter;
     float eye_dome;          ///< strength of eye-dome lighting; 0: none
     float ambient_occlusion; ///< reach of ambient occlusion, in heights of the picture; 0: none
+    float ghost; ///< the part of a ghost's pixels that is drawn, above 0 to 1; 0: a fifth
 } stp_draw_style;
 
 typedef struct stp_draw_stats {

@@ -134,6 +134,8 @@ stp_result stp_select_add_set(stp_selection* s, const stp_select_entry* at, cons
                           .prefix = (uint32_t)(part * (double)use->count),
                           .full_prefix = use->count,
                           .radius = (float)use->radius,
+                          .sections = at->sections,
+                          .ghost = at->shown == STP_SHOW_GHOST,
                           .transform = at->transform};
     bool flat = range.far < range.near * ONE_DEPTH;
     bool by_depth = use->per_depth > 0.0 && s->quality->policy == STP_POLICY_INSERTION;

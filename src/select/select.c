@@ -10,6 +10,7 @@ static stp_result begin(stp_selection* s, stp_context* context, const stp_store*
                          .store = store,
                          .directory = stp_store_get_directory(store),
                          .quality = quality,
+                         .sections = &view->sections,
                          .list = list,
                          .second_pass = second_pass};
     list->hidden_count = 0;
@@ -28,6 +29,11 @@ static stp_result begin(stp_selection* s, stp_context* context, const stp_store*
         return stp_fail(context, STP_ERROR_ARGUMENT,
                         "quality: radii of the fovea's zones must ascend and factors be above 0");
     }
+    if (!stp_sections_are_valid(&view->sections)) {
+        return stp_fail(context, STP_ERROR_ARGUMENT,
+                        "view: a section is a plane with a normal, and there are at most %d",
+                        STP_SECTION_PLANES);
+    }
     stp_result result = stp_select_begin_wants(s);
     return result != STP_OK || s->directory->root == STP_STORE_NONE ? result
                                                                     : stp_select_find_graph(s);
@@ -45,11 +51,14 @@ stp_result stp_select(stp_context* context, const stp_store* store, const stp_vi
     if (result != STP_OK || s.directory->root == STP_STORE_NONE) {
         return result;
     }
-    stp_select_entry root = {.node = s.directory->root,
-                             .ceiling = HUGE_VAL,
-                             .covered = HUGE_VAL,
-                             .eager = 1.0,
-                             .transform = stp_affine_identity()};
+    stp_select_entry root = {
+        .node = s.directory->root,
+        .sections = stp_sections_all(&view->sections),
+        .shown = quality->visibility != NULL ? stp_visibility_root(quality->visibility) : STP_SHOW,
+        .ceiling = HUGE_VAL,
+        .covered = HUGE_VAL,
+        .eager = 1.0,
+        .transform = stp_affine_identity()};
     result = stp_select_push(&s, &root);
     result = result != STP_OK ? result : stp_select_traverse(&s);
     list->first_pass_count = list->count;

@@ -9,6 +9,7 @@
 #include "select/depth_pyramid.h"
 #include "select/eyes.h"
 #include "select/fovea.h"
+#include "select/visibility.h"
 #include "store/residency.h"
 
 #include <stipple/view.h>
@@ -28,6 +29,8 @@ typedef struct stp_quality {
     /// NULL, or what hides from each eye of the view: nodes behind it for all that see them are left out. See
     /// stp_select_rejected.
     const stp_depth_pyramid* occlusion;
+    /// NULL: all is shown. Of the same store; while the list is in use it must not change.
+    const stp_visibility* visibility;
 } stp_quality;
 
 typedef enum stp_draw_kind { STP_DRAW_SURFELS, STP_DRAW_MESH, STP_DRAW_POINTS } stp_draw_kind;
@@ -47,6 +50,8 @@ typedef struct stp_draw_item {
     float pixel_radius;            ///< and so many pixels more; above 0 only where there are runs
     /// Mesh: nearer than fade_begin all triangles are drawn, beyond fade_end none (stp_draw_share). 0, 0: all.
     float fade_begin, fade_end;
+    uint32_t sections;    ///< bits of the view's planes that may cut it; 0: it lies inside them all
+    bool ghost;           ///< drawn in some of its pixels only (stp_draw_style.ghost)
     stp_affine transform; ///< to scene space
 } stp_draw_item;
 

@@ -2,6 +2,7 @@
 // What the parts of selection share: the state of a call, and what is decided of a node.
 #pragma once
 
+#include "select/sections.h"
 #include "select/select.h"
 
 /// Times the depth at which a node's surfels just suffice: up to there what is below it grows in.
@@ -15,9 +16,11 @@
 /// A node still to be looked at.
 typedef struct stp_select_entry {
     uint32_t node;
-    bool moving_only; ///< an ancestor's surfels stand for all that does not move
-    bool extra;       ///< an ancestor is drawn where it is nearest
-    double ceiling;   ///< beyond this depth an ancestor's surfels suffice
+    bool moving_only;  ///< an ancestor's surfels stand for all that does not move
+    bool extra;        ///< an ancestor is drawn where it is nearest
+    uint32_t sections; ///< bits of planes that may cut it
+    uint32_t shown;    ///< of the visibility
+    double ceiling;    ///< beyond this depth an ancestor's surfels suffice
     double
         covered;  ///< how well the nearest ancestor's set covers, scene units; infinite: none does
     double eager; ///< how much sooner what is below is loaded than what it covers with tells
@@ -41,6 +44,7 @@ typedef struct stp_selection {
     const stp_store* store;
     const stp_store_directory* directory;
     const stp_quality* quality;
+    const stp_sections* sections;
     stp_draw_list* list;
     const stp_select_graph* graph;
     stp_view_frame frames[STP_EYES_MOST]; ///< of each eye, with one gaze, scale and near plane

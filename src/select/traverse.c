@@ -71,9 +71,13 @@ stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part, const 
 }
 
 /// A node's own triangles or points, up to the depth where its surfels, or an ancestor's, suffice.
-static stp_result add_part(stp_selection* s, stp_store_part part, const stp_select_entry* at)
+static stp_result add_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
+                           uint32_t shown)
 {
-    stp_draw_item item = {.index = part.index, .transform = at->transform};
+    stp_draw_item item = {.index = part.index,
+                          .sections = at->sections,
+                          .ghost = shown == STP_SHOW_GHOST,
+                          .transform = at->transform};
     uint64_t count;
     if (part.kind == STP_STORE_PART_MESH) {
         const stp_store_mesh* mesh = stp_store_describe_mesh(s->store, part.index);
@@ -87,7 +91,8 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     }
     stp_boxd box = stp_select_part_box(s, part, &at->transform);
     stp_sight sight;
-    if (!stp_select_see(s, &box, &sight) ||
+    if (shown == STP_SHOW_NOT || !stp_select_see(s, &box, &sight) ||
+        !stp_sections_test(s->sections, &box, 0.0, &item.sections) ||
         !(stp_select_growth(at->ceiling, sight.range.near) > 0.0)) {
         return STP_OK;
     }
@@ -110,13 +115,22 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     return stp_select_add_item(s, item, count);
 }
 
+/// What is shown of an edge or part of a node.
+static uint32_t show_below(const stp_selection* s, const stp_select_entry* at, uint32_t slot)
+{
+    return stp_show_of(at->shown) == STP_SHOW_MIXED
+               ? stp_visibility_below(s->quality->visibility, at->shown, slot)
+               : at->shown;
+}
+
 static stp_result open_node(stp_selection* s, const stp_select_entry* at)
 {
     const stp_store_directory* directory = s->directory;
     const stp_store_node* node = &directory->nodes[at->node];
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < node->part_count && !at->moving_only && result == STP_OK; ++i) {
-        result = add_part(s, directory->parts[node->first_part + i], at);
+        result = add_part(s, directory->parts[node->first_part + i], at,
+                          show_below(s, at, node->edge_count + i));
     }
     for (uint32_t i = node->edge_count; i-- > 0 && result == STP_OK;) {
         const stp_store_edge* edge = &directory->edges[node->first_edge + i];
@@ -125,10 +139,24 @@ static stp_result open_node(stp_selection* s, const stp_select_entry* at)
         }
         stp_select_entry below = *at;
         below.node = edge->node;
+        below.shown = show_below(s, at, i);
         below.transform = stp_affine_multiply(at->transform, edge->transform);
         result = stp_select_push(s, &below);
     }
     return result;
+}
+
+/// Whether anything of a box is left by sections and by what is hidden.
+static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd* box)
+{
+    if (at->shown == STP_SHOW_NOT) {
+        return false;
+    }
+    if (at->sections == 0) {
+        return true;
+    }
+    double margin = (double)s->graph->margins[at->node] * stp_affine_scale(&at->transform);
+    return stp_sections_test(s->sections, box, margin, &at->sections);
 }
 
 static stp_result visit(stp_selection* s, stp_select_entry* at)
@@ -147,7 +175,7 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     s->list->node_count += 1;
     stp_boxd box = stp_select_place_box(&at->transform, &node->bounds);
     stp_sight sight;
-    if (!stp_select_see(s, &box, &sight)) {
+    if (!stp_select_see(s, &box, &sight) || !is_left(s, at, &box)) {
         return STP_OK;
     }
     double nearest = sight.range.near;
@@ -160,7 +188,9 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     if (result != STP_OK || hidden) {
         return result;
     }
-    if (!s->quality->reference && !at->moving_only && node->surfels != STP_STORE_NONE) {
+    bool shows_all = stp_show_of(at->shown) != STP_SHOW_MIXED; // else surfels show what is hidden
+    if (shows_all && !s->quality->reference && !at->moving_only &&
+        node->surfels != STP_STORE_NONE) {
         stp_set_use use = stp_select_use_set(s, at, &sight);
         result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
         if (use.count > 0 && result == STP_OK) {

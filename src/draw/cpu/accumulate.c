@@ -29,12 +29,23 @@ static bool is_same_vector(stp_vec3d a, stp_vec3d b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
+static bool are_same_sections(const stp_sections* a, const stp_sections* b)
+{
+    bool same = a->count == b->count;
+    for (uint32_t i = 0; same && i < a->count; ++i) {
+        same = is_same_vector(a->planes[i].normal, b->planes[i].normal) &&
+               a->planes[i].distance == b->planes[i].distance;
+    }
+    return same;
+}
+
 static bool is_same_view(const stp_view* a, const stp_view* b)
 {
     return is_same_vector(a->eye, b->eye) && is_same_vector(a->target, b->target) &&
            is_same_vector(a->up, b->up) && a->fov_degrees == b->fov_degrees &&
            a->ortho_height == b->ortho_height && a->near_distance == b->near_distance &&
-           a->eye_distance == b->eye_distance && a->width == b->width && a->height == b->height;
+           a->eye_distance == b->eye_distance && a->width == b->width && a->height == b->height &&
+           are_same_sections(&a->sections, &b->sections);
 }
 
 /// Of what is drawn: it changes with the quality, and with what of a scene is in memory.
@@ -44,7 +55,8 @@ static stp_hash hash_list(const stp_draw_list* list)
     for (size_t i = 0; i < list->count; ++i) {
         const stp_draw_item* item = &list->items[i];
         const uint32_t numbers[] = {(uint32_t)item->kind, item->index,     item->prefix,
-                                    item->full_prefix,    item->first_run, item->run_count};
+                                    item->full_prefix,    item->first_run, item->run_count,
+                                    item->ghost ? 1 : 0};
         const float sizes[] = {item->radius, item->pixel_radius, item->fade_begin, item->fade_end};
         hash = stp_hash_bytes(hash, numbers, sizeof(numbers));
         hash = stp_hash_bytes(hash, sizes, sizeof(sizes));
@@ -63,7 +75,7 @@ static bool is_same_style(const stp_draw_style* a, const stp_draw_style* b)
            a->headlight == b->headlight && a->background == b->background &&
            memcmp(a->background_color, b->background_color, sizeof(a->background_color)) == 0 &&
            a->filter == b->filter && a->eye_dome == b->eye_dome &&
-           a->ambient_occlusion == b->ambient_occlusion;
+           a->ambient_occlusion == b->ambient_occlusion && a->ghost == b->ghost;
 }
 
 void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,

@@ -69,7 +69,7 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch*
                             .triangle_count = b->triangle_count,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
                             .fragments = &worker->fragments};
-    if (cpu_item_needs_keep(item)) {
+    if (keep->cut_mask != 0 || cpu_item_needs_keep(item)) {
         keep->first_triangle = b->first_triangle;
         mesh.keep = cpu_keep_fragment;
         mesh.keep_user = keep;
@@ -138,16 +138,19 @@ bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     batch* b = stp_arena_alloc(&worker->scratch, sizeof(*b));
     cpu_keep_memory memory = {.triangle = UINT32_MAX};
-    cpu_keep keep = {.renderer = r, .item = item, .memory = &memory};
+    cpu_cuts cuts;
+    cpu_find_cuts(r, item, &cuts);
+    cpu_keep keep = {.renderer = r, .item = item, .memory = &memory, .cuts = &cuts};
     bounding_planes planes = make_planes(r, item);
     bool enough = b != NULL;
     for (uint32_t i = range->begin; enough && i < range->end;) {
         b->vertex_count = b->triangle_count = b->cluster_count = 0;
+        keep.cut_mask = 0;
         while (i < range->end && b->cluster_count < BATCH_CLUSTERS) {
             stp_box box = stp_clusters_bounds(&item->clusters, i);
             float share = stp_draw_share(item->draw, cpu_least_depth(item, box));
-            bool seen =
-                share > 0.0f && is_seen(r, item, &planes, box, 1u << (i - range->begin), range);
+            bool seen = share > 0.0f && !cpu_cuts_drop(&cuts, item, box, &keep.cut_mask) &&
+                        is_seen(r, item, &planes, box, 1u << (i - range->begin), range);
             if (!seen && b->cluster_count != 0) {
                 i += 1;
                 break; // ids of a batch follow each other

@@ -156,6 +156,7 @@ typedef struct cpu_renderer {
     // this frame
     stp_view_frame frame;
     const stp_draw_style* style;
+    const stp_sections* sections;
     double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
     double mesh_depth; ///< how far triangles are put behind their place, in sides of a pixel there
     uint32_t width, height;
@@ -245,12 +246,28 @@ typedef struct cpu_keep_memory {
     cpu_reader reader;
 } cpu_keep_memory;
 
-/// Whether a fragment of a cut-out or transparent material is there.
+/// The view's planes that may cut an item (stp_draw_item.sections), in its space minus `offset`.
+typedef struct cpu_cuts {
+    uint32_t count;
+    float rows[STP_SECTION_PLANES][4]; ///< cut away where row . (x, 1) > 0
+} cpu_cuts;
+
+void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts);
+/// Whether all of a box of the item's space is cut away. Adds the bits of the cuts that go through it to `mask`.
+bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint32_t* mask);
+/// Leaves of splats (by their centres) what is not cut away, and makes ghosts of those of a ghost: sets `wanted`
+/// and `coverages`, in the worker's scratch memory. @return false where memory runs out
+bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
+                    cpu_worker* worker);
+
+/// Whether a fragment of a cut-out or transparent material, or of what is cut or a ghost, is there.
 typedef struct cpu_keep {
     const cpu_renderer* renderer;
     const cpu_item* item;
     uint32_t first_triangle;
     cpu_keep_memory* memory;
+    const cpu_cuts* cuts;
+    uint32_t cut_mask; ///< bits of those that may cut what is drawn
 } cpu_keep;
 
 bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
@@ -262,6 +279,11 @@ static inline uint32_t cpu_sample_seed(const cpu_renderer* r, const cpu_item* it
 }
 
 bool cpu_item_needs_keep(const cpu_item* item);
+/// The part of a ghost's pixels that is drawn.
+static inline float cpu_ghost_share(const cpu_renderer* r)
+{
+    return r->style->ghost > 0.0f ? r->style->ghost : 0.2f;
+}
 
 stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,
                      const float weight[3]);

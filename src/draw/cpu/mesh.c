@@ -3,6 +3,8 @@
 #include "base/rng.h"
 #include "draw/cpu/cpu.h"
 
+enum { GHOST_SEED = 0x6057 }; // other pixels than those that an alpha leaves out
+
 stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,
                      const float weight[3])
 {
@@ -72,6 +74,9 @@ void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const fl
 bool cpu_item_needs_keep(const cpu_item* item)
 {
     const stp_store_material* material = item->material;
+    if (item->draw->ghost) {
+        return true;
+    }
     if (material->alpha == STP_STORE_OPAQUE) {
         return false;
     }
@@ -105,6 +110,23 @@ static void remember_triangle(const cpu_keep* keep, uint32_t index)
     }
 }
 
+/// Whether a point of a triangle is cut away.
+static bool is_cut(const cpu_keep* keep, const cpu_triangle* triangle, const float weight[3])
+{
+    float at[3];
+    for (int c = 0; c < 3; ++c) {
+        at[c] = weight[0] * triangle->position[0][c] + weight[1] * triangle->position[1][c] +
+                weight[2] * triangle->position[2][c];
+    }
+    for (uint32_t bits = keep->cut_mask; bits != 0; bits &= bits - 1) {
+        const float* row = keep->cuts->rows[__builtin_ctz(bits)];
+        if (row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3] > 0.0f) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
                        uint32_t x, uint32_t y)
 {
@@ -118,6 +140,15 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
     }
     const cpu_triangle* corners = &memory->reader.triangle;
     float weight[3] = {1.0f - weight1 - weight2, weight1, weight2};
+    uint64_t seed = (uint64_t)cpu_sample_seed(keep->renderer, item) << 32 | triangle;
+    if ((keep->cut_mask != 0 && is_cut(keep, corners, weight)) ||
+        (item->draw->ghost &&
+         noise(stp_rng_hash(seed, GHOST_SEED), x, y) >= cpu_ghost_share(keep->renderer))) {
+        return false;
+    }
+    if (material->alpha == STP_STORE_OPAQUE) {
+        return true;
+    }
     float alpha = material->base_color[3], footprint = 0.0f;
     if (item->base_color != NULL) {
         float depth = weight[0] * memory->w[0] + weight[1] * memory->w[1] +
@@ -129,7 +160,6 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
     if (corners->has_color) {
         alpha *= vertex_color(corners, weight, 3);
     }
-    uint64_t seed = (uint64_t)cpu_sample_seed(keep->renderer, item) << 32 | triangle;
     if (material->alpha == STP_STORE_BLEND) {
         return alpha >= 1.0f || alpha > noise(seed, x, y);
     }

@@ -51,7 +51,29 @@ static uint64_t draw_range(const cpu_renderer* r, const cpu_item* item,
     return stp_raster_draw_splats(target, 0, r->height, &item->camera, splats, item->first_id);
 }
 
-/// Splats [begin, end) of a piece, in the runs that they belong to. `late`: those that were hidden so far.
+/// Splats of a piece in the runs that they belong to.
+static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
+                      const stp_raster_target* target, cpu_worker* worker)
+{
+    uint32_t begin = splats->begin, end = splats->end, run = 0;
+    if (item->runs == NULL) {
+        worker->fragments += draw_range(r, item, splats, target);
+        return;
+    }
+    splats->pixel_radius = item->pixel_radius;
+    while (run + 1 < item->draw->run_count && item->runs[run].end <= begin) {
+        run += 1;
+    }
+    for (uint32_t at = begin; at < end; ++run) {
+        splats->begin = at;
+        splats->end = at = item->runs[run].end < end ? item->runs[run].end : end;
+        splats->nearest = item->runs[run].nearest;
+        splats->farthest = item->runs[run].farthest;
+        worker->fragments += draw_range(r, item, splats, target);
+    }
+}
+
+/// Splats [begin, end) of a piece. `late`: those that were hidden so far.
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
 {
@@ -72,36 +94,35 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     } else {
         splats.points = item->points.positions;
     }
-    if (item->runs == NULL) {
-        worker->fragments += draw_range(r, item, &splats, target);
-        return;
+    stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
+    if ((item->draw->sections == 0 && !item->draw->ghost) ||
+        cpu_cut_splats(r, item, &splats, worker)) {
+        draw_runs(r, item, &splats, target, worker);
+    } else {
+        worker->failed = true;
     }
-    splats.pixel_radius = item->pixel_radius;
-    uint32_t run = 0;
-    while (run + 1 < item->draw->run_count && item->runs[run].end <= begin) {
-        run += 1;
-    }
-    for (uint32_t at = begin; at < end; ++run) {
-        splats.begin = at;
-        splats.end = at = item->runs[run].end < end ? item->runs[run].end : end;
-        splats.nearest = item->runs[run].nearest;
-        splats.farthest = item->runs[run].farthest;
-        worker->fragments += draw_range(r, item, &splats, target);
-    }
+    stp_arena_rewind(&worker->scratch, mark);
 }
 
 static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                            const stp_raster_target* target, cpu_worker* worker)
 {
     cpu_keep_memory memory = {.triangle = UINT32_MAX};
-    cpu_keep keep = {.renderer = r, .item = item, .first_triangle = begin, .memory = &memory};
+    cpu_cuts cuts;
+    cpu_find_cuts(r, item, &cuts);
+    cpu_keep keep = {.renderer = r,
+                     .item = item,
+                     .first_triangle = begin,
+                     .memory = &memory,
+                     .cuts = &cuts,
+                     .cut_mask = (1u << cuts.count) - 1};
     stp_raster_mesh mesh = {.positions = item->mesh.positions,
                             .vertex_count = item->mesh.vertex_count,
                             .indices = item->mesh.indices + 3 * (size_t)begin,
                             .triangle_count = end - begin,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
                             .fragments = &worker->fragments};
-    if (cpu_item_needs_keep(item)) {
+    if (keep.cut_mask != 0 || cpu_item_needs_keep(item)) {
         mesh.keep = cpu_keep_fragment;
         mesh.keep_user = &keep;
     }

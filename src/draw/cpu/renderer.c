@@ -260,6 +260,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
                         "view: eye, target, angle and size do not make a picture");
     }
     r->style = style;
+    r->sections = &view->sections;
     r->image = image;
     r->width = view->width;
     r->height = view->height;

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// What sections cut away of items that they go through, and splats of ghosts. Items that lie wholly inside all planes, as
+// nearly all do, have nothing tested.
+#include "draw/cpu/cpu.h"
+#include "select/sections.h"
+
+#include <string.h>
+
+void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts)
+{
+    cuts->count = 0;
+    for (uint32_t bits = item->draw->sections; bits != 0; bits &= bits - 1) {
+        const stp_section_plane* plane = &r->sections->planes[__builtin_ctz(bits)];
+        double row[4];
+        stp_section_row(plane, &item->draw->transform, item->offset, row);
+        float* out = cuts->rows[cuts->count++];
+        for (int c = 0; c < 4; ++c) {
+            out[c] = (float)row[c];
+        }
+    }
+}
+
+bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint32_t* mask)
+{
+    const float low[3] = {box.min.x, box.min.y, box.min.z};
+    const float high[3] = {box.max.x, box.max.y, box.max.z};
+    for (uint32_t i = 0; i < cuts->count; ++i) {
+        const float* row = cuts->rows[i];
+        float least = row[3], most = row[3], size = fabsf(row[3]);
+        for (int c = 0; c < 3; ++c) {
+            float from = row[c] * (low[c] - item->offset[c]);
+            float to = row[c] * (high[c] - item->offset[c]);
+            least += stp_min(from, to);
+            most += stp_max(from, to);
+            size += stp_max(fabsf(from), fabsf(to));
+        }
+        if (least > 1e-5f * size) { // what floats round
+            return true;
+        }
+        if (most > -1e-5f * size) {
+            *mask |= 1u << i;
+        }
+    }
+    return false;
+}
+
+// Of the overlapping disks of a surface, so many times fewer fragments than of its triangles make as dense a ghost:
+// disks that just cover meet a pixel two to three times.
+#define GHOST_OVERLAP 0.45f
+
+/// Smaller coverages, for fewer fragments.
+static bool make_ghosts(const cpu_renderer* r, stp_raster_splats* splats, cpu_worker* worker)
+{
+    float share = cpu_ghost_share(r);
+    float each = share < 1.0f ? share * (GHOST_OVERLAP + (1.0f - GHOST_OVERLAP) * share) : 1.0f;
+    uint8_t* coverages = stp_arena_alloc(&worker->scratch, splats->end);
+    if (coverages == NULL) {
+        return false;
+    }
+    for (uint32_t i = splats->begin; i < splats->end; ++i) {
+        float before = splats->coverages != NULL ? (float)splats->coverages[i] : 255.0f;
+        coverages[i] = (uint8_t)(before * each + 0.5f);
+    }
+    splats->coverages = coverages;
+    return true;
+}
+
+/// Cuts in what splats' positions are numbers of.
+static void turn_cuts(const cpu_renderer* r, const cpu_item* item, bool grid,
+                      float rows[STP_SECTION_PLANES][4], uint32_t* count)
+{
+    const float origin[3] = {grid ? item->surfels.origin.x : 0.0f,
+                             grid ? item->surfels.origin.y : 0.0f,
+                             grid ? item->surfels.origin.z : 0.0f};
+    double step = grid ? (double)item->surfels.step : 1.0;
+    *count = 0;
+    for (uint32_t bits = item->draw->sections; bits != 0; bits &= bits - 1) {
+        const stp_section_plane* plane = &r->sections->planes[__builtin_ctz(bits)];
+        double row[4];
+        stp_section_row(plane, &item->draw->transform, origin, row);
+        for (int c = 0; c < 4; ++c) {
+            rows[*count][c] = (float)(c < 3 ? row[c] * step : row[c]);
+        }
+        *count += 1;
+    }
+}
+
+/// The bits of up to 16 splats that no cut takes.
+static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint32_t count,
+                          float rows[STP_SECTION_PLANES][4], uint32_t cut_count)
+{
+    float x[16] = {0}, y[16] = {0}, z[16] = {0};
+    uint16_t left = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        size_t at = 3 * (size_t)(first + i);
+        if (splats->positions != NULL) {
+            const uint16_t* p = splats->positions + at;
+            x[i] = (float)p[0];
+            y[i] = (float)p[1];
+            z[i] = (float)p[2];
+        } else {
+            const float* p = splats->points + at;
+            x[i] = p[0];
+            y[i] = p[1];
+            z[i] = p[2];
+        }
+    }
+    uint32_t cut[16] = {0};
+    for (uint32_t k = 0; k < cut_count; ++k) {
+        const float* row = rows[k];
+        for (int i = 0; i < 16; ++i) {
+            cut[i] |= (uint32_t)((row[0] * x[i] + row[1] * y[i]) + row[2] * z[i] + row[3] > 0.0f);
+        }
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        left = (uint16_t)(left | (cut[i] ^ 1u) << i);
+    }
+    return left;
+}
+
+bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
+                    cpu_worker* worker)
+{
+    if (item->draw->ghost && !make_ghosts(r, splats, worker)) {
+        return false;
+    }
+    if (item->draw->sections == 0) {
+        return true;
+    }
+    size_t words = ((size_t)splats->end + 15) / 16;
+    uint16_t* left = stp_arena_alloc(&worker->scratch, words * sizeof(*left));
+    if (left == NULL) {
+        return false;
+    }
+    float rows[STP_SECTION_PLANES][4];
+    uint32_t cut_count;
+    turn_cuts(r, item, splats->positions != NULL, rows, &cut_count);
+    for (uint32_t first = splats->begin; first < splats->end; first += 16) {
+        uint32_t count = splats->end - first < 16 ? splats->end - first : 16;
+        uint32_t wanted = splats->wanted != NULL ? splats->wanted[first / 16] : 0xFFFFu;
+        left[first / 16] = (uint16_t)(wanted & find_left(splats, first, count, rows, cut_count));
+    }
+    splats->wanted = left;
+    return true;
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "select/sections.h"
+
+bool stp_sections_are_valid(const stp_sections* sections)
+{
+    if (sections->count > STP_SECTION_PLANES) {
+        return false;
+    }
+    for (uint32_t i = 0; i < sections->count; ++i) {
+        const stp_section_plane* plane = &sections->planes[i];
+        double square = stp_dotd(plane->normal, plane->normal);
+        if (!(square > 0.0) || !isfinite(square) || !isfinite(plane->distance)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool stp_sections_add_plane(stp_sections* sections, stp_vec3d point, stp_vec3d normal)
+{
+    if (sections->count >= STP_SECTION_PLANES) {
+        return false;
+    }
+    normal = stp_normalized(normal);
+    stp_section_plane* plane = &sections->planes[sections->count++];
+    *plane = (stp_section_plane){.normal = normal, .distance = stp_dotd(normal, point)};
+    if (!stp_sections_are_valid(sections)) {
+        sections->count -= 1;
+        return false;
+    }
+    return true;
+}
+
+bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box)
+{
+    static const stp_vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    uint32_t before = sections->count;
+    bool added = !stp_boxd_is_empty(*box);
+    for (int k = 0; k < 3; ++k) {
+        added = added && stp_sections_add_plane(sections, box->max, axes[k]) &&
+                stp_sections_add_plane(sections, box->min, stp_scaled(axes[k], -1.0));
+    }
+    sections->count = added ? sections->count : before;
+    return added;
+}
+
+bool stp_sections_cut(const stp_sections* sections, stp_vec3d point)
+{
+    for (uint32_t i = 0; i < sections->count; ++i) {
+        if (stp_section_beyond(&sections->planes[i], point) > 0.0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool stp_sections_test(const stp_sections* sections, const stp_boxd* box, double margin,
+                       uint32_t* mask)
+{
+    stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
+    stp_vec3d center = stp_addd(box->min, half);
+    for (uint32_t bits = *mask; bits != 0; bits &= bits - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(bits);
+        const stp_section_plane* plane = &sections->planes[i];
+        double x = fabs(plane->normal.x), y = fabs(plane->normal.y), z = fabs(plane->normal.z);
+        double reach = x * half.x + y * half.y + z * half.z + margin * (x + y + z);
+        double middle = stp_section_beyond(plane, center);
+        reach += 1e-12 * (x * fabs(center.x) + y * fabs(center.y) + z * fabs(center.z));
+        if (middle > reach) {
+            return false;
+        }
+        if (middle < -reach) {
+            *mask &= ~(1u << i);
+        }
+    }
+    return true;
+}
+
+void stp_section_row(const stp_section_plane* plane, const stp_affine* transform,
+                     const float offset[3], double row[4])
+{
+    stp_vec3d n = plane->normal;
+    stp_vec3d base = stp_affine_point(
+        transform, (stp_vec3d){(double)offset[0], (double)offset[1], (double)offset[2]});
+    for (int c = 0; c < 3; ++c) {
+        row[c] = n.x * transform->m[0][c] + n.y * transform->m[1][c] + n.z * transform->m[2][c];
+    }
+    row[3] = stp_section_beyond(plane, base);
+}

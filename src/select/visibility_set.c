@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+// A thing found in the graph: from the root down into what stands where it does and has something of it, until what is
+// met belongs to it wholly.
+#include "base/context.h"
+#include "select/visibility_internal.h"
+#include "store/placement.h"
+
+#include <string.h>
+
+enum {
+    OF_THING = 1, ///< the thing's own node has it below
+    TOUCHES = 2,  ///< has some part that the thing has too
+};
+
+static const uint64_t visit_limit = UINT64_C(1) << 26;
+
+typedef struct setting {
+    stp_visibility* v;
+    const stp_placed_node* thing;
+    stp_boxd bounds; ///< of the thing, scene space
+    uint32_t show;
+    uint64_t visits; ///< left
+    stp_result result;
+} setting;
+
+static size_t part_number(const setting* s, stp_store_part part)
+{
+    return part.kind == STP_STORE_PART_MESH ? part.index
+                                            : (size_t)s->v->directory->mesh_count + part.index;
+}
+
+/// Marks what is below the thing's node, and what has some of the same parts. Children come before their parents.
+static stp_result mark_nodes(setting* s)
+{
+    stp_visibility* v = s->v;
+    const stp_store_directory* d = v->directory;
+    size_t parts = (size_t)d->mesh_count + d->point_set_count;
+    if (v->marks == NULL) {
+        v->marks = STP_NEW_ARRAY(v->context, uint8_t, (size_t)d->node_count + 1);
+    }
+    if (v->has_parts == NULL) {
+        v->has_parts = STP_NEW_ARRAY(v->context, uint8_t, parts + 1);
+    }
+    if (v->marks == NULL || v->has_parts == NULL) {
+        return stp_fail_memory(v->context);
+    }
+    memset(v->marks, 0, d->node_count);
+    memset(v->has_parts, 0, parts);
+    v->marks[s->thing->node] = OF_THING | TOUCHES;
+    for (uint32_t i = s->thing->node + 1; i-- > 0;) {
+        const stp_store_node* n = &d->nodes[i];
+        if (v->marks[i] == 0) {
+            continue;
+        }
+        for (uint32_t k = 0; k < n->edge_count; ++k) {
+            v->marks[d->edges[n->first_edge + k].node] = OF_THING | TOUCHES;
+        }
+        for (uint32_t k = 0; k < n->part_count; ++k) {
+            v->has_parts[part_number(s, d->parts[n->first_part + k])] = 1;
+        }
+    }
+    for (uint32_t i = 0; i < d->node_count; ++i) {
+        const stp_store_node* n = &d->nodes[i];
+        uint8_t touches = 0;
+        for (uint32_t k = 0; k < n->edge_count; ++k) {
+            touches |= v->marks[d->edges[n->first_edge + k].node] & TOUCHES;
+        }
+        for (uint32_t k = 0; k < n->part_count; ++k) {
+            touches |= v->has_parts[part_number(s, d->parts[n->first_part + k])] ? TOUCHES : 0;
+        }
+        v->marks[i] |= touches;
+    }
+    return STP_OK;
+}
+
+/// Whether the thing has it.
+static bool is_of_thing(setting* s, const stp_placement* what)
+{
+    stp_placement_search search = {.directory = s->v->directory, .visits_left = s->visits};
+    bool found = stp_placement_holds(&search, s->thing->node, &s->thing->transform, what);
+    s->visits = search.visits_left;
+    if (search.gave_up && s->result == STP_OK) {
+        s->result = stp_fail(s->v->context, STP_ERROR_LIMIT,
+                             "visibility: the graph has too many nodes where the thing stands");
+    }
+    return found;
+}
+
+static bool overlap(const stp_boxd* a, const stp_boxd* b)
+{
+    double margin = 1e-11 * fmax(fmax(fabs(b->max.x), fabs(b->max.y)), fabs(b->max.z));
+    return a->min.x <= b->max.x + margin && b->min.x <= a->max.x + margin &&
+           a->min.y <= b->max.y + margin && b->min.y <= a->max.y + margin &&
+           a->min.z <= b->max.z + margin && b->min.z <= a->max.z + margin;
+}
+
+/// Notes the new state of a slot of a node. The node's state is made mixed where it was not.
+static void set_slot(setting* s, uint32_t node, uint32_t slot, uint32_t shown, uint32_t* state)
+{
+    if (stp_show_of(*state) != STP_SHOW_MIXED) {
+        stp_result result = stp_visibility_split(s->v, node, *state, state);
+        if (result != STP_OK) {
+            s->result = result;
+            stp_visibility_merge(s->v, shown);
+            return;
+        }
+    }
+    s->v->mixed[*state - STP_SHOW_MIXED].slots[slot] = shown;
+}
+
+static uint32_t state_below(const setting* s, uint32_t state, uint32_t slot)
+{
+    return stp_show_of(state) == STP_SHOW_MIXED ? stp_visibility_below(s->v, state, slot) : state;
+}
+
+/// The state of a node all of whose slots are alike; the same state where they are not.
+static uint32_t simplify(setting* s, uint32_t state)
+{
+    if (stp_show_of(state) != STP_SHOW_MIXED) {
+        return state;
+    }
+    const stp_visibility_mixed* m = &s->v->mixed[state - STP_SHOW_MIXED];
+    uint32_t first = m->slots[0];
+    for (uint32_t i = 0; i < m->count; ++i) {
+        if (m->slots[i] != first || stp_show_of(first) == STP_SHOW_MIXED) {
+            return state;
+        }
+    }
+    stp_visibility_merge(s->v, state);
+    return first;
+}
+
+/// @return the state of a node at a place after the thing was set
+static uint32_t set_below(setting* s, uint32_t node, const stp_affine* transform, uint32_t state,
+                          uint32_t depth)
+{
+    stp_visibility* v = s->v;
+    const stp_store_directory* d = v->directory;
+    const stp_store_node* n = &d->nodes[node];
+    stp_boxd box = stp_affine_box(transform, n->bounds);
+    if (s->result != STP_OK || state == s->show || (v->marks[node] & TOUCHES) == 0 ||
+        !overlap(&box, &s->bounds)) {
+        return state;
+    }
+    if (depth >= STP_PLACEMENT_DEPTH || s->visits == 0) {
+        s->result = stp_fail(v->context, STP_ERROR_LIMIT,
+                             "visibility: the graph has too many nodes where the thing stands");
+        return state;
+    }
+    s->visits -= 1;
+    if ((v->marks[node] & OF_THING) != 0) {
+        stp_placement what = stp_placement_of_node(v->store, node, transform);
+        if (is_of_thing(s, &what)) {
+            stp_visibility_merge(v, state);
+            return s->show;
+        }
+    }
+    for (uint32_t i = 0; i < n->edge_count && s->result == STP_OK; ++i) {
+        const stp_store_edge* edge = &d->edges[n->first_edge + i];
+        stp_affine below = stp_affine_multiply(*transform, edge->transform);
+        uint32_t before = state_below(s, state, i);
+        uint32_t after = set_below(s, edge->node, &below, before, depth + 1);
+        if (after != before) {
+            set_slot(s, node, i, after, &state);
+        }
+    }
+    for (uint32_t i = 0; i < n->part_count && s->result == STP_OK; ++i) {
+        stp_store_part part = d->parts[n->first_part + i];
+        uint32_t slot = n->edge_count + i;
+        stp_placement what = stp_placement_of_part(v->store, part, transform);
+        if (v->has_parts[part_number(s, part)] != 0 && state_below(s, state, slot) != s->show &&
+            is_of_thing(s, &what)) {
+            set_slot(s, node, slot, s->show, &state);
+        }
+    }
+    return s->result == STP_OK ? simplify(s, state) : state;
+}
+
+stp_result stp_visibility_set(stp_visibility* v, const stp_placed_node* thing, stp_show show)
+{
+    const stp_store_directory* d = v->directory;
+    if (thing->node >= d->node_count || d->root == STP_STORE_NONE || show > STP_SHOW_NOT) {
+        return STP_OK;
+    }
+    setting s = {.v = v,
+                 .thing = thing,
+                 .bounds = stp_affine_box(&thing->transform, d->nodes[thing->node].bounds),
+                 .show = (uint32_t)show,
+                 .visits = visit_limit};
+    s.result = mark_nodes(&s);
+    if (s.result == STP_OK) {
+        stp_affine identity = stp_affine_identity();
+        v->root = set_below(&s, d->root, &identity, v->root, 0);
+        v->version += 1;
+    }
+    return s.result;
+}
