@@ -39,54 +39,15 @@ void frame_maker_destroy(frame_maker* maker)
     stp_residency_destroy(maker->residency);
     if (maker->context != NULL) {
         stp_draw_list_destroy(maker->context, &maker->list);
-        stp_free(maker->context, maker->eye.pixels);
     }
     *maker = (frame_maker){0};
 }
 
-// Each eye's half of a picture, from one list for both.
-static stp_result draw_eyes(frame_maker* maker, const stp_view* view, const stp_quality* quality,
-                            stp_image* image, stp_draw_stats* total)
-{
-    stp_image* eye = &maker->eye;
-    stp_view one = stp_view_of_eye(view, 0);
-    double start = stp_clock_ms();
-    stp_result result = stp_select(maker->context, maker->store, view, quality, &maker->list);
-    total->select_ms = stp_clock_ms() - start;
-    if (result == STP_OK && (eye->width != one.width || eye->height != one.height)) {
-        stp_free(maker->context, eye->pixels);
-        if (!frame_image_create(maker->context, one.width, one.height, eye)) {
-            *eye = (stp_image){0};
-            result = STP_ERROR_OUT_OF_MEMORY;
-        }
-    }
-    for (uint32_t i = 0; i < STP_EYES_MOST && result == STP_OK; ++i) {
-        stp_draw_stats stats;
-        one = stp_view_of_eye(view, i);
-        result = stp_renderer_draw(maker->renderer, &one, &maker->list, &maker->style, eye, &stats);
-        for (uint32_t y = 0; y < eye->height && result == STP_OK; ++y) {
-            memcpy(image->pixels + 4 * ((size_t)y * image->width + (size_t)i * eye->width),
-                   eye->pixels + 4 * (size_t)y * eye->width, 4 * (size_t)eye->width);
-        }
-        total->draw_ms += stats.draw_ms;
-        total->shade_ms += stats.shade_ms;
-        total->splats += stats.splats;
-        total->triangles += stats.triangles;
-        total->fragments += stats.fragments;
-        total->covered_pixels += stats.covered_pixels;
-        total->draw_calls += stats.draw_calls;
-    }
-    return result;
-}
-
-static stp_result draw_view(frame_maker* maker, const stp_view* view, const stp_quality* quality,
+static stp_result draw_once(frame_maker* maker, const stp_view* view, const stp_quality* quality,
                             stp_image* image, stp_draw_stats* stats)
 {
-    *stats = (stp_draw_stats){0};
-    return stp_view_eye_count(view) > 1
-               ? draw_eyes(maker, view, quality, image, stats)
-               : stp_renderer_draw_selected(maker->renderer, view, quality, &maker->style,
-                                            &maker->list, image, stats);
+    return stp_renderer_draw_selected(maker->renderer, view, quality, &maker->style, &maker->list,
+                                      image, stats);
 }
 
 // Where a picture runs out of memory, what was loaded gives way to it.
@@ -94,9 +55,9 @@ static stp_result draw_streamed(frame_maker* maker, const stp_view* view,
                                 const stp_quality* quality, stp_image* image, stp_draw_stats* stats)
 {
     tool_hold_errors();
-    stp_result result = draw_view(maker, view, quality, image, stats);
+    stp_result result = draw_once(maker, view, quality, image, stats);
     while (result == STP_ERROR_OUT_OF_MEMORY && stp_residency_yield(maker->residency)) {
-        result = draw_view(maker, view, quality, image, stats);
+        result = draw_once(maker, view, quality, image, stats);
     }
     tool_release_errors(result != STP_OK);
     return result;
@@ -110,7 +71,7 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
     uint32_t eyes = stp_view_eye_count(view);
     stp_result result = maker->residency != NULL
                             ? draw_streamed(maker, view, quality, image, &stats)
-                            : draw_view(maker, view, quality, image, &stats);
+                            : draw_once(maker, view, quality, image, &stats);
     uint32_t missing = 0;
     if (maker->residency != NULL && result == STP_OK && !quality->reference) {
         stp_residency_stats loaded;

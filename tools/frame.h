@@ -25,7 +25,6 @@ typedef struct frame_maker {
     stp_residency* residency; ///< NULL: the file is used as it is mapped
     stp_draw_list list;
     stp_draw_style style;
-    stp_image eye; ///< the picture of one of two eyes
 } frame_maker;
 
 STP_MUST_USE stp_result frame_maker_create(stp_context* context, stp_store* store,

@@ -40,7 +40,8 @@ STP_MUST_USE stp_result stp_draw_cpu_create(stp_context* context, stp_store* sto
                                             stp_renderer** renderer);
 void stp_renderer_destroy(stp_renderer* renderer);
 
-/// Draws. `image` has the view's width and height; its pixels are the caller's.
+/// Draws. `image` has the view's width and height; its pixels are the caller's. Of a view with two eyes, each has its half:
+/// the views of select/eyes.h side by side. Figures are those of both.
 STP_MUST_USE stp_result stp_renderer_draw(stp_renderer* renderer, const stp_view* view,
                                           const stp_draw_list* list, const stp_draw_style* style,
                                           stp_image* image, stp_draw_stats* stats);
@@ -48,7 +49,9 @@ STP_MUST_USE stp_result stp_renderer_draw(stp_renderer* renderer, const stp_view
 /// Selects and draws in two passes: what the renderer's picture before hides is set aside, and what of that the new
 /// picture does not hide is drawn after. `list` is filled; `quality->occlusion` is not looked at. The picture is that of
 /// stp_select without occlusion and stp_renderer_draw, but for what lies at equal depths; only time depends on what was
-/// drawn before. Supersampled, filtered and parallel pictures, and those of a number of splats, are drawn in one pass.
+/// drawn before. Each sample and each eye has two passes; a filter blends splats that are hidden too, so nothing is
+/// set aside that it needs. Parallel pictures, those of a number of splats, and those of splats drawn larger than they
+/// were chosen are drawn in one pass.
 /// @return as stp_select, stp_select_rejected and stp_renderer_draw
 STP_MUST_USE stp_result stp_renderer_draw_selected(stp_renderer* renderer, const stp_view* view,
                                                    const stp_quality* quality,
@@ -66,5 +69,5 @@ STP_MUST_USE stp_result stp_renderer_accumulate(stp_renderer* renderer, const st
                                                 stp_image* image, stp_draw_stats* stats);
 
 /// The nearness of each pixel of the last frame (0: background), one sample a pixel (of the last supersample),
-/// `width * height` floats owned by the renderer; nearness = 1 / depth in perspective, times near_distance.
+/// `width * height` floats owned by the renderer, of two eyes one picture after the other; nearness = 1 / depth in perspective, times near_distance.
 const float* stp_renderer_depth(const stp_renderer* renderer);

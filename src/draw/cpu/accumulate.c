@@ -96,7 +96,7 @@ stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames)
 {
     cpu_accumulation* a = &r->accumulation;
     stp_context* context = r->base.context;
-    size_t needed = (size_t)r->width * r->height;
+    size_t needed = (size_t)r->width * r->height * r->eye_count;
     if (a->linear == NULL) {
         a->linear = STP_NEW_ARRAY(context, uint32_t, 256);
         if (a->linear == NULL) {
@@ -109,9 +109,9 @@ stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames)
     if (needed > a->capacity) {
         a->capacity = 0;
         a->frames = 0;
-        stp_free(context, a->sums);
-        a->sums = STP_NEW_ARRAY(context, uint32_t, 4 * needed);
-        if (a->sums == NULL) {
+        stp_free(context, a->memory);
+        a->memory = STP_NEW_ARRAY(context, uint32_t, 4 * needed);
+        if (a->memory == NULL) {
             return stp_fail_memory(context);
         }
         a->capacity = needed;
@@ -139,7 +139,6 @@ static void add_rows(size_t begin, size_t end, uint32_t worker, void* user)
 void cpu_add_frame(cpu_renderer* r)
 {
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, add_rows, r);
-    r->accumulation.frames += 1;
 }
 
 static void show_rows(size_t begin, size_t end, uint32_t worker, void* user)
@@ -173,17 +172,11 @@ static void show_rows(size_t begin, size_t end, uint32_t worker, void* user)
 
 void cpu_show_frames(cpu_renderer* r)
 {
-    if (r->accumulation.frames == 0) {
-        return;
-    }
-    for (uint32_t i = 0; i < r->team.threads; ++i) {
-        r->workers[i].covered = 0;
-    }
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, show_rows, r);
 }
 
 void cpu_destroy_accumulation(cpu_renderer* r)
 {
-    stp_free(r->base.context, r->accumulation.sums);
+    stp_free(r->base.context, r->accumulation.memory);
     stp_free(r->base.context, r->accumulation.linear);
 }

@@ -15,8 +15,8 @@ void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_
 
 /// Room for the sums, of which there are `frames`. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result cpu_make_accumulation(cpu_renderer* r, uint32_t frames);
-/// Adds the renderer's picture.
+/// Adds the picture of the eye that is drawn to its sums, of which there are `frames` so far.
 void cpu_add_frame(cpu_renderer* r);
-/// Makes the renderer's picture the mean of all frames.
+/// Makes that picture the mean of all frames, of which there is one at least.
 void cpu_show_frames(cpu_renderer* r);
 void cpu_destroy_accumulation(cpu_renderer* r);

@@ -75,7 +75,8 @@ typedef struct cpu_shade_material cpu_shade_material;
 typedef struct cpu_shade_memory cpu_shade_memory;
 
 typedef struct cpu_worker {
-    uint64_t* pixels;
+    uint64_t* pixels;          ///< of the eye that is drawn
+    uint64_t* memory;          ///< of the pixels of all eyes, one after the other
     uint64_t** buffers;        ///< room for those of all workers
     cpu_shade_memory* shading; ///< what was shaded lately
     stp_arena scratch;
@@ -83,14 +84,27 @@ typedef struct cpu_worker {
     bool drew, failed;
 } cpu_worker;
 
-/// What a frame in two passes goes on with after the first.
-typedef struct cpu_second_pass {
+/// One eye of a view.
+typedef struct cpu_eye {
+    stp_view_frame frame;
+    stp_image picture;
+    // What the first pass hid from it, and the second looks at again: a bit a splat or cluster.
+    uint16_t* late;
+    size_t late_capacity;
+    uint8_t* late_pieces; ///< whether a piece has any
+    size_t late_piece_capacity;
+    bool made; ///< its pyramid is of the sample that is drawn
+} cpu_eye;
+
+/// What samples in two passes are selected with.
+typedef struct cpu_two_passes {
     const stp_view* view;
     stp_quality quality;
     stp_draw_list* list;
+    bool hides_nodes; ///< selection may leave out what pyramids hide
+    bool selected;    ///< the first pass of the next sample is in the list
     double select_ms; ///< that it took to select
-    bool made;        ///< the pyramid is of this frame
-} cpu_second_pass;
+} cpu_two_passes;
 
 /// Memory of what is done with a picture after shading (effects.h).
 typedef struct cpu_effects {
@@ -110,7 +124,8 @@ typedef struct cpu_blend {
 
 /// The sum of frames that were each shifted by a part of a pixel (accumulate.h).
 typedef struct cpu_accumulation {
-    uint32_t* sums;   ///< 4 a pixel: linear colour and frames that cover it
+    uint32_t* sums; ///< of the eye that is drawn, 4 a pixel: linear colour and frames that cover it
+    uint32_t* memory; ///< of the sums of all eyes
     uint32_t* linear; ///< of sRGB bytes
     size_t capacity;  ///< pixels
     uint32_t frames;  ///< summed; 0: none yet, or no longer of any use
@@ -125,22 +140,19 @@ typedef struct cpu_renderer {
     const stp_store_directory* directory;
     stp_team team;       ///< draws and shades
     cpu_worker* workers; ///< one for each of its threads
-    size_t pixel_count;  ///< that buffers have room for
-    float* depth;
-    float* sums; ///< 4 a pixel: linear colour and samples covered; NULL until supersampling
+    size_t pixel_count;  ///< of all eyes, that buffers have room for
+    float* depths;       ///< of all eyes
+    float* all_sums;     ///< 4 a pixel: linear colour and samples covered; NULL until supersampling
     size_t sum_count;
+    uint8_t* eye_pixels; ///< of two eyes' pictures, one after the other
+    size_t eye_pixel_count;
     cpu_texture* textures;
     cpu_item* items;
     size_t item_count, item_capacity;
     uint32_t piece_count;
-    stp_depth_pyramid pyramid;          ///< of the last frame in two passes; no levels: none
-    cpu_second_pass* second;            ///< NULL: this frame is drawn in one pass
-    const stp_depth_pyramid* occluding; ///< NULL, or what hides splats and clusters of this pass
-    // What the first pass hid, and the second looks at again: a bit a splat or cluster.
-    uint16_t* late;
-    size_t late_count, late_capacity;
-    uint8_t* late_pieces; ///< whether a piece has any
-    size_t late_piece_capacity;
+    cpu_eye eyes[STP_EYES_MOST];
+    stp_depth_pyramid pyramids[STP_EYES_MOST]; ///< of the eyes' last pictures; no levels: none
+    size_t late_count;                         ///< of bits of all items, in sixteens
     cpu_effects effects;
     cpu_accumulation accumulation;
     cpu_blend blend;
@@ -154,17 +166,24 @@ typedef struct cpu_renderer {
     size_t id_start_capacity;
     uint32_t id_shift;
     // this frame
-    stp_view_frame frame;
+    cpu_two_passes* two_passes; ///< NULL: it is drawn in one
+    uint32_t eye_count;
     const stp_draw_style* style;
     const stp_sections* sections;
+    // the eye that is drawn (cpu_look_through)
+    cpu_eye* eye;
+    stp_view_frame frame;
+    stp_image* image;
+    float *depth, *sums;
+    const stp_depth_pyramid* occluding; ///< NULL, or what hides splats and clusters of this pass
+    const cpu_eye* placed;              ///< the eye that items are placed for
     double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
     double mesh_depth; ///< how far triangles are put behind their place, in sides of a pixel there
     uint32_t width, height;
-    float splat_size;              ///< of what is drawn; 0: no splats
+    float splat_size;              ///< of what may be drawn; 0: no splats
     uint32_t sample, sample_count; ///< which of the supersamples
     uint32_t pattern;              ///< the sample again, for hashed alpha
     double shift_x, shift_y;
-    stp_image* image;
 } cpu_renderer;
 
 /// What the buffer's nearness of an item says of where it really is.
@@ -176,20 +195,22 @@ static inline float cpu_true_nearness(const cpu_item* item, float nearness)
 /// Looks up data and textures for a list's items, from `first` on; those before were prepared by an earlier call.
 /// Failures are logged.
 STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t first);
-/// Makes matrices anew after the sample's shift has changed.
-void cpu_place_items(cpu_renderer* r, const stp_draw_list* list);
+/// Makes matrices of items from `first` on for the eye that is drawn; of all items where those before are of another eye.
+void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first);
 void cpu_destroy_textures(cpu_renderer* r);
 
-/// Draws all items into the workers' buffers, from a piece on; of those before, what was hidden so far.
+/// Draws all items into the workers' buffers, from a piece on; of those before, what was hidden so far from the eye.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece);
 
 /// Room for the bits of items from `first` on, whose pieces are counted. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result cpu_prepare_late(cpu_renderer* r, size_t first);
-/// Whether anything was hidden in what is drawn so far.
-bool cpu_is_any_late(const cpu_renderer* r);
+/// Whether anything was hidden from an eye in what is drawn so far.
+bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye);
 /// Makes ready what of the pyramid an item asks.
 void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item);
+/// The same of all items before `first` of which something was hidden from the eye.
+void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first);
 /// Whether the pyramid hides a box of the item's space.
 bool cpu_hides(const cpu_renderer* r, const cpu_item* item, stp_box box);
 /// Item space (minus `offset`) to a view's right, down and depth: the eye is taken off before anything is rounded.
@@ -201,8 +222,9 @@ void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* 
 /// Materials as shading wants them: 256 of surfels' shadings, then all of meshes and points, then the same unlit.
 /// Once a renderer. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result cpu_make_shade_materials(cpu_renderer* r);
-/// Makes what shading looks items up in, and gives workers memory. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result cpu_prepare_shading(cpu_renderer* r);
+/// Makes what shading looks items up in, from `first` on, and gives workers memory.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_prepare_shading(cpu_renderer* r, size_t first);
 void cpu_destroy_shading(cpu_renderer* r);
 /// Before the shading of each sample: what was remembered of triangles is no longer so.
 void cpu_begin_shading(cpu_renderer* r);

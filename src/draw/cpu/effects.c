@@ -348,11 +348,10 @@ static stp_result make_room(cpu_renderer* r, effect_frame* f)
 /// The pyramid that culling is to use for the next frame; in parallel projection, where it uses none, one of our own.
 static stp_result find_pyramid(cpu_renderer* r, effect_frame* f)
 {
-    stp_depth_pyramid* pyramid = r->frame.parallel ? &r->effects.pyramid : &r->pyramid;
+    stp_depth_pyramid* pyramid =
+        r->frame.parallel ? &r->effects.pyramid : &r->pyramids[r->eye - r->eyes];
     stp_result result = stp_depth_pyramid_fill(r->base.context, &r->frame, r->depth, pyramid);
-    if (result == STP_OK && !r->frame.parallel && r->second != NULL) {
-        r->second->made = true;
-    }
+    r->eye->made = result == STP_OK && !r->frame.parallel;
     f->pyramid = pyramid;
     return result;
 }

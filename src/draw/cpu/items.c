@@ -84,11 +84,12 @@ static void place_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_ite
     cpu_place_occluder(r, draw, item);
 }
 
-void cpu_place_items(cpu_renderer* r, const stp_draw_list* list)
+void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
-    for (size_t i = 0; i < r->item_count; ++i) {
+    for (size_t i = r->placed == r->eye ? first : 0; i < r->item_count; ++i) {
         place_item(r, &list->items[i], &r->items[i]);
     }
+    r->placed = r->eye;
 }
 
 /// The octave that colours the prefix, and the share of it where the octave before has colours too.

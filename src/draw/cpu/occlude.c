@@ -34,23 +34,27 @@ stp_result cpu_prepare_late(cpu_renderer* r, size_t first)
             r->late_count += ((size_t)item->unit_count + 15) / 16;
         }
     }
-    void* late = r->late;
-    void* pieces = r->late_pieces;
-    stp_result result =
-        grow(r->base.context, &late, &r->late_capacity, r->late_count, sizeof(*r->late));
-    r->late = late;
-    if (result == STP_OK) {
-        result = grow(r->base.context, &pieces, &r->late_piece_capacity, r->piece_count, 1);
-        r->late_pieces = pieces;
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
+        cpu_eye* eye = &r->eyes[i];
+        void* late = eye->late;
+        void* pieces = eye->late_pieces;
+        result =
+            grow(r->base.context, &late, &eye->late_capacity, r->late_count, sizeof(*eye->late));
+        eye->late = late;
+        if (result == STP_OK) {
+            result = grow(r->base.context, &pieces, &eye->late_piece_capacity, r->piece_count, 1);
+            eye->late_pieces = pieces;
+        }
     }
     return result;
 }
 
-bool cpu_is_any_late(const cpu_renderer* r)
+bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye)
 {
     bool any = false;
-    for (uint32_t i = 0; r->occluding != NULL && i < r->piece_count; ++i) {
-        any = any || r->late_pieces[i] != 0;
+    for (uint32_t i = 0; i < r->piece_count; ++i) {
+        any = any || eye->late_pieces[i] != 0;
     }
     return any;
 }
@@ -101,6 +105,20 @@ void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_it
         item->occluder.matrix[1][c] =
             (float)(p->frame.scale * item->occluder_rows[1][c] + p->frame.center_y * depth);
         item->occluder.matrix[2][c] = (float)depth;
+    }
+}
+
+void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first)
+{
+    for (size_t i = 0; i < first; ++i) {
+        uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_piece : r->piece_count;
+        bool late = false;
+        for (uint32_t piece = r->items[i].first_piece; piece < end && !late; ++piece) {
+            late = r->eye->late_pieces[piece] != 0;
+        }
+        if (late) {
+            cpu_place_occluder(r, &list->items[i], &r->items[i]);
+        }
     }
 }
 

@@ -88,7 +88,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.rim_depth = RIM_DEPTH;
         splats.back_depth = BACK_DEPTH;
         splats.occluder = r->occluding != NULL ? &item->occluder : NULL;
-        uint16_t* bits = r->occluding != NULL ? r->late + item->late : NULL;
+        uint16_t* bits = r->occluding != NULL ? r->eye->late + item->late : NULL;
         splats.wanted = late ? bits : NULL;
         splats.hidden = late ? NULL : bits;
     } else {
@@ -158,7 +158,7 @@ static bool draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bo
         return false;
     }
     if (item->clusters.bytes != NULL) {
-        uint16_t* bits = r->late + item->late + (size_t)2 * (piece - item->first_piece);
+        uint16_t* bits = r->eye->late + item->late + (size_t)2 * (piece - item->first_piece);
         cpu_cluster_range range = {.begin = from, .end = to, .wanted = UINT32_MAX};
         if (late) {
             range.wanted = (uint32_t)bits[0] | (uint32_t)bits[1] << 16;
@@ -177,7 +177,7 @@ static bool draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bo
     }
     draw_splats(r, item, from, to, late, target, worker);
     return item->kind == STP_DRAW_SURFELS && r->occluding != NULL &&
-           note_hidden(r->late + item->late, from, to);
+           note_hidden(r->eye->late + item->late, from, to);
 }
 
 static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
@@ -197,8 +197,8 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
             item += 1;
         }
         bool late = piece < loop->first_new;
-        if (!late || r->late_pieces[piece] != 0) {
-            r->late_pieces[piece] = draw_piece(r, item, piece, late, &target, worker);
+        if (!late || r->eye->late_pieces[piece] != 0) {
+            r->eye->late_pieces[piece] = draw_piece(r, item, piece, late, &target, worker);
         }
     }
 }

@@ -120,7 +120,7 @@ static bool make_room(cpu_renderer* r)
     return r->id_starts != NULL;
 }
 
-stp_result cpu_prepare_shading(cpu_renderer* r)
+stp_result cpu_prepare_shading(cpu_renderer* r, size_t first)
 {
     if (!make_room(r)) {
         return stp_fail_memory(r->base.context);
@@ -128,7 +128,7 @@ stp_result cpu_prepare_shading(cpu_renderer* r)
     if (r->item_count == 0) {
         return STP_OK;
     }
-    for (size_t i = 0; i < r->item_count; ++i) {
+    for (size_t i = first; i < r->item_count; ++i) {
         r->shade_items[i] = make_item(r, &r->items[i]);
         r->first_ids[i] = r->items[i].first_id;
     }

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT
+#include "draw/cpu/passes.h"
+
+#include "base/clock.h"
+#include "draw/cpu/accumulate.h"
+#include "draw/cpu/blend.h"
+#include "draw/cpu/effects.h"
+
+#include <string.h>
+
+/// Nearness: near / depth in perspective; in parallel projection it falls linearly over the scene's depth.
+static void choose_nearness(cpu_renderer* r)
+{
+    const stp_view_frame* f = &r->frame;
+    if (!f->parallel) {
+        r->nearness_scale = f->near_distance;
+        r->nearness_offset = 0.0;
+        return;
+    }
+    double low = 0.0, high = 1.0;
+    if (r->directory->root != STP_STORE_NONE) {
+        stp_boxd box = r->directory->nodes[r->directory->root].bounds;
+        stp_vec3d half = stp_scaled(stp_subd(box.max, box.min), 0.5);
+        stp_vec3d center = stp_subd(stp_addd(box.min, half), f->eye);
+        double reach =
+            fabs(f->forward.x) * half.x + fabs(f->forward.y) * half.y + fabs(f->forward.z) * half.z;
+        double margin = 0.1 * (half.x + half.y + half.z); // splats stick out of the box
+        low = stp_dotd(f->forward, center) - reach - margin;
+        high = stp_dotd(f->forward, center) + reach + margin + r->mesh_depth / f->scale;
+    }
+    low = fmax(low, f->near_distance);
+    high = high > low ? high : low + 1.0;
+    r->nearness_scale = -0.9375 / (high - low);
+    r->nearness_offset = 1.0 - r->nearness_scale * low;
+}
+
+/// From now on it is this eye that is drawn.
+static void look_through(cpu_renderer* r, uint32_t number)
+{
+    size_t first = (size_t)number * r->width * r->height;
+    const stp_depth_pyramid* pyramid = &r->pyramids[number];
+    cpu_accumulation* a = &r->accumulation;
+    r->eye = &r->eyes[number];
+    r->frame = r->eye->frame;
+    r->image = &r->eye->picture;
+    r->depth = r->depths + first;
+    r->sums = r->all_sums != NULL ? r->all_sums + 4 * first : NULL;
+    a->sums = a->memory != NULL ? a->memory + 4 * first : NULL;
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].pixels = r->workers[i].memory + first;
+    }
+    r->occluding = r->two_passes != NULL && pyramid->level_count > 0 ? pyramid : NULL;
+    choose_nearness(r);
+}
+
+static void shade_bands(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
+}
+
+static void average_bands(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_average_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker].covered);
+}
+
+static void find_depths(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_find_depths(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
+}
+
+/// Makes the pyramid of the eye that is drawn, from its depths. Its picture may be shifted by a part of a pixel.
+static stp_result make_pyramid(cpu_renderer* r)
+{
+    stp_view_frame frame = r->frame;
+    frame.center_x += r->shift_x;
+    frame.center_y += r->shift_y;
+    r->eye->made = true;
+    return stp_depth_pyramid_fill(r->base.context, &frame, r->depth,
+                                  &r->pyramids[r->eye - r->eyes]);
+}
+
+stp_result cpu_select_sample(cpu_renderer* r)
+{
+    cpu_two_passes* passes = r->two_passes;
+    double start = stp_clock_ms();
+    bool known = false;
+    for (uint32_t i = 0; i < STP_EYES_MOST; ++i) {
+        known = known || r->pyramids[i].level_count > 0;
+    }
+    passes->quality.occlusion = known && passes->hides_nodes ? r->pyramids : NULL;
+    stp_result result =
+        stp_select(r->base.context, r->store, passes->view, &passes->quality, passes->list);
+    passes->select_ms += stp_clock_ms() - start;
+    passes->selected = true;
+    return result;
+}
+
+/// After the first pass for all eyes: selects what was set aside and is seen.
+static stp_result select_rejected(cpu_renderer* r, size_t first)
+{
+    cpu_two_passes* passes = r->two_passes;
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
+        look_through(r, i);
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_depths, r);
+        double start = stp_clock_ms();
+        result = make_pyramid(r);
+        passes->select_ms += stp_clock_ms() - start;
+    }
+    double start = stp_clock_ms();
+    passes->quality.occlusion = passes->hides_nodes ? r->pyramids : NULL;
+    if (result == STP_OK) {
+        result = stp_select_rejected(r->base.context, r->store, passes->view, &passes->quality,
+                                     passes->list);
+    }
+    passes->select_ms += stp_clock_ms() - start;
+    return result == STP_OK ? cpu_prepare_items(r, passes->list, first) : result;
+}
+
+static stp_result draw_first_pass(cpu_renderer* r, const stp_draw_list* list)
+{
+    stp_result result = cpu_prepare_items(r, list, 0);
+    r->placed = NULL;
+    for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
+        r->eyes[i].made = false;
+        look_through(r, i);
+        cpu_place_items(r, list, 0);
+        result = i == 0 ? cpu_prepare_shading(r, 0) : STP_OK;
+        result = result == STP_OK ? cpu_draw_items(r, 0) : result;
+    }
+    return result;
+}
+
+/// Whether anything was hidden from any eye.
+static bool is_any_hidden(const cpu_renderer* r)
+{
+    bool any = r->two_passes->list->hidden_count > 0;
+    for (uint32_t i = 0; i < r->eye_count; ++i) {
+        any = any || cpu_is_any_late(r, &r->eyes[i]);
+    }
+    return any;
+}
+
+/// From the buffers of the eye that is drawn to its picture.
+static stp_result finish_picture(cpu_renderer* r)
+{
+    bool blends = cpu_has_filter(r->style) && r->splat_size > 0.0f;
+    stp_result result = blends ? cpu_find_visible(r) : STP_OK;
+    if (result != STP_OK) {
+        return result;
+    }
+    cpu_begin_shading(r);
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
+    if (blends) {
+        r->occluding = NULL;
+        result = cpu_blend_splats(r);
+    }
+    if (result == STP_OK && cpu_has_effects(r->style)) {
+        result = cpu_apply_effects(r);
+    }
+    if (result == STP_OK && r->two_passes != NULL && !r->eye->made) {
+        result = make_pyramid(r);
+    }
+    return result;
+}
+
+/// Draws what the first pass left, and shades, eye by eye; the last one's items are placed already.
+static stp_result draw_second_pass(cpu_renderer* r, const stp_draw_list* list, bool again,
+                                   size_t first, uint32_t first_piece, stp_draw_stats* stats)
+{
+    stp_result result = STP_OK;
+    for (uint32_t i = r->eye_count; i-- > 0 && result == STP_OK;) {
+        double start = stp_clock_ms();
+        look_through(r, i);
+        if (again && r->placed == r->eye) {
+            cpu_place_late_occluders(r, list, first);
+        }
+        cpu_place_items(r, list, again ? first : r->item_count);
+        if (again) {
+            result = i + 1 == r->eye_count ? cpu_prepare_shading(r, first) : STP_OK;
+            result = result == STP_OK ? cpu_draw_items(r, first_piece) : result;
+        }
+        double drawn = stp_clock_ms();
+        result = result == STP_OK ? finish_picture(r) : result;
+        stats->draw_ms += drawn - start;
+        stats->shade_ms += stp_clock_ms() - drawn;
+    }
+    return result;
+}
+
+static stp_result draw_sample(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                              uint32_t sample, stp_draw_stats* stats)
+{
+    cpu_two_passes* passes = r->two_passes;
+    r->pattern = sample;
+    r->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
+    r->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
+    stp_result result = passes != NULL && !passes->selected ? cpu_select_sample(r) : STP_OK;
+    double start = stp_clock_ms(), select_ms = passes != NULL ? passes->select_ms : 0.0;
+    result = result == STP_OK ? draw_first_pass(r, list) : result;
+    size_t first = r->item_count;
+    uint32_t first_piece = r->piece_count;
+    bool again = result == STP_OK && passes != NULL && is_any_hidden(r);
+    if (again) {
+        result = select_rejected(r, first);
+    }
+    if (passes != NULL) {
+        stats->draw_ms -= passes->select_ms - select_ms;
+        passes->selected = false;
+    }
+    stats->draw_ms += stp_clock_ms() - start;
+    if (result == STP_OK) {
+        result = draw_second_pass(r, list, again, first, first_piece, stats);
+    }
+    if (result != STP_OK) {
+        cpu_empty_pixels(r);
+    }
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].drew = false;
+    }
+    return result;
+}
+
+stp_result cpu_draw_summed(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                           stp_draw_stats* stats)
+{
+    stp_result result = STP_OK;
+    r->sample_count = side * side;
+    for (r->sample = 0; r->sample < r->sample_count && result == STP_OK; ++r->sample) {
+        result = draw_sample(r, list, side, r->sample, stats);
+    }
+    double start = stp_clock_ms();
+    for (uint32_t i = 0; i < r->eye_count && r->sample_count > 1 && result == STP_OK; ++i) {
+        look_through(r, i);
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, average_bands, r);
+    }
+    stats->shade_ms += stp_clock_ms() - start;
+    return result;
+}
+
+static void add_frames(cpu_renderer* r)
+{
+    for (uint32_t i = 0; i < r->eye_count; ++i) {
+        look_through(r, i);
+        cpu_add_frame(r);
+    }
+    r->accumulation.frames += 1;
+}
+
+static void show_frames(cpu_renderer* r)
+{
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        r->workers[i].covered = 0;
+    }
+    for (uint32_t i = 0; i < r->eye_count; ++i) {
+        look_through(r, i);
+        cpu_show_frames(r);
+    }
+}
+
+stp_result cpu_draw_accumulated(cpu_renderer* r, const stp_draw_list* list, uint32_t side,
+                                uint32_t first, uint32_t end, stp_draw_stats* stats)
+{
+    const stp_draw_style* style = r->style;
+    stp_draw_style bare = *style;
+    bare.background = false;
+    r->style = &bare;
+    r->sample_count = 1;
+    r->sample = 0;
+    stp_result result = STP_OK;
+    for (uint32_t k = first; k < end && result == STP_OK; ++k) {
+        result = draw_sample(r, list, side, cpu_choose_sample(side, k), stats);
+        if (result == STP_OK) {
+            add_frames(r);
+        }
+    }
+    r->style = style;
+    double start = stp_clock_ms();
+    if (r->accumulation.frames > 0) {
+        show_frames(r);
+    }
+    stats->shade_ms += stp_clock_ms() - start;
+    return result;
+}
+
+typedef struct joined_rows {
+    const cpu_renderer* r;
+    stp_image* image;
+} joined_rows;
+
+static void join_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const joined_rows* rows = user;
+    const cpu_renderer* r = rows->r;
+    size_t size = 4 * (size_t)r->width, whole = 4 * (size_t)rows->image->width;
+    (void)worker;
+    for (size_t y = begin; y < end; ++y) {
+        uint8_t* out = rows->image->pixels + y * whole;
+        memset(out + (whole - 4), 0, 4); // of an odd width, no eye's
+        for (uint32_t i = 0; i < r->eye_count; ++i) {
+            memcpy(out + i * size, r->eyes[i].picture.pixels + y * size, size);
+        }
+    }
+}
+
+void cpu_join_eyes(cpu_renderer* r, stp_image* image)
+{
+    joined_rows rows = {r, image};
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, join_rows, &rows);
+}
