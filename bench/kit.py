@@ -20,6 +20,8 @@ def options(doc, size="1920x1080"):
     parser.add_argument("--size", default=size, metavar="WxH", help=f"of pictures; default {size}")
     parser.add_argument("--threads", type=int, default=0, help="default: all")
     parser.add_argument("--out", metavar="FILE.json", help="where results are kept; default bench/results/MACHINE/DATE-NAME.json")
+    parser.add_argument("--references", metavar="FOLDER", type=pathlib.Path, default=ROOT / "build/references",
+                        help="where pictures without LOD are kept for the next run; default build/references")
     parser.add_argument("--images", metavar="FOLDER", type=pathlib.Path, default=ROOT / "docs/images", help="default docs/images")
     return parser
 
@@ -36,9 +38,9 @@ def stipple(*arguments, threads=0):
 def bench(name, *arguments):
     """Runs a benchmark, and returns its object: machine and results."""
     call = [str(STIPPLE), "bench", name, *map(str, arguments), "--json"]
-    done = subprocess.run(call, stdout=subprocess.PIPE, text=True)
+    done = subprocess.run(call, capture_output=True, text=True)
     if done.returncode != 0:
-        sys.exit(f"{' '.join(call)}: failed")
+        sys.exit(f"{' '.join(call)}: {done.stderr.strip() or done.returncode}")
     return json.loads(done.stdout)
 
 
@@ -51,6 +53,34 @@ def knows(command, option):
 def compare(ours, truth):
     figures = stipple("compare", ours, truth)
     return {name: figures[name] for name in ("ssim", "ssim_covered", "psnr")}
+
+
+def bytes_of(scene):
+    """A file's size tells one scene from another of its name; None of a named scene."""
+    path = pathlib.Path(scene)
+    return path.stat().st_size if path.exists() else None
+
+
+def reference(given, view, size, *more, stereo=False):
+    """A view without LOD, which is drawn where --references lacks it: its PNG and figures. They lie there until the folder is deleted."""
+    path = given.references / pathlib.Path(str(name_of(given.scene)).replace(":", "-")) / f"{size}{'-stereo' if stereo else ''}-{view}.png"
+    figures_path, scene = path.with_suffix(".json"), {"name": name_of(given.scene), "bytes": bytes_of(given.scene), "options": list(map(str, more))}
+    if path.exists() and figures_path.exists():
+        kept = json.loads(figures_path.read_text(encoding="utf-8"))
+        if kept.get("scene") == scene:
+            return path, kept
+    say(f"{path} ...")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = path.with_suffix(".unfinished.png")
+    try:
+        figures = stipple("render", given.scene, "--view", view, "--size", size, "-o", unfinished, "--reference", "--once", *more,
+                          *(["--stereo"] if stereo else []), threads=given.threads)
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+    figures["scene"] = scene
+    write_whole(figures_path, json.dumps(figures, indent=1) + "\n")
+    return path, figures
 
 
 def processor():
@@ -68,18 +98,41 @@ def name_of(scene):
     return pathlib.Path(scene).name if "/" in str(scene) else str(scene)
 
 
-def keep(name, results, out=None):
+def write_whole(path, text):
+    """A file that is never there in part."""
+    unfinished = path.with_name(f"{path.name}.{os.getpid()}")
+    try:
+        unfinished.write_text(text, encoding="utf-8")
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def path_of(name, out=None):
+    """Where results are kept."""
+    folder = re.sub(r"[^a-z0-9]+", "-", processor().lower()).strip("-")
+    return pathlib.Path(out) if out else ROOT / f"bench/results/{folder}-{os.cpu_count()}/{datetime.date.today()}-{name}.json"
+
+
+def keep(name, results, out=None, silent=False):
     """Writes results as `stipple bench --json` prints them; of files only their names."""
     for r in results:
         r["params"] = {key: name_of(value) if isinstance(value, str) else value for key, value in r["params"].items()}
-    threads = os.cpu_count()
-    folder = re.sub(r"[^a-z0-9]+", "-", processor().lower()).strip("-")
-    path = pathlib.Path(out) if out else ROOT / f"bench/results/{folder}-{threads}/{datetime.date.today()}-{name}.json"
+    path = path_of(name, out)
     path.parent.mkdir(parents=True, exist_ok=True)
     version = subprocess.run([STIPPLE, "--version"], capture_output=True, text=True).stdout.strip()
-    machine = {"processor": processor(), "threads": threads, "version": version}
-    path.write_text(json.dumps({"machine": machine, "results": results}, indent=1) + "\n", encoding="utf-8")
-    print(f"\n{path}", file=sys.stderr)
+    machine = {"processor": processor(), "threads": os.cpu_count(), "version": version, "date": str(datetime.date.today())}
+    text = json.dumps({"machine": machine, "results": results}, indent=1)
+    text = re.sub(r"\[\s+([-+0-9.eE,\s]+?)\s+\]", lambda m: "[" + re.sub(r"\s+", " ", m[1]) + "]", text) # numbers on one line
+    write_whole(path, text + "\n")
+    if not silent:
+        print(f"\n{path}", file=sys.stderr)
+
+
+def read_results(path):
+    """What `keep` wrote; nothing where the file is not there."""
+    path = pathlib.Path(path)
+    return json.loads(path.read_text(encoding="utf-8"))["results"] if path.exists() else []
 
 
 def say(text):

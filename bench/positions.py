@@ -1,18 +1,24 @@
 #!/usr/bin/env python3
 """The distribution of frame times over scene `paper`, as in the last column of Table 3 of Brandt et al. 2019: a table, and box and violin plots.
 
-usage: bench/positions.py SCENE [--count N] [--splat-size PX] [--line MS]
+usage: bench/positions.py SCENE [--count N | --sample PART] [--minutes M] [--resume] [--splat-size PX] [--line MS]
 
-Runs `stipple bench positions`: N random positions 200 m above the whole scene and a quarter as many 2 m above the
-ground of each part (the paper: about 10,000, and 1,000; 100 for the bakery), four directions each, every picture
-drawn twice. Writes frame-times.svg.
+N random positions 200 m above the whole scene, and a quarter as many 2 m above the ground of each part, four directions
+each; a picture is drawn twice, and it is the second frame that counts (`stipple bench positions`). The paper: about 10,000,
+and 1,000 in each part (100 in the bakery): --sample says what part of 10,000. Measured in pieces of all places, and kept
+after each: --minutes ends after so long, --resume goes on where the kept file ends. As positions do not depend on how many
+there are, any number of pieces is a sample of the whole. Writes frame-times.svg.
 """
 import math
+import time
 
 import kit
 
-LEFT, TOP, HEIGHT, BOTTOM, ACROSS = 60, 36, 340, 60, 130
+LEFT, TOP, HEIGHT, BOTTOM, ACROSS = 60, 44, 340, 60, 130
 BINS = 80
+WHOLE = 10000 # positions of the paper
+LISTS = ("frame_ms", "jump_ms", "splats", "triangles")
+ROUNDED = {"frame_ms": 2, "jump_ms": 2, "splats": None, "triangles": None}
 
 
 def axis(values):
@@ -57,9 +63,11 @@ def plot(results, path, mark):
         drawing.text(LEFT - 8, y_of(2.0 ** power) + 4, f"{2.0 ** power:g}", "end")
     if mark:
         drawing.line([(LEFT, y_of(mark)), (width - 10, y_of(mark))], "#c00", 1, 'stroke-dasharray="6 4"')
+        drawing.text(width - 10, y_of(mark) - 4, f"{mark:g} ms", "end", 'font-size="10" fill="#c00"')
     size = results[0]["params"]
-    drawing.text(LEFT, 20, f"frame time, ms; {size['width']}x{size['height']}, {size['threads']} threads, "
+    drawing.text(LEFT, 16, f"frame time, ms; {size['width']}x{size['height']}, {size['threads']} threads, "
                            f"splat size {size['splat_size']:g}", more='font-weight="bold"')
+    drawing.text(LEFT, 31, "box: quartiles and median; line: 5 % to 95 %", more='font-size="10"')
     for i, r in enumerate(results):
         x = LEFT + ACROSS * (i + 0.5)
         put_violin(drawing, values[i], x, "#8da0cb", y_of, low, high)
@@ -69,14 +77,69 @@ def plot(results, path, mark):
     drawing.write(path)
 
 
+def add(places, piece):
+    """A piece's pictures to those of before, by place."""
+    for r in piece:
+        p, lists = r["params"], {name: [round(v, ROUNDED[name]) for v in r["figures"][name]] for name in LISTS}
+        del p["first"]
+        known = places.setdefault(p["place"], kit.result("positions", p, {}))
+        if known["params"] is not p:
+            for key in ("positions", "pictures"):
+                known["params"][key] += p[key]
+        for name, values in lists.items():
+            known["figures"].setdefault(name, []).extend(values)
+
+
+def describe(r):
+    f = r["figures"]
+    for name, part in (("min", 0), ("p25", 0.25), ("p50", 0.5), ("p75", 0.75), ("p95", 0.95), ("p99", 0.99), ("max", 1)):
+        f[name] = kit.rank(f["frame_ms"], part)
+    for name in LISTS[1:]:
+        f[f"{name.removesuffix('_ms')}_p50"] = kit.rank(f[name], 0.5)
+
+
+def resumed(given, path):
+    """What was kept, by place, if it is of the same pictures."""
+    places = {r["params"]["place"]: r for r in kit.read_results(path)}
+    for r in places.values():
+        p = r["params"]
+        if (p["model"], f"{p['width']}x{p['height']}", p["splat_size"]) != (kit.name_of(given.scene), given.size, float(given.splat_size)):
+            raise SystemExit(f"{path}: of {p['model']} at {p['width']}x{p['height']} and size {p['splat_size']:g}; --out names another file")
+    return places
+
+
+def measure(given, name):
+    path = kit.path_of(name, given.out)
+    places = resumed(given, path) if given.resume else {}
+    count = given.count or math.ceil(WHOLE * given.sample)
+    begun, done = time.monotonic(), places["Overview"]["params"]["positions"] if places else 0
+    before = done
+    while done < count and not (given.minutes and done > before and time.monotonic() - begun > 60 * given.minutes):
+        piece = min(given.piece, count - done)
+        add(places, kit.bench("positions", "--model", given.scene, "--first", done, "--count", piece, "--splat-size", given.splat_size,
+                              "--size", given.size, "--threads", given.threads)["results"])
+        done += piece
+        for r in places.values():
+            describe(r)
+        kit.keep(name, list(places.values()), given.out, silent=True)
+        minutes = (time.monotonic() - begun) / 60
+        kit.say(f"{done} of {count} positions above the whole, {minutes:.1f} minutes; the rest takes {minutes * (count - done) / (done - before):.1f}")
+    kit.say(path)
+    return list(places.values())
+
+
 def main():
     parser = kit.options(__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--count", type=int, default=20)
-    parser.add_argument("--splat-size", default="1")
+    parser.add_argument("--count", type=int, help="above the whole scene; instead of --sample")
+    parser.add_argument("--sample", type=float, default=0.06, help="part of the paper's 10,000 positions; default 0.06")
+    parser.add_argument("--minutes", type=float, help="begin no further piece after so many; default: all positions")
+    parser.add_argument("--piece", type=int, default=20, help="positions at a time; default 20")
+    parser.add_argument("--resume", action="store_true", help="go on where the kept file ends")
+    parser.add_argument("--splat-size", default="4")
     parser.add_argument("--line", type=float, default=33.0, help="marked in the plot, ms; default 33")
     given = parser.parse_args()
-    results = kit.bench("positions", "--model", given.scene, "--count", given.count, "--splat-size", given.splat_size)["results"]
+    results = measure(given, "positions")
     rows = []
     for r in results:
         p, f = r["params"], r["figures"]
@@ -84,7 +147,7 @@ def main():
                      kit.short(f["splats_p50"]), kit.short(f["triangles_p50"])])
     kit.table(["place", "positions", "pictures", "25 %", "median", "75 %", "95 %", "99 %", "max", "first frame", "splats", "triangles"], rows)
     plot(results, given.images / "frame-times.svg", given.line)
-    kit.keep("positions", results, given.out)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Table 3 of Brandt et al. 2019 on scene `paper`: views 1 to 5 without LOD and with ours, at three sizes and in stereo, beside the paper's.
 
-usage: bench/table3.py SCENE [--splat-size PX | --budget-ms MS] [--columns 1k,2.5k,4k,HMD] [--views 1,2] [--no-reference]
+usage: bench/table3.py SCENE [--splat-size PX | --budget-ms MS] [--counts-only | --times-only] [--merge FILE.json...]
+                       [--columns 1k,2.5k,4k,HMD] [--views 1,2] [--references FOLDER] [--no-reference]
 
-Prints Markdown: ours, and in brackets the paper's (a GTX 1060; frame time is 1000 / FPS). Pictures without LOD are
-drawn once for each size, which takes their seconds; --no-reference leaves them out, and SSIM with them.
+Prints Markdown: ours, and in brackets the paper's (a GTX 1060; frame time is 1000 / FPS). --counts-only needs no idle
+machine: what is drawn, and SSIM against pictures without LOD, each of which is drawn once and kept in --references.
+--times-only is the rest, and adds to what --merge names; neither does both. With --merge and --views none it prints alone.
 """
 import pathlib
 import tempfile
@@ -31,33 +33,69 @@ PAPER = {
           "2.5k": (4195, 10.31e6, 8.64e6, 111.22, 0.99), "4k": (6477, 18.87e6, 13.00e6, 76.97, 0.99),
           "HMD": (3233, 13.40e6, 10.11e6, 83.84, None)},
 }
-KEPT = ("splat_size", "frame_ms", "select_ms", "draw_ms", "shade_ms", "draw_calls", "triangles", "splats", "fragments", "nodes",
-        "covered_pixels")
-
-
-def draw(given, view, size, png, *more):
-    figures = kit.stipple("render", given.scene, "--view", view, "--size", size, "-o", png, *more, threads=given.threads)
-    return {name: figures[name] for name in KEPT}
+COUNTS = ("splat_size", "draw_calls", "triangles", "splats", "fragments", "nodes", "covered_pixels")
+TIMES = ("frame_ms", "select_ms", "draw_ms", "shade_ms")
+WHOLE = "no LOD"
 
 
 def quality_options(given):
     return ["--budget-ms", given.budget_ms] if given.budget_ms else ["--splat-size", given.splat_size]
 
 
-def measure_column(given, view, column, folder):
-    """Ours and, where there is time for it, no LOD at one size."""
-    size, found = SIZES[column], []
-    ours, truth = folder / "ours.png", folder / "truth.png"
+def draw(given, view, column, png, *more):
+    """A picture, and those of its figures that are wanted: times are medians of several frames."""
     stereo = ["--stereo"] if column == "HMD" else []
+    figures = kit.stipple("render", given.scene, "--view", view, "--size", SIZES[column], "-o", png, *more, *stereo,
+                          *(["--once"] if given.counts_only else []), threads=given.threads)
+    return {name: figures[name] for name in (*COUNTS, *(() if given.counts_only else TIMES))}
+
+
+def measure_ours(given, view, column, folder):
     kit.say(f"view {view}, {column}")
-    params = {"scene": given.scene, "view": view, "size": size}
-    figures = draw(given, view, size, ours, *quality_options(given), *stereo)
-    if not given.no_reference and not stereo:
-        reference = draw(given, view, size, truth, "--reference", "--once")
+    ours = folder / "ours.png"
+    figures = draw(given, view, column, ours, *quality_options(given))
+    if not given.times_only and not given.no_reference:
+        truth, _ = kit.reference(given, view, SIZES[column], stereo=column == "HMD")
         figures.update(kit.compare(ours, truth))
-        found.append(kit.result("table3", {**params, "column": f"no LOD {column}"}, reference))
-    found.append(kit.result("table3", {**params, "column": column, "options": " ".join(map(str, quality_options(given)))}, figures))
+    return figures
+
+
+def measure_whole(given, view, column, folder):
+    """Without LOD. What is drawn of it is known where its picture was kept."""
+    kit.say(f"view {view}, no LOD")
+    if given.counts_only:
+        _, figures = kit.reference(given, view, SIZES[column])
+        return {name: figures[name] for name in COUNTS}
+    return draw(given, view, column, folder / "whole.png", "--reference")
+
+
+def measure(given, columns):
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        for view in [] if given.views == "none" else given.views.split(","):
+            params = {"scene": given.scene, "view": view}
+            if not given.no_reference:
+                found.append(kit.result("table3", {**params, "column": WHOLE, "size": SIZES[columns[0]]},
+                                        measure_whole(given, view, columns[0], pathlib.Path(folder))))
+            for column in columns:
+                params.update({"column": column, "size": SIZES[column], "options": " ".join(map(str, quality_options(given)))})
+                found.append(kit.result("table3", dict(params), measure_ours(given, view, column, pathlib.Path(folder))))
     return found
+
+
+def merge(lists):
+    """One result a view and column; of a figure that several have, the last."""
+    by_place = {}
+    for r in (r for results in lists for r in results):
+        place = (r["params"]["view"], r["params"]["column"])
+        if place in by_place:
+            old = by_place[place]
+            if old["params"].get("options") != r["params"].get("options"):
+                raise SystemExit(f"view {place[0]}, {place[1]}: {old['params'].get('options')} and {r['params'].get('options')} cannot be merged")
+            old["figures"].update(r["figures"])
+        else:
+            by_place[place] = r
+    return [by_place[place] for place in sorted(by_place, key=lambda p: (p[0], [WHOLE, *SIZES].index(p[1])))]
 
 
 def cell(ours, paper):
@@ -65,18 +103,18 @@ def cell(ours, paper):
 
 
 def rows_of(view, columns, by_column):
-    """The five rows of a view."""
+    """The rows of a view."""
     rows = {"draw items": [], "triangles": [], "splats": [], "frame, ms": [], "SSIM": [], "SSIM, covered": []}
     for column in columns:
         ours, paper = by_column.get(column), PAPER[view][column]
         if ours is None:
-            for name in rows:
-                rows[name].append("")
+            for cells in rows.values():
+                cells.append("")
             continue
         for name, key, i in (("draw items", "draw_calls", 0), ("triangles", "triangles", 1), ("splats", "splats", 2)):
             rows[name].append(cell(kit.short(ours[key]), kit.short(paper[i])))
-        rows["frame, ms"].append(cell(f"{ours['frame_ms']:,.0f}", f"{1000 / paper[3]:.1f}"))
-        whole = ours.get("ssim", 1.0 if column == "no LOD" else None)
+        rows["frame, ms"].append(cell(f"{ours['frame_ms']:,.0f}", f"{1000 / paper[3]:,.1f}") if "frame_ms" in ours else "")
+        whole = ours.get("ssim", 1.0 if column == WHOLE else None)
         rows["SSIM"].append("" if whole is None else cell(f"{whole:.3f}", paper[4]))
         covered = ours.get("ssim_covered")
         rows["SSIM, covered"].append("" if covered is None else f"{covered:.3f}")
@@ -86,23 +124,23 @@ def rows_of(view, columns, by_column):
 def main():
     parser = kit.options(__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--splat-size", default="1")
+    parser.add_argument("--splat-size", default="2", help="default 2: about as many splats as the paper's")
     parser.add_argument("--budget-ms", default=None)
-    parser.add_argument("--columns", default="1k,2.5k,4k,HMD")
+    parser.add_argument("--columns", default=",".join(SIZES))
     parser.add_argument("--views", default="1,2,3,4,5")
-    parser.add_argument("--no-reference", action="store_true")
+    parser.add_argument("--counts-only", action="store_true")
+    parser.add_argument("--times-only", action="store_true")
+    parser.add_argument("--merge", nargs="+", default=[], metavar="FILE.json", help="what was measured before")
+    parser.add_argument("--no-reference", action="store_true", help="no column without LOD, and no SSIM")
     given = parser.parse_args()
-    columns = [c for c in given.columns.split(",") if c != "HMD" or kit.knows("render", "stereo")]
-    results, rows = [], []
-    with tempfile.TemporaryDirectory() as folder:
-        for view in given.views.split(","):
-            for column in columns:
-                results += measure_column(given, view, column, pathlib.Path(folder))
-            by_column = {r["params"]["column"]: r["figures"] for r in results if r["params"]["view"] == view}
-            by_column["no LOD"] = by_column.get(f"no LOD {columns[0]}")
-            rows += rows_of(view, ["no LOD", *columns], by_column)
-    kit.table(["view", "", "no LOD", *columns], rows)
-    kit.keep("table3" if not given.budget_ms else "table3-budget", results, given.out)
+    columns = given.columns.split(",")
+    results = merge([*map(kit.read_results, given.merge), measure(given, columns)])
+    rows = []
+    for view in sorted({r["params"]["view"] for r in results}):
+        rows += rows_of(view, [WHOLE, *columns], {r["params"]["column"]: r["figures"] for r in results if r["params"]["view"] == view})
+    kit.table(["view", "", WHOLE, *columns], rows)
+    kit.keep(f"table3-budget-{given.budget_ms}" if given.budget_ms else f"table3-size-{given.splat_size}", results, given.out)
 
 
-main()
+if __name__ == "__main__":
+    main()

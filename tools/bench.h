@@ -11,7 +11,12 @@ typedef struct bench_options {
     bool quick;        ///< a small case of everything, within seconds
     const char* model; ///< a model to measure on; NULL: the benchmark's own
     uint32_t count;    ///< of what is repeated; 0: the benchmark's own
+    uint32_t first; ///< of what is repeated: so many are left out, so that it is measured in pieces
     double splat_size; ///< of pictures of scenes
+    uint32_t size[2];  ///< of pictures of scenes, pixels; 0: the benchmark's own
+    uint32_t threads;  ///< that draw pictures of scenes; 0: all
+    uint64_t
+        memory; ///< bytes under which scenes are loaded while they are drawn; 0: they are mapped
 } bench_options;
 
 typedef struct benchmark {

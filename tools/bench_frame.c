@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Benchmark `frame`: what the views of a scene and a flight through them take, at a splat a pixel and within a budget,
-// which both controllers hold on the same flight.
+// Benchmark `frame`: what the views of a scene and a flight through them take, at one size of splats and within a budget,
+// which both controllers hold on the same flight; with --memory what is drawn is loaded meanwhile.
 #include "bench.h"
 #include "flight_report.h"
 #include "scene_file.h"
@@ -24,7 +24,9 @@ typedef struct frame_bench {
     frame_maker maker;
     stp_image image;
     const char* model;
+    const bench_options* options;
     bool quick;
+    float splat_size;
     const char* names[MOST_VIEWS];
     stp_view views[MOST_VIEWS];
     uint32_t view_count;
@@ -32,7 +34,7 @@ typedef struct frame_bench {
 } frame_bench;
 
 typedef struct way {
-    const char* controller; ///< NULL: no budget, a splat a pixel
+    const char* controller; ///< NULL: no budget
     stp_controller kind;
 } way;
 
@@ -50,6 +52,9 @@ static bench_entry begin_result(const frame_bench* b, const way* w)
     bench_set_count(entry.params, "width", b->image.width);
     bench_set_count(entry.params, "height", b->image.height);
     bench_set_count(entry.params, "threads", stp_context_thread_count(b->context));
+    if (b->options->memory > 0) {
+        bench_set_count(entry.params, "memory_bytes", b->options->memory);
+    }
     if (w->controller != NULL) {
         bench_set_number(entry.params, "budget_ms", budget_ms);
         bench_set_text(entry.params, "controller", w->controller);
@@ -73,15 +78,17 @@ static stp_result measure_view(frame_bench* b, uint32_t view, const way* w)
 {
     frame_figures frames[REPEATS];
     int repeats = b->quick ? QUICK_REPEATS : REPEATS;
-    stp_quality quality = {.splat_size = 1.0f};
+    stp_quality quality = {.splat_size = b->splat_size};
     stp_budget budget;
     stp_budget_init(&budget, w->kind, budget_ms);
     stp_result result = w->controller != NULL
                             ? frame_settle(&b->maker, &b->views[view], &budget, &quality, &b->image)
                             : STP_OK;
-    for (int i = -1; i < repeats && result == STP_OK; ++i) { // the first finds nothing in caches
-        result =
-            frame_draw(&b->maker, &b->views[view], &quality, &b->image, &frames[i < 0 ? 0 : i]);
+    if (result == STP_OK) { // finds nothing in caches
+        result = frame_draw_loaded(&b->maker, &b->views[view], &quality, &b->image, &frames[0]);
+    }
+    for (int i = 0; i < repeats && result == STP_OK; ++i) {
+        result = frame_draw(&b->maker, &b->views[view], &quality, &b->image, &frames[i]);
     }
     if (result == STP_OK) {
         qsort(frames, (size_t)repeats, sizeof(frames[0]), compare_figures);
@@ -104,7 +111,7 @@ static stp_result measure_flight(frame_bench* b, const way* w)
     flight_plan plan = {.flight = &flight,
                         .frame_count = b->quick ? 12 : 0,
                         .view = {.width = b->image.width, .height = b->image.height},
-                        .quality = {.splat_size = 1.0f},
+                        .quality = {.splat_size = b->splat_size},
                         .budget_ms = w->controller != NULL ? budget_ms : 0.0,
                         .controller = w->kind};
     flight_record record;
@@ -113,6 +120,10 @@ static stp_result measure_flight(frame_bench* b, const way* w)
         bench_entry entry = begin_result(b, w);
         bench_set_text(entry.params, "flight", "through the views");
         set_figures(&entry, flight_describe(&record));
+        if (b->maker.residency != NULL) {
+            json_object_set_new(entry.figures, "residency",
+                                flight_describe_residency(&record, b->maker.residency));
+        }
     }
     flight_record_destroy(b->context, &record);
     return result;
@@ -144,13 +155,26 @@ static void list_views(frame_bench* b)
     }
 }
 
+// Under a limit of memory each flight finds loaded what all of them begin with.
+static stp_result renew_maker(frame_bench* b)
+{
+    stp_draw_style style = {0};
+    frame_maker_destroy(&b->maker);
+    stp_result result = frame_maker_create(b->context, b->store, &style, &b->maker);
+    return result == STP_OK && b->options->memory > 0 ? frame_maker_stream(&b->maker) : result;
+}
+
 static stp_result measure(frame_bench* b)
 {
-    if (!frame_image_create(b->context, b->quick ? 320 : 1920, b->quick ? 180 : 1080, &b->image)) {
+    uint32_t width = b->quick ? 320 : 1920, height = b->quick ? 180 : 1080;
+    if (b->options->size[0] > 0) {
+        width = b->options->size[0];
+        height = b->options->size[1];
+    }
+    if (!frame_image_create(b->context, width, height, &b->image)) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    stp_draw_style style = {0};
-    stp_result result = frame_maker_create(b->context, b->store, &style, &b->maker);
+    stp_result result = renew_maker(b);
     list_views(b);
     for (uint32_t i = 0; i < b->view_count && result == STP_OK; ++i) {
         for (int w = 0; w < 2 && result == STP_OK; ++w) {
@@ -158,7 +182,10 @@ static stp_result measure(frame_bench* b)
         }
     }
     for (int w = 0; w < WAYS && result == STP_OK; ++w) {
-        result = measure_flight(b, &ways[w]);
+        result = b->options->memory > 0 ? renew_maker(b) : STP_OK;
+        if (result == STP_OK) {
+            result = measure_flight(b, &ways[w]);
+        }
     }
     return result;
 }
@@ -181,8 +208,10 @@ static int run_frame(const bench_options* options, json_t* results)
         return tool_error("bench frame: a temporary folder cannot be made");
     }
     snprintf(path, sizeof(path), "%s/scene.stip", folder);
-    frame_bench b = {.context = tool_context_create(0, 0, "none"),
+    frame_bench b = {.context = tool_context_create(options->threads, options->memory, "none"),
                      .model = options->model,
+                     .options = options,
+                     .splat_size = (float)options->splat_size,
                      .quick = options->quick,
                      .results = results};
     stp_result result = STP_ERROR_OUT_OF_MEMORY;
@@ -208,6 +237,6 @@ static int run_frame(const bench_options* options, json_t* results)
 
 const benchmark benchmark_frame = {
     .name = "frame",
-    .summary = "views of a scene and a flight through them, at a splat a pixel and within 33 ms",
+    .summary = "views of a scene and a flight through them, at a size of splats and within 33 ms",
     .run = run_frame,
 };

@@ -98,7 +98,17 @@ typedef struct place_times {
     double *second, *first, *splats, *triangles; ///< of one block
 } place_times;
 
-static void report_place(position_bench* b, const place* p, uint32_t positions,
+static void set_list(const bench_entry* entry, const char* key, const double* values,
+                     uint32_t count)
+{
+    json_t* list = json_array();
+    for (uint32_t i = 0; i < count; ++i) {
+        json_array_append_new(list, json_real(values[i]));
+    }
+    json_object_set_new(entry->figures, key, list);
+}
+
+static void report_place(position_bench* b, const place* p, uint32_t first, uint32_t positions,
                          const place_times* t)
 {
     uint32_t pictures = DIRECTIONS * positions;
@@ -106,26 +116,26 @@ static void report_place(position_bench* b, const place* p, uint32_t positions,
     bench_set_text(entry.params, "model", b->model);
     bench_set_text(entry.params, "place", p->name);
     bench_set_number(entry.params, "metres_above_ground", p->above);
+    bench_set_count(entry.params, "first", first);
     bench_set_count(entry.params, "positions", positions);
     bench_set_count(entry.params, "pictures", pictures);
     bench_set_count(entry.params, "width", b->image.width);
     bench_set_count(entry.params, "height", b->image.height);
     bench_set_count(entry.params, "threads", stp_context_thread_count(b->context));
     bench_set_number(entry.params, "splat_size", (double)b->quality.splat_size);
-    json_t* list = json_array();
-    for (uint32_t i = 0; i < pictures; ++i) {
-        json_array_append_new(list, json_real(t->second[i]));
-    }
+    set_list(&entry, "frame_ms", t->second, pictures); // before they are sorted
+    set_list(&entry, "jump_ms", t->first, pictures);
+    set_list(&entry, "splats", t->splats, pictures);
+    set_list(&entry, "triangles", t->triangles, pictures);
     set_ranks(&entry, t->second, pictures);
     bench_set_number(entry.figures, "jump_p50", bench_median(t->first, pictures));
     bench_set_number(entry.figures, "splats_p50", bench_median(t->splats, pictures));
     bench_set_number(entry.figures, "triangles_p50", bench_median(t->triangles, pictures));
-    json_object_set_new(entry.figures, "frame_ms", list);
 }
 
 // Each picture is drawn twice: the first frame knows nothing of what hides what here, nor is it in caches; it is the
 // second that counts, as in a flight.
-static stp_result measure_place(position_bench* b, const place* p, uint64_t seed,
+static stp_result measure_place(position_bench* b, const place* p, uint64_t seed, uint32_t begin,
                                 uint32_t positions)
 {
     uint32_t pictures = DIRECTIONS * positions;
@@ -137,9 +147,9 @@ static stp_result measure_place(position_bench* b, const place* p, uint64_t seed
                      block + 3 * (size_t)pictures};
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < pictures && result == STP_OK; ++i) {
-        stp_view view = look(b, p, seed, i / DIRECTIONS, (int)(i % DIRECTIONS));
+        stp_view view = look(b, p, seed, begin + i / DIRECTIONS, (int)(i % DIRECTIONS));
         frame_figures first, second;
-        result = frame_draw(&b->maker, &view, &b->quality, &b->image, &first);
+        result = frame_draw_loaded(&b->maker, &view, &b->quality, &b->image, &first);
         if (result == STP_OK) {
             result = frame_draw(&b->maker, &view, &b->quality, &b->image, &second);
         }
@@ -151,7 +161,7 @@ static stp_result measure_place(position_bench* b, const place* p, uint64_t seed
         }
     }
     if (result == STP_OK) {
-        report_place(b, p, positions, &t);
+        report_place(b, p, begin, positions, &t);
     }
     stp_free(b->context, block);
     return result;
@@ -159,28 +169,37 @@ static stp_result measure_place(position_bench* b, const place* p, uint64_t seed
 
 static stp_result measure(position_bench* b, const bench_options* options)
 {
-    if (!frame_image_create(b->context, options->quick ? 320 : 1920, options->quick ? 180 : 1080,
-                            &b->image)) {
+    uint32_t width = options->quick ? 320 : 1920, height = options->quick ? 180 : 1080;
+    if (options->size[0] > 0) {
+        width = options->size[0];
+        height = options->size[1];
+    }
+    if (!frame_image_create(b->context, width, height, &b->image)) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
     terrain_map_make(&b->map, 0);
     stp_draw_style style = {0};
     stp_result result = frame_maker_create(b->context, b->store, &style, &b->maker);
+    if (result == STP_OK && options->memory > 0) {
+        result = frame_maker_stream(&b->maker);
+    }
     uint32_t count = options->count > 0 ? options->count
                      : options->quick   ? QUICK_COUNT
                                         : DEFAULT_COUNT;
     place places[PLACES];
     list_places(places);
     for (uint32_t i = 0; i < PLACES && result == STP_OK; ++i) {
-        uint32_t share = i == 0 ? count : (count + SHARE_OF_A_PART - 1) / SHARE_OF_A_PART;
-        result = measure_place(b, &places[i], i, share);
+        uint32_t share = i == 0 ? 1 : SHARE_OF_A_PART;
+        uint32_t begin = (options->first + share - 1) / share;
+        uint32_t end = (options->first + count + share - 1) / share;
+        result = begin < end ? measure_place(b, &places[i], i, begin, end - begin) : STP_OK;
     }
     return result;
 }
 
 static int run_positions(const bench_options* options, json_t* results)
 {
-    position_bench b = {.context = tool_context_create(0, 0, "none"),
+    position_bench b = {.context = tool_context_create(options->threads, options->memory, "none"),
                         .model = options->model != NULL ? options->model
                                  : options->quick       ? "scene:paper,scale=0.001"
                                                         : "scene:paper,scale=0.02",

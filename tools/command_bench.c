@@ -27,8 +27,9 @@ const benchmark* const* benchmarks(void)
 static struct {
     bool list, quick, json;
     const char* model;
-    uint64_t count;
+    uint64_t count, first, threads, memory;
     double splat_size;
+    uint32_t size[2];
 } given;
 
 static const option* bench_options_table(void)
@@ -52,8 +53,33 @@ static const option* bench_options_table(void)
          .type = OPTION_NUMBER,
          .argument = "PX",
          .words = "1..64",
-         .help = "positions: size of splats; default 1",
+         .help = "frame, positions: size of splats; default 1",
          .value = &given.splat_size},
+        {.name = "first",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "0..1000000",
+         .help = "positions: leave out so many, which were measured before; default 0",
+         .value = &given.first},
+        {.name = "size",
+         .type = OPTION_PIXELS,
+         .argument = "WxH",
+         .help = "frame, positions: pixels; default 1920x1080, with --quick 320x180",
+         .value = given.size},
+        {.name = "memory",
+         .type = OPTION_SIZE,
+         .argument = "SIZE",
+         .words = "auto",
+         .help =
+             "frame, positions: load what is drawn while it is drawn, under this limit, such as "
+             "1G; default: the file is mapped",
+         .value = &given.memory},
+        {.name = "threads",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "auto|0..1024",
+         .help = "frame, positions: threads that draw; default all processors",
+         .value = &given.threads},
         OPTION_JSON(&given.json),
         {0},
     };
@@ -208,7 +234,11 @@ static int run_bench(int argc, char** argv)
     bench_options options = {.quick = given.quick,
                              .model = given.model,
                              .count = (uint32_t)given.count,
-                             .splat_size = given.splat_size > 0.0 ? given.splat_size : 1.0};
+                             .first = (uint32_t)given.first,
+                             .splat_size = given.splat_size > 0.0 ? given.splat_size : 1.0,
+                             .size = {given.size[0], given.size[1]},
+                             .threads = (uint32_t)given.threads,
+                             .memory = given.memory};
     json_t* results = json_array();
     int code = 0;
     for (const benchmark* const* b = benchmarks(); *b != NULL && code == 0; ++b) {

@@ -4,6 +4,7 @@
 #include "command.h"
 #include "draw_options.h"
 #include "flight_report.h"
+#include "svg.h"
 #include "tool.h"
 #include "video.h"
 
@@ -66,23 +67,6 @@ typedef struct session {
     flight_record record;
 } session;
 
-// What loading did, of a flight under a limit of memory.
-static json_t* describe_residency(const session* s)
-{
-    stp_residency_stats stats;
-    uint32_t lacking = 0;
-    stp_residency_get_stats(s->maker.residency, &stats);
-    for (uint32_t i = 0; i < s->record.frame_count; ++i) {
-        lacking += s->record.frames[i].missing > 0 ? 1 : 0;
-    }
-    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "limit_bytes",
-                     (json_int_t)stats.limit_bytes, "resident_bytes",
-                     (json_int_t)stats.resident_bytes, "peak_bytes", (json_int_t)stats.peak_bytes,
-                     "read_bytes", (json_int_t)stats.read_bytes, "loaded", (json_int_t)stats.loaded,
-                     "dropped", (json_int_t)stats.dropped, "damaged", (json_int_t)stats.damaged,
-                     "frames_lacking", (json_int_t)lacking);
-}
-
 static int print_json(const session* s)
 {
     char device[200];
@@ -99,7 +83,8 @@ static int print_json(const session* s)
     }
     json_decref(figures);
     if (s->maker.residency != NULL &&
-        json_object_set_new(object, "residency", describe_residency(s)) != 0) {
+        json_object_set_new(object, "residency",
+                            flight_describe_residency(&s->record, s->maker.residency)) != 0) {
         json_decref(object);
         return tool_error("out of memory");
     }
@@ -168,7 +153,11 @@ static int fly(session* s, const char* file)
     if (code != 0) {
         return code;
     }
-    if (args.output != NULL && !open_film(s)) { // before a model is built for long
+    // what cannot be written is known before a model is built, and flown through, for long
+    if (args.plot != NULL && svg_check(s->context, args.plot) != STP_OK) {
+        return 1;
+    }
+    if (args.output != NULL && !open_film(s)) {
         return 1;
     }
     bool flown = fly_through(s, file);
@@ -190,6 +179,9 @@ static int check_arguments(int argc, const char* file)
             (tool_is_same_file(file, outputs[i]) || tool_is_same_file(args.path, outputs[i]))) {
             return tool_usage_error("%s is read, and would be written over", outputs[i]);
         }
+    }
+    if (args.plot != NULL && strcmp(args.plot, "-") == 0) {
+        return tool_usage_error("--plot writes a file, and standard output is none");
     }
     const char* ending = args.output != NULL ? strrchr(args.output, '.') : NULL;
     if (args.output != NULL && !video_is_folder(args.output) &&
@@ -247,7 +239,8 @@ const command command_fly = {
             "(the mean over pixels and "
             "channels, 0 to 255) beyond what they change in pictures of the original geometry. "
             "--reference-every and "
-            "--popping draw that geometry, which takes its time in large scenes.",
+            "--popping draw that geometry, which takes its time in large scenes; --plot shows "
+            "them, too.",
     .options = options,
     .run = run,
 };

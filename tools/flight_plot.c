@@ -17,9 +17,10 @@ enum {
 
 typedef struct panel {
     const char* title;
-    flight_value value;
+    flight_value value; ///< NULL: how much popped, or how alike the pictures are
     const char* color;
     double line; ///< a value to mark; 0: none
+    bool of_pictures;
 } panel;
 
 typedef struct plot {
@@ -28,21 +29,51 @@ typedef struct plot {
     double first, length; ///< seconds
 } plot;
 
+static double value_of(const plot* p, const panel* shown, uint32_t frame)
+{
+    return shown->value != NULL ? shown->value(&p->record->frames[frame])
+                                : p->record->poppings[frame];
+}
+
+static double largest(const plot* p, const panel* shown)
+{
+    double most = shown->of_pictures ? 1.0 : shown->line;
+    for (uint32_t i = 0; i < p->record->frame_count && !shown->of_pictures; ++i) {
+        most = fmax(most, value_of(p, shown, i));
+    }
+    return most;
+}
+
 static double x_of(const plot* p, double t)
 {
     return LEFT + (p->length > 0.0 ? (t - p->first) / p->length : 0.0) * COLUMNS;
 }
 
-// A round number of at least that: 1, 2 or 5 times a power of ten.
-static double round_up(double value)
+// A number of at least that, which a power of ten and one of the steps make.
+static double round_up(double value, const double* steps, int count)
 {
     double power = 1e-3;
     for (; power * 10.0 < value; power *= 10.0) {
     }
-    return value <= power         ? power
-           : value <= 2.0 * power ? 2.0 * power
-           : value <= 5.0 * power ? 5.0 * power
-                                  : 10.0 * power;
+    for (int i = 0; i < count; ++i) {
+        if (value <= steps[i] * power) {
+            return steps[i] * power;
+        }
+    }
+    return 10.0 * power;
+}
+
+// Round numbers, a quarter of which is short, too.
+static double round_axis(double value)
+{
+    static const double steps[] = {1.0, 1.2, 1.6, 2.0, 2.4, 3.2, 4.0, 6.0, 8.0};
+    return round_up(value, steps, sizeof(steps) / sizeof(steps[0]));
+}
+
+static double round_step(double value)
+{
+    static const double steps[] = {1.0, 2.0, 5.0};
+    return round_up(value, steps, sizeof(steps) / sizeof(steps[0]));
 }
 
 // `high` is the largest on its axis: all of an axis have one unit.
@@ -81,8 +112,8 @@ static void put_line(const plot* p, const panel* shown, double top, double high)
         double x = floor(x_of(p, record->times[i]) + 0.5), least = HUGE_VAL, most = -HUGE_VAL;
         uint32_t first = i;
         for (; i < record->frame_count && floor(x_of(p, record->times[i]) + 0.5) <= x; ++i) {
-            least = fmin(least, shown->value(&record->frames[i]));
-            most = fmax(most, shown->value(&record->frames[i]));
+            least = fmin(least, value_of(p, shown, i));
+            most = fmax(most, value_of(p, shown, i));
         }
         svg_put(p->s, "%s%.0f %.2f", first == 0 ? "M" : "L", x, top + PANEL * (1.0 - least / high));
         if (most > least) {
@@ -92,9 +123,22 @@ static void put_line(const plot* p, const panel* shown, double top, double high)
     svg_put(p->s, "h0.01\"/>\n"); // a single frame is seen, too
 }
 
+// The frames that were compared, each a dot on a line.
+static void put_pictures(const plot* p, const panel* shown, double top)
+{
+    const flight_record* record = p->record;
+    for (uint32_t i = 0; i < record->quality_count; ++i) {
+        const flight_quality* q = &record->qualities[i];
+        double x = x_of(p, record->times[q->frame]);
+        double y = top + PANEL * (1.0 - fmax(0.0, q->quality.ssim_covered));
+        svg_put(p->s, "<circle cx=\"%.1f\" cy=\"%.2f\" r=\"2.5\" fill=\"%s\"/>\n", x, y,
+                shown->color);
+    }
+}
+
 static void put_seconds(const plot* p, double bottom)
 {
-    double step = round_up(p->length / 12.0);
+    double step = round_step(p->length / 12.0);
     for (double t = 0.0; t <= p->length && p->length > 0.0; t += step) {
         double x = x_of(p, p->first + t);
         svg_put(p->s, "<path stroke=\"#888\" d=\"M%.1f %.1fv5\"/>\n", x, bottom);
@@ -107,15 +151,20 @@ stp_result flight_plot(stp_context* context, const char* path, const flight_reco
                        double budget_ms)
 {
     const panel panels[] = {
-        {"frame time, ms", flight_frame_ms, "#4c72b0", budget_ms},
-        {"size of splats, pixels", flight_splat_size, "#dd8452", 0.0},
-        {"splats", flight_splats, "#55a868", 0.0},
-        {"triangles", flight_triangles, "#8172b3", 0.0},
+        {"frame time, ms", flight_frame_ms, "#4c72b0", budget_ms, false},
+        {"size of splats, pixels", flight_splat_size, "#dd8452", 0.0, false},
+        {"splats", flight_splats, "#55a868", 0.0, false},
+        {"triangles", flight_triangles, "#8172b3", 0.0, false},
+        {"popping, mean of the blocks (0 to 255)", NULL, "#c44e52", 0.0, false},
+        {"SSIM, covered pixels", NULL, "#937860", 0.0, true},
     };
     enum { PANELS = sizeof(panels) / sizeof(panels[0]) };
+    const bool there[PANELS] = {
+        true, true, true, true, record->has_popping, record->quality_count > 0};
+    int count = 4 + there[4] + there[5], place = 0;
     svg s;
     stp_result result =
-        svg_open(context, path, WIDTH, TOP + PANELS * (PANEL + GAP) - GAP + BOTTOM, &s);
+        svg_open(context, path, WIDTH, TOP + count * (PANEL + GAP) - GAP + BOTTOM, &s);
     if (result != STP_OK) {
         return result;
     }
@@ -124,11 +173,18 @@ stp_result flight_plot(stp_context* context, const char* path, const flight_reco
               .first = record->times[0],
               .length = record->times[record->frame_count - 1] - record->times[0]};
     for (int i = 0; i < PANELS; ++i) {
-        double top = TOP + i * (PANEL + GAP);
-        double high = round_up(fmax(flight_rank(record, panels[i].value).max, panels[i].line));
+        if (!there[i]) {
+            continue;
+        }
+        double top = TOP + place++ * (PANEL + GAP);
+        double high = round_axis(largest(&p, &panels[i]));
         put_axes(&p, &panels[i], top, high);
-        put_line(&p, &panels[i], top, high);
+        if (panels[i].of_pictures) {
+            put_pictures(&p, &panels[i], top);
+        } else {
+            put_line(&p, &panels[i], top, high);
+        }
     }
-    put_seconds(&p, TOP + PANELS * (PANEL + GAP) - GAP);
+    put_seconds(&p, TOP + count * (PANEL + GAP) - GAP);
     return svg_close(&s);
 }

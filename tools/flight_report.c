@@ -77,6 +77,22 @@ json_t* flight_describe(const flight_record* record)
         popping, "quality", describe_qualities(record), "per_frame", describe_frames(record));
 }
 
+json_t* flight_describe_residency(const flight_record* record, const stp_residency* residency)
+{
+    stp_residency_stats stats;
+    uint32_t lacking = 0;
+    stp_residency_get_stats(residency, &stats);
+    for (uint32_t i = 0; i < record->frame_count; ++i) {
+        lacking += record->frames[i].missing > 0 ? 1 : 0;
+    }
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "limit_bytes",
+                     (json_int_t)stats.limit_bytes, "resident_bytes",
+                     (json_int_t)stats.resident_bytes, "peak_bytes", (json_int_t)stats.peak_bytes,
+                     "read_bytes", (json_int_t)stats.read_bytes, "loaded", (json_int_t)stats.loaded,
+                     "dropped", (json_int_t)stats.dropped, "damaged", (json_int_t)stats.damaged,
+                     "frames_lacking", (json_int_t)lacking);
+}
+
 static void print_row(const flight_record* record, const char* name, flight_value value,
                       int decimals)
 {

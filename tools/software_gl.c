@@ -224,13 +224,23 @@ bool software_gl_upload(software_gl* gl, const float* positions, const float* no
     return gl->glGetError() == GL_NO_ERROR;
 }
 
-void software_gl_draw(software_gl* gl, float size_px, bool disks)
+static void draw_first(software_gl* gl, float size_px, bool disks, GLsizei count)
 {
     gl->glUseProgram(gl->programs[disks ? 1 : 0]);
     gl->glUniform1f(0, size_px);
     gl->glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    gl->glDrawArrays(GL_POINTS, 0, gl->count);
+    gl->glDrawArrays(GL_POINTS, 0, count);
     gl->glFinish();
+}
+
+void software_gl_draw(software_gl* gl, float size_px, bool disks)
+{
+    draw_first(gl, size_px, disks, gl->count);
+}
+
+void software_gl_warm(software_gl* gl, float size_px, bool disks)
+{
+    draw_first(gl, size_px, disks, 1);
 }
 
 #else
@@ -273,6 +283,11 @@ void software_gl_draw(software_gl* gl, float size_px, bool disks)
     (void)gl;
     (void)size_px;
     (void)disks;
+}
+
+void software_gl_warm(software_gl* gl, float size_px, bool disks)
+{
+    software_gl_draw(gl, size_px, disks);
 }
 
 #endif

@@ -20,3 +20,5 @@ bool software_gl_upload(software_gl* gl, const float* positions, const float* no
                         uint32_t count);
 /// Clears and draws all as points: squares of one colour, or oriented disks (Brandt 4.2). Returns when done.
 void software_gl_draw(software_gl* gl, float size_px, bool disks);
+/// The same with a single point: what has to be compiled for it is there afterwards.
+void software_gl_warm(software_gl* gl, float size_px, bool disks);

@@ -5,6 +5,14 @@
 #include <stdio.h>
 #include <string.h>
 
+stp_result svg_check(stp_context* context, const char* path)
+{
+    stp_file_writer* writer = NULL;
+    stp_result result = stp_file_writer_open(context, path, &writer);
+    stp_file_writer_abort(writer);
+    return result;
+}
+
 stp_result svg_open(stp_context* context, const char* path, double width, double height, svg* s)
 {
     *s = (svg){0};

@@ -11,6 +11,8 @@ typedef struct svg {
     stp_result result;
 } svg;
 
+/// Whether a file can be written there, which is better known before what is to be drawn is measured. Failures are logged.
+STP_MUST_USE stp_result svg_check(stp_context* context, const char* path);
 /// Begins a file on white ground. Failures are logged.
 STP_MUST_USE stp_result svg_open(stp_context* context, const char* path, double width,
                                  double height, svg* s);

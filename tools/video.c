@@ -3,6 +3,8 @@
 
 #include "picture.h"
 
+#include "base/file.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -48,15 +50,33 @@ static int spawn_ffmpeg(char* const arguments[], int input, pid_t* child)
     return problem;
 }
 
-static bool start_film(video* v, uint32_t width, uint32_t height, double fps)
+// The file that ffmpeg writes, empty: whether it can be written is better known before a long flight than after it.
+static bool create_unfinished(video* v)
 {
-    char size[32], rate[32], target[sizeof(v->unfinished) + 8];
+    struct stat status;
+    if (stat(v->path, &status) == 0 && !S_ISREG(status.st_mode)) {
+        tool_error("%s: is not a regular file", v->path);
+        return false;
+    }
+    stp_file_remove_stale(v->context, v->path);
     int length =
-        snprintf(v->unfinished, sizeof(v->unfinished), "%s.tmp-%ld", v->path, (long)getpid());
+        snprintf(v->unfinished, sizeof(v->unfinished), "%s.tmp-%ld-0", v->path, (long)getpid());
     if (length < 0 || (size_t)length >= sizeof(v->unfinished)) {
         tool_error("%s: the name is too long", v->path);
         return false;
     }
+    int file = open(v->unfinished, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file < 0) {
+        tool_error("%s: cannot be written: %s", v->path, strerror(errno));
+        return false;
+    }
+    close(file);
+    return true;
+}
+
+static bool start_film(video* v, uint32_t width, uint32_t height, double fps)
+{
+    char size[32], rate[32], target[sizeof(v->unfinished) + 8];
     snprintf(size, sizeof(size), "%ux%u", width, height);
     snprintf(rate, sizeof(rate), "%.6f", fps);
     snprintf(target, sizeof(target), "file:%s", v->unfinished); // whatever the name begins with
@@ -115,7 +135,11 @@ bool video_open(stp_context* context, const char* path, uint32_t width, uint32_t
 {
     *v = (video){.context = context, .path = path, .is_folder = video_is_folder(path), .pipe = -1};
     if (!v->is_folder) {
+        if (!create_unfinished(v)) {
+            return false;
+        }
         if (!start_film(v, width, height, fps)) {
+            (void)unlink(v->unfinished);
             stp_free(context, v->row);
             return false;
         }

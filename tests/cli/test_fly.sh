@@ -146,6 +146,11 @@ programs=$PWD/bin:$PATH refused 1 "ffmpeg could not write it (its exit code is 3
 ls film.mp4.* 2> /dev/null && fail "leaves $(ls film.mp4.*)"
 printf '#!/bin/sh\nexit 1\n' > bin/ffmpeg
 programs=$PWD/bin:$PATH refused 1 "ffmpeg" ball.stip --path flight.json --size 640x480 -o film.mp4
+echo 'touch started' >> bin/ffmpeg
+mkfifo pipe.mp4
+programs=$PWD/bin:$PATH refused 1 "pipe.mp4: is not a regular file" ball.stip --path flight.json --size 64x48 -o pipe.mp4
+programs=$PWD/bin:$PATH refused 1 "no/film.mp4: cannot be written" ball.stip --path flight.json --size 64x48 -o no/film.mp4
+[ ! -e started ] || fail "a film that cannot be written is begun"
 rm bin/ffmpeg
 programs=$PWD/bin refused 1 "ffmpeg, which cannot be started" ball.stip --path flight.json --size 64x48 -o film.mp4
 
@@ -156,7 +161,31 @@ root = tree.parse("plot.svg").getroot()
 text = " ".join(t for t in root.itertext())
 for word in "frame time, ms", "size of splats", "splats", "triangles":
     assert word in text, text
+assert "popping" not in text and "SSIM" not in text, text
 END
+"$stipple" fly ball.stip --path flight.json --size 64x48 --popping --reference-every 4 --plot plot.svg > /dev/null || fail "a plot of all"
+python3 - << 'END' || fail "the plot of all"
+import xml.etree.ElementTree as tree
+root = tree.parse("plot.svg").getroot()
+text = " ".join(t for t in root.itertext())
+assert "popping" in text and "SSIM" in text, text
+dots = [e for e in root.iter() if e.tag.endswith("circle")]
+assert len(dots) == 3, len(dots) # of eleven frames
+height = float(root.get("height"))
+assert all(0 < float(d.get("cy")) < height for d in dots)
+END
+
+# what a killed run left of its film goes with the next
+sleep 0 &
+gone=$!
+wait $gone
+touch film.mp4.tmp-$gone-0
+printf '#!/usr/bin/env bash\nfor last; do :; done\ncat > "${last#file:}"\n' > bin/ffmpeg
+chmod +x bin/ffmpeg
+PATH=$PWD/bin:$PATH "$stipple" fly ball.stip --path flight.json --size 64x48 --frames 2 -o film.mp4 -q > text || fail "film again"
+ls film.mp4.* 2> /dev/null && fail "leaves $(ls film.mp4.*)"
+[ "$(stat -c %s film.mp4)" -eq $((2 * 64 * 48 * 3)) ] || fail "the film has $(stat -c %s film.mp4) bytes"
+rm bin/ffmpeg
 
 refused 2 "needs one file" --path flight.json
 refused 2 "needs --path" ball.stip
@@ -173,6 +202,9 @@ refused 1 "long.json: has 9000001 frames" ball.stip --path long.json
 echo '{"keys": [{"t": 0}]}' > bad.json
 refused 1 'bad.json: key 0: "eye"' ball.stip --path bad.json
 refused 1 "no/plot.svg" ball.stip --path flight.json --size 8x8 --frames 1 --plot no/plot.svg
+refused 1 "no/plot.svg" ball.stip --path flight.json --size 8x8 --plot no/plot.svg -o never/
+[ ! -e never ] || fail "what cannot be plotted is flown"
+refused 2 "standard output" ball.stip --path flight.json --plot -
 touch file
 refused 1 "file/pictures/" ball.stip --path flight.json --size 8x8 --frames 1 -o file/pictures/
 exit $((failures > 0))

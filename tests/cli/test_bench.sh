@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# stipple bench frame and positions on a small model: what they report, in pieces and under a limit of memory, and
+# refusals. Arguments: executable, scratch folder.
+set -u
+stipple=$1
+scratch=$2
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+command -v python3 > /dev/null || exit 77
+export XDG_CACHE_HOME=$PWD/cache
+
+# bench NAME ARGUMENTS...: writes NAME.json
+bench()
+{
+    local name=$1
+    shift
+    "$stipple" bench "$@" --json > "$name.json" 2> err || fail "$name: $(cat err)"
+}
+
+# refused WORD ARGUMENTS...: exits with 2 and one sentence that has WORD
+refused()
+{
+    local word=$1
+    shift
+    "$stipple" bench "$@" > out 2> err
+    [ $? -eq 2 ] || fail "$* is not refused"
+    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
+    [ ! -s out ] || fail "$* writes on stdout"
+}
+
+# hills over what the benchmark scene covers, in nine parts, so that positions see this and that of it
+python3 - << 'END' || exit 1
+from math import sin
+with open("hills.obj", "w") as out:
+    n = 60
+    for i in range(n + 1):
+        for k in range(n + 1):
+            out.write(f"v {100 * k - 3000} {60 * sin(i / 3) * sin(k / 4) - 80:.3f} {70 * i - 2100}\n")
+    for part in range(9):
+        out.write(f"o part{part}\n")
+        for i in range(part // 3 * 20, part // 3 * 20 + 20):
+            for k in range(part % 3 * 20, part % 3 * 20 + 20):
+                a = i * (n + 1) + k + 1
+                out.write(f"f {a} {a + n + 1} {a + 1}\nf {a + 1} {a + n + 1} {a + n + 2}\n")
+END
+"$stipple" build hills.obj -o hills.stip -q || exit 1
+small=(--model hills.stip --size 64x48)
+bench whole positions "${small[@]}" --count 6 --threads 1
+bench begin positions "${small[@]}" --count 5
+bench end positions "${small[@]}" --first 5 --count 1 --memory 64M --splat-size 3
+bench frame frame "${small[@]}" --quick --splat-size 2
+bench streamed frame "${small[@]}" --quick --memory 64M --threads 1
+python3 - << 'END' || fail "figures"
+import json
+def load(name):
+    return json.load(open(name + ".json"))["results"]
+LISTS = "frame_ms", "jump_ms", "splats", "triangles"
+def positions(name):
+    results = load(name)
+    for r in results:
+        p, f = r["params"], r["figures"]
+        assert (p["width"], p["height"]) == (64, 48) and p["pictures"] == 4 * p["positions"], p
+        assert all(len(f[key]) == p["pictures"] for key in LISTS), f
+        ordered = sorted(f["frame_ms"])
+        assert (f["min"], f["max"]) == (ordered[0], ordered[-1]) and f["p50"] == ordered[(len(ordered) - 1) // 2]
+        assert f["min"] <= f["p25"] <= f["p50"] <= f["p75"] <= f["p95"] <= f["p99"] <= f["max"]
+    return {r["params"]["place"]: r for r in results}
+whole, begin, end = positions("whole"), positions("begin"), positions("end")
+assert [r["params"]["positions"] for r in whole.values()] == [6, 2, 2, 2, 2]
+assert [r["params"]["positions"] for r in begin.values()] == [5, 2, 2, 2, 2]
+assert list(end) == ["Overview"] and end["Overview"]["params"]["first"] == 5 # a quarter of six begins two, as of five
+assert end["Overview"]["params"]["splat_size"] == 3 and whole["Overview"]["params"]["threads"] == 1
+assert len(set(whole["Overview"]["figures"]["triangles"])) > 4
+for key in "splats", "triangles": # the pieces are the whole
+    parts = begin["Overview"]["figures"][key] + end["Overview"]["figures"][key]
+    assert parts == whole["Overview"]["figures"][key], (key, parts)
+for name, memory in ("frame", None), ("streamed", 64 << 20):
+    results = load(name)
+    flights = [r for r in results if "flight" in r["params"]]
+    assert [r["params"].get("controller") for r in flights] == [None, "predict", "paper"]
+    assert len(results) > len(flights) and all("view" in r["params"] for r in results if r not in flights)
+    for r in results:
+        assert (r["params"]["width"], r["params"].get("memory_bytes")) == (64, memory), r["params"]
+        assert ("residency" in r["figures"]) == (memory is not None and r in flights)
+    if memory:
+        for r in flights:
+            assert r["figures"]["residency"]["read_bytes"] > 0 and r["params"]["threads"] == 1
+            assert 0 <= r["figures"]["residency"]["frames_lacking"] <= r["figures"]["frames"]
+    else:
+        assert flights[0]["figures"]["splat_size"]["max"] == 2
+END
+
+refused "no benchmark is named nothing" nothing
+refused "--size" positions --size 0x48
+refused "--count" positions --count 0
+refused "--first" positions --first -1
+refused "--memory" frame --memory much
+"$stipple" bench frame --model nothing.stip --quick > out 2> err
+[ $? -eq 1 ] || fail "a model that is not there is not refused"
+grep -q "nothing.stip" err || fail "a model that is not there is not named: $(cat err)"
+exit $((failures > 0))
