@@ -157,20 +157,18 @@ static bool cache_paths(stp_context* context, const char* path, const stp_mapped
     return true;
 }
 
-/// What the cache holds; NULL where there is nothing, or nothing whole. Its own context keeps quiet about damage:
-/// the file is then built anew.
-static stp_store* open_cached(stp_context* context, const char* path)
+/// Whether the cache holds it, and whole. Its own context keeps quiet about damage: the file is then built anew.
+static bool is_cached(const char* path)
 {
     struct stat status;
     stp_context* quiet = NULL;
-    stp_store* store = NULL;
     if (stat(path, &status) != 0 || !S_ISREG(status.st_mode) ||
         stp_context_create(&quiet, &(stp_context_desc){.thread_count = 1}) != STP_OK) {
-        return NULL;
+        return false;
     }
     bool whole = stp_store_check(quiet, path, false) == STP_OK;
     stp_context_destroy(quiet);
-    return whole && stp_store_open(context, path, &store) == STP_OK ? store : NULL;
+    return whole;
 }
 
 typedef struct decision {
@@ -192,9 +190,9 @@ static bool decide_surfels(const stp_scene* scene, void* user)
     return d->with_surfels;
 }
 
-/// Builds into the cache, and opens what was built.
+/// Builds into the cache. @return its place in `located`
 static stp_result build_cached(stp_context* context, const char* path, scene_use use,
-                               char cached[SCENE_USES][PATH_MAX], stp_store** store)
+                               char cached[SCENE_USES][PATH_MAX], char* located)
 {
     decision d = {.use = use};
     stp_build_desc desc = {.inputs = &path,
@@ -211,13 +209,12 @@ static stp_result build_cached(stp_context* context, const char* path, scene_use
     }
     // where renaming fails it is only built again, once somebody needs surfels
     bool renamed = d.with_surfels && rename(cached[use], cached[SCENE_FOR_SPLATS]) == 0;
-    return stp_store_open(context, cached[renamed ? SCENE_FOR_SPLATS : use], store);
+    memcpy(located, cached[renamed ? SCENE_FOR_SPLATS : use], PATH_MAX);
+    return STP_OK;
 }
 
-stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
-                               stp_store** store)
+stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use, char* located)
 {
-    *store = NULL;
     char cached[SCENE_USES][PATH_MAX];
     bool built = false, known;
     if (scene_is_input(path)) {
@@ -233,16 +230,26 @@ stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use
         stp_file_unmap(&file);
     }
     if (built || !known) {
-        return built ? stp_store_open(context, path, store) : STP_ERROR_IO;
+        snprintf(located, PATH_MAX, "%s", path);
+        return built ? STP_OK : STP_ERROR_IO;
     }
     for (int i = 0; i <= (int)use; ++i) { // what has more serves as well
-        *store = open_cached(context, cached[i]);
-        if (*store != NULL) {
+        if (is_cached(cached[i])) {
             stp_notice(context, "%s: taken from the cache, %s", path, cached[i]);
+            memcpy(located, cached[i], PATH_MAX);
             return STP_OK;
         }
     }
-    return build_cached(context, path, use, cached, store);
+    return build_cached(context, path, use, cached, located);
+}
+
+stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
+                               stp_store** store)
+{
+    char located[PATH_MAX];
+    *store = NULL;
+    stp_result result = tool_locate_scene(context, path, use, located);
+    return result == STP_OK ? stp_store_open(context, located, store) : result;
 }
 
 stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)

@@ -25,6 +25,11 @@ typedef enum scene_use {
 STP_MUST_USE stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
                                             stp_store** store);
 
+/// Where the .stip is that tool_open_scene_for would open, built now where it is not there yet. `located` has room for
+/// PATH_MAX bytes. @return STP_OK: it can be opened; else as that
+STP_MUST_USE stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use,
+                                          char* located);
+
 /// Imports a model, or makes a named scene (scene:NAME), and finishes it. The caller's (stp_scene_destroy); NULL on
 /// failure, which is logged.
 STP_MUST_USE stp_result tool_import_scene(stp_context* context, const char* path,

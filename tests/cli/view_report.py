@@ -1,0 +1,40 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""view_report.py REPORT CONDITION: whether a condition holds of what `stipple view --report` wrote; exit 1 where not.
+Without a condition: the camera as options of `stipple render`."""
+import json
+import math
+import os
+import sys
+
+
+def near(a, b):
+    return abs(a - b) < 1e-6
+
+
+def distance(a, b):
+    return math.dist(a, b)
+
+
+def load(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            return json.load(file)
+    except (OSError, ValueError):
+        return None
+
+
+r = load(sys.argv[1])
+if r is None:
+    sys.exit(1)
+k = load("kept.json") if os.path.exists("kept.json") else {}
+camera = r["camera"]
+picture = r["picture"] or {"complete": False, "samples": 0, "width": 0, "height": 0}
+if len(sys.argv) == 2:
+    for name in "eye", "target", "up":
+        print(f"--{name}=" + ",".join(repr(x) for x in camera[name]), end=" ")
+    if camera["ortho_height"] > 0:
+        print(f"--ortho={camera['ortho_height']!r}", end=" ")
+    print(f"--fov={camera['fov']!r} --size={picture['width']}x{picture['height']}")
+    sys.exit(0)
+sys.exit(not eval(sys.argv[2]))

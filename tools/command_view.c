@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple view: a window to fly through a scene.
+#include "command.h"
+
+#include "viewer/viewer.h"
+
+static struct {
+    const char *view, *report;
+    uint32_t size[2];
+    int backend;
+    double budget_ms, scale;
+    bool software;
+    uint64_t threads, memory;
+} args;
+
+static const option* options(void)
+{
+    static const option list[] = {
+        {.name = "view",
+         .type = OPTION_TEXT,
+         .argument = "NAME",
+         .help = "begin with a view of the file, or front, back, left, right, top, bottom, iso; "
+                 "default iso",
+         .value = &args.view},
+        {.name = "size",
+         .type = OPTION_PIXELS,
+         .argument = "WxH",
+         .words = "640..16384",
+         .help = "of the window; default 1280x720",
+         .value = args.size},
+        {.name = "backend",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "auto|cpu|gl",
+         .help = "what draws; default what drew last time",
+         .value = &args.backend},
+        {.name = "budget-ms",
+         .type = OPTION_NUMBER,
+         .argument = "MS",
+         .words = "4..500",
+         .help = "what a frame may take while the camera moves; default what it was last time",
+         .value = &args.budget_ms},
+        {.name = "ui-scale",
+         .type = OPTION_NUMBER,
+         .argument = "F",
+         .words = "0.5..4",
+         .help = "size of text and panels; default the display's",
+         .value = &args.scale},
+        {.name = "software-window",
+         .help = "put the picture on the screen without OpenGL",
+         .value = &args.software},
+        {.name = "report",
+         .type = OPTION_TEXT,
+         .argument = "FILE.json",
+         .help = "write what is shown into a file, at every change",
+         .value = &args.report},
+        OPTION_THREADS(&args.threads),
+        OPTION_MEMORY(&args.memory),
+        {0},
+    };
+    return list;
+}
+
+static int run(int argc, char** argv)
+{
+    if (argc > 1) {
+        return tool_usage_error("view shows one file, and got %d", argc);
+    }
+    viewer_options o = {.file = argc == 1 ? argv[0] : NULL,
+                        .view = args.view,
+                        .width = args.size[0] != 0 ? args.size[0] : 1280,
+                        .height = args.size[1] != 0 ? args.size[1] : 720,
+                        .scale = (float)args.scale,
+                        .software = args.software,
+                        .backend = args.backend,
+                        .budget_ms = (float)args.budget_ms,
+                        .thread_count = (uint32_t)args.threads,
+                        .memory_limit = args.memory,
+                        .report = args.report};
+    return viewer_run(&o);
+}
+
+const command command_view = {
+    .name = "view",
+    .arguments = "[FILE]",
+    .summary = "look at a scene in a window",
+    .text =
+        "Opens a window on a .stip file or a model, or an empty one onto which files can be "
+        "dropped. A model is built into the cache first, as stipple render does, in the "
+        "background: its triangles are shown as soon as they are there, splats once they are "
+        "made.\n"
+        "\n"
+        "While the camera moves, splats are as large as the time of a frame asks; when it rests, "
+        "the picture becomes as fine as can be. Press H for keys and mouse; docs/viewer.md "
+        "explains all panels.\n"
+        "\n"
+        "Settings are kept in $XDG_CONFIG_HOME/stipple/viewer.json (or ~/.config/stipple).\n"
+        "\n"
+        "Where there is no display, use stipple render for pictures and stipple fly for films.",
+    .options = options,
+    .run = run,
+};

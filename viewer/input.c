@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+// What hands do: mouse, keys and gamepad become movements of the camera and commands.
+#include "gui.h"
+#include "state.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const float click_reach = 4.0f; // pixels of a hand that does not drag
+static const double zoom_step = 0.85;  // of a notch of the wheel
+static const double faster = 5.0;      // with Shift
+static const double look_a_picture =
+    STP_PI / 3.0;                     // a drag over the picture's height turns the head so far
+static const double stick_turn = 1.8; // radians a second
+static const double stick_dead = 0.15;
+
+static float in_picture_x(const viewer* v, float x)
+{
+    return x - v->picture_area.x;
+}
+
+static float in_picture_y(const viewer* v, float y)
+{
+    return y - v->picture_area.y;
+}
+
+/// The point that the hand is on; where the picture shows nothing, one as far as what is seen.
+static stp_vec3d point_under(const viewer* v, float x, float y)
+{
+    stp_vec3d point;
+    return camera_seen(v, x, y, &point)
+               ? point
+               : stp_navigator_point(&v->camera, (double)in_picture_x(v, x),
+                                     (double)in_picture_y(v, y), v->camera.reach);
+}
+
+static void begin_drag(viewer* v)
+{
+    input_state* in = &v->input;
+    SDL_Keymod keys = SDL_GetModState();
+    bool shift = (keys & KMOD_SHIFT) != 0;
+    stp_vec3d point;
+    bool seen = camera_seen(v, in->start_x, in->start_y, &point);
+    v->glide_start = -1.0;
+    if (in->button == SDL_BUTTON_RIGHT) {
+        in->drag = DRAG_LOOK;
+    } else if (in->button == SDL_BUTTON_MIDDLE || shift) {
+        double x, y, depth;
+        in->drag = DRAG_PAN;
+        point = point_under(v, in->start_x, in->start_y);
+        in->pan_depth =
+            stp_navigator_project(&v->camera, point, &x, &y, &depth) ? depth : v->camera.reach;
+    } else {
+        in->drag = DRAG_ORBIT;
+        stp_navigator_begin_orbit(&v->camera, seen ? &point : NULL);
+    }
+}
+
+static void drag_on(viewer* v, float x, float y)
+{
+    input_state* in = &v->input;
+    double dx = (double)(x - in->last_x), dy = (double)(y - in->last_y);
+    in->last_x = x;
+    in->last_y = y;
+    if (in->drag == DRAG_ORBIT) {
+        stp_navigator_orbit(&v->camera, dx, dy);
+    } else if (in->drag == DRAG_PAN) {
+        stp_navigator_pan(&v->camera, dx, dy, in->pan_depth);
+    } else if (in->drag == DRAG_LOOK) {
+        double angle = look_a_picture / (double)v->camera.height;
+        stp_navigator_look(&v->camera, dx * angle, dy * angle);
+    }
+}
+
+static bool is_on_picture(const viewer* v, float x, float y)
+{
+    viewer_area a = v->picture_area;
+    return x >= a.x && y >= a.y && x < a.x + a.width && y < a.y + a.height && !gui_wants_mouse();
+}
+
+static void click(viewer* v, float x, float y)
+{
+    stp_vec3d point;
+    if (camera_seen(v, x, y, &point)) {
+        stp_navigator_choose_pivot(&v->camera, point);
+    }
+}
+
+static void turn_wheel(viewer* v, double notches)
+{
+    if (v->input.flies || v->input.drag == DRAG_LOOK) {
+        stp_navigator_change_speed(&v->camera, notches);
+        return;
+    }
+    int ux, uy;
+    SDL_GetMouseState(&ux, &uy);
+    float x = (float)ux * v->window.density, y = (float)uy * v->window.density;
+    if (v->scene != NULL && is_on_picture(v, x, y)) {
+        v->glide_start = -1.0;
+        stp_navigator_zoom(&v->camera, point_under(v, x, y), pow(zoom_step, notches));
+    }
+}
+
+static void take_mouse(viewer* v, const SDL_Event* e)
+{
+    input_state* in = &v->input;
+    float density = v->window.density;
+    if (e->type == SDL_MOUSEBUTTONDOWN) {
+        float x = (float)e->button.x * density, y = (float)e->button.y * density;
+        if (in->button == 0 && v->scene != NULL && is_on_picture(v, x, y)) {
+            in->button = e->button.button;
+            in->start_x = in->last_x = x;
+            in->start_y = in->last_y = y;
+            in->moved = false;
+            SDL_CaptureMouse(SDL_TRUE);
+        }
+    } else if (e->type == SDL_MOUSEMOTION && in->button != 0) {
+        float x = (float)e->motion.x * density, y = (float)e->motion.y * density;
+        float away = hypotf(x - in->start_x, y - in->start_y);
+        if (!in->moved && away > click_reach * v->window.scale) {
+            in->moved = true;
+            begin_drag(v);
+        }
+        if (in->moved) {
+            drag_on(v, x, y);
+        }
+    } else if (e->type == SDL_MOUSEBUTTONUP && e->button.button == in->button) {
+        if (!in->moved && in->button == SDL_BUTTON_LEFT) {
+            click(v, in->start_x, in->start_y);
+        }
+        in->button = 0;
+        in->drag = DRAG_NONE;
+        SDL_CaptureMouse(SDL_FALSE);
+    } else if (e->type == SDL_MOUSEWHEEL) {
+        turn_wheel(v, (double)e->wheel.preciseY);
+    }
+}
+
+static void toggle_page(viewer* v, viewer_page page)
+{
+    v->settings.page = v->settings.page == page ? PAGE_NONE : page;
+    v->shows_panels = true;
+}
+
+static bool take_view_key(viewer* v, SDL_Keycode key)
+{
+    static const struct {
+        SDL_Keycode key, pad;
+        const char* view;
+    } views[] = {
+        {SDLK_1, SDLK_KP_1, "front"},
+        {SDLK_3, SDLK_KP_3, "right"},
+        {SDLK_7, SDLK_KP_7, "top"},
+        {SDLK_9, SDLK_KP_9, "iso"},
+    };
+    for (size_t i = 0; i < sizeof(views) / sizeof(views[0]); ++i) {
+        if (key == views[i].key || key == views[i].pad) {
+            camera_face(v, views[i].view);
+            return true;
+        }
+    }
+    return false;
+}
+
+static void switch_fullscreen(viewer* v)
+{
+    bool full = (SDL_GetWindowFlags(v->window.handle) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
+    SDL_SetWindowFullscreen(v->window.handle, full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
+}
+
+static void take_key(viewer* v, SDL_Keycode key, bool control)
+{
+    if (control) {
+        v->quits = v->quits || key == SDLK_q;
+        return;
+    }
+    if (take_view_key(v, key)) {
+        return;
+    }
+    switch (key) {
+    case SDLK_5:
+    case SDLK_KP_5:
+        camera_switch_projection(v);
+        break;
+    case SDLK_f:
+    case SDLK_HOME:
+        camera_frame(v);
+        break;
+    case SDLK_h:
+        v->shows_help = !v->shows_help;
+        break;
+    case SDLK_ESCAPE:
+        v->shows_help = false;
+        break;
+    case SDLK_TAB:
+        v->shows_panels = !v->shows_panels;
+        break;
+    case SDLK_p:
+        v->settings.parts = !v->settings.parts;
+        v->shows_panels = true;
+        break;
+    case SDLK_F2:
+        toggle_page(v, PAGE_STATISTICS);
+        break;
+    case SDLK_F3:
+        toggle_page(v, PAGE_QUALITY);
+        break;
+    case SDLK_F11:
+        switch_fullscreen(v);
+        break;
+    default:
+        break;
+    }
+}
+
+void input_take(viewer* v, const SDL_Event* e)
+{
+    if (e->type == SDL_KEYDOWN && e->key.repeat == 0 && !gui_wants_keys()) {
+        take_key(v, e->key.keysym.sym, (e->key.keysym.mod & KMOD_CTRL) != 0);
+    } else if (e->type == SDL_CONTROLLERDEVICEADDED && v->input.pad == NULL) {
+        v->input.pad = SDL_GameControllerOpen(e->cdevice.which);
+    } else if (e->type == SDL_CONTROLLERDEVICEREMOVED && v->input.pad != NULL) {
+        SDL_GameControllerClose(v->input.pad);
+        v->input.pad = NULL;
+    } else if (e->type == SDL_CONTROLLERBUTTONDOWN) {
+        if (e->cbutton.button == SDL_CONTROLLER_BUTTON_A) {
+            camera_frame(v);
+        } else if (e->cbutton.button == SDL_CONTROLLER_BUTTON_DPAD_UP) {
+            stp_navigator_change_speed(&v->camera, 1.0);
+        } else if (e->cbutton.button == SDL_CONTROLLER_BUTTON_DPAD_DOWN) {
+            stp_navigator_change_speed(&v->camera, -1.0);
+        }
+    } else {
+        take_mouse(v, e);
+    }
+}
+
+static double axis(SDL_GameController* pad, SDL_GameControllerAxis which)
+{
+    double value = (double)SDL_GameControllerGetAxis(pad, which) / 32767.0;
+    double size = fabs(value);
+    return size > stick_dead ? copysign((size - stick_dead) / (1.0 - stick_dead), value) : 0.0;
+}
+
+static bool step_pad(viewer* v, double moves[3], double seconds)
+{
+    SDL_GameController* pad = v->input.pad;
+    if (pad == NULL) {
+        return false;
+    }
+    double x = axis(pad, SDL_CONTROLLER_AXIS_LEFTX), y = axis(pad, SDL_CONTROLLER_AXIS_LEFTY);
+    double rise =
+        axis(pad, SDL_CONTROLLER_AXIS_TRIGGERRIGHT) - axis(pad, SDL_CONTROLLER_AXIS_TRIGGERLEFT);
+    double turn = axis(pad, SDL_CONTROLLER_AXIS_RIGHTX),
+           nod = axis(pad, SDL_CONTROLLER_AXIS_RIGHTY);
+    moves[0] += x;
+    moves[1] += rise;
+    moves[2] -= y;
+    if (turn != 0.0 || nod != 0.0) {
+        v->glide_start = -1.0;
+        stp_navigator_look(&v->camera, turn * stick_turn * seconds, nod * stick_turn * seconds);
+    }
+    return turn != 0.0 || nod != 0.0;
+}
+
+void input_step(viewer* v, double seconds)
+{
+    const Uint8* held = SDL_GetKeyboardState(NULL);
+    SDL_Keymod mods = SDL_GetModState();
+    double moves[3] = {0};
+    if (!gui_wants_keys() && (mods & (KMOD_CTRL | KMOD_ALT)) == 0) {
+        moves[0] = (double)(held[SDL_SCANCODE_D] - held[SDL_SCANCODE_A]);
+        moves[1] = (double)(held[SDL_SCANCODE_E] - held[SDL_SCANCODE_Q]);
+        moves[2] = (double)(held[SDL_SCANCODE_W] - held[SDL_SCANCODE_S]);
+    }
+    bool turns = step_pad(v, moves, seconds);
+    bool flies = moves[0] != 0.0 || moves[1] != 0.0 || moves[2] != 0.0;
+    if (flies && v->has_camera) {
+        v->glide_start = -1.0;
+        stp_navigator_fly(&v->camera, moves, seconds, (mods & KMOD_SHIFT) != 0 ? faster : 1.0);
+    }
+    if (flies != v->input.flies) {
+        viewer_redraw(v);
+    }
+    v->input.flies = (flies || turns) && v->has_camera;
+}
+
+void input_destroy(viewer* v)
+{
+    if (v->input.pad != NULL) {
+        SDL_GameControllerClose(v->input.pad);
+        v->input.pad = NULL;
+    }
+}

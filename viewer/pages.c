@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// The panels of figures and of quality.
+#include "gui.h"
+#include "state.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <unistd.h>
+
+static const char* const method_words[METHOD_COUNT] = {
+    "Splats, blended levels",
+    "Splats, Brandt's estimate",
+    "Splats, switched levels",
+    "Original geometry",
+};
+
+/// "12.3 M": a count for people.
+static void print_count(char* text, size_t size, uint64_t count)
+{
+    static const char* const units[] = {"", " k", " M", " G", " T"};
+    double value = (double)count;
+    int unit = 0;
+    while (value >= 999.5 && unit < 4) {
+        value *= 1e-3;
+        unit += 1;
+    }
+    snprintf(text, size,
+             unit == 0       ? "%.0f%s"
+             : value < 9.995 ? "%.2f%s"
+             : value < 99.95 ? "%.1f%s"
+                             : "%.0f%s",
+             value, units[unit]);
+}
+
+static void show_count(const char* name, uint64_t count)
+{
+    char text[32];
+    print_count(text, sizeof(text), count);
+    gui_value(name, "%s", text);
+}
+
+static void show_bytes(const char* name, uint64_t bytes)
+{
+    double mib = (double)bytes / 1048576.0;
+    gui_value(name, mib < 1024.0 ? "%.0f MiB" : "%.2f GiB", mib < 1024.0 ? mib : mib / 1024.0);
+}
+
+/// Memory of the process that is in RAM.
+static uint64_t resident_bytes(void)
+{
+    unsigned long long size = 0, resident = 0;
+    FILE* file = fopen("/proc/self/statm", "r");
+    if (file != NULL) {
+        if (fscanf(file, "%llu %llu", &size, &resident) != 2) {
+            resident = 0;
+        }
+        fclose(file);
+    }
+    return resident * (uint64_t)sysconf(_SC_PAGESIZE);
+}
+
+static void show_times(const viewer* v)
+{
+    float most = 8.0f, sum = 0.0f;
+    int count = 0;
+    for (int i = 0; i < FRAME_HISTORY; ++i) {
+        most = fmaxf(most, v->frame_times[i]);
+        if (v->frame_times[i] > 0.0f) {
+            sum += v->frame_times[i];
+            count += 1;
+        }
+    }
+    float mark = v->settings.adapts ? v->settings.budget_ms : 0.0f;
+    most = 1.15f * fmaxf(most, mark);
+    gui_graph(v->frame_times, FRAME_HISTORY, v->newest_time, most, mark, 64.0f * v->window.scale,
+              "Time of the last frames; the line is the time asked for");
+    float mean = count > 0 ? sum / (float)count : 0.0f;
+    gui_value("Frame", "%.1f ms, mean %.1f ms", (double)v->frame_times[v->newest_time],
+              (double)mean);
+}
+
+void page_statistics(viewer* v)
+{
+    show_times(v);
+    if (v->picture == NULL || v->scene == NULL) {
+        return;
+    }
+    const paint_figures* f = &v->picture->figures;
+    gui_value("Choosing", "%.1f ms", f->select_ms);
+    gui_value("Drawing", "%.1f ms", f->draw_ms);
+    gui_value("Shading", "%.1f ms", f->shade_ms);
+    gui_separator();
+    show_count("Splats", f->splats);
+    show_count("Triangles", f->triangles);
+    show_count("Nodes", f->nodes);
+    show_count("Draw items", f->draw_calls);
+    gui_value("Splat size", "%.2f px", (double)f->splat_size);
+    gui_value("Samples", "%u a pixel", f->samples);
+    gui_separator();
+    show_bytes("Memory", resident_bytes());
+    show_bytes("Renderer", f->live_bytes);
+    show_bytes("File", stp_store_file_bytes(v->scene->store));
+    gui_separator();
+    const stp_store_directory* d = v->scene->directory;
+    const stp_store_node* root = d->root != STP_STORE_NONE ? &d->nodes[d->root] : NULL;
+    show_count("Scene", root != NULL ? root->triangle_count : 0);
+    gui_same_line();
+    gui_text("triangles");
+    if (root != NULL && root->point_count > 0) {
+        show_count("Points", root->point_count);
+    }
+    show_count("Objects", d->object_count);
+    gui_value("Window", "%s", v->window.device);
+}
+
+static void show_effect(const char* label, float* value, float usual, float least, float most,
+                        const char* format, const char* tooltip)
+{
+    bool on = *value > 0.0f;
+    if (gui_check(label, &on, tooltip)) {
+        *value = on ? usual : 0.0f;
+    }
+    if (on) {
+        gui_push_id((int)(most * 100.0f));
+        gui_slider(label, value, least, most, format, NULL);
+        gui_pop_id();
+    }
+}
+
+void page_quality(viewer* v)
+{
+    viewer_settings* s = &v->settings;
+    static const char* const filters[] = {"Nearest splat", "Blended splats"};
+    static const char* const lights[] = {"Sun", "From the eye"};
+    gui_text("Speed");
+    gui_check("Keep a frame time", &s->adapts,
+              "While the camera moves, splats are as large as the time allows; when it rests, "
+              "the picture becomes as fine as can be");
+    gui_disable(!s->adapts);
+    gui_log_slider("Frame time", &s->budget_ms, 8.0f, 200.0f, "%.0f ms",
+                   "What a frame may take while the camera moves");
+    gui_enable();
+    gui_slider("Splat size", &s->splat_size, 1.0f, 16.0f, "%.1f px",
+               "Size of splats at rest, or always where no frame time is kept");
+    int samples = s->samples;
+    if (gui_whole_number("Samples", &samples, 1, 8, "Samples a side of each pixel, at rest")) {
+        s->samples = samples;
+    }
+    gui_check("Fovea", &s->fovea, "Larger splats away from the middle of the picture");
+    if (s->fovea) {
+        gui_slider("At the rim", &s->fovea_factor, 1.0f, 8.0f, "%.1f x",
+                   "How much larger splats are at the rim of the picture");
+    }
+    gui_space();
+    gui_text("Method");
+    gui_choice("Draw", &s->method, method_words, METHOD_COUNT,
+               "How the number of splats is chosen, or the original geometry without any");
+    gui_choice("Splats", &s->filter, filters, 2, "What a pixel shows where splats overlap");
+    gui_space();
+    gui_text("Look");
+    gui_choice("Light", &s->light, lights, 2, "Where light comes from");
+    show_effect("Eye-dome lighting", &s->eye_dome, 1.0f, 0.05f, 4.0f, "%.2f",
+                "Darkens what lies behind its neighbours");
+    show_effect("Ambient occlusion", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
+                "Darkens what its surroundings enclose; reach in parts of the picture's height");
+    gui_color("Background", s->background, "Colour behind the scene");
+    gui_space();
+    if (gui_wide_button("As at first", 1, "All of this panel as it was at first")) {
+        viewer_settings fresh = viewer_settings_default();
+        fresh.page = s->page;
+        fresh.parts = s->parts;
+        fresh.gl = s->gl;
+        *s = fresh;
+    }
+}

@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: MIT
+#include "painter.h"
+
+#include "painter_scene.h"
+
+#include "base/clock.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { BUFFERS = 3 };                // one is painted, one is ready, one is shown
+static const double rest_ms = 120.0; // without another request the camera rests
+static const double loading_ms = 30.0;
+static const double patience_ms = 1500.0; // no finer picture than takes so long
+
+/// How far the picture of a request is.
+typedef enum paint_stage { STAGE_MOVES, STAGE_RESTS, STAGE_ACCUMULATES, STAGE_DONE } paint_stage;
+
+struct painter {
+    painter_desc desc;
+    pthread_t thread;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    bool quits;
+    // what is wanted
+    paint_request request;
+    uint64_t number; ///< of the request
+    double request_ms;
+    char open_path[PATH_MAX];
+    uint32_t open_serial, opened_serial;
+    // what there is
+    paint_scene* opened; ///< not adopted yet
+    paint_scene* current;
+    painter_picture pictures[BUFFERS];
+    int painting, ready, shown;
+    bool fresh; ///< `ready` has not been taken
+    uint64_t frame;
+    char message[512];
+    bool message_is_error;
+    // the thread's own
+    paint_scene* scene; ///< adopted and asked for
+    uint64_t begun;     ///< number of the request being drawn
+    paint_stage stage;
+    float size; ///< of splats, of the last frame
+    bool loads; ///< what the last frame lacked is on its way
+    double budget_ms;
+    stp_controller controller;
+};
+
+static void on_log(stp_log_level level, const char* message, void* user)
+{
+    painter* p = user;
+    if (level == STP_LOG_NOTICE) {
+        return;
+    }
+    // logged while the thread draws, without the mutex
+    pthread_mutex_lock(&p->mutex);
+    snprintf(p->message, sizeof(p->message), "%s", message);
+    p->message_is_error = level == STP_LOG_ERROR;
+    pthread_mutex_unlock(&p->mutex);
+    p->desc.wake(p->desc.user);
+}
+
+static bool same_view(const stp_view* a, const stp_view* b)
+{
+    return a->eye.x == b->eye.x && a->eye.y == b->eye.y && a->eye.z == b->eye.z &&
+           a->target.x == b->target.x && a->target.y == b->target.y && a->target.z == b->target.z &&
+           a->up.x == b->up.x && a->up.y == b->up.y && a->up.z == b->up.z &&
+           a->fov_degrees == b->fov_degrees && a->ortho_height == b->ortho_height &&
+           a->near_distance == b->near_distance && a->width == b->width && a->height == b->height &&
+           a->eye_distance == b->eye_distance;
+}
+
+static bool same_style(const stp_draw_style* a, const stp_draw_style* b)
+{
+    return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
+           a->headlight == b->headlight && a->background == b->background &&
+           memcmp(a->background_color, b->background_color, 3) == 0 && a->filter == b->filter &&
+           a->eye_dome == b->eye_dome && a->ambient_occlusion == b->ambient_occlusion;
+}
+
+static bool same_quality(const stp_quality* a, const stp_quality* b)
+{
+    bool same = a->splat_size == b->splat_size && a->splat_count == b->splat_count &&
+                a->policy == b->policy && a->reference == b->reference &&
+                a->fovea.count == b->fovea.count && a->fovea.center[0] == b->fovea.center[0] &&
+                a->fovea.center[1] == b->fovea.center[1];
+    for (uint32_t i = 0; same && i < a->fovea.count; ++i) {
+        same = a->fovea.zones[i].radius == b->fovea.zones[i].radius &&
+               a->fovea.zones[i].factor == b->fovea.zones[i].factor;
+    }
+    return same;
+}
+
+static bool same_request(const paint_request* a, const paint_request* b)
+{
+    return a->scene == b->scene && a->budget_ms == b->budget_ms && a->samples == b->samples &&
+           a->controller == b->controller && same_view(&a->view, &b->view) &&
+           same_style(&a->style, &b->style) && same_quality(&a->quality, &b->quality);
+}
+
+/// Room for a picture. @return false where there is none
+static bool fit_picture(painter_picture* picture, uint32_t width, uint32_t height)
+{
+    size_t needed = (size_t)width * height;
+    if (needed > picture->capacity) {
+        free(picture->image.pixels);
+        free(picture->nearness);
+        picture->capacity = 0;
+        picture->image.pixels = malloc(needed * 4);
+        picture->nearness = malloc(needed * sizeof(float));
+        if (picture->image.pixels == NULL || picture->nearness == NULL) {
+            return false;
+        }
+        picture->capacity = needed;
+    }
+    picture->image.width = width;
+    picture->image.height = height;
+    return true;
+}
+
+/// The size of splats of the next frame, by the stage.
+static float choose_size(painter* p, const paint_request* request)
+{
+    float finest = request->quality.splat_size > 0.0f ? request->quality.splat_size : 1.0f;
+    if (!(request->budget_ms > 0.0) || p->stage == STAGE_ACCUMULATES) {
+        return p->stage == STAGE_ACCUMULATES && request->budget_ms > 0.0 ? p->size : finest;
+    }
+    float moving = stp_budget_splat_size(&p->scene->budget);
+    moving = moving > finest ? moving : finest;
+    if (p->stage == STAGE_MOVES) {
+        return moving;
+    }
+    float half = 0.5f * p->size;
+    return half > finest ? half : finest;
+}
+
+/// What comes after a frame of `size`.
+static paint_stage next_stage(const painter* p, const paint_request* request,
+                              const paint_figures* figures)
+{
+    float finest = request->quality.splat_size > 0.0f ? request->quality.splat_size : 1.0f;
+    if (p->stage == STAGE_ACCUMULATES) {
+        return figures->samples >= request->samples * request->samples ? STAGE_DONE
+                                                                       : STAGE_ACCUMULATES;
+    }
+    bool finer = request->budget_ms > 0.0 && p->size > finest &&
+                 stp_budget_predict(&p->scene->budget, 0.5 * (double)p->size) < patience_ms;
+    bool accumulates = request->samples > 1 && figures->frame_ms < patience_ms;
+    return finer ? STAGE_RESTS : accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
+}
+
+static void learn(painter* p, const paint_request* request, const paint_figures* f)
+{
+    if (request->budget_ms != p->budget_ms || request->controller != p->controller) {
+        p->budget_ms = request->budget_ms;
+        p->controller = request->controller;
+        if (request->budget_ms > 0.0) {
+            stp_budget_init(&p->scene->budget, request->controller, request->budget_ms);
+        }
+    }
+    if (request->budget_ms > 0.0 && f != NULL) {
+        stp_frame_cost cost = {.milliseconds = f->frame_ms,
+                               .splats = f->splats,
+                               .fragments = f->fragments,
+                               .triangles = f->triangles,
+                               .covered_pixels = f->covered_pixels,
+                               .draw_calls = (uint32_t)f->draw_calls,
+                               .splat_size = f->splat_size};
+        stp_budget_learn(&p->scene->budget, &cost);
+    }
+}
+
+static void copy_depth(painter* p, painter_picture* picture)
+{
+    const float* nearness = stp_renderer_depth(p->scene->renderer);
+    size_t count = (size_t)picture->image.width * picture->image.height;
+    if (nearness != NULL) {
+        memcpy(picture->nearness, nearness, count * sizeof(float));
+    } else {
+        memset(picture->nearness, 0, count * sizeof(float));
+    }
+}
+
+/// Draws one frame without the mutex, and makes it the one that is ready. The mutex is held before and after.
+static void paint(painter* p)
+{
+    paint_request request = p->request;
+    painter_picture* picture = &p->pictures[p->painting];
+    pthread_mutex_unlock(&p->mutex);
+    paint_figures figures = {0};
+    learn(p, &request, NULL);
+    bool accumulates = p->stage == STAGE_ACCUMULATES;
+    float size = choose_size(p, &request);
+    bool drawn = fit_picture(picture, request.view.width, request.view.height);
+    if (!drawn) {
+        on_log(STP_LOG_ERROR, "there is no memory for the picture", p);
+    } else {
+        drawn = paint_scene_draw(p->scene, &request, size, accumulates, &picture->image,
+                                 &figures) == STP_OK;
+    }
+    if (drawn) {
+        p->size = size;
+        if (!accumulates) {
+            learn(p, &request, &figures);
+        }
+        copy_depth(p, picture);
+    }
+    pthread_mutex_lock(&p->mutex);
+    if (!drawn) {
+        p->stage = STAGE_DONE; // until another request
+        return;
+    }
+    p->stage = next_stage(p, &request, &figures);
+    p->loads = figures.missing > 0;
+    picture->view = request.view;
+    picture->scene = request.scene;
+    picture->number = p->begun;
+    picture->frame = ++p->frame;
+    picture->complete = p->stage == STAGE_DONE && figures.missing == 0;
+    picture->near_distance = paint_near_distance(&request.view);
+    picture->figures = figures;
+    int painted = p->painting;
+    p->painting = p->ready;
+    p->ready = painted;
+    p->fresh = true;
+    p->desc.wake(p->desc.user);
+}
+
+/// Opens what is wanted without the mutex, which is held before and after.
+static void open_scene(painter* p)
+{
+    char path[PATH_MAX];
+    uint32_t serial = p->open_serial;
+    snprintf(path, sizeof(path), "%s", p->open_path);
+    p->opened_serial = serial;
+    pthread_mutex_unlock(&p->mutex);
+    paint_scene_desc desc = {.thread_count = p->desc.thread_count,
+                             .memory_limit = p->desc.memory_limit,
+                             .log = on_log,
+                             .log_user = p};
+    paint_scene* scene = paint_scene_open(&desc, path, serial);
+    pthread_mutex_lock(&p->mutex);
+    paint_scene* unseen = p->opened;
+    p->opened = scene;
+    pthread_mutex_unlock(&p->mutex);
+    paint_scene_close(unseen);
+    p->desc.wake(p->desc.user);
+    pthread_mutex_lock(&p->mutex);
+}
+
+static void wait_for(painter* p, double milliseconds)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    int64_t nanoseconds = (int64_t)until.tv_nsec + (int64_t)(1e6 * milliseconds);
+    until.tv_sec += (time_t)(nanoseconds / 1000000000);
+    until.tv_nsec = (long)(nanoseconds % 1000000000);
+    pthread_cond_timedwait(&p->changed, &p->mutex, &until);
+}
+
+/// Takes up the scene that the request is of; the one before is no longer looked at.
+static bool take_scene(painter* p)
+{
+    if (p->current == NULL || p->request.scene != p->current->shown.serial) {
+        return p->scene != NULL && p->request.scene == p->scene->shown.serial;
+    }
+    if (p->scene != p->current) {
+        paint_scene* before = p->scene;
+        p->scene = p->current;
+        p->budget_ms = -1.0; // learned anew
+        if (before != NULL) {
+            pthread_mutex_unlock(&p->mutex);
+            paint_scene_close(before);
+            pthread_mutex_lock(&p->mutex);
+        }
+    }
+    return true;
+}
+
+static void work(painter* p)
+{
+    if (p->open_serial != p->opened_serial) {
+        open_scene(p);
+    } else if (p->request.scene == 0 || !take_scene(p)) {
+        pthread_cond_wait(&p->changed, &p->mutex);
+    } else if (p->begun != p->number) {
+        p->begun = p->number;
+        p->stage = STAGE_MOVES;
+        paint(p);
+    } else if (p->stage != STAGE_DONE) {
+        double since = stp_clock_ms() - p->request_ms;
+        if (since < rest_ms) {
+            wait_for(p, rest_ms - since + 1.0);
+        } else {
+            paint(p);
+        }
+    } else if (p->loads) {
+        wait_for(p, loading_ms);
+        p->stage = STAGE_RESTS;
+    } else {
+        pthread_cond_wait(&p->changed, &p->mutex);
+    }
+}
+
+static void* run(void* user)
+{
+    painter* p = user;
+    pthread_mutex_lock(&p->mutex);
+    while (!p->quits) {
+        work(p);
+    }
+    pthread_mutex_unlock(&p->mutex);
+    return NULL;
+}
+
+painter* painter_create(const painter_desc* desc)
+{
+    painter* p = calloc(1, sizeof(*p));
+    if (p == NULL) {
+        return NULL;
+    }
+    p->desc = *desc;
+    p->ready = 1;
+    p->shown = 2;
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_mutex_init(&p->mutex, NULL);
+    pthread_cond_init(&p->changed, &attributes);
+    pthread_condattr_destroy(&attributes);
+    if (pthread_create(&p->thread, NULL, run, p) != 0) {
+        pthread_mutex_destroy(&p->mutex);
+        pthread_cond_destroy(&p->changed);
+        free(p);
+        return NULL;
+    }
+    return p;
+}
+
+void painter_destroy(painter* p)
+{
+    if (p == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&p->mutex);
+    p->quits = true;
+    pthread_cond_signal(&p->changed);
+    pthread_mutex_unlock(&p->mutex);
+    pthread_join(p->thread, NULL);
+    paint_scene_close(p->opened);
+    if (p->current != p->scene) {
+        paint_scene_close(p->current);
+    }
+    paint_scene_close(p->scene);
+    for (int i = 0; i < BUFFERS; ++i) {
+        free(p->pictures[i].image.pixels);
+        free(p->pictures[i].nearness);
+    }
+    pthread_mutex_destroy(&p->mutex);
+    pthread_cond_destroy(&p->changed);
+    free(p);
+}
+
+void painter_open(painter* p, const char* path, uint32_t serial)
+{
+    pthread_mutex_lock(&p->mutex);
+    snprintf(p->open_path, sizeof(p->open_path), "%s", path);
+    p->open_serial = serial;
+    pthread_cond_signal(&p->changed);
+    pthread_mutex_unlock(&p->mutex);
+}
+
+const painter_scene* painter_adopt(painter* p)
+{
+    pthread_mutex_lock(&p->mutex);
+    paint_scene* scene = p->opened;
+    paint_scene* passed_over = NULL;
+    if (scene != NULL) {
+        passed_over = p->current != p->scene ? p->current : NULL;
+        p->opened = NULL;
+        p->current = scene;
+    }
+    pthread_mutex_unlock(&p->mutex);
+    paint_scene_close(passed_over);
+    return scene != NULL ? &scene->shown : NULL;
+}
+
+uint64_t painter_request(painter* p, const paint_request* request)
+{
+    pthread_mutex_lock(&p->mutex);
+    if (p->number == 0 || !same_request(&p->request, request)) {
+        p->request = *request;
+        p->number += 1;
+        p->request_ms = stp_clock_ms();
+        pthread_cond_signal(&p->changed);
+    }
+    uint64_t number = p->number;
+    pthread_mutex_unlock(&p->mutex);
+    return number;
+}
+
+const painter_picture* painter_take(painter* p)
+{
+    const painter_picture* taken = NULL;
+    pthread_mutex_lock(&p->mutex);
+    if (p->fresh) {
+        int before = p->shown;
+        p->shown = p->ready;
+        p->ready = before;
+        p->fresh = false;
+        taken = &p->pictures[p->shown];
+    }
+    pthread_mutex_unlock(&p->mutex);
+    return taken;
+}
+
+bool painter_get_message(painter* p, char* message, size_t size, bool* is_error)
+{
+    pthread_mutex_lock(&p->mutex);
+    bool any = p->message[0] != 0;
+    if (any) {
+        snprintf(message, size, "%s", p->message);
+        *is_error = p->message_is_error;
+        p->message[0] = 0;
+    }
+    pthread_mutex_unlock(&p->mutex);
+    return any;
+}

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "painter_scene.h"
+
+#include "base/clock.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static stp_result open_store(paint_scene* s, const paint_scene_desc* desc, const char* path)
+{
+    stp_result result = stp_store_open(s->context, path, &s->store);
+    if (result == STP_OK) {
+        result = stp_draw_cpu_create(s->context, s->store, &s->renderer);
+    }
+    if (result == STP_OK && desc->memory_limit > 0) {
+        result = stp_residency_create(s->store, &(stp_residency_desc){0}, &s->residency);
+        while (result == STP_OK && stp_residency_wait(s->residency)) { // the coarsest
+            stp_residency_update(s->residency, NULL, 0);
+        }
+    }
+    return result;
+}
+
+paint_scene* paint_scene_open(const paint_scene_desc* desc, const char* path, uint32_t serial)
+{
+    paint_scene* s = calloc(1, sizeof(*s));
+    stp_context_desc context = {.log = desc->log,
+                                .log_user = desc->log_user,
+                                .thread_count = desc->thread_count,
+                                .memory_limit_bytes = desc->memory_limit};
+    if (s == NULL || stp_context_create(&s->context, &context) != STP_OK) {
+        desc->log(STP_LOG_ERROR, "there is no memory to open the scene", desc->log_user);
+        free(s);
+        return NULL;
+    }
+    if (open_store(s, desc, path) != STP_OK) {
+        paint_scene_close(s);
+        return NULL;
+    }
+    const stp_store_directory* directory = stp_store_get_directory(s->store);
+    s->shown = (painter_scene){.serial = serial, .store = s->store, .directory = directory};
+    s->shown.bounds = directory->root != STP_STORE_NONE ? directory->nodes[directory->root].bounds
+                                                        : stp_boxd_empty();
+    snprintf(s->shown.path, sizeof(s->shown.path), "%s", path);
+    return s;
+}
+
+void paint_scene_close(paint_scene* s)
+{
+    if (s == NULL) {
+        return;
+    }
+    if (s->renderer != NULL) {
+        stp_renderer_destroy(s->renderer);
+    }
+    stp_residency_destroy(s->residency);
+    stp_draw_list_destroy(s->context, &s->list);
+    if (s->store != NULL) {
+        stp_store_close(s->store);
+    }
+    stp_context_destroy(s->context);
+    free(s);
+}
+
+static stp_result draw_once(paint_scene* s, const paint_request* request,
+                            const stp_quality* quality, bool accumulates, stp_image* image,
+                            stp_draw_stats* stats)
+{
+    stp_draw_style style = request->style;
+    if (accumulates) {
+        style.supersample = request->samples;
+        return stp_renderer_accumulate(s->renderer, &request->view, quality, &style, &s->list,
+                                       image, stats);
+    }
+    return stp_renderer_draw_selected(s->renderer, &request->view, quality, &style, &s->list, image,
+                                      stats);
+}
+
+stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float splat_size,
+                            bool accumulates, stp_image* image, paint_figures* figures)
+{
+    stp_draw_stats stats = {0};
+    stp_quality quality = request->quality;
+    quality.splat_size = splat_size;
+    double start = stp_clock_ms();
+    stp_result result = draw_once(s, request, &quality, accumulates, image, &stats);
+    while (result == STP_ERROR_OUT_OF_MEMORY && s->residency != NULL &&
+           stp_residency_yield(s->residency)) { // loaded data gives way to pictures
+        result = draw_once(s, request, &quality, accumulates, image, &stats);
+    }
+    *figures = (paint_figures){.select_ms = stats.select_ms,
+                               .draw_ms = stats.draw_ms,
+                               .shade_ms = stats.shade_ms,
+                               .splat_size = s->list.splat_size,
+                               .splats = stats.splats,
+                               .triangles = stats.triangles,
+                               .fragments = stats.fragments,
+                               .covered_pixels = stats.covered_pixels,
+                               .draw_calls = stats.draw_calls,
+                               .nodes = s->list.node_count,
+                               .samples = accumulates ? stats.samples : 1};
+    if (s->residency != NULL && result == STP_OK) {
+        stp_residency_stats loaded;
+        stp_residency_update(s->residency, s->list.wants, s->list.want_count);
+        stp_residency_get_stats(s->residency, &loaded);
+        figures->missing = loaded.missing > 0 && loaded.loading > 0 ? loaded.missing : 0;
+    }
+    figures->frame_ms = stp_clock_ms() - start;
+    figures->live_bytes = stp_context_live_bytes(s->context);
+    return result;
+}
+
+double paint_near_distance(const stp_view* view)
+{
+    if (view->near_distance > 0.0) {
+        return view->near_distance;
+    }
+    stp_vec3d gaze = stp_subd(view->target, view->eye);
+    return 1e-4 * sqrt(stp_dotd(gaze, gaze)); // as stp_view_frame_make chooses it
+}

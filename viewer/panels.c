@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+// The frame around the picture: bar, panels at the sides, status line, help, and what is said while something is loaded.
+#include "gui.h"
+#include "state.h"
+
+#include "base/clock.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const float page_width = 320.0f; // of scale 1
+static const double message_shown_ms = 8000.0;
+
+typedef struct page_entry {
+    viewer_page page;
+    const char* label;
+    const char* tooltip;
+    void (*show)(viewer* v);
+} page_entry;
+
+static const page_entry pages[] = {
+    {PAGE_STATISTICS, "Statistics", "What a frame draws, and how long it takes (F2)",
+     page_statistics},
+    {PAGE_QUALITY, "Quality", "How finely is drawn, and how it looks (F3)", page_quality},
+};
+enum { PAGES = sizeof(pages) / sizeof(pages[0]) };
+
+typedef struct shortcut {
+    const char *keys, *meaning;
+} shortcut;
+
+static const shortcut mouse_shortcuts[] = {
+    {"Left drag", "turn around the pivot"},
+    {"Click", "set the pivot"},
+    {"Middle or Shift+left drag", "move sideways"},
+    {"Right drag", "look around"},
+    {"Wheel", "zoom to the cursor; in flight: speed"},
+};
+static const shortcut key_shortcuts[] = {
+    {"W A S D, Q E", "fly; Q down, E up; Shift: faster"},
+    {"F, Home", "see everything"},
+    {"1 3 7 9", "front, right, top, iso"},
+    {"5", "parallel projection"},
+    {"P", "parts"},
+    {"F2 F3", "statistics, quality"},
+    {"Tab", "panels away and back"},
+    {"F11", "whole screen"},
+    {"H", "this help"},
+    {"Ctrl+Q", "quit"},
+};
+
+static float bar_height(const viewer* v)
+{
+    return gui_line_height() + 14.0f * v->window.scale;
+}
+
+static float status_height(const viewer* v)
+{
+    return gui_text_height() + 10.0f * v->window.scale;
+}
+
+static bool has_page(const viewer* v)
+{
+    return v->shows_panels && v->settings.page != PAGE_NONE;
+}
+
+viewer_area panels_layout(const viewer* v)
+{
+    float width = (float)v->window.width, height = (float)v->window.height;
+    if (!v->shows_panels) {
+        return (viewer_area){0.0f, 0.0f, width, height};
+    }
+    float top = bar_height(v), bottom = status_height(v);
+    float right = has_page(v) ? page_width * v->window.scale : 0.0f;
+    right = right < 0.6f * width ? right : 0.6f * width;
+    float inner = height - top - bottom;
+    return (viewer_area){0.0f, top, width - right, inner > 1.0f ? inner : 1.0f};
+}
+
+static const char* file_name(const viewer* v)
+{
+    const char* slash = strrchr(v->file, '/');
+    return slash != NULL ? slash + 1 : v->file;
+}
+
+static void show_bar(viewer* v)
+{
+    float scale = v->window.scale;
+    gui_bar_begin("bar", 0.0f, 0.0f, (float)v->window.width, bar_height(v), false);
+    gui_text("%s", v->file[0] != 0 ? file_name(v) : "Stipple");
+    float width = 0.0f;
+    for (int i = 0; i < PAGES; ++i) {
+        width += gui_text_width(pages[i].label) + 24.0f * scale;
+    }
+    width += gui_text_width("Help") + 16.0f * scale;
+    gui_right_aligned(width);
+    for (int i = 0; i < PAGES; ++i) {
+        if (gui_toggle(pages[i].label, v->settings.page == pages[i].page, pages[i].tooltip)) {
+            v->settings.page = v->settings.page == pages[i].page ? PAGE_NONE : pages[i].page;
+        }
+        gui_same_line();
+    }
+    if (gui_toggle("Help", v->shows_help, "Keys and mouse (H)")) {
+        v->shows_help = !v->shows_help;
+    }
+    gui_panel_end();
+}
+
+static void show_page(viewer* v)
+{
+    float width = page_width * v->window.scale, top = bar_height(v);
+    width = width < 0.6f * (float)v->window.width ? width : 0.6f * (float)v->window.width;
+    gui_panel_begin("page", (float)v->window.width - width, top, width,
+                    (float)v->window.height - top - status_height(v));
+    for (int i = 0; i < PAGES; ++i) {
+        if (pages[i].page == v->settings.page) {
+            pages[i].show(v);
+        }
+    }
+    gui_panel_end();
+}
+
+static void show_status(viewer* v)
+{
+    float height = status_height(v);
+    gui_bar_begin("status", 0.0f, (float)v->window.height - height, (float)v->window.width, height,
+                  true);
+    bool says = v->message[0] != 0 &&
+                (v->message_is_error || stp_clock_ms() - v->message_ms < message_shown_ms);
+    if (says) {
+        gui_text("%s", v->message);
+    } else if (v->news.state == LOADER_REFINING) {
+        gui_text("Making splats: %s %.0f %%", v->news.stage,
+                 100.0 * (v->news.overall >= 0.0 ? v->news.overall : v->news.fraction));
+    } else if (v->picture != NULL && v->scene != NULL) {
+        const paint_figures* f = &v->picture->figures;
+        gui_faint("%u x %u   %.1f ms   splats of %.1f px%s", v->picture->image.width,
+                  v->picture->image.height, f->frame_ms, (double)f->splat_size,
+                  v->picture->complete ? "" : "   refining");
+    } else {
+        gui_faint("Drop a model or a .stip file onto the window");
+    }
+    gui_panel_end();
+}
+
+static void show_shortcuts(const shortcut* list, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        gui_value(list[i].keys, "%s", list[i].meaning);
+    }
+}
+
+static void show_help(viewer* v)
+{
+    viewer_area a = v->picture_area;
+    gui_dialog_begin("help", a.x + 0.5f * a.width, a.y + 0.5f * a.height, 460.0f * v->window.scale);
+    gui_text("Mouse");
+    show_shortcuts(mouse_shortcuts, sizeof(mouse_shortcuts) / sizeof(mouse_shortcuts[0]));
+    gui_space();
+    gui_text("Keys");
+    show_shortcuts(key_shortcuts, sizeof(key_shortcuts) / sizeof(key_shortcuts[0]));
+    gui_space();
+    if (gui_button("Close", "Escape")) {
+        v->shows_help = false;
+    }
+    gui_panel_end();
+}
+
+/// What stands in the middle while there is no picture.
+static void show_waiting(viewer* v)
+{
+    viewer_area a = v->picture_area;
+    gui_dialog_begin("waiting", a.x + 0.5f * a.width, a.y + 0.5f * a.height,
+                     420.0f * v->window.scale);
+    if (v->message_is_error && v->message[0] != 0) {
+        gui_text("%s cannot be shown", file_name(v));
+        gui_space();
+        gui_paragraph("%s", v->message);
+        gui_space();
+        gui_faint("Drop another file onto the window");
+    } else if (v->file[0] == 0) {
+        gui_text("Drop a model or a .stip file onto the window");
+    } else {
+        double part = v->news.overall >= 0.0 ? v->news.overall : v->news.fraction;
+        char text[96];
+        snprintf(text, sizeof(text), "%.0f %%", 100.0 * part);
+        gui_text("Loading %s", file_name(v));
+        gui_progress((float)part, text);
+        if (v->news.total > 0) {
+            gui_faint("%s: %llu of %llu %s", v->news.stage, (unsigned long long)v->news.done,
+                      (unsigned long long)v->news.total, v->news.unit);
+        } else {
+            gui_faint("%s", v->news.stage[0] != 0 ? v->news.stage : "looking at the file");
+        }
+    }
+    gui_panel_end();
+}
+
+static void show_overlay(viewer* v)
+{
+    stp_navigator n;
+    double x, y, depth;
+    viewer_area a = v->picture_area;
+    void* picture = window_picture(&v->window);
+    if (picture == NULL || !camera_of_picture(v, &n)) {
+        return;
+    }
+    gui_picture(picture, a.x, a.y, a.x + a.width, a.y + a.height, false);
+    gui_clip(a.x, a.y, a.x + a.width, a.y + a.height);
+    bool turns = v->input.drag == DRAG_ORBIT;
+    if ((turns || v->camera.pivot_chosen) &&
+        stp_navigator_project(&n, v->camera.pivot, &x, &y, &depth)) {
+        float sx = a.x + (float)(x / (double)n.width) * a.width;
+        float sy = a.y + (float)(y / (double)n.height) * a.height;
+        gui_disc(sx, sy, 4.0f, turns ? 0x4D9ED1FF : 0x4D9ED180, 0xFFFFFFC0);
+    }
+    gui_unclip();
+}
+
+void panels_show(viewer* v)
+{
+    v->picture_area = panels_layout(v);
+    bool has_picture =
+        v->scene != NULL && v->picture != NULL && v->shown_file_number == v->file_number;
+    show_overlay(v);
+    if (v->shows_panels) {
+        show_bar(v);
+        show_status(v);
+        if (has_page(v)) {
+            show_page(v);
+        }
+    }
+    if (v->shows_help) {
+        show_help(v);
+    } else if (!has_picture) {
+        show_waiting(v);
+    }
+}

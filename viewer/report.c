@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// What is shown, as JSON in a file: for tests, and for programs that steer the viewer.
+#include "state.h"
+
+#include "base/clock.h"
+
+#include <jansson.h>
+#include <stdio.h>
+
+static const double every_ms = 50.0;
+
+static json_t* vector(stp_vec3d p)
+{
+    return json_pack("[f, f, f]", p.x, p.y, p.z);
+}
+
+static json_t* describe_camera(const viewer* v)
+{
+    stp_view view = {0};
+    stp_navigator_give(&v->camera, &view);
+    return json_pack("{s:o, s:o, s:o, s:f, s:f, s:o, s:b, s:f, s:f}", "eye", vector(view.eye),
+                     "target", vector(view.target), "up", vector(view.up), "fov", view.fov_degrees,
+                     "ortho_height", view.ortho_height, "pivot", vector(v->camera.pivot),
+                     "pivot_chosen", (int)v->camera.pivot_chosen, "reach", v->camera.reach, "speed",
+                     v->camera.speed);
+}
+
+static json_t* describe_picture(const viewer* v)
+{
+    viewer_area a = v->picture_area;
+    const painter_picture* p = v->picture;
+    if (p == NULL || v->scene == NULL || p->scene != v->scene->serial) {
+        return json_null();
+    }
+    return json_pack("{s:[f, f, f, f], s:i, s:i, s:b, s:i, s:I, s:I, s:f, s:f, s:I}", "area",
+                     (double)a.x, (double)a.y, (double)a.width, (double)a.height, "width",
+                     (int)p->image.width, "height", (int)p->image.height, "complete",
+                     (int)p->complete, "samples", (int)p->figures.samples, "splats",
+                     (json_int_t)p->figures.splats, "triangles", (json_int_t)p->figures.triangles,
+                     "splat_size", (double)p->figures.splat_size, "frame_ms", p->figures.frame_ms,
+                     "frames", (json_int_t)p->frame);
+}
+
+static json_t* describe(const viewer* v)
+{
+    static const char* const states[] = {"idle", "working", "refining", "done", "failed"};
+    static const char* const page_names[PAGE_COUNT] = {"none",    "statistics", "quality",
+                                                       "section", "measure",    "views"};
+    return json_pack("{s:s, s:s, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:s, s:o, s:o}",
+                     "file", v->file, "loading", states[v->news.state], "rests",
+                     (int)(viewer_rests(v) && v->dirty <= 0), "complete", (int)v->news.complete,
+                     "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0), "shows",
+                     (json_int_t)v->shows, "page", page_names[v->settings.page], "panels",
+                     (int)v->shows_panels, "parts", (int)v->settings.parts, "help",
+                     (int)v->shows_help, "backend", "cpu", "message", v->message, "camera",
+                     describe_camera(v), "picture", describe_picture(v));
+}
+
+void report_write(viewer* v, bool last)
+{
+    const char* path = v->options.report;
+    double now = stp_clock_ms();
+    bool rests = viewer_rests(v) && v->dirty <= 0;
+    if (path == NULL || (!last && now - v->report_ms < every_ms && rests == v->report_rests)) {
+        return;
+    }
+    v->report_ms = now;
+    v->report_rests = rests;
+    char aside[PATH_ROOM + 8];
+    snprintf(aside, sizeof(aside), "%s.new", path);
+    json_t* object = describe(v);
+    bool written = object != NULL &&
+                   json_dump_file(object, aside, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) == 0;
+    if (!written || rename(aside, path) != 0) {
+        (void)remove(aside);
+        v->options.report = NULL;
+        viewer_say(v, true, "%s: the report cannot be written", path);
+    }
+    json_decref(object);
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// From settings and camera to what the painter is asked for.
+#include "state.h"
+
+static uint8_t to_byte(float x)
+{
+    return (uint8_t)(x * 255.0f + 0.5f);
+}
+
+static stp_fovea make_fovea(const viewer_settings* s)
+{
+    stp_fovea fovea = {0};
+    if (s->fovea) { // the paper's: from a quarter of the half diagonal on
+        fovea.count = 2;
+        fovea.zones[0] = (stp_fovea_zone){0.25f, 1.0f};
+        fovea.zones[1] = (stp_fovea_zone){1.0f, s->fovea_factor};
+    }
+    return fovea;
+}
+
+paint_request request_make(const viewer* v)
+{
+    const viewer_settings* s = &v->settings;
+    bool original = s->method == METHOD_ORIGINAL;
+    paint_request request = {
+        .scene = v->scene->serial,
+        .style = {.headlight = s->light == 1,
+                  .background = true,
+                  .background_color = {to_byte(s->background[0]), to_byte(s->background[1]),
+                                       to_byte(s->background[2])},
+                  .filter = (stp_filter)s->filter,
+                  .eye_dome = s->eye_dome,
+                  .ambient_occlusion = 0.01f * s->ambient_occlusion},
+        .quality = {.splat_size = s->splat_size,
+                    .policy = original ? STP_POLICY_INSERTION : (stp_policy)s->method,
+                    .reference = original,
+                    .fovea = original ? (stp_fovea){0} : make_fovea(s)},
+        .budget_ms = s->adapts && !original ? (double)s->budget_ms : 0.0,
+        .samples = (uint32_t)s->samples,
+    };
+    stp_navigator_give(&v->camera, &request.view);
+    return request;
+}

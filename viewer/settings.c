@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "settings.h"
+
+#include <jansson.h>
+#include <limits.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef enum field_type { FIELD_BOOL, FIELD_INT, FIELD_FLOAT } field_type;
+
+typedef struct field {
+    const char* name;
+    field_type type;
+    size_t offset;
+    double least, most;
+} field;
+
+#define PLACE(member) offsetof(viewer_settings, member)
+static const field fields[] = {
+    {"opengl", FIELD_BOOL, PLACE(gl), 0, 0},
+    {"parts", FIELD_BOOL, PLACE(parts), 0, 0},
+    {"page", FIELD_INT, PLACE(page), 0, PAGE_COUNT - 1},
+    {"adapts", FIELD_BOOL, PLACE(adapts), 0, 0},
+    {"budget_ms", FIELD_FLOAT, PLACE(budget_ms), 4, 500},
+    {"splat_size", FIELD_FLOAT, PLACE(splat_size), 1, 16},
+    {"samples", FIELD_INT, PLACE(samples), 1, 8},
+    {"method", FIELD_INT, PLACE(method), 0, METHOD_COUNT - 1},
+    {"filter", FIELD_INT, PLACE(filter), 0, STP_FILTER_EWA},
+    {"light", FIELD_INT, PLACE(light), 0, 1},
+    {"fovea", FIELD_BOOL, PLACE(fovea), 0, 0},
+    {"fovea_factor", FIELD_FLOAT, PLACE(fovea_factor), 1, 8},
+    {"eye_dome", FIELD_FLOAT, PLACE(eye_dome), 0, 4},
+    {"ambient_occlusion", FIELD_FLOAT, PLACE(ambient_occlusion), 0, 12},
+    {"red", FIELD_FLOAT, PLACE(background[0]), 0, 1},
+    {"green", FIELD_FLOAT, PLACE(background[1]), 0, 1},
+    {"blue", FIELD_FLOAT, PLACE(background[2]), 0, 1},
+    {"shot_width", FIELD_INT, PLACE(shot_width), 16, 16384},
+    {"shot_height", FIELD_INT, PLACE(shot_height), 16, 16384},
+    {"shot_samples", FIELD_INT, PLACE(shot_samples), 1, 8},
+};
+enum { FIELD_COUNT = sizeof(fields) / sizeof(fields[0]) };
+
+viewer_settings viewer_settings_default(void)
+{
+    return (viewer_settings){.parts = true,
+                             .page = PAGE_STATISTICS,
+                             .adapts = true,
+                             .budget_ms = 33.0f,
+                             .splat_size = 1.0f,
+                             .samples = 4,
+                             .fovea_factor = 2.0f,
+                             .background = {0.86f, 0.88f, 0.90f},
+                             .shot_width = 3840,
+                             .shot_height = 2160,
+                             .shot_samples = 2};
+}
+
+bool viewer_settings_parse(viewer_settings* settings, const char* text)
+{
+    json_t* root = json_loads(text, 0, NULL);
+    bool valid = json_is_object(root);
+    for (int i = 0; valid && i < FIELD_COUNT; ++i) {
+        const field* f = &fields[i];
+        const json_t* value = json_object_get(root, f->name);
+        char* place = (char*)settings + f->offset;
+        if (f->type == FIELD_BOOL && json_is_boolean(value)) {
+            bool on = json_is_true(value);
+            memcpy(place, &on, sizeof(on));
+        } else if (f->type != FIELD_BOOL && json_is_number(value)) {
+            double number = json_number_value(value);
+            if (number >= f->least && number <= f->most) {
+                int whole = (int)number;
+                float real = (float)number;
+                memcpy(place, f->type == FIELD_INT ? (const void*)&whole : (const void*)&real,
+                       sizeof(whole));
+            }
+        }
+    }
+    json_decref(root);
+    return valid;
+}
+
+char* viewer_settings_print(const viewer_settings* settings)
+{
+    json_t* root = json_object();
+    bool whole = root != NULL;
+    for (int i = 0; whole && i < FIELD_COUNT; ++i) {
+        const field* f = &fields[i];
+        const char* place = (const char*)settings + f->offset;
+        bool on;
+        int number;
+        float real;
+        memcpy(&on, place, sizeof(on));
+        memcpy(&number, place, sizeof(number));
+        memcpy(&real, place, sizeof(real));
+        json_t* value = f->type == FIELD_BOOL  ? json_boolean(on)
+                        : f->type == FIELD_INT ? json_integer(number)
+                                               : json_real((double)real);
+        whole = json_object_set_new(root, f->name, value) == 0;
+    }
+    char* text = whole ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) : NULL;
+    json_decref(root);
+    return text;
+}
+
+/// @return false where there is no place for settings
+static bool find_file(char* path, size_t size, bool makes_folder)
+{
+    const char* config = getenv("XDG_CONFIG_HOME");
+    const char* home = getenv("HOME");
+    char base[PATH_MAX - 64];
+    bool named = config != NULL && config[0] == '/';
+    if (!named && (home == NULL || home[0] != '/')) {
+        return false;
+    }
+    int length = named ? snprintf(base, sizeof(base), "%s", config)
+                       : snprintf(base, sizeof(base), "%s/.config", home);
+    if (length < 0 || (size_t)length >= sizeof(base)) {
+        return false;
+    }
+    if (makes_folder) {
+        (void)mkdir(base, 0777);
+        length = snprintf(path, size, "%s/stipple", base);
+        (void)mkdir(path, 0777);
+    }
+    length = snprintf(path, size, "%s/stipple/viewer.json", base);
+    return length > 0 && (size_t)length < size;
+}
+
+void viewer_settings_load(viewer_settings* settings)
+{
+    char path[PATH_MAX], text[8192];
+    FILE* file = find_file(path, sizeof(path), false) ? fopen(path, "rb") : NULL;
+    if (file != NULL) {
+        size_t length = fread(text, 1, sizeof(text) - 1, file);
+        text[length] = 0;
+        fclose(file);
+        (void)viewer_settings_parse(settings, text);
+    }
+}
+
+void viewer_settings_save(const viewer_settings* settings)
+{
+    char path[PATH_MAX], aside[PATH_MAX + 8];
+    char* text = viewer_settings_print(settings);
+    if (text != NULL && find_file(path, sizeof(path), true)) {
+        snprintf(aside, sizeof(aside), "%s.new", path);
+        FILE* file = fopen(aside, "wb");
+        bool written = file != NULL && fputs(text, file) >= 0;
+        written = file != NULL && fclose(file) == 0 && written;
+        if (!written || rename(aside, path) != 0) {
+            (void)remove(aside);
+        }
+    }
+    free(text);
+}

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// What the viewer remembers from one start to the next.
+#pragma once
+
+#include "draw/draw.h"
+
+#include <stdbool.h>
+
+typedef enum viewer_page {
+    PAGE_NONE,
+    PAGE_STATISTICS,
+    PAGE_QUALITY,
+    PAGE_SECTION,
+    PAGE_MEASURE,
+    PAGE_VIEWS,
+    PAGE_COUNT
+} viewer_page;
+
+typedef struct viewer_settings {
+    bool gl; ///< OpenGL draws, where it can
+    bool parts;
+    viewer_page page; ///< of the panel on the right
+    bool adapts;      ///< splats grow while the camera moves, as the budget wants
+    float budget_ms, splat_size;
+    int samples; ///< a side, at rest
+    int method;  ///< stp_policy; beyond it: original geometry only
+    int filter, light;
+    bool fovea;
+    float fovea_factor;
+    float eye_dome,
+        ambient_occlusion; ///< 0: none; the second in hundredths of the picture's height
+    float background[3];
+    int shot_width, shot_height, shot_samples;
+} viewer_settings;
+
+enum { METHOD_ORIGINAL = STP_POLICY_SWITCH + 1, METHOD_COUNT };
+
+viewer_settings viewer_settings_default(void);
+/// Takes over what a text in JSON says and what is in range; the rest stays. @return false where it is no object
+bool viewer_settings_parse(viewer_settings* settings, const char* text);
+/// A text from malloc; NULL where memory runs out.
+char* viewer_settings_print(const viewer_settings* settings);
+
+/// $XDG_CONFIG_HOME/stipple/viewer.json, or ~/.config/stipple/viewer.json; what cannot be read or written is left out.
+void viewer_settings_load(viewer_settings* settings);
+void viewer_settings_save(const viewer_settings* settings);

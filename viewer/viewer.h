@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// The interactive viewer, for `stipple view`.
+#pragma once
+
+#include "settings.h"
+
+#include <stipple/view.h>
+
+typedef struct viewer_options {
+    const char* file;       ///< NULL: a window that asks for one
+    const char* view;       ///< name of the first view; NULL: iso
+    uint32_t width, height; ///< of the window
+    float scale;            ///< of text; 0: the display's
+    bool software;          ///< the window without OpenGL
+    int backend;            ///< 0: as last time; 1: processor; 2: OpenGL
+    float budget_ms;        ///< 0: as last time
+    uint32_t thread_count;
+    uint64_t memory_limit;
+    const char* report; ///< a file that says in JSON what is shown; NULL: none
+} viewer_options;
+
+/// @return the exit code; messages are printed
+int viewer_run(const viewer_options* options);
