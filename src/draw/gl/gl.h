@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+//
+// The OpenGL functions this library calls, and no others. Loaded for a context: there is no global state.
+#pragma once
+
+#include "draw/draw_gl.h"
+
+#include <GL/glcorearb.h>
+
+#define STP_GL_FUNCTIONS(X)                                                                        \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
+    X(PFNGLBEGINQUERYPROC, BeginQuery)                                                             \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                     \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
+    X(PFNGLBINDBUFFERRANGEPROC, BindBufferRange)                                                   \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                   \
+    X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                                                 \
+    X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                   \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                   \
+    X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                           \
+    X(PFNGLCLEARNAMEDBUFFERSUBDATAPROC, ClearNamedBufferSubData)                                   \
+    X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                   \
+    X(PFNGLCLEARNAMEDFRAMEBUFFERUIVPROC, ClearNamedFramebufferuiv)                                 \
+    X(PFNGLCLEARTEXIMAGEPROC, ClearTexImage)                                                       \
+    X(PFNGLCLIENTWAITSYNCPROC, ClientWaitSync)                                                     \
+    X(PFNGLCLIPCONTROLPROC, ClipControl)                                                           \
+    X(PFNGLCOLORMASKPROC, ColorMask)                                                               \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                       \
+    X(PFNGLCOPYNAMEDBUFFERSUBDATAPROC, CopyNamedBufferSubData)                                     \
+    X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                       \
+    X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                                             \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                       \
+    X(PFNGLCREATEQUERIESPROC, CreateQueries)                                                       \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                         \
+    X(PFNGLCREATETEXTURESPROC, CreateTextures)                                                     \
+    X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                             \
+    X(PFNGLDEBUGMESSAGECALLBACKPROC, DebugMessageCallback)                                         \
+    X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                             \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                       \
+    X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                       \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                                                         \
+    X(PFNGLDELETESYNCPROC, DeleteSync)                                                             \
+    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                     \
+    X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                             \
+    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                               \
+    X(PFNGLDEPTHMASKPROC, DepthMask)                                                               \
+    X(PFNGLDEPTHRANGEPROC, DepthRange)                                                             \
+    X(PFNGLDISABLEPROC, Disable)                                                                   \
+    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                   \
+    X(PFNGLDRAWARRAYSINDIRECTPROC, DrawArraysIndirect)                                             \
+    X(PFNGLENABLEPROC, Enable)                                                                     \
+    X(PFNGLENDQUERYPROC, EndQuery)                                                                 \
+    X(PFNGLFENCESYNCPROC, FenceSync)                                                               \
+    X(PFNGLFLUSHPROC, Flush)                                                                       \
+    X(PFNGLGETERRORPROC, GetError)                                                                 \
+    X(PFNGLGETFLOATVPROC, GetFloatv)                                                               \
+    X(PFNGLGETGRAPHICSRESETSTATUSPROC, GetGraphicsResetStatus)                                     \
+    X(PFNGLGETINTEGER64VPROC, GetInteger64v)                                                       \
+    X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                           \
+    X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)                                       \
+    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                               \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                         \
+    X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                                           \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                 \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                           \
+    X(PFNGLGETSTRINGIPROC, GetStringi)                                                             \
+    X(PFNGLGETSTRINGPROC, GetString)                                                               \
+    X(PFNGLGETTEXTUREIMAGEPROC, GetTextureImage)                                                   \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
+    X(PFNGLMAPNAMEDBUFFERRANGEPROC, MapNamedBufferRange)                                           \
+    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                       \
+    X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
+    X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                             \
+    X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERPROC, NamedFramebufferDrawBuffer)                             \
+    X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                   \
+    X(PFNGLOBJECTLABELPROC, ObjectLabel)                                                           \
+    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                           \
+    X(PFNGLQUERYCOUNTERPROC, QueryCounter)                                                         \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                         \
+    X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                               \
+    X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                 \
+    X(PFNGLUNIFORM1FPROC, Uniform1f)                                                               \
+    X(PFNGLUNIFORM1IPROC, Uniform1i)                                                               \
+    X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                             \
+    X(PFNGLUNIFORM4FPROC, Uniform4f)                                                               \
+    X(PFNGLUNIFORM4IPROC, Uniform4i)                                                               \
+    X(PFNGLUNMAPNAMEDBUFFERPROC, UnmapNamedBuffer)                                                 \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                             \
+    X(PFNGLVIEWPORTPROC, Viewport)
+
+typedef struct stp_gl {
+#define X(type, name) type name;
+    STP_GL_FUNCTIONS(X)
+#undef X
+    /// Of ARB_indirect_parameters, or of 4.6.
+    PFNGLMULTIDRAWARRAYSINDIRECTCOUNTARBPROC MultiDrawArraysIndirectCount;
+} stp_gl;
+
+/// @return NULL, or the name of the first function this context lacks
+const char* stp_gl_load(stp_gl* gl, const stp_draw_gl_desc* desc);
+/// Whether the context has an extension.
+bool stp_gl_has(const stp_gl* gl, const char* extension);

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "draw/gl/pool.h"
+
+#include "base/context.h"
+
+enum {
+    WORD = 4,
+    RING_BYTES = 1 << 24,
+    PAGE_SHIFT_LEAST = 18, ///< words: 1 MiB
+    PAGE_SHIFT_MOST = 29,  ///< eight pages fill the addresses
+};
+
+/// The least pages that hold `limit` in eight, none larger than a block that shaders can read.
+static uint32_t choose_shift(const stp_gl* gl, uint64_t limit)
+{
+    GLint64 most = 0;
+    uint32_t shift = PAGE_SHIFT_LEAST;
+    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+    while (shift < PAGE_SHIFT_MOST && (int64_t)8 << shift <= most &&
+           ((uint64_t)WORD * POOL_PAGES_MOST << shift) < limit) {
+        shift += 1;
+    }
+    return shift;
+}
+
+stp_result gl_pool_create(stp_context* context, const stp_gl* gl, size_t entry_count,
+                          uint64_t limit_bytes, gl_pool* pool)
+{
+    *pool = (gl_pool){.context = context,
+                      .gl = gl,
+                      .spans.context = context,
+                      .entry_count = entry_count,
+                      .first_used = POOL_NONE,
+                      .last_used = POOL_NONE};
+    pool->page_shift = choose_shift(gl, limit_bytes);
+    uint64_t most = (uint64_t)POOL_PAGES_MOST << pool->page_shift;
+    pool->limit_words = limit_bytes / WORD < most ? limit_bytes / WORD : most;
+    pool->entries = STP_NEW_ARRAY(context, gl_entry, entry_count + 1);
+    if (pool->entries == NULL) {
+        return stp_fail_memory(context);
+    }
+    for (size_t i = 0; i < entry_count; ++i) {
+        pool->entries[i] = (gl_entry){.address = POOL_NONE};
+    }
+    if (!gl_ring_create(gl, RING_BYTES, &pool->ring)) {
+        gl_pool_destroy(pool);
+        return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,
+                        "gl: graphics memory cannot be mapped for uploads of %d MiB",
+                        RING_BYTES >> 20);
+    }
+    return STP_OK;
+}
+
+void gl_pool_destroy(gl_pool* pool)
+{
+    if (pool->gl == NULL) {
+        return;
+    }
+    gl_ring_destroy(pool->gl, &pool->ring);
+    pool->gl->DeleteBuffers((GLsizei)pool->page_count, pool->pages);
+    gl_spans_destroy(&pool->spans);
+    stp_free(pool->context, pool->entries);
+    *pool = (gl_pool){0};
+}
+
+void gl_pool_begin_frame(gl_pool* pool)
+{
+    pool->frame += 1;
+    pool->uploaded_bytes = 0;
+}
+
+static void unlink_entry(gl_pool* pool, const gl_entry* entry)
+{
+    if (entry->previous != POOL_NONE) {
+        pool->entries[entry->previous].next = entry->next;
+    } else {
+        pool->first_used = entry->next;
+    }
+    if (entry->next != POOL_NONE) {
+        pool->entries[entry->next].previous = entry->previous;
+    } else {
+        pool->last_used = entry->previous;
+    }
+}
+
+static void append_entry(gl_pool* pool, uint32_t index)
+{
+    gl_entry* entry = &pool->entries[index];
+    entry->previous = pool->last_used;
+    entry->next = POOL_NONE;
+    entry->used_frame = pool->frame;
+    if (pool->last_used != POOL_NONE) {
+        pool->entries[pool->last_used].next = index;
+    } else {
+        pool->first_used = index;
+    }
+    pool->last_used = index;
+}
+
+void gl_pool_use(gl_pool* pool, uint32_t entry)
+{
+    if (pool->entries[entry].used_frame != pool->frame) {
+        unlink_entry(pool, &pool->entries[entry]);
+        append_entry(pool, entry);
+    }
+}
+
+void gl_pool_drop(gl_pool* pool, uint32_t entry)
+{
+    gl_entry* dropped = &pool->entries[entry];
+    unlink_entry(pool, dropped);
+    gl_spans_give_back(&pool->spans, dropped->span);
+    dropped->address = POOL_NONE;
+}
+
+/// One more buffer, where the limit allows for any of it.
+static bool add_page(gl_pool* pool)
+{
+    uint32_t size = 1u << pool->page_shift;
+    uint64_t left = pool->limit_words - (pool->limit_words < pool->spans.total ? pool->limit_words
+                                                                               : pool->spans.total);
+    uint32_t count = left < size ? (uint32_t)left / SPANS_UNIT * SPANS_UNIT : size;
+    if (count == 0 || pool->page_count == POOL_PAGES_MOST) {
+        return false;
+    }
+    const stp_gl* gl = pool->gl;
+    GLuint* page = &pool->pages[pool->page_count];
+    while (gl->GetError() != GL_NO_ERROR) { // what was before is not this buffer's
+    }
+    gl->CreateBuffers(1, page);
+    gl->NamedBufferStorage(*page, (GLsizeiptr)count * WORD, NULL, 0);
+    if (gl->GetError() != GL_NO_ERROR ||
+        !gl_spans_add_region(&pool->spans, pool->page_count << pool->page_shift, count)) {
+        gl->DeleteBuffers(1, page);
+        pool->limit_words = pool->spans.total; // there is no more: what is here must do
+        return false;
+    }
+    gl->ObjectLabel(GL_BUFFER, *page, -1, "page");
+    pool->page_count += 1;
+    return true;
+}
+
+bool gl_pool_take(gl_pool* pool, uint32_t entry, uint64_t words)
+{
+    gl_entry* taken = &pool->entries[entry];
+    if (words > 1u << pool->page_shift) {
+        return false;
+    }
+    uint32_t span = gl_spans_take(&pool->spans, (uint32_t)words);
+    while (span == SPANS_NONE) {
+        uint32_t oldest = pool->first_used;
+        if (!add_page(pool)) {
+            if (oldest == POOL_NONE || pool->entries[oldest].used_frame == pool->frame) {
+                return false;
+            }
+            gl_pool_drop(pool, oldest);
+            pool->dropped += 1;
+        }
+        span = gl_spans_take(&pool->spans, (uint32_t)words);
+    }
+    taken->span = span;
+    taken->address = gl_spans_first(&pool->spans, span);
+    append_entry(pool, entry);
+    return true;
+}
+
+bool gl_pool_write(gl_pool* pool, uint64_t words, gl_ring_part* part)
+{
+    return gl_ring_take(pool->gl, &pool->ring, words * WORD, part);
+}
+
+void gl_pool_send(gl_pool* pool, const gl_ring_part* part, uint32_t address, uint64_t words)
+{
+    uint32_t place = address & ((1u << pool->page_shift) - 1);
+    pool->gl->CopyNamedBufferSubData(pool->ring.buffer, pool->pages[address >> pool->page_shift],
+                                     part->offset, (GLintptr)place * WORD,
+                                     (GLsizeiptr)(words * WORD));
+    pool->uploaded_bytes += words * WORD;
+}

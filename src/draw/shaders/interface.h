@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// The one place where C and GLSL agree: bindings, sizes, and what lies in buffers (all std430, which these blocks also
+// are in C). A word's address is its page's number above its place in the page.
+
+// Storage buffers. Pages are 0 to 7.
+#define BINDING_PAGES 0
+#define BINDING_ITEMS 8
+#define BINDING_RECORDS 9
+#define BINDING_CHUNKS 10
+#define BINDING_LARGE 11 // splats too large for a point: see large_block
+#define BINDING_LOOKUP 12 // which item an id belongs to: ID_TABLE + 2 words, then the first ids of items
+#define BINDING_LIGHT_MATERIALS 13
+#define BINDING_MATERIALS 14
+#define BINDING_COUNTERS 15
+// Uniform buffers.
+#define BINDING_VIEW 0
+// Texture units and image units.
+#define UNIT_IDS 0
+#define UNIT_NEARNESS 1
+#define IMAGE_PICTURE 0
+#define IMAGE_DEPTH 1
+#define IMAGE_SUMS 2
+
+#define GROUP_SIDE 8 // of a compute group over pixels
+#define ID_TABLE 16384
+#define NO_ID 0xFFFFFFFFu
+#define NO_ADDRESS 0xFFFFFFFFu
+#define POINT_EXTENT 60 // pixels: what reaches farther from its centre's pixel is drawn as two triangles
+#define LARGE_MOST 262144
+#define SHADINGS 256
+#define SRGB_STEPS 16384 // linear values are cut to such steps before they are encoded
+
+// Kinds of items (stp_draw_kind).
+#define KIND_SURFELS 0u
+#define KIND_MESH 1u
+#define KIND_POINTS 2u
+
+// Flags of items.
+#define ITEM_FACING 1u       // disks face the eye
+#define ITEM_HAS_COLORS 2u   // of vertices or points
+#define ITEM_HAS_NORMALS 4u  // of points
+
+// Alpha of materials (stp_store_alpha).
+#define ALPHA_OPAQUE 0u
+#define ALPHA_MASK 1u
+#define ALPHA_BLEND 2u
+
+// A cluster of triangles, at the beginning of its mesh: words. Places are counted from the mesh's address.
+#define CLUSTER_WORDS 16
+#define CLUSTER_FIRST_TRIANGLE 0
+#define CLUSTER_TRIANGLE_COUNT 1
+#define CLUSTER_TRIANGLES 2 // a word each: three corners of ten bits, and how it is lit
+#define CLUSTER_POSITIONS 3 // three floats a vertex
+#define CLUSTER_NORMALS 4   // a word a vertex: octahedral, 16 bits each
+#define CLUSTER_TEXCOORDS 5 // two floats a vertex; and 6: of the second set. 0: none
+#define CLUSTER_COLORS 7    // two words a vertex: linear, 16 bits each. 0: none
+#define CLUSTER_BOX 8       // six floats
+#define TRIANGLE_PLAIN 0u   // its plane's normal
+#define TRIANGLE_FACE 1u    // its first corner's
+#define TRIANGLE_SMOOTH 2u
+
+// A texture: flags, levels, then for each level width, height and where its texels begin, counted from its address.
+#define TEXTURE_FLAGS 0
+#define TEXTURE_LEVELS 1
+#define TEXTURE_SIZES 2
+#define TEXTURE_HEADER 52
+#define TEXTURE_LINEAR 1u
+#define TEXTURE_NEAREST 2u
+#define TEXTURE_WRAP_U 4u // times 0 repeat, 1 clamp, 2 mirror
+#define TEXTURE_WRAP_V 16u
+
+#ifdef __STDC_VERSION__
+typedef float vec4[4];
+typedef uint32_t uint;
+#endif
+
+// What is drawn, and where. Rows lead to the screen: X, Y (pixels, times W), N (nearness, times W), W; of surfels, from
+// their grid's numbers; of meshes, from positions minus `offset`.
+struct item_block {
+    vec4 rows[4];
+    vec4 turn[3];   // view rotation of splats' normals
+    vec4 normal[3]; // normals to the scene
+    vec4 offset;    // of meshes
+    float radius_px, center_x, center_y, inverse_scale; // see src/raster/splats_kernel.h
+    float slope_factor, slope_constant, rim_depth, back_depth;
+    float near_w, far_w, pixel_radius, nearness_limit;
+    float near_factor, near_shift; // true nearness = factor * that of the buffer + shift
+    float footprint; // pixels at depth 1 of an item unit
+    float blend;     // share of `colors` below low_count
+    uint kind, flags, seed, first_id;
+    uint count, material, first_chunk, chunk_count;
+    uint colors, low_colors, low_count, address; // addresses; of meshes, of their clusters
+    uint cluster_count, base_color, metallic_roughness, emissive; // addresses of textures
+};
+
+// One command of a multi-draw, or one part of it: splats, or a cluster.
+struct record_block {
+    uint item;
+    uint first;   // splats: the index in the item of the first; clusters: unused
+    uint address; // of the first splat, or the cluster
+    float share;  // of a cluster's triangles
+    float nearest, farthest; // splats: within these depths (W)
+    uint count, spare;
+};
+
+// Splats of an item that lie together: those before `end`, from the end of the chunk before.
+struct chunk_block {
+    uint begin, end, address, spare;
+};
+
+// What light needs of a material.
+struct light_material_block {
+    vec4 surface;  // metallic, share of diffuse light kept, a^2, gloss
+    vec4 emissive; // and whether it is unlit
+};
+
+struct material_block {
+    vec4 base_color;
+    vec4 numbers;    // metallic, roughness, alpha cutoff, alpha mode
+    vec4 emissive;   // and whether it is unlit
+    vec4 uses[6]; // of base colour, metallic and roughness, emissive: two rows of a transform, and which texture coordinates
+};
+
+struct view_block {
+    vec4 size;       // width, height, 1 / width of the viewport, 1 / height of the viewport
+    vec4 light;      // towards it
+    vec4 up;
+    vec4 eye_start, eye_across, eye_down; // towards the eye from a pixel, not of unit length; across and down 0 in parallel
+    vec4 background; // linear, and whether it is drawn
+    float nearness_scale, margin;
+    uint parallel, pattern; // which sample, for hashed alpha
+    uint item_count, id_shift, sample_number, sample_count; // of supersamples
+    float point_extent;
+    uint spare0, spare1, spare2;
+};
+
+#ifdef __STDC_VERSION__
+typedef struct item_block item_block;
+typedef struct record_block record_block;
+typedef struct chunk_block chunk_block;
+typedef struct light_material_block light_material_block;
+typedef struct material_block material_block;
+typedef struct view_block view_block;
+/// Splats that the point pass leaves to the large pass: the command that draws them, and each one's record and place in it.
+typedef struct large_block {
+    uint32_t vertex_count, instance_count, first, base;
+    uint32_t places[LARGE_MOST][2];
+} large_block;
+_Static_assert(sizeof(item_block) == 304, "layout of items");
+_Static_assert(sizeof(record_block) == 32, "layout of records");
+_Static_assert(sizeof(material_block) == 144, "layout of materials");
+_Static_assert(sizeof(view_block) == 160, "layout of the view");
+#endif

@@ -1,0 +1,144 @@
+// Pictures sampled as the processor does (src/raster/texture.c): averaged in linear light, weighted by alpha.
+#include "lib_triangle.glsl"
+
+layout(std430, binding = BINDING_MATERIALS) readonly buffer Materials { material_block materials[]; };
+
+float to_linear(float srgb)
+{
+    return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+vec3 to_linear(vec3 srgb)
+{
+    return vec3(to_linear(srgb.x), to_linear(srgb.y), to_linear(srgb.z));
+}
+
+int wrap(int i, int size, uint how)
+{
+    if (how == 1u) {
+        return clamp(i, 0, size - 1);
+    }
+    int period = how == 2u ? 2 * size : size, r = i % period;
+    r = r < 0 ? r + period : r;
+    return r < size ? r : period - 1 - r;
+}
+
+struct texel_square {
+    uint texels;
+    ivec2 x, y;
+    vec2 share;
+    uint width;
+};
+
+texel_square find_square(uint texture, uint level, vec2 uv, bool nearest)
+{
+    texel_square square;
+    uint flags = fetch(texture + TEXTURE_FLAGS), at = texture + TEXTURE_SIZES + 3u * level;
+    ivec2 size = ivec2(int(fetch(at)), int(fetch(at + 1u)));
+    vec2 place = uv * vec2(size) - (nearest ? 0.0 : 0.5);
+    place = mix(place, vec2(0.0), not(lessThan(abs(place), vec2(1e9))));
+    vec2 whole = floor(place);
+    square.share = nearest ? vec2(0.0) : place - whole;
+    uint wrap_u = flags / TEXTURE_WRAP_U & 3u, wrap_v = flags / TEXTURE_WRAP_V & 3u;
+    square.x = ivec2(wrap(int(whole.x), size.x, wrap_u), wrap(int(whole.x) + 1, size.x, wrap_u));
+    square.y = ivec2(wrap(int(whole.y), size.y, wrap_v), wrap(int(whole.y) + 1, size.y, wrap_v));
+    square.texels = texture + fetch(at + 2u);
+    square.width = uint(size.x);
+    return square;
+}
+
+struct texel_sum {
+    vec4 weighted; // colour times alpha, and alpha
+    vec3 plain;
+};
+
+void add_texel(inout texel_sum sum, uint word, bool linear, float weight)
+{
+    vec4 texel = unpackUnorm4x8(word);
+    vec3 color = linear ? texel.rgb : to_linear(texel.rgb);
+    sum.weighted += weight * texel.a * vec4(color, 1.0);
+    sum.plain += weight * color;
+}
+
+void add_level(inout texel_sum sum, uint texture, uint level, vec2 uv, bool nearest, bool linear,
+               float weight)
+{
+    texel_square s = find_square(texture, level, uv, nearest);
+    uint above = s.texels + uint(s.y.x) * s.width, below = s.texels + uint(s.y.y) * s.width;
+    vec2 less = 1.0 - s.share;
+    add_texel(sum, fetch(above + uint(s.x.x)), linear, weight * less.x * less.y);
+    add_texel(sum, fetch(above + uint(s.x.y)), linear, weight * s.share.x * less.y);
+    add_texel(sum, fetch(below + uint(s.x.x)), linear, weight * less.x * s.share.y);
+    add_texel(sum, fetch(below + uint(s.x.y)), linear, weight * s.share.x * s.share.y);
+}
+
+// A footprint of so many texels of level 0.
+vec4 sample_texture(uint texture, vec2 uv, float footprint)
+{
+    uint flags = fetch(texture + TEXTURE_FLAGS), last = fetch(texture + TEXTURE_LEVELS) - 1u;
+    bool linear = (flags & TEXTURE_LINEAR) != 0u, nearest = (flags & TEXTURE_NEAREST) != 0u;
+    texel_sum sum = texel_sum(vec4(0.0), vec3(0.0));
+    uint level = 0u;
+    float blend = 0.0;
+    if (footprint > 1.0) {
+        for (; level < last && footprint >= 2.0; footprint *= 0.5) {
+            level += 1u;
+        }
+        nearest = false;
+        blend = level < last ? footprint - 1.0 : 0.0;
+    }
+    add_level(sum, texture, level, uv, nearest, linear, 1.0 - blend);
+    if (blend > 0.0) {
+        add_level(sum, texture, level + 1u, uv, false, linear, blend);
+    }
+    vec3 color = sum.weighted.a > 0.0 ? sum.weighted.rgb / sum.weighted.a : sum.plain;
+    return min(vec4(color, sum.weighted.a), vec4(1.0));
+}
+
+// Alpha alone, from the level nearest to the footprint.
+float sample_alpha(uint texture, vec2 uv, float footprint)
+{
+    uint flags = fetch(texture + TEXTURE_FLAGS), last = fetch(texture + TEXTURE_LEVELS) - 1u;
+    uint level = 0u;
+    for (; level < last && footprint >= 1.5; footprint *= 0.5) {
+        level += 1u;
+    }
+    texel_square s = find_square(texture, level, uv, level == 0u && (flags & TEXTURE_NEAREST) != 0u);
+    uint above = s.texels + uint(s.y.x) * s.width, below = s.texels + uint(s.y.y) * s.width;
+    vec4 alpha = vec4(fetch(above + uint(s.x.x)) >> 24, fetch(above + uint(s.x.y)) >> 24,
+                      fetch(below + uint(s.x.x)) >> 24, fetch(below + uint(s.x.y)) >> 24);
+    vec2 rows = mix(alpha.xz, alpha.yw, s.share.x);
+    return mix(rows.x, rows.y, s.share.y) / 255.0;
+}
+
+// How a material reads its n-th texture (0 base colour, 1 metallic and roughness, 2 emissive).
+vec2 find_uv(const triangle_place t, uint material, uint n, vec3 weight)
+{
+    vec4 first = materials[material].uses[2u * n], second = materials[material].uses[2u * n + 1u];
+    uint set = uint(first.w);
+    if (!has_texcoords(t, set)) {
+        return vec2(0.0);
+    }
+    vec3 uv = vec3(weight.x * corner_texcoord(t, set, t.corner.x) +
+                   weight.y * corner_texcoord(t, set, t.corner.y) +
+                   weight.z * corner_texcoord(t, set, t.corner.z), 1.0);
+    return vec2(dot(first.xyz, uv), dot(second.xyz, uv));
+}
+
+// Texels of a texture along one item unit of a triangle.
+float find_density(const triangle_place t, uint material, uint n, uint texture)
+{
+    vec4 first = materials[material].uses[2u * n], second = materials[material].uses[2u * n + 1u];
+    uint set = uint(first.w);
+    if (!has_texcoords(t, set)) {
+        return 0.0;
+    }
+    vec2 a = corner_texcoord(t, set, t.corner.x);
+    vec2 ab = corner_texcoord(t, set, t.corner.y) - a, ac = corner_texcoord(t, set, t.corner.z) - a;
+    float turned = abs(first.x * second.y - first.y * second.x);
+    float uv_area = abs(ab.x * ac.y - ab.y * ac.x) * turned;
+    float texels = uv_area * float(fetch(texture + TEXTURE_SIZES)) * float(fetch(texture + TEXTURE_SIZES + 1u));
+    vec3 p = corner_position(t, t.corner.x);
+    float area = length(cross(corner_position(t, t.corner.y) - p, corner_position(t, t.corner.z) - p));
+    return area > 0.0 ? sqrt(min(texels / area, 3e38)) : 0.0;
+}

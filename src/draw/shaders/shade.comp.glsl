@@ -1,0 +1,64 @@
+// From the visibility buffer to colours: each pixel is shaded once. Of a supersampled picture, sums of samples are kept.
+#include "lib_surface.glsl"
+#include "lib_visible.glsl"
+
+layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+layout(rgba8, binding = IMAGE_PICTURE) uniform writeonly image2D picture;
+layout(r32f, binding = IMAGE_DEPTH) uniform writeonly image2D depths;
+#ifdef SUMS
+layout(rgba32f, binding = IMAGE_SUMS) uniform image2D sums;
+#endif
+layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint covered; };
+
+shared uint group_covered;
+
+vec3 to_eye(ivec2 pixel)
+{
+    vec2 at = vec2(pixel) + 0.5;
+    vec3 eye = view.eye_start.xyz + view.eye_across.xyz * at.x + view.eye_down.xyz * at.y;
+    return view.parallel != 0u ? eye : unit(eye);
+}
+
+// @return linear colour
+vec3 shade(ivec2 pixel, uint id, float nearness, out float depth)
+{
+    item_block item = items[find_item(id)];
+    depth = item.near_factor * nearness + item.near_shift;
+    surface s = find_surface(item, id, pixel, depth);
+    return light_surface(s.color, s.normal, to_eye(pixel), view.light.xyz, view.up.xyz, s.light);
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    bool inside = all(lessThan(pixel, ivec2(view.size.xy)));
+    if (gl_LocalInvocationIndex == 0u) {
+        group_covered = 0u;
+    }
+    barrier();
+    if (inside) {
+        float nearness, depth = 0.0;
+        uint id = read_visible(pixel, nearness);
+        bool there = id != NO_ID;
+        vec3 color = vec3(0.0);
+        if (there) {
+            color = shade(pixel, id, nearness, depth);
+            atomicAdd(group_covered, 1u);
+        }
+        imageStore(depths, pixel, vec4(depth, 0.0, 0.0, 0.0));
+#ifdef SUMS
+        vec4 sum = there ? vec4(min(color, vec3(1.0)), 1.0) : vec4(0.0);
+        if (view.sample_number > 0u) {
+            sum += imageLoad(sums, pixel);
+        }
+        imageStore(sums, pixel, sum);
+#else
+        vec4 back = view.background.w > 0.0 ? vec4(encode(view.background.rgb), 1.0) : vec4(0.0);
+        imageStore(picture, pixel, there ? vec4(encode(color), 1.0) : back);
+#endif
+    }
+    barrier();
+    if (gl_LocalInvocationIndex == 0u && group_covered > 0u) {
+        atomicAdd(covered, group_covered);
+    }
+}

@@ -1,0 +1,49 @@
+// A pixel of a triangle; of a cut-out or transparent one (KEEP) where its material says so, as src/draw/cpu/mesh.c.
+#ifdef KEEP
+#include "lib_hash.glsl"
+#include "lib_texture.glsl"
+#endif
+
+layout(location = 0) out uint id;
+
+flat in uint triangle_id;
+#ifdef KEEP
+flat in uvec2 triangle_of;
+in vec2 weight;
+
+bool is_there(ivec2 pixel)
+{
+    record_block record = records[triangle_of.x];
+    item_block item = items[record.item];
+    material_block material = materials[item.material];
+    triangle_place t = find_triangle(item.address, record.address, triangle_of.y);
+    vec3 share = vec3(1.0 - weight.x - weight.y, weight);
+    float alpha = material.base_color.a, footprint = 0.0;
+    if (item.base_color != NO_ADDRESS) {
+        float depth = 1.0 / gl_FragCoord.w;
+        footprint = find_density(t, item.material, 0u, item.base_color) * depth * item.footprint;
+        alpha *= sample_alpha(item.base_color, find_uv(t, item.material, 0u, share), footprint);
+    }
+    if ((item.flags & ITEM_HAS_COLORS) != 0u) {
+        alpha *= share.x * corner_color(t, t.corner.x).a + share.y * corner_color(t, t.corner.y).a +
+                 share.z * corner_color(t, t.corner.z).a;
+    }
+    uvec2 seed = uvec2(triangle_id - item.first_id, item.seed);
+    if (uint(material.numbers.w) == ALPHA_BLEND) {
+        return alpha >= 1.0 || alpha > noise(seed, pixel);
+    }
+    // a cut-out averaged over many texels is no longer there or not: its alpha says how much of it is
+    float fade = clamp((footprint - 1.5) / 2.5, 0.0, 1.0), cutoff = material.numbers.z;
+    return alpha >= (fade > 0.0 ? cutoff + (noise(seed, pixel) - cutoff) * fade : cutoff);
+}
+#endif
+
+void main()
+{
+#ifdef KEEP
+    if (!is_there(ivec2(gl_FragCoord.xy))) {
+        discard;
+    }
+#endif
+    id = triangle_id;
+}
