@@ -21,7 +21,7 @@ typedef struct stp_placement {
 typedef struct stp_placed_item {
     stp_raster_camera camera; ///< of positions minus the item's offset
     float near_factor,
-        near_shift; ///< true nearness = near_factor * that of the buffer + near_shift
+        near_shift;            ///< true nearness = near_factor * that of the buffer + near_shift
     float normal_matrix[3][3]; ///< item to scene, not of unit scale
     float scale;               ///< scene units per item unit
 } stp_placed_item;

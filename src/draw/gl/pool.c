@@ -117,8 +117,8 @@ void gl_pool_drop(gl_pool* pool, uint32_t entry)
 static bool add_page(gl_pool* pool)
 {
     uint32_t size = 1u << pool->page_shift;
-    uint64_t left = pool->limit_words - (pool->limit_words < pool->spans.total ? pool->limit_words
-                                                                               : pool->spans.total);
+    uint64_t left = pool->limit_words -
+                    (pool->limit_words < pool->spans.total ? pool->limit_words : pool->spans.total);
     uint32_t count = left < size ? (uint32_t)left / SPANS_UNIT * SPANS_UNIT : size;
     if (count == 0 || pool->page_count == POOL_PAGES_MOST) {
         return false;

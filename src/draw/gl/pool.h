@@ -31,9 +31,10 @@ typedef struct gl_pool {
     uint64_t limit_words;
     gl_entry* entries;
     size_t entry_count;
-    uint32_t first_used, last_used; ///< the entry used longest ago, and last; POOL_NONE: none is here
+    uint32_t first_used,
+        last_used; ///< the entry used longest ago, and last; POOL_NONE: none is here
     uint32_t frame;
-    gl_ring ring; ///< that uploads go through
+    gl_ring ring;            ///< that uploads go through
     uint64_t uploaded_bytes; ///< in this frame
     uint64_t dropped;        ///< entries that gave way, in all
 } gl_pool;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "draw/gl/program.h"
 
-#include "base/context.h"
 #include "shaders_embedded.h"
+
+#include "base/context.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -149,8 +150,8 @@ static stp_result compile(stp_context* context, const stp_gl* gl, GLenum stage, 
     if (!compiled) {
         char log[LOG_MOST] = "";
         gl->GetShaderInfoLog(shader, sizeof(log), NULL, log);
-        result = stp_fail(context, STP_ERROR_UNSUPPORTED, "gl: %s: %.*s", name, first_line(log),
-                          log);
+        result =
+            stp_fail(context, STP_ERROR_UNSUPPORTED, "gl: %s: %.*s", name, first_line(log), log);
     } else {
         gl->AttachShader(program, shader);
     }

@@ -29,7 +29,7 @@ typedef struct gl_spans {
     stp_context* context;
     gl_span* spans;
     size_t count, capacity;
-    uint32_t unused; ///< entries that stand for nothing, from 1 on; 0: none
+    uint32_t unused;             ///< entries that stand for nothing, from 1 on; 0: none
     uint32_t heads[SPANS_LISTS]; ///< entries, from 1 on; 0: none
     uint32_t classes;            ///< a bit a doubling that has any
     uint8_t sublists[32];

@@ -39,6 +39,9 @@
 #define ITEM_FACING 1u       // disks face the eye
 #define ITEM_HAS_COLORS 2u   // of vertices or points
 #define ITEM_HAS_NORMALS 4u  // of points
+#define ITEM_GHOST 8u        // drawn in some of its pixels only
+#define SECTION_PLANES 14
+#define GHOST_SEED 0x6057u // other pixels than those that an alpha leaves out
 
 // Alpha of materials (stp_store_alpha).
 #define ALPHA_OPAQUE 0u
@@ -91,6 +94,7 @@ struct item_block {
     uint count, material, first_chunk, chunk_count;
     uint colors, low_colors, low_count, address; // addresses; of meshes, of their clusters
     uint cluster_count, base_color, metallic_roughness, emissive; // addresses of textures
+    uint sections, spare0, spare1, spare2; // bits of the view's cuts that may go through it
 };
 
 // One command of a multi-draw, or one part of it: splats, or a cluster.
@@ -131,7 +135,10 @@ struct view_block {
     uint parallel, pattern; // which sample, for hashed alpha
     uint item_count, id_shift, sample_number, sample_count; // of supersamples
     float point_extent;
-    uint spare0, spare1, spare2;
+    float ghost, ghost_splats; // the part of a ghost's pixels that is drawn: of triangles, and of each of its disks
+    float nearness_offset;
+    vec4 screen; // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
+    vec4 cuts[SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
 };
 
 #ifdef __STDC_VERSION__
@@ -146,8 +153,8 @@ typedef struct large_block {
     uint32_t vertex_count, instance_count, first, base;
     uint32_t places[LARGE_MOST][2];
 } large_block;
-_Static_assert(sizeof(item_block) == 304, "layout of items");
+_Static_assert(sizeof(item_block) == 320, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
-_Static_assert(sizeof(view_block) == 160, "layout of the view");
+_Static_assert(sizeof(view_block) == 400, "layout of the view");
 #endif

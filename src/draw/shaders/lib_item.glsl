@@ -21,3 +21,22 @@ vec3 decode_octahedral(vec2 code, float full)
     code.y += code.y >= 0.0 ? -fold : fold;
     return vec3(code, z);
 }
+
+// Right, down and depth of what lies at X, Y, N, W.
+vec3 to_view(const item_block item, vec4 at)
+{
+    vec2 across = (at.xy - view.screen.xy * at.w) * view.screen.z;
+    float deep = (at.z + item.near_shift - view.nearness_offset) / view.nearness_scale;
+    return vec3(across, view.parallel != 0u ? deep : at.w);
+}
+
+// Whether a place in the view is cut away.
+bool is_cut(const item_block item, vec3 at)
+{
+    for (uint i = 0u; i < uint(SECTION_PLANES); ++i) {
+        if ((item.sections >> i & 1u) != 0u && dot(view.cuts[i].xyz, at) + view.cuts[i].w > 0.0) {
+            return true;
+        }
+    }
+    return false;
+}

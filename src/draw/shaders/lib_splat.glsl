@@ -27,9 +27,10 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     return splat;
 }
 
-bool is_in_range(const record_block record, float w)
+bool is_wanted(const record_block record, const item_block item, const splat_place splat)
 {
-    return w >= record.nearest && w <= record.farthest;
+    return splat.w >= record.nearest && splat.w <= record.farthest &&
+           !(item.sections != 0u && is_cut(item, to_view(item, vec4(splat.position, splat.w))));
 }
 
 bool is_close(const item_block item, float w)
@@ -47,5 +48,6 @@ vec3 turn_normal(const item_block item, vec2 code)
 // 255: no holes.
 uint splat_coverage(const item_block item, uint index)
 {
-    return item.kind == KIND_SURFELS ? fetch(item.colors + index) >> 24 : 255u;
+    uint coverage = item.kind == KIND_SURFELS ? fetch(item.colors + index) >> 24 : 255u;
+    return (item.flags & ITEM_GHOST) != 0u ? uint(float(coverage) * view.ghost_splats + 0.5) : coverage;
 }

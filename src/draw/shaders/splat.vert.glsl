@@ -57,7 +57,7 @@ void main()
     hashed = uvec3(item.first_id + index, item.seed + index, coverage);
     center = conic = conic2 = vec4(0.0);
     depths = vec2(0.0);
-    if (!is_in_range(record, w)) {
+    if (!is_wanted(record, item, splat)) {
         hide();
         return;
     }

@@ -10,12 +10,23 @@ flat in uint triangle_id;
 #ifdef KEEP
 flat in uvec2 triangle_of;
 in vec2 weight;
+in vec3 place;
 
 bool is_there(ivec2 pixel)
 {
     record_block record = records[triangle_of.x];
     item_block item = items[record.item];
     material_block material = materials[item.material];
+    if (item.sections != 0u && is_cut(item, place)) {
+        return false;
+    }
+    uvec2 seed = uvec2(triangle_id - item.first_id, item.seed);
+    if ((item.flags & ITEM_GHOST) != 0u && noise(random_bits(seed, uvec2(GHOST_SEED, 0u)), pixel) >= view.ghost) {
+        return false;
+    }
+    if (uint(material.numbers.w) == ALPHA_OPAQUE) {
+        return true;
+    }
     triangle_place t = find_triangle(item.address, record.address, triangle_of.y);
     vec3 share = vec3(1.0 - weight.x - weight.y, weight);
     float alpha = material.base_color.a, footprint = 0.0;
@@ -28,7 +39,6 @@ bool is_there(ivec2 pixel)
         alpha *= share.x * corner_color(t, t.corner.x).a + share.y * corner_color(t, t.corner.y).a +
                  share.z * corner_color(t, t.corner.z).a;
     }
-    uvec2 seed = uvec2(triangle_id - item.first_id, item.seed);
     if (uint(material.numbers.w) == ALPHA_BLEND) {
         return alpha >= 1.0 || alpha > noise(seed, pixel);
     }

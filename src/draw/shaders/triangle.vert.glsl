@@ -1,13 +1,14 @@
 #extension GL_ARB_shader_draw_parameters : require
-// Triangles of clusters, their corners pulled out of the pages. KEEP: of cut-out and transparent materials.
+// Triangles of clusters, their corners pulled out of the pages. KEEP: of cut-out and transparent materials, of
+// ghosts, and of what sections cut.
 #include "lib_hash.glsl"
 #include "lib_triangle.glsl"
 
-out float gl_ClipDistance[1];
 flat out uint triangle_id;
 #ifdef KEEP
 flat out uvec2 triangle_of; // record, triangle of the cluster
 out vec2 weight;
+out vec3 place; // in the view, for cuts
 #endif
 
 void main()
@@ -18,9 +19,9 @@ void main()
     uint local = uint(gl_VertexID) / 3u, corner = uint(gl_VertexID) - 3u * local;
     uint index = fetch(record.address + CLUSTER_FIRST_TRIANGLE) + local;
     triangle_id = item.first_id + index;
-    gl_ClipDistance[0] = 1.0;
 #ifdef KEEP
     triangle_of = uvec2(number, local);
+    place = vec3(0.0);
     weight = vec2(corner == 1u ? 1.0 : 0.0, corner == 2u ? 1.0 : 0.0);
 #endif
     if (record.share < 1.0 && !keeps(index, record.share)) {
@@ -31,5 +32,7 @@ void main()
     vec4 p = vec4(corner_position(t, t.corner[corner]) - item.offset.xyz, 1.0);
     float w = dot(item.rows[3], p), nearness = dot(item.rows[2], p);
     gl_Position = vec4(to_clip(vec2(dot(item.rows[0], p), dot(item.rows[1], p)), w), nearness, w);
-    gl_ClipDistance[0] = item.nearness_limit * w - nearness;
+#ifdef KEEP
+    place = to_view(item, vec4(dot(item.rows[0], p), dot(item.rows[1], p), nearness, w));
+#endif
 }

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+//
+// The OpenGL backend. A frame is:
+//
+//   items     what the list holds is brought to the pool (upload.h), and becomes blocks that shaders read (items.h)
+//   drawn     splats as points, those too large for that as quads, triangles: one command each, into the visibility buffer
+//   shaded    a compute pass looks up what each pixel's id is, and lights it; effects and averages after it
+//
+// Each pass is a file with create, draw and destroy, and owns its program; programs depend on how many pages the pool has,
+// and are made anew where that changes.
+#pragma once
+
+#include "base/hash.h"
+#include "draw/gl/gl.h"
+#include "draw/gl/pool.h"
+#include "draw/gl/program.h"
+#include "draw/gl/timer.h"
+#include "draw/placement.h"
+#include "draw/renderer.h"
+#include "draw/shaders/interface.h"
+#include "raster/splats_kernel.h"
+#include "store/clusters.h"
+
+/// Programs of the splat passes.
+typedef struct gl_splat_pass {
+    GLuint points, large, vertex_array;
+    GLuint large_buffer; ///< large_block
+} gl_splat_pass;
+
+typedef struct gl_triangle_pass {
+    GLuint plain, keep, vertex_array;
+} gl_triangle_pass;
+
+typedef struct gl_shade_pass {
+    GLuint shade, sums, average;
+    GLuint counters; ///< covered pixels
+} gl_shade_pass;
+
+/// What pictures are drawn into. Sizes are those of the last picture.
+typedef struct gl_target {
+    uint32_t width, height;
+    GLuint ids, nearness, framebuffer;
+    GLuint picture; ///< RGBA8
+    GLuint depths;  ///< R32F: true nearness
+    GLuint sums;    ///< RGBA32F; 0: not needed yet
+} gl_target;
+
+/// Commands of one multi-draw, and where they lie in this frame's part of the ring.
+typedef struct gl_commands {
+    struct gl_command {
+        uint32_t count, instance_count, first, base;
+    } * commands;
+    size_t count, capacity;
+    GLintptr offset, count_offset;
+} gl_commands;
+
+typedef enum gl_command_kind {
+    GL_COMMANDS_SPLATS,
+    GL_COMMANDS_TRIANGLES,
+    GL_COMMANDS_KEEP, ///< triangles whose fragments are looked at
+    GL_COMMAND_KINDS
+} gl_command_kind;
+
+/// What of an item outlives the making of its block: to place it anew for each sample.
+typedef struct gl_placed {
+    const stp_draw_item* draw;
+    float offset[3];
+    float radius, pixel_radius; ///< of splats, item space and pixels
+    stp_vec3 origin;            ///< of surfels' grid
+    float step;
+} gl_placed;
+
+/// The frame's blocks, in the processor's memory.
+typedef struct gl_frame {
+    item_block* items;
+    gl_placed* placed;
+    size_t item_count, item_capacity, placed_capacity;
+    record_block* records;
+    size_t record_count, record_capacity;
+    chunk_block* chunks;
+    size_t chunk_count, chunk_capacity;
+    uint32_t* lookup;
+    size_t lookup_count, lookup_capacity;
+    uint32_t id_shift;
+    gl_commands commands[GL_COMMAND_KINDS];
+    gl_ring ring; ///< that all of it goes through
+    GLintptr items_offset, records_offset, chunks_offset, lookup_offset, view_offset;
+    uint32_t missing; ///< things that are coarser than the list wants
+} gl_frame;
+
+/// Where things' entries begin in the pool's table.
+typedef struct gl_things {
+    uint32_t* sets;       ///< of each surfel set: two an octave, places and colours
+    uint32_t meshes;      ///< one each
+    uint32_t textures;    ///< two each: read as colour, and as data
+    uint32_t* point_sets; ///< one for each chunk
+    uint32_t count;
+} gl_things;
+
+/// What was brought back from the graphics processor.
+typedef struct gl_readback {
+    float* depth;
+    size_t capacity;
+    bool has_depth; ///< of the last picture
+} gl_readback;
+
+/// What a debug context says.
+typedef struct gl_debug {
+    uint32_t errors;
+    char message[400]; ///< the first error
+} gl_debug;
+
+typedef struct gl_accumulation {
+    uint32_t frames;
+    stp_view view;
+    stp_hash list;
+    stp_draw_style style;
+} gl_accumulation;
+
+typedef struct gl_renderer {
+    stp_renderer base;
+    stp_gl gl;
+    stp_store* store;
+    const stp_store_directory* directory;
+    bool is_software;
+    char device[160];
+    uint64_t upload_bytes; ///< of a frame; 0: all
+    gl_debug* debug;
+    gl_pool pool;
+    gl_things things;
+    uint32_t program_pages; ///< pages that the programs are made for; 0: there are none
+    gl_splat_pass splats;
+    gl_triangle_pass triangles;
+    gl_shade_pass shade;
+    gl_timer timer;
+    gl_target target;
+    gl_frame frame;
+    GLuint light_materials, materials; ///< storage buffers that never change
+    gl_readback* readback;
+    gl_accumulation accumulation;
+    float point_extent; ///< most pixels from a point's middle to its rim
+    // this picture
+    stp_placement placement;
+    const stp_view* view;
+    const stp_draw_style* style;
+    const stp_draw_list* list;
+    stp_result failure;              ///< why an upload failed
+    uint32_t draw_calls, dispatches; ///< of the last sample
+} gl_renderer;
+
+/// Defines for programs that read pages. @return `text`
+const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, size_t size);
+
+STP_MUST_USE stp_result gl_splat_pass_create(gl_renderer* r);
+void gl_splat_pass_destroy(gl_renderer* r);
+void gl_splat_pass_draw(gl_renderer* r);
+
+STP_MUST_USE stp_result gl_triangle_pass_create(gl_renderer* r);
+void gl_triangle_pass_destroy(gl_renderer* r);
+void gl_triangle_pass_draw(gl_renderer* r);
+
+STP_MUST_USE stp_result gl_shade_pass_create(gl_renderer* r);
+void gl_shade_pass_destroy(gl_renderer* r);
+/// One sample: into the picture, or into the sums.
+void gl_shade_pass_draw(gl_renderer* r, bool sums);
+/// The picture from the sums.
+void gl_shade_pass_average(gl_renderer* r);
+/// Waits. @return pixels covered in the last picture
+uint32_t gl_shade_pass_covered(gl_renderer* r);
+
+/// Textures and framebuffer of the size of the view. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result gl_target_make(gl_renderer* r, uint32_t width, uint32_t height, bool sums);
+void gl_target_destroy(gl_renderer* r);
+
+/// Brings what the list holds to the pool, as far as the frame's uploads allow, and makes blocks, records and commands of
+/// it. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or as the store's functions; logged
+STP_MUST_USE stp_result gl_frame_make(gl_renderer* r);
+/// Places items anew after the placement's shift has changed; `pattern` is the sample's number.
+void gl_frame_place(gl_renderer* r, uint32_t pattern);
+/// Hands all to the graphics processor, and binds it.
+STP_MUST_USE stp_result gl_frame_send(gl_renderer* r, const view_block* view);
+void gl_frame_destroy(gl_renderer* r);
+/// Room for one more command of a kind and a record for it. @return the record; NULL where memory runs out
+record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_t count);
+
+/// Materials of the store, once. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result gl_materials_create(gl_renderer* r);
+
+/// Binds what all passes over pixels and splats read.
+void gl_bind_frame(gl_renderer* r);

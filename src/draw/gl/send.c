@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// The frame's blocks on their way to the graphics processor: one part of a ring holds all.
+#include "base/context.h"
+#include "draw/gl/renderer.h"
+
+#include <string.h>
+
+enum { PART_ALIGNMENT = 256, RING_LEAST = 1 << 20, RING_FRAMES = 6 };
+
+/// What is written one after the other.
+typedef struct layout {
+    gl_ring_part part;
+    uint64_t used;
+} layout;
+
+static uint64_t round_up(uint64_t size)
+{
+    return (size + PART_ALIGNMENT - 1) / PART_ALIGNMENT * PART_ALIGNMENT;
+}
+
+/// Nothing takes room too: an empty range cannot be bound.
+static GLintptr put(layout* l, const void* from, size_t size)
+{
+    GLintptr offset = l->part.offset + (GLintptr)l->used;
+    if (size > 0) {
+        memcpy((unsigned char*)l->part.memory + l->used, from, size);
+    }
+    l->used += round_up(size > 0 ? size : 1);
+    return offset;
+}
+
+static uint64_t measure(const gl_frame* f)
+{
+    const size_t sizes[] = {f->item_count * sizeof(*f->items),
+                            f->record_count * sizeof(*f->records),
+                            f->chunk_count * sizeof(*f->chunks),
+                            f->lookup_count * sizeof(*f->lookup),
+                            sizeof(view_block),
+                            f->commands[0].count * sizeof(*f->commands[0].commands),
+                            f->commands[1].count * sizeof(*f->commands[1].commands),
+                            f->commands[2].count * sizeof(*f->commands[2].commands),
+                            GL_COMMAND_KINDS * sizeof(uint32_t)};
+    uint64_t total = 0;
+    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); ++i) {
+        total += round_up(sizes[i] > 0 ? sizes[i] : 1);
+    }
+    return total;
+}
+
+/// A ring that holds several frames of this size.
+static bool make_ring(gl_renderer* r, uint64_t needed)
+{
+    gl_ring* ring = &r->frame.ring;
+    if (needed <= ring->size / 3) {
+        return true;
+    }
+    uint64_t size = RING_LEAST;
+    while (size < RING_FRAMES * needed) {
+        size *= 2;
+    }
+    gl_ring_destroy(&r->gl, ring);
+    return gl_ring_create(&r->gl, size, ring);
+}
+
+stp_result gl_frame_send(gl_renderer* r, const view_block* view)
+{
+    const stp_gl* gl = &r->gl;
+    gl_frame* f = &r->frame;
+    uint64_t needed = measure(f);
+    layout l = {.used = 0};
+    if (!make_ring(r, needed) || !gl_ring_take(gl, &f->ring, needed, &l.part)) {
+        return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
+                        "gl: there is no graphics memory for a frame's %zu items", f->item_count);
+    }
+    f->items_offset = put(&l, f->items, f->item_count * sizeof(*f->items));
+    f->records_offset = put(&l, f->records, f->record_count * sizeof(*f->records));
+    f->chunks_offset = put(&l, f->chunks, f->chunk_count * sizeof(*f->chunks));
+    f->lookup_offset = put(&l, f->lookup, f->lookup_count * sizeof(*f->lookup));
+    f->view_offset = put(&l, view, sizeof(*view));
+    uint32_t counts[GL_COMMAND_KINDS];
+    for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
+        gl_commands* c = &f->commands[i];
+        c->offset = put(&l, c->commands, c->count * sizeof(*c->commands));
+        counts[i] = (uint32_t)c->count;
+    }
+    GLintptr counts_offset = put(&l, counts, sizeof(counts));
+    for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
+        f->commands[i].count_offset = counts_offset + i * (GLintptr)sizeof(uint32_t);
+    }
+    return STP_OK;
+}
+
+static void bind(const gl_renderer* r, GLuint binding, GLintptr offset, size_t size)
+{
+    r->gl.BindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, r->frame.ring.buffer, offset,
+                          (GLsizeiptr)(size > 0 ? size : 16));
+}
+
+void gl_bind_frame(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    const gl_frame* f = &r->frame;
+    for (uint32_t i = 0; i < r->pool.page_count; ++i) {
+        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_PAGES + i, r->pool.pages[i]);
+    }
+    bind(r, BINDING_ITEMS, f->items_offset, f->item_count * sizeof(*f->items));
+    bind(r, BINDING_RECORDS, f->records_offset, f->record_count * sizeof(*f->records));
+    bind(r, BINDING_CHUNKS, f->chunks_offset, f->chunk_count * sizeof(*f->chunks));
+    bind(r, BINDING_LOOKUP, f->lookup_offset, f->lookup_count * sizeof(*f->lookup));
+    gl->BindBufferRange(GL_UNIFORM_BUFFER, BINDING_VIEW, f->ring.buffer, f->view_offset,
+                        sizeof(view_block));
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LIGHT_MATERIALS, r->light_materials);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MATERIALS, r->materials);
+}

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// From the visibility buffer to the picture.
+#include "base/context.h"
+#include "draw/gl/renderer.h"
+
+stp_result gl_shade_pass_create(gl_renderer* r)
+{
+    gl_shade_pass* pass = &r->shade;
+    stp_context* context = r->base.context;
+    char defines[256];
+    *pass = (gl_shade_pass){0};
+    r->gl.CreateBuffers(1, &pass->counters);
+    r->gl.NamedBufferStorage(pass->counters, 4 * sizeof(uint32_t), NULL, GL_DYNAMIC_STORAGE_BIT);
+    r->gl.ObjectLabel(GL_BUFFER, pass->counters, -1, "counters");
+    stp_result result =
+        gl_program_create_compute(context, &r->gl, "shade.comp.glsl",
+                                  gl_page_defines(r, "", defines, sizeof(defines)), &pass->shade);
+    if (result == STP_OK) {
+        result = gl_program_create_compute(
+            context, &r->gl, "shade.comp.glsl",
+            gl_page_defines(r, "#define SUMS\n", defines, sizeof(defines)), &pass->sums);
+    }
+    if (result == STP_OK) {
+        result =
+            gl_program_create_compute(context, &r->gl, "average.comp.glsl", NULL, &pass->average);
+    }
+    return result;
+}
+
+void gl_shade_pass_destroy(gl_renderer* r)
+{
+    gl_shade_pass* pass = &r->shade;
+    r->gl.DeleteProgram(pass->shade);
+    r->gl.DeleteProgram(pass->sums);
+    r->gl.DeleteProgram(pass->average);
+    r->gl.DeleteBuffers(1, &pass->counters);
+    *pass = (gl_shade_pass){0};
+}
+
+static void dispatch(gl_renderer* r, GLuint program)
+{
+    const gl_target* t = &r->target;
+    r->gl.UseProgram(program);
+    r->gl.DispatchCompute((t->width + GROUP_SIDE - 1) / GROUP_SIDE,
+                          (t->height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
+    r->dispatches += 1;
+}
+
+static void bind_pictures(gl_renderer* r, bool sums)
+{
+    const gl_target* t = &r->target;
+    const uint32_t none[4] = {0};
+    r->gl.NamedBufferSubData(r->shade.counters, 0, sizeof(none), none);
+    r->gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
+    r->gl.BindImageTexture(IMAGE_PICTURE, t->picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
+    r->gl.BindImageTexture(IMAGE_DEPTH, t->depths, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+    if (sums) {
+        r->gl.BindImageTexture(IMAGE_SUMS, t->sums, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    }
+}
+
+void gl_shade_pass_draw(gl_renderer* r, bool sums)
+{
+    bind_pictures(r, sums);
+    r->gl.BindTextureUnit(UNIT_IDS, r->target.ids);
+    r->gl.BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
+    dispatch(r, sums ? r->shade.sums : r->shade.shade);
+    r->gl.MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                        GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+void gl_shade_pass_average(gl_renderer* r)
+{
+    bind_pictures(r, true);
+    dispatch(r, r->shade.average);
+    r->gl.MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                        GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+uint32_t gl_shade_pass_covered(gl_renderer* r)
+{
+    uint32_t covered = 0;
+    r->gl.GetNamedBufferSubData(r->shade.counters, 0, sizeof(covered), &covered);
+    return covered;
+}

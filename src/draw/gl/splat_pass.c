@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// Splats: all as points with one command, and what a point does not hold with another (shaders/splat.*, large.*).
+#include "base/context.h"
+#include "draw/gl/renderer.h"
+
+#include <stddef.h>
+#include <stdio.h>
+
+const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, size_t size)
+{
+    snprintf(text, size, "#define PAGE_COUNT %u\n#define PAGE_SHIFT %u\n%s", r->program_pages,
+             r->pool.page_shift, more);
+    return text;
+}
+
+stp_result gl_splat_pass_create(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl_splat_pass* pass = &r->splats;
+    char defines[256];
+    gl_page_defines(r, "", defines, sizeof(defines));
+    *pass = (gl_splat_pass){0};
+    gl->CreateVertexArrays(1, &pass->vertex_array);
+    gl->CreateBuffers(1, &pass->large_buffer);
+    gl->NamedBufferStorage(pass->large_buffer, sizeof(large_block), NULL, GL_DYNAMIC_STORAGE_BIT);
+    gl->ObjectLabel(GL_BUFFER, pass->large_buffer, -1, "large splats");
+    stp_result result = gl_program_create(r->base.context, gl, "splat.vert.glsl", "splat.frag.glsl",
+                                          defines, &pass->points);
+    if (result == STP_OK) {
+        result = gl_program_create(r->base.context, gl, "large.vert.glsl", "large.frag.glsl",
+                                   defines, &pass->large);
+    }
+    return result;
+}
+
+void gl_splat_pass_destroy(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl_splat_pass* pass = &r->splats;
+    gl->DeleteProgram(pass->points);
+    gl->DeleteProgram(pass->large);
+    gl->DeleteVertexArrays(1, &pass->vertex_array);
+    gl->DeleteBuffers(1, &pass->large_buffer);
+    *pass = (gl_splat_pass){0};
+}
+
+void gl_splat_pass_draw(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    const gl_splat_pass* pass = &r->splats;
+    const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
+    if (commands->count == 0) {
+        return;
+    }
+    const uint32_t none[4] = {4, 0, 0, 0}; // the command of the large ones: a quad each
+    gl->NamedBufferSubData(pass->large_buffer, 0, sizeof(none), none);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LARGE, pass->large_buffer);
+    gl->Enable(GL_PROGRAM_POINT_SIZE);
+    gl->BindVertexArray(pass->vertex_array);
+    gl->UseProgram(pass->points);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
+    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
+    gl->MultiDrawArraysIndirectCount(GL_POINTS, (const void*)commands->offset,
+                                     commands->count_offset, (GLsizei)commands->count, 0);
+    gl->MemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+    gl->UseProgram(pass->large);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, pass->large_buffer);
+    gl->DrawArraysIndirect(GL_TRIANGLE_STRIP, NULL);
+    gl->Disable(GL_PROGRAM_POINT_SIZE);
+    r->draw_calls += 2;
+}

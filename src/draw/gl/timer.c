@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "draw/gl/timer.h"
+
+void gl_timer_create(const stp_gl* gl, gl_timer* timer)
+{
+    *timer = (gl_timer){0};
+    for (int i = 0; i < TIMER_FRAMES; ++i) {
+        gl->CreateQueries(GL_TIMESTAMP, GL_TIMER_POINTS, timer->queries[i]);
+    }
+    gl->CreateQueries(GL_SAMPLES_PASSED, TIMER_FRAMES, timer->samples);
+}
+
+void gl_timer_destroy(const stp_gl* gl, gl_timer* timer)
+{
+    gl->DeleteQueries(TIMER_FRAMES * GL_TIMER_POINTS, timer->queries[0]);
+    gl->DeleteQueries(TIMER_FRAMES, timer->samples);
+    *timer = (gl_timer){0};
+}
+
+static uint32_t now_at(const gl_timer* timer)
+{
+    return (timer->first + timer->count) % TIMER_FRAMES;
+}
+
+bool gl_timer_begin(const stp_gl* gl, gl_timer* timer)
+{
+    gl_timer_read(gl, timer, false);
+    if (timer->count == TIMER_FRAMES) {
+        return false;
+    }
+    gl->QueryCounter(timer->queries[now_at(timer)][GL_TIMER_BEGIN], GL_TIMESTAMP);
+    gl->BeginQuery(GL_SAMPLES_PASSED, timer->samples[now_at(timer)]);
+    return true;
+}
+
+void gl_timer_mark(const stp_gl* gl, const gl_timer* timer, gl_timer_point point)
+{
+    if (point == GL_TIMER_DRAWN) {
+        gl->EndQuery(GL_SAMPLES_PASSED);
+    }
+    gl->QueryCounter(timer->queries[now_at(timer)][point], GL_TIMESTAMP);
+}
+
+void gl_timer_end(const stp_gl* gl, gl_timer* timer)
+{
+    gl_timer_mark(gl, timer, GL_TIMER_SHADED);
+    timer->count += 1;
+}
+
+void gl_timer_read(const stp_gl* gl, gl_timer* timer, bool wait)
+{
+    while (timer->count > 0) {
+        const GLuint* queries = timer->queries[timer->first];
+        GLuint64 known = 0, at[GL_TIMER_POINTS], fragments = 0;
+        gl->GetQueryObjectui64v(queries[GL_TIMER_SHADED], GL_QUERY_RESULT_AVAILABLE, &known);
+        if (!known && !wait) {
+            return;
+        }
+        for (int i = 0; i < GL_TIMER_POINTS; ++i) {
+            gl->GetQueryObjectui64v(queries[i], GL_QUERY_RESULT, &at[i]);
+        }
+        gl->GetQueryObjectui64v(timer->samples[timer->first], GL_QUERY_RESULT, &fragments);
+        timer->draw_ms = (double)(at[GL_TIMER_DRAWN] - at[GL_TIMER_BEGIN]) * 1e-6;
+        timer->shade_ms = (double)(at[GL_TIMER_SHADED] - at[GL_TIMER_DRAWN]) * 1e-6;
+        timer->fragments = fragments;
+        timer->known = true;
+        timer->first = (timer->first + 1) % TIMER_FRAMES;
+        timer->count -= 1;
+    }
+}

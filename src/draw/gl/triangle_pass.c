@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Triangles: those of opaque materials with one command, and those whose fragments are looked at with another.
+#include "base/context.h"
+#include "draw/gl/renderer.h"
+
+stp_result gl_triangle_pass_create(gl_renderer* r)
+{
+    gl_triangle_pass* pass = &r->triangles;
+    char defines[256];
+    *pass = (gl_triangle_pass){0};
+    r->gl.CreateVertexArrays(1, &pass->vertex_array);
+    stp_result result =
+        gl_program_create(r->base.context, &r->gl, "triangle.vert.glsl", "triangle.frag.glsl",
+                          gl_page_defines(r, "", defines, sizeof(defines)), &pass->plain);
+    if (result == STP_OK) {
+        result = gl_program_create(
+            r->base.context, &r->gl, "triangle.vert.glsl", "triangle.frag.glsl",
+            gl_page_defines(r, "#define KEEP\n", defines, sizeof(defines)), &pass->keep);
+    }
+    return result;
+}
+
+void gl_triangle_pass_destroy(gl_renderer* r)
+{
+    gl_triangle_pass* pass = &r->triangles;
+    r->gl.DeleteProgram(pass->plain);
+    r->gl.DeleteProgram(pass->keep);
+    r->gl.DeleteVertexArrays(1, &pass->vertex_array);
+    *pass = (gl_triangle_pass){0};
+}
+
+static void draw(gl_renderer* r, GLuint program, const gl_commands* commands)
+{
+    if (commands->count > 0) {
+        r->gl.UseProgram(program);
+        r->gl.MultiDrawArraysIndirectCount(GL_TRIANGLES, (const void*)commands->offset,
+                                           commands->count_offset, (GLsizei)commands->count, 0);
+        r->draw_calls += 1;
+    }
+}
+
+void gl_triangle_pass_draw(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl->BindVertexArray(r->triangles.vertex_array);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
+    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
+    draw(r, r->triangles.plain, &r->frame.commands[GL_COMMANDS_TRIANGLES]);
+    draw(r, r->triangles.keep, &r->frame.commands[GL_COMMANDS_KEEP]);
+}

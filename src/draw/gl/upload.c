@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+// Which things there are, and how they are written to the pool; splats and textures among them.
+#include "draw/gl/upload.h"
+
+#include "base/context.h"
+#include "raster/texture.h"
+
+static uint32_t point_chunks(const stp_store_point_set* points)
+{
+    return (uint32_t)(((uint64_t)points->point_count + UPLOAD_POINTS - 1) / UPLOAD_POINTS);
+}
+
+stp_result gl_things_create(gl_renderer* r)
+{
+    const stp_store_directory* d = r->directory;
+    gl_things* things = &r->things;
+    things->sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->surfels_count + 1);
+    things->point_sets = STP_NEW_ARRAY(r->base.context, uint32_t, (size_t)d->point_set_count + 1);
+    if (things->sets == NULL || things->point_sets == NULL) {
+        return stp_fail_memory(r->base.context);
+    }
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+        things->sets[i] = (uint32_t)count;
+        count += 2 * (uint64_t)stp_store_describe_surfels(r->store, i)->octave_count;
+    }
+    things->meshes = (uint32_t)count;
+    count += d->mesh_count;
+    things->textures = (uint32_t)count;
+    count += 2 * (uint64_t)d->texture_count;
+    for (uint32_t i = 0; i < d->point_set_count; ++i) {
+        things->point_sets[i] = (uint32_t)count;
+        count += point_chunks(stp_store_describe_point_set(r->store, i));
+    }
+    if (count >= POOL_NONE) {
+        return stp_fail(r->base.context, STP_ERROR_LIMIT, "gl: the scene has too many things");
+    }
+    things->count = (uint32_t)count;
+    return STP_OK;
+}
+
+void gl_things_destroy(gl_renderer* r)
+{
+    stp_free(r->base.context, r->things.sets);
+    stp_free(r->base.context, r->things.point_sets);
+}
+
+gl_writer gl_writer_begin(gl_renderer* r, uint32_t entry, uint64_t words)
+{
+    return (gl_writer){.pool = &r->pool, .address = gl_address(r, entry), .left = words};
+}
+
+static void send(gl_writer* w)
+{
+    if (w->used > 0 && !w->failed) {
+        gl_pool_send(w->pool, &w->part, w->address, w->used);
+        w->address += w->used;
+        w->left -= w->used;
+        w->used = 0;
+    }
+}
+
+void gl_writer_turn(gl_writer* writer)
+{
+    send(writer);
+    uint64_t room = writer->left < POOL_PART_WORDS ? writer->left : POOL_PART_WORDS;
+    if (room == 0 || !gl_pool_write(writer->pool, room, &writer->part)) {
+        writer->failed = true;
+        return;
+    }
+    writer->words = writer->part.memory;
+    writer->room = (uint32_t)room;
+}
+
+bool gl_writer_end(gl_writer* writer)
+{
+    send(writer);
+    return !writer->failed && writer->left == 0;
+}
+
+gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool urgent)
+{
+    if (!urgent && r->upload_bytes > 0 &&
+        r->pool.uploaded_bytes + words * sizeof(uint32_t) > r->upload_bytes) {
+        return GL_UPLOAD_LATER;
+    }
+    return gl_pool_take(&r->pool, entry, words) ? GL_UPLOAD_THERE : GL_UPLOAD_NO_ROOM;
+}
+
+gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool good)
+{
+    bool written = gl_writer_end(writer);
+    if (good && written) {
+        return GL_UPLOAD_THERE;
+    }
+    gl_pool_drop(&r->pool, entry);
+    if (good) { // else it is said already
+        r->failure = stp_fail(r->base.context, STP_ERROR_UNSUPPORTED,
+                              "gl: the graphics context was lost while data was uploaded");
+    }
+    return GL_UPLOAD_FAILED;
+}
+
+static void write_places(const stp_surfels* surfels, uint32_t begin, uint32_t end, gl_writer* w)
+{
+    for (size_t i = begin; i < end; ++i) {
+        const uint16_t* p = surfels->positions + 3 * i;
+        const uint8_t* n = (const uint8_t*)surfels->normals + 2 * i;
+        gl_write(w, (uint32_t)p[0] | (uint32_t)p[1] << 16);
+        gl_write(w, (uint32_t)p[2] | (uint32_t)n[0] << 16 | (uint32_t)n[1] << 24);
+    }
+    for (size_t i = begin; i < end; i += 4) {
+        uint32_t word = 0;
+        for (size_t k = 0; k < 4 && i + k < end; ++k) {
+            word |= (uint32_t)surfels->materials[i + k] << (8 * k);
+        }
+        gl_write(w, word);
+    }
+}
+
+static void write_colors(const stp_surfels* surfels, uint64_t begin, uint32_t count, gl_writer* w)
+{
+    for (uint64_t i = begin; i < begin + count; ++i) {
+        const uint8_t* c = surfels->colors + 3 * i;
+        uint32_t coverage = surfels->coverages != NULL ? surfels->coverages[i] : 255u;
+        gl_write(w, (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 | coverage << 24);
+    }
+}
+
+gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool colors, bool urgent)
+{
+    uint32_t entry = gl_octave_entry(r, set, octave, colors);
+    if (gl_pool_has(&r->pool, entry)) {
+        gl_pool_use(&r->pool, entry);
+        return GL_UPLOAD_THERE;
+    }
+    const stp_surfels* known = stp_store_describe_surfels(r->store, set);
+    uint32_t end = known->octave_ends[octave];
+    uint32_t begin = octave > 0 ? known->octave_ends[octave - 1] : 0, count = end - begin;
+    uint64_t words = colors ? end : 2 * (uint64_t)count + (count + 3) / 4;
+    gl_upload result = gl_upload_begin(r, entry, words > 0 ? words : 1, urgent);
+    if (result != GL_UPLOAD_THERE) {
+        return result;
+    }
+    gl_writer writer = gl_writer_begin(r, entry, words);
+    stp_surfels surfels;
+    stp_result got = stp_store_get_surfels_prefix(r->store, set, octave + 1, &surfels);
+    bool good = got == STP_OK;
+    r->failure = good ? r->failure : got;
+    if (good && surfels.octave_count <= octave) { // of a file that ends early: it never comes
+        gl_pool_drop(&r->pool, entry);
+        return GL_UPLOAD_LATER;
+    }
+    if (good && colors) {
+        uint64_t first = 0;
+        for (uint32_t i = 0; i < octave; ++i) {
+            first += surfels.octave_ends[i];
+        }
+        write_colors(&surfels, first, end, &writer);
+    } else if (good) {
+        write_places(&surfels, begin, end, &writer);
+    }
+    return gl_upload_end(r, entry, &writer, good);
+}
+
+gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, bool urgent)
+{
+    uint32_t entry = r->things.point_sets[point_set] + chunk;
+    if (gl_pool_has(&r->pool, entry)) {
+        gl_pool_use(&r->pool, entry);
+        return GL_UPLOAD_THERE;
+    }
+    stp_store_point_set points;
+    r->failure = stp_store_get_point_set(r->store, point_set, &points);
+    if (r->failure != STP_OK) {
+        return GL_UPLOAD_FAILED;
+    }
+    size_t begin = (size_t)chunk * UPLOAD_POINTS, end = begin + UPLOAD_POINTS;
+    end = end < points.point_count ? end : points.point_count;
+    uint64_t each = 3u + (points.colors != NULL ? 1u : 0u) + (points.normals != NULL ? 1u : 0u);
+    gl_upload result = gl_upload_begin(r, entry, each * (end - begin), urgent);
+    if (result != GL_UPLOAD_THERE) {
+        return result;
+    }
+    gl_writer writer = gl_writer_begin(r, entry, each * (end - begin));
+    for (size_t i = 3 * begin; i < 3 * end; ++i) {
+        gl_write_float(&writer, points.positions[i]);
+    }
+    for (size_t i = begin; i < end && points.colors != NULL; ++i) {
+        uint32_t word;
+        memcpy(&word, points.colors + 4 * i, sizeof(word));
+        gl_write(&writer, word);
+    }
+    for (size_t i = begin; i < end && points.normals != NULL; ++i) {
+        uint32_t word;
+        memcpy(&word, points.normals + 2 * i, sizeof(word));
+        gl_write(&writer, word);
+    }
+    return gl_upload_end(r, entry, &writer, true);
+}
+
+/// The first level that a part of the pool holds with all that follow, and their words.
+static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* pyramid,
+                             uint64_t* words)
+{
+    uint32_t first = 0;
+    do {
+        *words = TEXTURE_HEADER;
+        for (uint32_t i = first; i < pyramid->level_count; ++i) {
+            *words += (uint64_t)pyramid->width[i] * pyramid->height[i];
+        }
+    } while (*words > (UINT64_C(1) << r->pool.page_shift) / 2 && ++first < pyramid->level_count);
+    return first < pyramid->level_count ? first : pyramid->level_count - 1;
+}
+
+static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, gl_writer* w)
+{
+    uint32_t flags =
+        (pyramid->linear ? TEXTURE_LINEAR : 0u) | (pyramid->nearest ? TEXTURE_NEAREST : 0u) |
+        (uint32_t)pyramid->wrap_u * TEXTURE_WRAP_U | (uint32_t)pyramid->wrap_v * TEXTURE_WRAP_V;
+    uint32_t place = TEXTURE_HEADER, count = pyramid->level_count - first;
+    gl_write(w, flags);
+    gl_write(w, count);
+    for (uint32_t i = first; i < pyramid->level_count; ++i) {
+        gl_write(w, pyramid->width[i]);
+        gl_write(w, pyramid->height[i]);
+        gl_write(w, place);
+        place += pyramid->width[i] * pyramid->height[i];
+    }
+    for (uint32_t i = TEXTURE_SIZES + 3 * count; i < TEXTURE_HEADER; ++i) {
+        gl_write(w, 0);
+    }
+    for (uint32_t i = first; i < pyramid->level_count; ++i) {
+        size_t texels = (size_t)pyramid->width[i] * pyramid->height[i];
+        for (size_t k = 0; k < texels; ++k) {
+            uint32_t word;
+            memcpy(&word, pyramid->texels[i] + 4 * k, sizeof(word));
+            gl_write(w, word);
+        }
+    }
+}
+
+_Static_assert(TEXTURE_SIZES + 3 * STP_TEXTURE_LEVELS <= TEXTURE_HEADER, "room for all levels");
+
+gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data)
+{
+    uint32_t entry = r->things.textures + 2 * texture + (data ? 1u : 0u);
+    if (gl_pool_has(&r->pool, entry)) {
+        gl_pool_use(&r->pool, entry);
+        return GL_UPLOAD_THERE;
+    }
+    stp_store_texture source;
+    stp_texture_pyramid pyramid;
+    r->failure = stp_store_get_texture(r->store, texture, &source);
+    if (r->failure == STP_OK) {
+        r->failure = stp_texture_pyramid_create(r->base.context, source.texels, source.width,
+                                                source.height, data, &pyramid);
+    }
+    if (r->failure != STP_OK) {
+        return GL_UPLOAD_FAILED;
+    }
+    pyramid.wrap_u = (stp_texture_wrap)source.wrap_u;
+    pyramid.wrap_v = (stp_texture_wrap)source.wrap_v;
+    pyramid.nearest = source.nearest != 0;
+    uint64_t words;
+    uint32_t first = choose_level(r, &pyramid, &words);
+    gl_upload result = gl_upload_begin(r, entry, words, true);
+    if (result == GL_UPLOAD_THERE) {
+        gl_writer writer = gl_writer_begin(r, entry, words);
+        write_texture(&pyramid, first, &writer);
+        result = gl_upload_end(r, entry, &writer, true);
+    }
+    stp_texture_pyramid_destroy(r->base.context, &pyramid);
+    return result;
+}
