@@ -70,11 +70,11 @@ typedef struct session {
 static int print_json(const session* s)
 {
     char device[200];
-    frame_read_device(device, sizeof(device));
-    json_t* object =
-        json_pack("{s:s, s:s, s:I, s:I, s:I}", "backend", "cpu", "device", device, "width",
-                  (json_int_t)s->plan.view.width, "height", (json_int_t)s->plan.view.height,
-                  "threads", (json_int_t)stp_context_thread_count(s->context));
+    frame_read_device(&s->maker, device, sizeof(device));
+    json_t* object = json_pack(
+        "{s:s, s:s, s:I, s:I, s:I}", "backend", frame_backend_name(&s->maker), "device", device,
+        "width", (json_int_t)s->plan.view.width, "height", (json_int_t)s->plan.view.height,
+        "threads", (json_int_t)stp_context_thread_count(s->context));
     json_t* figures = flight_describe(&s->record);
     if (object == NULL || figures == NULL || json_object_update(object, figures) != 0) {
         json_decref(object);
@@ -142,7 +142,8 @@ static bool fly_through(session* s, const char* file)
     }
     s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, s->store);
     bool streams = args.draw.memory > 0 && !args.draw.reference;
-    return frame_maker_create(s->context, s->store, &style, &s->maker) == STP_OK &&
+    return frame_maker_create_on(s->context, s->store, &style, (frame_backend)args.draw.backend,
+                                 &s->maker) == STP_OK &&
            (!streams || frame_maker_stream(&s->maker) == STP_OK) &&
            flight_run(&s->maker, &s->plan, &s->record) == STP_OK;
 }

@@ -159,12 +159,13 @@ static stp_result draw_frames(session* s)
 static int print_json(const session* s)
 {
     char device[200];
-    frame_read_device(device, sizeof(device));
+    frame_read_device(&s->maker, device, sizeof(device));
     uint64_t resident = stp_context_live_bytes(s->context);
     resident += s->maker.residency == NULL ? stp_store_file_bytes(s->store) : 0;
-    json_t* object = json_pack("{s:s, s:s, s:I, s:I, s:I}", "backend", "cpu", "device", device,
-                               "width", (json_int_t)s->view.width, "height",
-                               (json_int_t)s->view.height, "resident_bytes", (json_int_t)resident);
+    json_t* object =
+        json_pack("{s:s, s:s, s:I, s:I, s:I}", "backend", frame_backend_name(&s->maker), "device",
+                  device, "width", (json_int_t)s->view.width, "height", (json_int_t)s->view.height,
+                  "resident_bytes", (json_int_t)resident);
     json_t* figures = frame_describe(&s->figures);
     if (object == NULL || figures == NULL || json_object_update(object, figures) != 0) {
         json_decref(object);
@@ -201,7 +202,8 @@ static int render(session* s, const char* path)
         return 1;
     }
     stp_draw_style style = draw_options_style(&args.draw);
-    stp_result result = frame_maker_create(s->context, s->store, &style, &s->maker);
+    stp_result result = frame_maker_create_on(s->context, s->store, &style,
+                                              (frame_backend)args.draw.backend, &s->maker);
     if (result == STP_OK && args.draw.memory > 0 && !args.draw.reference) {
         result = frame_maker_stream(&s->maker);
     }

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BACKEND_AUTO, BACKEND_CPU, BACKEND_GL };
 enum { LIGHT_SUN, LIGHT_HEAD };
 
 static size_t copy_options(option* table, size_t used, const option* from)
@@ -149,7 +148,8 @@ static size_t add_picture_options(option* table, size_t used, draw_options* o)
          .type = OPTION_CHOICE,
          .argument = "NAME",
          .words = "auto|cpu|gl",
-         .help = "what draws; default auto",
+         .help = "what draws: gl is OpenGL 4.5, auto that on a graphics processor, else cpu; "
+                 "default auto",
          .value = &o->backend},
         {.name = "supersample",
          .type = OPTION_COUNT,
@@ -284,9 +284,6 @@ int draw_options_check(const draw_options* o)
                                 o->reference        ? "--reference"
                                 : o->has_splat_size ? "--splat-size"
                                                     : "--splats");
-    }
-    if (o->backend == BACKEND_GL) {
-        return tool_usage_error("this build has no gl backend; use --backend cpu");
     }
     if (o->background != NULL && !parse_color(o->background, color)) {
         return tool_usage_error("--background is six hexadecimal digits, not %s", o->background);

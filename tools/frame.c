@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "frame.h"
 
+#include "tool.h"
+
 #include "base/clock.h"
+#include "draw/draw_gl.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,8 +20,39 @@ static const double settle_ms = 20000.0, steady_change = 0.02;
 stp_result frame_maker_create(stp_context* context, stp_store* store, const stp_draw_style* style,
                               frame_maker* maker)
 {
+    return frame_maker_create_on(context, store, style, FRAME_BACKEND_CPU, maker);
+}
+
+static stp_result create_gl(frame_maker* maker)
+{
+    stp_draw_gl_desc desc = {.get_proc_address = stp_headless_get_proc_address,
+                             .user = &maker->headless};
+    maker->uses_gl = true;
+    return stp_draw_gl_create(maker->context, maker->store, &desc, &maker->renderer);
+}
+
+stp_result frame_maker_create_on(stp_context* context, stp_store* store,
+                                 const stp_draw_style* style, frame_backend backend,
+                                 frame_maker* maker)
+{
     *maker = (frame_maker){.context = context, .store = store, .style = *style};
+    if (backend != FRAME_BACKEND_CPU) {
+        stp_headless_desc desc = {.only_hardware = backend == FRAME_BACKEND_AUTO};
+        const char* fault = stp_headless_create(&desc, &maker->headless);
+        if (fault == NULL) {
+            return create_gl(maker);
+        }
+        if (backend == FRAME_BACKEND_GL) {
+            tool_error("backend gl: %s; use --backend cpu", fault);
+            return STP_ERROR_UNSUPPORTED;
+        }
+    }
     return stp_draw_cpu_create(context, store, &maker->renderer);
+}
+
+const char* frame_backend_name(const frame_maker* maker)
+{
+    return maker->uses_gl ? "gl" : "cpu";
 }
 
 stp_result frame_maker_stream(frame_maker* maker)
@@ -35,6 +69,9 @@ void frame_maker_destroy(frame_maker* maker)
 {
     if (maker->renderer != NULL) {
         stp_renderer_destroy(maker->renderer);
+    }
+    if (maker->uses_gl) {
+        stp_headless_destroy(&maker->headless);
     }
     stp_residency_destroy(maker->residency);
     if (maker->context != NULL) {
@@ -186,8 +223,12 @@ json_t* frame_describe(const frame_figures* f)
                      "covered_pixels", (json_int_t)f->covered_pixels);
 }
 
-void frame_read_device(char* name, size_t size)
+void frame_read_device(const frame_maker* maker, char* name, size_t size)
 {
+    if (maker->uses_gl) {
+        snprintf(name, size, "%s", maker->headless.device);
+        return;
+    }
     snprintf(name, size, "CPU");
     FILE* file = fopen("/proc/cpuinfo", "r");
     char line[256];

@@ -5,6 +5,7 @@
 #include "command.h"
 
 #include "draw/draw.h"
+#include "present/headless.h"
 #include "select/budget.h"
 
 /// What a frame was, and how long it took.
@@ -25,10 +26,24 @@ typedef struct frame_maker {
     stp_residency* residency; ///< NULL: the file is used as it is mapped
     stp_draw_list list;
     stp_draw_style style;
+    stp_headless headless; ///< where OpenGL draws
+    bool uses_gl;
 } frame_maker;
+
+typedef enum frame_backend {
+    FRAME_BACKEND_AUTO,
+    FRAME_BACKEND_CPU,
+    FRAME_BACKEND_GL
+} frame_backend;
 
 STP_MUST_USE stp_result frame_maker_create(stp_context* context, stp_store* store,
                                            const stp_draw_style* style, frame_maker* maker);
+/// The same on a backend; frame_maker_create's is the processor. Automatic: OpenGL where a graphics processor gives it.
+STP_MUST_USE stp_result frame_maker_create_on(stp_context* context, stp_store* store,
+                                              const stp_draw_style* style, frame_backend backend,
+                                              frame_maker* maker);
+/// "cpu" or "gl".
+const char* frame_backend_name(const frame_maker* maker);
 /// From now on bulk data is loaded under the context's limit of memory; the coarsest of it is there at once.
 STP_MUST_USE stp_result frame_maker_stream(frame_maker* maker);
 void frame_maker_destroy(frame_maker* maker);
@@ -62,5 +77,5 @@ bool frame_image_create(stp_context* context, uint32_t width, uint32_t height, s
 /// The keys of frame figures as `render --json` has them. NULL where memory runs out.
 json_t* frame_describe(const frame_figures* figures);
 
-/// What the processor calls itself.
-void frame_read_device(char* name, size_t size);
+/// What draws calls itself: the processor, or what OpenGL says.
+void frame_read_device(const frame_maker* maker, char* name, size_t size);

@@ -165,7 +165,7 @@ refused 2 "--eye-dome" "$file" -o a.png --eye-dome=bright
 refused 2 "--filter" "$file" -o a.png --filter box
 refused 2 "--ambient-occlusion" "$file" -o a.png --ambient-occlusion 99
 "$stipple" render -o eye.png --size 48x48 --eye-dome "$file" || fail "an option without its value before the file"
-refused 2 "gl backend" "$file" -o a.png --backend gl
+refused 2 "--backend" "$file" -o a.png --backend vulkan
 refused 2 "hexadecimal" "$file" -o a.png --background green
 refused 2 "names* a file" "$file" -o - --json
 refused 1 "nothing.stip" nothing.stip -o a.png

@@ -6,6 +6,7 @@
 #include "base/color.h"
 #include "base/context.h"
 #include "draw/gl/upload.h"
+#include "select/eyes.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -224,7 +225,9 @@ static stp_result draw_sample(gl_renderer* r, uint32_t side, uint32_t sample, bo
     if (result != STP_OK) {
         return result;
     }
-    r->draw_calls = r->dispatches = 0;
+    if (r->eye == 0) {
+        r->draw_calls = r->dispatches = 0;
+    }
     bool timed = gl_timer_begin(&r->gl, &r->timer);
     draw_visible(r);
     if (timed) {
@@ -252,64 +255,88 @@ static stp_result read_picture(gl_renderer* r, stp_image* image)
 }
 
 static stp_result begin_picture(gl_renderer* r, const stp_view* view, const stp_draw_list* list,
-                                const stp_draw_style* style, const stp_image* image, bool sums)
+                                const stp_draw_style* style, const stp_image* image, uint32_t side)
 {
     bool fits = image == NULL || (image->width == view->width && image->height == view->height);
-    uint32_t side = style->supersample > 1 ? style->supersample : 1;
-    if (!stp_view_frame_make(view, &r->placement.frame) || !fits || view->width > 65536 ||
-        view->height > 65536 || (uint64_t)view->width * view->height > UINT32_MAX / 4 ||
-        side > SUPERSAMPLE_LIMIT) {
+    stp_view one = stp_view_of_eye(view, 0);
+    if (!stp_view_frame_make(&one, &r->placement.frame) || !fits || view->width > 65536 ||
+        view->height > 65536 || (uint64_t)view->width * view->height > UINT32_MAX / 4) {
         return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
                         "view: eye, target, angle and size do not make a picture");
+    }
+    if (side > SUPERSAMPLE_LIMIT) {
+        return stp_fail(r->base.context, STP_ERROR_ARGUMENT,
+                        "style: at most %d x %d samples a pixel", SUPERSAMPLE_LIMIT,
+                        SUPERSAMPLE_LIMIT);
     }
     r->view = view;
     r->style = style;
     r->list = list;
     r->readback->has_depth = false;
-    stp_placement_make(&r->placement, r->directory, list);
+    return gl_target_make(r, view, side > 1);
+}
+
+/// All samples of what an eye sees.
+static stp_result draw_eye(gl_renderer* r, uint32_t eye, uint32_t side)
+{
+    stp_view one = stp_view_of_eye(r->view, eye);
+    uint32_t count = side * side;
+    r->eye = eye;
+    if (!stp_view_frame_make(&one, &r->placement.frame)) {
+        return stp_fail(r->base.context, STP_ERROR_ARGUMENT, "view: it has no second eye");
+    }
+    stp_placement_make(&r->placement, r->directory, r->list);
     stp_placement_shift(&r->placement, side, 0);
-    stp_result result = gl_target_make(r, view->width, view->height, sums);
-    result = result == STP_OK ? gl_frame_make(r) : result;
+    stp_result result = gl_frame_make(r);
     result = result == STP_OK ? make_programs(r) : result;
     if (result == STP_OK) {
         gl_frame_place(r, 0);
+        if (eye == 0) {
+            gl_shade_pass_clear(r);
+        }
+    }
+    for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
+        result = draw_sample(r, side, i, count > 1);
     }
     return result;
+}
+
+/// Figures of a picture that is under way, or done where `image` was read.
+static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool done,
+                          stp_draw_stats* stats)
+{
+    uint32_t eyes = r->target.eye_count;
+    gl_timer_read(&r->gl, &r->timer, done);
+    double parts = (double)samples * eyes; // each takes about as long as the last
+    stats->covered_pixels = done ? gl_shade_pass_covered(r) : 0;
+    stats->splats = eyes * r->list->splat_count;
+    stats->triangles = eyes * r->list->triangle_count;
+    stats->draw_calls = r->draw_calls;
+    stats->samples = samples;
+    stats->fragments = eyes * r->timer.fragments;
+    stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : cpu_ms;
+    stats->shade_ms = parts * r->timer.shade_ms;
 }
 
 static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_draw_list* list,
                        const stp_draw_style* style, stp_image* image, stp_draw_stats* stats)
 {
     gl_renderer* r = (gl_renderer*)renderer;
-    uint32_t side = style->supersample > 1 ? style->supersample : 1, count = side * side;
+    uint32_t side = style->supersample > 1 ? style->supersample : 1;
     double start = stp_clock_ms();
     *stats = (stp_draw_stats){0};
-    stp_result result = begin_picture(r, view, list, style, image, count > 1);
-    for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
-        result = draw_sample(r, side, i, count > 1);
+    stp_result result = begin_picture(r, view, list, style, image, side);
+    for (uint32_t i = 0; i < stp_view_eye_count(view) && result == STP_OK; ++i) {
+        result = draw_eye(r, i, side);
     }
     leave_state(&r->gl);
     if (result == STP_OK) {
         result = image != NULL ? read_picture(r, image) : check(r);
     }
-    if (result != STP_OK) {
-        return result;
+    if (result == STP_OK) {
+        count_picture(r, side * side, stp_clock_ms() - start, image != NULL, stats);
     }
-    if (image != NULL) {
-        stats->covered_pixels = gl_shade_pass_covered(r);
-    }
-    gl_timer_read(&r->gl, &r->timer, image != NULL);
-    stats->splats = list->splat_count;
-    stats->triangles = list->triangle_count;
-    stats->draw_calls = r->draw_calls;
-    stats->samples = count;
-    stats->fragments = r->timer.fragments;
-    stats->draw_ms = (double)count * r->timer.draw_ms;
-    stats->shade_ms = (double)count * r->timer.shade_ms;
-    if (!r->timer.known) {
-        stats->draw_ms = stp_clock_ms() - start;
-    }
-    return STP_OK;
+    return result;
 }
 
 static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
@@ -333,7 +360,7 @@ static const float* get_depth(const stp_renderer* renderer)
 {
     const gl_renderer* r = (const gl_renderer*)renderer;
     gl_readback* back = r->readback;
-    size_t count = (size_t)r->target.width * r->target.height;
+    size_t count = (size_t)r->target.width * r->target.height * r->target.eye_count;
     if (count > back->capacity) {
         stp_free(renderer->context, back->depth);
         back->depth = STP_NEW_ARRAY(renderer->context, float, count);

@@ -38,11 +38,13 @@ typedef struct gl_shade_pass {
 
 /// What pictures are drawn into. Sizes are those of the last picture.
 typedef struct gl_target {
-    uint32_t width, height;
-    GLuint ids, nearness, framebuffer;
-    GLuint picture; ///< RGBA8
-    GLuint depths;  ///< R32F: true nearness
-    GLuint sums;    ///< RGBA32F; 0: not needed yet
+    uint32_t width, height; ///< of what an eye sees
+    uint32_t eye_count;
+    uint32_t full_width;               ///< of the picture: its last column may be no eye's
+    GLuint ids, nearness, framebuffer; ///< of an eye
+    GLuint picture;                    ///< RGBA8: the eyes' side by side
+    GLuint depths;                     ///< R32F: true nearness, one eye's above the other's
+    GLuint sums;                       ///< RGBA32F, as the picture; 0: not needed yet
 } gl_target;
 
 /// Commands of one multi-draw, and where they lie in this frame's part of the ring.
@@ -141,11 +143,12 @@ typedef struct gl_renderer {
     float point_extent; ///< most pixels from a point's middle to its rim
     // this picture
     stp_placement placement;
-    const stp_view* view;
+    uint32_t eye;
+    const stp_view* view; ///< of all eyes
     const stp_draw_style* style;
     const stp_draw_list* list;
     stp_result failure;              ///< why an upload failed
-    uint32_t draw_calls, dispatches; ///< of the last sample
+    uint32_t draw_calls, dispatches; ///< of the last picture's last sample
 } gl_renderer;
 
 /// Defines for programs that read pages. @return `text`
@@ -165,11 +168,13 @@ void gl_shade_pass_destroy(gl_renderer* r);
 void gl_shade_pass_draw(gl_renderer* r, bool sums);
 /// The picture from the sums.
 void gl_shade_pass_average(gl_renderer* r);
-/// Waits. @return pixels covered in the last picture
+/// Forgets what was counted.
+void gl_shade_pass_clear(gl_renderer* r);
+/// Waits. @return pixels covered since then
 uint32_t gl_shade_pass_covered(gl_renderer* r);
 
-/// Textures and framebuffer of the size of the view. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result gl_target_make(gl_renderer* r, uint32_t width, uint32_t height, bool sums);
+/// Textures and framebuffer of the size of the view. @return STP_OK, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY; logged
+STP_MUST_USE stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums);
 void gl_target_destroy(gl_renderer* r);
 
 /// Brings what the list holds to the pool, as far as the frame's uploads allow, and makes blocks, records and commands of

@@ -49,8 +49,6 @@ static void dispatch(gl_renderer* r, GLuint program)
 static void bind_pictures(gl_renderer* r, bool sums)
 {
     const gl_target* t = &r->target;
-    const uint32_t none[4] = {0};
-    r->gl.NamedBufferSubData(r->shade.counters, 0, sizeof(none), none);
     r->gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
     r->gl.BindImageTexture(IMAGE_PICTURE, t->picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     r->gl.BindImageTexture(IMAGE_DEPTH, t->depths, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
@@ -75,6 +73,12 @@ void gl_shade_pass_average(gl_renderer* r)
     dispatch(r, r->shade.average);
     r->gl.MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                         GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+void gl_shade_pass_clear(gl_renderer* r)
+{
+    const uint32_t none[4] = {0};
+    r->gl.NamedBufferSubData(r->shade.counters, 0, sizeof(none), none);
 }
 
 uint32_t gl_shade_pass_covered(gl_renderer* r)

@@ -2,6 +2,7 @@
 // What pictures are drawn into.
 #include "base/context.h"
 #include "draw/gl/renderer.h"
+#include "select/eyes.h"
 
 static GLuint make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
                            const char* label)
@@ -31,40 +32,52 @@ static stp_result fail(gl_renderer* r, uint32_t width, uint32_t height)
                     "gl: there is no graphics memory for a picture of %ux%u", width, height);
 }
 
-stp_result gl_target_make(gl_renderer* r, uint32_t width, uint32_t height, bool sums)
+static void make_textures(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     gl_target* t = &r->target;
+    t->ids = make_texture(gl, GL_R32UI, t->width, t->height, "ids");
+    t->nearness = make_texture(gl, GL_DEPTH_COMPONENT32F, t->width, t->height, "nearness");
+    t->picture = make_texture(gl, GL_RGBA8, t->full_width, t->height, "picture");
+    t->depths = make_texture(gl, GL_R32F, t->width, t->height * t->eye_count, "depths");
+    gl->CreateFramebuffers(1, &t->framebuffer);
+    gl->NamedFramebufferTexture(t->framebuffer, GL_COLOR_ATTACHMENT0, t->ids, 0);
+    gl->NamedFramebufferTexture(t->framebuffer, GL_DEPTH_ATTACHMENT, t->nearness, 0);
+    gl->NamedFramebufferDrawBuffer(t->framebuffer, GL_COLOR_ATTACHMENT0);
+    if (t->full_width != t->width * t->eye_count) {
+        gl->ClearTexImage(t->picture, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+    }
+}
+
+stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums)
+{
+    const stp_gl* gl = &r->gl;
+    gl_target* t = &r->target;
+    stp_view one = stp_view_of_eye(view, 0);
+    uint32_t eyes = stp_view_eye_count(view);
     GLint most = 0;
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
-    if (width > (uint32_t)most || height > (uint32_t)most) {
+    if (view->width > (uint32_t)most || (uint64_t)one.height * eyes > (uint64_t)most) {
         return stp_fail(r->base.context, STP_ERROR_LIMIT,
                         "gl: pictures of this device have at most %dx%d pixels, not %ux%u", most,
-                        most, width, height);
+                        most, view->width, view->height);
     }
     while (gl->GetError() != GL_NO_ERROR) { // what was before is not the target's
     }
-    if (t->width != width || t->height != height) {
+    if (t->full_width != view->width || t->height != one.height || t->eye_count != eyes) {
         gl_target_destroy(r);
-        t->ids = make_texture(gl, GL_R32UI, width, height, "ids");
-        t->nearness = make_texture(gl, GL_DEPTH_COMPONENT32F, width, height, "nearness");
-        t->picture = make_texture(gl, GL_RGBA8, width, height, "picture");
-        t->depths = make_texture(gl, GL_R32F, width, height, "depths");
-        gl->CreateFramebuffers(1, &t->framebuffer);
-        gl->NamedFramebufferTexture(t->framebuffer, GL_COLOR_ATTACHMENT0, t->ids, 0);
-        gl->NamedFramebufferTexture(t->framebuffer, GL_DEPTH_ATTACHMENT, t->nearness, 0);
-        gl->NamedFramebufferDrawBuffer(t->framebuffer, GL_COLOR_ATTACHMENT0);
+        *t = (gl_target){
+            .width = one.width, .height = one.height, .eye_count = eyes, .full_width = view->width};
+        make_textures(r);
         GLenum status = gl->CheckNamedFramebufferStatus(t->framebuffer, GL_DRAW_FRAMEBUFFER);
         if (gl->GetError() != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
-            return fail(r, width, height);
+            return fail(r, view->width, view->height);
         }
-        t->width = width;
-        t->height = height;
     }
     if (sums && t->sums == 0) {
-        t->sums = make_texture(gl, GL_RGBA32F, width, height, "sums");
+        t->sums = make_texture(gl, GL_RGBA32F, t->full_width, t->height, "sums");
         if (gl->GetError() != GL_NO_ERROR) {
-            return fail(r, width, height);
+            return fail(r, view->width, view->height);
         }
     }
     return STP_OK;

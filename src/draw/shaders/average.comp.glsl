@@ -14,6 +14,7 @@ void main()
     if (any(greaterThanEqual(pixel, ivec2(view.size.xy)))) {
         return;
     }
+    pixel.x += int(view.picture_x);
     vec4 sum = imageLoad(sums, pixel);
     float coverage = sum.a / float(view.sample_count);
     vec3 color = sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);

@@ -8,7 +8,8 @@
 #define BINDING_RECORDS 9
 #define BINDING_CHUNKS 10
 #define BINDING_LARGE 11 // splats too large for a point: see large_block
-#define BINDING_LOOKUP 12 // which item an id belongs to: ID_TABLE + 2 words, then the first ids of items
+#define BINDING_LOOKUP                                                                             \
+    12 // which item an id belongs to: ID_TABLE + 2 words, then the first ids of items
 #define BINDING_LIGHT_MATERIALS 13
 #define BINDING_MATERIALS 14
 #define BINDING_COUNTERS 15
@@ -25,7 +26,8 @@
 #define ID_TABLE 16384
 #define NO_ID 0xFFFFFFFFu
 #define NO_ADDRESS 0xFFFFFFFFu
-#define POINT_EXTENT 60 // pixels: what reaches farther from its centre's pixel is drawn as two triangles
+#define POINT_EXTENT                                                                               \
+    60 // pixels: what reaches farther from its centre's pixel is drawn as two triangles
 #define LARGE_MOST 262144
 #define SHADINGS 256
 #define SRGB_STEPS 16384 // linear values are cut to such steps before they are encoded
@@ -36,10 +38,10 @@
 #define KIND_POINTS 2u
 
 // Flags of items.
-#define ITEM_FACING 1u       // disks face the eye
-#define ITEM_HAS_COLORS 2u   // of vertices or points
-#define ITEM_HAS_NORMALS 4u  // of points
-#define ITEM_GHOST 8u        // drawn in some of its pixels only
+#define ITEM_FACING 1u      // disks face the eye
+#define ITEM_HAS_COLORS 2u  // of vertices or points
+#define ITEM_HAS_NORMALS 4u // of points
+#define ITEM_GHOST 8u       // drawn in some of its pixels only
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // other pixels than those that an alpha leaves out
 
@@ -81,15 +83,15 @@ typedef uint32_t uint;
 // their grid's numbers; of meshes, from positions minus `offset`.
 struct item_block {
     vec4 rows[4];
-    vec4 turn[3];   // view rotation of splats' normals
-    vec4 normal[3]; // normals to the scene
-    vec4 offset;    // of meshes
+    vec4 turn[3];                                       // view rotation of splats' normals
+    vec4 normal[3];                                     // normals to the scene
+    vec4 offset;                                        // of meshes
     float radius_px, center_x, center_y, inverse_scale; // see src/raster/splats_kernel.h
     float slope_factor, slope_constant, rim_depth, back_depth;
     float near_w, far_w, pixel_radius, nearness_limit;
     float near_factor, near_shift; // true nearness = factor * that of the buffer + shift
-    float footprint; // pixels at depth 1 of an item unit
-    float blend;     // share of `colors` below low_count
+    float footprint;               // pixels at depth 1 of an item unit
+    float blend;                   // share of `colors` below low_count
     uint kind, flags, seed, first_id;
     uint count, material, first_chunk, chunk_count;
     uint colors, low_colors, low_count, address; // addresses; of meshes, of their clusters
@@ -100,9 +102,9 @@ struct item_block {
 // One command of a multi-draw, or one part of it: splats, or a cluster.
 struct record_block {
     uint item;
-    uint first;   // splats: the index in the item of the first; clusters: unused
-    uint address; // of the first splat, or the cluster
-    float share;  // of a cluster's triangles
+    uint first;              // splats: the index in the item of the first; clusters: unused
+    uint address;            // of the first splat, or the cluster
+    float share;             // of a cluster's triangles
     float nearest, farthest; // splats: within these depths (W)
     uint count, spare;
 };
@@ -120,25 +122,30 @@ struct light_material_block {
 
 struct material_block {
     vec4 base_color;
-    vec4 numbers;    // metallic, roughness, alpha cutoff, alpha mode
-    vec4 emissive;   // and whether it is unlit
-    vec4 uses[6]; // of base colour, metallic and roughness, emissive: two rows of a transform, and which texture coordinates
+    vec4 numbers;  // metallic, roughness, alpha cutoff, alpha mode
+    vec4 emissive; // and whether it is unlit
+    vec4 uses
+        [6]; // of base colour, metallic and roughness, emissive: two rows of a transform, and which texture coordinates
 };
 
 struct view_block {
-    vec4 size;       // width, height, 1 / width of the viewport, 1 / height of the viewport
-    vec4 light;      // towards it
+    vec4 size;  // width, height, 1 / width of the viewport, 1 / height of the viewport
+    vec4 light; // towards it
     vec4 up;
-    vec4 eye_start, eye_across, eye_down; // towards the eye from a pixel, not of unit length; across and down 0 in parallel
+    vec4 eye_start, eye_across,
+        eye_down; // towards the eye from a pixel, not of unit length; across and down 0 in parallel
     vec4 background; // linear, and whether it is drawn
     float nearness_scale, margin;
-    uint parallel, pattern; // which sample, for hashed alpha
+    uint parallel, pattern;                                 // which sample, for hashed alpha
     uint item_count, id_shift, sample_number, sample_count; // of supersamples
     float point_extent;
-    float ghost, ghost_splats; // the part of a ghost's pixels that is drawn: of triangles, and of each of its disks
+    float ghost,
+        ghost_splats; // the part of a ghost's pixels that is drawn: of triangles, and of each of its disks
     float nearness_offset;
+    uint picture_x, depth_y, spare0, spare1; // where this eye's picture and depths begin
     vec4 screen; // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
-    vec4 cuts[SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
+    vec4 cuts
+        [SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
 };
 
 #ifdef __STDC_VERSION__
@@ -156,5 +163,5 @@ typedef struct large_block {
 _Static_assert(sizeof(item_block) == 320, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
-_Static_assert(sizeof(view_block) == 400, "layout of the view");
+_Static_assert(sizeof(view_block) == 416, "layout of the view");
 #endif

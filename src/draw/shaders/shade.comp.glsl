@@ -43,18 +43,21 @@ void main()
         vec3 color = vec3(0.0);
         if (there) {
             color = shade(pixel, id, nearness, depth);
+#ifndef SUMS
             atomicAdd(group_covered, 1u);
+#endif
         }
-        imageStore(depths, pixel, vec4(depth, 0.0, 0.0, 0.0));
+        imageStore(depths, pixel + ivec2(0, view.depth_y), vec4(depth, 0.0, 0.0, 0.0));
+        ivec2 place = pixel + ivec2(view.picture_x, 0);
 #ifdef SUMS
         vec4 sum = there ? vec4(min(color, vec3(1.0)), 1.0) : vec4(0.0);
         if (view.sample_number > 0u) {
-            sum += imageLoad(sums, pixel);
+            sum += imageLoad(sums, place);
         }
-        imageStore(sums, pixel, sum);
+        imageStore(sums, place, sum);
 #else
         vec4 back = view.background.w > 0.0 ? vec4(encode(view.background.rgb), 1.0) : vec4(0.0);
-        imageStore(picture, pixel, there ? vec4(encode(color), 1.0) : back);
+        imageStore(picture, place, there ? vec4(encode(color), 1.0) : back);
 #endif
     }
     barrier();
