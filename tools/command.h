@@ -18,7 +18,14 @@ typedef enum option_type {
     OPTION_CHOICE, ///< int*: index of a word in `words`
     OPTION_PIXELS, ///< uint32_t[2]: WxH
     OPTION_VECTOR, ///< double[3]: X,Y,Z
+    OPTION_TEXTS,  ///< option_texts: given again, it is one more
 } option_type;
+
+enum { OPTION_TEXTS_MOST = 256 };
+typedef struct option_texts {
+    const char* texts[OPTION_TEXTS_MOST];
+    uint32_t count;
+} option_texts;
 
 typedef struct option {
     const char* name; ///< without dashes

@@ -61,6 +61,7 @@ typedef struct session {
     stp_context* context;
     stp_store* store;
     stp_flight flight;
+    scene_show show;
     frame_maker maker;
     video film;
     flight_plan plan;
@@ -141,6 +142,11 @@ static bool fly_through(session* s, const char* file)
         return false;
     }
     s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, s->store);
+    s->show = (scene_show){.context = s->context, .store = s->store};
+    if (scene_show_apply(&s->show, &args.draw.show, &s->plan.view) != 0) {
+        return false;
+    }
+    s->plan.quality.visibility = s->show.visibility;
     bool streams = args.draw.memory > 0 && !args.draw.reference;
     return frame_maker_create_on(s->context, s->store, &style, (frame_backend)args.draw.backend,
                                  &s->maker) == STP_OK &&
@@ -206,6 +212,7 @@ static int run(int argc, char** argv)
     code = fly(&s, argv[0]);
     flight_record_destroy(s.context, &s.record);
     frame_maker_destroy(&s.maker);
+    scene_show_destroy(&s.show);
     stp_flight_destroy(s.context, &s.flight);
     if (s.store != NULL) {
         stp_store_close(s.store);

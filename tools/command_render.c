@@ -4,6 +4,7 @@
 #include "command.h"
 #include "draw_options.h"
 #include "frame.h"
+#include "pick_report.h"
 #include "picture.h"
 #include "scene_file.h"
 #include "tool.h"
@@ -23,6 +24,7 @@ static struct {
     double ortho;
     uint64_t accumulate;
     bool once;
+    const char* pick;
     draw_options draw;
 } args;
 
@@ -76,6 +78,14 @@ static const option* options(void)
         {.name = "once",
          .help = "time a single frame after the first, which does not know yet what is hidden",
          .value = &args.once},
+        {.name = "pick",
+         .type = OPTION_TEXT,
+         .argument = "X,Y",
+         .help =
+             "tell as JSON what is at a column and row of the picture (from the upper left): "
+             "place, object, triangle; with --json as its \"pick\"; a picture is drawn only with "
+             "-o",
+         .value = &args.pick},
         {0},
     };
     static option table[DRAW_OPTION_ROOM];
@@ -87,15 +97,54 @@ static stp_vec3d vector_of(const double v[3])
     return (stp_vec3d){v[0], v[1], v[2]};
 }
 
-/// @return 0, or 2 with the message printed
-static int choose_view(const stp_store* store, stp_view* view)
+typedef struct session {
+    stp_context* context;
+    stp_store* store;
+    frame_maker maker;
+    stp_image image;
+    stp_view view;
+    scene_show show;
+    json_t* picked; ///< NULL: was not asked for
+    stp_quality quality;
+    frame_figures figures;
+} session;
+
+/// A view of the scene, or one kept beside it, with what is hidden there. @return the exit code, with the message printed
+static int find_view(session* s, const char* path, const char* name)
 {
+    stp_view* view = &s->view;
+    if (tool_find_view(s->store, name, view)) {
+        return 0;
+    }
+    stp_viewpoints viewpoints = {0};
+    char* sidecar = stp_viewpoints_path(s->context, path);
+    stp_result result = sidecar != NULL ? stp_viewpoints_read(s->context, sidecar, &viewpoints)
+                                        : STP_ERROR_OUT_OF_MEMORY;
+    const stp_viewpoint* found = stp_viewpoints_find(&viewpoints, name);
+    if (result == STP_OK && found != NULL) {
+        double fov = view->fov_degrees;
+        stp_viewpoint_look(found, view);
+        view->fov_degrees = fov > 0.0 ? fov : view->fov_degrees;
+        result = scene_show_viewpoint(&s->show, found);
+    }
+    int code = result != STP_OK ? 1
+               : found != NULL  ? 0
+                                : tool_usage_error("there is no view named %s", name);
+    stp_viewpoints_destroy(s->context, &viewpoints);
+    stp_free(s->context, sidecar);
+    return code;
+}
+
+/// @return the exit code, with the message printed
+static int choose_view(session* s, const char* path)
+{
+    stp_view* view = &s->view;
     *view = draw_options_view(&args.draw);
     view->ortho_height = args.ortho;
-    view->eye_distance = draw_options_eye_distance(&args.draw, store);
-    const char* name = args.view != NULL ? args.view : "iso";
-    if (!tool_find_view(store, name, view)) {
-        return tool_usage_error("there is no view named %s", name);
+    view->eye_distance = draw_options_eye_distance(&args.draw, s->store);
+    int code = find_view(s, path, args.view != NULL ? args.view : "iso");
+    if (code != 0) {
+        return code;
     }
     if (args.has_eye || args.has_target) {
         view->eye = args.has_eye ? vector_of(args.eye) : view->eye;
@@ -107,18 +156,10 @@ static int choose_view(const stp_store* store, stp_view* view)
         view->up = vector_of(args.up);
     }
     view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
-    return 0;
+    code = scene_show_apply(&s->show, &args.draw.show, view);
+    s->quality.visibility = s->show.visibility;
+    return code;
 }
-
-typedef struct session {
-    stp_context* context;
-    stp_store* store;
-    frame_maker maker;
-    stp_image image;
-    stp_view view;
-    stp_quality quality;
-    frame_figures figures;
-} session;
 
 static int compare_figures(const void* a, const void* b)
 {
@@ -156,7 +197,8 @@ static stp_result draw_frames(session* s)
     return result;
 }
 
-static int print_json(const session* s)
+/// Takes `picked` over, which may be NULL.
+static int print_json(const session* s, json_t* picked)
 {
     char device[200];
     frame_read_device(&s->maker, device, sizeof(device));
@@ -170,9 +212,14 @@ static int print_json(const session* s)
     if (object == NULL || figures == NULL || json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);
+        json_decref(picked);
         return tool_error("out of memory");
     }
     json_decref(figures);
+    if (picked != NULL && json_object_set_new(object, "pick", picked) != 0) {
+        json_decref(object);
+        return tool_error("out of memory");
+    }
     return tool_print_json(object);
 }
 
@@ -189,14 +236,32 @@ static void explain_empty(const session* s, const char* path)
     }
 }
 
+/// What is at a place of the picture. @return false where that failed (message printed)
+static bool pick(session* s)
+{
+    double place[2];
+    (void)pick_read_place(args.pick, place);
+    s->picked = pick_describe(&s->show, &s->view, place);
+    return s->picked != NULL;
+}
+
 static int render(session* s, const char* path)
 {
     if (tool_open_scene_for(s->context, path, draw_options_use(&args.draw), &s->store) != STP_OK) {
         return 1;
     }
-    int code = choose_view(s->store, &s->view);
+    s->show = (scene_show){.context = s->context, .store = s->store};
+    int code = choose_view(s, path);
     if (code != 0) {
         return code;
+    }
+    if (args.pick != NULL && !pick(s)) {
+        return 1;
+    }
+    if (args.output == NULL) {
+        json_t* picked = s->picked;
+        s->picked = NULL;
+        return tool_print_json(picked);
     }
     if (!frame_image_create(s->context, s->view.width, s->view.height, &s->image)) {
         return 1;
@@ -214,7 +279,12 @@ static int render(session* s, const char* path)
         explain_empty(s, path);
         result = tool_write_picture(s->context, &s->image, args.output);
     }
-    return result != STP_OK ? 1 : args.draw.json ? print_json(s) : 0;
+    if (result != STP_OK) {
+        return 1;
+    }
+    json_t* picked = s->picked;
+    s->picked = NULL;
+    return args.draw.json ? print_json(s, picked) : picked != NULL ? tool_print_json(picked) : 0;
 }
 
 static int check_arguments(int argc, const char* path)
@@ -222,8 +292,15 @@ static int check_arguments(int argc, const char* path)
     if (argc != 1) {
         return tool_usage_error("render needs one file, and got %d", argc);
     }
-    if (args.output == NULL) {
+    double place[2];
+    if (args.pick != NULL && !pick_read_place(args.pick, place)) {
+        return tool_usage_error("--pick is a column and a row, X,Y, not %s", args.pick);
+    }
+    if (args.output == NULL && args.pick == NULL) {
         return tool_usage_error("render needs -o OUT.png");
+    }
+    if (args.output == NULL) {
+        return draw_options_check(&args.draw);
     }
     if (tool_is_same_file(path, args.output)) {
         return tool_usage_error("%s is the scene, and would be written over", path);
@@ -234,7 +311,7 @@ static int check_arguments(int argc, const char* path)
     if (args.draw.stereo && args.accumulate > 0) {
         return tool_usage_error("--stereo and --accumulate exclude each other");
     }
-    if (args.draw.json && strcmp(args.output, "-") == 0) {
+    if ((args.draw.json || args.pick != NULL) && strcmp(args.output, "-") == 0) {
         return tool_usage_error("standard output is for the figures; name a file");
     }
     if (args.accumulate > 0 && args.draw.supersample > 0) {
@@ -257,6 +334,8 @@ static int run(int argc, char** argv)
     code = render(&s, argv[0]);
     stp_free(s.context, s.image.pixels);
     frame_maker_destroy(&s.maker);
+    scene_show_destroy(&s.show);
+    json_decref(s.picked);
     if (s.store != NULL) {
         stp_store_close(s.store);
     }
@@ -288,6 +367,14 @@ const command command_render = {
         "Under --memory, data is loaded as the view needs it, coarse first, as much as there is "
         "room "
         "for: with less, the picture is coarser, and has no holes.\n"
+        "\n"
+        "--section and --section-box cut the scene open; --hide, --isolate and --ghost say what is "
+        "shown of it, by names, paths, ids or numbers of objects, and may be given several times, "
+        "as may sections. What stands in several places is hidden in all that have the name. "
+        "--view also finds the viewpoints that were saved beside the model (NAME.views.json), with "
+        "what they hide and cut.\n"
+        "\n"
+        "--pick looks at original triangles and points, however coarse the picture is.\n"
         "\n"
         "The picture is transparent where nothing was drawn. --json prints what was drawn and how "
         "long it took: frame_ms is the median of repeated frames, without opening the file; a "

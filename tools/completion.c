@@ -50,7 +50,7 @@ static void print_command_names(FILE* stream)
 static void print_bash_values(FILE* stream, const command* c)
 {
     for (const option* o = options_of(c); o->name != NULL; ++o) {
-        if (o->type == OPTION_FLAG || o->type == OPTION_TEXT) {
+        if (o->type == OPTION_FLAG || o->type == OPTION_TEXT || o->type == OPTION_TEXTS) {
             continue; // after a text come file names
         }
         fprintf(stream, "    %s:--%s", c->name, o->name);
@@ -130,7 +130,7 @@ static void print_zsh_option(FILE* stream, const option* o)
     }
     print_quoted(stream, o->help, "[]:\\", "'\\''");
     fputs("]", stream);
-    if (o->type == OPTION_TEXT) {
+    if (o->type == OPTION_TEXT || o->type == OPTION_TEXTS) {
         fputs(":value:_files", stream);
     } else if (o->type != OPTION_FLAG) {
         fputs(":value:(", stream);
@@ -192,7 +192,7 @@ static void print_fish_option(FILE* stream, const char* command_name, const opti
     if (o->letter != 0) {
         fprintf(stream, " -s %c", o->letter);
     }
-    if (o->type == OPTION_TEXT) {
+    if (o->type == OPTION_TEXT || o->type == OPTION_TEXTS) {
         fputs(" -r", stream);
     } else if (o->type != OPTION_FLAG) {
         fputs(" -x -a '", stream);

@@ -182,6 +182,8 @@ const option* draw_options_table(option* table, const option* own, draw_options*
     used = add_quality_options(table, used, options);
     used = add_effect_options(table, used, options);
     used = add_eye_options(table, used, options);
+    option show[SHOW_OPTION_ROOM];
+    used = copy_options(table, used, show_options_table(show, &options->show));
     add_picture_options(table, used, options);
     return table;
 }
@@ -288,7 +290,8 @@ int draw_options_check(const draw_options* o)
     if (o->background != NULL && !parse_color(o->background, color)) {
         return tool_usage_error("--background is six hexadecimal digits, not %s", o->background);
     }
-    return check_eyes(o);
+    int code = show_options_check(&o->show);
+    return code != 0 ? code : check_eyes(o);
 }
 
 stp_quality draw_options_quality(const draw_options* o)
@@ -310,7 +313,8 @@ stp_draw_style draw_options_style(const draw_options* o)
                             .background = o->background != NULL,
                             .filter = (stp_filter)o->filter,
                             .eye_dome = (float)o->eye_dome,
-                            .ambient_occlusion = (float)(0.01 * o->ambient_occlusion)};
+                            .ambient_occlusion = (float)(0.01 * o->ambient_occlusion),
+                            .ghost = (float)o->show.ghost_share};
     if (style.background) {
         (void)parse_color(o->background, style.background_color);
     }

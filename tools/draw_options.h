@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "scene_file.h"
+#include "show_options.h"
 
 #include "draw/draw.h"
 #include "select/budget.h"
@@ -26,11 +27,12 @@ typedef struct draw_options {
     const char* background;
     int filter;
     double eye_dome, ambient_occlusion;
+    show_options show;
     uint64_t threads, memory;
     bool json;
 } draw_options;
 
-enum { DRAW_OPTION_ROOM = 64 }; ///< entries of a table
+enum { DRAW_OPTION_ROOM = 96 }; ///< entries of a table
 
 /// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after them the shared ones.
 /// @return the table

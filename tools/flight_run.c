@@ -126,7 +126,7 @@ static stp_result study_frame(study* s, uint32_t i)
         result = plan->sink(plan->sink_user, ours, i);
     }
     if (result == STP_OK && (compared || plan->popping)) {
-        stp_quality whole = {.reference = true};
+        stp_quality whole = {.reference = true, .visibility = plan->quality.visibility};
         result = frame_draw(s->maker, &view, &whole, reference, &figures);
     }
     if (result == STP_OK && compared) {

@@ -211,6 +211,16 @@ static bool set_vector(const option* o, const char* text, char* problem, size_t 
     return true;
 }
 
+static bool add_text(const option* o, const char* text, char* problem, size_t size)
+{
+    option_texts* texts = o->value;
+    if (texts->count == OPTION_TEXTS_MOST) {
+        return fail(problem, size, "is one too many");
+    }
+    texts->texts[texts->count++] = text;
+    return true;
+}
+
 bool option_set_value(const option* o, const char* text, char* problem, size_t problem_size)
 {
     switch (o->type) {
@@ -220,6 +230,8 @@ bool option_set_value(const option* o, const char* text, char* problem, size_t p
     case OPTION_TEXT:
         *(const char**)o->value = text;
         return true;
+    case OPTION_TEXTS:
+        return add_text(o, text, problem, problem_size);
     case OPTION_COUNT:
         return set_count(o, text, problem, problem_size);
     case OPTION_NUMBER:

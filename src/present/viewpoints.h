@@ -20,7 +20,7 @@ typedef enum stp_shown_as { STP_SHOWN_HIDDEN, STP_SHOWN_ISOLATED, STP_SHOWN_GHOS
 /// Something that is not shown as usual: an object by its path, at its place.
 typedef struct stp_shown_thing {
     stp_shown_as as;
-    char* path; ///< as stp_tree_path gives it
+    char* path; ///< as stp_outline_path gives it
     bool has_position;
     stp_vec3d position; ///< middle of its box: which one, of several of that path
 } stp_shown_thing;

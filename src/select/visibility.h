@@ -21,7 +21,7 @@ typedef enum stp_show {
     STP_SHOW_MIXED, ///< not all of it is one of these
 } stp_show;
 
-/// A node of the graph at a place of the scene: an object of the tree (store/tree.h), or what was picked.
+/// A node of the graph at a place of the scene: an object of the tree (store/outline.h), or what was picked.
 typedef struct stp_placed_node {
     uint32_t node;
     stp_affine transform; ///< to scene space

@@ -152,6 +152,14 @@ STP_MUST_USE stp_result stp_store_open_memory(stp_context* context, const char* 
                                               const void* bytes, size_t size,
                                               const stp_store_open_desc* desc, stp_store** store);
 STP_MUST_USE stp_result stp_store_load_objects(stp_store* store);
+/// One object, read and checked where it lies in the file: also where objects are deferred, and without any memory. Its
+/// texts live as long as the store. `index` must be below the count. @return STP_OK, STP_ERROR_FORMAT,
+/// STP_ERROR_ARGUMENT (a store opened for its summary), STP_ERROR_OUT_OF_MEMORY; logged
+STP_MUST_USE stp_result stp_store_read_object(stp_store* store, uint32_t index,
+                                              stp_store_object* object);
+/// The same of its parent and node alone; texts are not looked at.
+STP_MUST_USE stp_result stp_store_read_object_place(stp_store* store, uint32_t index,
+                                                    stp_store_object* object);
 void stp_store_close(stp_store* store);
 const stp_store_directory* stp_store_get_directory(const stp_store* store);
 uint64_t stp_store_file_bytes(const stp_store* store);

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// What the walk of a pick and the tests of meshes and points share.
+#pragma once
+
+#include "select/pick.h"
+#include "select/sections.h"
+
+typedef struct stp_pick_work {
+    stp_context* context;
+    stp_store* store;
+    const stp_store_directory* directory;
+    const stp_pick_desc* desc;
+    stp_pick* pick;
+    double nearest;        ///< nothing farther counts
+    stp_vec3d across, off; ///< unit axes beside the ray's direction
+} stp_pick_work;
+
+/// Chooses the axes.
+void stp_pick_begin(stp_pick_work* work);
+
+/// Whether the ray meets a placed box, `wider` times half its diagonal wider, before what was met; and where. `points`: or
+/// comes as near as points are met.
+bool stp_pick_enters(const stp_pick_work* work, const stp_affine* transform, const stp_boxd* box,
+                     double wider, bool points, double* near);
+
+/// Tests a mesh or point set. @return as stp_pick_ray
+STP_MUST_USE stp_result stp_pick_part(stp_pick_work* work, stp_store_part part,
+                                      const stp_affine* transform);

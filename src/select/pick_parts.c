@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT
+//
+// Triangles against the ray: corners are turned into the ray's own axes, where it is the point (0, 0), and a triangle is met
+// where that lies on one side of all its edges. An edge's side is the same number, but for its sign, in both triangles
+// that share it, so no ray slips through between them (Woop, Benthin, Wald 2013).
+#include "base/context.h"
+#include "select/pick_internal.h"
+#include "store/clusters.h"
+#include "store/residency.h"
+
+/// A corner seen along the ray.
+typedef struct corner {
+    double x, y, t;
+} corner;
+
+/// From a part's space to the ray's axes.
+typedef struct ray_map {
+    double m[3][4];
+} ray_map;
+
+/// The element met nearest so far in a part.
+typedef struct nearest_element {
+    bool found;
+    uint32_t index;
+    double t;
+} nearest_element;
+
+void stp_pick_begin(stp_pick_work* work)
+{
+    stp_vec3d d = work->desc->ray.direction;
+    double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
+    stp_vec3d other = x <= y && x <= z ? (stp_vec3d){1, 0, 0}
+                      : y <= z         ? (stp_vec3d){0, 1, 0}
+                                       : (stp_vec3d){0, 0, 1};
+    work->across = stp_normalized(stp_crossd(d, other));
+    work->off = stp_crossd(d, work->across);
+}
+
+static ray_map map_of(const stp_pick_work* work, const stp_affine* transform)
+{
+    const stp_vec3d axes[3] = {work->across, work->off, work->desc->ray.direction};
+    stp_vec3d origin = {transform->m[0][3], transform->m[1][3], transform->m[2][3]};
+    stp_vec3d from = stp_subd(origin, work->desc->ray.origin);
+    ray_map map;
+    for (int k = 0; k < 3; ++k) {
+        for (int c = 0; c < 3; ++c) {
+            map.m[k][c] = axes[k].x * transform->m[0][c] + axes[k].y * transform->m[1][c] +
+                          axes[k].z * transform->m[2][c];
+        }
+        map.m[k][3] = stp_dotd(axes[k], from);
+    }
+    return map;
+}
+
+static corner turn(const ray_map* map, const float* p)
+{
+    double x = (double)p[0], y = (double)p[1], z = (double)p[2];
+    const double(*m)[4] = map->m;
+    return (corner){m[0][0] * x + m[0][1] * y + m[0][2] * z + m[0][3],
+                    m[1][0] * x + m[1][1] * y + m[1][2] * z + m[1][3],
+                    m[2][0] * x + m[2][1] * y + m[2][2] * z + m[2][3]};
+}
+
+static bool meets(const corner* a, const corner* b, const corner* c, double* t)
+{
+    double u = b->x * c->y - b->y * c->x;
+    double v = c->x * a->y - c->y * a->x;
+    double w = a->x * b->y - a->y * b->x;
+    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) {
+        return false;
+    }
+    double sum = u + v + w;
+    if (sum == 0.0) {
+        return false; // seen edge-on
+    }
+    *t = (u * a->t + v * b->t + w * c->t) / sum;
+    return true;
+}
+
+static stp_vec3d point_at(const stp_ray* ray, double t)
+{
+    return stp_addd(ray->origin, stp_scaled(ray->direction, t));
+}
+
+/// Whether something met there counts.
+static bool counts(const stp_pick_work* work, double t, stp_vec3d place)
+{
+    return t >= work->desc->ray.nearest && t < work->nearest &&
+           (work->desc->sections == NULL || !stp_sections_cut(work->desc->sections, place));
+}
+
+static void test_triangle(stp_pick_work* work, const corner* a, const corner* b, const corner* c,
+                          uint32_t index, nearest_element* nearest)
+{
+    double t;
+    work->pick->tests += 1;
+    if (meets(a, b, c, &t) && counts(work, t, point_at(&work->desc->ray, t))) {
+        *nearest = (nearest_element){.found = true, .index = index, .t = t};
+        work->nearest = t;
+    }
+}
+
+static void test_cluster(stp_pick_work* work, const ray_map* map, const stp_clusters* clusters,
+                         uint32_t index, nearest_element* nearest)
+{
+    stp_cluster cluster;
+    float positions[3 * STP_CLUSTER_VERTICES];
+    corner corners[STP_CLUSTER_VERTICES];
+    stp_clusters_get(clusters, index, &cluster);
+    stp_cluster_positions(clusters, &cluster, positions);
+    for (uint32_t i = 0; i < cluster.vertex_count; ++i) {
+        corners[i] = turn(map, positions + 3 * (size_t)i);
+    }
+    for (uint32_t i = 0; i < cluster.triangle_count; ++i) {
+        uint32_t c[3];
+        stp_cluster_corners(&cluster, i, c);
+        test_triangle(work, &corners[c[0]], &corners[c[1]], &corners[c[2]],
+                      cluster.first_triangle + i, nearest);
+    }
+}
+
+/// The corners of a triangle of clusters.
+static void read_triangle(const stp_clusters* clusters, uint32_t triangle, stp_vec3 out[3])
+{
+    stp_cluster cluster;
+    uint32_t c[3];
+    stp_clusters_get(clusters, stp_clusters_find(clusters, triangle), &cluster);
+    stp_cluster_corners(&cluster, triangle - cluster.first_triangle, c);
+    for (int k = 0; k < 3; ++k) {
+        out[k] = stp_cluster_position(clusters, &cluster, c[k]);
+    }
+}
+
+static stp_vec3 read_vertex(const float* positions, uint32_t index)
+{
+    const float* p = positions + 3 * (size_t)index;
+    return (stp_vec3){p[0], p[1], p[2]};
+}
+
+static void give_triangle(stp_pick_work* work, stp_store_part part, const stp_affine* transform,
+                          const nearest_element* nearest, const stp_vec3 corners[3])
+{
+    stp_pick* pick = work->pick;
+    const stp_ray* ray = &work->desc->ray;
+    pick->hit = true;
+    pick->part = part;
+    pick->element = nearest->index;
+    pick->distance = nearest->t;
+    pick->position = point_at(ray, nearest->t);
+    pick->material = stp_store_describe_mesh(work->store, part.index)->material;
+    for (int k = 0; k < 3; ++k) {
+        pick->corners[k] = stp_affine_point(transform, stp_to_double(corners[k]));
+    }
+    stp_vec3d normal = stp_normalized(stp_crossd(stp_subd(pick->corners[1], pick->corners[0]),
+                                                 stp_subd(pick->corners[2], pick->corners[0])));
+    bool away = stp_dotd(normal, ray->direction) > 0.0;
+    pick->normal = away ? stp_scaled(normal, -1.0) : normal;
+}
+
+static stp_boxd widen(stp_box box)
+{
+    return (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
+}
+
+static stp_result pick_clusters(stp_pick_work* work, stp_store_part part,
+                                const stp_affine* transform, const ray_map* map)
+{
+    stp_clusters clusters;
+    nearest_element nearest = {0};
+    stp_result result = stp_store_get_clusters(work->store, part.index, &clusters);
+    if (result != STP_OK) {
+        return result;
+    }
+    for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
+        stp_boxd box = widen(stp_clusters_bounds(&clusters, i));
+        double near;
+        work->pick->tests += 1;
+        if (stp_pick_enters(work, transform, &box, 1e-6, false, &near)) {
+            test_cluster(work, map, &clusters, i, &nearest);
+        }
+    }
+    if (nearest.found) {
+        stp_vec3 corners[3];
+        read_triangle(&clusters, nearest.index, corners);
+        give_triangle(work, part, transform, &nearest, corners);
+    }
+    return STP_OK;
+}
+
+static stp_result pick_columns(stp_pick_work* work, stp_store_part part,
+                               const stp_affine* transform, const ray_map* map)
+{
+    stp_store_mesh mesh;
+    nearest_element nearest = {0};
+    stp_result result = stp_store_get_mesh(work->store, part.index, &mesh);
+    if (result != STP_OK) {
+        return result;
+    }
+    for (uint32_t i = 0; i < mesh.triangle_count; ++i) {
+        corner c[3];
+        for (size_t k = 0; k < 3; ++k) {
+            c[k] = turn(map, mesh.positions + 3 * (size_t)mesh.indices[3 * (size_t)i + k]);
+        }
+        test_triangle(work, &c[0], &c[1], &c[2], i, &nearest);
+    }
+    if (nearest.found) {
+        const uint32_t* index = mesh.indices + 3 * (size_t)nearest.index;
+        stp_vec3 corners[3] = {read_vertex(mesh.positions, index[0]),
+                               read_vertex(mesh.positions, index[1]),
+                               read_vertex(mesh.positions, index[2])};
+        give_triangle(work, part, transform, &nearest, corners);
+    }
+    return STP_OK;
+}
+
+static stp_result pick_points(stp_pick_work* work, stp_store_part part, const stp_affine* transform,
+                              const ray_map* map)
+{
+    stp_store_point_set points;
+    nearest_element nearest = {0};
+    stp_result result = stp_store_get_point_set(work->store, part.index, &points);
+    if (result != STP_OK) {
+        return result;
+    }
+    const stp_pick_desc* desc = work->desc;
+    for (uint32_t i = 0; i < points.point_count; ++i) {
+        corner c = turn(map, points.positions + 3 * (size_t)i);
+        double reach = desc->point_base + desc->point_slope * c.t;
+        stp_vec3d place =
+            stp_affine_point(transform, stp_to_double(read_vertex(points.positions, i)));
+        if (reach > 0.0 && c.x * c.x + c.y * c.y <= reach * reach && counts(work, c.t, place)) {
+            nearest = (nearest_element){.found = true, .index = i, .t = c.t};
+            work->nearest = c.t;
+        }
+    }
+    work->pick->tests += points.point_count;
+    if (nearest.found) {
+        stp_pick* pick = work->pick;
+        stp_vec3 place = read_vertex(points.positions, nearest.index);
+        pick->hit = true;
+        pick->part = part;
+        pick->element = nearest.index;
+        pick->distance = nearest.t;
+        pick->position = stp_affine_point(transform, stp_to_double(place));
+        pick->material = points.material;
+        pick->normal = stp_scaled(desc->ray.direction, -1.0);
+        pick->corners[0] = pick->corners[1] = pick->corners[2] = pick->position;
+    }
+    return STP_OK;
+}
+
+stp_result stp_pick_part(stp_pick_work* work, stp_store_part part, const stp_affine* transform)
+{
+    bool is_mesh = part.kind == STP_STORE_PART_MESH;
+    stp_boxd box = widen(is_mesh ? stp_store_describe_mesh(work->store, part.index)->bounds
+                                 : stp_store_describe_point_set(work->store, part.index)->bounds);
+    double near;
+    work->pick->tests += 1;
+    if (!stp_pick_enters(work, transform, &box, 1e-6, !is_mesh, &near)) {
+        return STP_OK;
+    }
+    bool resident = is_mesh ? stp_store_is_mesh_resident(work->store, part.index)
+                            : stp_store_are_points_resident(work->store, part.index);
+    if (!resident) {
+        work->pick->incomplete = true;
+        return STP_OK;
+    }
+    ray_map map = map_of(work, transform);
+    if (!is_mesh) {
+        return pick_points(work, part, transform, &map);
+    }
+    return stp_store_is_clustered(work->store, part.index)
+               ? pick_clusters(work, part, transform, &map)
+               : pick_columns(work, part, transform, &map);
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Objects read one by one where they lie in the file, page after page as they are asked for.
+#include "store/internal.h"
+
+#include <string.h>
+
+/// Checks the pages that a text lies in, up to its zero byte.
+static stp_result verify_text(stp_store* store, const stp_store_section* section, const char* text)
+{
+    if (text == NULL) {
+        return STP_OK;
+    }
+    const char* first = (const char*)store->file.bytes + section->offset;
+    uint64_t at = (uint64_t)(text - first);
+    for (; at < section->size; at = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES) {
+        uint64_t end = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES;
+        end = end < section->size ? end : section->size;
+        stp_result result = stp_store_verify_range(store, section, at, end - at);
+        if (result != STP_OK || memchr(first + at, 0, (size_t)(end - at)) != NULL) {
+            return result;
+        }
+    }
+    return stp_fail(store->context, STP_ERROR_FORMAT,
+                    "%s: the texts of type %u do not end with a zero byte", store->path,
+                    section->type);
+}
+
+static stp_result read_record(stp_store* store, uint32_t index, stp_store_object* object)
+{
+    const stp_store_section* section = store->known[STP_SECTION_OBJECTS];
+    const stp_store_section* texts = store->known[STP_SECTION_OBJECT_TEXT];
+    const stp_store_table* table = stp_store_table_of(STP_SECTION_OBJECTS);
+    if (store->partial || section == NULL || index >= section->count) {
+        return store->partial ? stp_fail(store->context, STP_ERROR_ARGUMENT,
+                                         "%s: was opened for its summary alone", store->path)
+                              : stp_store_fail_index(store, "object", index);
+    }
+    uint64_t offset = (uint64_t)index * section->record_size;
+    stp_result result = stp_store_verify_range(store, section, offset, section->record_size);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_store_text text = {.context = store->context};
+    if (texts != NULL && texts->record_size == 1) {
+        text.stored = (const char*)store->file.bytes + texts->offset;
+        text.size = (size_t)texts->size;
+    }
+    stp_store_codec codec = {.input = store->file.bytes + section->offset + offset, .text = &text};
+    table->code(&codec, object);
+    const char* fault = codec.fault;
+    if (fault == NULL && object->parent != STP_STORE_NONE && object->parent >= index) {
+        fault = "has a parent that is not a lower one";
+    }
+    if (fault == NULL && object->node != STP_STORE_NONE &&
+        object->node >= store->directory.node_count) {
+        fault = "has a node that does not exist";
+    }
+    return fault == NULL ? STP_OK
+                         : stp_fail(store->context, STP_ERROR_FORMAT, "%s: object %u %s",
+                                    store->path, index, fault);
+}
+
+stp_result stp_store_read_object_place(stp_store* store, uint32_t index, stp_store_object* object)
+{
+    stp_result result = read_record(store, index, object);
+    object->name = object->id = NULL;
+    return result;
+}
+
+stp_result stp_store_read_object(stp_store* store, uint32_t index, stp_store_object* object)
+{
+    stp_result result = read_record(store, index, object);
+    const stp_store_section* texts = store->known[STP_SECTION_OBJECT_TEXT];
+    result = result == STP_OK ? verify_text(store, texts, object->name) : result;
+    return result == STP_OK ? verify_text(store, texts, object->id) : result;
+}

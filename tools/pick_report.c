@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "pick_report.h"
+
+#include "present/measuring.h"
+#include "select/pick.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PATH_ROOM = 4096 };
+static const double snap_pixels = 8.0, point_pixels = 2.0;
+
+bool pick_read_place(const char* text, double place[2])
+{
+    char* end;
+    place[0] = strtod(text, &end);
+    if (end == text || *end != ',') {
+        return false;
+    }
+    text = end + 1;
+    place[1] = strtod(text, &end);
+    return end != text && *end == '\0' && isfinite(place[0]) && isfinite(place[1]);
+}
+
+static json_t* pack_vector(stp_vec3d v)
+{
+    return json_pack("[f,f,f]", v.x, v.y, v.z);
+}
+
+/// A text that may not be UTF-8.
+static json_t* pack_text(const char* text)
+{
+    json_t* json = text != NULL ? json_string(text) : json_null();
+    return json != NULL ? json : json_stringn_nocheck("?", 1);
+}
+
+static json_t* describe_object(scene_show* show, const stp_pick* pick)
+{
+    stp_outline* outline;
+    stp_outline_item item;
+    stp_outline_row row;
+    char path[PATH_ROOM];
+    if (scene_show_outline(show, &outline) != STP_OK ||
+        stp_outline_find(outline, pick->part, &pick->thing.transform, &item) != STP_OK ||
+        stp_outline_describe(outline, &item, &row) != STP_OK ||
+        stp_outline_path(outline, &item, path, sizeof(path)) != STP_OK) {
+        return NULL;
+    }
+    if (item.depth == 0) {
+        return json_null();
+    }
+    return json_pack("{s:I, s:o, s:o, s:o, s:I, s:I, s:{s:o, s:o}}", "index",
+                     (json_int_t)item.objects[item.depth - 1], "name", pack_text(row.name), "path",
+                     pack_text(path), "id", pack_text(row.id), "triangles",
+                     (json_int_t)row.triangle_count, "points", (json_int_t)row.point_count,
+                     "bounds", "min", pack_vector(row.bounds.min), "max",
+                     pack_vector(row.bounds.max));
+}
+
+static json_t* describe_hit(scene_show* show, const stp_view* view, const stp_pick* pick)
+{
+    static const char* const snaps[] = {"none", "vertex", "edge"};
+    const stp_store_directory* d = stp_store_get_directory(show->store);
+    stp_measuring measuring = {.unit_metres = d->unit_metres, .up = d->up};
+    stp_vec3d snapped;
+    double base, slope;
+    stp_pixel_width(view, &base, &slope);
+    stp_snap_kind snap =
+        stp_pick_snap(pick, snap_pixels * (base + slope * pick->distance), &snapped);
+    json_t* object = describe_object(show, pick);
+    if (object == NULL) {
+        return NULL;
+    }
+    bool is_mesh = pick->part.kind == STP_STORE_PART_MESH;
+    json_t* json = json_pack(
+        "{s:b, s:f, s:o, s:o, s:s, s:o, s:o, s:s, s:I, s:I, s:I, s:o, s:{s:s, s:o}}", "hit", 1,
+        "distance", pick->distance, "position", pack_vector(pick->position), "coordinates",
+        pack_vector(stp_measure_coordinates(&measuring, pick->position)), "unit",
+        stp_measure_unit(&measuring), "normal", pack_vector(pick->normal), "object", object, "kind",
+        is_mesh ? "triangle" : "point", "part", (json_int_t)pick->part.index, "element",
+        (json_int_t)pick->element, "node", (json_int_t)pick->thing.node, "material",
+        pack_text(d->materials[pick->material].name), "snap", "kind", snaps[snap], "position",
+        pack_vector(snapped));
+    return json;
+}
+
+json_t* pick_describe(scene_show* show, const stp_view* view, const double place[2])
+{
+    stp_pick_desc desc = {.sections = &view->sections, .visibility = show->visibility};
+    stp_pick pick;
+    double base, slope;
+    stp_pixel_width(view, &base, &slope);
+    desc.point_base = point_pixels * base;
+    desc.point_slope = point_pixels * slope;
+    if (!stp_ray_of_pixel(view, place[0], place[1], &desc.ray)) {
+        (void)tool_error("the view makes no picture");
+        return NULL;
+    }
+    if (stp_pick_ray(show->context, show->store, &desc, &pick) != STP_OK) {
+        return NULL;
+    }
+    json_t* json = pick.hit ? describe_hit(show, view, &pick) : json_pack("{s:b}", "hit", 0);
+    if (json != NULL && pick.incomplete) {
+        (void)json_object_set_new(json, "incomplete", json_true());
+    }
+    return json;
+}
