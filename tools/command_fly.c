@@ -150,6 +150,7 @@ static bool fly_through(session* s, const char* file)
     bool streams = args.draw.memory > 0 && !args.draw.reference;
     return frame_maker_create_on(s->context, s->store, &style, (frame_backend)args.draw.backend,
                                  &s->maker) == STP_OK &&
+           frame_maker_use_splats(&s->maker, args.draw.gl_splats) == STP_OK &&
            (!streams || frame_maker_stream(&s->maker) == STP_OK) &&
            flight_run(&s->maker, &s->plan, &s->record) == STP_OK;
 }

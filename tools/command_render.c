@@ -269,6 +269,9 @@ static int render(session* s, const char* path)
     stp_draw_style style = draw_options_style(&args.draw);
     stp_result result = frame_maker_create_on(s->context, s->store, &style,
                                               (frame_backend)args.draw.backend, &s->maker);
+    if (result == STP_OK) {
+        result = frame_maker_use_splats(&s->maker, args.draw.gl_splats);
+    }
     if (result == STP_OK && args.draw.memory > 0 && !args.draw.reference) {
         result = frame_maker_stream(&s->maker);
     }

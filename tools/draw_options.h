@@ -14,6 +14,7 @@ typedef struct draw_options {
     double fov;
     bool has_fov;
     int backend;
+    int gl_splats; ///< stp_gl_splats
     double splat_size, splat_scale, budget_ms;
     uint64_t splats;
     bool has_splat_size, has_splats, has_budget;

@@ -42,16 +42,40 @@ uint32_t stp_draw_gl_texture(const stp_renderer* renderer);
 /// See stp_draw_gl_desc.upload_bytes.
 void stp_draw_gl_set_upload_bytes(stp_renderer* renderer, uint64_t bytes);
 
+/// How splats are drawn; the picture is the same.
+typedef enum stp_gl_splats {
+    STP_GL_SPLATS_AUTO,      ///< whichever was measured to be fastest for what is drawn
+    STP_GL_SPLATS_POINTS,    ///< point primitives
+    STP_GL_SPLATS_COMPUTE,   ///< a compute shader, in two passes over the splats
+    STP_GL_SPLATS_COMPUTE64, ///< the same with 64-bit atomic operations, in one
+} stp_gl_splats;
+
+/// AUTO at first: then the first picture takes somewhat longer.
+/// @return STP_OK, STP_ERROR_UNSUPPORTED (the context has no 64-bit atomic operations); logged
+STP_MUST_USE stp_result stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats);
+
+enum { STP_GL_SPLAT_SIZES = 3 };
+
+/// What was measured to choose among ways of drawing splats. All zero: nothing yet.
+typedef struct stp_draw_gl_speed {
+    float sizes[STP_GL_SPLAT_SIZES]; ///< diameters, pixels
+    /// By way (stp_gl_splats less 1): nanoseconds a splat of each size, and whatever is drawn. 0: there is no such way.
+    double splat_ns[3][STP_GL_SPLAT_SIZES], fixed_ns[3];
+} stp_draw_gl_speed;
+
+stp_draw_gl_speed stp_draw_gl_get_speed(const stp_renderer* renderer);
+
 typedef struct stp_draw_gl_stats {
     uint64_t memory_bytes;   ///< that may be used for what scenes are made of
     uint64_t resident_bytes; ///< of it, in use
     uint64_t uploaded_bytes; ///< in the last frame
     uint32_t
         missing; ///< things that the last frame wanted finer than they were there; 0: the picture is complete
-    uint32_t draw_calls; ///< OpenGL draw calls of the last frame (one sample)
-    uint32_t dispatches; ///< compute dispatches of the last frame (one sample)
-    bool is_software;    ///< drawn by a processor
-    const char* device;  ///< what the context calls itself
+    uint32_t draw_calls;  ///< OpenGL draw calls of the last frame (one sample)
+    uint32_t dispatches;  ///< compute dispatches of the last frame (one sample)
+    bool is_software;     ///< drawn by a processor
+    stp_gl_splats splats; ///< how those of the last frame were drawn
+    const char* device;   ///< what the context calls itself
 } stp_draw_gl_stats;
 
 stp_draw_gl_stats stp_draw_gl_get_stats(const stp_renderer* renderer);

@@ -48,6 +48,7 @@
     X(PFNGLDEPTHRANGEPROC, DepthRange)                                                             \
     X(PFNGLDISABLEPROC, Disable)                                                                   \
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                   \
+    X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                             \
     X(PFNGLDRAWARRAYSINDIRECTPROC, DrawArraysIndirect)                                             \
     X(PFNGLENABLEPROC, Enable)                                                                     \
     X(PFNGLENDQUERYPROC, EndQuery)                                                                 \

@@ -18,6 +18,7 @@ static void destroy_programs(gl_renderer* r)
 {
     if (r->program_pages > 0) {
         gl_splat_pass_destroy(r);
+        gl_raster_pass_destroy(r);
         gl_triangle_pass_destroy(r);
         gl_shade_pass_destroy(r);
     }
@@ -62,6 +63,7 @@ static stp_result make_programs(gl_renderer* r)
     destroy_programs(r);
     r->program_pages = pages;
     stp_result result = gl_splat_pass_create(r);
+    result = result == STP_OK ? gl_raster_pass_create(r) : result;
     result = result == STP_OK ? gl_triangle_pass_create(r) : result;
     return result == STP_OK ? gl_shade_pass_create(r) : result;
 }
@@ -173,13 +175,10 @@ static view_block make_view(const gl_renderer* r, uint32_t sample, uint32_t samp
     return view;
 }
 
-/// Visibility of one sample.
-static void draw_visible(gl_renderer* r)
+void gl_set_visible_state(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     const gl_target* t = &r->target;
-    const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
-    const GLfloat far = 0.0f;
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
     gl->Disable(GL_SCISSOR_TEST);
     gl->Disable(GL_BLEND);
@@ -193,11 +192,21 @@ static void draw_visible(gl_renderer* r)
     gl->DepthRange(0.0, 1.0);
     gl->Viewport(-POINT_MARGIN, -POINT_MARGIN, (GLsizei)t->width + 2 * POINT_MARGIN,
                  (GLsizei)t->height + 2 * POINT_MARGIN);
+}
+
+/// Visibility of one sample.
+static stp_result draw_visible(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    const gl_target* t = &r->target;
+    const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
+    const GLfloat far = 0.0f;
+    gl_set_visible_state(r);
+    gl_bind_frame(r);
     gl->ClearNamedFramebufferuiv(t->framebuffer, GL_COLOR, 0, nothing);
     gl->ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, &far);
-    gl_bind_frame(r);
     gl_triangle_pass_draw(r);
-    gl_splat_pass_draw(r);
+    return gl_splat_choice_draw(r);
 }
 
 /// What the header promises.
@@ -225,16 +234,22 @@ static stp_result draw_sample(gl_renderer* r, uint32_t side, uint32_t sample, bo
     if (result != STP_OK) {
         return result;
     }
+    result = gl_splat_choice_measure(r);
+    if (result != STP_OK) {
+        return result;
+    }
     if (r->eye == 0) {
         r->draw_calls = r->dispatches = 0;
     }
     bool timed = gl_timer_begin(&r->gl, &r->timer);
-    draw_visible(r);
+    result = draw_visible(r);
     if (timed) {
         gl_timer_mark(&r->gl, &r->timer, GL_TIMER_DRAWN);
     }
-    gl_shade_pass_draw(r, sums);
-    if (sums && sample + 1 == count) {
+    if (result == STP_OK) {
+        gl_shade_pass_draw(r, sums);
+    }
+    if (result == STP_OK && sums && sample + 1 == count) {
         gl_shade_pass_average(r);
     }
     if (timed) {
@@ -242,7 +257,7 @@ static stp_result draw_sample(gl_renderer* r, uint32_t side, uint32_t sample, bo
     }
     gl_ring_mark(&r->gl, &r->frame.ring);
     gl_ring_mark(&r->gl, &r->pool.ring);
-    return STP_OK;
+    return result;
 }
 
 static stp_result read_picture(gl_renderer* r, stp_image* image)
@@ -507,5 +522,6 @@ stp_draw_gl_stats stp_draw_gl_get_stats(const stp_renderer* renderer)
                                .draw_calls = r->draw_calls,
                                .dispatches = r->dispatches,
                                .is_software = r->is_software,
+                               .splats = r->splat_choice.used,
                                .device = r->device};
 }

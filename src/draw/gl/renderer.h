@@ -14,6 +14,8 @@
 #include "draw/gl/gl.h"
 #include "draw/gl/pool.h"
 #include "draw/gl/program.h"
+#include "draw/gl/raster_pass.h"
+#include "draw/gl/splat_choice.h"
 #include "draw/gl/timer.h"
 #include "draw/placement.h"
 #include "draw/renderer.h"
@@ -132,6 +134,8 @@ typedef struct gl_renderer {
     gl_things things;
     uint32_t program_pages; ///< pages that the programs are made for; 0: there are none
     gl_splat_pass splats;
+    gl_raster_pass raster;
+    gl_splat_choice splat_choice;
     gl_triangle_pass triangles;
     gl_shade_pass shade;
     gl_timer timer;
@@ -156,7 +160,13 @@ const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, 
 
 STP_MUST_USE stp_result gl_splat_pass_create(gl_renderer* r);
 void gl_splat_pass_destroy(gl_renderer* r);
-void gl_splat_pass_draw(gl_renderer* r);
+/// Before a way of drawing splats: no large ones are noted yet.
+void gl_splat_pass_begin(gl_renderer* r);
+void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source);
+/// What was noted as too large.
+void gl_splat_pass_large(gl_renderer* r);
+/// The viewport and state that splats and triangles are drawn with, and the view's framebuffer.
+void gl_set_visible_state(gl_renderer* r);
 
 STP_MUST_USE stp_result gl_triangle_pass_create(gl_renderer* r);
 void gl_triangle_pass_destroy(gl_renderer* r);

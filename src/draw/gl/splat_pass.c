@@ -44,28 +44,35 @@ void gl_splat_pass_destroy(gl_renderer* r)
     *pass = (gl_splat_pass){0};
 }
 
-void gl_splat_pass_draw(gl_renderer* r)
+void gl_splat_pass_begin(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    const gl_splat_pass* pass = &r->splats;
-    const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
-    if (commands->count == 0) {
-        return;
-    }
     const uint32_t none[4] = {4, 0, 0, 0}; // the command of the large ones: a quad each
-    gl->NamedBufferSubData(pass->large_buffer, 0, sizeof(none), none);
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LARGE, pass->large_buffer);
+    gl->NamedBufferSubData(r->splats.large_buffer, 0, sizeof(none), none);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LARGE, r->splats.large_buffer);
+}
+
+void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source)
+{
+    const stp_gl* gl = &r->gl;
     gl->Enable(GL_PROGRAM_POINT_SIZE);
-    gl->BindVertexArray(pass->vertex_array);
-    gl->UseProgram(pass->points);
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
-    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
-    gl->MultiDrawArraysIndirectCount(GL_POINTS, (const void*)commands->offset,
-                                     commands->count_offset, (GLsizei)commands->count, 0);
-    gl->MemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-    gl->UseProgram(pass->large);
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, pass->large_buffer);
-    gl->DrawArraysIndirect(GL_TRIANGLE_STRIP, NULL);
+    gl->BindVertexArray(r->splats.vertex_array);
+    gl->UseProgram(r->splats.points);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, source->buffer);
+    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, source->buffer);
+    gl->MultiDrawArraysIndirectCount(GL_POINTS, (const void*)source->offset, source->count_offset,
+                                     (GLsizei)source->count, 0);
     gl->Disable(GL_PROGRAM_POINT_SIZE);
-    r->draw_calls += 2;
+    r->draw_calls += 1;
+}
+
+void gl_splat_pass_large(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl->MemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+    gl->BindVertexArray(r->splats.vertex_array);
+    gl->UseProgram(r->splats.large);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->splats.large_buffer);
+    gl->DrawArraysIndirect(GL_TRIANGLE_STRIP, NULL);
+    r->draw_calls += 1;
 }

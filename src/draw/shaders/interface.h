@@ -13,6 +13,10 @@
 #define BINDING_LIGHT_MATERIALS 13
 #define BINDING_MATERIALS 14
 #define BINDING_COUNTERS 15
+// The compute rasteriser's, whose programs use none of the others there.
+#define BINDING_RASTER_PIXELS 12
+#define BINDING_RASTER_COMMANDS 13
+#define BINDING_RASTER_GROUPS 14
 // Uniform buffers.
 #define BINDING_VIEW 0
 // Texture units and image units.
@@ -22,7 +26,9 @@
 #define IMAGE_DEPTH 1
 #define IMAGE_SUMS 2
 
-#define GROUP_SIDE 8 // of a compute group over pixels
+#define GROUP_SIDE 8    // of a compute group over pixels
+#define RASTER_GROUP 64 // splats of a compute group
+#define RASTER_ALONE 64 // most pixels of a splat's box that one thread looks at
 #define ID_TABLE 16384
 #define NO_ID 0xFFFFFFFFu
 #define NO_ADDRESS 0xFFFFFFFFu

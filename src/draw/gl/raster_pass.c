@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "draw/gl/raster_pass.h"
+
+#include "base/context.h"
+#include "draw/gl/renderer.h"
+
+enum { GROUPS_ACROSS = 32768 };
+
+uint64_t gl_raster_groups(uint64_t splats)
+{
+    return (splats + RASTER_GROUP - 1) / RASTER_GROUP;
+}
+
+bool gl_raster_has_wide(const stp_gl* gl)
+{
+    return stp_gl_has(gl, "GL_NV_shader_atomic_int64") && stp_gl_has(gl, "GL_ARB_gpu_shader_int64");
+}
+
+static stp_result create_programs(gl_renderer* r, const char* more, GLuint* raster, GLuint* merge)
+{
+    stp_context* context = r->base.context;
+    char defines[256];
+    stp_result result =
+        gl_program_create_compute(context, &r->gl, "raster.comp.glsl",
+                                  gl_page_defines(r, more, defines, sizeof(defines)), raster);
+    if (result == STP_OK) {
+        result =
+            gl_program_create(context, &r->gl, "screen.vert.glsl", "merge.frag.glsl", more, merge);
+    }
+    return result;
+}
+
+stp_result gl_raster_pass_create(gl_renderer* r)
+{
+    gl_raster_pass* pass = &r->raster;
+    const stp_gl* gl = &r->gl;
+    *pass = (gl_raster_pass){0};
+    gl->CreateVertexArrays(1, &pass->vertex_array);
+    stp_result result = create_programs(r, "", &pass->narrow, &pass->merge_narrow);
+    if (result == STP_OK && gl_raster_has_wide(gl)) {
+        result = create_programs(r, "#define WIDE\n", &pass->wide, &pass->merge_wide);
+    }
+    return result;
+}
+
+void gl_raster_pass_destroy(gl_renderer* r)
+{
+    gl_raster_pass* pass = &r->raster;
+    const stp_gl* gl = &r->gl;
+    gl->DeleteProgram(pass->narrow);
+    gl->DeleteProgram(pass->wide);
+    gl->DeleteProgram(pass->merge_narrow);
+    gl->DeleteProgram(pass->merge_wide);
+    gl->DeleteVertexArrays(1, &pass->vertex_array);
+    gl->DeleteBuffers(1, &pass->pixels);
+    *pass = (gl_raster_pass){0};
+}
+
+static stp_result make_pixels(gl_renderer* r)
+{
+    gl_raster_pass* pass = &r->raster;
+    const stp_gl* gl = &r->gl;
+    uint64_t needed = (uint64_t)r->target.width * r->target.height * sizeof(uint64_t);
+    GLint64 most = 0;
+    if (needed <= pass->bytes) {
+        return STP_OK;
+    }
+    gl->DeleteBuffers(1, &pass->pixels);
+    pass->pixels = 0;
+    pass->bytes = 0;
+    gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the buffer's
+    }
+    if ((int64_t)needed <= most) {
+        gl->CreateBuffers(1, &pass->pixels);
+        gl->NamedBufferStorage(pass->pixels, (GLsizeiptr)needed, NULL, 0);
+    }
+    if (pass->pixels == 0 || gl->GetError() != GL_NO_ERROR) {
+        return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
+                        "gl: there is no graphics memory for pixels of %ux%u", r->target.width,
+                        r->target.height);
+    }
+    gl->ObjectLabel(GL_BUFFER, pass->pixels, -1, "raster pixels");
+    pass->bytes = needed;
+    return STP_OK;
+}
+
+static void clear(const gl_renderer* r, bool wide)
+{
+    const stp_gl* gl = &r->gl;
+    const GLuint ones = UINT32_MAX, zero = 0;
+    GLsizeiptr half = (GLsizeiptr)r->target.width * (GLsizeiptr)r->target.height * 4;
+    gl->ClearNamedBufferSubData(r->raster.pixels, GL_R32UI, 0, half, GL_RED_INTEGER,
+                                GL_UNSIGNED_INT, wide ? &ones : &zero);
+    gl->ClearNamedBufferSubData(r->raster.pixels, GL_R32UI, half, half, GL_RED_INTEGER,
+                                GL_UNSIGNED_INT, &ones);
+}
+
+static void bind(const gl_renderer* r, const gl_splat_source* source)
+{
+    const stp_gl* gl = &r->gl;
+    GLsizeiptr count = source->count;
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, r->raster.pixels);
+    gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_COMMANDS, source->buffer,
+                        source->offset, count * (GLsizeiptr)sizeof(struct gl_command));
+    gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_GROUPS, source->buffer,
+                        source->groups_offset, count * (GLsizeiptr)sizeof(uint32_t));
+}
+
+static void dispatch(gl_renderer* r, uint64_t groups)
+{
+    uint64_t rows = (groups + GROUPS_ACROSS - 1) / GROUPS_ACROSS;
+    uint64_t across = groups < GROUPS_ACROSS ? groups : GROUPS_ACROSS;
+    r->gl.DispatchCompute((GLuint)across, (GLuint)rows, 1);
+    r->dispatches += 1;
+}
+
+static void merge(gl_renderer* r, GLuint program)
+{
+    const stp_gl* gl = &r->gl;
+    const gl_target* t = &r->target;
+    gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    gl->UseProgram(program);
+    gl->BindVertexArray(r->raster.vertex_array);
+    gl->Viewport(0, 0, (GLsizei)t->width, (GLsizei)t->height);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    r->draw_calls += 1;
+}
+
+stp_result gl_raster_pass_draw(gl_renderer* r, const gl_splat_source* source, bool wide)
+{
+    const stp_gl* gl = &r->gl;
+    const gl_raster_pass* pass = &r->raster;
+    stp_result result = make_pixels(r);
+    if (result != STP_OK) {
+        return result;
+    }
+    clear(r, wide);
+    bind(r, source);
+    gl->UseProgram(wide ? pass->wide : pass->narrow);
+    gl->Uniform1ui(0, source->count);
+    for (GLuint stage = 0; stage < (wide ? 1u : 2u); ++stage) {
+        if (!wide) {
+            gl->Uniform1ui(1, stage);
+        }
+        dispatch(r, source->groups);
+        gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    }
+    merge(r, wide ? pass->merge_wide : pass->merge_narrow);
+    return STP_OK;
+}

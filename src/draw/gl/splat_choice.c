@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: MIT
+#include "draw/gl/splat_choice.h"
+
+#include "base/context.h"
+#include "base/rng.h"
+#include "draw/gl/renderer.h"
+
+#include <stddef.h>
+#include <string.h>
+
+enum {
+    SOFTWARE_SPLATS = 4096,
+    HARDWARE_SPLATS = 131072,
+    COMMAND_SPLATS = 4096, ///< of each command
+    REPEATS = 3,
+};
+
+const float gl_splat_sizes[SPLAT_SIZES] = {1.0f, 3.0f, 8.0f};
+
+/// Splats that are made up, all over the picture, in a buffer of their own.
+typedef struct made_splats {
+    GLuint buffer;
+    uint32_t count, commands;
+    GLintptr items, records, end; ///< the page's words come first
+    gl_splat_source source;
+} made_splats;
+
+static GLintptr round_up(size_t offset)
+{
+    return (GLintptr)((offset + 255) / 256 * 256);
+}
+
+static void lay_out(made_splats* s)
+{
+    s->commands = s->count / COMMAND_SPLATS;
+    s->items = round_up((size_t)s->count * 3 * sizeof(uint32_t));
+    s->records = round_up((size_t)s->items + sizeof(item_block));
+    s->source.offset = round_up((size_t)s->records + s->commands * sizeof(record_block));
+    s->source.count_offset =
+        round_up((size_t)s->source.offset + s->commands * sizeof(struct gl_command));
+    s->source.groups_offset = round_up((size_t)s->source.count_offset + sizeof(uint32_t));
+    s->end = round_up((size_t)s->source.groups_offset + s->commands * sizeof(uint32_t));
+    s->source.count = s->commands;
+    s->source.groups = gl_raster_groups(s->count);
+}
+
+static void fill(const made_splats* s, unsigned char* memory)
+{
+    uint32_t* words = (uint32_t*)(void*)memory;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        uint64_t bits = stp_rng_hash(5, i);
+        words[2 * i] = (uint32_t)bits;
+        words[2 * i + 1] =
+            (uint32_t)(bits >> 32) & 0x1F1FFFFFu; // turned towards the eye, more or less
+        words[2 * s->count + i] = 0xFF808080u;
+    }
+    record_block* records = (record_block*)(void*)(memory + s->records);
+    struct gl_command* commands = (struct gl_command*)(void*)(memory + s->source.offset);
+    uint32_t* groups = (uint32_t*)(void*)(memory + s->source.groups_offset);
+    for (uint32_t i = 0; i < s->commands; ++i) {
+        uint32_t first = i * COMMAND_SPLATS;
+        records[i] = (record_block){.first = first,
+                                    .address = 2 * first,
+                                    .share = 1.0f,
+                                    .nearest = -HUGE_VALF,
+                                    .farthest = HUGE_VALF};
+        commands[i] = (struct gl_command){COMMAND_SPLATS, 1, 0, i};
+        groups[i] = (uint32_t)gl_raster_groups(first);
+    }
+    memcpy(memory + s->source.count_offset, &s->commands, sizeof(s->commands));
+}
+
+static stp_result make_splats(gl_renderer* r, made_splats* s)
+{
+    const stp_gl* gl = &r->gl;
+    *s = (made_splats){.count = r->is_software ? SOFTWARE_SPLATS : HARDWARE_SPLATS};
+    lay_out(s);
+    unsigned char* memory = STP_NEW_ZEROED(r->base.context, unsigned char, (size_t)s->end);
+    if (memory == NULL) {
+        return stp_fail_memory(r->base.context);
+    }
+    fill(s, memory);
+    gl->CreateBuffers(1, &s->buffer);
+    gl->NamedBufferStorage(s->buffer, s->end, memory, GL_DYNAMIC_STORAGE_BIT);
+    s->source.buffer = s->buffer;
+    stp_free(r->base.context, memory);
+    return STP_OK;
+}
+
+static void set_size(const gl_renderer* r, const made_splats* s, float size)
+{
+    float width = (float)r->target.width, height = (float)r->target.height;
+    item_block item = {.kind = KIND_SURFELS,
+                       .radius_px = 0.5f * size,
+                       .center_x = 0.5f * width,
+                       .center_y = 0.5f * height,
+                       .inverse_scale = 1.0f / height,
+                       .slope_factor = 1.0f / height,
+                       .rim_depth = 4.0f,
+                       .back_depth = 2.0f,
+                       .near_w = -1.0f,
+                       .nearness_limit = 1.0f,
+                       .count = s->count,
+                       .colors = 2 * s->count};
+    item.rows[0][0] = width / 65536.0f;
+    item.rows[1][1] = height / 65536.0f;
+    item.rows[2][2] = 1e-6f;
+    item.rows[2][3] = 0.4f;
+    item.rows[3][3] = 1.0f;
+    item.turn[0][0] = item.turn[1][1] = item.turn[2][2] = 1.0f;
+    r->gl.NamedBufferSubData(s->buffer, s->items, sizeof(item), &item);
+}
+
+static void bind_splats(gl_renderer* r, const made_splats* s)
+{
+    const stp_gl* gl = &r->gl;
+    gl_bind_frame(r);
+    gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_PAGES, s->buffer, 0, s->items);
+    gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_ITEMS, s->buffer, s->items,
+                        sizeof(item_block));
+    gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_RECORDS, s->buffer, s->records,
+                        s->commands * (GLsizeiptr)sizeof(record_block));
+}
+
+static stp_result draw_way(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source)
+{
+    stp_result result = STP_OK;
+    gl_splat_pass_begin(r);
+    if (way == STP_GL_SPLATS_POINTS) {
+        gl_splat_pass_points(r, source);
+    } else {
+        result = gl_raster_pass_draw(r, source, way == STP_GL_SPLATS_COMPUTE64);
+        gl_set_visible_state(r);
+    }
+    return result;
+}
+
+/// Nanoseconds: the least of some times, once all is compiled and in its place.
+static stp_result time_way(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source,
+                           const GLuint queries[2], double* best)
+{
+    const stp_gl* gl = &r->gl;
+    const GLfloat far = 0.0f;
+    stp_result result = STP_OK;
+    *best = HUGE_VAL;
+    for (int i = 0; i <= REPEATS && result == STP_OK; ++i) {
+        GLuint64 begin = 0, end = 0;
+        gl->ClearNamedFramebufferfv(r->target.framebuffer, GL_DEPTH, 0, &far);
+        gl->QueryCounter(queries[0], GL_TIMESTAMP);
+        result = draw_way(r, way, source);
+        gl->QueryCounter(queries[1], GL_TIMESTAMP);
+        gl->GetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begin);
+        gl->GetQueryObjectui64v(queries[1], GL_QUERY_RESULT, &end);
+        *best = i > 0 ? fmin(*best, (double)(end - begin)) : *best;
+    }
+    return result;
+}
+
+static stp_result measure_way(gl_renderer* r, stp_gl_splats way, const made_splats* s,
+                              const GLuint queries[2])
+{
+    gl_splat_choice* c = &r->splat_choice;
+    int at = (int)way - 1;
+    stp_result result = STP_OK;
+    if (way != STP_GL_SPLATS_POINTS) {
+        gl_splat_source nothing = s->source;
+        nothing.groups = 0;
+        bind_splats(r, s);
+        result = time_way(r, way, &nothing, queries, &c->fixed_ns[at]);
+    }
+    for (int i = 0; i < SPLAT_SIZES && result == STP_OK; ++i) {
+        double all = 0.0;
+        set_size(r, s, gl_splat_sizes[i]);
+        bind_splats(r, s);
+        result = time_way(r, way, &s->source, queries, &all);
+        // nothing is for nothing
+        c->splat_ns[at][i] = fmax(all - c->fixed_ns[at], 1.0) / (double)s->count;
+    }
+    return result;
+}
+
+static bool has_way(const gl_renderer* r, stp_gl_splats way)
+{
+    return way != STP_GL_SPLATS_COMPUTE64 || r->raster.wide != 0;
+}
+
+stp_result gl_splat_choice_measure(gl_renderer* r)
+{
+    gl_splat_choice* c = &r->splat_choice;
+    const stp_gl* gl = &r->gl;
+    made_splats splats;
+    GLuint queries[2];
+    if (c->measured || c->wanted != STP_GL_SPLATS_AUTO ||
+        r->frame.commands[GL_COMMANDS_SPLATS].count == 0) {
+        return STP_OK;
+    }
+    uint32_t draw_calls = r->draw_calls, dispatches = r->dispatches;
+    stp_result result = make_splats(r, &splats);
+    if (result != STP_OK) {
+        return result;
+    }
+    gl->CreateQueries(GL_TIMESTAMP, 2, queries);
+    gl_set_visible_state(r);
+    for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE64 && result == STP_OK;
+         ++way) {
+        result = has_way(r, (stp_gl_splats)way)
+                     ? measure_way(r, (stp_gl_splats)way, &splats, queries)
+                     : STP_OK;
+    }
+    gl->DeleteQueries(2, queries);
+    gl->DeleteBuffers(1, &splats.buffer);
+    c->measured = result == STP_OK;
+    c->pixels = (uint64_t)r->target.width * r->target.height;
+    r->draw_calls = draw_calls;
+    r->dispatches = dispatches;
+    return result;
+}
+
+/// Nanoseconds a splat of a size, between those that were measured.
+static double price(const double* splat_ns, float size)
+{
+    int i = 0;
+    while (i + 2 < SPLAT_SIZES && size > gl_splat_sizes[i + 1]) {
+        i += 1;
+    }
+    double part = ((double)size - (double)gl_splat_sizes[i]) /
+                  ((double)gl_splat_sizes[i + 1] - (double)gl_splat_sizes[i]);
+    part = fmin(fmax(part, 0.0), 1.0);
+    return splat_ns[i] + part * (splat_ns[i + 1] - splat_ns[i]);
+}
+
+stp_gl_splats gl_splat_choice_find(const gl_renderer* r, uint64_t splats, float size)
+{
+    const gl_splat_choice* c = &r->splat_choice;
+    if (c->wanted != STP_GL_SPLATS_AUTO || !c->measured) {
+        return c->wanted != STP_GL_SPLATS_AUTO ? c->wanted : STP_GL_SPLATS_POINTS;
+    }
+    stp_gl_splats best = STP_GL_SPLATS_POINTS;
+    double pixels = (double)r->target.width * (double)r->target.height / (double)c->pixels;
+    double least = HUGE_VAL;
+    for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE64; ++way) {
+        double took =
+            c->fixed_ns[way - 1] * pixels + (double)splats * price(c->splat_ns[way - 1], size);
+        if (has_way(r, (stp_gl_splats)way) && took < least) {
+            least = took;
+            best = (stp_gl_splats)way;
+        }
+    }
+    return best;
+}
+
+/// Where the frame's commands lie; the first groups of each are sent too.
+static stp_result make_source(gl_renderer* r, bool groups, gl_splat_source* source)
+{
+    const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
+    gl_ring_part part;
+    *source = (gl_splat_source){.buffer = r->frame.ring.buffer,
+                                .offset = commands->offset,
+                                .count_offset = commands->count_offset,
+                                .count = (uint32_t)commands->count};
+    if (!groups) {
+        return STP_OK;
+    }
+    if (!gl_ring_take(&r->gl, &r->frame.ring, commands->count * sizeof(uint32_t), &part)) {
+        return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
+                        "gl: there is no graphics memory for a frame's %zu commands",
+                        commands->count);
+    }
+    uint32_t* first = part.memory;
+    for (size_t i = 0; i < commands->count; ++i) {
+        first[i] = (uint32_t)source->groups;
+        source->groups += gl_raster_groups(commands->commands[i].count);
+    }
+    source->groups_offset = part.offset;
+    return STP_OK;
+}
+
+stp_result gl_splat_choice_draw(gl_renderer* r)
+{
+    gl_splat_choice* c = &r->splat_choice;
+    if (r->frame.commands[GL_COMMANDS_SPLATS].count == 0) {
+        return STP_OK;
+    }
+    float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
+    c->used = gl_splat_choice_find(r, r->list->splat_count, r->list->splat_size * scale);
+    gl_splat_source source;
+    stp_result result = make_source(r, c->used != STP_GL_SPLATS_POINTS, &source);
+    result = result == STP_OK ? draw_way(r, c->used, &source) : result;
+    if (result == STP_OK) {
+        gl_splat_pass_large(r);
+        gl_bind_frame(r);
+    }
+    return result;
+}
+
+stp_result stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats)
+{
+    gl_renderer* r = (gl_renderer*)renderer;
+    if (splats == STP_GL_SPLATS_COMPUTE64 && !gl_raster_has_wide(&r->gl)) {
+        return stp_fail(renderer->context, STP_ERROR_UNSUPPORTED,
+                        "gl: %s has no 64-bit atomic operations (GL_NV_shader_atomic_int64)",
+                        r->device);
+    }
+    r->splat_choice.wanted = splats;
+    return STP_OK;
+}
+
+_Static_assert((int)SPLAT_SIZES == (int)STP_GL_SPLAT_SIZES, "sizes that are told");
+
+stp_draw_gl_speed stp_draw_gl_get_speed(const stp_renderer* renderer)
+{
+    const gl_splat_choice* c = &((const gl_renderer*)renderer)->splat_choice;
+    stp_draw_gl_speed speed = {.sizes = {0}};
+    memcpy(speed.sizes, gl_splat_sizes, sizeof(speed.sizes));
+    memcpy(speed.splat_ns, c->splat_ns, sizeof(speed.splat_ns));
+    memcpy(speed.fixed_ns, c->fixed_ns, sizeof(speed.fixed_ns));
+    return speed;
+}

@@ -1,0 +1,158 @@
+#ifdef WIDE
+#extension GL_ARB_gpu_shader_int64 : require
+#extension GL_NV_shader_atomic_int64 : require
+#endif
+// Splats drawn without the pipeline: each thread sets up one and draws its pixels, and all threads of a group together draw
+// those that cover many. Nearness is at least 0, so its bits are ordered as it is.
+#include "lib_pixels.glsl"
+#include "lib_conic.glsl"
+#include "lib_fragment.glsl"
+
+layout(local_size_x = RASTER_GROUP) in;
+
+layout(std430, binding = BINDING_RASTER_COMMANDS) readonly buffer Commands { uvec4 commands[]; };
+// The first group of each command, and how many there are in all.
+layout(std430, binding = BINDING_RASTER_GROUPS) readonly buffer Groups { uint first_groups[]; };
+layout(std430, binding = BINDING_LARGE) buffer Large {
+    uint large_vertices, large_count, large_first, large_base;
+    uvec2 large_places[];
+};
+
+layout(location = 0) uniform uint command_count;
+#ifndef WIDE
+layout(location = 1) uniform uint stage; // 0: nearness, 1: ids
+#endif
+
+shared uint group_command;
+shared uint crowd_count;             // splats that all threads draw together
+shared uint crowd[RASTER_GROUP];
+
+void store(ivec2 pixel, float nearness, uint id)
+{
+    uint width = uint(view.size.x), at = uint(pixel.y) * width + uint(pixel.x);
+#ifdef WIDE
+    uint64_t value = packUint2x32(uvec2(id, ~floatBitsToUint(nearness)));
+    if (value < pixels[at]) { // what was there may be nearer by now: then nothing is changed
+        atomicMin(pixels[at], value);
+    }
+#else
+    uint bits = floatBitsToUint(nearness);
+    if (stage == 0u) {
+        if (bits > pixels[at]) {
+            atomicMax(pixels[at], bits);
+        }
+    } else if (bits == pixels[at]) {
+        atomicMin(pixels[width * uint(view.size.y) + at], id);
+    }
+#endif
+}
+
+ivec4 clip_box(const splat_shape s)
+{
+    ivec4 box = ivec4(shape_box(s));
+    return ivec4(max(box.xy, ivec2(0)), min(box.zw, ivec2(view.size.xy) - 1));
+}
+
+void draw_pixel(const splat_shape s, uvec3 hashed, ivec2 pixel)
+{
+    float nearness;
+    ivec2 place = pixel - ivec2(floor(s.center.xy));
+    if (has_pixel(s.center, s.conic, s.conic2, s.depths, hashed, vec2(pixel) + 0.5, place, nearness)) {
+        store(pixel, nearness, hashed.x);
+    }
+}
+
+void leave(uint record, uint local)
+{
+#ifndef WIDE
+    if (stage != 0u) {
+        return;
+    }
+#endif
+    uint at = atomicAdd(large_count, 1u);
+    if (at < uint(LARGE_MOST)) {
+        large_places[at] = uvec2(record, local);
+    }
+}
+
+// The last command whose first group is not above `group`.
+uint find_command(uint group)
+{
+    uint low = 0u, high = command_count;
+    while (high - low > 1u) {
+        uint middle = low + (high - low) / 2u;
+        if (first_groups[middle] <= group) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// One thread's splat. @return whether it is left to all of the group
+bool draw_alone(uint number, const record_block record, const item_block item, uint local)
+{
+    splat_shape s;
+    uint shape = shape_splat(record, item, place_splat(record, item, local), s), index = record.first + local;
+    if (shape == SHAPE_NONE) {
+        return false;
+    }
+    if (shape == SHAPE_LARGE) {
+        leave(number, local);
+        return false;
+    }
+    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));
+    if (shape == SHAPE_PIXEL) {
+        draw_pixel(s, hashed, ivec2(floor(s.center.xy)));
+        return false;
+    }
+    ivec4 box = clip_box(s);
+    ivec2 size = box.zw - box.xy + 1;
+    if (any(lessThan(size, ivec2(1)))) {
+        return false;
+    }
+    if (size.x * size.y > RASTER_ALONE) {
+        return true;
+    }
+    for (int y = box.y; y <= box.w; ++y) {
+        for (int x = box.x; x <= box.z; ++x) {
+            draw_pixel(s, hashed, ivec2(x, y));
+        }
+    }
+    return false;
+}
+
+void draw_together(const record_block record, const item_block item, uint local)
+{
+    splat_shape s;
+    uint index = record.first + local;
+    shape_splat(record, item, place_splat(record, item, local), s);
+    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));
+    ivec4 box = clip_box(s);
+    ivec2 size = box.zw - box.xy + 1;
+    for (int at = int(gl_LocalInvocationIndex); at < size.x * size.y; at += RASTER_GROUP) {
+        draw_pixel(s, hashed, box.xy + ivec2(at % size.x, at / size.x));
+    }
+}
+
+void main()
+{
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (gl_LocalInvocationIndex == 0u) {
+        group_command = find_command(group);
+        crowd_count = 0u;
+    }
+    barrier();
+    uvec4 command = commands[group_command];
+    uint local = (group - first_groups[group_command]) * uint(RASTER_GROUP) + gl_LocalInvocationIndex;
+    record_block record = records[command.w];
+    item_block item = items[record.item];
+    if (local < command.x && draw_alone(command.w, record, item, local)) { // groups beyond the last one draw nothing
+        crowd[atomicAdd(crowd_count, 1u)] = local;
+    }
+    barrier();
+    for (uint i = 0u; i < crowd_count; ++i) {
+        draw_together(record, item, crowd[i]);
+    }
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// A small scene drawn by both backends. Without OpenGL there is none of it: tests skip.
+#pragma once
+
+#include "draw/draw_gl.h"
+#include "draw/support_picture.h"
+#include "present/headless.h"
+
+typedef struct made_gl {
+    made_picture picture; ///< its renderer is the processor's
+    stp_headless headless;
+    stp_renderer* renderer;
+    uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
+} made_gl;
+
+/// Sheets of surfels that lie across each other, some with holes, and one square without surfels.
+/// @return false where there is no OpenGL, or something failed: *failed then is true
+bool made_gl_begin(made_gl* m, bool* failed);
+/// Draws with OpenGL into `pixels`; a debug message of an error fails it.
+stp_result made_gl_draw(made_gl* m);
+void made_gl_end(made_gl* m);
+
+/// Pixels that differ by more than so many levels in some channel.
+int made_count_different(const uint8_t* a, const uint8_t* b, int levels);

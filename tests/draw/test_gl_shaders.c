@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// Shaders that need what this machine's driver may not have are at least understood by a compiler that knows it:
+// glslangValidator, where it is installed.
+#include "tests.h"
+
+#include "draw/gl/program.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct checked_shader {
+    const char *name, *defines;
+} checked_shader;
+
+#define PAGES(count) "#define PAGE_COUNT " #count "\n#define PAGE_SHIFT 28\n"
+
+/// @return the compiler's status, 0 where it has nothing to say
+static int compile(stp_context* context, const checked_shader* shader)
+{
+    const char* folder = getenv("TMPDIR");
+    char path[512], command[1200];
+    const char* stage = strstr(shader->name, ".comp.") != NULL   ? "comp"
+                        : strstr(shader->name, ".vert.") != NULL ? "vert"
+                                                                 : "frag";
+    char* text = gl_program_text(context, shader->name, shader->defines);
+    if (text == NULL) {
+        return -1;
+    }
+    snprintf(path, sizeof(path), "%s/stipple_%d.%s", folder != NULL ? folder : "/tmp",
+             (int)getpid(), stage);
+    FILE* file = fopen(path, "w");
+    bool written = file != NULL && fputs(text, file) >= 0;
+    written = file != NULL && fclose(file) == 0 && written;
+    stp_free(context, text);
+    snprintf(command, sizeof(command), "glslangValidator -S %s %s > /dev/null", stage, path);
+    int status = written ? system(command) : -1;
+    unlink(path);
+    return status;
+}
+
+void test_gl_shaders_are_glsl(test_state* test)
+{
+    static const checked_shader shaders[] = {
+        {"raster.comp.glsl", PAGES(1)},
+        {"raster.comp.glsl", PAGES(8)},
+        {"raster.comp.glsl", "#define WIDE\n" PAGES(1)},
+        {"raster.comp.glsl", "#define WIDE\n" PAGES(8)},
+        {"merge.frag.glsl", "#define WIDE\n"},
+        {"merge.frag.glsl", ""},
+        {"splat.vert.glsl", PAGES(2)},
+        {"splat.frag.glsl", PAGES(2)},
+        {"large.vert.glsl", PAGES(2)},
+        {"large.frag.glsl", PAGES(2)},
+        {"triangle.vert.glsl", PAGES(2)},
+        {"triangle.frag.glsl", "#define KEEP\n" PAGES(2)},
+        {"shade.comp.glsl", PAGES(2)},
+        {"screen.vert.glsl", ""},
+    };
+    if (system("glslangValidator --version > /dev/null 2>&1") != 0) {
+        SKIP("there is no glslangValidator (package glslang-tools)");
+    }
+    stp_context* context = test_context(NULL, 1, NULL);
+    for (size_t i = 0; i < sizeof(shaders) / sizeof(shaders[0]); ++i) {
+        int status = compile(context, &shaders[i]);
+        if (status != 0) {
+            printf("%s %s\n", shaders[i].name, shaders[i].defines);
+        }
+        CHECK_EQUAL(0, status);
+    }
+    // and it does look
+    const checked_shader wrong = {"raster.comp.glsl",
+                                  "#define PAGE_COUNT 1\n#define store store ?\n"};
+    CHECK(compile(context, &wrong) != 0);
+    stp_context_destroy(context);
+}
