@@ -45,7 +45,7 @@ def describe(given, name, flown, budget):
 
 
 def put_panel(drawing, top, title, results, key, mark):
-    high = kit.round_up(max([mark, *(kit.rank(r["figures"][key], 0.995) for r in results)])) # what sticks out is cut off
+    high = kit.round_axis(max([mark, *(kit.rank(r["figures"][key], 0.995) for r in results)])) # what sticks out is cut off
     times = results[0]["figures"]["times"]
     across = (WIDTH - LEFT - 20) / max(1e-9, times[-1] - times[0])
     drawing.text(LEFT, top - 8, title, more='font-weight="bold"')
@@ -102,4 +102,5 @@ def main():
     kit.keep(f"controllers{suffix}", results, given.out)
 
 
-main()
+if __name__ == "__main__":
+    main()

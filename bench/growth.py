@@ -25,7 +25,7 @@ def plot(results, path):
     drawing = kit.Drawing(WIDTH, TOP + HEIGHT + BOTTOM)
     xs = [math.log10(r["params"]["triangles"]) for r in results]
     low, high = math.floor(min(xs)), math.ceil(max(xs))
-    top = kit.round_up(max(r["figures"]["frame_ms_p95"] for r in results))
+    top = kit.round_axis(max(r["figures"]["frame_ms_p95"] for r in results))
 
     def place(x, ms):
         return LEFT + (x - low) / (high - low) * (WIDTH - LEFT - 20), TOP + HEIGHT * (1 - ms / top)

@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-STIPPLE = pathlib.Path(os.environ.get("STIPPLE", ROOT / "build/release/tools/stipple"))
+STIPPLE = pathlib.Path(os.environ.get("STIPPLE", ROOT / "build/release/tools/stipple")).absolute()
 COLORS = ("#4c72b0", "#dd8452", "#55a868", "#8172b3", "#c44e52", "#937860", "#64b5cd")
 
 
@@ -132,6 +132,8 @@ def keep(name, results, out=None, silent=False):
 def read_results(path):
     """What `keep` wrote; nothing where the file is not there."""
     path = pathlib.Path(path)
+    if not path.exists():
+        say(f"{path}: is not there, and left out")
     return json.loads(path.read_text(encoding="utf-8"))["results"] if path.exists() else []
 
 
@@ -166,6 +168,12 @@ def round_up(value):
     """1, 2 or 5 times a power of ten, at least `value`."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(step * power for step in (1, 2, 5, 10) if step * power >= value * (1 - 1e-9))
+
+
+def round_axis(value):
+    """A round number, a quarter of which is short, too, at least `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(step * power for step in (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10) if step * power >= value * (1 - 1e-9))
 
 
 class Drawing:

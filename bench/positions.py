@@ -147,6 +147,7 @@ def main():
                      kit.short(f["splats_p50"]), kit.short(f["triangles_p50"])])
     kit.table(["place", "positions", "pictures", "25 %", "median", "75 %", "95 %", "99 %", "max", "first frame", "splats", "triangles"], rows)
     plot(results, given.images / "frame-times.svg", given.line)
+    print("\n![Frame times as box and violin plots](images/frame-times.svg)")
 
 
 if __name__ == "__main__":
