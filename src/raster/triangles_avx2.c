@@ -13,6 +13,9 @@ typedef int32_t lanes_int __attribute__((vector_size(32)));
 typedef uint32_t lanes_uint __attribute__((vector_size(32)));
 typedef float lanes_float __attribute__((vector_size(32)));
 typedef double lanes_double __attribute__((vector_size(64)));
+// half as many
+typedef double lanes_real __attribute__((vector_size(32)));
+typedef int64_t lanes_long __attribute__((vector_size(32)));
 
 static inline lanes_int lanes_index(void)
 {
@@ -67,6 +70,11 @@ static inline uint32_t lanes_sign_bits(lanes_int a)
     return (uint32_t)_mm256_movemask_ps((__m256)a);
 }
 
+static inline uint32_t lanes_long_bits(lanes_long a)
+{
+    return (uint32_t)_mm256_movemask_pd((__m256d)a);
+}
+
 static inline lanes_int lanes_round(lanes_float a)
 {
     return (lanes_int)_mm256_cvtps_epi32((__m256)a);
@@ -79,6 +87,13 @@ static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearne
         uint64_t pixel = (uint64_t) ~(uint32_t)nearness[lane] << 32 | id;
         pixels[lane] = pixel < pixels[lane] ? pixel : pixels[lane];
     }
+}
+
+static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t bits,
+                                      lanes_int nearness, uint32_t id)
+{
+    (void)stride; // one row is all there is
+    lanes_write(pixels, bits, nearness, id);
 }
 
 #include "raster/triangles_lanes.h"

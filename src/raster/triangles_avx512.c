@@ -15,6 +15,9 @@ typedef int32_t lanes_int __attribute__((vector_size(64)));
 typedef uint32_t lanes_uint __attribute__((vector_size(64)));
 typedef float lanes_float __attribute__((vector_size(64)));
 typedef double lanes_double __attribute__((vector_size(128)));
+// half as many
+typedef double lanes_real __attribute__((vector_size(64)));
+typedef int64_t lanes_long __attribute__((vector_size(64)));
 
 static inline lanes_int lanes_index(void)
 {
@@ -68,6 +71,11 @@ static inline uint32_t lanes_sign_bits(lanes_int a)
     return (uint32_t)_mm512_movepi32_mask((__m512i)a);
 }
 
+static inline uint32_t lanes_long_bits(lanes_long a)
+{
+    return (uint32_t)_mm512_movepi64_mask((__m512i)a);
+}
+
 static inline lanes_int lanes_round(lanes_float a)
 {
     return (lanes_int)_mm512_cvtps_epi32((__m512)a);
@@ -86,6 +94,19 @@ static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearne
     write_half(pixels, (__mmask8)bits, _mm512_castsi512_si256(far), ids);
     if (bits >> 8 != 0) {
         write_half(pixels + 8, (__mmask8)(bits >> 8), _mm512_extracti64x4_epi64(far, 1), ids);
+    }
+}
+
+/// Writes pixels of two rows, eight in each.
+static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t bits,
+                                      lanes_int nearness, uint32_t id)
+{
+    __m512i far = (__m512i)~nearness, ids = _mm512_set1_epi64((long long)id);
+    if ((bits & 0xFF) != 0) {
+        write_half(pixels, (__mmask8)bits, _mm512_castsi512_si256(far), ids);
+    }
+    if (bits >> 8 != 0) {
+        write_half(pixels + stride, (__mmask8)(bits >> 8), _mm512_extracti64x4_epi64(far, 1), ids);
     }
 }
 

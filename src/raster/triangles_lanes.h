@@ -5,10 +5,11 @@
 //
 // Most triangles of a capture are smaller than a pixel and hit no pixel centre; they leave after
 // the test of their bounding box, LANES at a time. Tiny ones are drawn LANES
-// triangles at a time, pixel by pixel; larger ones one at a time, LANES pixels of a row at once.
+// triangles at a time, pixel by pixel; larger ones one at a time (triangles_spans.h, triangles_large.h).
 #pragma once
 
 #include "raster/triangles_internal.h"
+#include "raster/triangles_large.h"
 
 enum { TINY_WIDTH = 4, TINY_HEIGHT = 8 };
 
@@ -65,194 +66,31 @@ static void find_range(const uint32_t* indices, size_t count, uint32_t* least, u
     *most = high;
 }
 
-/// The nearness of small triangles from their edge functions opposite to corners 1 and 2; `along` holds the
-/// differences of nearness from corner 0 to these corners.
-static inline lanes_float small_nearness(lanes_uint edge1, lanes_uint edge2,
-                                         lanes_float inverse_area, lanes_float n0,
-                                         const lanes_float along[2], lanes_float low,
-                                         lanes_float high)
-{
-    lanes_float w1 = __builtin_convertvector((lanes_int)edge1, lanes_float);
-    lanes_float w2 = __builtin_convertvector((lanes_int)edge2, lanes_float);
-    lanes_float nearness = n0 + (w1 * inverse_area) * along[0];
-    nearness = nearness + (w2 * inverse_area) * along[1];
-    nearness = lanes_select_float(nearness > low, nearness, low);
-    return lanes_select_float(nearness < high, nearness, high);
-}
-
-/// Pixels whose centres may be inside, ends included.
-typedef struct pixel_box {
-    int32_t left, right, top, bottom;
-} pixel_box;
-
-/// A small triangle, walked in lines: rows where it is wide, columns where it is high. LANES pixels
-/// of a line are looked at together.
-typedef struct small_walk {
-    lanes_uint at[3];    ///< edge functions with bias at the first LANES pixels of a line
-    uint32_t onwards[3]; ///< from there to the next LANES pixels
-    uint32_t across[3];  ///< from line to line
-    uint32_t bias[3];
-    lanes_float n0, along[2], inverse_area, low, high;
-} small_walk;
-
-/// Columns pay where rows would fill a quarter of a vector at most: their pixels are written one by one.
-static inline bool goes_in_columns(const pixel_box* box)
-{
-    int32_t width = box->right - box->left;
-    return width < TINY_WIDTH && box->bottom - box->top > width;
-}
-
-/// Edge k, opposite to corner k: its value with bias at the box's first pixel, and its extent.
-static inline void set_edge(small_walk* walk, int k, uint32_t first, uint32_t dx, uint32_t dy,
-                            uint32_t bias, bool in_columns)
-{
-    uint32_t step_x = 0U - dy * STP_SUBPIXEL, step_y = dx * STP_SUBPIXEL;
-    uint32_t step = in_columns ? step_y : step_x;
-    walk->at[k] = (lanes_uint)lanes_index() * step + first;
-    walk->onwards[k] = step * LANES;
-    walk->across[k] = in_columns ? step_x : step_y;
-    walk->bias[k] = bias;
-}
-
-static inline lanes_int walk_nearness(const small_walk* walk, lanes_uint edge1, lanes_uint edge2)
-{
-    return (lanes_int)small_nearness(edge1 - walk->bias[1], edge2 - walk->bias[2],
-                                     walk->inverse_area, walk->n0, walk->along, walk->low,
-                                     walk->high);
-}
-
-static void draw_rows(const stp_triangle_window* window, const pixel_box* box,
-                      const small_walk* start, uint32_t id)
-{
-    small_walk walk = *start; // a copy that no store of pixels can touch
-    uint64_t fragments = 0;
-    for (int32_t row = box->top; row <= box->bottom; ++row) {
-        uint64_t* pixels = stp_triangle_row(window, row);
-        lanes_uint e0 = walk.at[0], e1 = walk.at[1], e2 = walk.at[2];
-        for (int32_t column = box->left; column <= box->right; column += LANES) {
-            lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (column + lanes_index() <= box->right);
-            uint32_t bits = lanes_sign_bits(inside);
-            if (bits != 0) {
-                lanes_write(pixels + column, bits, walk_nearness(&walk, e1, e2), id);
-                fragments += (uint64_t)__builtin_popcount(bits);
-            }
-            e0 += walk.onwards[0];
-            e1 += walk.onwards[1];
-            e2 += walk.onwards[2];
-        }
-        for (int k = 0; k < 3; ++k) {
-            walk.at[k] += walk.across[k];
-        }
-    }
-    *window->fragments += fragments;
-}
-
-/// Like lanes_write, but down a column.
-static inline void write_column(uint64_t* pixels, size_t stride, uint32_t bits, lanes_int nearness,
-                                uint32_t id)
-{
-    int32_t depth[LANES];
-    memcpy(depth, &nearness, sizeof(depth));
-    for (; bits != 0; bits &= bits - 1) {
-        size_t lane = (size_t)__builtin_ctz(bits);
-        uint64_t pixel = (uint64_t) ~(uint32_t)depth[lane] << 32 | id;
-        uint64_t* place = pixels + lane * stride;
-        *place = pixel < *place ? pixel : *place;
-    }
-}
-
-static void draw_columns(const stp_triangle_window* window, const pixel_box* box,
-                         const small_walk* start, uint32_t id)
-{
-    small_walk walk = *start; // a copy that no store of pixels can touch
-    for (int32_t column = box->left; column <= box->right; ++column) {
-        lanes_uint e0 = walk.at[0], e1 = walk.at[1], e2 = walk.at[2];
-        for (int32_t row = box->top; row <= box->bottom; row += LANES) {
-            lanes_int inside = ~(lanes_int)(e0 | e1 | e2) & (row + lanes_index() <= box->bottom);
-            uint32_t bits = lanes_sign_bits(inside);
-            if (bits != 0) {
-                write_column(stp_triangle_row(window, row) + column, window->stride, bits,
-                             walk_nearness(&walk, e1, e2), id);
-                *window->fragments += (uint64_t)__builtin_popcount(bits);
-            }
-            e0 += walk.onwards[0];
-            e1 += walk.onwards[1];
-            e2 += walk.onwards[2];
-        }
-        for (int k = 0; k < 3; ++k) {
-            walk.at[k] += walk.across[k];
-        }
-    }
-}
-
-static inline void draw_walk(const stp_triangle_window* window, const pixel_box* box,
-                             const small_walk* walk, uint32_t id)
-{
-    if (goes_in_columns(box)) {
-        draw_columns(window, box, walk, id);
-    } else {
-        draw_rows(window, box, walk, id);
-    }
-}
-
 /// A small triangle by itself.
 static void draw_small(const stp_triangle_window* window, const stp_triangle_setup* setup,
                        uint32_t id)
 {
     pixel_box box = {setup->left, setup->right, setup->top, setup->bottom};
-    small_walk walk;
+    float n0 = setup->corner[0].nearness;
+    span_walk walk = {
+        .n0 = n0,
+        .along = {setup->corner[1].nearness - n0, setup->corner[2].nearness - n0},
+        .inverse_area = 1.0f / (float)setup->area,
+        .low = setup->low,
+        .high = setup->high,
+    };
     for (int k = 0; k < 3; ++k) {
         stp_triangle_edge edge =
             stp_triangle_edge_make(setup->corner[(k + 1) % 3], setup->corner[(k + 2) % 3]);
         int64_t first = stp_triangle_edge_at(&edge, setup->left, setup->top) + edge.bias;
-        set_edge(&walk, k, (uint32_t)first, (uint32_t)edge.dx, (uint32_t)edge.dy,
-                 (uint32_t)edge.bias, goes_in_columns(&box));
+        int32_t fall = (int32_t)edge.dy * STP_SUBPIXEL;
+        walk.at[k] = (uint32_t)first;
+        walk.fall[k] = fall;
+        walk.down[k] = (uint32_t)edge.dx * STP_SUBPIXEL;
+        walk.bias[k] = (uint32_t)edge.bias;
+        walk.inverse[k] = fall != 0 ? 1.0f / (float)(fall < 0 ? -fall : fall) : SPAN_NO_FALL;
     }
-    const lanes_float zero = {0};
-    float n0 = setup->corner[0].nearness;
-    walk.n0 = zero + n0;
-    walk.along[0] = zero + (setup->corner[1].nearness - n0);
-    walk.along[1] = zero + (setup->corner[2].nearness - n0);
-    walk.inverse_area = zero + 1.0f / (float)setup->area;
-    walk.low = zero + setup->low;
-    walk.high = zero + setup->high;
     draw_walk(window, &box, &walk, id);
-}
-
-static void draw_large(const stp_triangle_window* window, const stp_triangle_setup* setup,
-                       uint32_t id)
-{
-    stp_triangle_edge edges[3];
-    for (int k = 0; k < 3; ++k) {
-        edges[k] = stp_triangle_edge_make(setup->corner[k], setup->corner[(k + 1) % 3]);
-    }
-    stp_triangle_plane plane = stp_triangle_plane_make(setup);
-    const lanes_float zero = {0};
-    float low = setup->low, high = setup->high;
-    const lanes_float lowest = zero + low, highest = zero + high;
-    const lanes_double steps = __builtin_convertvector(lanes_index(), lanes_double);
-    uint64_t fragments = 0;
-    for (int32_t row = setup->top; row <= setup->bottom; ++row) {
-        int64_t first = setup->left, last = setup->right;
-        for (int k = 0; k < 3; ++k) {
-            stp_triangle_edge_narrow(&edges[k], row, &first, &last);
-        }
-        uint64_t* pixels = stp_triangle_row(window, row);
-        double row_nearness = stp_triangle_plane_row(&plane, row);
-        for (int64_t column = first; column <= last; column += LANES) { // as stp_triangle_plane_at
-            lanes_double x = (steps + (double)column) * (double)STP_SUBPIXEL;
-            x += (double)STP_SUBPIXEL_HALF;
-            lanes_double at = row_nearness + plane.along_x * (x - plane.x);
-            lanes_float nearness = __builtin_convertvector(at, lanes_float);
-            nearness = lanes_select_float(nearness > low, nearness, lowest);
-            nearness = lanes_select_float(nearness < high, nearness, highest);
-            int64_t left = last - column + 1;
-            uint32_t bits = left < LANES ? (1U << left) - 1 : LANES_ALL;
-            lanes_write(pixels + column, bits, (lanes_int)nearness, id);
-        }
-        fragments += last < first ? 0 : (uint64_t)(last - first) + 1;
-    }
-    *window->fragments += fragments;
 }
 
 static void draw_one(const stp_triangle_window* window, const stp_screen_vertex corners[3],
@@ -376,21 +214,32 @@ static void draw_tiny(const stp_triangle_window* window, const batch* b, batch_s
 static void draw_medium(const stp_triangle_window* window, const batch* b, const batch_setup* setup,
                         uint32_t lanes, uint32_t first_id)
 {
-    const lanes_float zero = {0};
+    const lanes_float none = (lanes_float){0} + SPAN_NO_FALL;
+    lanes_int fall[3];
+    lanes_float inverse[3];
+    for (int k = 0; k < 3 && lanes != 0; ++k) {
+        fall[k] = (lanes_int)setup->dy[k] * STP_SUBPIXEL;
+        lanes_int amount = lanes_max(fall[k], -fall[k]);
+        inverse[k] = 1.0f / __builtin_convertvector(amount, lanes_float);
+        inverse[k] = lanes_select_float(amount == 0, none, inverse[k]);
+    }
     for (; lanes != 0; lanes &= lanes - 1) {
         int lane = __builtin_ctz(lanes);
         pixel_box box = {b->left[lane], b->left[lane] + b->width[lane], b->top[lane],
                          b->top[lane] + b->height[lane]};
-        small_walk walk = {
-            .n0 = zero + setup->n0[lane],
-            .along = {zero + setup->along[0][lane], zero + setup->along[1][lane]},
-            .inverse_area = zero + setup->inverse_area[lane],
-            .low = zero + setup->low[lane],
-            .high = zero + setup->high[lane],
+        span_walk walk = {
+            .n0 = setup->n0[lane],
+            .along = {setup->along[0][lane], setup->along[1][lane]},
+            .inverse_area = setup->inverse_area[lane],
+            .low = setup->low[lane],
+            .high = setup->high[lane],
         };
         for (int k = 0; k < 3; ++k) {
-            set_edge(&walk, k, setup->at[k][lane], setup->dx[k][lane], setup->dy[k][lane],
-                     setup->bias[k][lane], goes_in_columns(&box));
+            walk.at[k] = setup->at[k][lane];
+            walk.fall[k] = fall[k][lane];
+            walk.down[k] = setup->dx[k][lane] * STP_SUBPIXEL;
+            walk.bias[k] = setup->bias[k][lane];
+            walk.inverse[k] = inverse[k][lane];
         }
         draw_walk(window, &box, &walk, first_id + (uint32_t)lane);
     }

@@ -9,6 +9,9 @@ typedef int32_t lanes_int __attribute__((vector_size(16)));
 typedef uint32_t lanes_uint __attribute__((vector_size(16)));
 typedef float lanes_float __attribute__((vector_size(16)));
 typedef double lanes_double __attribute__((vector_size(32)));
+// half as many
+typedef double lanes_real __attribute__((vector_size(16)));
+typedef int64_t lanes_long __attribute__((vector_size(16)));
 
 static inline lanes_int lanes_index(void)
 {
@@ -56,6 +59,11 @@ static inline uint32_t lanes_sign_bits(lanes_int a)
     return bits[0] | bits[1] << 1 | bits[2] << 2 | bits[3] << 3;
 }
 
+static inline uint32_t lanes_long_bits(lanes_long a)
+{
+    return (uint32_t)((uint64_t)a[0] >> 63 | (uint64_t)a[1] >> 63 << 1);
+}
+
 static inline lanes_int lanes_round(lanes_float a)
 {
     lanes_int out;
@@ -72,6 +80,13 @@ static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearne
         uint64_t pixel = (uint64_t) ~(uint32_t)nearness[lane] << 32 | id;
         pixels[lane] = pixel < pixels[lane] ? pixel : pixels[lane];
     }
+}
+
+static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t bits,
+                                      lanes_int nearness, uint32_t id)
+{
+    (void)stride; // one row is all there is
+    lanes_write(pixels, bits, nearness, id);
 }
 
 #include "raster/triangles_lanes.h"

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+// Triangles of more than 128 pixels, row by row. Included by triangles_lanes.h.
+#pragma once
+
+#include "raster/triangles_spans.h"
+
+/// Sub-pixels: edge functions of smaller triangles are exact as double, and so are columns made of them.
+enum { DOUBLE_EXTENT = 1 << 19 };
+
+/// An edge function: its value with bias at the box's first pixel, and by what it falls along columns and grows down rows.
+typedef struct large_edge {
+    double at, fall, down, inverse; ///< inverse: of the amount of `fall`
+} large_edge;
+
+/// A triangle that is not small.
+typedef struct large_walk {
+    const stp_triangle_setup* setup;
+    stp_triangle_edge edges[3];
+    large_edge doubles[3];
+    stp_triangle_plane plane;
+    bool fits_double;
+} large_walk;
+
+enum { LARGE_ROWS = LANES / 2 };
+
+/// Rows whose columns are found at once.
+typedef struct large_rows {
+    lanes_real first, last; ///< columns of the picture; none where the first is after the last
+} large_rows;
+
+static inline lanes_real least_real(lanes_real a, lanes_real b)
+{
+    lanes_long mask = a < b;
+    return (lanes_real)((mask & (lanes_long)a) | (~mask & (lanes_long)b));
+}
+
+/// 0, 1, 2 and so on.
+static inline lanes_real count_rows(void)
+{
+    lanes_real rows = {0};
+    for (int i = 0; i < LARGE_ROWS; ++i) {
+        rows[i] = (double)i;
+    }
+    return rows;
+}
+
+static inline large_edge make_large_edge(const stp_triangle_edge* edge,
+                                         const stp_triangle_setup* setup)
+{
+    large_edge made = {
+        .at = (double)(stp_triangle_edge_at(edge, setup->left, setup->top) + edge->bias),
+        .fall = (double)(edge->dy * STP_SUBPIXEL),
+        .down = (double)(edge->dx * STP_SUBPIXEL),
+    };
+    double amount = made.fall < 0.0 ? -made.fall : made.fall;
+    made.inverse = amount > 0.0 ? 1.0 / amount : 1e10;
+    return made;
+}
+
+static inline large_walk make_large_walk(const stp_triangle_setup* setup)
+{
+    large_walk walk = {.setup = setup, .plane = stp_triangle_plane_make(setup)};
+    int32_t reach = 0;
+    for (int k = 0; k < 3; ++k) {
+        const stp_screen_vertex *a = &setup->corner[k], *b = &setup->corner[(k + 1) % 3];
+        walk.edges[k] = stp_triangle_edge_make(*a, *b);
+        walk.doubles[k] = make_large_edge(&walk.edges[k], setup);
+        int32_t x = a->x < b->x ? b->x - a->x : a->x - b->x;
+        int32_t y = a->y < b->y ? b->y - a->y : a->y - b->y;
+        reach = stp_triangle_max(reach, stp_triangle_max(x, y));
+    }
+    walk.fits_double = reach < DOUBLE_EXTENT;
+    return walk;
+}
+
+/// Columns of rows from `row` on. Quotients are off by less than 2^-40, and differ from whole numbers by 2^-28 at least.
+static inline void find_columns(const large_walk* walk, int32_t row, large_rows* rows)
+{
+    const stp_triangle_setup* setup = walk->setup;
+    const double round = 6755399441055744.0; // added and taken off again: the nearest whole number
+    const lanes_real lines = count_rows() + (double)(row - setup->top);
+    lanes_real first = {0}, last = first + (double)(setup->right - setup->left);
+    const lanes_real most = last + 2.0;
+    for (int k = 0; k < 3; ++k) {
+        const large_edge* edge = &walk->doubles[k];
+        lanes_real ratio = ((lines * edge->down + edge->at) + 0.5) * edge->inverse;
+        ratio = least_real(ratio, most);
+        ratio = -least_real(-ratio, most);
+        lanes_real column = ((ratio - 0.5) + round) - round;
+        if (edge->fall < 0.0) {
+            first = -least_real(-first, column);
+        } else {
+            last = least_real(last, column);
+        }
+    }
+    rows->first = first + (double)setup->left;
+    rows->last = last + (double)setup->left;
+}
+
+/// The same where edge functions do not fit.
+static void find_columns_one_by_one(const large_walk* walk, int32_t row, large_rows* rows)
+{
+    for (int i = 0; i < LARGE_ROWS; ++i) {
+        int64_t first = walk->setup->left, last = walk->setup->right;
+        for (int k = 0; k < 3 && row + i <= walk->setup->bottom; ++k) {
+            stp_triangle_edge_narrow(&walk->edges[k], row + i, &first, &last);
+        }
+        rows->first[i] = (double)first;
+        rows->last[i] = (double)last;
+    }
+}
+
+/// Short spans: a pixel of each row of `bits` at once. @return fragments
+static inline uint64_t fill_large_short(uint64_t* pixels, size_t stride, const large_walk* walk,
+                                        int32_t top, const large_rows* rows, uint32_t bits,
+                                        uint32_t id)
+{
+    const stp_triangle_plane* plane = &walk->plane;
+    const float low = walk->setup->low, high = walk->setup->high;
+    const lanes_real y =
+        (count_rows() + (double)top) * (double)STP_SUBPIXEL + (double)STP_SUBPIXEL_HALF;
+    const lanes_real row_nearness = plane->nearness + plane->along_y * (y - plane->y);
+    lanes_real column = rows->first;
+    uint64_t fragments = 0;
+    while (bits != 0) { // as stp_triangle_plane_at
+        lanes_real x = column * (double)STP_SUBPIXEL + (double)STP_SUBPIXEL_HALF;
+        lanes_real at = row_nearness + plane->along_x * (x - plane->x);
+        double ats[LARGE_ROWS], columns[LARGE_ROWS];
+        memcpy(ats, &at, sizeof(ats));
+        memcpy(columns, &column, sizeof(columns));
+        for (uint32_t left = bits; left != 0; left &= left - 1) {
+            size_t lane = (size_t)__builtin_ctz(left);
+            float nearness = (float)ats[lane];
+            nearness = nearness > low ? nearness : low;
+            nearness = nearness < high ? nearness : high;
+            uint64_t pixel = stp_raster_pixel(nearness, id);
+            uint64_t* place = pixels + lane * stride + (int32_t)columns[lane];
+            *place = pixel < *place ? pixel : *place;
+        }
+        fragments += (uint64_t)__builtin_popcount(bits);
+        column += 1.0;
+        bits &= lanes_long_bits(column <= rows->last);
+    }
+    return fragments;
+}
+
+/// Long spans, LANES pixels of a row at a time. @return fragments
+static inline uint64_t fill_large_long(uint64_t* pixels, size_t stride, const large_walk* walk,
+                                       int32_t top, const large_rows* rows, uint32_t bits,
+                                       uint32_t id)
+{
+    const lanes_float zero = {0};
+    const lanes_double steps = __builtin_convertvector(lanes_index(), lanes_double);
+    const float low = walk->setup->low, high = walk->setup->high;
+    const lanes_float lowest = zero + low, highest = zero + high;
+    const double along_x = walk->plane.along_x, plane_x = walk->plane.x;
+    double firsts[LARGE_ROWS], lasts[LARGE_ROWS];
+    memcpy(firsts, &rows->first, sizeof(firsts));
+    memcpy(lasts, &rows->last, sizeof(lasts));
+    uint64_t fragments = 0;
+    for (; bits != 0; bits &= bits - 1) {
+        int lane = __builtin_ctz(bits);
+        uint64_t* row = pixels + (size_t)lane * stride;
+        double row_nearness = stp_triangle_plane_row(&walk->plane, top + lane);
+        int32_t first = (int32_t)firsts[lane], last = (int32_t)lasts[lane];
+        for (int32_t column = first; column <= last; column += LANES) { // as stp_triangle_plane_at
+            lanes_double x = (steps + (double)column) * (double)STP_SUBPIXEL;
+            x += (double)STP_SUBPIXEL_HALF;
+            lanes_double at = row_nearness + along_x * (x - plane_x);
+            lanes_float nearness = __builtin_convertvector(at, lanes_float);
+            nearness = lanes_select_float(nearness > low, nearness, lowest);
+            nearness = lanes_select_float(nearness < high, nearness, highest);
+            int32_t left = last - column + 1;
+            uint32_t some = left < LANES ? (1U << left) - 1 : LANES_ALL;
+            lanes_write(row + column, some, (lanes_int)nearness, id);
+        }
+        fragments += (uint64_t)(last - first) + 1;
+    }
+    return fragments;
+}
+
+static void draw_large(const stp_triangle_window* window, const stp_triangle_setup* setup,
+                       uint32_t id)
+{
+    const large_walk walk = make_large_walk(setup);
+    const double pixels_twice = (double)setup->area / (double)(STP_SUBPIXEL * STP_SUBPIXEL);
+    const double rows_twice = 2.0 * (double)(setup->bottom - setup->top + 1);
+    const bool is_long = pixels_twice > rows_twice * (double)SPAN_LONG;
+    uint64_t fragments = 0;
+    for (int32_t top = setup->top; top <= setup->bottom; top += LARGE_ROWS) {
+        large_rows rows = {0};
+        if (walk.fits_double) {
+            find_columns(&walk, top, &rows);
+        } else {
+            find_columns_one_by_one(&walk, top, &rows);
+        }
+        uint32_t bits = lanes_long_bits(rows.first <= rows.last);
+        int32_t left = setup->bottom - top + 1;
+        bits &= left < LARGE_ROWS ? (1U << left) - 1 : UINT32_MAX;
+        uint64_t* pixels = stp_triangle_row(window, top);
+        if (is_long) {
+            fragments += fill_large_long(pixels, window->stride, &walk, top, &rows, bits, id);
+        } else {
+            fragments += fill_large_short(pixels, window->stride, &walk, top, &rows, bits, id);
+        }
+    }
+    *window->fragments += fragments;
+}
