@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+//
+// build/fuzz/fuzz/fuzz_viewpoints -max_total_time=60 -max_len=4096 build/corpus/fuzz_viewpoints
+//
+// Any bytes as the viewpoints beside a model: a failure is logged once; what is taken gives finite views, and can be found
+// and copied.
+#include "base/math.h"
+#include "present/viewpoints.h"
+#include "select/sections.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
+
+static void count_errors(stp_log_level level, const char* message, void* user)
+{
+    (void)message;
+    int* errors = user;
+    *errors += level == STP_LOG_ERROR;
+}
+
+static void require(bool holds)
+{
+    if (!holds) {
+        abort();
+    }
+}
+
+static void check_viewpoints(stp_context* context, const stp_viewpoints* viewpoints)
+{
+    stp_viewpoints copies = {0};
+    for (size_t i = 0; i < viewpoints->count; ++i) {
+        const stp_viewpoint* viewpoint = &viewpoints->views[i];
+        stp_view view = {.fov_degrees = 60};
+        require(stp_viewpoints_find(viewpoints, viewpoint->name) == viewpoint);
+        stp_viewpoint_look(viewpoint, &view);
+        require(isfinite(stp_dotd(view.eye, view.target)) && view.fov_degrees > 0.0);
+        require(stp_sections_are_valid(&view.sections));
+        require(stp_viewpoints_put(context, &copies, viewpoint) == STP_OK);
+    }
+    require(copies.count == viewpoints->count);
+    stp_viewpoints_destroy(context, &copies);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+    int errors = 0;
+    stp_context_desc desc = {.thread_count = 1,
+                             .memory_limit_bytes = (uint64_t)1 << 28,
+                             .log = count_errors,
+                             .log_user = &errors};
+    stp_context* context;
+    if (stp_context_create(&context, &desc) != STP_OK) {
+        return 0;
+    }
+    stp_viewpoints viewpoints;
+    stp_result result = stp_viewpoints_parse(context, "fuzz.json", data, size, &viewpoints);
+    require(errors == (result != STP_OK));
+    if (result == STP_OK) {
+        check_viewpoints(context, &viewpoints);
+    }
+    stp_viewpoints_destroy(context, &viewpoints);
+    stp_context_destroy(context);
+    return 0;
+}

@@ -1,0 +1,134 @@
+#!/usr/bin/env bash
+# What of a scene is shown: sections, hidden objects, ghosts, picking, saved viewpoints. Arguments: executable, scratch folder.
+set -u
+stipple=$1
+scratch=$2
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+command -v python3 > /dev/null || exit 77
+rm -f ./*.views.json
+
+# Two houses of a shared room with a door each; a wall beside them. All are squares of 2 x 2 at their places, facing z.
+python3 - << 'END'
+import base64, json, struct
+corners = struct.pack("<12f", -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0)
+data = corners + struct.pack("<6H", 0, 1, 2, 0, 2, 3)
+def node(name, x, children=None, mesh=None, z=0):
+    n = {"name": name, "translation": [x, 0, z]}
+    if children: n["children"] = children
+    if mesh is not None: n["mesh"] = mesh
+    return n
+model = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 3, 6]}],
+  "nodes": [node("left", -4, [1]), node("room", 0, [2], 0), node("door", 0, mesh=0, z=1),
+            node("right", 4, [4]), node("room", 0, [5], 0), node("door", 0, mesh=0, z=1), node("wall", 0, mesh=0)],
+  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]},
+                {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+  "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+  "buffers": [{"byteLength": 60, "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
+json.dump(model, open("street.gltf", "w"))
+END
+"$stipple" build street.gltf -o street.stip --fresh 2> err > /dev/null || fail "build: $(cat err)"
+
+# covered NAME ARGUMENTS...: the columns of squares that are covered in a view from the front, 10 pixels a unit
+covered()
+{
+    local name=$1
+    shift
+    "$stipple" render street.stip -o "$name.png" --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 "$@" --json \
+        > "$name.json" 2> err || fail "$*: $(cat err)"
+    python3 -c 'import json,sys; print(json.load(open(sys.argv[1]))["covered_pixels"])' "$name.json"
+}
+
+# expect PIXELS ARGUMENTS...
+expect()
+{
+    local wanted=$1 got
+    shift
+    got=$(covered picture "$@")
+    [ "$got" = "$wanted" ] || fail "$*: $got pixels are covered, not $wanted"
+}
+
+expect 1200                          # three squares of 20 x 20
+expect 800 --hide wall
+expect 400 --isolate wall
+expect 1200 --hide left/room/door    # the room is behind it
+expect 800 --hide left
+expect 400 --hide room               # both
+expect 400 --hide left --hide wall
+expect 400 --hide left --hide '#7'
+expect 400 --isolate right/room --hide right/room/door
+expect 600 --section x:0
+expect 600 --section -x:50%
+expect 300 --section x:0 --section y:0
+expect 200 --section-box -1,-1,-9,1,0,9
+expect 600 --section-box 0%,0%,0%,50%,100%,100% --reference
+expect 600 --section 1,0,0,0 --splat-size 2
+expect 0 --section z:-1
+for kind in --reference --splat-size=1; do
+    count=$(covered ghost --ghost wall $kind)
+    [ "$count" -gt 840 ] && [ "$count" -lt 960 ] || fail "a ghost covers $((count - 800)) of 400 pixels"
+done
+count=$(covered ghosts --isolate wall --ghost others)
+[ "$count" -gt 560 ] && [ "$count" -lt 800 ] || fail "others as ghosts: $count"
+
+# picking: what is where, and what is behind it
+pick()
+{
+    "$stipple" render street.stip --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 "$@" > pick.json 2> err ||
+        fail "$*: $(cat err)"
+}
+same()
+{
+    python3 -c 'import json,sys; p = json.load(open("pick.json")); assert eval(sys.argv[1]), p' "$1" || fail "$1"
+}
+pick --pick 20,20
+same 'p["hit"] and p["object"]["path"].endswith("left/room/door") and abs(p["distance"] - 8) < 1e-6'
+same 'abs(p["position"][0] + 4) < 1e-6 and abs(p["position"][2] - 1) < 1e-6 and p["normal"][2] > 0.999'
+pick --pick 20,20 --hide door
+same 'p["object"]["path"].endswith("left/room") and p["object"]["name"] == "room" and abs(p["distance"] - 9) < 1e-6'
+pick --pick 20,20 --section z:0.5
+same 'abs(p["distance"] - 9) < 1e-6'
+pick --pick 40,20
+same 'p["hit"] is False'
+pick --pick 51.5,10.5
+same 'p["snap"]["kind"] == "vertex" and abs(p["snap"]["position"][0] + 1) < 1e-3'
+pick --pick 60,20 -o with.png --json
+same 'p["pick"]["object"]["name"] == "wall" and p["covered_pixels"] == 1200'
+
+# viewpoints beside the model
+cat > street.views.json << 'END'
+{"version": 1, "views": [
+ {"name": "cut", "eye": [0, 0, 9], "target": [0, 0, 0], "ortho_height": 4, "sections": [[1, 0, 0, 0]],
+  "hidden": [{"path": "PREFIXleft/room", "at": [-4, 0, 0.5]}], "note": "half a wall",
+  "annotations": [{"text": "here", "at": [0, 0, 0]}]},
+ {"name": "gone", "eye": [0, 0, 9], "target": [0, 0, 0], "ortho_height": 4, "hidden": [{"path": "no such thing"}]}]}
+END
+prefix=$("$stipple" render street.stip --pick 60,20 --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 |
+    python3 -c 'import json,sys; print(json.load(sys.stdin)["object"]["path"][:-len("wall")])')
+sed -i "s|PREFIX|$prefix|" street.views.json
+"$stipple" render street.stip -o v.png --size 120x40 --view cut --json > v.json 2> err || fail "viewpoint: $(cat err)"
+grep -q '"covered_pixels": 200' v.json || fail "the viewpoint shows something else: $(cat v.json)"
+"$stipple" render street.stip -o v.png --size 120x40 --view gone 2> err || fail "viewpoint: $(cat err)"
+grep -q "no such thing" err || fail "an object that is gone is not named: $(cat err)"
+echo '{' > street.views.json
+"$stipple" render street.stip -o v.png --size 120x40 --view cut 2> err
+[ $? -eq 1 ] && grep -q "street.views.json: line" err || fail "a broken sidecar: $(cat err)"
+"$stipple" render street.stip -o v.png --size 120x40 --view front || fail "a broken sidecar is in the way of others"
+
+# refused CODE WORD ARGUMENTS...
+refused()
+{
+    local code=$1 word=$2
+    shift 2
+    "$stipple" render street.stip -o r.png --size 32x32 "$@" > out 2> err
+    [ $? -eq "$code" ] || fail "$* exits with another code than $code"
+    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
+}
+refused 2 "no object named" --hide attic
+refused 2 "--section is" --section x
+refused 2 "--section is" --section 0,0,0,1
+refused 2 "--section is" --section x:1 --section x:a
+refused 2 "--section-box is" --section-box 1,2,3
+refused 2 "--pick is" --pick 7
+exit $((failures > 0))

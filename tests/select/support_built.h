@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// Random scenes built as users' are, with everything in them that separates objects from the graph: shared parts, uses,
+// prototypes, instances, mirrors, layers that partition dissolves. And what stands where in them, worked out one by one.
+#pragma once
+
+#include "tests.h"
+
+#include "store/outline.h"
+#include "store/placement.h"
+
+/// Builds the scene of a seed into a temporary file and opens it; NULL on failure. With surfels, each node has some.
+stp_store* built_open(stp_context* context, uint64_t seed, bool surfels);
+
+enum { BUILT_PLACES = 4096 };
+
+/// All uses of all parts.
+typedef struct built_places {
+    uint32_t count;
+    stp_placement places[BUILT_PLACES];
+} built_places;
+
+/// Adds what is below a node at a place. @return false where there is no room
+bool built_unfold(const stp_store* store, uint32_t node, const stp_affine* transform,
+                  built_places* out);
+/// Whether one of them is the same part at the same place.
+bool built_has(const built_places* places, const stp_placement* place);

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: MIT
+#include "tests.h"
+
+#include "base/rng.h"
+#include "select/support_built.h"
+#include "store/outline.h"
+#include "store/writer.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MANY = 20000 };
+
+typedef struct forest {
+    stp_context* context;
+    stp_store* store;
+    stp_store_object* objects; ///< what was written
+    char (*names)[24];
+    char path[64];
+} forest;
+
+/// A file of objects without anything to see, each below a random one before it.
+static bool plant(forest* f, uint32_t count, uint64_t seed)
+{
+    snprintf(f->path, sizeof(f->path), "/tmp/stp_outline_XXXXXX");
+    int file = mkstemp(f->path);
+    f->context = test_context(NULL, 1, NULL);
+    f->objects = calloc(count, sizeof(*f->objects));
+    f->names = calloc(count, sizeof(*f->names));
+    if (file < 0 || close(file) != 0 || f->context == NULL || f->objects == NULL ||
+        f->names == NULL) {
+        return false;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        snprintf(f->names[i], sizeof(f->names[i]), "%s %u", i % 100 == 0 ? "T\xC3\x9CR" : "Pipe",
+                 i % 1000);
+        bool top = i < 3 || stp_rng_below(seed, 2 * i, 50) == 0;
+        f->objects[i] = (stp_store_object){
+            .name = i % 11 == 10 ? NULL : f->names[i],
+            .id = i % 13 == 0 ? "2x3fGUID" : NULL,
+            .parent = top ? STP_STORE_NONE : stp_rng_below(seed, 2 * i + 1, i < 40 ? i : 40),
+            .node = STP_STORE_NONE,
+            .transform = stp_affine_identity()};
+        f->objects[i].transform.m[0][3] = i % 7;
+    }
+    stp_store_content content = {.directory = {.object_count = count,
+                                               .objects = f->objects,
+                                               .root = STP_STORE_NONE,
+                                               .up = 'y',
+                                               .build_json = "{}"}};
+    stp_store_open_desc desc = {.defer_objects = true};
+    return stp_store_write(f->context, &content, f->path) == STP_OK &&
+           stp_store_open_with(f->context, f->path, &desc, &f->store) == STP_OK;
+}
+
+static void fell(forest* f)
+{
+    stp_store_close(f->store);
+    stp_context_destroy(f->context);
+    free(f->objects);
+    free(f->names);
+    unlink(f->path);
+}
+
+void test_outline_lists_children_in_order(test_state* test)
+{
+    forest f;
+    CHECK(plant(&f, MANY, 5));
+    stp_outline* outline;
+    bool ready = false;
+    CHECK_EQUAL(STP_OK, stp_outline_create(f.context, f.store, &outline));
+    uint32_t slices = 0;
+    while (!ready) { // a slice a frame
+        CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 1000, &ready));
+        slices += 1;
+    }
+    CHECK(slices >= 3 * MANY / 1000 && slices < 3 * MANY / 1000 + 4);
+    for (uint32_t parent = 0; parent < 60; ++parent) {
+        stp_outline_item item, children[64];
+        stp_outline_row row;
+        uint32_t count, next = 0, seen = 0;
+        if (parent == 59) {
+            item = stp_outline_root(outline);
+        } else {
+            CHECK_EQUAL(STP_OK, stp_outline_item_of(outline, parent, &item));
+        }
+        uint32_t wanted = parent == 59 ? STP_STORE_NONE : parent;
+        do {
+            CHECK_EQUAL(STP_OK, stp_outline_children(outline, &item, seen, 64, children, &count));
+            for (uint32_t i = 0; i < count; ++i, ++next) {
+                while (next < MANY && f.objects[next].parent != wanted) {
+                    next += 1;
+                }
+                CHECK_EQUAL(next, children[i].objects[children[i].depth - 1]);
+                CHECK_EQUAL(item.depth + 1, children[i].depth);
+                double x = item.transform.m[0][3] + next % 7;
+                CHECK(children[i].transform.m[0][3] == x);
+            }
+            seen += count;
+        } while (count == 64);
+        while (next < MANY && f.objects[next].parent != wanted) {
+            next += 1;
+        }
+        CHECK_EQUAL(MANY, next); // none was left out
+        CHECK_EQUAL(STP_OK, stp_outline_describe(outline, &item, &row));
+        CHECK_EQUAL(seen, row.child_count);
+        const char* name = parent == 59 ? NULL : f.objects[parent].name;
+        CHECK((row.name == NULL) == (name == NULL) && (name == NULL || !strcmp(name, row.name)));
+    }
+    stp_outline_destroy(outline);
+    fell(&f);
+}
+
+void test_outline_search_finds_parts_of_names_in_any_case(test_state* test)
+{
+    static const struct {
+        const char* text;
+        const char* sure; ///< what a name must have, as it is written
+    } searches[] = {{"t\xC3\xBCr 9", "T\xC3\x9CR 9"}, {"PIPE 77", "Pipe 77"}, {"guid", NULL}};
+    forest f;
+    CHECK(plant(&f, MANY, 6));
+    stp_outline* outline;
+    CHECK_EQUAL(STP_OK, stp_outline_create(f.context, f.store, &outline));
+    for (int s = 0; s < 3; ++s) {
+        stp_outline_search search = stp_outline_search_begin(searches[s].text);
+        uint32_t next = 0, found[7], count;
+        while (search.next < MANY) { // few at a time, and little room
+            uint32_t before = search.next;
+            CHECK_EQUAL(STP_OK, stp_outline_search_on(outline, &search, 500, 7, found, &count));
+            CHECK(search.next - before <= 500 &&
+                  (count == 7 || search.next - before == 500 || search.next == MANY));
+            for (uint32_t i = 0; i <= count; ++i) {
+                uint32_t end = i < count ? found[i] : search.next;
+                for (; next < end; ++next) {
+                    const stp_store_object* o = &f.objects[next];
+                    CHECK(searches[s].sure != NULL
+                              ? o->name == NULL || strstr(o->name, searches[s].sure) == NULL
+                              : o->id == NULL);
+                }
+                next += i < count ? 1 : 0;
+            }
+        }
+        CHECK(search.matches > 15);
+    }
+    stp_outline_search empty = stp_outline_search_begin("");
+    uint32_t found[1], count;
+    CHECK_EQUAL(STP_OK, stp_outline_search_on(outline, &empty, MANY, 1, found, &count));
+    CHECK(count == 0 && empty.next == MANY);
+    stp_outline_destroy(outline);
+    fell(&f);
+}
+
+void test_outline_paths_lead_back(test_state* test)
+{
+    forest f;
+    CHECK(plant(&f, 300, 7));
+    stp_outline* outline;
+    bool ready, named;
+    char path[512], cut[9];
+    CHECK_EQUAL(STP_OK, stp_outline_create(f.context, f.store, &outline));
+    CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 0, &ready));
+    CHECK(ready);
+    for (uint32_t i = 0; i < 300; ++i) {
+        stp_outline_item item, back;
+        bool found;
+        CHECK_EQUAL(STP_OK, stp_outline_item_of(outline, i, &item));
+        CHECK_EQUAL(STP_OK, stp_outline_path(outline, &item, path, sizeof(path)));
+        CHECK_EQUAL(STP_OK, stp_outline_by_path(outline, path, NULL, &back, &found));
+        CHECK(found); // names repeat: perhaps another of this path
+        char again[512];
+        CHECK_EQUAL(STP_OK, stp_outline_path(outline, &back, again, sizeof(again)));
+        CHECK(strcmp(path, again) == 0);
+        for (const char* end = path; end != NULL; end = strchr(end, '/')) {
+            end += *end == '/' ? 1 : 0;
+            CHECK_EQUAL(STP_OK, stp_outline_is_named(outline, i, end, &named));
+            CHECK(named);
+        }
+        CHECK_EQUAL(STP_OK, stp_outline_is_named(outline, i, path + 1, &named));
+        CHECK(!named || path[1] == 0);
+        snprintf(path, sizeof(path), "#%u", i);
+        CHECK_EQUAL(STP_OK, stp_outline_is_named(outline, i, path, &named));
+        CHECK(named);
+        CHECK_EQUAL(STP_OK, stp_outline_path(outline, &item, cut, sizeof(cut)));
+        CHECK(strlen(cut) < sizeof(cut));
+        CHECK_EQUAL(STP_OK, stp_outline_by_path(outline, "Pipe 1/nothing", NULL, &back, &found));
+        CHECK(!found);
+    }
+    stp_outline_destroy(outline);
+    fell(&f);
+}
+
+/// Walks the outline down and counts its rows.
+static bool walk(stp_outline* outline, const stp_store* store, const stp_outline_item* item,
+                 uint32_t depth, uint32_t* rows)
+{
+    stp_outline_item* children = calloc(8, sizeof(*children));
+    uint32_t count = 8;
+    bool good = children != NULL && depth < 20;
+    for (uint64_t first = 0; good && count == 8; first += 8) {
+        good = stp_outline_children(outline, item, first, 8, children, &count) == STP_OK;
+        for (uint32_t i = 0; good && i < count; ++i) {
+            *rows += 1;
+            good = *rows < 4000 && walk(outline, store, &children[i], depth + 1, rows);
+        }
+    }
+    free(children);
+    return good;
+}
+
+void test_outline_unfolds_prototypes_where_they_are_used(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    for (uint64_t seed = 40; seed < 44; ++seed) {
+        stp_store* store = built_open(context, seed, false);
+        CHECK(store != NULL);
+        stp_outline* outline;
+        bool ready;
+        uint32_t rows = 0, below_prototypes = 0;
+        CHECK_EQUAL(STP_OK, stp_outline_create(context, store, &outline));
+        CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 0, &ready));
+        stp_outline_item root = stp_outline_root(outline), item;
+        CHECK(walk(outline, store, &root, 0, &rows));
+        const stp_store_directory* d = stp_store_get_directory(store);
+        CHECK(rows >= d->object_count - 4);
+        for (uint32_t i = 0; i < d->object_count; ++i) {
+            CHECK_EQUAL(STP_OK, stp_outline_item_of(outline, i, &item));
+            bool nowhere = i < 4 && item.node == STP_STORE_NONE;
+            below_prototypes += nowhere ? 1 : 0;
+            CHECK(nowhere || i >= 4);
+        }
+        CHECK_EQUAL(4, below_prototypes);
+        stp_outline_destroy(outline);
+        stp_store_close(store);
+    }
+    stp_context_destroy(context);
+}
+
+void test_outline_refuses_damaged_records_and_survives_lack_of_memory(test_state* test)
+{
+    forest f;
+    CHECK(plant(&f, 2000, 9));
+    size_t size;
+    FILE* file = fopen(f.path, "rb");
+    CHECK(file != NULL && fseek(file, 0, SEEK_END) == 0);
+    size = (size_t)ftell(file);
+    rewind(file);
+    unsigned char* bytes = aligned_alloc(64, (size + 63) / 64 * 64);
+    CHECK(bytes != NULL && fread(bytes, 1, size, file) == size && fclose(file) == 0);
+    stp_store_open_desc desc = {.defer_objects = true};
+    uint32_t refused = 0;
+    for (uint32_t i = 0; i < 60; ++i) { // one byte of the second half, where objects are
+        test_log log = {0};
+        stp_context* context = test_context(NULL, 1, &log);
+        size_t at = size / 2 + stp_rng_below(3, i, (uint32_t)(size / 2));
+        bytes[at] ^= 0x40;
+        stp_store* store = NULL;
+        stp_outline* outline = NULL;
+        bool ready = false;
+        stp_result result = stp_store_open_memory(context, "m", bytes, size, &desc, &store);
+        if (result == STP_OK) {
+            CHECK_EQUAL(STP_OK, stp_outline_create(context, store, &outline));
+            result = stp_outline_prepare(outline, 0, &ready);
+            stp_outline_search search = stp_outline_search_begin("q");
+            uint32_t found[4], count;
+            result = result == STP_OK
+                         ? stp_outline_search_on(outline, &search, 4000, 4, found, &count)
+                         : result;
+            stp_outline_destroy(outline);
+            stp_store_close(store);
+        }
+        CHECK(result == STP_OK || (result == STP_ERROR_FORMAT && log.errors == 1));
+        refused += result != STP_OK ? 1 : 0;
+        stp_context_destroy(context);
+        bytes[at] ^= 0x40;
+    }
+    CHECK(refused > 50);
+    bool failed = true;
+    for (int n = 0; failed; ++n) {
+        test_heap heap = TEST_HEAP(-1);
+        stp_context* context = test_context(&heap, 1, NULL);
+        stp_outline* outline = NULL;
+        bool ready = false;
+        heap.count = 0;
+        heap.fail_at = n;
+        stp_result result = stp_outline_create(context, f.store, &outline);
+        result = result == STP_OK ? stp_outline_prepare(outline, 0, &ready) : result;
+        failed = result != STP_OK;
+        CHECK(!failed || result == STP_ERROR_OUT_OF_MEMORY);
+        if (failed && outline != NULL) { // a second try begins anew
+            heap.fail_at = -1;
+            CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 0, &ready));
+            CHECK(ready);
+        }
+        stp_outline_destroy(outline);
+        stp_context_destroy(context);
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+    free(bytes);
+    fell(&f);
+}
