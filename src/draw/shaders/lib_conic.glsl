@@ -14,11 +14,12 @@ struct splat_shape {
     vec2 extent; // pixels from the centre
 };
 
+// All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
 uint shape_splat(const record_block record, const item_block item, const splat_place splat, out splat_shape s)
 {
-    float w = splat.w, inverse = 1.0 / w;
-    vec2 screen = splat.position.xy * inverse;
-    float nearness = splat.position.z * inverse, radius = splat.radius;
+    precise float w = splat.w, inverse = 1.0 / w;
+    precise vec2 screen = splat.position.xy * inverse;
+    precise float nearness = splat.position.z * inverse, radius = splat.radius;
     s = splat_shape(vec4(0.0), vec4(0.0), vec4(0.0), vec2(0.0), vec2(0.0));
     if (!is_wanted(record, item, splat)) {
         return SHAPE_NONE;
@@ -29,38 +30,41 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     if (!(w > 0.0) || !(nearness > 0.0) || !(nearness <= item.nearness_limit)) {
         return SHAPE_NONE;
     }
-    vec2 a = (screen - vec2(item.center_x, item.center_y)) * item.inverse_scale;
-    if (radius * radius * (dot(a, a) + 1.0) <= 0.24) {
+    precise vec2 a = (screen - vec2(item.center_x, item.center_y)) * item.inverse_scale;
+    precise float around = a.x * a.x + a.y * a.y;
+    if (radius * radius * (around + 1.0) <= 0.24) {
         s.center = vec4(screen, nearness, 0.0);
         s.depths = vec2(0.0, 1.0);
         bool inside = all(greaterThanEqual(screen, vec2(0.0))) && all(lessThan(screen, view.size.xy));
         return inside ? SHAPE_PIXEL : SHAPE_NONE;
     }
     bool facing = (item.flags & ITEM_FACING) != 0u;
-    vec3 n = facing ? vec3(a, 1.0) : turn_normal(item, splat.code);
-    float square = dot(n, n), D = n.x * a.x + n.y * a.y + n.z, least = square * 1e-6;
-    float away = D;
-    if (D * D < least) { // edge-on: at least a thousandth of the diameter wide
+    precise vec3 n = facing ? vec3(a, 1.0) : turn_normal(item, splat.code);
+    precise float square = (n.x * n.x + n.y * n.y) + n.z * n.z;
+    precise float D = (n.x * a.x + n.y * a.y) + n.z, least = square * 1e-6, D2 = D * D;
+    if (D2 < least) { // edge-on: at least a thousandth of the diameter wide
         D = D < 0.0 ? -sqrt(least) : sqrt(least);
+        D2 = D * D;
     }
-    float D2 = D * D, R2 = radius * radius, ratio = radius * item.inverse_scale;
-    float L = dot(a, a) + 1.0 - ratio * ratio;
-    float linear = -2.0 * (R2 * D * item.inverse_scale);
-    float slope = nearness * item.slope_factor + item.slope_constant;
-    s.conic = vec4(D2 - 2.0 * D * n.x * a.x + L * n.x * n.x,
-                   2.0 * (L * n.x * n.y - D * (n.x * a.y + n.y * a.x)),
-                   D2 - 2.0 * D * n.y * a.y + L * n.y * n.y, linear * n.x);
-    s.conic2 = vec4(linear * n.y, R2 * D2, slope * (n.x / D), slope * (n.y / D));
-    vec2 across = a * a + 1.0 - (n.xy - a * n.z) * (n.xy - a * n.z) / square;
-    float grow = radius / (1.0 - ratio);
+    precise float R2 = radius * radius, ratio = radius * item.inverse_scale;
+    precise float L = (around + 1.0) - ratio * ratio;
+    precise float conic_a = (D2 - 2.0 * (D * (n.x * a.x))) + L * (n.x * n.x);
+    precise float conic_b = 2.0 * (L * (n.x * n.y) - D * (n.x * a.y + n.y * a.x));
+    precise float conic_c = (D2 - 2.0 * (D * (n.y * a.y))) + L * (n.y * n.y);
+    precise float linear = -2.0 * ((R2 * D) * item.inverse_scale);
+    precise float slope = nearness * item.slope_factor + item.slope_constant;
+    precise vec2 pq = linear * n.xy, slopes = slope * (n.xy / D);
+    precise vec2 tilt = n.xy - a * n.z, across = (a * a + 1.0) - tilt * tilt / square;
+    precise float grow = radius / (1.0 - ratio), depth = abs(slope) * radius, limit = R2 * D2;
     s.extent = grow * sqrt(max(across, vec2(0.0))) + 0.01;
     if (!(max(s.extent.x, s.extent.y) < view.point_extent)) {
         return SHAPE_LARGE;
     }
-    float depth = abs(slope) * radius;
-    nearness -= (!facing && away > 0.0 ? item.back_depth : 0.0) * depth;
-    s.center = vec4(screen, nearness, abs(slope) * grow);
-    s.depths = vec2(item.rim_depth * depth / s.conic2.y, item.nearness_limit);
+    precise float moved = nearness - (!facing && D > 0.0 ? item.back_depth : 0.0) * depth;
+    s.conic = vec4(conic_a, conic_b, conic_c, pq.x);
+    s.conic2 = vec4(pq.y, limit, slopes);
+    s.center = vec4(screen, moved, abs(slope) * grow);
+    s.depths = vec2(item.rim_depth * depth / limit, item.nearness_limit);
     return SHAPE_DISK;
 }
 

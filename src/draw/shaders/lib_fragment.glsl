@@ -5,9 +5,9 @@
 bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, uvec3 hashed, vec2 at, ivec2 place, out float nearness)
 {
     at -= center.xy;
-    precise float value = at.x * (conic.x * at.x + conic.y * at.y + conic.w) + at.y * (conic.z * at.y + conic2.x);
+    precise float value = at.x * ((conic.x * at.x + conic.y * at.y) + conic.w) + at.y * (conic.z * at.y + conic2.x);
     precise float change = clamp(conic2.z * at.x + conic2.w * at.y, -center.w, center.w);
-    precise float near = center.z + change - min(value, conic2.y) * depths.x;
+    precise float near = (center.z + change) - min(value, conic2.y) * depths.x;
     nearness = min(max(near, 1e-30), depths.y);
     return (value <= conic2.y || place == ivec2(0)) && (hashed.z >= 255u || has_fragment(hashed.z, hashed.y, place));
 }

@@ -8,22 +8,30 @@ struct splat_place {
     float radius;  // pixels
 };
 
+// All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
+float along(vec4 row, vec3 p)
+{
+    precise float sum = ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w;
+    return sum;
+}
+
 splat_place place_splat(const record_block record, const item_block item, uint local)
 {
     splat_place splat;
-    vec4 p;
+    vec3 p;
     splat.code = vec2(0.0);
     if (item.kind == KIND_SURFELS) {
         uint low = fetch(record.address + 2u * local), high = fetch(record.address + 2u * local + 1u);
-        p = vec4(float(low & 0xFFFFu), float(low >> 16), float(high & 0xFFFFu), 1.0);
+        p = vec3(float(low & 0xFFFFu), float(low >> 16), float(high & 0xFFFFu));
         int code = int(high);
         splat.code = vec2(float(bitfieldExtract(code, 16, 8)), float(bitfieldExtract(code, 24, 8)));
     } else {
-        p = vec4(fetch_vec3(record.address + 3u * local), 1.0);
+        p = fetch_vec3(record.address + 3u * local);
     }
-    splat.position = vec3(dot(item.rows[0], p), dot(item.rows[1], p), dot(item.rows[2], p));
-    splat.w = dot(item.rows[3], p);
-    splat.radius = item.radius_px / splat.w + item.pixel_radius;
+    splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
+    splat.w = along(item.rows[3], p);
+    precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse + item.pixel_radius;
+    splat.radius = radius;
     return splat;
 }
 
@@ -42,7 +50,10 @@ bool is_close(const item_block item, float w)
 vec3 turn_normal(const item_block item, vec2 code)
 {
     vec3 n = decode_octahedral(code, 127.0);
-    return vec3(dot(item.turn[0].xyz, n), dot(item.turn[1].xyz, n), dot(item.turn[2].xyz, n));
+    precise vec3 turned = vec3((item.turn[0].x * n.x + item.turn[0].y * n.y) + item.turn[0].z * n.z,
+                               (item.turn[1].x * n.x + item.turn[1].y * n.y) + item.turn[1].z * n.z,
+                               (item.turn[2].x * n.x + item.turn[2].y * n.y) + item.turn[2].z * n.z);
+    return turned;
 }
 
 // 255: no holes.

@@ -25,14 +25,19 @@ uint find_item(uint id)
     return low;
 }
 
-// Chunks grow, so most splats are in the last ones.
+// The chunk that holds a splat: the last that begins at or before it.
 chunk_block find_chunk(const item_block item, uint index)
 {
-    uint at = item.first_chunk + item.chunk_count - 1u;
-    while (at > item.first_chunk && chunks[at].begin > index) {
-        at -= 1u;
+    uint low = item.first_chunk, high = low + item.chunk_count;
+    while (high - low > 1u) { // no load in the condition: llvmpipe then takes wrong lanes' chunks
+        uint middle = low + (high - low) / 2u;
+        if (chunks[middle].begin <= index) {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
-    return chunks[at];
+    return chunks[low];
 }
 
 surface_light known_light(uint material)
@@ -147,24 +152,28 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
     s.light = known_light(uint(SHADINGS) + item.material);
     float depth = view.parallel != 0u ? 1.0 : view.nearness_scale / nearness;
     float size = depth * item.footprint;
-    if (item.base_color != NO_ADDRESS) {
-        s.color *= sample_texture(item.base_color, find_uv(t, item.material, 0u, weight),
-                                  find_density(t, item.material, 0u, item.base_color) * size).rgb;
-    }
     if ((item.flags & ITEM_HAS_COLORS) != 0u) {
         s.color *= weight.x * corner_color(t, t.corner.x).rgb + weight.y * corner_color(t, t.corner.y).rgb +
                    weight.z * corner_color(t, t.corner.z).rgb;
     }
-    if (item.metallic_roughness != NO_ADDRESS) {
-        vec4 texel = sample_texture(item.metallic_roughness, find_uv(t, item.material, 1u, weight),
-                                    find_density(t, item.material, 1u, item.metallic_roughness) * size);
-        vec4 numbers = materials[item.material].numbers;
-        s.light = make_light(numbers.x * texel.z, numbers.y * texel.y, s.light.emissive);
+#ifdef TEXTURES
+    uint textures[3] = uint[3](item.base_color, item.metallic_roughness, item.emissive);
+    for (uint n = 0u; n < 3u; ++n) {
+        if (textures[n] == NO_ADDRESS) {
+            continue;
+        }
+        vec4 texel = sample_texture(textures[n], find_uv(t, item.material, n, weight),
+                                    find_density(t, item.material, n, textures[n]) * size);
+        if (n == 0u) {
+            s.color *= texel.rgb;
+        } else if (n == 1u) {
+            vec4 numbers = materials[item.material].numbers;
+            s.light = make_light(numbers.x * texel.z, numbers.y * texel.y, s.light.emissive);
+        } else {
+            s.light.emissive.rgb *= texel.rgb;
+        }
     }
-    if (item.emissive != NO_ADDRESS) {
-        s.light.emissive.rgb *= sample_texture(item.emissive, find_uv(t, item.material, 2u, weight),
-                                               find_density(t, item.material, 2u, item.emissive) * size).rgb;
-    }
+#endif
     return s;
 }
 

@@ -60,24 +60,11 @@ void add_texel(inout texel_sum sum, uint word, bool linear, float weight)
     sum.plain += weight * color;
 }
 
-void add_level(inout texel_sum sum, uint texture, uint level, vec2 uv, bool nearest, bool linear,
-               float weight)
-{
-    texel_square s = find_square(texture, level, uv, nearest);
-    uint above = s.texels + uint(s.y.x) * s.width, below = s.texels + uint(s.y.y) * s.width;
-    vec2 less = 1.0 - s.share;
-    add_texel(sum, fetch(above + uint(s.x.x)), linear, weight * less.x * less.y);
-    add_texel(sum, fetch(above + uint(s.x.y)), linear, weight * s.share.x * less.y);
-    add_texel(sum, fetch(below + uint(s.x.x)), linear, weight * less.x * s.share.y);
-    add_texel(sum, fetch(below + uint(s.x.y)), linear, weight * s.share.x * s.share.y);
-}
-
 // A footprint of so many texels of level 0.
 vec4 sample_texture(uint texture, vec2 uv, float footprint)
 {
     uint flags = fetch(texture + TEXTURE_FLAGS), last = fetch(texture + TEXTURE_LEVELS) - 1u;
     bool linear = (flags & TEXTURE_LINEAR) != 0u, nearest = (flags & TEXTURE_NEAREST) != 0u;
-    texel_sum sum = texel_sum(vec4(0.0), vec3(0.0));
     uint level = 0u;
     float blend = 0.0;
     if (footprint > 1.0) {
@@ -87,9 +74,19 @@ vec4 sample_texture(uint texture, vec2 uv, float footprint)
         nearest = false;
         blend = level < last ? footprint - 1.0 : 0.0;
     }
-    add_level(sum, texture, level, uv, nearest, linear, 1.0 - blend);
-    if (blend > 0.0) {
-        add_level(sum, texture, level + 1u, uv, false, linear, blend);
+    texel_sum sum = texel_sum(vec4(0.0), vec3(0.0));
+    uint taps = blend > 0.0 ? 8u : 4u;
+    texel_square square;
+    for (uint i = 0u; i < taps; ++i) { // four of each level; a loop, or compilers take seconds
+        if ((i & 3u) == 0u) {
+            square = find_square(texture, level + i / 4u, uv, nearest);
+        }
+        vec2 share = vec2((i & 1u) != 0u ? square.share.x : 1.0 - square.share.x,
+                          (i & 2u) != 0u ? square.share.y : 1.0 - square.share.y);
+        uint x = uint((i & 1u) != 0u ? square.x.y : square.x.x);
+        uint y = uint((i & 2u) != 0u ? square.y.y : square.y.x);
+        add_texel(sum, fetch(square.texels + y * square.width + x), linear,
+                  (i < 4u ? 1.0 - blend : blend) * share.x * share.y);
     }
     vec3 color = sum.weighted.a > 0.0 ? sum.weighted.rgb / sum.weighted.a : sum.plain;
     return min(vec4(color, sum.weighted.a), vec4(1.0));

@@ -30,11 +30,13 @@ bool is_there(ivec2 pixel)
     triangle_place t = find_triangle(item.address, record.address, triangle_of.y);
     vec3 share = vec3(1.0 - weight.x - weight.y, weight);
     float alpha = material.base_color.a, footprint = 0.0;
+#ifdef TEXTURES
     if (item.base_color != NO_ADDRESS) {
         float depth = 1.0 / gl_FragCoord.w;
         footprint = find_density(t, item.material, 0u, item.base_color) * depth * item.footprint;
         alpha *= sample_alpha(item.base_color, find_uv(t, item.material, 0u, share), footprint);
     }
+#endif
     if ((item.flags & ITEM_HAS_COLORS) != 0u) {
         alpha *= share.x * corner_color(t, t.corner.x).a + share.y * corner_color(t, t.corner.y).a +
                  share.z * corner_color(t, t.corner.z).a;
