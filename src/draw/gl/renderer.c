@@ -158,6 +158,8 @@ static view_block make_view(const gl_renderer* r, uint32_t sample, uint32_t samp
         .id_shift = r->frame.id_shift,
         .sample_number = sample,
         .sample_count = sample_count,
+        .picture_x = r->eye * r->target.width,
+        .depth_y = r->eye * r->target.height,
         .point_extent = r->point_extent,
         .ghost = ghost,
         .ghost_splats = ghost < 1.0f ? ghost * (0.45f + 0.55f * ghost) : 1.0f};
