@@ -40,9 +40,10 @@ typedef struct stp_pick {
     stp_vec3d position; ///< of the ray there; of a point, the point's own
     stp_vec3d normal;   ///< unit, of the triangle's plane, facing the origin of the ray
     stp_store_part part;
-    uint32_t element;              ///< triangle (as clusters have them) or point
-    stp_vec3d corners[3];          ///< of the triangle, scene space
-    uint32_t material;             ///< of the store
+    uint32_t element;     ///< triangle (as clusters have them) or point
+    stp_vec3d corners[3]; ///< of the triangle, scene space
+    bool inner[3];        ///< whether the edge from that corner to the next lies within a flat face
+    uint32_t material;    ///< of the store
     stp_placed_node thing;         ///< the node that has the part
     uint32_t path[STP_PICK_DEPTH]; ///< from the root: which edge of each node (slot)
     uint32_t path_count;           ///< of edges; above STP_PICK_DEPTH where not all are kept
@@ -56,6 +57,6 @@ STP_MUST_USE stp_result stp_pick_ray(stp_context* context, stp_store* store,
 
 typedef enum stp_snap_kind { STP_SNAP_NONE, STP_SNAP_VERTEX, STP_SNAP_EDGE } stp_snap_kind;
 
-/// The corner of a picked triangle within `reach` of where it was met, else the nearest point of its edges within it, else
-/// the place itself; in scene units.
+/// The corner of a picked triangle within `reach` of where it was met, else the nearest point of those of its edges that
+/// are not within a flat face, else the place itself; in scene units.
 stp_snap_kind stp_pick_snap(const stp_pick* pick, double reach, stp_vec3d* position);

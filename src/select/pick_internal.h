@@ -23,6 +23,11 @@ void stp_pick_begin(stp_pick_work* work);
 bool stp_pick_enters(const stp_pick_work* work, const stp_affine* transform, const stp_boxd* box,
                      double wider, bool points, double* near);
 
+/// Says which edges of a triangle, in its mesh's own space, lie within a flat face: another triangle of the mesh has the
+/// edge too, and lies in the same plane.
+STP_MUST_USE stp_result stp_pick_find_inner(stp_pick_work* work, uint32_t mesh, uint32_t triangle,
+                                            const stp_vec3 corners[3]);
+
 /// Tests a mesh or point set. @return as stp_pick_ray
 STP_MUST_USE stp_result stp_pick_part(stp_pick_work* work, stp_store_part part,
                                       const stp_affine* transform);

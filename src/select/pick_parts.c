@@ -137,8 +137,9 @@ static stp_vec3 read_vertex(const float* positions, uint32_t index)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-static void give_triangle(stp_pick_work* work, stp_store_part part, const stp_affine* transform,
-                          const nearest_element* nearest, const stp_vec3 corners[3])
+static stp_result give_triangle(stp_pick_work* work, stp_store_part part,
+                                const stp_affine* transform, const nearest_element* nearest,
+                                const stp_vec3 corners[3])
 {
     stp_pick* pick = work->pick;
     const stp_ray* ray = &work->desc->ray;
@@ -155,6 +156,7 @@ static void give_triangle(stp_pick_work* work, stp_store_part part, const stp_af
                                                  stp_subd(pick->corners[2], pick->corners[0])));
     bool away = stp_dotd(normal, ray->direction) > 0.0;
     pick->normal = away ? stp_scaled(normal, -1.0) : normal;
+    return stp_pick_find_inner(work, part.index, nearest->index, corners);
 }
 
 static stp_boxd widen(stp_box box)
@@ -182,9 +184,9 @@ static stp_result pick_clusters(stp_pick_work* work, stp_store_part part,
     if (nearest.found) {
         stp_vec3 corners[3];
         read_triangle(&clusters, nearest.index, corners);
-        give_triangle(work, part, transform, &nearest, corners);
+        result = give_triangle(work, part, transform, &nearest, corners);
     }
-    return STP_OK;
+    return result;
 }
 
 static stp_result pick_columns(stp_pick_work* work, stp_store_part part,
@@ -208,9 +210,9 @@ static stp_result pick_columns(stp_pick_work* work, stp_store_part part,
         stp_vec3 corners[3] = {read_vertex(mesh.positions, index[0]),
                                read_vertex(mesh.positions, index[1]),
                                read_vertex(mesh.positions, index[2])};
-        give_triangle(work, part, transform, &nearest, corners);
+        result = give_triangle(work, part, transform, &nearest, corners);
     }
-    return STP_OK;
+    return result;
 }
 
 static stp_result pick_points(stp_pick_work* work, stp_store_part part, const stp_affine* transform,

@@ -73,7 +73,7 @@ stp_snap_kind stp_pick_snap(const stp_pick* pick, double reach, stp_vec3d* posit
             corner = to_corner;
             at_corner = a;
         }
-        if (to_edge <= edge) {
+        if (to_edge <= edge && !pick->inner[k]) {
             has_edge = true;
             edge = to_edge;
             at_edge = on_edge;

@@ -32,6 +32,9 @@ typedef struct stp_visibility stp_visibility;
 /// Everything is shown. Belongs to the store, which must outlive it.
 STP_MUST_USE stp_result stp_visibility_create(stp_context* context, const stp_store* store,
                                               stp_visibility** visibility);
+/// The same again, for a thread that draws while this one is changed.
+STP_MUST_USE stp_result stp_visibility_copy(stp_context* context, const stp_visibility* from,
+                                            stp_visibility** copy);
 void stp_visibility_destroy(stp_visibility* visibility);
 
 /// The whole scene. Isolated is what was set to STP_SHOW after all was reset to STP_SHOW_NOT or STP_SHOW_GHOST.

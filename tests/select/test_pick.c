@@ -229,6 +229,12 @@ void test_no_ray_slips_through_shared_edges(test_state* test)
             stp_pick pick;
             CHECK_EQUAL(STP_OK, stp_pick_ray(context, store, &desc, &pick));
             CHECK(pick.hit);
+            stp_vec3d snapped; // the diagonal is within a flat face
+            CHECK_EQUAL(1, pick.inner[0] + pick.inner[1] + pick.inner[2]);
+            if (sign > 0 && fabs(at) < 0.8) { // it runs along x = y, or across that
+                stp_snap_kind kind = stp_pick_snap(&pick, 0.15, &snapped);
+                CHECK(kind == STP_SNAP_NONE || kind == STP_SNAP_EDGE);
+            }
         }
     }
     stp_store_close(store);
