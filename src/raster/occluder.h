@@ -4,12 +4,15 @@
 #pragma once
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum { STP_RASTER_OCCLUDER_BLOCKS = 4 }; ///< what touches more of them a side is taken to be seen
 
 typedef struct stp_raster_occluder {
-    const float* nearness; ///< the least of each block, row by row; 0: background shows
+    /// The least nearness of each block and of those right of it, below it, and both, row by row (stp_raster_make_windows);
+    /// 0: background shows.
+    const float* windows;
     uint32_t columns;
     uint32_t shift;      ///< a block is 2^shift pixels a side
     float width, height; ///< of the picture, pixels
@@ -20,3 +23,19 @@ typedef struct stp_raster_occluder {
     float near_distance; ///< nearness = near_distance / depth
     float behind;        ///< what hides counts as if so many times farther
 } stp_raster_occluder;
+
+/// From the least nearness of each block.
+static inline void stp_raster_make_windows(const float* blocks, uint32_t columns, uint32_t rows,
+                                           float* windows)
+{
+    for (uint32_t y = 0; y < rows; ++y) {
+        const float* above = blocks + (size_t)y * columns;
+        const float* below = y + 1 < rows ? above + columns : above;
+        for (uint32_t x = 0; x < columns; ++x) {
+            uint32_t right = x + 1 < columns ? x + 1 : x;
+            float a = above[x] < below[x] ? above[x] : below[x];
+            float b = above[right] < below[right] ? above[right] : below[right];
+            *windows++ = a < b ? a : b;
+        }
+    }
+}

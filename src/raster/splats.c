@@ -2,7 +2,7 @@
 #include "raster/splats.h"
 
 #include "base/processor.h"
-#include "raster/splats_kernel.h"
+#include "raster/splats_hidden.h"
 
 #include <math.h>
 
@@ -53,6 +53,12 @@ static void place_occluder(stp_splat_frame* frame)
         }
         frame->occluder_radius = frame->splats->radius * occluder->scale * occluder->pixel_scale;
     }
+}
+
+void stp_splats_ask_frame(stp_splat_frame* frame, const stp_raster_splats* splats)
+{
+    *frame = (stp_splat_frame){.splats = splats, .pixel_radius = splats->pixel_radius};
+    place_occluder(frame);
 }
 
 bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* target,
@@ -137,8 +143,13 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
         project_batch(frame, &batch);
         pick_batch(frame, &batch, first, count);
         bool disks = false;
+        uint32_t hidden = 0;
         for (uint32_t i = 0; i < count; ++i) {
             disks = disks || batch.kind[i] == SPLAT_DISK;
+            hidden |= (uint32_t)(batch.kind[i] == SPLAT_HIDDEN) << i;
+        }
+        if (splats->hidden != NULL) {
+            splats->hidden[first / SPLAT_BATCH] = (uint16_t)hidden;
         }
         if (disks) {
             if (splats->normals != NULL) {
@@ -154,13 +165,35 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
                 fragments += draw_pixel(frame, &batch, lane, first + i);
             } else if (batch.kind[i] == SPLAT_LARGE) {
                 fragments += stp_splats_draw_large(frame, first + i);
-            } else if (batch.kind[i] != SPLAT_NONE) {
+            } else if (batch.kind[i] == SPLAT_SMALL || batch.kind[i] == SPLAT_WIDE) {
                 splat_box box = clip_box(frame, &batch, lane);
                 fragments += draw_disk_scalar(frame, &batch, lane, first + i, box);
             }
         }
     }
     return fragments;
+}
+
+bool stp_splats_ask_portable(const stp_splat_frame* frame, uint16_t* bits)
+{
+    return ask_all(frame, bits);
+}
+
+bool stp_raster_ask_splats(const stp_raster_splats* splats, uint16_t* bits)
+{
+    stp_splat_frame frame;
+    stp_splats_ask_frame(&frame, splats);
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return stp_splats_ask_avx512(&frame, bits);
+    case STP_PROCESSOR_AVX2:
+        return stp_splats_ask_avx2(&frame, bits);
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return stp_splats_ask_portable(&frame, bits);
 }
 
 uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,

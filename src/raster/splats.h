@@ -56,6 +56,10 @@ typedef struct stp_raster_camera {
     float nearness_limit;
 } stp_raster_camera;
 
+/// Clears, among the bits of splats [begin, end) (a bit a splat, from splat 0 on; `begin` is a multiple of 16), those that
+/// the occluder hides. Surfels only. @return whether any is left
+bool stp_raster_ask_splats(const stp_raster_splats* splats, uint16_t* bits);
+
 /// Draws splats; splat i gets the id first_id + i. With bits for each splat, `begin` is a multiple of 16. Only rows [row_begin, row_end) are touched.
 /// @return fragments that passed the disk test
 uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_begin,

@@ -4,7 +4,7 @@
 // own load_positions, load_normals (sixteen splats each), lanes_of, draw_small and draw_wide.
 #pragma once
 
-#include "raster/splats_kernel.h"
+#include "raster/splats_hidden.h"
 
 /// Draws splats first .. first + 15, of which `count` are there.
 static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t first,
@@ -14,6 +14,9 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint
     uint64_t fragments = 0;
     project_batch(f, t);
     pick_batch(f, t, first, count);
+    if (splats->hidden != NULL) {
+        splats->hidden[first / SPLAT_BATCH] = (uint16_t)lanes_of(t, SPLAT_HIDDEN);
+    }
     for (uint32_t pixels = lanes_of(t, SPLAT_PIXEL); pixels != 0; pixels &= pixels - 1) {
         int i = __builtin_ctz(pixels);
         fragments += draw_pixel(f, t, i, first + (uint32_t)i);

@@ -25,12 +25,13 @@ enum {
 #define SPLAT_FAR 1e6f ///< pixels: centres are brought within it, so that they fit a whole number
 
 typedef enum splat_kind {
-    SPLAT_NONE,  ///< not in the picture
-    SPLAT_PIXEL, ///< the centre's pixel only
-    SPLAT_DISK,  ///< to be classified further
-    SPLAT_SMALL, ///< within a block of 4 x 4 pixels inside the target
-    SPLAT_WIDE,  ///< larger, or across the border of the target
-    SPLAT_LARGE, ///< close to the eye or very large
+    SPLAT_NONE,   ///< not in the picture
+    SPLAT_PIXEL,  ///< the centre's pixel only
+    SPLAT_DISK,   ///< to be classified further
+    SPLAT_SMALL,  ///< within a block of 4 x 4 pixels inside the target
+    SPLAT_WIDE,   ///< larger, or across the border of the target
+    SPLAT_LARGE,  ///< close to the eye or very large
+    SPLAT_HIDDEN, ///< behind the occluder
 } splat_kind;
 
 /// What a call needs, worked out once.
@@ -78,6 +79,12 @@ typedef uint64_t (*splat_kernel)(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_portable(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_avx2(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_avx512(const stp_splat_frame* frame);
+
+/// stp_raster_ask_splats for a frame of which only what the occluder needs is made.
+bool stp_splats_ask_portable(const stp_splat_frame* frame, uint16_t* bits);
+bool stp_splats_ask_avx2(const stp_splat_frame* frame, uint16_t* bits);
+bool stp_splats_ask_avx512(const stp_splat_frame* frame, uint16_t* bits);
+void stp_splats_ask_frame(stp_splat_frame* frame, const stp_raster_splats* splats);
 
 /// Draws splat `index` with every pixel's ray in double precision.
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index);
@@ -199,124 +206,6 @@ static inline void drop_beside(const stp_splat_frame* restrict f, splat_batch* r
                          (int32_t)(Y - bottom * W > radius * f->beside[3]);
         int32_t large = (int32_t)(t->kind[i] == SPLAT_LARGE);
         t->kind[i] = (large & beside) != 0 ? SPLAT_NONE : t->kind[i];
-    }
-}
-
-/// Of each splat of a batch: what blocks of the occluder it may touch, and how near they must be to hide it.
-typedef struct splat_blocks {
-    float left[SPLAT_BATCH], top[SPLAT_BATCH], right[SPLAT_BATCH], bottom[SPLAT_BATCH];
-    float nearest[SPLAT_BATCH];
-    int32_t asked[SPLAT_BATCH];
-    int32_t first[SPLAT_BATCH], across[SPLAT_BATCH],
-        down[SPLAT_BATCH]; ///< index, and how many beyond
-} splat_blocks;
-
-static inline void find_extents(const stp_splat_frame* restrict f, const splat_batch* restrict t,
-                                splat_blocks* restrict k)
-{
-    const stp_raster_occluder* o = f->splats->occluder;
-    float right = o->width - 1.0f, bottom = o->height - 1.0f, inverse_scale = 1.0f / o->pixel_scale;
-    float wider = 1.1f * o->corner, near = o->near_distance, least = near * o->behind;
-    for (int i = 0; i < SPLAT_BATCH; ++i) {
-        float x = t->px[i], y = t->py[i], z = t->pz[i];
-        float X = ((f->occluder[0][0] * x + f->occluder[0][1] * y) + f->occluder[0][2] * z) +
-                  f->occluder[0][3];
-        float Y = ((f->occluder[1][0] * x + f->occluder[1][1] * y) + f->occluder[1][2] * z) +
-                  f->occluder[1][3];
-        float W = ((f->occluder[2][0] * x + f->occluder[2][1] * y) + f->occluder[2][2] * z) +
-                  f->occluder[2][3];
-        float inverse = 1.0f / W;
-        float sx = X * inverse, sy = Y * inverse;
-        float radius = f->occluder_radius * inverse + f->pixel_radius;
-        float ratio = radius * inverse_scale; // radius over depth
-        float extent = radius * wider + 0.51f;
-        // within a twelfth of its depth, 1 / (1 - ratio) is less than 1 + 1.1 ratio and than 1.1
-        k->nearest[i] = least * inverse * (1.0f + 1.1f * ratio);
-        float x0 = sx - extent, y0 = sy - extent, x1 = sx + extent, y1 = sy + extent;
-        int32_t asked = (int32_t)(W > near) & (int32_t)(ratio < 0.08f) & (int32_t)(x1 >= 0.0f) &
-                        (int32_t)(y1 >= 0.0f) & (int32_t)(x0 <= right) & (int32_t)(y0 <= bottom);
-        x0 = x0 > 0.0f ? x0 : 0.0f;
-        y0 = y0 > 0.0f ? y0 : 0.0f;
-        x1 = x1 < right ? x1 : right;
-        y1 = y1 < bottom ? y1 : bottom;
-        k->left[i] = asked != 0 ? x0 : 0.0f;
-        k->top[i] = asked != 0 ? y0 : 0.0f;
-        k->right[i] = asked != 0 ? x1 : 0.0f;
-        k->bottom[i] = asked != 0 ? y1 : 0.0f;
-        k->asked[i] = asked;
-    }
-}
-
-static inline void find_blocks(const stp_raster_occluder* o, splat_blocks* restrict k)
-{
-    int32_t columns = (int32_t)o->columns;
-    float per_pixel = 1.0f / (float)(1u << o->shift);
-    for (int i = 0; i < SPLAT_BATCH; ++i) {
-        int32_t x0 = (int32_t)(k->left[i] * per_pixel), x1 = (int32_t)(k->right[i] * per_pixel);
-        int32_t y0 = (int32_t)(k->top[i] * per_pixel), y1 = (int32_t)(k->bottom[i] * per_pixel);
-        k->asked[i] &= (int32_t)(x1 - x0 < STP_RASTER_OCCLUDER_BLOCKS) &
-                       (int32_t)(y1 - y0 < STP_RASTER_OCCLUDER_BLOCKS);
-        k->first[i] = y0 * columns + x0;
-        k->across[i] = x1 - x0;
-        k->down[i] = y1 - y0;
-    }
-}
-
-/// Whether all blocks that splat `i` may touch are nearer than it.
-static inline bool are_nearer(const stp_raster_occluder* o, const splat_blocks* k, int i)
-{
-    const float* blocks = o->nearness + k->first[i];
-    float nearest = k->nearest[i];
-    for (int32_t y = 0; y <= k->down[i]; ++y, blocks += o->columns) {
-        for (int32_t x = 0; x <= k->across[i]; ++x) {
-            if (!(blocks[x] > nearest)) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-/// Of the splats of a batch, drops those that the occluder hides, and gives their bits.
-static inline uint32_t drop_hidden(const stp_splat_frame* restrict f, splat_batch* restrict t)
-{
-    splat_blocks k;
-    find_extents(f, t, &k);
-    find_blocks(f->splats->occluder, &k);
-    uint32_t bits = 0;
-    for (int i = 0; i < SPLAT_BATCH; ++i) {
-        int32_t kind = t->kind[i];
-        k.asked[i] &= (int32_t)(kind == SPLAT_PIXEL) | (int32_t)(kind == SPLAT_DISK);
-        bits |= (uint32_t)k.asked[i] << i;
-    }
-    for (uint32_t left = bits; left != 0; left &= left - 1) {
-        int i = __builtin_ctz(left);
-        bool hidden = are_nearer(f->splats->occluder, &k, i);
-        t->kind[i] = hidden ? SPLAT_NONE : t->kind[i];
-        bits &= ~((uint32_t)!hidden << i);
-    }
-    return bits;
-}
-
-/// Leaves of a projected batch what is wanted and not hidden. Splats `first` to `first` + 15.
-static inline void pick_batch(const stp_splat_frame* restrict f, splat_batch* restrict t,
-                              uint32_t first, uint32_t count)
-{
-    const stp_raster_splats* splats = f->splats;
-    uint32_t wanted = splats->wanted != NULL ? splats->wanted[first / SPLAT_BATCH] : 0xFFFFu;
-    wanted &= count < SPLAT_BATCH ? (1u << count) - 1u : 0xFFFFu;
-    int32_t large = 0;
-    for (int i = 0; i < SPLAT_BATCH; ++i) {
-        int32_t there = -(int32_t)(wanted >> i & 1u);
-        t->kind[i] &= there;
-        large |= (int32_t)(t->kind[i] == SPLAT_LARGE);
-    }
-    if (large != 0) {
-        drop_beside(f, t);
-    }
-    uint32_t hidden = splats->occluder != NULL ? drop_hidden(f, t) : 0;
-    if (splats->hidden != NULL) {
-        splats->hidden[first / SPLAT_BATCH] = (uint16_t)hidden;
     }
 }
 

@@ -19,7 +19,7 @@ typedef struct hidden_scene {
     uint16_t positions[3 * SPLATS];
     int8_t normals[2 * SPLATS];
     uint64_t wall[PIXELS], pixels[PIXELS], expected[PIXELS];
-    float blocks[COLUMNS * ROWS];
+    float blocks[COLUMNS * ROWS], windows[COLUMNS * ROWS];
     uint16_t hidden[WORDS];
     stp_raster_target target;
     stp_raster_splats splats;
@@ -50,6 +50,7 @@ static void make_wall(hidden_scene* s, uint64_t seed)
             *block = nearness < *block ? nearness : *block;
         }
     }
+    stp_raster_make_windows(s->blocks, COLUMNS, ROWS, s->windows);
 }
 
 /// Splats in a cube around the eye and before it, of a radius, a part of it by pixels.
@@ -81,7 +82,7 @@ static void make_scene(hidden_scene* s, uint64_t seed, double radius, float pixe
     for (int k = 0; k < 3; ++k) {
         s->camera.view[k][k] = 1.0f;
     }
-    s->occluder = (stp_raster_occluder){.nearness = s->blocks,
+    s->occluder = (stp_raster_occluder){.windows = s->windows,
                                         .columns = COLUMNS,
                                         .shift = 3,
                                         .width = WIDTH,
@@ -112,7 +113,9 @@ static int count_bits(const uint16_t* bits)
     return count;
 }
 
-static void check_kernel(test_state* test, splat_kernel kernel, int* hidden)
+typedef bool (*ask_kernel)(const stp_splat_frame* frame, uint16_t* bits);
+
+static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, int* hidden)
 {
     static hidden_scene s;
     static uint16_t wanted[WORDS];
@@ -131,8 +134,17 @@ static void check_kernel(test_state* test, splat_kernel kernel, int* hidden)
         CHECK_EQUAL(0, memcmp(s.expected, s.pixels, sizeof(s.pixels)));
         int count = count_bits(s.hidden);
         CHECK(count < SPLATS && (count == 0 || fewer < whole));
-        // what was hidden, alone, and none of it can be seen
+        // asked again by the same or by nothing, all of it or nothing is hidden
+        stp_splat_frame frame;
         memcpy(wanted, s.hidden, sizeof(wanted));
+        stp_splats_ask_frame(&frame, &s.splats);
+        CHECK(!ask(&frame, wanted));
+        CHECK_EQUAL(0, count_bits(wanted));
+        memcpy(wanted, s.hidden, sizeof(wanted));
+        memset(s.windows, 0, sizeof(s.windows));
+        CHECK(ask(&frame, wanted) == (count > 0));
+        // what was hidden, alone, and none of it can be seen
+        CHECK_EQUAL(0, memcmp(wanted, s.hidden, sizeof(wanted)));
         s.splats.occluder = NULL;
         s.splats.hidden = NULL;
         s.splats.wanted = wanted;
@@ -146,16 +158,16 @@ static void check_kernel(test_state* test, splat_kernel kernel, int* hidden)
 void test_splats_hidden_cannot_be_seen(test_state* test)
 {
     int hidden[3] = {0};
-    check_kernel(test, stp_splats_draw_portable, &hidden[0]);
+    check_kernel(test, stp_splats_draw_portable, stp_splats_ask_portable, &hidden[0]);
     CHECK(hidden[0] > 500); // otherwise nothing was tried
 #if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
     if (processor >= STP_PROCESSOR_AVX2) {
-        check_kernel(test, stp_splats_draw_avx2, &hidden[1]);
+        check_kernel(test, stp_splats_draw_avx2, stp_splats_ask_avx2, &hidden[1]);
         CHECK_EQUAL(hidden[0], hidden[1]);
     }
     if (processor >= STP_PROCESSOR_AVX512) {
-        check_kernel(test, stp_splats_draw_avx512, &hidden[2]);
+        check_kernel(test, stp_splats_draw_avx512, stp_splats_ask_avx512, &hidden[2]);
         CHECK_EQUAL(hidden[0], hidden[2]);
     }
 #endif

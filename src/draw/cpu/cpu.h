@@ -93,7 +93,10 @@ typedef struct cpu_eye {
     size_t late_capacity;
     uint8_t* late_pieces; ///< whether a piece has any
     size_t late_piece_capacity;
-    bool made; ///< its pyramid is of the sample that is drawn
+    bool made;      ///< its pyramid is of the sample that is drawn
+    float* windows; ///< what splats are looked up in (raster/occluder.h)
+    size_t window_capacity;
+    uint32_t window_level; ///< of the pyramid
 } cpu_eye;
 
 /// What samples in two passes are selected with.
@@ -207,6 +210,8 @@ STP_MUST_USE stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece);
 STP_MUST_USE stp_result cpu_prepare_late(cpu_renderer* r, size_t first);
 /// Whether anything was hidden from an eye in what is drawn so far.
 bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye);
+/// Makes ready what splats ask of the pyramid of the eye that is drawn. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_prepare_occluder(cpu_renderer* r);
 /// Makes ready what of the pyramid an item asks.
 void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item);
 /// The same of all items before `first` of which something was hidden from the eye.

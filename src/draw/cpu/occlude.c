@@ -73,6 +73,25 @@ static uint32_t choose_level(const cpu_renderer* r)
     return level;
 }
 
+stp_result cpu_prepare_occluder(cpu_renderer* r)
+{
+    const stp_depth_pyramid* p = r->occluding;
+    cpu_eye* eye = r->eye;
+    if (p == NULL) {
+        return STP_OK;
+    }
+    uint32_t level = choose_level(r);
+    void* windows = eye->windows;
+    stp_result result = grow(r->base.context, &windows, &eye->window_capacity,
+                             (size_t)p->columns[level] * p->rows[level], sizeof(*eye->windows));
+    eye->windows = windows;
+    eye->window_level = level;
+    if (result == STP_OK) {
+        stp_raster_make_windows(p->levels[level], p->columns[level], p->rows[level], eye->windows);
+    }
+    return result;
+}
+
 void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
 {
     static const float nowhere[3] = {0.0f, 0.0f, 0.0f};
@@ -84,10 +103,10 @@ void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_it
     if (item->kind != STP_DRAW_SURFELS) {
         return;
     }
-    uint32_t level = choose_level(r);
+    uint32_t level = r->eye->window_level;
     double behind = 1.0 + r->mesh_depth / p->frame.scale;
     item->occluder = (stp_raster_occluder){
-        .nearness = p->levels[level],
+        .windows = r->eye->windows,
         .columns = p->columns[level],
         .shift = FIRST_SHIFT + level,
         .width = (float)p->frame.width,

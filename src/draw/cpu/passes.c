@@ -127,6 +127,10 @@ static stp_result draw_first_pass(cpu_renderer* r, const stp_draw_list* list)
     for (uint32_t i = 0; i < r->eye_count && result == STP_OK; ++i) {
         r->eyes[i].made = false;
         look_through(r, i);
+        result = cpu_prepare_occluder(r);
+        if (result != STP_OK) {
+            return result;
+        }
         cpu_place_items(r, list, 0);
         result = i == 0 ? cpu_prepare_shading(r, 0) : STP_OK;
         result = result == STP_OK ? cpu_draw_items(r, 0) : result;
@@ -175,6 +179,10 @@ static stp_result draw_second_pass(cpu_renderer* r, const stp_draw_list* list, b
     for (uint32_t i = r->eye_count; i-- > 0 && result == STP_OK;) {
         double start = stp_clock_ms();
         look_through(r, i);
+        result = again ? cpu_prepare_occluder(r) : STP_OK;
+        if (result != STP_OK) {
+            return result;
+        }
         if (again && r->placed == r->eye) {
             cpu_place_late_occluders(r, list, first);
         }

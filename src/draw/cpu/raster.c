@@ -88,11 +88,19 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.rim_depth = RIM_DEPTH;
         splats.back_depth = BACK_DEPTH;
         splats.occluder = r->occluding != NULL ? &item->occluder : NULL;
-        uint16_t* bits = r->occluding != NULL ? r->eye->late + item->late : NULL;
-        splats.wanted = late ? bits : NULL;
-        splats.hidden = late ? NULL : bits;
+        splats.hidden = r->occluding != NULL ? r->eye->late + item->late : NULL;
     } else {
         splats.points = item->points.positions;
+    }
+    if (late && splats.hidden !=
+                    NULL) { // most are still hidden: they are asked before anything is worked out
+        splats.pixel_radius = item->runs != NULL ? item->pixel_radius : 0.0f;
+        if (!stp_raster_ask_splats(&splats, splats.hidden)) {
+            return;
+        }
+        splats.wanted = splats.hidden;
+        splats.hidden = NULL;
+        splats.occluder = NULL;
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     if ((item->draw->sections == 0 && !item->draw->ghost) ||

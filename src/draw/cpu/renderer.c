@@ -21,6 +21,7 @@ static void destroy(stp_renderer* renderer)
         stp_depth_pyramid_destroy(context, &r->pyramids[i]);
         stp_free(context, r->eyes[i].late);
         stp_free(context, r->eyes[i].late_pieces);
+        stp_free(context, r->eyes[i].windows);
     }
     cpu_destroy_textures(r);
     cpu_destroy_shading(r);
