@@ -26,7 +26,7 @@ static const option* options(void)
         {.name = "size",
          .type = OPTION_PIXELS,
          .argument = "WxH",
-         .words = "640..16384",
+         .words = "400..16384",
          .help = "of the window; default 1280x720",
          .value = args.size},
         {.name = "backend",

@@ -152,9 +152,12 @@ void camera_face(viewer* v, const char* name)
 
 void camera_frame(viewer* v)
 {
-    stp_boxd box = camera_scene_box(v);
+    stp_boxd box;
     stp_navigator to = v->camera;
     if (v->scene != NULL) {
+        if (v->explorer == NULL || !explorer_chosen_box(v->explorer, &box)) {
+            box = camera_scene_box(v);
+        }
         stp_navigator_frame(&to, &box);
         camera_glide(v, &to);
     }

@@ -289,6 +289,11 @@ void gui_separator(void)
     ImGui::Separator();
 }
 
+void gui_fill_width(void)
+{
+    ImGui::SetNextItemWidth(-1.0f);
+}
+
 void gui_push_id(int id)
 {
     ImGui::PushID(id);
@@ -331,6 +336,16 @@ void gui_faint(const char* format, ...)
     va_start(list, format);
     ImGui::TextDisabledV(format, list);
     va_end(list);
+}
+
+void gui_faint_paragraph(const char* format, ...)
+{
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    va_list list;
+    va_start(list, format);
+    ImGui::TextWrappedV(format, list);
+    va_end(list);
+    ImGui::PopStyleColor();
 }
 
 void gui_paragraph(const char* format, ...)
@@ -470,6 +485,11 @@ void gui_focus_next(void)
     ImGui::SetKeyboardFocusHere();
 }
 
+static float row_height()
+{
+    return ImGui::GetFrameHeight() - 4.0f * ui_scale;
+}
+
 int gui_tree_row(const gui_row* row)
 {
     int result = 0;
@@ -531,11 +551,6 @@ int gui_tree_row(const gui_row* row)
     return result;
 }
 
-static float row_height()
-{
-    return ImGui::GetFrameHeight() - 4.0f * ui_scale;
-}
-
 void gui_rows_begin(int count, int* first, int* last)
 {
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0.0f, 0.0f));
@@ -563,9 +578,10 @@ void gui_list_end(void)
     ImGui::EndChild();
 }
 
-void gui_scroll_here(void)
+void gui_scroll_to_row(int row)
 {
-    ImGui::SetScrollHereY(0.4f);
+    float middle = (float(row) + 0.5f) * row_height() - 0.4f * ImGui::GetWindowHeight();
+    ImGui::SetScrollY(middle > 0.0f ? middle : 0.0f);
 }
 
 void gui_progress(float fraction, const char* text)
@@ -601,11 +617,9 @@ void gui_graph(const float* values, int count, int newest, float most, float mar
     }
 }
 
-void gui_picture(void* texture, float x0, float y0, float x1, float y1, bool bottom_up)
+void gui_picture(void* texture, float x0, float y0, float x1, float y1)
 {
-    float top = bottom_up ? 1.0f : 0.0f;
-    ImGui::GetBackgroundDrawList()->AddImage(texture, ImVec2(x0, y0), ImVec2(x1, y1),
-                                             ImVec2(0.0f, top), ImVec2(1.0f, 1.0f - top));
+    ImGui::GetBackgroundDrawList()->AddImage(texture, ImVec2(x0, y0), ImVec2(x1, y1));
 }
 
 void gui_clip(float x0, float y0, float x1, float y1)

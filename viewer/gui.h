@@ -45,6 +45,7 @@ void gui_same_line(void);
 void gui_right_aligned(float width);
 void gui_space(void);
 void gui_separator(void);
+void gui_fill_width(void); ///< of the next widget
 void gui_push_id(int id);
 void gui_pop_id(void);
 void gui_disable(bool disabled); ///< ends with gui_enable
@@ -55,6 +56,7 @@ bool gui_section(const char* label, bool open);
 // Text.
 void gui_text(const char* format, ...) __attribute__((format(printf, 1, 2)));
 void gui_faint(const char* format, ...) __attribute__((format(printf, 1, 2)));
+void gui_faint_paragraph(const char* format, ...) __attribute__((format(printf, 1, 2)));
 void gui_paragraph(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /// A name on the left and a value beside it.
 void gui_value(const char* name, const char* format, ...) __attribute__((format(printf, 2, 3)));
@@ -101,7 +103,7 @@ void gui_rows_begin(int count, int* first, int* last);
 void gui_rows_end(int count, int last);
 void gui_list_begin(const char* name, float height); ///< a part that scrolls
 void gui_list_end(void);
-void gui_scroll_here(void);
+void gui_scroll_to_row(int row); ///< of a list of rows
 
 void gui_progress(float fraction, const char* text);
 /// Bars of the last values, the newest on the right; `mark`: a line at a value. Both in the unit of values.
@@ -109,7 +111,7 @@ void gui_graph(const float* values, int count, int newest, float most, float mar
                const char* tooltip);
 
 // Over the picture, under the panels. Colours are 0xRRGGBBAA.
-void gui_picture(void* texture, float x0, float y0, float x1, float y1, bool bottom_up);
+void gui_picture(void* texture, float x0, float y0, float x1, float y1);
 void gui_clip(float x0, float y0, float x1, float y1); ///< until gui_unclip
 void gui_unclip(void);
 void gui_line(float x0, float y0, float x1, float y1, uint32_t color, float width);

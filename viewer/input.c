@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What hands do: mouse, keys and gamepad become movements of the camera and commands.
 #include "gui.h"
-#include "state.h"
+#include "parts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -80,9 +80,30 @@ static bool is_on_picture(const viewer* v, float x, float y)
 
 static void click(viewer* v, float x, float y)
 {
-    stp_vec3d point;
-    if (camera_seen(v, x, y, &point)) {
-        stp_navigator_choose_pivot(&v->camera, point);
+    stp_vec3d seen;
+    stp_pick pick = {0};
+    viewer_area a = v->picture_area;
+    bool sees = camera_seen(v, x, y, &seen);
+    bool of_scene = v->picture != NULL && v->scene != NULL &&
+                    v->picture->scene == v->scene->serial && v->explorer != NULL;
+    if (of_scene) {
+        const stp_view* view = &v->picture->view;
+        (void)explorer_pick(v->explorer, view, (double)((x - a.x) / a.width) * (double)view->width,
+                            (double)((y - a.y) / a.height) * (double)view->height, &pick);
+    }
+    if (v->measure.on) {
+        measure_click(v, pick.hit ? &pick : NULL, sees ? &seen : NULL);
+        return;
+    }
+    if (of_scene) {
+        explorer_choose_picked(v->explorer, pick.hit ? &pick : NULL);
+    }
+    if (pick.hit) {
+        v->picked = pick;
+        v->has_picked = true;
+    }
+    if (pick.hit || sees) {
+        stp_navigator_choose_pivot(&v->camera, pick.hit ? pick.position : seen);
     }
 }
 
@@ -172,9 +193,12 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
 {
     if (control) {
         v->quits = v->quits || key == SDLK_q;
+        if (key == SDLK_f) {
+            v->settings.parts = v->shows_panels = v->finds = true;
+        }
         return;
     }
-    if (take_view_key(v, key)) {
+    if (take_view_key(v, key) || parts_take_key(v, key)) {
         return;
     }
     switch (key) {
@@ -182,15 +206,26 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
     case SDLK_KP_5:
         camera_switch_projection(v);
         break;
-    case SDLK_f:
     case SDLK_HOME:
+        if (v->explorer != NULL) {
+            explorer_choose(v->explorer, NULL, false);
+        }
+        camera_frame(v);
+        break;
+    case SDLK_f:
         camera_frame(v);
         break;
     case SDLK_h:
         v->shows_help = !v->shows_help;
         break;
     case SDLK_ESCAPE:
-        v->shows_help = false;
+        if (v->shows_help) {
+            v->shows_help = false;
+        } else if (v->measure.on) {
+            v->measure.on = false;
+        } else if (v->explorer != NULL) {
+            explorer_choose(v->explorer, NULL, false);
+        }
         break;
     case SDLK_TAB:
         v->shows_panels = !v->shows_panels;
@@ -204,6 +239,42 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
         break;
     case SDLK_F3:
         toggle_page(v, PAGE_QUALITY);
+        break;
+    case SDLK_F4:
+        toggle_page(v, PAGE_SECTION);
+        break;
+    case SDLK_F5:
+        toggle_page(v, PAGE_MEASURE);
+        break;
+    case SDLK_F6:
+        toggle_page(v, PAGE_VIEWS);
+        break;
+    case SDLK_k:
+        v->section.has_box = !v->section.has_box;
+        break;
+    case SDLK_m:
+        v->measure.on = !v->measure.on;
+        if (v->measure.on) {
+            v->settings.page = PAGE_MEASURE;
+        }
+        break;
+    case SDLK_BACKSPACE:
+        measure_undo(v);
+        break;
+    case SDLK_v:
+        views_save(v);
+        break;
+    case SDLK_r:
+        record_switch(v);
+        break;
+    case SDLK_b:
+        v->settings.backend = viewer_uses_gl(v) ? BACKEND_PROCESSOR : BACKEND_OPENGL;
+        if (!v->window.has_worker) {
+            viewer_say(v, false, "OpenGL 4.5 is not to be had here");
+        }
+        break;
+    case SDLK_F12:
+        shot_begin(v);
         break;
     case SDLK_F11:
         switch_fullscreen(v);

@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: MIT
 // The panels of figures and of quality.
 #include "gui.h"
-#include "state.h"
+#include "parts.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
 static const char* const method_words[METHOD_COUNT] = {
-    "Splats, blended levels",
-    "Splats, Brandt's estimate",
-    "Splats, switched levels",
-    "Original geometry",
+    "Blended levels",
+    "Paper's estimate",
+    "Switched levels",
+    "Original only",
 };
 
-/// "12.3 M": a count for people.
-static void print_count(char* text, size_t size, uint64_t count)
+void page_print_count(char* text, size_t size, uint64_t count)
 {
     static const char* const units[] = {"", " k", " M", " G", " T"};
     double value = (double)count;
@@ -35,7 +34,7 @@ static void print_count(char* text, size_t size, uint64_t count)
 static void show_count(const char* name, uint64_t count)
 {
     char text[32];
-    print_count(text, sizeof(text), count);
+    page_print_count(text, sizeof(text), count);
     gui_value(name, "%s", text);
 }
 
@@ -75,8 +74,7 @@ static void show_times(const viewer* v)
     gui_graph(v->frame_times, FRAME_HISTORY, v->newest_time, most, mark, 64.0f * v->window.scale,
               "Time of the last frames; the line is the time asked for");
     float mean = count > 0 ? sum / (float)count : 0.0f;
-    gui_value("Frame", "%.1f ms, mean %.1f ms", (double)v->frame_times[v->newest_time],
-              (double)mean);
+    gui_value("Frame", "%.1f ms (mean %.0f)", (double)v->frame_times[v->newest_time], (double)mean);
 }
 
 void page_statistics(viewer* v)
@@ -110,6 +108,7 @@ void page_statistics(viewer* v)
         show_count("Points", root->point_count);
     }
     show_count("Objects", d->object_count);
+    gui_value("Drawn by", "%s", v->picture->gl ? "OpenGL" : "the processor");
     gui_value("Window", "%s", v->window.device);
 }
 
@@ -131,6 +130,7 @@ void page_quality(viewer* v)
 {
     viewer_settings* s = &v->settings;
     static const char* const filters[] = {"Nearest splat", "Blended splats"};
+    static const char* const backends[] = {"Automatic", "Processor", "OpenGL"};
     static const char* const lights[] = {"Sun", "From the eye"};
     gui_text("Speed");
     gui_check("Keep a frame time", &s->adapts,
@@ -153,8 +153,17 @@ void page_quality(viewer* v)
     }
     gui_space();
     gui_text("Method");
-    gui_choice("Draw", &s->method, method_words, METHOD_COUNT,
-               "How the number of splats is chosen, or the original geometry without any");
+    gui_disable(!v->window.has_worker);
+    gui_choice("Drawn by", &s->backend, backends, BACKEND_COUNT,
+               v->window.has_worker ? "What draws; automatic: a graphics processor where there is "
+                                      "one (B changes between both)"
+                                    : "OpenGL 4.5 is not to be had here");
+    gui_enable();
+    gui_choice(
+        "Draw", &s->method, method_words, METHOD_COUNT,
+        "How the number of splats is chosen: by insertion radius with blending between levels, "
+        "by the estimate of Brandt et al. 2019, or with hard switching; or the original "
+        "geometry without any");
     gui_choice("Splats", &s->filter, filters, 2, "What a pixel shows where splats overlap");
     gui_space();
     gui_text("Look");
@@ -169,7 +178,7 @@ void page_quality(viewer* v)
         viewer_settings fresh = viewer_settings_default();
         fresh.page = s->page;
         fresh.parts = s->parts;
-        fresh.gl = s->gl;
+        fresh.backend = s->backend;
         *s = fresh;
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "painter.h"
 
+#include "painter_gl.h"
 #include "painter_scene.h"
 
 #include "base/clock.h"
@@ -36,11 +37,17 @@ struct painter {
     paint_scene* current;
     painter_picture pictures[BUFFERS];
     int painting, ready, shown;
-    bool fresh; ///< `ready` has not been taken
+    shown_list wanted_list; ///< of scene list_scene; things are owned
+    uint32_t list_scene;
+    bool has_list; ///< it was not taken up yet
+    bool fresh;    ///< `ready` has not been taken
     uint64_t frame;
     char message[512];
     bool message_is_error;
     // the thread's own
+    painter_gl gl;
+    stp_draw_gl_desc gl_desc;
+    bool uses_gl;       ///< for the frame being drawn
     paint_scene* scene; ///< adopted and asked for
     uint64_t begun;     ///< number of the request being drawn
     paint_stage stage;
@@ -64,6 +71,17 @@ static void on_log(stp_log_level level, const char* message, void* user)
     p->desc.wake(p->desc.user);
 }
 
+static bool same_sections(const stp_sections* a, const stp_sections* b)
+{
+    bool same = a->count == b->count;
+    for (uint32_t i = 0; same && i < a->count; ++i) {
+        const stp_section_plane *p = &a->planes[i], *q = &b->planes[i];
+        same = p->normal.x == q->normal.x && p->normal.y == q->normal.y &&
+               p->normal.z == q->normal.z && p->distance == q->distance;
+    }
+    return same;
+}
+
 static bool same_view(const stp_view* a, const stp_view* b)
 {
     return a->eye.x == b->eye.x && a->eye.y == b->eye.y && a->eye.z == b->eye.z &&
@@ -71,7 +89,7 @@ static bool same_view(const stp_view* a, const stp_view* b)
            a->up.x == b->up.x && a->up.y == b->up.y && a->up.z == b->up.z &&
            a->fov_degrees == b->fov_degrees && a->ortho_height == b->ortho_height &&
            a->near_distance == b->near_distance && a->width == b->width && a->height == b->height &&
-           a->eye_distance == b->eye_distance;
+           a->eye_distance == b->eye_distance && same_sections(&a->sections, &b->sections);
 }
 
 static bool same_style(const stp_draw_style* a, const stp_draw_style* b)
@@ -98,7 +116,7 @@ static bool same_quality(const stp_quality* a, const stp_quality* b)
 static bool same_request(const paint_request* a, const paint_request* b)
 {
     return a->scene == b->scene && a->budget_ms == b->budget_ms && a->samples == b->samples &&
-           a->controller == b->controller && same_view(&a->view, &b->view) &&
+           a->controller == b->controller && a->gl == b->gl && same_view(&a->view, &b->view) &&
            same_style(&a->style, &b->style) && same_quality(&a->quality, &b->quality);
 }
 
@@ -129,7 +147,7 @@ static float choose_size(painter* p, const paint_request* request)
     if (!(request->budget_ms > 0.0) || p->stage == STAGE_ACCUMULATES) {
         return p->stage == STAGE_ACCUMULATES && request->budget_ms > 0.0 ? p->size : finest;
     }
-    float moving = stp_budget_splat_size(&p->scene->budget);
+    float moving = stp_budget_splat_size(&p->scene->budgets[p->uses_gl]);
     moving = moving > finest ? moving : finest;
     if (p->stage == STAGE_MOVES) {
         return moving;
@@ -147,8 +165,9 @@ static paint_stage next_stage(const painter* p, const paint_request* request,
         return figures->samples >= request->samples * request->samples ? STAGE_DONE
                                                                        : STAGE_ACCUMULATES;
     }
-    bool finer = request->budget_ms > 0.0 && p->size > finest &&
-                 stp_budget_predict(&p->scene->budget, 0.5 * (double)p->size) < patience_ms;
+    bool finer =
+        request->budget_ms > 0.0 && p->size > finest &&
+        stp_budget_predict(&p->scene->budgets[p->uses_gl], 0.5 * (double)p->size) < patience_ms;
     bool accumulates = request->samples > 1 && figures->frame_ms < patience_ms;
     return finer ? STAGE_RESTS : accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
 }
@@ -159,7 +178,8 @@ static void learn(painter* p, const paint_request* request, const paint_figures*
         p->budget_ms = request->budget_ms;
         p->controller = request->controller;
         if (request->budget_ms > 0.0) {
-            stp_budget_init(&p->scene->budget, request->controller, request->budget_ms);
+            stp_budget_init(&p->scene->budgets[0], request->controller, request->budget_ms);
+            stp_budget_init(&p->scene->budgets[1], request->controller, request->budget_ms);
         }
     }
     if (request->budget_ms > 0.0 && f != NULL) {
@@ -170,13 +190,13 @@ static void learn(painter* p, const paint_request* request, const paint_figures*
                                .covered_pixels = f->covered_pixels,
                                .draw_calls = (uint32_t)f->draw_calls,
                                .splat_size = f->splat_size};
-        stp_budget_learn(&p->scene->budget, &cost);
+        stp_budget_learn(&p->scene->budgets[p->uses_gl], &cost);
     }
 }
 
 static void copy_depth(painter* p, painter_picture* picture)
 {
-    const float* nearness = stp_renderer_depth(p->scene->renderer);
+    const float* nearness = stp_renderer_depth(p->scene->renderers[p->uses_gl]);
     size_t count = (size_t)picture->image.width * picture->image.height;
     if (nearness != NULL) {
         memcpy(picture->nearness, nearness, count * sizeof(float));
@@ -192,15 +212,24 @@ static void paint(painter* p)
     painter_picture* picture = &p->pictures[p->painting];
     pthread_mutex_unlock(&p->mutex);
     paint_figures figures = {0};
+    p->uses_gl = request.gl && p->gl.functions != NULL && paint_scene_use_gl(p->scene, &p->gl_desc);
     learn(p, &request, NULL);
     bool accumulates = p->stage == STAGE_ACCUMULATES;
     float size = choose_size(p, &request);
     bool drawn = fit_picture(picture, request.view.width, request.view.height);
+    uint32_t texture = 0;
+    double start = stp_clock_ms();
     if (!drawn) {
         on_log(STP_LOG_ERROR, "there is no memory for the picture", p);
     } else {
-        drawn = paint_scene_draw(p->scene, &request, size, accumulates, &picture->image,
-                                 &figures) == STP_OK;
+        drawn = paint_scene_draw(p->scene, &request, size, accumulates, p->uses_gl,
+                                 p->uses_gl ? NULL : &picture->image, &figures) == STP_OK;
+    }
+    if (drawn && p->uses_gl) {
+        texture = painter_gl_keep(&p->gl, p->painting, stp_draw_gl_texture(p->scene->renderers[1]),
+                                  request.view.width, request.view.height);
+        drawn = texture != 0;
+        figures.frame_ms = stp_clock_ms() - start; // until it was there
     }
     if (drawn) {
         p->size = size;
@@ -217,6 +246,8 @@ static void paint(painter* p)
     p->stage = next_stage(p, &request, &figures);
     p->loads = figures.missing > 0;
     picture->view = request.view;
+    picture->gl = p->uses_gl;
+    picture->texture = texture;
     picture->scene = request.scene;
     picture->number = p->begun;
     picture->frame = ++p->frame;
@@ -281,12 +312,27 @@ static bool take_scene(painter* p)
     return true;
 }
 
+/// Shows what is to be shown from now on; the picture is drawn anew.
+static void take_list(painter* p)
+{
+    shown_list list = p->wanted_list;
+    p->wanted_list = (shown_list){0};
+    p->has_list = false;
+    pthread_mutex_unlock(&p->mutex);
+    (void)paint_scene_show(p->scene, &list); // a failure is said
+    free(list.things);
+    pthread_mutex_lock(&p->mutex);
+    p->begun = 0;
+}
+
 static void work(painter* p)
 {
     if (p->open_serial != p->opened_serial) {
         open_scene(p);
     } else if (p->request.scene == 0 || !take_scene(p)) {
         pthread_cond_wait(&p->changed, &p->mutex);
+    } else if (p->has_list && p->list_scene == p->scene->shown.serial) {
+        take_list(p);
     } else if (p->begun != p->number) {
         p->begun = p->number;
         p->stage = STAGE_MOVES;
@@ -309,11 +355,22 @@ static void work(painter* p)
 static void* run(void* user)
 {
     painter* p = user;
+    bool has_gl = p->desc.begin_gl != NULL && p->desc.begin_gl(p->desc.gl_user);
+    p->gl_desc =
+        (stp_draw_gl_desc){.get_proc_address = p->desc.get_proc_address, .user = p->desc.gl_user};
+    if (has_gl) {
+        (void)painter_gl_create(&p->gl, &p->gl_desc);
+    }
     pthread_mutex_lock(&p->mutex);
     while (!p->quits) {
         work(p);
     }
     pthread_mutex_unlock(&p->mutex);
+    paint_scene_close(p->scene); // where it was drawn
+    painter_gl_destroy(&p->gl);
+    if (has_gl) {
+        p->desc.end_gl(p->desc.gl_user);
+    }
     return NULL;
 }
 
@@ -355,7 +412,7 @@ void painter_destroy(painter* p)
     if (p->current != p->scene) {
         paint_scene_close(p->current);
     }
-    paint_scene_close(p->scene);
+    free(p->wanted_list.things);
     for (int i = 0; i < BUFFERS; ++i) {
         free(p->pictures[i].image.pixels);
         free(p->pictures[i].nearness);
@@ -387,6 +444,20 @@ const painter_scene* painter_adopt(painter* p)
     pthread_mutex_unlock(&p->mutex);
     paint_scene_close(passed_over);
     return scene != NULL ? &scene->shown : NULL;
+}
+
+void painter_show(painter* p, uint32_t scene, shown_list* list)
+{
+    pthread_mutex_lock(&p->mutex);
+    free(p->wanted_list.things);
+    p->wanted_list = *list;
+    p->list_scene = scene;
+    p->has_list = true;
+    p->number += 1; // another picture, whatever else is asked
+    p->request_ms = stp_clock_ms();
+    *list = (shown_list){0};
+    pthread_cond_signal(&p->changed);
+    pthread_mutex_unlock(&p->mutex);
 }
 
 uint64_t painter_request(painter* p, const paint_request* request)

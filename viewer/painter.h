@@ -6,7 +6,9 @@
 // frames that are each shifted by a part of a pixel are accumulated.
 #pragma once
 
-#include "draw/draw.h"
+#include "explorer.h"
+
+#include "draw/draw_gl.h"
 #include "select/budget.h"
 
 #include <limits.h>
@@ -31,6 +33,7 @@ typedef struct paint_request {
     double budget_ms;          ///< of a frame while the camera moves; 0: none
     stp_controller controller; ///< of the budget
     uint32_t samples;          ///< a side, accumulated at rest; 1: none
+    bool gl;                   ///< by OpenGL, where it can
 } paint_request;
 
 /// What a picture took.
@@ -47,6 +50,8 @@ typedef struct painter_picture {
     stp_image image;
     float* nearness;      ///< a pixel, as stp_renderer_depth gives it
     stp_view view;        ///< that it is of
+    bool gl;              ///< drawn by OpenGL
+    uint32_t texture;     ///< that it is in, instead of the image's pixels; 0: none
     uint32_t scene;       ///< serial
     uint64_t number;      ///< of the request, as painter_request returned it
     uint64_t frame;       ///< pictures of any request so far
@@ -61,6 +66,11 @@ typedef struct painter_desc {
     uint64_t memory_limit;    ///< 0: none, and files are used as they are mapped
     void (*wake)(void* user); ///< called from the thread where there is news
     void* user;
+    /// Makes an OpenGL context current on the calling thread; false: there is none. Until end_gl.
+    bool (*begin_gl)(void* user);
+    void (*end_gl)(void* user);
+    stp_gl_proc (*get_proc_address)(const char* name, void* user);
+    void* gl_user;
 } painter_desc;
 
 /// @return NULL where there is no thread or memory
@@ -71,6 +81,9 @@ void painter_destroy(painter* p);
 void painter_open(painter* p, const char* path, uint32_t serial);
 /// What was opened last, once; NULL: nothing new. What the one before gave ends with the next request.
 const painter_scene* painter_adopt(painter* p);
+
+/// What of a scene is shown from now on. The list's things are the painter's.
+void painter_show(painter* p, uint32_t scene, shown_list* list);
 
 /// Asks for a picture instead of what was asked before. @return a number; the same where nothing changed
 uint64_t painter_request(painter* p, const paint_request* request);

@@ -10,7 +10,7 @@ static stp_result open_store(paint_scene* s, const paint_scene_desc* desc, const
 {
     stp_result result = stp_store_open(s->context, path, &s->store);
     if (result == STP_OK) {
-        result = stp_draw_cpu_create(s->context, s->store, &s->renderer);
+        result = stp_draw_cpu_create(s->context, s->store, &s->renderers[0]);
     }
     if (result == STP_OK && desc->memory_limit > 0) {
         result = stp_residency_create(s->store, &(stp_residency_desc){0}, &s->residency);
@@ -50,8 +50,13 @@ void paint_scene_close(paint_scene* s)
     if (s == NULL) {
         return;
     }
-    if (s->renderer != NULL) {
-        stp_renderer_destroy(s->renderer);
+    for (int i = 0; i < 2; ++i) {
+        if (s->renderers[i] != NULL) {
+            stp_renderer_destroy(s->renderers[i]);
+        }
+    }
+    if (s->visibility != NULL) {
+        stp_visibility_destroy(s->visibility);
     }
     stp_residency_destroy(s->residency);
     stp_draw_list_destroy(s->context, &s->list);
@@ -62,31 +67,50 @@ void paint_scene_close(paint_scene* s)
     free(s);
 }
 
+bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl)
+{
+    if (s->renderers[1] == NULL && !s->gl_failed) {
+        s->gl_failed = stp_draw_gl_create(s->context, s->store, gl, &s->renderers[1]) != STP_OK;
+    }
+    return !s->gl_failed;
+}
+
+stp_result paint_scene_show(paint_scene* s, const shown_list* list)
+{
+    stp_result result = STP_OK;
+    if (s->visibility == NULL) {
+        result = stp_visibility_create(s->context, s->store, &s->visibility);
+    }
+    return result == STP_OK ? shown_list_apply(list, s->visibility) : result;
+}
+
 static stp_result draw_once(paint_scene* s, const paint_request* request,
-                            const stp_quality* quality, bool accumulates, stp_image* image,
+                            const stp_quality* quality, bool accumulates, bool gl, stp_image* image,
                             stp_draw_stats* stats)
 {
     stp_draw_style style = request->style;
+    stp_renderer* renderer = s->renderers[gl];
     if (accumulates) {
         style.supersample = request->samples;
-        return stp_renderer_accumulate(s->renderer, &request->view, quality, &style, &s->list,
-                                       image, stats);
+        return stp_renderer_accumulate(renderer, &request->view, quality, &style, &s->list, image,
+                                       stats);
     }
-    return stp_renderer_draw_selected(s->renderer, &request->view, quality, &style, &s->list, image,
+    return stp_renderer_draw_selected(renderer, &request->view, quality, &style, &s->list, image,
                                       stats);
 }
 
 stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float splat_size,
-                            bool accumulates, stp_image* image, paint_figures* figures)
+                            bool accumulates, bool gl, stp_image* image, paint_figures* figures)
 {
     stp_draw_stats stats = {0};
     stp_quality quality = request->quality;
     quality.splat_size = splat_size;
+    quality.visibility = s->visibility;
     double start = stp_clock_ms();
-    stp_result result = draw_once(s, request, &quality, accumulates, image, &stats);
+    stp_result result = draw_once(s, request, &quality, accumulates, gl, image, &stats);
     while (result == STP_ERROR_OUT_OF_MEMORY && s->residency != NULL &&
            stp_residency_yield(s->residency)) { // loaded data gives way to pictures
-        result = draw_once(s, request, &quality, accumulates, image, &stats);
+        result = draw_once(s, request, &quality, accumulates, gl, image, &stats);
     }
     *figures = (paint_figures){.select_ms = stats.select_ms,
                                .draw_ms = stats.draw_ms,
@@ -104,6 +128,9 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
         stp_residency_update(s->residency, s->list.wants, s->list.want_count);
         stp_residency_get_stats(s->residency, &loaded);
         figures->missing = loaded.missing > 0 && loaded.loading > 0 ? loaded.missing : 0;
+    }
+    if (gl && result == STP_OK) {
+        figures->missing += stp_draw_gl_get_stats(s->renderers[1]).missing;
     }
     figures->frame_ms = stp_clock_ms() - start;
     figures->live_bytes = stp_context_live_bytes(s->context);

@@ -8,10 +8,12 @@ typedef struct paint_scene {
     painter_scene shown;
     stp_context* context;
     stp_store* store;
-    stp_renderer* renderer;
-    stp_residency* residency; ///< NULL: the file is used as it is mapped
+    stp_renderer* renderers[2]; ///< the processor's, and OpenGL's once it was wanted
+    bool gl_failed;             ///< OpenGL cannot draw it
+    stp_visibility* visibility; ///< NULL: all is shown
+    stp_residency* residency;   ///< NULL: the file is used as it is mapped
     stp_draw_list list;
-    stp_budget budget;
+    stp_budget budgets[2];
 } paint_scene;
 
 typedef struct paint_scene_desc {
@@ -19,14 +21,21 @@ typedef struct paint_scene_desc {
     uint64_t memory_limit;
     void (*log)(stp_log_level level, const char* message, void* user);
     void* log_user;
+    const stp_draw_gl_desc* gl; ///< NULL: there is no OpenGL
 } paint_scene_desc;
 
 /// @return NULL where the file cannot be opened; logged
 paint_scene* paint_scene_open(const paint_scene_desc* desc, const char* path, uint32_t serial);
+/// On the thread that drew it.
 void paint_scene_close(paint_scene* s);
 
-/// Draws one frame, or accumulates one more where `accumulates`.
+/// Makes ready to draw with OpenGL, where that was not yet. @return whether it can
+bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl);
+/// What is shown from now on.
+stp_result paint_scene_show(paint_scene* s, const shown_list* list);
+
+/// Draws one frame, or accumulates one more where `accumulates`. Without an image it stays in OpenGL's texture.
 stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float splat_size,
-                            bool accumulates, stp_image* image, paint_figures* figures);
+                            bool accumulates, bool gl, stp_image* image, paint_figures* figures);
 /// The near distance of the last frame.
 double paint_near_distance(const stp_view* view);

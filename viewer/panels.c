@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The frame around the picture: bar, panels at the sides, status line, help, and what is said while something is loaded.
 #include "gui.h"
-#include "state.h"
+#include "parts.h"
 
 #include "base/clock.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static const float page_width = 320.0f; // of scale 1
+static const float parts_width = 260.0f, page_width = 300.0f; // of scale 1
 static const double message_shown_ms = 8000.0;
 
 typedef struct page_entry {
@@ -22,6 +22,9 @@ static const page_entry pages[] = {
     {PAGE_STATISTICS, "Statistics", "What a frame draws, and how long it takes (F2)",
      page_statistics},
     {PAGE_QUALITY, "Quality", "How finely is drawn, and how it looks (F3)", page_quality},
+    {PAGE_SECTION, "Section", "Cut the scene open (F4)", page_section},
+    {PAGE_MEASURE, "Measure", "Distances, heights, angles, coordinates (F5)", page_measure},
+    {PAGE_VIEWS, "Views", "Viewpoints, notes, pictures, flights (F6)", page_views},
 };
 enum { PAGES = sizeof(pages) / sizeof(pages[0]) };
 
@@ -31,21 +34,28 @@ typedef struct shortcut {
 
 static const shortcut mouse_shortcuts[] = {
     {"Left drag", "turn around the pivot"},
-    {"Click", "set the pivot"},
+    {"Click", "choose a part, set the pivot"},
     {"Middle or Shift+left drag", "move sideways"},
     {"Right drag", "look around"},
     {"Wheel", "zoom to the cursor; in flight: speed"},
 };
 static const shortcut key_shortcuts[] = {
     {"W A S D, Q E", "fly; Q down, E up; Shift: faster"},
-    {"F, Home", "see everything"},
+    {"F / Home", "see the chosen part / everything"},
     {"1 3 7 9", "front, right, top, iso"},
     {"5", "parallel projection"},
-    {"P", "parts"},
-    {"F2 F3", "statistics, quality"},
-    {"Tab", "panels away and back"},
+    {"X I G U", "hide, isolate, ghost, show all"},
+    {"K", "section box"},
+    {"M, Backspace", "measure, last point away"},
+    {"V", "save a viewpoint"},
+    {"R", "record a flight"},
+    {"F12", "save a picture"},
+    {"B", "processor or OpenGL"},
+    {"P, Ctrl+F", "parts, search them"},
+    {"F2 to F6", "panels on the right"},
+    {"Tab", "all panels away and back"},
     {"F11", "whole screen"},
-    {"H", "this help"},
+    {"H, Escape", "this help, back"},
     {"Ctrl+Q", "quit"},
 };
 
@@ -64,6 +74,13 @@ static bool has_page(const viewer* v)
     return v->shows_panels && v->settings.page != PAGE_NONE;
 }
 
+/// Where there is no room for both panels, the one on the right is shown.
+static bool has_parts(const viewer* v)
+{
+    bool room = (float)v->window.width > 2.0f * (parts_width + page_width) * v->window.scale;
+    return v->shows_panels && v->settings.parts && (room || !has_page(v));
+}
+
 viewer_area panels_layout(const viewer* v)
 {
     float width = (float)v->window.width, height = (float)v->window.height;
@@ -73,8 +90,9 @@ viewer_area panels_layout(const viewer* v)
     float top = bar_height(v), bottom = status_height(v);
     float right = has_page(v) ? page_width * v->window.scale : 0.0f;
     right = right < 0.6f * width ? right : 0.6f * width;
-    float inner = height - top - bottom;
-    return (viewer_area){0.0f, top, width - right, inner > 1.0f ? inner : 1.0f};
+    float left = has_parts(v) ? parts_width * v->window.scale : 0.0f;
+    float inner = height - top - bottom, middle = width - left - right;
+    return (viewer_area){left, top, middle > 1.0f ? middle : 1.0f, inner > 1.0f ? inner : 1.0f};
 }
 
 static const char* file_name(const viewer* v)
@@ -88,12 +106,16 @@ static void show_bar(viewer* v)
     float scale = v->window.scale;
     gui_bar_begin("bar", 0.0f, 0.0f, (float)v->window.width, bar_height(v), false);
     gui_text("%s", v->file[0] != 0 ? file_name(v) : "Stipple");
-    float width = 0.0f;
+    float width = gui_text_width("Parts") + 24.0f * scale;
     for (int i = 0; i < PAGES; ++i) {
         width += gui_text_width(pages[i].label) + 24.0f * scale;
     }
     width += gui_text_width("Help") + 16.0f * scale;
     gui_right_aligned(width);
+    if (gui_toggle("Parts", v->settings.parts, "The tree of parts (P)")) {
+        v->settings.parts = !v->settings.parts;
+    }
+    gui_same_line();
     for (int i = 0; i < PAGES; ++i) {
         if (gui_toggle(pages[i].label, v->settings.page == pages[i].page, pages[i].tooltip)) {
             v->settings.page = v->settings.page == pages[i].page ? PAGE_NONE : pages[i].page;
@@ -120,6 +142,21 @@ static void show_page(viewer* v)
     gui_panel_end();
 }
 
+/// What the cursor is on, on the right.
+static void show_place(const viewer* v)
+{
+    int ux, uy;
+    char text[160];
+    stp_vec3d point;
+    SDL_GetMouseState(&ux, &uy);
+    if (!gui_wants_mouse() &&
+        camera_seen(v, (float)ux * v->window.density, (float)uy * v->window.density, &point)) {
+        measure_print_point(v, point, text, sizeof(text));
+        gui_right_aligned(gui_text_width(text));
+        gui_faint("%s", text);
+    }
+}
+
 static void show_status(viewer* v)
 {
     float height = status_height(v);
@@ -140,6 +177,7 @@ static void show_status(viewer* v)
     } else {
         gui_faint("Drop a model or a .stip file onto the window");
     }
+    show_place(v);
     gui_panel_end();
 }
 
@@ -196,38 +234,22 @@ static void show_waiting(viewer* v)
     gui_panel_end();
 }
 
-static void show_overlay(viewer* v)
-{
-    stp_navigator n;
-    double x, y, depth;
-    viewer_area a = v->picture_area;
-    void* picture = window_picture(&v->window);
-    if (picture == NULL || !camera_of_picture(v, &n)) {
-        return;
-    }
-    gui_picture(picture, a.x, a.y, a.x + a.width, a.y + a.height, false);
-    gui_clip(a.x, a.y, a.x + a.width, a.y + a.height);
-    bool turns = v->input.drag == DRAG_ORBIT;
-    if ((turns || v->camera.pivot_chosen) &&
-        stp_navigator_project(&n, v->camera.pivot, &x, &y, &depth)) {
-        float sx = a.x + (float)(x / (double)n.width) * a.width;
-        float sy = a.y + (float)(y / (double)n.height) * a.height;
-        gui_disc(sx, sy, 4.0f, turns ? 0x4D9ED1FF : 0x4D9ED180, 0xFFFFFFC0);
-    }
-    gui_unclip();
-}
-
 void panels_show(viewer* v)
 {
     v->picture_area = panels_layout(v);
     bool has_picture =
         v->scene != NULL && v->picture != NULL && v->shown_file_number == v->file_number;
-    show_overlay(v);
+    overlay_show(v);
     if (v->shows_panels) {
         show_bar(v);
         show_status(v);
         if (has_page(v)) {
             show_page(v);
+        }
+        if (has_parts(v)) {
+            float top = bar_height(v);
+            parts_show(v, 0.0f, top, parts_width * v->window.scale,
+                       (float)v->window.height - top - status_height(v));
         }
     }
     if (v->shows_help) {

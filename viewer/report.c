@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What is shown, as JSON in a file: for tests, and for programs that steer the viewer.
-#include "state.h"
+#include "parts.h"
 
 #include "base/clock.h"
 
@@ -41,19 +41,40 @@ static json_t* describe_picture(const viewer* v)
                      "frames", (json_int_t)p->frame);
 }
 
+static json_t* describe_tools(const viewer* v)
+{
+    char chosen[1024] = "";
+    explorer* e = v->explorer;
+    if (e != NULL && e->ready && e->chosen.depth > 0) {
+        (void)!stp_outline_path(e->outline, &e->chosen, chosen, sizeof(chosen));
+    }
+    json_t* points = json_array();
+    for (int i = 0; points != NULL && i < v->measure.count; ++i) {
+        json_array_append_new(points, vector(v->measure.points[i]));
+    }
+    stp_sections sections = section_make(v);
+    return json_pack(
+        "{s:s, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:s, s:b, s:s}", "chosen", chosen, "rows",
+        e != NULL ? (int)e->row_count : 0, "found", e != NULL ? (int)e->found_count : 0, "marks",
+        e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count, "measures",
+        (int)v->measure.on, "points", points, "views", (int)v->views.count, "current_view",
+        v->current_view, "records", (int)v->record.on, "shot", v->last_shot);
+}
+
 static json_t* describe(const viewer* v)
 {
     static const char* const states[] = {"idle", "working", "refining", "done", "failed"};
     static const char* const page_names[PAGE_COUNT] = {"none",    "statistics", "quality",
                                                        "section", "measure",    "views"};
-    return json_pack("{s:s, s:s, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:s, s:o, s:o}",
-                     "file", v->file, "loading", states[v->news.state], "rests",
-                     (int)(viewer_rests(v) && v->dirty <= 0), "complete", (int)v->news.complete,
-                     "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0), "shows",
-                     (json_int_t)v->shows, "page", page_names[v->settings.page], "panels",
-                     (int)v->shows_panels, "parts", (int)v->settings.parts, "help",
-                     (int)v->shows_help, "backend", "cpu", "message", v->message, "camera",
-                     describe_camera(v), "picture", describe_picture(v));
+    return json_pack(
+        "{s:s, s:s, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:s, s:o, s:o, s:o}", "file",
+        v->file, "loading", states[v->news.state], "rests", (int)(viewer_rests(v) && v->dirty <= 0),
+        "complete", (int)v->news.complete, "scene",
+        (json_int_t)(v->scene != NULL ? v->scene->serial : 0), "shows", (json_int_t)v->shows,
+        "page", page_names[v->settings.page], "panels", (int)v->shows_panels, "parts",
+        (int)v->settings.parts, "help", (int)v->shows_help, "backend",
+        v->picture != NULL && v->picture->gl ? "gl" : "cpu", "message", v->message, "camera",
+        describe_camera(v), "picture", describe_picture(v), "tools", describe_tools(v));
 }
 
 void report_write(viewer* v, bool last)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // From settings and camera to what the painter is asked for.
-#include "state.h"
+#include "parts.h"
 
 static uint8_t to_byte(float x)
 {
@@ -16,6 +16,13 @@ static stp_fovea make_fovea(const viewer_settings* s)
         fovea.zones[1] = (stp_fovea_zone){1.0f, s->fovea_factor};
     }
     return fovea;
+}
+
+bool viewer_uses_gl(const viewer* v)
+{
+    int backend = v->settings.backend;
+    return v->window.has_worker &&
+           (backend == BACKEND_OPENGL || (backend == BACKEND_AUTO && v->window.is_hardware));
 }
 
 paint_request request_make(const viewer* v)
@@ -39,5 +46,7 @@ paint_request request_make(const viewer* v)
         .samples = (uint32_t)s->samples,
     };
     stp_navigator_give(&v->camera, &request.view);
+    request.view.sections = section_make(v);
+    request.gl = viewer_uses_gl(v);
     return request;
 }

@@ -20,7 +20,7 @@ typedef struct field {
 
 #define PLACE(member) offsetof(viewer_settings, member)
 static const field fields[] = {
-    {"opengl", FIELD_BOOL, PLACE(gl), 0, 0},
+    {"backend", FIELD_INT, PLACE(backend), 0, BACKEND_COUNT - 1},
     {"parts", FIELD_BOOL, PLACE(parts), 0, 0},
     {"page", FIELD_INT, PLACE(page), 0, PAGE_COUNT - 1},
     {"adapts", FIELD_BOOL, PLACE(adapts), 0, 0},

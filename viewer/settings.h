@@ -6,6 +6,8 @@
 
 #include <stdbool.h>
 
+enum { BACKEND_AUTO, BACKEND_PROCESSOR, BACKEND_OPENGL, BACKEND_COUNT };
+
 typedef enum viewer_page {
     PAGE_NONE,
     PAGE_STATISTICS,
@@ -17,7 +19,7 @@ typedef enum viewer_page {
 } viewer_page;
 
 typedef struct viewer_settings {
-    bool gl; ///< OpenGL draws, where it can
+    int backend; ///< BACKEND_*
     bool parts;
     viewer_page page; ///< of the panel on the right
     bool adapts;      ///< splats grow while the camera moves, as the budget wants

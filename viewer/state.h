@@ -2,16 +2,21 @@
 // What the parts of the viewer share: the state of the window. All of it belongs to the window's thread.
 #pragma once
 
+#include "explorer.h"
 #include "loader.h"
 #include "painter.h"
 #include "viewer.h"
 #include "window.h"
 
+#include "present/flight.h"
 #include "present/navigate.h"
+#include "present/viewpoints.h"
 
 enum {
     FRAME_HISTORY = 120,
     PATH_ROOM = 4096,
+    SECTION_PLANES = 6,
+    MEASURE_POINTS = 64,
 };
 
 /// What a pressed mouse button does.
@@ -32,6 +37,34 @@ typedef struct input_state {
 typedef struct viewer_area {
     float x, y, width, height;
 } viewer_area;
+
+typedef struct section_plane {
+    bool on, flipped;
+    stp_vec3d origin, normal; ///< unit
+    float offset;             ///< along the normal
+} section_plane;
+
+typedef struct section_state {
+    bool has_box;
+    stp_boxd box;
+    section_plane planes[SECTION_PLANES];
+    int plane_count;
+} section_state;
+
+typedef struct measure_state {
+    bool on, snaps;
+    stp_vec3d points[MEASURE_POINTS];
+    int count;
+} measure_state;
+
+typedef struct flight_record {
+    bool on, plays;
+    double start_ms, last_ms;
+    stp_flight_key* keys; ///< from malloc
+    size_t count, capacity;
+} flight_record;
+
+typedef struct shot shot;
 
 typedef struct viewer {
     viewer_options options;
@@ -58,6 +91,25 @@ typedef struct viewer {
     double glide_start; ///< negative: it does not glide
     bool has_camera;
     input_state input;
+    // parts, sections, measures, viewpoints
+    stp_context* context; ///< of the window itself
+    explorer* explorer;   ///< of `scene`; NULL: none
+    uint64_t marks_version;
+    char search[128];
+    bool finds;      ///< the keys go to the search
+    bool has_picked; ///< something was clicked since the scene came
+    stp_pick picked;
+    section_state section;
+    measure_state measure;
+    stp_viewpoints views;
+    stp_viewpoints carried; ///< what was hidden in the same file's coarser scene
+    char* views_path;       ///< NULL: there is no place for them
+    char current_view[128], view_name[128], view_note[512];
+    bool view_pins;
+    flight_record record;
+    shot* shot; ///< that is being saved; NULL: none
+    bool shot_clear;
+    char last_shot[PATH_ROOM + 512];
     // the panels
     bool shows_help, shows_panels;
     float frame_times[FRAME_HISTORY];
@@ -71,6 +123,8 @@ typedef struct viewer {
 
 // viewer.c
 void viewer_redraw(viewer* v);
+/// From any thread: there is news.
+void viewer_wake(void* viewer);
 void viewer_open(viewer* v, const char* path);
 void viewer_say(viewer* v, bool is_error, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -107,6 +161,7 @@ void page_statistics(viewer* v);
 void page_quality(viewer* v);
 
 // request.c
+bool viewer_uses_gl(const viewer* v);
 paint_request request_make(const viewer* v);
 
 // report.c

@@ -5,7 +5,7 @@
 #include "viewer.h"
 
 #include "gui.h"
-#include "state.h"
+#include "parts.h"
 
 #include "base/clock.h"
 
@@ -37,8 +37,7 @@ void viewer_say(viewer* v, bool is_error, const char* format, ...)
     viewer_redraw(v);
 }
 
-// From any thread.
-static void wake(void* user)
+void viewer_wake(void* user)
 {
     viewer* v = user;
     SDL_Event event = {.type = v->wake_event};
@@ -50,6 +49,8 @@ void viewer_open(viewer* v, const char* path)
     snprintf(v->file, sizeof(v->file), "%s", path);
     v->file_number += 1;
     v->message[0] = 0;
+    v->record.plays = false;
+    views_begin(v);
     loader_start(v->loader, v->file);
     const char* name = strrchr(path, '/') != NULL ? strrchr(path, '/') + 1 : path;
     char title[512];
@@ -67,7 +68,53 @@ bool viewer_rests(const viewer* v)
     bool opens = v->news.store[0] != 0 && v->opening != v->news.serial;
     bool adopted = v->opening == 0 || v->news.state == LOADER_FAILED ||
                    (v->scene != NULL && v->scene->serial == v->opening) || v->message_is_error;
-    return !loads && !opens && shown && adopted && v->glide_start < 0.0 && !v->input.flies;
+    bool reads = v->explorer != NULL && explorer_works(v->explorer);
+    bool moves = v->glide_start >= 0.0 || v->input.flies || v->record.plays;
+    return !loads && !opens && shown && adopted && !moves && !reads && v->shot == NULL;
+}
+
+/// The window's own knowledge of a scene that came.
+static void explore(viewer* v, bool same_file)
+{
+    explorer* before = v->explorer;
+    if (same_file && before != NULL && before->mark_count > 0) {
+        views_carry(v);
+    }
+    v->explorer = explorer_create(v->scene->path);
+    v->marks_version = 0;
+    if (v->explorer == NULL) {
+        viewer_say(v, true, "%s: the parts cannot be read", v->file);
+    }
+    if (!same_file) {
+        v->has_picked = false;
+        v->measure = (measure_state){.snaps = true};
+        v->search[0] = 0;
+        section_begin(v);
+    }
+    explorer_destroy(before);
+}
+
+static void step_explorer(viewer* v)
+{
+    explorer* e = v->explorer;
+    if (e == NULL) {
+        return;
+    }
+    if (explorer_step(e)) {
+        viewer_redraw(v);
+    }
+    views_bring(v);
+    if (e->marks_version != v->marks_version) {
+        shown_list list;
+        v->marks_version = e->marks_version;
+        if (explorer_list_shown(e, &list)) {
+            painter_show(v->painter, v->scene->serial, &list);
+        }
+        viewer_redraw(v);
+    }
+    if (e->message[0] != 0 && v->message[0] == 0) {
+        viewer_say(v, true, "%s", e->message);
+    }
 }
 
 static void take_news(viewer* v)
@@ -88,6 +135,7 @@ static void take_news(viewer* v)
     const painter_scene* scene = painter_adopt(v->painter);
     if (scene != NULL) {
         v->scene = scene;
+        explore(v, v->shown_file_number == v->file_number && v->has_camera);
         if (v->shown_file_number != v->file_number || !v->has_camera) {
             v->shown_file_number = v->file_number;
             camera_begin(v);
@@ -108,7 +156,9 @@ static void take_picture(viewer* v)
         return;
     }
     v->picture = picture;
-    if (!window_upload(&v->window, &picture->image)) {
+    if (picture->texture != 0) {
+        window_borrow(&v->window, picture->texture);
+    } else if (!window_upload(&v->window, &picture->image)) {
         viewer_say(v, true, "the picture does not fit into the memory of the graphics device");
     }
     if (picture->figures.samples <= 1) {
@@ -141,6 +191,8 @@ static void take_events(viewer* v)
 {
     bool moves = v->input.flies || v->glide_start >= 0.0;
     bool works = v->news.state == LOADER_WORKING || v->news.state == LOADER_REFINING;
+    moves = moves || v->record.plays || v->record.on ||
+            (v->explorer != NULL && explorer_works(v->explorer));
     int wait = v->dirty > 0 ? 0 : moves ? STEP_MS : works ? WORKING_MS : IDLE_MS;
     SDL_Event event;
     if (wait == 0 ? SDL_PollEvent(&event) : SDL_WaitEventTimeout(&event, wait)) {
@@ -177,6 +229,9 @@ static void step(viewer* v)
     v->camera.height = (uint32_t)v->picture_area.height;
     camera_step(v, seconds);
     input_step(v, seconds);
+    step_explorer(v);
+    record_step(v);
+    shot_step(v);
     if (v->scene != NULL) {
         paint_request request = request_make(v);
         v->request = painter_request(v->painter, &request);
@@ -187,17 +242,33 @@ static void step(viewer* v)
     report_write(v, false);
 }
 
+// Of the window's own context: viewpoints and flights.
+static void on_log(stp_log_level level, const char* message, void* user)
+{
+    if (level != STP_LOG_NOTICE) {
+        viewer_say(user, level == STP_LOG_ERROR, "%s", message);
+    }
+}
+
 static bool start(viewer* v)
 {
     loader_desc loading = {.thread_count = v->options.thread_count,
                            .memory_limit = v->options.memory_limit,
-                           .wake = wake,
+                           .wake = viewer_wake,
                            .user = v};
-    painter_desc painting = {.thread_count = v->options.thread_count,
+    painter_desc painting = {.begin_gl = window_begin_worker,
+                             .end_gl = window_end_worker,
+                             .get_proc_address = window_get_proc_address,
+                             .gl_user = &v->window,
+                             .thread_count = v->options.thread_count,
                              .memory_limit = v->options.memory_limit,
-                             .wake = wake,
+                             .wake = viewer_wake,
                              .user = v};
+    stp_context_desc context = {.log = on_log, .log_user = v, .thread_count = 1};
     v->wake_event = SDL_RegisterEvents(1);
+    if (stp_context_create(&v->context, &context) != STP_OK) {
+        return false;
+    }
     v->loader = loader_create(&loading);
     v->painter = painter_create(&painting);
     return v->loader != NULL && v->painter != NULL;
@@ -208,7 +279,7 @@ static void set_options(viewer* v)
     const viewer_options* o = &v->options;
     v->settings = viewer_settings_default();
     viewer_settings_load(&v->settings);
-    v->settings.gl = o->backend > 0 ? o->backend == 2 : v->settings.gl;
+    v->settings.backend = o->backend > 0 ? o->backend : v->settings.backend;
     v->settings.budget_ms = o->budget_ms > 0.0f ? o->budget_ms : v->settings.budget_ms;
     v->settings.adapts = o->budget_ms > 0.0f ? true : v->settings.adapts;
     v->shows_panels = true;
@@ -250,8 +321,15 @@ int viewer_run(const viewer_options* options)
         report_write(v, true);
         viewer_settings_save(&v->settings);
     }
+    shot_end(v);
+    record_end(v);
     painter_destroy(v->painter);
     loader_destroy(v->loader);
+    explorer_destroy(v->explorer);
+    if (v->context != NULL) {
+        views_end(v);
+        stp_context_destroy(v->context);
+    }
     input_destroy(v);
     gui_destroy();
     window_destroy(&v->window);

@@ -85,10 +85,28 @@ static bool create_gl(window* w, const window_desc* desc, int major, int minor)
         window_destroy(w);
         return false;
     }
+    w->version = 10 * major + minor;
     SDL_GL_SetSwapInterval(1);
     snprintf(w->device, sizeof(w->device), "%s",
              (const char*)w->functions->get_string(GL_RENDERER));
     return true;
+}
+
+/// A context that shares the window's textures. It has a window of its own, which is never shown: two threads do not draw into
+/// one.
+static void create_worker(window* w)
+{
+    SDL_GL_SetAttribute(SDL_GL_SHARE_WITH_CURRENT_CONTEXT, 1);
+    w->worker_window =
+        SDL_CreateWindow("worker", 0, 0, 16, 16, SDL_WINDOW_OPENGL | SDL_WINDOW_HIDDEN);
+    w->worker = w->worker_window != NULL ? SDL_GL_CreateContext(w->worker_window) : NULL;
+    SDL_GL_MakeCurrent(w->handle, w->gl);
+    w->has_worker = w->worker != NULL;
+    static const char* const processors[] = {"llvmpipe", "softpipe", "swrast", "SWR"};
+    w->is_hardware = w->has_worker;
+    for (size_t i = 0; i < sizeof(processors) / sizeof(processors[0]); ++i) {
+        w->is_hardware = w->is_hardware && strstr(w->device, processors[i]) == NULL;
+    }
 }
 
 static bool create_software(window* w, const window_desc* desc)
@@ -129,6 +147,9 @@ bool window_create(window* w, const window_desc* desc, char* reason, size_t reas
         SDL_QuitSubSystem(SDL_INIT_VIDEO | SDL_INIT_EVENTS);
         return false;
     }
+    if (w->gl != NULL && w->version >= 45) {
+        create_worker(w);
+    }
     SDL_SetWindowMinimumSize(w->handle, WIDTH_LEAST, HEIGHT_LEAST);
     (void)window_measure(w);
     w->scale = desc->scale > 0.0f ? desc->scale : fmaxf(display_scale(), w->density);
@@ -137,6 +158,12 @@ bool window_create(window* w, const window_desc* desc, char* reason, size_t reas
 
 void window_destroy(window* w)
 {
+    if (w->worker != NULL) {
+        SDL_GL_DeleteContext(w->worker);
+    }
+    if (w->worker_window != NULL) {
+        SDL_DestroyWindow(w->worker_window);
+    }
     if (w->streamed != NULL) {
         SDL_DestroyTexture(w->streamed);
     }
@@ -218,13 +245,43 @@ static bool upload_software(window* w, const stp_image* image)
 bool window_upload(window* w, const stp_image* image)
 {
     bool done = w->gl != NULL ? upload_gl(w, image) : upload_software(w, image);
+    w->borrowed = 0;
     w->texture_width = done ? image->width : 0;
     w->texture_height = done ? image->height : 0;
     return done;
 }
 
+void window_borrow(window* w, uint32_t texture)
+{
+    w->borrowed = texture;
+}
+
+bool window_begin_worker(void* user)
+{
+    window* w = user;
+    return w->worker != NULL && SDL_GL_MakeCurrent(w->worker_window, w->worker) == 0;
+}
+
+void window_end_worker(void* user)
+{
+    window* w = user;
+    SDL_GL_MakeCurrent(w->worker_window, NULL);
+}
+
+void (*window_get_proc_address(const char* name, void* user))(void)
+{
+    (void)user;
+    void* address = SDL_GL_GetProcAddress(name);
+    void (*function)(void);
+    memcpy(&function, &address, sizeof(function));
+    return function;
+}
+
 void* window_picture(const window* w)
 {
+    if (w->borrowed != 0) {
+        return (void*)(uintptr_t)w->borrowed;
+    }
     return w->texture_width == 0 ? NULL
            : w->gl != NULL       ? (void*)(uintptr_t)w->texture
                                  : w->streamed;

@@ -14,11 +14,18 @@ typedef struct window {
     SDL_GLContext gl;       ///< NULL: SDL draws
     SDL_Renderer* renderer; ///< NULL: OpenGL draws
     window_gl* functions;
+    int version;       ///< of OpenGL: 45 for 4.5
     char device[128];  ///< what draws the window
     int width, height; ///< in pixels, which may be more than the window's units
     float density;     ///< pixels a unit
     float scale;       ///< of text and distances, in pixels
+    // a second context, for the thread that draws
+    SDL_Window* worker_window;
+    SDL_GLContext worker;
+    bool has_worker;  ///< of OpenGL 4.5
+    bool is_hardware; ///< OpenGL is drawn by a graphics processor
     // the picture
+    uint32_t borrowed; ///< a texture of the worker's that is shown instead; 0: none
     uint32_t texture;
     SDL_Texture* streamed;
     uint32_t texture_width, texture_height;
@@ -39,6 +46,12 @@ bool window_measure(window* w);
 
 /// Makes a picture the texture. @return false where there is no room for it
 bool window_upload(window* w, const stp_image* image);
+/// Shows a texture of the worker's context from now on.
+void window_borrow(window* w, uint32_t texture);
+// For the painter; `window` is the window.
+bool window_begin_worker(void* window);
+void window_end_worker(void* window);
+void (*window_get_proc_address(const char* name, void* window))(void);
 /// The picture, for gui_picture.
 void* window_picture(const window* w);
 

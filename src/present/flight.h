@@ -34,6 +34,9 @@ STP_MUST_USE stp_result stp_flight_read(stp_context* context, const char* path, 
 STP_MUST_USE stp_result stp_flight_parse(stp_context* context, const char* name,
                                          const unsigned char* bytes, size_t size,
                                          stp_flight* flight);
+/// Writes aside and renames. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY; logged
+STP_MUST_USE stp_result stp_flight_write(stp_context* context, const char* path,
+                                         const stp_flight* flight);
 void stp_flight_destroy(stp_context* context, stp_flight* flight);
 
 /// Frames at so many a second, from the first key to the last one; at least 1.

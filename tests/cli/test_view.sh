@@ -9,8 +9,9 @@ rm -rf "$scratch"
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 export XDG_CACHE_HOME=$PWD/cache XDG_CONFIG_HOME=$PWD/config LIBGL_ALWAYS_SOFTWARE=1
-export SDL_VIDEODRIVER=x11 SDL_AUDIODRIVER=dummy
-mkdir -p config
+export XDG_PICTURES_DIR=$PWD/pictures SDL_VIDEODRIVER=x11 SDL_AUDIODRIVER=dummy
+mkdir -p config/stipple pictures
+printf '{"shot_width": 320, "shot_height": 200, "samples": 2}' > config/stipple/viewer.json
 # drivers of others keep what they have until the process ends
 printf 'leak:libGL\nleak:libX\nleak:_dri.so\nleak:libSDL\nleak:libLLVM\nleak:libdbus\nleak:swrast\n' > leaks
 export LSAN_OPTIONS=suppressions=$PWD/leaks:print_suppressions=0
@@ -42,7 +43,7 @@ trap clean_up EXIT
 # any display number that is free; the server's memory is the screen
 mkdir screen
 exec 3> display
-Xvfb -displayfd 3 -screen 0 1280x720x24 -fbdir screen -nolisten tcp > xvfb.log 2>&1 &
+Xvfb -displayfd 3 -screen 0 640x400x24 -fbdir screen -nolisten tcp > xvfb.log 2>&1 &
 xvfb=$!
 exec 3>&-
 while [ ! -s display ]; do
@@ -57,7 +58,7 @@ wait_until()
     while ! python3 "$here/view_report.py" report.json "$1"; do
         if ! kill -0 $viewer 2> /dev/null; then
             fail "the viewer ended before: $1: $(cat viewer.err)"
-            return 1
+            exit 1
         fi
         sleep 0.1
     done
@@ -77,11 +78,11 @@ keep()
 open_viewer()
 {
     rm -f report.json
-    "$stipple" view "$@" --report report.json > viewer.out 2> viewer.err &
+    "$stipple" view "$@" --size 640x400 --report report.json > viewer.out 2> viewer.err &
     viewer=$!
-    wait_until 'r["shows"] > 0' || return 1
+    wait_until 'r["shows"] > 0'
     until window=$(xdotool search --onlyvisible --pid $viewer 2> /dev/null | tail -1) && [ -n "$window" ]; do
-        kill -0 $viewer 2> /dev/null || return 1
+        kill -0 $viewer 2> /dev/null || exit 1
         sleep 0.1
     done
     xdotool windowmove "$window" 0 0 windowfocus "$window"
@@ -113,8 +114,15 @@ same()
 as_seen()
 {
     # shellcheck disable=SC2046
-    "$stipple" render "$2" -o "$1" $(python3 "$here/view_report.py" report.json) --supersample 4 --splat-size 1 \
+    "$stipple" render "$2" -o "$1" $(python3 "$here/view_report.py" report.json) --supersample 2 --splat-size 1 \
         --background dbe0e6 -q || fail "$2 cannot be rendered"
+}
+
+other() # A B SSIM: less alike
+{
+    "$stipple" compare "$1" "$2" --json > compared.json || fail "$1 and $2 cannot be compared"
+    python3 -c 'import json, sys; sys.exit(json.load(open("compared.json"))["ssim"] >= float(sys.argv[1]))' "$3" ||
+        fail "$1 and $2 are alike: $(cat compared.json)"
 }
 
 drag() # BUTTON X0 Y0 X1 Y1
@@ -124,11 +132,11 @@ drag() # BUTTON X0 Y0 X1 Y1
 }
 
 # the picture in the window is that of stipple render
-open_viewer scene:boxes --backend cpu --size 1280x720
+open_viewer scene:boxes --backend cpu
 wait_until 'r["rests"] and picture["complete"]'
-check "the picture is accumulated" 'picture["samples"] == 16'
+check "the picture is accumulated" 'picture["samples"] == 4'
 xdotool key Tab
-wait_until 'r["rests"] and not r["panels"] and picture["width"] == 1280 and picture["height"] == 720'
+wait_until 'r["rests"] and not r["panels"] and picture["width"] == 640 and picture["height"] == 400'
 xdotool key f # frames what there is, from where it is seen from
 wait_until 'r["rests"] and picture["complete"]'
 shot first.png
@@ -158,25 +166,25 @@ wait_until 'r["rests"] and near(camera["eye"][0] / camera["eye"][1], 1.25)'
 
 # orbit: the distance to the pivot stays; the picture is another
 keep
-drag 1 640 360 800 400
+drag 1 320 200 400 220
 wait_until 'r["rests"] and distance(camera["eye"], k["camera"]["eye"]) > 0.1'
 check "orbit" 'near(distance(camera["eye"], camera["pivot"]), distance(k["camera"]["eye"], k["camera"]["pivot"]))'
 shot orbit.png
 # the wheel comes nearer, and what is under the cursor stays: the middle of the picture shows the middle of a box
 keep
-xdotool mousemove 640 360 click 4
+xdotool mousemove 320 200 click 4
 wait_until 'r["rests"] and camera["reach"] < k["camera"]["reach"]'
 xdotool click 5
 wait_until 'r["rests"] and near(camera["reach"], k["camera"]["reach"])'
 check "wheel back and forth" 'distance(camera["eye"], k["camera"]["eye"]) < 0.05'
 # sideways: the gaze stays
 keep
-drag 2 640 360 700 300
+drag 2 320 200 350 170
 wait_until 'r["rests"] and distance(camera["eye"], k["camera"]["eye"]) > 0.01'
 check "pan" 'distance(camera["up"], k["camera"]["up"]) < 1e-9'
 # the head turns: the eye stays
 keep
-drag 3 640 360 500 360
+drag 3 320 200 250 200
 wait_until 'r["rests"] and distance(camera["target"], k["camera"]["target"]) > 0.1'
 check "look" 'distance(camera["eye"], k["camera"]["eye"]) < 1e-9'
 # flight: as long as the key is held
@@ -189,9 +197,76 @@ for key in w s a d q e; do
 done
 xdotool key 9
 wait_until 'r["rests"] and near(camera["eye"][0] / camera["eye"][1], 1.25)'
-# a click on a surface chooses the pivot
-xdotool mousemove 640 360 click 1
-wait_until 'r["rests"] and camera["pivot_chosen"]'
+# a click on a surface chooses the part and the pivot; Escape chooses nothing
+xdotool mousemove 320 200 click 1
+wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
+keep
+shot chosen.png
+# F frames the part, Home everything
+xdotool key f
+wait_until 'r["rests"] and camera["reach"] < 0.6 * k["camera"]["reach"]'
+xdotool key Home
+wait_until 'r["rests"] and near(camera["reach"], k["camera"]["reach"]) and tools["chosen"] == ""'
+# what is hidden is not in the picture, nor in the way of the next click
+shot all_parts.png
+xdotool mousemove 320 200 click 1
+wait_until 'r["rests"] and tools["chosen"] == k["tools"]["chosen"]'
+xdotool key x Escape
+wait_until 'r["rests"] and tools["marks"] == 1 and tools["chosen"] == ""'
+shot hidden.png
+other all_parts.png hidden.png 0.995
+xdotool mousemove 320 200 click 1
+wait_until 'r["rests"] and tools["chosen"] not in ("", k["tools"]["chosen"])'
+xdotool key i
+wait_until 'r["rests"] and tools["marks"] == 2'
+shot isolated.png
+other isolated.png all_parts.png 0.9
+xdotool key g # of what was isolated
+wait_until 'r["rests"] and tools["marks"] == 2'
+xdotool key u Escape
+wait_until 'r["rests"] and tools["marks"] == 0 and tools["chosen"] == ""'
+shot shown.png
+same shown.png all_parts.png 0.999
+# a section through the middle
+xdotool key k
+wait_until 'r["rests"] and tools["section_planes"] == 6'
+xdotool key k
+wait_until 'r["rests"] and tools["section_planes"] == 0'
+# measuring: two clicks are two points, one of which goes again
+xdotool key m
+wait_until 'tools["measures"]'
+xdotool mousemove 320 200 click 1
+wait_until 'len(tools["points"]) == 1'
+xdotool mousemove 280 220 click 1
+wait_until 'len(tools["points"]) == 2'
+check "points are on the boxes" 'all(abs(c) <= 2.5 for p in tools["points"] for c in p) and distance(*tools["points"]) > 0.01'
+xdotool key BackSpace
+wait_until 'len(tools["points"]) == 1'
+xdotool key BackSpace Escape
+wait_until 'not tools["measures"] and r["rests"]'
+# a saved picture is that of stipple render
+xdotool key F12
+wait_until 'r["rests"] and tools["shot"] != ""'
+mv pictures/Stipple/boxes-001.png shot.png || fail "no saved picture"
+"$stipple" compare shot.png shot.png > out || fail "the saved picture is no PNG"
+# a flight is recorded, and stipple fly can fly it
+xdotool key r
+wait_until 'tools["records"]'
+keep
+xdotool keydown d
+wait_until 'distance(camera["eye"], k["camera"]["eye"]) > 0.05'
+xdotool keyup d key r
+wait_until 'not tools["records"] and r["rests"]'
+"$stipple" fly scene:boxes --path pictures/Stipple/boxes-001.flight.json --size 64x48 --frames 3 --json -q > fly.json ||
+    fail "the recorded flight cannot be flown"
+# OpenGL draws the same, where it is to be had
+shot processor.png
+xdotool key b
+wait_until 'r["rests"] and (r["backend"] == "gl" or "not to be had" in r["message"])'
+shot opengl.png
+same processor.png opengl.png 0.97
+xdotool key b
+wait_until 'r["rests"] and r["backend"] == "cpu"'
 # panels and help
 xdotool key Tab
 wait_until 'r["rests"] and r["panels"]'
@@ -229,7 +304,17 @@ with open("ball.obj", "w") as out:
 END
 open_viewer ball.obj --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
+# viewpoints lie beside the model
+xdotool key 1
+wait_until 'r["rests"] and near(camera["eye"][0], 0)'
+xdotool key v
+wait_until 'tools["views"] == 1'
+[ -s ball.views.json ] || fail "there is no ball.views.json"
 close_viewer
+open_viewer ball.obj --backend cpu
+wait_until 'r["loading"] == "done" and r["rests"] and tools["views"] == 1'
+close_viewer
+"$stipple" render ball.obj --view "View 1" -o view.png --size 64x64 -q || fail "the viewpoint cannot be rendered"
 # without OpenGL
 open_viewer ball.obj --backend cpu --software-window
 wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'

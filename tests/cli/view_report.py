@@ -29,6 +29,7 @@ if r is None:
     sys.exit(1)
 k = load("kept.json") if os.path.exists("kept.json") else {}
 camera = r["camera"]
+tools = r["tools"]
 picture = r["picture"] or {"complete": False, "samples": 0, "width": 0, "height": 0}
 if len(sys.argv) == 2:
     for name in "eye", "target", "up":

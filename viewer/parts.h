@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// The panels' own functions, for each other.
+#pragma once
+
+#include "state.h"
+
+// parts.c
+void parts_show(viewer* v, float x, float y, float width, float height);
+/// @return whether the key was one of its commands
+bool parts_take_key(viewer* v, SDL_Keycode key);
+
+// pages.c
+/// "12.3 M": a count for people.
+void page_print_count(char* text, size_t size, uint64_t count);
+
+// section.c
+void section_begin(viewer* v); ///< of a new scene
+void page_section(viewer* v);
+/// What is cut away of the scene now.
+stp_sections section_make(const viewer* v);
+void section_overlay(const viewer* v, const stp_navigator* n);
+void section_take(viewer* v, const stp_sections* sections); ///< of a saved viewpoint
+
+// measure.c
+void page_measure(viewer* v);
+void measure_overlay(const viewer* v, const stp_navigator* n);
+void measure_click(viewer* v, const stp_pick* pick, const stp_vec3d* seen);
+void measure_undo(viewer* v);
+/// A length in the file's unit.
+void measure_print(const viewer* v, double length, char* text, size_t size);
+/// A point in the file's coordinates and unit.
+void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t size);
+
+// views.c
+void page_views(viewer* v);
+void views_begin(viewer* v); ///< of a new file
+void views_end(viewer* v);
+void views_save(viewer* v); ///< what is seen now, as another viewpoint
+/// Keeps what is hidden, for the same file's next, finer scene; and brings it back there.
+void views_carry(viewer* v);
+void views_bring(viewer* v);
+void views_overlay(const viewer* v, const stp_navigator* n);
+
+// record.c
+void record_switch(viewer* v); ///< begins or ends
+void record_step(viewer* v);
+void record_play(viewer* v); ///< the last one, or stops it
+void record_end(viewer* v);
+/// "FOLDER/NAME-001.ENDING", the first that is not there yet, in the folder of pictures, which is made.
+void record_name_file(const viewer* v, const char* ending, char* path, size_t size);
+
+// shots.c
+void shot_begin(viewer* v);
+void shot_step(viewer* v); ///< says when one is done
+void shot_end(viewer* v);
+
+// overlay.c
+void overlay_show(viewer* v);
+/// A point of the scene in pixels of the window. @return false where it is not before the eye
+bool overlay_place(const viewer* v, const stp_navigator* n, stp_vec3d point, float* x, float* y);
+void overlay_line(const viewer* v, const stp_navigator* n, stp_vec3d a, stp_vec3d b, uint32_t color,
+                  float width);
+void overlay_box(const viewer* v, const stp_navigator* n, const stp_boxd* box, uint32_t color,
+                 float width);
