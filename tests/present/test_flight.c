@@ -6,6 +6,8 @@
 
 #include <dirent.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define HEAD "{\"fov\": 45, \"fps\": 30, \"keys\": ["
@@ -221,5 +223,32 @@ void test_flight_reads_all_that_are_shipped(test_state* test)
     }
     closedir(folder);
     CHECK(count >= 11);
+    stp_context_destroy(context);
+}
+
+void test_flight_is_read_as_it_was_written(test_state* test)
+{
+    char folder[] = "/tmp/stp-flight-XXXXXX", path[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(path, sizeof(path), "%s/f.json", folder);
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_flight flight, again;
+    CHECK_EQUAL(STP_OK, parse(context, four_keys, &flight));
+    flight.keys[1].eye.x = 512345.1234567891; // survey coordinates keep all of their digits
+    CHECK_EQUAL(STP_OK, stp_flight_write(context, path, &flight));
+    CHECK_EQUAL(STP_OK, stp_flight_read(context, path, &again));
+    CHECK_EQUAL(4, again.key_count);
+    CHECK(again.fov_degrees == 45.0 && again.fps == 30.0);
+    for (size_t i = 0; i < 4; ++i) {
+        stp_vec3d eye = flight.keys[i].eye, target = flight.keys[i].target;
+        CHECK(again.keys[i].t == flight.keys[i].t);
+        CHECK(is_at(again.keys[i].eye, eye.x, eye.y, eye.z));
+        CHECK(is_at(again.keys[i].target, target.x, target.y, target.z));
+    }
+    stp_flight_destroy(context, &again);
+    CHECK_EQUAL(STP_ERROR_IO, stp_flight_write(context, "/nowhere/f.json", &flight));
+    stp_flight_destroy(context, &flight);
+    remove(path);
+    remove(folder);
     stp_context_destroy(context);
 }

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// The tree of parts as the viewer shows it: rows that fold, search, what is chosen, hidden, isolated.
+#include "tests.h"
+
+#include "build/build.h"
+#include "scenes/scenes.h"
+#include "viewer/explorer.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/// Builds the boxes and opens them. @return NULL where that fails
+static explorer* open_boxes(char path[64])
+{
+    const char* input = "scene:boxes";
+    snprintf(path, 64, "/tmp/stp_explorer_%ld.stip", (long)getpid());
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_build_desc desc = {
+        .inputs = &input, .input_count = 1, .output = path, .generate = scene_make_input};
+    stp_build_report report;
+    bool built = stp_build(context, &desc, &report) == STP_OK;
+    stp_context_destroy(context);
+    explorer* e = built ? explorer_create(path) : NULL;
+    while (e != NULL && explorer_works(e)) {
+        (void)explorer_step(e);
+    }
+    return e;
+}
+
+static void close_boxes(explorer* e, const char* path)
+{
+    explorer_destroy(e);
+    unlink(path);
+}
+
+void test_viewer_explorer_folds_and_unfolds(test_state* test)
+{
+    char path[64];
+    explorer* e = open_boxes(path);
+    CHECK(e != NULL && e->ready);
+    size_t count = e->row_count; // a single top is unfolded at once
+    CHECK(count > 1 && e->rows[0].open && e->rows[0].item.depth == 1);
+    for (size_t i = 1; i < count; ++i) {
+        CHECK(e->rows[i].item.depth == 2 &&
+              e->rows[i].item.objects[0] == e->rows[0].item.objects[0]);
+    }
+    explorer_fold(e, 0);
+    CHECK(e->row_count == 1 && !e->rows[0].open);
+    explorer_fold(e, 0);
+    CHECK_EQUAL(count, e->row_count);
+    close_boxes(e, path);
+}
+
+void test_viewer_explorer_finds_names(test_state* test)
+{
+    char path[64];
+    explorer* e = open_boxes(path);
+    CHECK(e != NULL);
+    stp_outline_row row;
+    char name[128];
+    snprintf(name, sizeof(name), "%s", explorer_label(e, &e->rows[1].item, &row));
+    explorer_search(e, name);
+    while (explorer_works(e)) {
+        (void)explorer_step(e);
+    }
+    CHECK(e->found_count >= 1);
+    bool found = false;
+    for (size_t i = 0; i < e->found_count; ++i) {
+        found = found || explorer_is_same(&e->found[i].item, &e->rows[1].item);
+    }
+    CHECK(found);
+    explorer_search(e, "there is nothing of this name");
+    while (explorer_works(e)) {
+        (void)explorer_step(e);
+    }
+    CHECK_EQUAL(0, e->found_count);
+    explorer_search(e, "");
+    CHECK(!explorer_works(e));
+    close_boxes(e, path);
+}
+
+void test_viewer_explorer_marks_parts(test_state* test)
+{
+    char path[64];
+    explorer* e = open_boxes(path);
+    CHECK(e != NULL && e->row_count > 3);
+    stp_outline_item whole = e->rows[0].item, first = e->rows[1].item, second = e->rows[2].item;
+    shown_list list;
+    explorer_mark_item(e, &first, EXPLORER_HIDDEN);
+    CHECK(explorer_is_marked(e, &first, EXPLORER_HIDDEN));
+    CHECK(!explorer_is_marked(e, &second, EXPLORER_HIDDEN));
+    CHECK(explorer_list_shown(e, &list));
+    CHECK(list.whole == STP_SHOW && list.count == 1 && list.things[0].show == STP_SHOW_NOT);
+    free(list.things);
+    explorer_mark_item(e, &first, EXPLORER_HIDDEN); // and back
+    CHECK_EQUAL(0, e->mark_count);
+    explorer_mark_item(e, &first, EXPLORER_ISOLATED);
+    explorer_mark_item(e, &second, EXPLORER_ISOLATED); // one at a time
+    CHECK(e->mark_count == 1 && explorer_is_marked(e, &second, EXPLORER_ISOLATED));
+    explorer_mark_item(e, &first, EXPLORER_GHOST);
+    CHECK(explorer_list_shown(e, &list));
+    CHECK(list.whole == STP_SHOW_NOT &&
+          list.count == 2); // isolated first: the order says what wins
+    CHECK(list.things[0].show == STP_SHOW && list.things[1].show == STP_SHOW_GHOST);
+    free(list.things);
+    uint64_t version = e->marks_version;
+    explorer_show_all(e);
+    CHECK(e->mark_count == 0 && e->marks_version != version);
+    explorer_mark_item(e, &whole, EXPLORER_HIDDEN); // what is below is hidden with it
+    CHECK(explorer_is_marked(e, &first, EXPLORER_HIDDEN));
+    close_boxes(e, path);
+}
+
+void test_viewer_explorer_picks_what_is_shown(test_state* test)
+{
+    char path[64];
+    explorer* e = open_boxes(path);
+    CHECK(e != NULL);
+    stp_pick pick, behind;
+    stp_view view = {
+        .eye = {0.1, 0.1, 20}, .up = {0, 1, 0}, .fov_degrees = 40, .width = 100, .height = 100};
+    CHECK(explorer_pick(e, &view, 50.5, 50.5, &pick));
+    explorer_choose_picked(e, &pick);
+    stp_boxd box;
+    CHECK(e->chosen.depth > 0 && explorer_chosen_box(e, &box));
+    CHECK(pick.position.z <= box.max.z + 1e-4 && pick.position.z >= box.min.z - 1e-4);
+    stp_outline_item chosen = e->chosen;
+    explorer_mark_item(e, &chosen, EXPLORER_HIDDEN);
+    CHECK(explorer_pick(e, &view, 50.5, 50.5, &behind)); // through what is hidden
+    CHECK(behind.distance > pick.distance + 0.1);
+    explorer_choose_picked(e, &behind);
+    CHECK(!explorer_is_same(&e->chosen, &chosen));
+    CHECK(!explorer_pick(e, &view, 0.5, 0.5, &pick));
+    explorer_choose_picked(e, NULL);
+    CHECK(e->chosen.depth == 0 && !explorer_chosen_box(e, &box));
+    close_boxes(e, path);
+}
+
+void test_viewer_explorer_refuses_what_is_no_scene(test_state* test)
+{
+    CHECK(explorer_create("/nowhere/there.stip") == NULL);
+}

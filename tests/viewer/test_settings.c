@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "tests.h"
+
+#include "viewer/settings.h"
+
+#include <string.h>
+
+void test_viewer_settings_are_kept(test_state* test)
+{
+    viewer_settings s = viewer_settings_default(), again = viewer_settings_default();
+    s.budget_ms = 12.5f;
+    s.page = PAGE_MEASURE;
+    s.adapts = false;
+    s.fovea = true;
+    s.background[1] = 0.25f;
+    s.samples = 7;
+    s.backend = BACKEND_OPENGL;
+    char* text = viewer_settings_print(&s);
+    CHECK(text != NULL);
+    CHECK(viewer_settings_parse(&again, text));
+    CHECK(again.budget_ms == 12.5f && again.page == PAGE_MEASURE && !again.adapts && again.fovea);
+    CHECK(again.background[1] == 0.25f && again.samples == 7 && again.backend == BACKEND_OPENGL);
+    CHECK(again.parts == s.parts && again.splat_size == s.splat_size);
+    free(text);
+}
+
+void test_viewer_settings_that_are_wrong_change_nothing(test_state* test)
+{
+    static const char* const texts[] = {
+        "",
+        "[]",
+        "{",
+        "nonsense",
+        "{\"budget_ms\": 1e9, \"page\": -1, \"samples\": 0}",
+        "{\"budget_ms\": \"fast\", \"page\": true, \"adapts\": 3}",
+        "{\"budget_ms\": 1e999}",
+    };
+    for (size_t i = 0; i < sizeof(texts) / sizeof(texts[0]); ++i) {
+        viewer_settings s = viewer_settings_default(), fresh = viewer_settings_default();
+        CHECK(viewer_settings_parse(&s, texts[i]) == (i == 4 || i == 5));
+        CHECK(s.budget_ms == fresh.budget_ms && s.page == fresh.page && s.samples == fresh.samples);
+        CHECK(s.adapts == fresh.adapts);
+    }
+}
