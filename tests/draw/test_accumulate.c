@@ -28,7 +28,7 @@ void test_accumulation_takes_every_place_once(test_state* test)
         static uint8_t seen[64 * 64];
         memset(seen, 0, sizeof(seen));
         for (uint32_t k = 0; k < side * side; ++k) {
-            uint32_t place = cpu_choose_sample(side, k);
+            uint32_t place = stp_resting_sample(side, k);
             CHECK(place < side * side && seen[place] == 0);
             seen[place] = 1;
         }

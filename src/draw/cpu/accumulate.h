@@ -6,9 +6,6 @@
 
 #include "draw/cpu/cpu.h"
 
-/// The place in the grid of samples of the k-th frame: neighbours in time lie far apart.
-uint32_t cpu_choose_sample(uint32_t side, uint32_t k);
-
 /// Forgets the frames so far where they are of another view, list or style.
 void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
                                const stp_draw_style* style);

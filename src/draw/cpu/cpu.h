@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "base/team.h"
 #include "draw/renderer.h"
+#include "draw/resting.h"
 #include "raster/splats_blend.h"
 #include "raster/texture.h"
 #include "raster/triangles.h"
@@ -128,13 +129,11 @@ typedef struct cpu_blend {
 /// The sum of frames that were each shifted by a part of a pixel (accumulate.h).
 typedef struct cpu_accumulation {
     uint32_t* sums; ///< of the eye that is drawn, 4 a pixel: linear colour and frames that cover it
-    uint32_t* memory; ///< of the sums of all eyes
-    uint32_t* linear; ///< of sRGB bytes
-    size_t capacity;  ///< pixels
-    uint32_t frames;  ///< summed; 0: none yet, or no longer of any use
-    stp_view view;    ///< what they are of
-    stp_hash list;
-    stp_draw_style style;
+    uint32_t* memory;    ///< of the sums of all eyes
+    uint32_t* linear;    ///< of sRGB bytes
+    size_t capacity;     ///< pixels
+    uint32_t frames;     ///< summed; 0: none yet, or no longer of any use
+    stp_resting resting; ///< what they are of
 } cpu_accumulation;
 
 typedef struct cpu_renderer {

@@ -6,21 +6,9 @@
 
 #include <stdlib.h>
 
-enum { SCRATCH_ROWS = 3, PAIR_LIMIT = 64, DIRECTIONS = 6, BLUR_REACH = 2, CLOSE_LIMIT = 4 };
+enum { SCRATCH_ROWS = 3, BLUR_REACH = 2, CLOSE_MOST = 4 };
 
-// Of the last factor: how dark it may get, and what full enclosure takes away.
-#define OCCLUSION_STRENGTH 2.2f
-#define OCCLUSION_LEAST 0.15f
-#define EYE_DOME_MOST 1000.0f
-#define EYE_DOME_GAIN 0.22f ///< of mean rises, at strength 1
-#define BLUR_SLOPE 4.0f     ///< neighbours that rise so steeply are another surface
-
-/// Two opposite neighbours at (x, y) and (-x, -y).
-typedef struct neighbour_pair {
-    int32_t x, y;
-    float numbers[3]; ///< see cpu_effect_kernels
-    bool far;         ///< read from the pyramid
-} neighbour_pair;
+#define BLUR_SLOPE 4.0f ///< neighbours that rise so steeply are another surface
 
 typedef struct effect_frame {
     cpu_renderer* r;
@@ -30,11 +18,9 @@ typedef struct effect_frame {
     float *near, *spare, *far, *factor; ///< planes of height * stride
     float* outside;                     ///< a row that is farther than all
     float* scratch;                     ///< SCRATCH_ROWS a worker
-    int32_t close;                      ///< reach of what closes gaps between disks
+    stp_effect_shape shape;
     float scale;
     bool constant; ///< gain
-    neighbour_pair pairs[PAIR_LIMIT];
-    uint32_t pair_count;
 } effect_frame;
 
 static const cpu_effect_kernels* choose_kernels(void)
@@ -85,7 +71,7 @@ static void widen_columns(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t y = begin; y < end; ++y) {
         memcpy(padded, f->r->depth + y * width, width * sizeof(float));
         fill_pads(f, padded, -1.0f);
-        f->kernels->greatest(padded, f->close, row_of(f, f->spare, (int64_t)y), width);
+        f->kernels->greatest(padded, f->shape.close, row_of(f, f->spare, (int64_t)y), width);
     }
 }
 
@@ -96,13 +82,13 @@ static void widen_rows(size_t begin, size_t end, uint32_t worker, void* user)
     float* padded = scratch_row(f, worker, 0);
     for (int64_t y = (int64_t)begin; y < (int64_t)end; ++y) {
         memcpy(padded, row_of(f, f->spare, y), width * sizeof(float));
-        for (int64_t k = -f->close; k <= f->close; ++k) {
+        for (int64_t k = -f->shape.close; k <= f->shape.close; ++k) {
             if (y + k >= 0 && y + k < (int64_t)f->r->height) {
                 f->kernels->add_greatest(row_of(f, f->spare, y + k), padded, width);
             }
         }
         fill_pads(f, padded, FLT_MAX);
-        f->kernels->least(padded, f->close, row_of(f, f->far, y), width);
+        f->kernels->least(padded, f->shape.close, row_of(f, f->far, y), width);
     }
 }
 
@@ -113,9 +99,10 @@ static void narrow_rows(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (int64_t y = (int64_t)begin; y < (int64_t)end; ++y) {
         float* out = row_of(f, f->near, y);
-        const float* in = f->close > 0 ? row_of(f, f->far, y) : f->r->depth + (size_t)y * width;
+        const float* in =
+            f->shape.close > 0 ? row_of(f, f->far, y) : f->r->depth + (size_t)y * width;
         memcpy(out, in, width * sizeof(float));
-        for (int64_t k = -f->close; k <= f->close; ++k) {
+        for (int64_t k = -f->shape.close; k <= f->shape.close; ++k) {
             if (k != 0 && y + k >= 0 && y + k < (int64_t)f->r->height) {
                 f->kernels->add_least(row_of(f, f->far, y + k), out, width);
             }
@@ -146,7 +133,7 @@ static void light_row(const effect_frame* f, int64_t y, const float* gain, float
 {
     static const int8_t ring[4][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}};
     const float* center = row_of(f, f->near, y);
-    int32_t step = f->close > 2 ? 2 : 1; // farther apart, thin things would have ghosts
+    int32_t step = f->shape.light_step;
     memset(out, 0, f->r->width * sizeof(float));
     for (int32_t reach = step; reach <= 2 * step; reach += step) { // two scales
         for (int i = 0; i < 4; ++i) {
@@ -158,8 +145,7 @@ static void light_row(const effect_frame* f, int64_t y, const float* gain, float
                              f->r->width);
         }
     }
-    float strength = stp_min(f->r->style->eye_dome, EYE_DOME_MOST);
-    f->kernels->eye_dome(out, strength * (EYE_DOME_GAIN / 16.0f), f->r->width);
+    f->kernels->eye_dome(out, f->shape.light, f->r->width);
 }
 
 static void find_occlusion(const effect_frame* f, int64_t y, const float* gain)
@@ -168,8 +154,8 @@ static void find_occlusion(const effect_frame* f, int64_t y, const float* gain)
     const float* center = row_of(f, f->near, y);
     memset(out, 0, f->r->width * sizeof(float));
     fill_pads(f, out, 0.0f); // blurred with weight 0, but it must be a number
-    for (uint32_t i = 0; i < f->pair_count; ++i) {
-        const neighbour_pair* p = &f->pairs[i];
+    for (uint32_t i = 0; i < f->shape.pair_count; ++i) {
+        const stp_effect_pair* p = &f->shape.pairs[i];
         float* plane = p->far ? f->far : f->near;
         const float* const neighbours[2] = {row_of(f, plane, y + p->y) + p->x,
                                             row_of(f, plane, y - p->y) - p->x};
@@ -186,7 +172,7 @@ static void find_shades(size_t begin, size_t end, uint32_t worker, void* user)
         if (f->r->style->eye_dome > 0.0f) {
             light_row(f, y, gain, row_of(f, f->factor, y));
         }
-        if (f->pair_count > 0) {
+        if (f->shape.pair_count > 0) {
             find_occlusion(f, y, gain);
         }
     }
@@ -239,12 +225,13 @@ static void darken_rows(size_t begin, size_t end, uint32_t worker, void* user)
     const effect_frame* f = user;
     const cpu_renderer* r = f->r;
     float* occlusion = scratch_row(f, worker, 2);
-    float share = f->pair_count > 0 ? OCCLUSION_STRENGTH / (float)f->pair_count : 0.0f;
+    float share =
+        f->shape.pair_count > 0 ? STP_OCCLUSION_STRENGTH / (float)f->shape.pair_count : 0.0f;
     for (size_t y = begin; y < end; ++y) {
         const float* depth = r->depth + y * r->width;
         const float* light = row_of(f, f->factor, (int64_t)y);
         uint8_t* out = r->image->pixels + 4 * y * r->width;
-        if (f->pair_count > 0) {
+        if (f->shape.pair_count > 0) {
             blur_row(f, (int64_t)y, true, f->far, worker, occlusion);
         }
         for (uint32_t x = 0; x < r->width; ++x, out += 4) {
@@ -252,9 +239,9 @@ static void darken_rows(size_t begin, size_t end, uint32_t worker, void* user)
                 continue;
             }
             float factor = 1.0f;
-            if (f->pair_count > 0) {
+            if (f->shape.pair_count > 0) {
                 factor = 1.0f - occlusion[x] * share;
-                factor = factor > OCCLUSION_LEAST ? factor : OCCLUSION_LEAST;
+                factor = factor > STP_OCCLUSION_LEAST ? factor : STP_OCCLUSION_LEAST;
             }
             factor *= r->style->eye_dome > 0.0f ? light[x] : 1.0f;
             for (int k = 0; k < 3; ++k) {
@@ -264,59 +251,12 @@ static void darken_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-static int32_t nearest_whole(float value)
-{
-    return (int32_t)floorf(value + 0.5f);
-}
-
-/// A ring of pairs; those of every other ring lie between those of the others.
-static void add_ring(effect_frame* f, float reach, float whole, bool turned, bool far)
-{
-    static const float cosine[2 * DIRECTIONS + 6] = {
-        1.0f,  0.965925826f,  0.866025404f,  0.707106781f,  0.5f,          0.258819045f,
-        0.0f,  -0.258819045f, -0.5f,         -0.707106781f, -0.866025404f, -0.965925826f,
-        -1.0f, -0.965925826f, -0.866025404f, -0.707106781f, -0.5f,         -0.258819045f};
-    float rough = 0.35f * (float)f->close; // what is left of disks, in pixels of depth
-    for (int i = 0; i < DIRECTIONS; ++i) {
-        int angle = 2 * i + (turned ? 1 : 0); // in twelfths of half a circle
-        float x = cosine[angle], y = -cosine[angle + 6];
-        neighbour_pair pair = {
-            .x = nearest_whole(x * reach), .y = nearest_whole(y * reach), .far = far};
-        float square = (float)pair.x * (float)pair.x + (float)pair.y * (float)pair.y;
-        if (square > 0.0f) {
-            float distance = sqrtf(square);
-            pair.numbers[0] = 1.0f / distance;
-            pair.numbers[1] = 0.05f + rough / distance;
-            pair.numbers[2] = 1.0f / whole;
-            f->pairs[f->pair_count++] = pair;
-        }
-    }
-}
-
-/// Where occlusion is looked for: near pixels one by one, farther ones through the pyramid.
-static void choose_pairs(effect_frame* f)
-{
-    float reach = f->r->style->ambient_occlusion * (float)f->r->height;
-    if (!(f->r->style->ambient_occlusion > 0.0f)) {
-        return;
-    }
-    reach = stp_clamp(reach, 2.0f, (float)EFFECT_REACH_MOST);
-    float most = (float)EFFECT_NEAR_REACH, near = reach < most ? reach : most;
-    add_ring(f, 0.25f * near, reach, false, false);
-    add_ring(f, 0.5f * near, reach, true, false);
-    add_ring(f, near, reach, false, false);
-    if (reach > most) {
-        add_ring(f, 0.5f * (most + reach), reach, true, true);
-        add_ring(f, reach, reach, false, true);
-    }
-}
-
 static stp_result make_room(cpu_renderer* r, effect_frame* f)
 {
     cpu_effects* e = &r->effects;
-    int32_t reach = 3 * CLOSE_LIMIT;
-    for (uint32_t i = 0; i < f->pair_count; ++i) {
-        int32_t x = abs(f->pairs[i].x);
+    int32_t reach = 3 * CLOSE_MOST;
+    for (uint32_t i = 0; i < f->shape.pair_count; ++i) {
+        int32_t x = abs(f->shape.pairs[i].x);
         reach = x > reach ? x : reach;
     }
     f->pad = ((size_t)reach + 16) / 16 * 16;
@@ -365,30 +305,27 @@ static void run(const effect_frame* f, stp_job job)
 stp_result cpu_apply_effects(cpu_renderer* r)
 {
     effect_frame f = {.r = r, .kernels = choose_kernels()};
-    float size = r->splat_size;
-    f.close = size > 0.0f ? nearest_whole(stp_clamp(0.5f * size, 1.0f, (float)CLOSE_LIMIT)) : 0;
+    f.shape = stp_effect_shape_make(r->style, r->height, r->splat_size);
     f.constant = r->frame.parallel;
     double scale = r->frame.scale;
     f.scale = (float)(f.constant ? scale / fabs(r->nearness_scale) : scale);
-    choose_pairs(&f);
     stp_result result = make_room(r, &f);
-    bool far = f.pair_count > 0 && f.pairs[f.pair_count - 1].far;
-    if (result == STP_OK && far) {
+    if (result == STP_OK && f.shape.far) {
         result = find_pyramid(r, &f);
     }
     if (result != STP_OK) {
         return result;
     }
-    if (f.close > 0) {
+    if (f.shape.close > 0) {
         run(&f, widen_columns);
         run(&f, widen_rows);
     }
     run(&f, narrow_rows);
-    if (far) {
+    if (f.shape.far) {
         run(&f, spread_pyramid);
     }
     run(&f, find_shades);
-    if (f.pair_count > 0) {
+    if (f.shape.pair_count > 0) {
         run(&f, blur_across);
     }
     run(&f, darken_rows);

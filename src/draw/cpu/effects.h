@@ -9,11 +9,10 @@
 #pragma once
 
 #include "draw/cpu/cpu.h"
+#include "draw/effect_shape.h"
 
 enum {
     EFFECT_BAND_ROWS = 8,
-    EFFECT_REACH_MOST = 4096, ///< pixels
-    EFFECT_NEAR_REACH = 16, ///< pixels: occlusion from farther away is read from the depth pyramid
 };
 
 /// Loops over the pixels of a row. All arithmetic is single IEEE operations: all variants give the same bits.

@@ -280,7 +280,7 @@ stp_result cpu_draw_accumulated(cpu_renderer* r, const stp_draw_list* list, uint
     r->sample = 0;
     stp_result result = STP_OK;
     for (uint32_t k = first; k < end && result == STP_OK; ++k) {
-        result = draw_sample(r, list, side, cpu_choose_sample(side, k), stats);
+        result = draw_sample(r, list, side, stp_resting_sample(side, k), stats);
         if (result == STP_OK) {
             add_frames(r);
         }

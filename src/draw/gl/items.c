@@ -4,6 +4,7 @@
 #include "base/prefix_table.h"
 #include "draw/gl/cull.h"
 #include "draw/gl/upload.h"
+#include "raster/splats_kernel.h"
 
 // As the processor's (src/draw/cpu/raster.c).
 #define RIM_DEPTH 4.0f

@@ -3,7 +3,6 @@
 #include "draw/gl/renderer.h"
 
 #include "base/clock.h"
-#include "base/color.h"
 #include "base/context.h"
 #include "draw/gl/upload.h"
 #include "select/eyes.h"
@@ -11,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SUPERSAMPLE_LIMIT = 64, POINT_MARGIN = 64 };
+enum { SUPERSAMPLE_LIMIT = 64 };
 static const uint64_t default_memory = UINT64_C(1) << 30;
 
 static void destroy_programs(gl_renderer* r)
@@ -34,6 +33,7 @@ static void destroy(stp_renderer* renderer)
         gl_timer_destroy(&r->gl, &r->timer);
         gl_target_destroy(r);
         gl_frame_destroy(r);
+        gl_effect_pass_destroy(r);
         gl_pool_destroy(&r->pool);
         const GLuint buffers[] = {r->light_materials, r->materials};
         r->gl.DeleteBuffers(2, buffers);
@@ -51,7 +51,7 @@ static void destroy(stp_renderer* renderer)
 }
 
 /// Programs read as many pages as there are, or somewhat more: most pools have one.
-static stp_result make_programs(gl_renderer* r)
+stp_result gl_make_programs(gl_renderer* r)
 {
     uint32_t pages = 1;
     while (pages < r->pool.page_count) {
@@ -87,181 +87,6 @@ static stp_result check(gl_renderer* r)
     return STP_OK;
 }
 
-static void set_vec3(vec4 out, stp_vec3d v)
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
-}
-
-/// Light from above the viewer's left shoulder, or from the eye (src/draw/cpu/shade.c).
-static stp_vec3d toward_light(const stp_view_frame* f, bool headlight)
-{
-    stp_vec3d up = stp_scaled(f->down, -1.0), back = stp_scaled(f->forward, -1.0);
-    if (headlight) {
-        return back;
-    }
-    stp_vec3d toward = stp_addd(stp_scaled(f->right, -0.45), stp_scaled(up, 0.65));
-    return stp_normalized(stp_addd(toward, stp_scaled(back, 0.62)));
-}
-
-/// What is the same for all pixels: towards the eye, (forward + right u + down v) turned round.
-static void set_eye(const stp_placement* p, view_block* view)
-{
-    const stp_view_frame* f = &p->frame;
-    stp_vec3d start = stp_scaled(f->forward, -1.0);
-    if (!f->parallel) {
-        double u = -(f->center_x + p->shift_x) / f->scale;
-        double v = -(f->center_y + p->shift_y) / f->scale;
-        start = stp_subd(start, stp_addd(stp_scaled(f->right, u), stp_scaled(f->down, v)));
-        set_vec3(view->eye_across, stp_scaled(f->right, -1.0 / f->scale));
-        set_vec3(view->eye_down, stp_scaled(f->down, -1.0 / f->scale));
-    }
-    set_vec3(view->eye_start, start);
-}
-
-/// Sections in right, down and depth of the view.
-static void set_cuts(const stp_placement* p, const stp_sections* sections, view_block* view)
-{
-    const stp_view_frame* f = &p->frame;
-    for (uint32_t i = 0; i < sections->count && i < SECTION_PLANES; ++i) {
-        const stp_section_plane* plane = &sections->planes[i];
-        view->cuts[i][0] = (float)stp_dotd(plane->normal, f->right);
-        view->cuts[i][1] = (float)stp_dotd(plane->normal, f->down);
-        view->cuts[i][2] = (float)stp_dotd(plane->normal, f->forward);
-        view->cuts[i][3] = (float)(stp_dotd(plane->normal, f->eye) - plane->distance);
-    }
-}
-
-_Static_assert(SECTION_PLANES == STP_SECTION_PLANES, "as many cuts as a view has");
-
-static float ghost_share(const stp_draw_style* style)
-{
-    return style->ghost > 0.0f ? stp_min(style->ghost, 1.0f) : 0.2f;
-}
-
-static view_block make_view(const gl_renderer* r, uint32_t sample, uint32_t sample_count,
-                            uint32_t pattern)
-{
-    const stp_placement* p = &r->placement;
-    const stp_view_frame* f = &p->frame;
-    float width = (float)r->target.width, height = (float)r->target.height;
-    float margin = POINT_MARGIN, ghost = ghost_share(r->style);
-    view_block view = {
-        .size = {width, height, 1.0f / (width + 2.0f * margin), 1.0f / (height + 2.0f * margin)},
-        .nearness_scale = (float)p->nearness_scale,
-        .nearness_offset = (float)p->nearness_offset,
-        .margin = margin,
-        .parallel = f->parallel ? 1 : 0,
-        .pattern = pattern,
-        .item_count = (uint32_t)r->frame.item_count,
-        .id_shift = r->frame.id_shift,
-        .sample_number = sample,
-        .sample_count = sample_count,
-        .picture_x = r->eye * r->target.width,
-        .depth_y = r->eye * r->target.height,
-        .point_extent = r->point_extent,
-        .ghost = ghost,
-        .ghost_splats = ghost < 1.0f ? ghost * (0.45f + 0.55f * ghost) : 1.0f};
-    view.screen[0] = (float)(f->center_x + p->shift_x);
-    view.screen[1] = (float)(f->center_y + p->shift_y);
-    view.screen[2] = (float)(1.0 / f->scale);
-    set_vec3(view.light, toward_light(f, r->style->headlight));
-    set_vec3(view.up, stp_scaled(f->down, -1.0));
-    set_eye(p, &view);
-    set_cuts(p, &r->view->sections, &view);
-    for (int k = 0; k < 3; ++k) {
-        view.background[k] = stp_srgb8_to_linear(r->style->background_color[k]);
-    }
-    view.background[3] = r->style->background ? 1.0f : 0.0f;
-    return view;
-}
-
-void gl_set_visible_state(gl_renderer* r)
-{
-    const stp_gl* gl = &r->gl;
-    const gl_target* t = &r->target;
-    gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
-    gl->Disable(GL_SCISSOR_TEST);
-    gl->Disable(GL_BLEND);
-    gl->Disable(GL_CULL_FACE);
-    gl->Disable(GL_STENCIL_TEST);
-    gl->Enable(GL_DEPTH_TEST);
-    gl->DepthFunc(GL_GREATER); // nearness
-    gl->DepthMask(GL_TRUE);
-    gl->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE); // row 0 is the top row: y is down
-    gl->DepthRange(0.0, 1.0);
-    gl->Viewport(-POINT_MARGIN, -POINT_MARGIN, (GLsizei)t->width + 2 * POINT_MARGIN,
-                 (GLsizei)t->height + 2 * POINT_MARGIN);
-}
-
-/// Visibility of one sample.
-static stp_result draw_visible(gl_renderer* r)
-{
-    const stp_gl* gl = &r->gl;
-    const gl_target* t = &r->target;
-    const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
-    const GLfloat far = 0.0f;
-    gl_set_visible_state(r);
-    gl_bind_frame(r);
-    gl->ClearNamedFramebufferuiv(t->framebuffer, GL_COLOR, 0, nothing);
-    gl->ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, &far);
-    gl_triangle_pass_draw(r);
-    return gl_splat_choice_draw(r);
-}
-
-/// What the header promises.
-static void leave_state(const stp_gl* gl)
-{
-    gl->UseProgram(0);
-    gl->BindVertexArray(0);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
-    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, 0);
-    gl->Disable(GL_DEPTH_TEST);
-    gl->DepthFunc(GL_LESS);
-    gl->ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-}
-
-static stp_result draw_sample(gl_renderer* r, uint32_t side, uint32_t sample, bool sums)
-{
-    uint32_t count = side * side;
-    if (sample > 0) {
-        stp_placement_shift(&r->placement, side, sample);
-        gl_frame_place(r, sample);
-    }
-    view_block view = make_view(r, sample, count, sample);
-    stp_result result = gl_frame_send(r, &view);
-    if (result != STP_OK) {
-        return result;
-    }
-    result = gl_splat_choice_measure(r);
-    if (result != STP_OK) {
-        return result;
-    }
-    if (r->eye == 0) {
-        r->draw_calls = r->dispatches = 0;
-    }
-    bool timed = gl_timer_begin(&r->gl, &r->timer);
-    result = draw_visible(r);
-    if (timed) {
-        gl_timer_mark(&r->gl, &r->timer, GL_TIMER_DRAWN);
-    }
-    if (result == STP_OK) {
-        gl_shade_pass_draw(r, sums);
-    }
-    if (result == STP_OK && sums && sample + 1 == count) {
-        gl_shade_pass_average(r);
-    }
-    if (timed) {
-        gl_timer_end(&r->gl, &r->timer);
-    }
-    gl_ring_mark(&r->gl, &r->frame.ring);
-    gl_ring_mark(&r->gl, &r->pool.ring);
-    return result;
-}
-
 static stp_result read_picture(gl_renderer* r, stp_image* image)
 {
     r->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
@@ -293,31 +118,6 @@ static stp_result begin_picture(gl_renderer* r, const stp_view* view, const stp_
     return gl_target_make(r, view, side > 1);
 }
 
-/// All samples of what an eye sees.
-static stp_result draw_eye(gl_renderer* r, uint32_t eye, uint32_t side)
-{
-    stp_view one = stp_view_of_eye(r->view, eye);
-    uint32_t count = side * side;
-    r->eye = eye;
-    if (!stp_view_frame_make(&one, &r->placement.frame)) {
-        return stp_fail(r->base.context, STP_ERROR_ARGUMENT, "view: it has no second eye");
-    }
-    stp_placement_make(&r->placement, r->directory, r->list);
-    stp_placement_shift(&r->placement, side, 0);
-    stp_result result = gl_frame_make(r);
-    result = result == STP_OK ? make_programs(r) : result;
-    if (result == STP_OK) {
-        gl_frame_place(r, 0);
-        if (eye == 0) {
-            gl_shade_pass_clear(r);
-        }
-    }
-    for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
-        result = draw_sample(r, side, i, count > 1);
-    }
-    return result;
-}
-
 /// Figures of a picture that is under way, or done where `image` was read.
 static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool done,
                           stp_draw_stats* stats)
@@ -335,25 +135,45 @@ static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool 
     stats->shade_ms = parts * r->timer.shade_ms;
 }
 
+/// Whether something is done with the bytes of each sample.
+static bool works_on_bytes(const stp_draw_style* style)
+{
+    return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f;
+}
+
+static stp_result draw_range(gl_renderer* r, const stp_view* view, const stp_draw_list* list,
+                             const stp_draw_style* style, const gl_sample_range* range,
+                             stp_image* image, stp_draw_stats* stats)
+{
+    double start = stp_clock_ms();
+    *stats = (stp_draw_stats){0};
+    stp_result result = begin_picture(r, view, list, style, image, range->side);
+    for (uint32_t i = 0; i < stp_view_eye_count(view) && result == STP_OK; ++i) {
+        result = gl_draw_eye(r, i, range);
+    }
+    gl_leave_state(r);
+    if (result == STP_OK) {
+        result = image != NULL ? read_picture(r, image) : check(r);
+    }
+    if (result == STP_OK) {
+        uint32_t samples = range->end - range->first;
+        count_picture(r, samples, stp_clock_ms() - start, image != NULL, stats);
+        stats->samples = range->end;
+    }
+    return result;
+}
+
 static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_draw_list* list,
                        const stp_draw_style* style, stp_image* image, stp_draw_stats* stats)
 {
     gl_renderer* r = (gl_renderer*)renderer;
     uint32_t side = style->supersample > 1 ? style->supersample : 1;
-    double start = stp_clock_ms();
-    *stats = (stp_draw_stats){0};
-    stp_result result = begin_picture(r, view, list, style, image, side);
-    for (uint32_t i = 0; i < stp_view_eye_count(view) && result == STP_OK; ++i) {
-        result = draw_eye(r, i, side);
-    }
-    leave_state(&r->gl);
-    if (result == STP_OK) {
-        result = image != NULL ? read_picture(r, image) : check(r);
-    }
-    if (result == STP_OK) {
-        count_picture(r, side * side, stp_clock_ms() - start, image != NULL, stats);
-    }
-    return result;
+    side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
+    bool bytes = side > 1 && works_on_bytes(style);
+    gl_sample_range range = {
+        .side = side, .end = side * side, .sums = side > 1, .bytes = bytes, .scattered = bytes};
+    r->accumulation.frames = side > 1 ? 0 : r->accumulation.frames; // its sums are used
+    return draw_range(r, view, list, style, &range, image, stats);
 }
 
 static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
@@ -397,7 +217,38 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
                              const stp_quality* quality, const stp_draw_style* style,
                              stp_draw_list* list, stp_image* image, stp_draw_stats* stats)
 {
-    return draw_selected(renderer, view, quality, style, list, image, stats);
+    gl_renderer* r = (gl_renderer*)renderer;
+    stp_draw_style finer = *style;
+    finer.supersample = style->supersample > 2 ? style->supersample : 2;
+    finer.supersample =
+        finer.supersample <= SUPERSAMPLE_LIMIT ? finer.supersample : SUPERSAMPLE_LIMIT + 1;
+    stp_quality whole = *quality;
+    whole.occlusion = NULL;
+    double start = stp_clock_ms();
+    *stats = (stp_draw_stats){0};
+    stp_result result = stp_select(renderer->context, r->store, view, &whole, list);
+    double select_ms = stp_clock_ms() - start;
+    if (result != STP_OK) {
+        return result;
+    }
+    gl_accumulation* a = &r->accumulation;
+    bool same = stp_resting_continues(&a->resting, view, list, &finer) &&
+                a->width == r->target.full_width && a->height == r->target.height &&
+                r->frame.missing == 0;
+    a->frames = same ? a->frames : 0;
+    uint32_t all = finer.supersample * finer.supersample;
+    gl_sample_range range = {.side = finer.supersample,
+                             .first = a->frames,
+                             .end = a->frames < all ? a->frames + 1 : all,
+                             .sums = true,
+                             .bytes = true,
+                             .scattered = true};
+    result = draw_range(r, view, list, &finer, &range, image, stats);
+    stats->select_ms = select_ms;
+    a->frames = result == STP_OK ? range.end : 0;
+    a->width = r->target.full_width;
+    a->height = r->target.height;
+    return result;
 }
 
 static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity,

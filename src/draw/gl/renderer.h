@@ -10,7 +10,7 @@
 // and are made anew where that changes.
 #pragma once
 
-#include "base/hash.h"
+#include "draw/gl/effect_pass.h"
 #include "draw/gl/gl.h"
 #include "draw/gl/pool.h"
 #include "draw/gl/program.h"
@@ -19,9 +19,11 @@
 #include "draw/gl/timer.h"
 #include "draw/placement.h"
 #include "draw/renderer.h"
+#include "draw/resting.h"
 #include "draw/shaders/interface.h"
-#include "raster/splats_kernel.h"
 #include "store/clusters.h"
+
+typedef struct gl_renderer gl_renderer;
 
 /// Programs of the splat passes.
 typedef struct gl_splat_pass {
@@ -34,8 +36,8 @@ typedef struct gl_triangle_pass {
 } gl_triangle_pass;
 
 typedef struct gl_shade_pass {
-    GLuint shade, sums, average;
-    GLuint counters; ///< covered pixels
+    GLuint shade, sums, average, add; ///< those beside the first are made when they are needed
+    GLuint counters;                  ///< covered pixels
 } gl_shade_pass;
 
 /// What pictures are drawn into. Sizes are those of the last picture.
@@ -114,14 +116,14 @@ typedef struct gl_debug {
     char message[400]; ///< the first error
 } gl_debug;
 
+/// The sum of frames of a view that rests.
 typedef struct gl_accumulation {
-    uint32_t frames;
-    stp_view view;
-    stp_hash list;
-    stp_draw_style style;
+    uint32_t frames; ///< summed; 0: none yet, or no longer of any use
+    uint32_t width, height;
+    stp_resting resting; ///< what they are of
 } gl_accumulation;
 
-typedef struct gl_renderer {
+struct gl_renderer {
     stp_renderer base;
     stp_gl gl;
     stp_store* store;
@@ -138,6 +140,7 @@ typedef struct gl_renderer {
     gl_splat_choice splat_choice;
     gl_triangle_pass triangles;
     gl_shade_pass shade;
+    gl_effect_pass effects;
     gl_timer timer;
     gl_target target;
     gl_frame frame;
@@ -153,7 +156,7 @@ typedef struct gl_renderer {
     const stp_draw_list* list;
     stp_result failure;              ///< why an upload failed
     uint32_t draw_calls, dispatches; ///< of the last picture's last sample
-} gl_renderer;
+};
 
 /// Defines for programs that read pages. @return `text`
 const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, size_t size);
@@ -174,10 +177,12 @@ void gl_triangle_pass_draw(gl_renderer* r);
 
 STP_MUST_USE stp_result gl_shade_pass_create(gl_renderer* r);
 void gl_shade_pass_destroy(gl_renderer* r);
-/// One sample: into the picture, or into the sums.
-void gl_shade_pass_draw(gl_renderer* r, bool sums);
-/// The picture from the sums.
-void gl_shade_pass_average(gl_renderer* r);
+/// One sample: into the picture, or into the sums. @return as gl_program_create
+STP_MUST_USE stp_result gl_shade_pass_draw(gl_renderer* r, bool sums);
+/// Adds the picture to the sums. @return as gl_program_create
+STP_MUST_USE stp_result gl_shade_pass_add(gl_renderer* r);
+/// The picture from the sums. @return as gl_program_create
+STP_MUST_USE stp_result gl_shade_pass_average(gl_renderer* r);
 /// Forgets what was counted.
 void gl_shade_pass_clear(gl_renderer* r);
 /// Waits. @return pixels covered since then
@@ -186,6 +191,8 @@ uint32_t gl_shade_pass_covered(gl_renderer* r);
 /// Textures and framebuffer of the size of the view. @return STP_OK, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums);
 void gl_target_destroy(gl_renderer* r);
+GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
+                       const char* label);
 
 /// Brings what the list holds to the pool, as far as the frame's uploads allow, and makes blocks, records and commands of
 /// it. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or as the store's functions; logged
@@ -197,6 +204,21 @@ STP_MUST_USE stp_result gl_frame_send(gl_renderer* r, const view_block* view);
 void gl_frame_destroy(gl_renderer* r);
 /// Room for one more command of a kind and a record for it. @return the record; NULL where memory runs out
 record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_t count);
+
+/// Samples of a picture that are drawn, each by itself.
+typedef struct gl_sample_range {
+    uint32_t side, first, end; ///< of side x side
+    bool sums;                 ///< the picture is their mean, with those before `first`
+    bool bytes;                ///< each is made a picture first: something is done with it
+    bool scattered;            ///< neighbours in time lie far apart
+} gl_sample_range;
+
+/// Draws samples of what an eye sees. @return as what is called
+STP_MUST_USE stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* range);
+/// What draw_gl.h promises of the context's state.
+void gl_leave_state(const gl_renderer* r);
+/// Programs for as many pages as there are. @return as gl_program_create
+STP_MUST_USE stp_result gl_make_programs(gl_renderer* r);
 
 /// Materials of the store, once. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result gl_materials_create(gl_renderer* r);

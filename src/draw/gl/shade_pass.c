@@ -12,19 +12,17 @@ stp_result gl_shade_pass_create(gl_renderer* r)
     r->gl.CreateBuffers(1, &pass->counters);
     r->gl.NamedBufferStorage(pass->counters, 4 * sizeof(uint32_t), NULL, GL_DYNAMIC_STORAGE_BIT);
     r->gl.ObjectLabel(GL_BUFFER, pass->counters, -1, "counters");
-    stp_result result =
-        gl_program_create_compute(context, &r->gl, "shade.comp.glsl",
-                                  gl_page_defines(r, "", defines, sizeof(defines)), &pass->shade);
-    if (result == STP_OK) {
-        result = gl_program_create_compute(
-            context, &r->gl, "shade.comp.glsl",
-            gl_page_defines(r, "#define SUMS\n", defines, sizeof(defines)), &pass->sums);
-    }
-    if (result == STP_OK) {
-        result =
-            gl_program_create_compute(context, &r->gl, "average.comp.glsl", NULL, &pass->average);
-    }
-    return result;
+    return gl_program_create_compute(context, &r->gl, "shade.comp.glsl",
+                                     gl_page_defines(r, "", defines, sizeof(defines)),
+                                     &pass->shade);
+}
+
+/// A program that few pictures need.
+static stp_result need(gl_renderer* r, GLuint* program, const char* name, const char* defines)
+{
+    return *program != 0
+               ? STP_OK
+               : gl_program_create_compute(r->base.context, &r->gl, name, defines, program);
 }
 
 void gl_shade_pass_destroy(gl_renderer* r)
@@ -33,6 +31,7 @@ void gl_shade_pass_destroy(gl_renderer* r)
     r->gl.DeleteProgram(pass->shade);
     r->gl.DeleteProgram(pass->sums);
     r->gl.DeleteProgram(pass->average);
+    r->gl.DeleteProgram(pass->add);
     r->gl.DeleteBuffers(1, &pass->counters);
     *pass = (gl_shade_pass){0};
 }
@@ -57,22 +56,52 @@ static void bind_pictures(gl_renderer* r, bool sums)
     }
 }
 
-void gl_shade_pass_draw(gl_renderer* r, bool sums)
+static void finish(gl_renderer* r)
 {
-    bind_pictures(r, sums);
-    r->gl.BindTextureUnit(UNIT_IDS, r->target.ids);
-    r->gl.BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
-    dispatch(r, sums ? r->shade.sums : r->shade.shade);
     r->gl.MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                         GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
-void gl_shade_pass_average(gl_renderer* r)
+stp_result gl_shade_pass_draw(gl_renderer* r, bool sums)
 {
-    bind_pictures(r, true);
-    dispatch(r, r->shade.average);
-    r->gl.MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                        GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    char defines[256];
+    if (sums) {
+        stp_result result = need(r, &r->shade.sums, "shade.comp.glsl",
+                                 gl_page_defines(r, "#define SUMS\n", defines, sizeof(defines)));
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    bind_pictures(r, sums);
+    r->gl.BindTextureUnit(UNIT_IDS, r->target.ids);
+    r->gl.BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
+    dispatch(r, sums ? r->shade.sums : r->shade.shade);
+    finish(r);
+    return STP_OK;
+}
+
+stp_result gl_shade_pass_add(gl_renderer* r)
+{
+    stp_result result = need(r, &r->shade.add, "add.comp.glsl", NULL);
+    if (result == STP_OK) {
+        bind_pictures(r, true);
+        r->gl.BindImageTexture(IMAGE_PICTURE, r->target.picture, 0, GL_FALSE, 0, GL_READ_ONLY,
+                               GL_RGBA8);
+        dispatch(r, r->shade.add);
+        finish(r);
+    }
+    return result;
+}
+
+stp_result gl_shade_pass_average(gl_renderer* r)
+{
+    stp_result result = need(r, &r->shade.average, "average.comp.glsl", NULL);
+    if (result == STP_OK) {
+        bind_pictures(r, true);
+        dispatch(r, r->shade.average);
+        finish(r);
+    }
+    return result;
 }
 
 void gl_shade_pass_clear(gl_renderer* r)

@@ -9,8 +9,7 @@
 const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, size_t size)
 {
     snprintf(text, size, "#define PAGE_COUNT %u\n#define PAGE_SHIFT %u\n%s%s", r->program_pages,
-             r->pool.page_shift, r->directory->texture_count > 0 ? "#define TEXTURES\n" : "",
-             more);
+             r->pool.page_shift, r->directory->texture_count > 0 ? "#define TEXTURES\n" : "", more);
     return text;
 }
 

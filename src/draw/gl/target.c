@@ -4,8 +4,8 @@
 #include "draw/gl/renderer.h"
 #include "select/eyes.h"
 
-static GLuint make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
-                           const char* label)
+GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
+                       const char* label)
 {
     GLuint texture;
     gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
@@ -36,10 +36,10 @@ static void make_textures(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     gl_target* t = &r->target;
-    t->ids = make_texture(gl, GL_R32UI, t->width, t->height, "ids");
-    t->nearness = make_texture(gl, GL_DEPTH_COMPONENT32F, t->width, t->height, "nearness");
-    t->picture = make_texture(gl, GL_RGBA8, t->full_width, t->height, "picture");
-    t->depths = make_texture(gl, GL_R32F, t->width, t->height * t->eye_count, "depths");
+    t->ids = gl_make_texture(gl, GL_R32UI, t->width, t->height, "ids");
+    t->nearness = gl_make_texture(gl, GL_DEPTH_COMPONENT32F, t->width, t->height, "nearness");
+    t->picture = gl_make_texture(gl, GL_RGBA8, t->full_width, t->height, "picture");
+    t->depths = gl_make_texture(gl, GL_R32F, t->width, t->height * t->eye_count, "depths");
     gl->CreateFramebuffers(1, &t->framebuffer);
     gl->NamedFramebufferTexture(t->framebuffer, GL_COLOR_ATTACHMENT0, t->ids, 0);
     gl->NamedFramebufferTexture(t->framebuffer, GL_DEPTH_ATTACHMENT, t->nearness, 0);
@@ -75,7 +75,7 @@ stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums)
         }
     }
     if (sums && t->sums == 0) {
-        t->sums = make_texture(gl, GL_RGBA32F, t->full_width, t->height, "sums");
+        t->sums = gl_make_texture(gl, GL_RGBA32F, t->full_width, t->height, "sums");
         if (gl->GetError() != GL_NO_ERROR) {
             return fail(r, view->width, view->height);
         }

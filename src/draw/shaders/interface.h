@@ -19,12 +19,16 @@
 #define BINDING_RASTER_GROUPS 14
 // Uniform buffers.
 #define BINDING_VIEW 0
+#define BINDING_EFFECTS 1
 // Texture units and image units.
 #define UNIT_IDS 0
 #define UNIT_NEARNESS 1
+#define UNIT_FROM 2   // of passes over a picture: what they read
+#define UNIT_BLOCKS 3 // how near at least all pixels of a block are
 #define IMAGE_PICTURE 0
 #define IMAGE_DEPTH 1
 #define IMAGE_SUMS 2
+#define IMAGE_PLANE 3
 
 #define GROUP_SIDE 8    // of a compute group over pixels
 #define RASTER_GROUP 64 // splats of a compute group
@@ -148,13 +152,28 @@ struct view_block {
     float ghost,
         ghost_splats; // the part of a ghost's pixels that is drawn: of triangles, and of each of its disks
     float nearness_offset;
-    uint picture_x, depth_y, spare0, spare1; // where this eye's picture and depths begin
+    uint picture_x, depth_y; // where this eye's picture and depths begin
+    uint counts,
+        spare0; // whether what is shaded is the picture: covered pixels are counted, the background drawn
     vec4 screen; // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
     vec4 cuts
         [SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
 };
 
+// What is done after shading (draw/effect_shape.h).
+#define EFFECT_PAIRS 64
+#define EFFECT_BLOCK 8 // pixels a side
+struct effect_block {
+    vec4
+        numbers; // gain, whether it is constant, strength of eye-dome lighting, share of a pair's occlusion
+    uint pair_count, light_step, spare0, spare1;
+    vec4 pairs
+        [2 *
+         EFFECT_PAIRS]; // x, y, whether it is read from blocks; then 1 / distance, bias, 1 / reach
+};
+
 #ifdef __STDC_VERSION__
+typedef struct effect_block effect_block;
 typedef struct item_block item_block;
 typedef struct record_block record_block;
 typedef struct chunk_block chunk_block;
@@ -169,5 +188,6 @@ typedef struct large_block {
 _Static_assert(sizeof(item_block) == 320, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
+_Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
 _Static_assert(sizeof(view_block) == 416, "layout of the view");
 #endif

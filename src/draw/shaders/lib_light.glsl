@@ -1,4 +1,6 @@
 // Light, as src/draw/cpu/shade_lanes.h.
+#include "lib_srgb.glsl"
+
 struct surface_light {
     vec4 surface;  // metallic, share of diffuse light kept, a^2, gloss
     vec4 emissive; // and whether it is unlit
@@ -32,16 +34,4 @@ vec3 light_surface(vec3 color, vec3 normal, vec3 eye, vec3 toward_light, vec3 up
     vec3 mirror = 0.04 + (color - 0.04) * m.surface.x;
     vec3 lit = color * m.surface.y * diffuse + mirror * (gloss + 0.5 * m.surface.x * diffuse) + m.emissive.xyz;
     return m.emissive.w > 0.0 ? color + m.emissive.xyz : lit;
-}
-
-// An sRGB byte (0..1) of linear light.
-float encode(float linear)
-{
-    float cut = (floor(clamp(linear, 0.0, 1.0 - 0.5 / float(SRGB_STEPS)) * float(SRGB_STEPS)) + 0.5) / float(SRGB_STEPS);
-    return cut <= 0.0031308 ? 12.92 * cut : 1.055 * pow(cut, 1.0 / 2.4) - 0.055;
-}
-
-vec3 encode(vec3 linear)
-{
-    return vec3(encode(linear.x), encode(linear.y), encode(linear.z));
 }

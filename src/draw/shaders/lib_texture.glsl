@@ -1,17 +1,8 @@
 // Pictures sampled as the processor does (src/raster/texture.c): averaged in linear light, weighted by alpha.
+#include "lib_srgb.glsl"
 #include "lib_triangle.glsl"
 
 layout(std430, binding = BINDING_MATERIALS) readonly buffer Materials { material_block materials[]; };
-
-float to_linear(float srgb)
-{
-    return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
-}
-
-vec3 to_linear(vec3 srgb)
-{
-    return vec3(to_linear(srgb.x), to_linear(srgb.y), to_linear(srgb.z));
-}
 
 int wrap(int i, int size, uint how)
 {

@@ -43,9 +43,7 @@ void main()
         vec3 color = vec3(0.0);
         if (there) {
             color = shade(pixel, id, nearness, depth);
-#ifndef SUMS
-            atomicAdd(group_covered, 1u);
-#endif
+            atomicAdd(group_covered, view.counts);
         }
         imageStore(depths, pixel + ivec2(0, view.depth_y), vec4(depth, 0.0, 0.0, 0.0));
         ivec2 place = pixel + ivec2(view.picture_x, 0);
@@ -56,7 +54,7 @@ void main()
         }
         imageStore(sums, place, sum);
 #else
-        vec4 back = view.background.w > 0.0 ? vec4(encode(view.background.rgb), 1.0) : vec4(0.0);
+        vec4 back = view.background.w > 0.0 && view.counts > 0u ? vec4(encode(view.background.rgb), 1.0) : vec4(0.0);
         imageStore(picture, place, there ? vec4(encode(color), 1.0) : back);
 #endif
     }

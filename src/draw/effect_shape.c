@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "draw/effect_shape.h"
+
+#include "base/math.h"
+
+enum { DIRECTIONS = 6, CLOSE_LIMIT = 4, REACH_MOST = 4096 };
+
+static int32_t nearest_whole(float value)
+{
+    return (int32_t)floorf(value + 0.5f);
+}
+
+/// A ring of pairs; those of every other ring lie between those of the others.
+static void add_ring(stp_effect_shape* shape, float reach, float whole, bool turned, bool far)
+{
+    static const float cosine[2 * DIRECTIONS + 6] = {
+        1.0f,  0.965925826f,  0.866025404f,  0.707106781f,  0.5f,          0.258819045f,
+        0.0f,  -0.258819045f, -0.5f,         -0.707106781f, -0.866025404f, -0.965925826f,
+        -1.0f, -0.965925826f, -0.866025404f, -0.707106781f, -0.5f,         -0.258819045f};
+    float rough = 0.35f * (float)shape->close; // what is left of disks, in pixels of depth
+    for (int i = 0; i < DIRECTIONS; ++i) {
+        int angle = 2 * i + (turned ? 1 : 0); // in twelfths of half a circle
+        float x = cosine[angle], y = -cosine[angle + 6];
+        stp_effect_pair pair = {
+            .x = nearest_whole(x * reach), .y = nearest_whole(y * reach), .far = far};
+        float square = (float)pair.x * (float)pair.x + (float)pair.y * (float)pair.y;
+        if (square > 0.0f) {
+            float distance = sqrtf(square);
+            pair.numbers[0] = 1.0f / distance;
+            pair.numbers[1] = 0.05f + rough / distance;
+            pair.numbers[2] = 1.0f / whole;
+            shape->pairs[shape->pair_count++] = pair;
+        }
+    }
+}
+
+/// Where occlusion is looked for: near pixels one by one, farther ones in blocks.
+static void choose_pairs(stp_effect_shape* shape, float reach)
+{
+    reach = stp_clamp(reach, 2.0f, (float)REACH_MOST);
+    float most = (float)STP_EFFECT_NEAR_REACH, near = reach < most ? reach : most;
+    add_ring(shape, 0.25f * near, reach, false, false);
+    add_ring(shape, 0.5f * near, reach, true, false);
+    add_ring(shape, near, reach, false, false);
+    if (reach > most) {
+        add_ring(shape, 0.5f * (most + reach), reach, true, true);
+        add_ring(shape, reach, reach, false, true);
+    }
+}
+
+stp_effect_shape stp_effect_shape_make(const stp_draw_style* style, uint32_t height,
+                                       float splat_size)
+{
+    stp_effect_shape shape = {.close = 0};
+    if (splat_size > 0.0f) {
+        shape.close = nearest_whole(stp_clamp(0.5f * splat_size, 1.0f, (float)CLOSE_LIMIT));
+    }
+    shape.light_step = shape.close > 2 ? 2 : 1; // farther apart, thin things would have ghosts
+    if (style->eye_dome > 0.0f) {
+        shape.light = stp_min(style->eye_dome, STP_EYE_DOME_MOST) * (STP_EYE_DOME_GAIN / 16.0f);
+    }
+    if (style->ambient_occlusion > 0.0f) {
+        choose_pairs(&shape, style->ambient_occlusion * (float)height);
+        shape.far = shape.pair_count > 0 && shape.pairs[shape.pair_count - 1].far;
+    }
+    return shape;
+}

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "draw/resting.h"
+
+#include <string.h>
+
+static uint32_t common_divisor(uint32_t a, uint32_t b)
+{
+    while (b != 0) {
+        uint32_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+uint32_t stp_resting_sample(uint32_t side, uint32_t k)
+{
+    uint32_t all = side * side, step = (all * 618 + 500) / 1000; // in golden sections
+    while (common_divisor(step, all) != 1) {
+        step += 1;
+    }
+    return (uint32_t)((uint64_t)k * step % all);
+}
+
+static bool is_same_vector(stp_vec3d a, stp_vec3d b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool are_same_sections(const stp_sections* a, const stp_sections* b)
+{
+    bool same = a->count == b->count;
+    for (uint32_t i = 0; same && i < a->count; ++i) {
+        same = is_same_vector(a->planes[i].normal, b->planes[i].normal) &&
+               a->planes[i].distance == b->planes[i].distance;
+    }
+    return same;
+}
+
+static bool is_same_view(const stp_view* a, const stp_view* b)
+{
+    return is_same_vector(a->eye, b->eye) && is_same_vector(a->target, b->target) &&
+           is_same_vector(a->up, b->up) && a->fov_degrees == b->fov_degrees &&
+           a->ortho_height == b->ortho_height && a->near_distance == b->near_distance &&
+           a->eye_distance == b->eye_distance && a->width == b->width && a->height == b->height &&
+           are_same_sections(&a->sections, &b->sections);
+}
+
+/// Of what is drawn: it changes with the quality, and with what of a scene is in memory.
+static stp_hash hash_list(const stp_draw_list* list)
+{
+    stp_hash hash = {0};
+    for (size_t i = 0; i < list->count; ++i) {
+        const stp_draw_item* item = &list->items[i];
+        const uint32_t numbers[] = {(uint32_t)item->kind, item->index,     item->prefix,
+                                    item->full_prefix,    item->first_run, item->run_count,
+                                    item->ghost ? 1 : 0};
+        const float sizes[] = {item->radius, item->pixel_radius, item->fade_begin, item->fade_end};
+        hash = stp_hash_bytes(hash, numbers, sizeof(numbers));
+        hash = stp_hash_bytes(hash, sizes, sizeof(sizes));
+        hash = stp_hash_bytes(hash, item->transform.m, sizeof(item->transform.m));
+    }
+    const float whole[] = {list->splat_size, list->mixes ? 1.0f : 0.0f};
+    hash = stp_hash_bytes(hash, whole, sizeof(whole));
+    return list->run_count > 0
+               ? stp_hash_bytes(hash, list->runs, list->run_count * sizeof(*list->runs))
+               : hash;
+}
+
+static bool is_same_style(const stp_draw_style* a, const stp_draw_style* b)
+{
+    return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
+           a->headlight == b->headlight && a->background == b->background &&
+           memcmp(a->background_color, b->background_color, sizeof(a->background_color)) == 0 &&
+           a->filter == b->filter && a->eye_dome == b->eye_dome &&
+           a->ambient_occlusion == b->ambient_occlusion && a->ghost == b->ghost;
+}
+
+bool stp_resting_continues(stp_resting* resting, const stp_view* view, const stp_draw_list* list,
+                           const stp_draw_style* style)
+{
+    stp_hash hash = hash_list(list);
+    bool same = is_same_view(&resting->view, view) && stp_hash_equal(resting->list, hash) &&
+                is_same_style(&resting->style, style);
+    *resting = (stp_resting){.view = *view, .list = hash, .style = *style};
+    return same;
+}
