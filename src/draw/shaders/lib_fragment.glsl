@@ -1,10 +1,10 @@
 // A pixel of a disk: in where the ray through its middle meets the plane within the radius, or where it holds the centre.
 #include "lib_hash.glsl"
 
-// `at`: the pixel's middle; `place`: its place beside the centre's pixel.
-bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, uvec3 hashed, vec2 at, ivec2 place, out float nearness)
+bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, uvec3 hashed, ivec2 pixel, out float nearness)
 {
-    at -= center.xy;
+    ivec2 place = pixel - ivec2(floor(center.xy));
+    precise vec2 at = (vec2(pixel) + 0.5) - center.xy;
     precise float value = at.x * ((conic.x * at.x + conic.y * at.y) + conic.w) + at.y * (conic.z * at.y + conic2.x);
     precise float change = clamp(conic2.z * at.x + conic2.w * at.y, -center.w, center.w);
     precise float near = (center.z + change) - min(value, conic2.y) * depths.x;

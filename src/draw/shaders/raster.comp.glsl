@@ -56,8 +56,7 @@ ivec4 clip_box(const splat_shape s)
 void draw_pixel(const splat_shape s, uvec3 hashed, ivec2 pixel)
 {
     float nearness;
-    ivec2 place = pixel - ivec2(floor(s.center.xy));
-    if (has_pixel(s.center, s.conic, s.conic2, s.depths, hashed, vec2(pixel) + 0.5, place, nearness)) {
+    if (has_pixel(s.center, s.conic, s.conic2, s.depths, hashed, pixel, nearness)) {
         store(pixel, nearness, hashed.x);
     }
 }

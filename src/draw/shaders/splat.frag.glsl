@@ -13,9 +13,8 @@ flat in uvec3 hashed;
 
 void main()
 {
-    ivec2 place = ivec2(gl_FragCoord.xy) - ivec2(floor(center.xy));
     float nearness;
-    if (!has_pixel(center, conic, conic2, depths, hashed, gl_FragCoord.xy, place, nearness)) {
+    if (!has_pixel(center, conic, conic2, depths, hashed, ivec2(gl_FragCoord.xy), nearness)) {
         discard;
     }
     gl_FragDepth = nearness;
