@@ -74,9 +74,10 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
         {.name = "filter",
          .type = OPTION_CHOICE,
          .argument = "NAME",
-         .words = "none|ewa",
+         .words = "none|ewa|blend",
          .help = "blend splats that overlap, weighted by how close their centres are (as EWA "
-                 "filters do), or show the nearest; default none",
+                 "filters do), or show the nearest; blend: in one pass, less exactly, where OpenGL "
+                 "draws; default none",
          .value = &o->filter},
         {.name = "eye-dome",
          .type = OPTION_NUMBER,

@@ -10,6 +10,7 @@
 typedef enum stp_filter {
     STP_FILTER_NONE, ///< a pixel shows one splat
     STP_FILTER_EWA, ///< splats of a pixel's surface are blended, weighted by how close their centres are
+    STP_FILTER_BLEND, ///< the same in one pass: what is about as near as what was drawn before (OpenGL; else as EWA)
 } stp_filter;
 
 typedef struct stp_draw_style {

@@ -5,11 +5,14 @@
 
 #include <stdlib.h>
 
-static void add_sheets(made_picture* p)
+static void add_sheets(made_picture* p, bool one)
 {
     static const uint8_t colors[4][3] = {
         {200, 40, 40}, {40, 200, 60}, {60, 60, 220}, {220, 200, 40}};
     made_picture_add(p, 0.2, (stp_vec3d){0, 0, 0}, colors[0]);
+    if (one) {
+        return;
+    }
     made_picture_add(p, 1.1, (stp_vec3d){0.5, 0.3, 0.2}, colors[1]);
     made_picture_add(p, -0.9, (stp_vec3d){-0.6, -0.2, 0.4}, colors[2]);
     made_picture_add(p, 2.6, (stp_vec3d){0.1, 0.5, -1.5}, colors[3]);
@@ -20,7 +23,7 @@ static void add_sheets(made_picture* p)
     }
 }
 
-bool made_gl_begin(made_gl* m, bool* failed)
+bool made_gl_begin(made_gl* m, bool one, bool* failed)
 {
     const stp_headless_desc wanted = {.debug = true};
     *failed = false;
@@ -33,7 +36,7 @@ bool made_gl_begin(made_gl* m, bool* failed)
         return false;
     }
     m->picture.quality.splat_size = 1;
-    add_sheets(&m->picture);
+    add_sheets(&m->picture, one);
     const stp_draw_gl_desc desc = {
         .get_proc_address = stp_headless_get_proc_address, .user = &m->headless, .debug = true};
     if (made_picture_open(&m->picture) != STP_OK ||

@@ -13,9 +13,10 @@ typedef struct made_gl {
     uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
 } made_gl;
 
-/// Sheets of surfels that lie across each other, some with holes, and one square without surfels.
+/// Sheets of surfels that lie across each other, some with holes, and one square without surfels; or the first alone,
+/// which is of one colour.
 /// @return false where there is no OpenGL, or something failed: *failed then is true
-bool made_gl_begin(made_gl* m, bool* failed);
+bool made_gl_begin(made_gl* m, bool one, bool* failed);
 /// Draws with OpenGL into `pixels`; a debug message of an error fails it.
 stp_result made_gl_draw(made_gl* m);
 void made_gl_end(made_gl* m);

@@ -59,7 +59,7 @@ void test_gl_raster_gives_the_picture_of_points(test_state* test)
     static const float sizes[] = {4, 12, 40};
     made_gl m;
     bool failed;
-    if (!made_gl_begin(&m, &failed)) {
+    if (!made_gl_begin(&m, false, &failed)) {
         made_gl_end(&m);
         CHECK(!failed);
         SKIP("there is no OpenGL");
@@ -83,7 +83,7 @@ void test_gl_splats_are_chosen_by_measuring(test_state* test)
 {
     made_gl m;
     bool failed;
-    if (!made_gl_begin(&m, &failed)) {
+    if (!made_gl_begin(&m, false, &failed)) {
         made_gl_end(&m);
         CHECK(!failed);
         SKIP("there is no OpenGL");

@@ -57,6 +57,13 @@ void test_gl_shaders_are_glsl(test_state* test)
         {"triangle.frag.glsl", "#define KEEP\n" PAGES(2)},
         {"shade.comp.glsl", PAGES(2)},
         {"screen.vert.glsl", ""},
+        {"planes.comp.glsl", PAGES(2)},
+        {"blend.vert.glsl", PAGES(2)},
+        {"blend.vert.glsl", "#define LEAVES\n" PAGES(2)},
+        {"blend.frag.glsl", PAGES(2)},
+        {"tolerant.frag.glsl", PAGES(2)},
+        {"tolerant.frag.glsl", "#define INTERLOCK\n" PAGES(2)},
+        {"tolerant_merge.frag.glsl", ""},
     };
     if (system("glslangValidator --version > /dev/null 2>&1") != 0) {
         SKIP("there is no glslangValidator (package glslang-tools)");

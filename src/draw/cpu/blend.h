@@ -8,7 +8,7 @@
 
 static inline bool cpu_has_filter(const stp_draw_style* style)
 {
-    return style->filter == STP_FILTER_EWA;
+    return style->filter != STP_FILTER_NONE;
 }
 
 /// Notes which splat each pixel shows: between drawing and shading.

@@ -17,6 +17,8 @@
     X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                                                 \
     X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                   \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                   \
+    X(PFNGLBLENDEQUATIONPROC, BlendEquation)                                                       \
+    X(PFNGLBLENDFUNCPROC, BlendFunc)                                                               \
     X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                           \
     X(PFNGLCLEARNAMEDBUFFERSUBDATAPROC, ClearNamedBufferSubData)                                   \
     X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                   \
@@ -74,6 +76,7 @@
     X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
     X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                             \
     X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERPROC, NamedFramebufferDrawBuffer)                             \
+    X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers)                           \
     X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                   \
     X(PFNGLOBJECTLABELPROC, ObjectLabel)                                                           \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                           \

@@ -17,6 +17,9 @@ typedef struct gl_splat_source {
     uint64_t groups;               ///< in all
 } gl_splat_source;
 
+/// The frame's; for points. @return whether there are any
+bool gl_splat_source_find(const struct gl_renderer* r, gl_splat_source* source);
+
 typedef struct gl_raster_pass {
     GLuint narrow, merge_narrow; ///< of two words a pixel
     GLuint wide, merge_wide;     ///< of 64-bit words; 0: the driver has no atomics of them

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "draw/gl/effect_pass.h"
+#include "draw/gl/filter_pass.h"
 #include "draw/gl/gl.h"
 #include "draw/gl/pool.h"
 #include "draw/gl/program.h"
@@ -138,6 +139,7 @@ struct gl_renderer {
     gl_splat_pass splats;
     gl_raster_pass raster;
     gl_splat_choice splat_choice;
+    gl_filter_pass filter;
     gl_triangle_pass triangles;
     gl_shade_pass shade;
     gl_effect_pass effects;
@@ -165,7 +167,7 @@ STP_MUST_USE stp_result gl_splat_pass_create(gl_renderer* r);
 void gl_splat_pass_destroy(gl_renderer* r);
 /// Before a way of drawing splats: no large ones are noted yet.
 void gl_splat_pass_begin(gl_renderer* r);
-void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source);
+void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, GLuint program);
 /// What was noted as too large.
 void gl_splat_pass_large(gl_renderer* r);
 /// The viewport and state that splats and triangles are drawn with, and the view's framebuffer.

@@ -90,6 +90,7 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
         .picture_x = r->eye * r->target.width,
         .depth_y = r->eye * r->target.height,
         .point_extent = r->point_extent,
+        .filtered = (uint32_t)r->style->filter,
         .ghost = ghost,
         .ghost_splats = ghost < 1.0f ? ghost * (0.45f + 0.55f * ghost) : 1.0f};
     view.screen[0] = (float)(f->center_x + p->shift_x);
@@ -137,7 +138,14 @@ static stp_result draw_visible(gl_renderer* r)
     gl->ClearNamedFramebufferuiv(t->framebuffer, GL_COLOR, 0, nothing);
     gl->ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, &far);
     gl_triangle_pass_draw(r);
-    return gl_splat_choice_draw(r);
+    if (r->style->filter == STP_FILTER_BLEND) {
+        return gl_filter_pass_draw_tolerant(r);
+    }
+    stp_result result = gl_splat_choice_draw(r);
+    if (result == STP_OK && r->style->filter == STP_FILTER_EWA) {
+        result = gl_filter_pass_blend(r);
+    }
+    return result;
 }
 
 /// What the header promises.

@@ -75,6 +75,7 @@ stp_result gl_shade_pass_draw(gl_renderer* r, bool sums)
     bind_pictures(r, sums);
     r->gl.BindTextureUnit(UNIT_IDS, r->target.ids);
     r->gl.BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
+    gl_filter_pass_bind(r);
     dispatch(r, sums ? r->shade.sums : r->shade.shade);
     finish(r);
     return STP_OK;

@@ -127,7 +127,7 @@ static stp_result draw_way(gl_renderer* r, stp_gl_splats way, const gl_splat_sou
     stp_result result = STP_OK;
     gl_splat_pass_begin(r);
     if (way == STP_GL_SPLATS_POINTS) {
-        gl_splat_pass_points(r, source);
+        gl_splat_pass_points(r, source, r->splats.points);
     } else {
         result = gl_raster_pass_draw(r, source, way == STP_GL_SPLATS_COMPUTE64);
         gl_set_visible_state(r);
@@ -249,18 +249,21 @@ stp_gl_splats gl_splat_choice_find(const gl_renderer* r, uint64_t splats, float 
     return best;
 }
 
-/// Where the frame's commands lie; the first groups of each are sent too.
-static stp_result make_source(gl_renderer* r, bool groups, gl_splat_source* source)
+bool gl_splat_source_find(const gl_renderer* r, gl_splat_source* source)
 {
     const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
-    gl_ring_part part;
     *source = (gl_splat_source){.buffer = r->frame.ring.buffer,
                                 .offset = commands->offset,
                                 .count_offset = commands->count_offset,
                                 .count = (uint32_t)commands->count};
-    if (!groups) {
-        return STP_OK;
-    }
+    return commands->count > 0;
+}
+
+/// Sends the first group of each command.
+static stp_result send_groups(gl_renderer* r, gl_splat_source* source)
+{
+    const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
+    gl_ring_part part;
     if (!gl_ring_take(&r->gl, &r->frame.ring, commands->count * sizeof(uint32_t), &part)) {
         return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
                         "gl: there is no graphics memory for a frame's %zu commands",
@@ -278,13 +281,13 @@ static stp_result make_source(gl_renderer* r, bool groups, gl_splat_source* sour
 stp_result gl_splat_choice_draw(gl_renderer* r)
 {
     gl_splat_choice* c = &r->splat_choice;
-    if (r->frame.commands[GL_COMMANDS_SPLATS].count == 0) {
+    gl_splat_source source;
+    if (!gl_splat_source_find(r, &source)) {
         return STP_OK;
     }
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
     c->used = gl_splat_choice_find(r, r->list->splat_count, r->list->splat_size * scale);
-    gl_splat_source source;
-    stp_result result = make_source(r, c->used != STP_GL_SPLATS_POINTS, &source);
+    stp_result result = c->used != STP_GL_SPLATS_POINTS ? send_groups(r, &source) : STP_OK;
     result = result == STP_OK ? draw_way(r, c->used, &source) : result;
     if (result == STP_OK) {
         gl_splat_pass_large(r);

@@ -52,12 +52,12 @@ void gl_splat_pass_begin(gl_renderer* r)
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LARGE, r->splats.large_buffer);
 }
 
-void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source)
+void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, GLuint program)
 {
     const stp_gl* gl = &r->gl;
     gl->Enable(GL_PROGRAM_POINT_SIZE);
     gl->BindVertexArray(r->splats.vertex_array);
-    gl->UseProgram(r->splats.points);
+    gl->UseProgram(program);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, source->buffer);
     gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, source->buffer);
     gl->MultiDrawArraysIndirectCount(GL_POINTS, (const void*)source->offset, source->count_offset,

@@ -25,12 +25,16 @@
 #define UNIT_NEARNESS 1
 #define UNIT_FROM 2   // of passes over a picture: what they read
 #define UNIT_BLOCKS 3 // how near at least all pixels of a block are
+#define UNIT_PLANES 4
+#define UNIT_BLENDED 5
 #define IMAGE_PICTURE 0
 #define IMAGE_DEPTH 1
 #define IMAGE_SUMS 2
 #define IMAGE_PLANE 3
+#define IMAGE_PLANES 4
 
-#define GROUP_SIDE 8    // of a compute group over pixels
+#define GROUP_SIDE 8 // of a compute group over pixels
+#define LOCK_TRIES 65536
 #define RASTER_GROUP 64 // splats of a compute group
 #define RASTER_ALONE 64 // most pixels of a splat's box that one thread looks at
 #define ID_TABLE 16384
@@ -46,6 +50,11 @@
 #define KIND_SURFELS 0u
 #define KIND_MESH 1u
 #define KIND_POINTS 2u
+
+// What becomes of splats that overlap (stp_filter).
+#define FILTER_NONE 0u
+#define FILTER_EWA 1u
+#define FILTER_BLEND 2u
 
 // Flags of items.
 #define ITEM_FACING 1u      // disks face the eye
@@ -154,8 +163,8 @@ struct view_block {
     float nearness_offset;
     uint picture_x, depth_y; // where this eye's picture and depths begin
     uint counts,
-        spare0; // whether what is shaded is the picture: covered pixels are counted, the background drawn
-    vec4 screen; // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
+        filtered; // whether what is shaded is the picture: covered pixels are counted, the background drawn; and a FILTER
+    vec4 screen;  // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
     vec4 cuts
         [SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
 };
@@ -172,7 +181,16 @@ struct effect_block {
          EFFECT_PAIRS]; // x, y, whether it is read from blocks; then 1 / distance, bias, 1 / reach
 };
 
+// A pixel that splats are blended into in one pass.
+struct tolerant_pixel {
+    uint lock; // 1: somebody is at it
+    float nearness;
+    uint id, spare;
+    vec4 sum; // weighted colour, weight
+};
+
 #ifdef __STDC_VERSION__
+typedef struct tolerant_pixel tolerant_pixel;
 typedef struct effect_block effect_block;
 typedef struct item_block item_block;
 typedef struct record_block record_block;

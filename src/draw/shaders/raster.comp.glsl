@@ -6,6 +6,7 @@
 // those that cover many. Nearness is at least 0, so its bits are ordered as it is.
 #include "lib_pixels.glsl"
 #include "lib_conic.glsl"
+#include "lib_large.glsl"
 #include "lib_fragment.glsl"
 
 layout(local_size_x = RASTER_GROUP) in;
@@ -13,10 +14,6 @@ layout(local_size_x = RASTER_GROUP) in;
 layout(std430, binding = BINDING_RASTER_COMMANDS) readonly buffer Commands { uvec4 commands[]; };
 // The first group of each command, and how many there are in all.
 layout(std430, binding = BINDING_RASTER_GROUPS) readonly buffer Groups { uint first_groups[]; };
-layout(std430, binding = BINDING_LARGE) buffer Large {
-    uint large_vertices, large_count, large_first, large_base;
-    uvec2 large_places[];
-};
 
 layout(location = 0) uniform uint command_count;
 #ifndef WIDE
@@ -61,18 +58,9 @@ void draw_pixel(const splat_shape s, uvec3 hashed, ivec2 pixel)
     }
 }
 
-void leave(uint record, uint local)
-{
-#ifndef WIDE
-    if (stage != 0u) {
-        return;
-    }
+#ifdef WIDE
+const uint stage = 0u;
 #endif
-    uint at = atomicAdd(large_count, 1u);
-    if (at < uint(LARGE_MOST)) {
-        large_places[at] = uvec2(record, local);
-    }
-}
 
 // The last command whose first group is not above `group`.
 uint find_command(uint group)
@@ -98,7 +86,9 @@ bool draw_alone(uint number, const record_block record, const item_block item, u
         return false;
     }
     if (shape == SHAPE_LARGE) {
-        leave(number, local);
+        if (stage == 0u) {
+            leave(number, local);
+        }
         return false;
     }
     uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));

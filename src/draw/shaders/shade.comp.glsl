@@ -1,6 +1,7 @@
 // From the visibility buffer to colours: each pixel is shaded once. Of a supersampled picture, sums of samples are kept.
 #include "lib_surface.glsl"
 #include "lib_visible.glsl"
+#include "lib_eye.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 layout(rgba8, binding = IMAGE_PICTURE) uniform writeonly image2D picture;
@@ -10,22 +11,21 @@ layout(rgba32f, binding = IMAGE_SUMS) uniform image2D sums;
 #endif
 layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint covered; };
 
-shared uint group_covered;
+layout(binding = UNIT_BLENDED) uniform sampler2D blends; // sums of weighted colours, and of weights
 
-vec3 to_eye(ivec2 pixel)
-{
-    vec2 at = vec2(pixel) + 0.5;
-    vec3 eye = view.eye_start.xyz + view.eye_across.xyz * at.x + view.eye_down.xyz * at.y;
-    return view.parallel != 0u ? eye : unit(eye);
-}
+shared uint group_covered;
 
 // @return linear colour
 vec3 shade(ivec2 pixel, uint id, float nearness, out float depth)
 {
     item_block item = items[find_item(id)];
     depth = item.near_factor * nearness + item.near_shift;
+    vec4 blended = view.filtered != FILTER_NONE && item.kind != KIND_MESH ? texelFetch(blends, pixel, 0) : vec4(0.0);
+    if (blended.a > 0.0) {
+        return blended.rgb / blended.a;
+    }
     surface s = find_surface(item, id, pixel, depth);
-    return light_surface(s.color, s.normal, to_eye(pixel), view.light.xyz, view.up.xyz, s.light);
+    return light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), view.light.xyz, view.up.xyz, s.light);
 }
 
 void main()

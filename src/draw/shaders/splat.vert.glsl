@@ -2,25 +2,13 @@
 // Splats as points: the conic of each disk, in a point that holds its pixels. What is too large for that, or close to the
 // eye, is noted for the large pass.
 #include "lib_conic.glsl"
-
-layout(std430, binding = BINDING_LARGE) buffer Large {
-    uint large_vertices, large_count, large_first, large_base;
-    uvec2 large_places[];
-};
+#include "lib_large.glsl"
 
 flat out vec4 center;  // as splat_shape
 flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec2 depths;
 flat out uvec3 hashed; // id, what holes are hashed from, coverage
-
-void leave(uint record, uint local)
-{
-    uint at = atomicAdd(large_count, 1u);
-    if (at < uint(LARGE_MOST)) {
-        large_places[at] = uvec2(record, local);
-    }
-}
 
 void main()
 {

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+#include "draw/gl/filter_pass.h"
+
+#include "base/context.h"
+#include "draw/gl/renderer.h"
+
+static stp_result make_two_pass_programs(gl_renderer* r)
+{
+    gl_filter_pass* pass = &r->filter;
+    stp_context* context = r->base.context;
+    char defines[256];
+    gl_page_defines(r, "", defines, sizeof(defines));
+    stp_result result = STP_OK;
+    if (pass->planes_program == 0) {
+        result = gl_program_create_compute(context, &r->gl, "planes.comp.glsl", defines,
+                                           &pass->planes_program);
+    }
+    if (result == STP_OK && pass->blend == 0) {
+        result = gl_program_create(context, &r->gl, "blend.vert.glsl", "blend.frag.glsl", defines,
+                                   &pass->blend);
+    }
+    return result;
+}
+
+static stp_result make_one_pass_programs(gl_renderer* r)
+{
+    gl_filter_pass* pass = &r->filter;
+    stp_context* context = r->base.context;
+    char defines[256];
+    bool ordered = stp_gl_has(&r->gl, "GL_ARB_fragment_shader_interlock");
+    gl_page_defines(r, ordered ? "#define LEAVES\n#define INTERLOCK\n" : "#define LEAVES\n",
+                    defines, sizeof(defines));
+    stp_result result = STP_OK;
+    if (pass->tolerant == 0) {
+        result = gl_program_create(context, &r->gl, "blend.vert.glsl", "tolerant.frag.glsl",
+                                   defines, &pass->tolerant);
+    }
+    if (result == STP_OK && pass->tolerant_merge == 0) {
+        result = gl_program_create(context, &r->gl, "screen.vert.glsl", "tolerant_merge.frag.glsl",
+                                   "", &pass->tolerant_merge);
+    }
+    return result;
+}
+
+static void destroy_targets(gl_renderer* r)
+{
+    gl_filter_pass* pass = &r->filter;
+    const GLuint textures[] = {pass->planes, pass->sums};
+    r->gl.DeleteFramebuffers(1, &pass->framebuffer);
+    r->gl.DeleteFramebuffers(1, &pass->merged);
+    r->gl.DeleteTextures(2, textures);
+    r->gl.DeleteBuffers(1, &pass->pixels);
+    pass->framebuffer = pass->planes = pass->sums = pass->pixels = pass->merged = pass->ids = 0;
+    pass->width = pass->height = 0;
+    pass->bytes = 0;
+}
+
+void gl_filter_pass_destroy(gl_renderer* r)
+{
+    gl_filter_pass* pass = &r->filter;
+    destroy_targets(r);
+    r->gl.DeleteProgram(pass->planes_program);
+    r->gl.DeleteProgram(pass->blend);
+    r->gl.DeleteProgram(pass->tolerant);
+    r->gl.DeleteProgram(pass->tolerant_merge);
+    r->gl.DeleteVertexArrays(1, &pass->vertex_array);
+    *pass = (gl_filter_pass){0};
+}
+
+static stp_result fail(gl_renderer* r)
+{
+    destroy_targets(r);
+    return stp_fail(r->base.context, STP_ERROR_OUT_OF_MEMORY,
+                    "gl: there is no graphics memory to blend pictures of %ux%u", r->target.width,
+                    r->target.height);
+}
+
+static GLuint make_texture(gl_renderer* r, const char* label)
+{
+    const stp_gl* gl = &r->gl;
+    GLuint texture;
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+    gl->TextureStorage2D(texture, 1, GL_RGBA32F, (GLsizei)r->target.width,
+                         (GLsizei)r->target.height);
+    gl->TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->ObjectLabel(GL_TEXTURE, texture, -1, label);
+    return texture;
+}
+
+/// Textures of the picture's size; `pixels`: also what is blended in one pass.
+static stp_result make_targets(gl_renderer* r, bool pixels)
+{
+    gl_filter_pass* pass = &r->filter;
+    const stp_gl* gl = &r->gl;
+    const gl_target* t = &r->target;
+    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the target's
+    }
+    if (pass->vertex_array == 0) {
+        gl->CreateVertexArrays(1, &pass->vertex_array);
+    }
+    if (pass->ids != t->ids || pass->width != t->width || pass->height != t->height) {
+        destroy_targets(r);
+        pass->planes = make_texture(r, "planes");
+        pass->sums = make_texture(r, "blended");
+        gl->CreateFramebuffers(1, &pass->framebuffer);
+        gl->NamedFramebufferTexture(pass->framebuffer, GL_COLOR_ATTACHMENT0, pass->sums, 0);
+        const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+        gl->CreateFramebuffers(1, &pass->merged);
+        gl->NamedFramebufferTexture(pass->merged, GL_COLOR_ATTACHMENT0, t->ids, 0);
+        gl->NamedFramebufferTexture(pass->merged, GL_COLOR_ATTACHMENT1, pass->sums, 0);
+        gl->NamedFramebufferTexture(pass->merged, GL_DEPTH_ATTACHMENT, t->nearness, 0);
+        gl->NamedFramebufferDrawBuffers(pass->merged, 2, buffers);
+        pass->ids = t->ids;
+        pass->width = t->width;
+        pass->height = t->height;
+    }
+    if (pixels && pass->pixels == 0) {
+        uint64_t needed = (uint64_t)t->width * t->height * sizeof(tolerant_pixel);
+        GLint64 most = 0;
+        gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+        if ((int64_t)needed > most) {
+            return fail(r);
+        }
+        gl->CreateBuffers(1, &pass->pixels);
+        gl->NamedBufferStorage(pass->pixels, (GLsizeiptr)needed, NULL, 0);
+        gl->ObjectLabel(GL_BUFFER, pass->pixels, -1, "tolerant pixels");
+        pass->bytes = needed;
+    }
+    return gl->GetError() != GL_NO_ERROR ? fail(r) : STP_OK;
+}
+
+static void find_planes(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    const gl_target* t = &r->target;
+    gl->BindTextureUnit(UNIT_IDS, t->ids);
+    gl->BindTextureUnit(UNIT_NEARNESS, t->nearness);
+    gl->BindImageTexture(IMAGE_PLANES, r->filter.planes, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    gl->UseProgram(r->filter.planes_program);
+    gl->DispatchCompute((t->width + GROUP_SIDE - 1) / GROUP_SIDE,
+                        (t->height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
+    gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    r->dispatches += 1;
+}
+
+stp_result gl_filter_pass_blend(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl_filter_pass* pass = &r->filter;
+    const GLfloat none[4] = {0};
+    gl_splat_source source;
+    stp_result result = make_targets(r, false);
+    result = result == STP_OK ? make_two_pass_programs(r) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    gl->ClearNamedFramebufferfv(pass->framebuffer, GL_COLOR, 0, none);
+    if (!gl_splat_source_find(r, &source)) {
+        return STP_OK;
+    }
+    find_planes(r);
+    gl->BindTextureUnit(UNIT_PLANES, pass->planes);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, pass->framebuffer);
+    gl->Disable(GL_DEPTH_TEST);
+    gl->Enable(GL_BLEND);
+    gl->BlendEquation(GL_FUNC_ADD);
+    gl->BlendFunc(GL_ONE, GL_ONE);
+    gl_splat_pass_points(r, &source, pass->blend);
+    gl_set_visible_state(r);
+    return STP_OK;
+}
+
+/// The buffer's pixels to where shading and other passes look for them.
+static void merge_tolerant(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl_filter_pass* pass = &r->filter;
+    gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, pass->merged);
+    gl->Viewport(0, 0, (GLsizei)r->target.width, (GLsizei)r->target.height);
+    gl->BindVertexArray(pass->vertex_array);
+    gl->UseProgram(pass->tolerant_merge);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    r->draw_calls += 1;
+    gl_set_visible_state(r);
+}
+
+stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl_filter_pass* pass = &r->filter;
+    const GLuint zero = 0;
+    const GLfloat none[4] = {0};
+    gl_splat_source source;
+    stp_result result = make_targets(r, true);
+    result = result == STP_OK ? make_one_pass_programs(r) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    gl->ClearNamedBufferSubData(pass->pixels, GL_R32UI, 0, (GLsizeiptr)pass->bytes, GL_RED_INTEGER,
+                                GL_UNSIGNED_INT, &zero);
+    gl->ClearNamedFramebufferfv(pass->framebuffer, GL_COLOR, 0, none);
+    if (gl_splat_source_find(r, &source)) {
+        gl->BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
+        gl->BindFramebuffer(GL_FRAMEBUFFER, pass->framebuffer);
+        gl->Disable(GL_DEPTH_TEST);
+        gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, pass->pixels);
+        gl_splat_pass_begin(r);
+        gl_splat_pass_points(r, &source, pass->tolerant);
+        gl_set_visible_state(r);
+        gl_splat_pass_large(r);
+        merge_tolerant(r);
+        gl_bind_frame(r);
+    }
+    return STP_OK;
+}
+
+void gl_filter_pass_bind(gl_renderer* r)
+{
+    if (r->style->filter != STP_FILTER_NONE) {
+        r->gl.BindTextureUnit(UNIT_BLENDED, r->filter.sums);
+    }
+}

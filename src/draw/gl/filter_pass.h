@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+//
+// Splats that overlap, blended: in two more passes after the visibility buffer (STP_FILTER_EWA), or in one instead of it
+// (STP_FILTER_BLEND). Both leave sums of weighted colours, which shading divides by those of weights.
+#pragma once
+
+#include "draw/gl/gl.h"
+
+struct gl_renderer;
+
+typedef struct gl_filter_pass {
+    GLuint planes_program, blend;    ///< of two passes; 0: not made yet
+    GLuint tolerant, tolerant_merge; ///< of one
+    GLuint vertex_array;
+    GLuint planes, sums, framebuffer; ///< RGBA32F; of `sums`
+    GLuint merged, ids;               ///< a framebuffer of the target's ids, sums and nearness
+    GLuint pixels;                    ///< tolerant_pixel
+    uint64_t bytes;                   ///< of `pixels`
+    uint32_t width, height;
+} gl_filter_pass;
+
+void gl_filter_pass_destroy(struct gl_renderer* r);
+
+/// After the visibility buffer is made. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED; logged
+STP_MUST_USE stp_result gl_filter_pass_blend(struct gl_renderer* r);
+
+/// Makes the splats' part of the visibility buffer, and their colours, at once. @return as gl_filter_pass_blend
+STP_MUST_USE stp_result gl_filter_pass_draw_tolerant(struct gl_renderer* r);
+
+/// For shading: what was blended.
+void gl_filter_pass_bind(struct gl_renderer* r);
