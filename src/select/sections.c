@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "select/sections.h"
 
+#define WIDER 1e-6 // of a box's diagonal
+
 bool stp_sections_are_valid(const stp_sections* sections)
 {
     if (sections->count > STP_SECTION_PLANES) {
@@ -36,9 +38,13 @@ bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box)
     static const stp_vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     uint32_t before = sections->count;
     bool added = !stp_boxd_is_empty(*box);
+    stp_vec3d size = stp_subd(box->max, box->min);
+    double wider = WIDER * sqrt(stp_dotd(size, size));
+    stp_vec3d margin = {wider, wider, wider};
     for (int k = 0; k < 3; ++k) {
-        added = added && stp_sections_add_plane(sections, box->max, axes[k]) &&
-                stp_sections_add_plane(sections, box->min, stp_scaled(axes[k], -1.0));
+        added =
+            added && stp_sections_add_plane(sections, stp_addd(box->max, margin), axes[k]) &&
+            stp_sections_add_plane(sections, stp_subd(box->min, margin), stp_scaled(axes[k], -1.0));
     }
     sections->count = added ? sections->count : before;
     return added;

@@ -16,7 +16,8 @@ bool stp_sections_are_valid(const stp_sections* sections);
 /// room or it is no plane
 bool stp_sections_add_plane(stp_sections* sections, stp_vec3d point, stp_vec3d normal);
 
-/// Appends the six planes of a box outside of which everything is cut away.
+/// Appends the six planes of a box outside of which everything is cut away. They stand a millionth of its diagonal farther
+/// out, so that faces in the sides of a scene's own box are whole.
 bool stp_sections_add_box(stp_sections* sections, const stp_boxd* box);
 
 /// Bits of all planes.

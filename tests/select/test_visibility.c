@@ -179,7 +179,7 @@ static bool item_is_right(const shown* s, const stp_draw_item* item)
         }
     } else {
         stp_store_part part = {STP_STORE_PART_MESH, item->index};
-        below->places[below->count++] = stp_placement_of_part(s->store, part, &item->transform);
+        below->places[below->count++] = stp_spot_of_part(s->store, part, &item->transform);
     }
     for (uint32_t i = 0; i < s->all->count; ++i) {
         bool shown_so = s->expected[i] == (item->ghost ? STP_SHOW_GHOST : STP_SHOW);

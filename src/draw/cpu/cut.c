@@ -6,13 +6,35 @@
 
 #include <string.h>
 
+// Of the size of a product: what a face in the plane itself may be rounded by. It stays, wholly.
+#define ROUNDED 2e-6
+
+/// Moves a cut out by what rounding may do within a box.
+static void relax(double row[4], const double reach[3], double steps)
+{
+    double size = fabs(row[3]);
+    for (int c = 0; c < 3; ++c) {
+        size += fabs(row[c]) * reach[c];
+        row[3] -= steps * fabs(row[c]);
+    }
+    row[3] -= ROUNDED * size;
+}
+
 void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts)
 {
     cuts->count = 0;
+    if (item->draw->sections == 0) {
+        return;
+    }
+    stp_box box = stp_store_describe_mesh(r->store, item->draw->index)->bounds;
+    const double reach[3] = {0.5 * ((double)box.max.x - (double)box.min.x),
+                             0.5 * ((double)box.max.y - (double)box.min.y),
+                             0.5 * ((double)box.max.z - (double)box.min.z)};
     for (uint32_t bits = item->draw->sections; bits != 0; bits &= bits - 1) {
         const stp_section_plane* plane = &r->sections->planes[__builtin_ctz(bits)];
         double row[4];
         stp_section_row(plane, &item->draw->transform, item->offset, row);
+        relax(row, reach, 0.0);
         float* out = cuts->rows[cuts->count++];
         for (int c = 0; c < 4; ++c) {
             out[c] = (float)row[c];
@@ -73,13 +95,24 @@ static void turn_cuts(const cpu_renderer* r, const cpu_item* item, bool grid,
                              grid ? item->surfels.origin.y : 0.0f,
                              grid ? item->surfels.origin.z : 0.0f};
     double step = grid ? (double)item->surfels.step : 1.0;
+    stp_box box = item->points.bounds;
+    double reach[3] = {65535.0, 65535.0, 65535.0};
+    if (!grid) {
+        reach[0] = (double)stp_max(fabsf(box.min.x), fabsf(box.max.x));
+        reach[1] = (double)stp_max(fabsf(box.min.y), fabsf(box.max.y));
+        reach[2] = (double)stp_max(fabsf(box.min.z), fabsf(box.max.z));
+    }
     *count = 0;
     for (uint32_t bits = item->draw->sections; bits != 0; bits &= bits - 1) {
         const stp_section_plane* plane = &r->sections->planes[__builtin_ctz(bits)];
         double row[4];
         stp_section_row(plane, &item->draw->transform, origin, row);
+        for (int c = 0; c < 3; ++c) {
+            row[c] *= step;
+        }
+        relax(row, reach, grid ? 0.5 : 0.0); // surfels are rounded to whole numbers
         for (int c = 0; c < 4; ++c) {
-            rows[*count][c] = (float)(c < 3 ? row[c] * step : row[c]);
+            rows[*count][c] = (float)row[c];
         }
         *count += 1;
     }
