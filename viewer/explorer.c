@@ -8,6 +8,7 @@
 enum {
     RECORDS_A_STEP = 100000, ///< of objects: some milliseconds
     CHILDREN_AT_ONCE = 256,
+    UNFOLDED_AT_FIRST = 4,
 };
 
 static void on_log(stp_log_level level, const char* message, void* user)
@@ -140,8 +141,8 @@ static void begin_rows(explorer* e)
 {
     stp_outline_item root = stp_outline_root(e->outline);
     (void)insert_children(e, &root, 0);
-    if (e->row_count == 1) {
-        explorer_fold(e, 0);
+    for (size_t i = 0; i < UNFOLDED_AT_FIRST && e->row_count == i + 1; ++i) {
+        explorer_fold(e, i); // where there is no choice
     }
 }
 

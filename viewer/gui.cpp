@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 namespace
 {
@@ -16,6 +17,7 @@ namespace
 SDL_Renderer* software; // NULL: OpenGL
 SDL_Texture* font_texture;
 float ui_scale = 1.0f;
+const float tooltip_seconds = 0.5f; // that the mouse rests on something
 
 const ImVec4 accent = {0.30f, 0.62f, 0.82f, 1.0f};
 
@@ -199,6 +201,12 @@ bool gui_wants_keys(void)
     return ImGui::GetIO().WantTextInput;
 }
 
+bool gui_waits(void)
+{
+    const ImGuiContext& g = *ImGui::GetCurrentContext();
+    return g.HoveredId != 0 && g.HoveredIdTimer < tooltip_seconds + 0.1f;
+}
+
 float gui_line_height(void)
 {
     return ImGui::GetFrameHeight();
@@ -370,7 +378,10 @@ void gui_value(const char* name, const char* format, ...)
 
 void gui_tooltip(const char* text)
 {
-    if (text != nullptr && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
+    if (text != nullptr && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled) &&
+        (ImGui::GetCurrentContext()->HoveredId == 0 ||
+         ImGui::GetCurrentContext()->HoveredIdTimer >= tooltip_seconds) &&
+        !ImGui::IsAnyMouseDown()) {
         ImGui::BeginTooltip();
         ImGui::PushTextWrapPos(320.0f * ui_scale);
         ImGui::TextUnformatted(text);

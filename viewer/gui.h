@@ -28,6 +28,8 @@ void gui_end_frame(void);
 /// Whether a panel has the mouse, or a text field the keys.
 bool gui_wants_mouse(void);
 bool gui_wants_keys(void);
+/// Whether the mouse rests on something whose tooltip comes soon.
+bool gui_waits(void);
 /// Distances of the look: a line of widgets, a line of text, the space between widgets.
 float gui_line_height(void);
 float gui_text_height(void);

@@ -286,8 +286,9 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
 
 void input_take(viewer* v, const SDL_Event* e)
 {
-    if (e->type == SDL_KEYDOWN && e->key.repeat == 0 && !gui_wants_keys()) {
-        take_key(v, e->key.keysym.sym, (e->key.keysym.mod & KMOD_CTRL) != 0);
+    bool control = e->type == SDL_KEYDOWN && (e->key.keysym.mod & KMOD_CTRL) != 0;
+    if (e->type == SDL_KEYDOWN && e->key.repeat == 0 && (control || !gui_wants_keys())) {
+        take_key(v, e->key.keysym.sym, control);
     } else if (e->type == SDL_CONTROLLERDEVICEADDED && v->input.pad == NULL) {
         v->input.pad = SDL_GameControllerOpen(e->cdevice.which);
     } else if (e->type == SDL_CONTROLLERDEVICEREMOVED && v->input.pad != NULL) {

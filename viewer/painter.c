@@ -15,7 +15,8 @@
 enum { BUFFERS = 3 };                // one is painted, one is ready, one is shown
 static const double rest_ms = 120.0; // without another request the camera rests
 static const double loading_ms = 30.0;
-static const double patience_ms = 1500.0; // no finer picture than takes so long
+static const double patience_ms = 1500.0; // no frames are accumulated that take longer
+static const double finest_ms = 6000.0;   // no finer picture is begun than takes so long
 
 /// How far the picture of a request is.
 typedef enum paint_stage { STAGE_MOVES, STAGE_RESTS, STAGE_ACCUMULATES, STAGE_DONE } paint_stage;
@@ -51,8 +52,9 @@ struct painter {
     paint_scene* scene; ///< adopted and asked for
     uint64_t begun;     ///< number of the request being drawn
     paint_stage stage;
-    float size; ///< of splats, of the last frame
-    bool loads; ///< what the last frame lacked is on its way
+    float size;         ///< of splats, of the last frame
+    double expected_ms; ///< that the next frame of the same request takes
+    bool loads;         ///< what the last frame lacked is on its way
     double budget_ms;
     stp_controller controller;
 };
@@ -156,20 +158,23 @@ static float choose_size(painter* p, const paint_request* request)
     return half > finest ? half : finest;
 }
 
-/// What comes after a frame of `size`.
-static paint_stage next_stage(const painter* p, const paint_request* request,
+/// What comes after a frame, and how long that will take.
+static paint_stage next_stage(painter* p, const paint_request* request,
                               const paint_figures* figures)
 {
+    p->expected_ms = figures->frame_ms;
     float finest = request->quality.splat_size > 0.0f ? request->quality.splat_size : 1.0f;
     if (p->stage == STAGE_ACCUMULATES) {
         return figures->samples >= request->samples * request->samples ? STAGE_DONE
                                                                        : STAGE_ACCUMULATES;
     }
-    bool finer =
-        request->budget_ms > 0.0 && p->size > finest &&
-        stp_budget_predict(&p->scene->budgets[p->uses_gl], 0.5 * (double)p->size) < patience_ms;
+    if (request->budget_ms > 0.0 && p->size > finest) {
+        double next = fmax((double)finest, 0.5 * (double)p->size);
+        p->expected_ms = stp_budget_predict(&p->scene->budgets[p->uses_gl], next);
+        return p->expected_ms < finest_ms ? STAGE_RESTS : STAGE_DONE;
+    }
     bool accumulates = request->samples > 1 && figures->frame_ms < patience_ms;
-    return finer ? STAGE_RESTS : accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
+    return accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
 }
 
 static void learn(painter* p, const paint_request* request, const paint_figures* f)
@@ -338,9 +343,11 @@ static void work(painter* p)
         p->stage = STAGE_MOVES;
         paint(p);
     } else if (p->stage != STAGE_DONE) {
+        // a frame cannot be broken off: who moves on waits for it, so it may take half as long as the camera has rested
         double since = stp_clock_ms() - p->request_ms;
-        if (since < rest_ms) {
-            wait_for(p, rest_ms - since + 1.0);
+        double wanted = fmax(rest_ms, 2.0 * p->expected_ms);
+        if (since < wanted) {
+            wait_for(p, wanted - since + 1.0);
         } else {
             paint(p);
         }

@@ -9,7 +9,18 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char* const axis_names[3] = {"X", "Y", "Z"};
+/// What the file calls an axis: inside, y is up.
+static const char* axis_name(const viewer* v, int axis)
+{
+    static const char* const names[2][3] = {{"X", "Y", "Z"}, {"X", "Z", "Y"}};
+    return names[v->scene->directory->up == 'z'][axis];
+}
+
+/// The axes in the order of the file's names.
+static int axis_in_order(const viewer* v, int place)
+{
+    return place == 0 || v->scene->directory->up != 'z' ? place : 3 - place;
+}
 
 static double* axis_of(stp_vec3d* p, int axis)
 {
@@ -68,15 +79,16 @@ static void show_box(viewer* v, const stp_boxd* scene)
     if (!s->has_box) {
         return;
     }
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int place = 0; place < 3; ++place) {
+        int axis = axis_in_order(v, place);
         stp_boxd whole = *scene;
         double low = *axis_of(&whole.min, axis), high = *axis_of(&whole.max, axis);
         double size = high > low ? high - low : 1.0;
         float begin = (float)((*axis_of(&s->box.min, axis) - low) / size) * 100.0f;
         float end = (float)((*axis_of(&s->box.max, axis) - low) / size) * 100.0f;
         char from[32], to[32];
-        snprintf(from, sizeof(from), "%s from", axis_names[axis]);
-        snprintf(to, sizeof(to), "%s to", axis_names[axis]);
+        snprintf(from, sizeof(from), "%s from", axis_name(v, axis));
+        snprintf(to, sizeof(to), "%s to", axis_name(v, axis));
         if (gui_slider(from, &begin, 0.0f, 100.0f, "%.1f %%", "Where the box begins")) {
             *axis_of(&s->box.min, axis) = low + 0.01 * (double)fminf(begin, end - 0.1f) * size;
         }
@@ -138,12 +150,14 @@ void page_section(viewer* v)
     stp_vec3d middle = stp_scaled(stp_addd(scene.min, scene.max), 0.5);
     stp_vec3d size = stp_subd(scene.max, scene.min);
     gui_disable(s->plane_count == SECTION_PLANES);
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int place = 0; place < 3; ++place) {
+        int axis = axis_in_order(v, place);
         stp_vec3d normal = {axis == 0, axis == 1, axis == 2};
-        if (axis > 0) {
+        if (place > 0) {
             gui_same_line();
         }
-        if (gui_wide_button(axis_names[axis], 3, "A plane across this axis, through the middle")) {
+        if (gui_wide_button(axis_name(v, axis), 3,
+                            "A plane across this axis, through the middle")) {
             add_plane(v, middle, normal);
         }
     }

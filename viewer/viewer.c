@@ -187,13 +187,22 @@ static void take_event(viewer* v, const SDL_Event* event)
     input_take(v, event);
 }
 
+/// How long to wait for events, at most.
+static int choose_wait(viewer* v)
+{
+    bool works = v->news.state == LOADER_WORKING || v->news.state == LOADER_REFINING;
+    bool moves = v->input.flies || v->glide_start >= 0.0 || v->record.plays || v->record.on ||
+                 (v->explorer != NULL && explorer_works(v->explorer));
+    if (v->dirty == 0 && gui_waits()) {
+        v->dirty = 1; // a tooltip comes soon
+        return WORKING_MS;
+    }
+    return v->dirty > 0 ? 0 : moves ? STEP_MS : works ? WORKING_MS : IDLE_MS;
+}
+
 static void take_events(viewer* v)
 {
-    bool moves = v->input.flies || v->glide_start >= 0.0;
-    bool works = v->news.state == LOADER_WORKING || v->news.state == LOADER_REFINING;
-    moves = moves || v->record.plays || v->record.on ||
-            (v->explorer != NULL && explorer_works(v->explorer));
-    int wait = v->dirty > 0 ? 0 : moves ? STEP_MS : works ? WORKING_MS : IDLE_MS;
+    int wait = choose_wait(v);
     SDL_Event event;
     if (wait == 0 ? SDL_PollEvent(&event) : SDL_WaitEventTimeout(&event, wait)) {
         do {
