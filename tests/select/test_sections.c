@@ -88,7 +88,7 @@ void test_sections_refuse_what_is_no_plane(test_state* test)
     stp_sections sections = {0};
     stp_vec3d zero = {0, 0, 0}, up = {0, 2, 0};
     CHECK(!stp_sections_add_plane(&sections, zero, zero));
-    CHECK(!stp_sections_add_plane(&sections, (stp_vec3d){NAN, 0, 0}, up));
+    CHECK(!stp_sections_add_plane(&sections, (stp_vec3d){(double)NAN, 0, 0}, up));
     CHECK_EQUAL(0, sections.count);
     for (int i = 0; i < STP_SECTION_PLANES - 5; ++i) {
         CHECK(stp_sections_add_plane(&sections, zero, up));
