@@ -17,6 +17,7 @@ typedef struct bench_options {
     uint32_t threads;  ///< that draw pictures of scenes; 0: all
     uint64_t
         memory; ///< bytes under which scenes are loaded while they are drawn; 0: they are mapped
+    const char* markdown; ///< a file for a table of what is drawn by OpenGL; NULL: none
 } bench_options;
 
 typedef struct benchmark {

@@ -26,7 +26,7 @@ const benchmark* const* benchmarks(void)
 
 static struct {
     bool list, quick, json;
-    const char* model;
+    const char *model, *markdown;
     uint64_t count, first, threads, memory;
     double splat_size;
     uint32_t size[2];
@@ -80,6 +80,11 @@ static const option* bench_options_table(void)
          .words = "auto|0..1024",
          .help = "frame, positions: threads that draw; default all processors",
          .value = &given.threads},
+        {.name = "markdown",
+         .type = OPTION_TEXT,
+         .argument = "FILE.md",
+         .help = "gl: write a table too",
+         .value = &given.markdown},
         OPTION_JSON(&given.json),
         {0},
     };
@@ -238,7 +243,8 @@ static int run_bench(int argc, char** argv)
                              .splat_size = given.splat_size > 0.0 ? given.splat_size : 1.0,
                              .size = {given.size[0], given.size[1]},
                              .threads = (uint32_t)given.threads,
-                             .memory = given.memory};
+                             .memory = given.memory,
+                             .markdown = given.markdown};
     json_t* results = json_array();
     int code = 0;
     for (const benchmark* const* b = benchmarks(); *b != NULL && code == 0; ++b) {

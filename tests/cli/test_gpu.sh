@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# bench/gpu.sh and stipple bench gl on a small scene: what they write, and refusals. Arguments: executable, scratch folder,
+# source folder.
+set -u
+stipple=$1
+scratch=$2
+source=$3
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+command -v python3 > /dev/null || exit 77
+export XDG_CACHE_HOME=$PWD/cache LIBGL_ALWAYS_SOFTWARE=1
+"$stipple" bench gl --quick --model scene:boxes --json > quick.json 2> err || fail "bench gl: $(cat err)"
+grep -q "nothing is measured" err && exit 77 # there is no OpenGL
+
+bash "$source/bench/gpu.sh" --scene boxes --scale 1 --stipple "$stipple" --output out > said 2> err || fail "gpu.sh: $(cat err)"
+grep -q "say nothing of a graphics processor" err || fail "gpu.sh does not say that this is no graphics processor"
+json=$(grep 'gpu.json$' said) markdown=$(grep 'gpu.md$' said)
+[ -s "$json" ] && [ -s "$markdown" ] || fail "gpu.sh does not say what it wrote: $(cat said)"
+python3 - "$json" << 'END' || fail "$json is not what is expected"
+import json, sys
+results = json.load(open(sys.argv[1]))["results"]
+rows = [r for r in results if r["name"] == "gl"]
+for way in ("points", "compute", "auto", "full geometry"):
+    of = [r for r in rows if r["params"]["way"] == way]
+    assert len({r["params"]["picture"] for r in of}) == 2, way
+    for r in of:
+        assert r["params"]["model"] == "scene:boxes,scale=1", r
+        assert r["figures"]["frame_ms"] >= 0 and 0 < r["figures"]["draw_calls"] <= 8, r
+        assert (r["figures"]["triangles"] > 0) or way != "full geometry", r
+assert any(r["name"] == "gl ways" and r["figures"]["copied_bytes_per_second"] > 0 for r in results)
+END
+[ "$(grep -c '^| .* | points |' "$markdown")" -ge 2 ] || fail "$markdown has no rows of points"
+bash "$source/bench/gpu.sh" --colour red > out.txt 2> err && fail "an option that is none is taken"
+grep -q "is no option" err || fail "gpu.sh does not say what is no option"
