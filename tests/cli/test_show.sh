@@ -5,6 +5,10 @@ stipple=$1
 scratch=$2
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
+show() # renders on the processor: pixels are counted
+{
+    "$stipple" render "$@" --backend cpu
+}
 command -v python3 > /dev/null || exit 77
 rm -f ./*.views.json
 
@@ -35,7 +39,7 @@ covered()
 {
     local name=$1
     shift
-    "$stipple" render street.stip -o "$name.png" --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 "$@" --json \
+    show street.stip -o "$name.png" --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 "$@" --json \
         > "$name.json" 2> err || fail "$*: $(cat err)"
     python3 -c 'import json,sys; print(json.load(open(sys.argv[1]))["covered_pixels"])' "$name.json"
 }
@@ -75,7 +79,7 @@ count=$(covered ghosts --isolate wall --ghost others)
 # picking: what is where, and what is behind it
 pick()
 {
-    "$stipple" render street.stip --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 "$@" > pick.json 2> err ||
+    show street.stip --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 "$@" > pick.json 2> err ||
         fail "$*: $(cat err)"
 }
 same()
@@ -104,24 +108,31 @@ cat > street.views.json << 'END'
   "annotations": [{"text": "here", "at": [0, 0, 0]}]},
  {"name": "gone", "eye": [0, 0, 9], "target": [0, 0, 0], "ortho_height": 4, "hidden": [{"path": "no such thing"}]}]}
 END
-prefix=$("$stipple" render street.stip --pick 60,20 --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 |
+prefix=$(show street.stip --pick 60,20 --size 120x40 --ortho 4 --eye 0,0,9 --target 0,0,0 |
     python3 -c 'import json,sys; print(json.load(sys.stdin)["object"]["path"][:-len("wall")])')
 sed -i "s|PREFIX|$prefix|" street.views.json
-"$stipple" render street.stip -o v.png --size 120x40 --view cut --json > v.json 2> err || fail "viewpoint: $(cat err)"
+show street.stip -o v.png --size 120x40 --view cut --json > v.json 2> err || fail "viewpoint: $(cat err)"
 grep -q '"covered_pixels": 200' v.json || fail "the viewpoint shows something else: $(cat v.json)"
-"$stipple" render street.stip -o v.png --size 120x40 --view gone 2> err || fail "viewpoint: $(cat err)"
+show street.stip -o v.png --size 120x40 --view gone 2> err || fail "viewpoint: $(cat err)"
 grep -q "no such thing" err || fail "an object that is gone is not named: $(cat err)"
 echo '{' > street.views.json
-"$stipple" render street.stip -o v.png --size 120x40 --view cut 2> err
+show street.stip -o v.png --size 120x40 --view cut 2> err
 [ $? -eq 1 ] && grep -q "street.views.json: line" err || fail "a broken sidecar: $(cat err)"
-"$stipple" render street.stip -o v.png --size 120x40 --view front || fail "a broken sidecar is in the way of others"
+show street.stip -o v.png --size 120x40 --view front || fail "a broken sidecar is in the way of others"
+
+# a flight shows the same
+echo '{"keys": [{"t": 0, "eye": [0, 0, 9], "target": [0, 0, 0]}, {"t": 0.05, "eye": [0, 0, 8], "target": [0, 0, 0]}]}' > f.json
+"$stipple" fly street.stip --backend cpu --path f.json -o frames/ --size 60x40 --frames 2 --hide wall --section x:0 -q > /dev/null 2> err ||
+    fail "fly: $(cat err)"
+show street.stip -o f.png --size 60x40 --eye 0,0,9 --target 0,0,0 --hide wall --section x:0 || fail "first frame"
+cmp -s f.png "$(find frames -name '*.png' | sort | head -n 1)" || fail "fly shows something else than render"
 
 # refused CODE WORD ARGUMENTS...
 refused()
 {
     local code=$1 word=$2
     shift 2
-    "$stipple" render street.stip -o r.png --size 32x32 "$@" > out 2> err
+    show street.stip -o r.png --size 32x32 "$@" > out 2> err
     [ $? -eq "$code" ] || fail "$* exits with another code than $code"
     grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
 }

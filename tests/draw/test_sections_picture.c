@@ -160,3 +160,33 @@ void test_ghosts_cover_a_part_and_become_smooth_at_rest(test_state* test)
         made_picture_end(&p);
     }
 }
+
+void test_cut_pictures_of_ghosts_survive_any_allocation_failing(test_state* test)
+{
+    bool failed = true;
+    for (int n = 0; failed; ++n) {
+        test_heap heap = TEST_HEAP(-1);
+        made_picture p;
+        stp_visibility* visibility;
+        CHECK(made_picture_begin(&p, &heap, 1));
+        made_picture_add(&p, 0.0, (stp_vec3d){0, 0, 0}, white);
+        made_picture_add(&p, 0.0, (stp_vec3d){0, 0, -1}, NULL);
+        p.quality.splat_size = 4.0f;
+        CHECK_EQUAL(STP_OK, made_picture_open(&p));
+        CHECK_EQUAL(STP_OK, stp_visibility_create(p.context, p.store, &visibility));
+        stp_visibility_reset(visibility, STP_SHOW_GHOST);
+        p.quality.visibility = visibility;
+        CHECK(stp_sections_add_plane(&p.view.sections, (stp_vec3d){0, 0, 0}, (stp_vec3d){1, 0, 0}));
+        heap.count = 0;
+        heap.fail_at = n;
+        stp_result result = made_picture_draw(&p);
+        failed = result != STP_OK;
+        CHECK(!failed || result == STP_ERROR_OUT_OF_MEMORY);
+        heap.fail_at = -1;
+        CHECK_EQUAL(STP_OK, made_picture_draw(&p)); // the next one is whole
+        CHECK(!is_covered(&p, PICTURE_SIDE / 2 + 8, 20) && p.stats.covered_pixels > 50);
+        stp_visibility_destroy(visibility);
+        made_picture_end(&p);
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+}
