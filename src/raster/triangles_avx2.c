@@ -65,6 +65,17 @@ static inline lanes_int lanes_max(lanes_int a, lanes_int b)
     return (lanes_int)_mm256_max_epi32((__m256i)a, (__m256i)b);
 }
 
+/// a where it is less than b, else b.
+static inline lanes_float lanes_min_float(lanes_float a, lanes_float b)
+{
+    return (lanes_float)_mm256_min_ps((__m256)a, (__m256)b);
+}
+
+static inline lanes_float lanes_max_float(lanes_float a, lanes_float b)
+{
+    return (lanes_float)_mm256_max_ps((__m256)a, (__m256)b);
+}
+
 static inline uint32_t lanes_sign_bits(lanes_int a)
 {
     return (uint32_t)_mm256_movemask_ps((__m256)a);

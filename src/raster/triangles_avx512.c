@@ -66,6 +66,17 @@ static inline lanes_int lanes_max(lanes_int a, lanes_int b)
     return (lanes_int)_mm512_max_epi32((__m512i)a, (__m512i)b);
 }
 
+/// a where it is less than b, else b.
+static inline lanes_float lanes_min_float(lanes_float a, lanes_float b)
+{
+    return (lanes_float)_mm512_min_ps((__m512)a, (__m512)b);
+}
+
+static inline lanes_float lanes_max_float(lanes_float a, lanes_float b)
+{
+    return (lanes_float)_mm512_max_ps((__m512)a, (__m512)b);
+}
+
 static inline uint32_t lanes_sign_bits(lanes_int a)
 {
     return (uint32_t)_mm512_movepi32_mask((__m512i)a);

@@ -90,7 +90,7 @@ static void draw_small(const stp_triangle_window* window, const stp_triangle_set
         walk.bias[k] = (uint32_t)edge.bias;
         walk.inverse[k] = fall != 0 ? 1.0f / (float)(fall < 0 ? -fall : fall) : SPAN_NO_FALL;
     }
-    draw_walk(window, &box, &walk, id);
+    draw_walk(window, box, &walk, id);
 }
 
 static void draw_one(const stp_triangle_window* window, const stp_screen_vertex corners[3],
@@ -241,7 +241,7 @@ static void draw_medium(const stp_triangle_window* window, const batch* b, const
             walk.bias[k] = setup->bias[k][lane];
             walk.inverse[k] = inverse[k][lane];
         }
-        draw_walk(window, &box, &walk, first_id + (uint32_t)lane);
+        draw_walk(window, box, &walk, first_id + (uint32_t)lane);
     }
 }
 

@@ -168,8 +168,7 @@ static inline uint64_t fill_large_long(uint64_t* pixels, size_t stride, const la
             x += (double)STP_SUBPIXEL_HALF;
             lanes_double at = row_nearness + along_x * (x - plane_x);
             lanes_float nearness = __builtin_convertvector(at, lanes_float);
-            nearness = lanes_select_float(nearness > low, nearness, lowest);
-            nearness = lanes_select_float(nearness < high, nearness, highest);
+            nearness = lanes_min_float(lanes_max_float(nearness, lowest), highest);
             int32_t left = last - column + 1;
             uint32_t some = left < LANES ? (1U << left) - 1 : LANES_ALL;
             lanes_write(row + column, some, (lanes_int)nearness, id);

@@ -53,6 +53,17 @@ static inline lanes_int lanes_max(lanes_int a, lanes_int b)
     return lanes_select(a > b, a, b);
 }
 
+/// a where it is less than b, else b.
+static inline lanes_float lanes_min_float(lanes_float a, lanes_float b)
+{
+    return lanes_select_float(a < b, a, b);
+}
+
+static inline lanes_float lanes_max_float(lanes_float a, lanes_float b)
+{
+    return lanes_select_float(a > b, a, b);
+}
+
 static inline uint32_t lanes_sign_bits(lanes_int a)
 {
     lanes_uint bits = (lanes_uint)a >> 31;

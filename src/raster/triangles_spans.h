@@ -22,8 +22,7 @@ static inline lanes_float small_nearness(lanes_uint edge1, lanes_uint edge2,
     lanes_float w2 = __builtin_convertvector((lanes_int)edge2, lanes_float);
     lanes_float nearness = n0 + (w1 * inverse_area) * along[0];
     nearness = nearness + (w2 * inverse_area) * along[1];
-    nearness = lanes_select_float(nearness > low, nearness, low);
-    return lanes_select_float(nearness < high, nearness, high);
+    return lanes_min_float(lanes_max_float(nearness, low), high);
 }
 
 /// Pixels whose centres may be inside, ends included.
@@ -59,8 +58,7 @@ static inline void narrow_spans(lanes_int value, int32_t fall, float inverse, in
     int32_t amount = fall < 0 ? -fall : fall;
     lanes_float ratio = (__builtin_convertvector(value, lanes_float) + 0.5f) * inverse;
     const lanes_float most = zero + (float)(width + 2), least = -most;
-    ratio = lanes_select_float(ratio > least, ratio, least);
-    ratio = lanes_select_float(ratio < most, ratio, most);
+    ratio = lanes_min_float(lanes_max_float(ratio, least), most);
     lanes_int column = __builtin_convertvector(ratio + 256.0f, lanes_int) - 256; // rounded down
     // within 128 pixels the estimate is less than one column off
     lanes_int rest = value - column * amount;
@@ -202,33 +200,32 @@ static inline uint64_t fill_box(const stp_triangle_window* window, const pixel_b
     return fragments;
 }
 
-static void draw_walk(const stp_triangle_window* window, const pixel_box* box,
-                      const span_walk* start, uint32_t id)
+static void draw_walk(const stp_triangle_window* window, pixel_box box, const span_walk* walk,
+                      uint32_t id)
 {
-    const span_walk walk = *start; // a copy that no store of pixels can touch
-    uint32_t at[3] = {walk.at[0], walk.at[1], walk.at[2]};
-    int32_t height = box->bottom - box->top;
-    if (box->right - box->left < NARROW_COLUMNS && height < NARROW_HEIGHT) {
-        *window->fragments += fill_box(window, box, &walk, id, NARROW_COLUMNS, NARROW_ROWS);
+    uint32_t at[3] = {walk->at[0], walk->at[1], walk->at[2]};
+    int32_t height = box.bottom - box.top;
+    if (box.right - box.left < NARROW_COLUMNS && height < NARROW_HEIGHT) {
+        *window->fragments += fill_box(window, &box, walk, id, NARROW_COLUMNS, NARROW_ROWS);
         return;
     }
-    if (box->right - box->left < LANES && height < LOW_HEIGHT) {
-        *window->fragments += fill_box(window, box, &walk, id, LANES, 1);
+    if (box.right - box.left < LANES && height < LOW_HEIGHT) {
+        *window->fragments += fill_box(window, &box, walk, id, LANES, 1);
         return;
     }
     const float pixel = 2.0f * (float)(STP_SUBPIXEL * STP_SUBPIXEL);
-    bool is_long = walk.inverse_area * (pixel * SPAN_LONG * (float)(height + 1)) < 1.0f;
+    bool is_long = walk->inverse_area * (pixel * SPAN_LONG * (float)(height + 1)) < 1.0f;
     uint64_t fragments = 0;
     for (int32_t row = 0; row <= height; row += LANES) {
-        span_rows rows = find_spans(box, &walk, at, row);
-        uint64_t* pixels = stp_triangle_row(window, box->top + row) + box->left;
+        span_rows rows = find_spans(&box, walk, at, row);
+        uint64_t* pixels = stp_triangle_row(window, box.top + row) + box.left;
         if (is_long) {
-            fragments += fill_long(pixels, window->stride, &walk, &rows, id);
+            fragments += fill_long(pixels, window->stride, walk, &rows, id);
         } else {
-            fragments += fill_short(pixels, window->stride, &walk, rows, id);
+            fragments += fill_short(pixels, window->stride, walk, rows, id);
         }
         for (int k = 0; k < 3; ++k) {
-            at[k] += walk.down[k] * LANES;
+            at[k] += walk->down[k] * LANES;
         }
     }
     *window->fragments += fragments;
