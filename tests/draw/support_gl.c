@@ -5,17 +5,19 @@
 
 #include <stdlib.h>
 
-static void add_sheets(made_picture* p, bool one)
+static void add_sheet(made_picture* p)
 {
-    static const uint8_t colors[4][3] = {
-        {200, 40, 40}, {40, 200, 60}, {60, 60, 220}, {220, 200, 40}};
-    made_picture_add(p, 0.2, (stp_vec3d){0, 0, 0}, colors[0]);
-    if (one) {
-        return;
-    }
-    made_picture_add(p, 1.1, (stp_vec3d){0.5, 0.3, 0.2}, colors[1]);
-    made_picture_add(p, -0.9, (stp_vec3d){-0.6, -0.2, 0.4}, colors[2]);
-    made_picture_add(p, 2.6, (stp_vec3d){0.1, 0.5, -1.5}, colors[3]);
+    static const uint8_t color[3] = {200, 40, 40};
+    made_picture_add(p, 0.2, (stp_vec3d){0, 0, 0}, color);
+}
+
+static void add_sheets(made_picture* p)
+{
+    static const uint8_t colors[3][3] = {{40, 200, 60}, {60, 60, 220}, {220, 200, 40}};
+    add_sheet(p);
+    made_picture_add(p, 1.1, (stp_vec3d){0.5, 0.3, 0.2}, colors[0]);
+    made_picture_add(p, -0.9, (stp_vec3d){-0.6, -0.2, 0.4}, colors[1]);
+    made_picture_add(p, 2.6, (stp_vec3d){0.1, 0.5, -1.5}, colors[2]);
     made_picture_add(p, 0.4, (stp_vec3d){-1.4, 1.0, -1.0}, NULL);
     stp_surfels* holes = &p->scene.surfels[1];
     for (uint32_t i = 0; i < holes->count; ++i) {
@@ -23,7 +25,20 @@ static void add_sheets(made_picture* p, bool one)
     }
 }
 
-bool made_gl_begin(made_gl* m, bool one, bool* failed)
+stp_result made_gl_renew(made_gl* m, const stp_draw_gl_desc* settings)
+{
+    stp_draw_gl_desc desc = settings != NULL ? *settings : (stp_draw_gl_desc){0};
+    desc.get_proc_address = stp_headless_get_proc_address;
+    desc.user = &m->headless;
+    desc.debug = true;
+    if (m->renderer != NULL) {
+        stp_renderer_destroy(m->renderer);
+    }
+    return stp_draw_gl_create(m->picture.context, m->picture.store, &desc, &m->renderer);
+}
+
+bool made_gl_begin_with(made_gl* m, void (*add)(made_picture* p), const stp_draw_gl_desc* settings,
+                        test_heap* heap, bool* failed)
 {
     const stp_headless_desc wanted = {.debug = true};
     *failed = false;
@@ -32,19 +47,21 @@ bool made_gl_begin(made_gl* m, bool one, bool* failed)
         return false;
     }
     *failed = true;
-    if (!made_picture_begin(&m->picture, NULL, 2)) {
+    if (!made_picture_begin(&m->picture, heap, 2)) {
         return false;
     }
     m->picture.quality.splat_size = 1;
-    add_sheets(&m->picture, one);
-    const stp_draw_gl_desc desc = {
-        .get_proc_address = stp_headless_get_proc_address, .user = &m->headless, .debug = true};
-    if (made_picture_open(&m->picture) != STP_OK ||
-        stp_draw_gl_create(m->picture.context, m->picture.store, &desc, &m->renderer) != STP_OK) {
+    (add != NULL ? add : add_sheets)(&m->picture);
+    if (made_picture_open(&m->picture) != STP_OK || made_gl_renew(m, settings) != STP_OK) {
         return false;
     }
     *failed = false;
     return true;
+}
+
+bool made_gl_begin(made_gl* m, bool one, bool* failed)
+{
+    return made_gl_begin_with(m, one ? add_sheet : add_sheets, NULL, NULL, failed);
 }
 
 stp_result made_gl_draw(made_gl* m)

@@ -17,6 +17,12 @@ typedef struct made_gl {
 /// which is of one colour.
 /// @return false where there is no OpenGL, or something failed: *failed then is true
 bool made_gl_begin(made_gl* m, bool one, bool* failed);
+/// The same of another scene, which `add` makes (NULL: all the sheets), with other settings than the default ones (NULL: none; what
+/// gives functions is not looked at), and memory of `heap`.
+bool made_gl_begin_with(made_gl* m, void (*add)(made_picture* p), const stp_draw_gl_desc* settings,
+                        test_heap* heap, bool* failed);
+/// Ends the renderer and makes another.
+stp_result made_gl_renew(made_gl* m, const stp_draw_gl_desc* settings);
 /// Draws with OpenGL into `pixels`; a debug message of an error fails it.
 stp_result made_gl_draw(made_gl* m);
 void made_gl_end(made_gl* m);

@@ -146,7 +146,8 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
     } else if (choice.blend < 1.0f && choice.low_count > 0 &&
                gl_upload_octave(r, draw->index, choice.octave - 1, true, false) !=
                    GL_UPLOAD_THERE) {
-        choice.blend = 1.0f;
+        choice.blend = 1.0f; // until they come
+        r->frame.missing += 1;
     }
     uint32_t most = known->octave_ends[here.places - 1];
     most = most < known->octave_ends[choice.octave] ? most : known->octave_ends[choice.octave];
@@ -313,6 +314,7 @@ static void place_item(gl_renderer* r, uint32_t index, uint32_t pattern)
     item->near_shift = where.near_shift;
     item->nearness_limit = where.camera.nearness_limit;
     item->footprint = 1.0f / (where.camera.pixel_scale * where.scale);
+    item->cut_slack = item->kind == KIND_SURFELS ? placed->step * where.scale : 0.0f;
     item->seed = stp_placement_seed(placed->draw) + pattern * 0x9E3779B1u;
     if (item->kind != KIND_MESH) {
         place_splats(r, placed, &where, item);
@@ -420,6 +422,27 @@ static bool make_room(gl_renderer* r, size_t count)
     return true;
 }
 
+/// What nothing coarser stands for comes first, of all items: where memory is short, the finer gives way.
+static stp_result bring_urgent(gl_renderer* r)
+{
+    for (size_t i = 0; i < r->list->count; ++i) {
+        const stp_draw_item* draw = &r->list->items[i];
+        gl_upload got = GL_UPLOAD_THERE;
+        if (draw->kind == STP_DRAW_MESH) {
+            got = gl_upload_mesh(r, draw->index);
+        } else if (draw->kind == STP_DRAW_POINTS) {
+            got = draw->prefix > 0 ? gl_upload_points(r, draw->index, 0, true) : got;
+        } else if (stp_store_describe_surfels(r->store, draw->index)->octave_count > 0) {
+            got = gl_upload_octave(r, draw->index, 0, false, true);
+            got = got == GL_UPLOAD_THERE ? gl_upload_octave(r, draw->index, 0, true, true) : got;
+        }
+        if (got == GL_UPLOAD_FAILED) {
+            return r->failure;
+        }
+    }
+    return STP_OK;
+}
+
 stp_result gl_frame_make(gl_renderer* r)
 {
     gl_frame* f = &r->frame;
@@ -434,14 +457,12 @@ stp_result gl_frame_make(gl_renderer* r)
         f->commands[i].count = 0;
     }
     gl_pool_begin_frame(&r->pool);
-    for (size_t i = 0; i < count; ++i) {
-        stp_result result = make_item(r, (uint32_t)i);
-        if (result != STP_OK) {
-            return result;
-        }
+    stp_result result = bring_urgent(r);
+    for (size_t i = 0; i < count && result == STP_OK; ++i) {
+        result = make_item(r, (uint32_t)i);
         f->item_count = i + 1;
     }
-    return make_lookup(r);
+    return result == STP_OK ? make_lookup(r) : result;
 }
 
 void gl_frame_destroy(gl_renderer* r)

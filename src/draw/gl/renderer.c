@@ -66,7 +66,11 @@ stp_result gl_make_programs(gl_renderer* r)
     stp_result result = gl_splat_pass_create(r);
     result = result == STP_OK ? gl_raster_pass_create(r) : result;
     result = result == STP_OK ? gl_triangle_pass_create(r) : result;
-    return result == STP_OK ? gl_shade_pass_create(r) : result;
+    result = result == STP_OK ? gl_shade_pass_create(r) : result;
+    if (result != STP_OK) {
+        destroy_programs(r);
+    }
+    return result;
 }
 
 /// What has gone wrong since the last time: a lost context, or an error that a debug context named.

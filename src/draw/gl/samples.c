@@ -92,6 +92,7 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
         .point_extent = r->point_extent,
         .filtered = (uint32_t)r->style->filter,
         .ghost = ghost,
+        .ghost_seed = GHOST_SEED,
         .ghost_splats = ghost < 1.0f ? ghost * (0.45f + 0.55f * ghost) : 1.0f};
     view.screen[0] = (float)(f->center_x + p->shift_x);
     view.screen[1] = (float)(f->center_y + p->shift_y);

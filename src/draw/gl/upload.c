@@ -80,7 +80,7 @@ bool gl_writer_end(gl_writer* writer)
 
 gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool urgent)
 {
-    if (!urgent && r->upload_bytes > 0 &&
+    if (!urgent && r->upload_bytes > 0 && r->pool.uploaded_bytes > 0 && // one thing always goes
         r->pool.uploaded_bytes + words * sizeof(uint32_t) > r->upload_bytes) {
         return GL_UPLOAD_LATER;
     }

@@ -115,7 +115,9 @@ struct item_block {
     uint count, material, first_chunk, chunk_count;
     uint colors, low_colors, low_count, address; // addresses; of meshes, of their clusters
     uint cluster_count, base_color, metallic_roughness, emissive; // addresses of textures
-    uint sections, spare0, spare1, spare2; // bits of the view's cuts that may go through it
+    uint sections;   // bits of the view's cuts that may go through it
+    float cut_slack; // of splats: scene units that rounding may have moved them beyond a cut
+    uint item_spare0, item_spare1;
 };
 
 // One command of a multi-draw, or one part of it: splats, or a cluster.
@@ -162,9 +164,13 @@ struct view_block {
         ghost_splats; // the part of a ghost's pixels that is drawn: of triangles, and of each of its disks
     float nearness_offset;
     uint picture_x, depth_y; // where this eye's picture and depths begin
-    uint counts,
-        filtered; // whether what is shaded is the picture: covered pixels are counted, the background drawn; and a FILTER
-    vec4 screen;  // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
+    uint
+        counts; // whether what is shaded is the picture: its pixels are counted, its background drawn
+    uint filtered; // a FILTER
+    uint
+        ghost_seed; // a constant that must not be one: Mesa 22.3 folds products of constants wrongly
+    uint spare0, spare1, spare2;
+    vec4 screen; // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
     vec4 cuts
         [SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
 };
@@ -207,5 +213,5 @@ _Static_assert(sizeof(item_block) == 320, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
-_Static_assert(sizeof(view_block) == 416, "layout of the view");
+_Static_assert(sizeof(view_block) == 432, "layout of the view");
 #endif

@@ -30,11 +30,13 @@ vec3 to_view(const item_block item, vec4 at)
     return vec3(across, view.parallel != 0u ? deep : at.w);
 }
 
-// Whether a place in the view is cut away.
+// Whether a place in the view is cut away. What lies in the plane itself stays, however it is rounded.
 bool is_cut(const item_block item, vec3 at)
 {
     for (uint i = 0u; i < uint(SECTION_PLANES); ++i) {
-        if ((item.sections >> i & 1u) != 0u && dot(view.cuts[i].xyz, at) + view.cuts[i].w > 0.0) {
+        vec4 cut = view.cuts[i];
+        float size = dot(abs(cut.xyz), abs(at)) + abs(cut.w), slack = item.cut_slack * length(cut.xyz);
+        if ((item.sections >> i & 1u) != 0u && dot(cut.xyz, at) + cut.w > 4e-6 * size + slack) {
             return true;
         }
     }

@@ -21,7 +21,7 @@ bool is_there(ivec2 pixel)
         return false;
     }
     uvec2 seed = uvec2(triangle_id - item.first_id, item.seed);
-    if ((item.flags & ITEM_GHOST) != 0u && noise(random_bits(seed, uvec2(GHOST_SEED, 0u)), pixel) >= view.ghost) {
+    if ((item.flags & ITEM_GHOST) != 0u && noise(random_bits(seed, uvec2(view.ghost_seed, 0u)), pixel) >= view.ghost) {
         return false;
     }
     if (uint(material.numbers.w) == ALPHA_OPAQUE) {

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+// Graphics memory and uploads: limits hold, pictures are whole as soon as they can be, and nothing leaks.
+#include "tests.h"
+
+#include "base/context.h"
+#include "draw/gl/renderer.h"
+#include "draw/support_gl.h"
+
+#include <string.h>
+
+enum { PIXELS = PICTURE_SIDE * PICTURE_SIDE, OCTAVES = 3 };
+
+/// Gives a set octaves, each with colours of its own.
+static void add_octaves(stp_context* context, stp_surfels* s)
+{
+    static const uint32_t ends[OCTAVES] = {64, 256, 1024};
+    size_t total = 0, at = 0;
+    for (int k = 0; k < OCTAVES; ++k) {
+        total += ends[k];
+        s->octave_ends[k] = ends[k];
+    }
+    s->octave_count = OCTAVES;
+    uint8_t color[3] = {s->colors[0], s->colors[1], s->colors[2]};
+    stp_free(context, s->colors);
+    stp_free(context, s->coverages);
+    s->colors = STP_NEW_ARRAY(context, uint8_t, 3 * total);
+    s->coverages = STP_NEW_ARRAY(context, uint8_t, total);
+    for (int k = 0; k < OCTAVES && s->colors != NULL && s->coverages != NULL; ++k) {
+        for (uint32_t i = 0; i < ends[k]; ++i, ++at) {
+            for (int c = 0; c < 3; ++c) {
+                s->colors[3 * at + (size_t)c] = (uint8_t)(color[c] - 20 * k);
+            }
+            s->coverages[at] = 255;
+        }
+    }
+}
+
+/// Sheets beside each other, each with surfels in octaves.
+static void add_sheets(made_picture* p)
+{
+    for (int i = 0; i < 6; ++i) {
+        const uint8_t color[3] = {(uint8_t)(100 + 20 * i), 240, 130};
+        made_picture_add(p, 0.4 * i, (stp_vec3d){3 * (i % 3) - 3, 3 * (i / 3) - 1.5, -0.3 * i},
+                         color);
+        add_octaves(p->context, &p->scene.surfels[i]);
+    }
+}
+
+static bool begin(test_state* test, made_gl* m, const stp_draw_gl_desc* settings, test_heap* heap)
+{
+    bool failed;
+    if (made_gl_begin_with(m, add_sheets, settings, heap, &failed)) {
+        m->picture.quality.splat_size = 1;
+        m->picture.view.eye.z = 15;
+        return true;
+    }
+    made_gl_end(m);
+    test->failed = failed ? 1 : 0;
+    test->skipped = failed ? NULL : "there is no OpenGL";
+    return false;
+}
+
+void test_gl_uploads_keep_to_their_budget(test_state* test)
+{
+    // a set's finest octave alone is more than the budget, and goes nevertheless
+    enum { BUDGET = 2048, LARGEST = 768 * 9, URGENT = 6 * (64 * 4 + 64 * 9) };
+    const stp_draw_gl_desc settings = {.upload_bytes = BUDGET};
+    static uint8_t whole[4 * PIXELS], first[4 * PIXELS];
+    made_gl m;
+    if (!begin(test, &m, NULL, NULL)) {
+        return;
+    }
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK(m.picture.list.splat_count > 1000);
+    CHECK_EQUAL(0, stp_draw_gl_get_stats(m.renderer).missing);
+    memcpy(whole, m.pixels, sizeof(whole));
+    uint64_t covered = m.picture.stats.covered_pixels;
+    CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    memcpy(first, m.pixels, sizeof(first));
+    stp_draw_gl_stats stats = stp_draw_gl_get_stats(m.renderer);
+    CHECK(stats.missing > 0);
+    CHECK(stats.uploaded_bytes <= LARGEST + URGENT);
+    // it is coarser, and has no holes
+    CHECK(m.picture.stats.covered_pixels >= covered);
+    int frames = 0;
+    for (; stats.missing > 0 && frames < 100; ++frames) {
+        CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+        stats = stp_draw_gl_get_stats(m.renderer);
+        CHECK(stats.uploaded_bytes <= LARGEST);
+        CHECK(stats.uploaded_bytes > 0 || stats.missing == 0);
+    }
+    CHECK(frames > 1);
+    CHECK_EQUAL(0, made_count_different(whole, m.pixels, 0));
+    CHECK(made_count_different(first, whole, 0) > 20);
+    // without a budget all is there at once
+    CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
+    stp_draw_gl_set_upload_bytes(m.renderer, 0);
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK_EQUAL(0, made_count_different(whole, m.pixels, 0));
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK_EQUAL(0, stp_draw_gl_get_stats(m.renderer).uploaded_bytes);
+    made_gl_end(&m);
+}
+
+/// What is seen of one sheet, whole.
+static void look_at(made_gl* m, int sheet)
+{
+    double x = 3 * (sheet % 3) - 3, y = 3 * (sheet / 3) - 1.5;
+    m->picture.view.eye = (stp_vec3d){x, y, 15 - 0.3 * sheet};
+    m->picture.view.target = (stp_vec3d){x, y, -0.3 * sheet};
+    m->picture.view.fov_degrees = 8;
+    m->picture.quality.splat_size = 6;
+}
+
+void test_gl_memory_is_used_again(test_state* test)
+{
+    const stp_draw_gl_desc small = {.memory_bytes = 48 << 10};
+    static uint8_t whole[6][4 * PIXELS];
+    made_gl m;
+    if (!begin(test, &m, NULL, NULL)) {
+        return;
+    }
+    for (int i = 0; i < 6; ++i) {
+        look_at(&m, i);
+        CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+        memcpy(whole[i], m.pixels, sizeof(whole[i]));
+    }
+    CHECK(stp_draw_gl_get_stats(m.renderer).resident_bytes > small.memory_bytes);
+    CHECK_EQUAL(STP_OK, made_gl_renew(&m, &small));
+    uint64_t uploaded = 0;
+    for (int i = 0; i < 18; ++i) {
+        look_at(&m, i * 5 % 6);
+        CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+        stp_draw_gl_stats stats = stp_draw_gl_get_stats(m.renderer);
+        CHECK(stats.resident_bytes <= stats.memory_bytes);
+        CHECK(stats.memory_bytes <= small.memory_bytes);
+        uploaded += stats.uploaded_bytes;
+        if (stats.missing == 0) {
+            CHECK_EQUAL(0, made_count_different(whole[i * 5 % 6], m.pixels, 0));
+        }
+    }
+    CHECK(uploaded > small.memory_bytes);
+    made_gl_end(&m);
+}
+
+void test_gl_pictures_come_coarser_where_memory_is_short(test_state* test)
+{
+    const stp_draw_gl_desc tiny = {.memory_bytes = 10 << 10};
+    made_gl m;
+    if (!begin(test, &m, NULL, NULL)) {
+        return;
+    }
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    uint64_t covered = m.picture.stats.covered_pixels;
+    CHECK_EQUAL(STP_OK, made_gl_renew(&m, &tiny));
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK(stp_draw_gl_get_stats(m.renderer).missing > 0);
+    CHECK(m.picture.stats.covered_pixels >= covered);
+    made_gl_end(&m);
+}
+
+void test_gl_survives_failing_memory(test_state* test)
+{
+    static uint8_t whole[4 * PIXELS];
+    test_heap heap = TEST_HEAP(-1);
+    made_gl m;
+    if (!begin(test, &m, NULL, &heap)) {
+        return;
+    }
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    memcpy(whole, m.pixels, sizeof(whole));
+    int failures = 0;
+    for (int fail = 0; fail < 200; ++fail) { // each allocation of making a renderer
+        heap.fail_at = heap.count + fail;
+        stp_result result = made_gl_renew(&m, NULL);
+        bool reached = heap.fail_at >= 0 && heap.count > heap.fail_at;
+        heap.fail_at = -1;
+        CHECK(result == STP_OK || (reached && m.renderer == NULL));
+        failures += result != STP_OK ? 1 : 0;
+        if (!reached) {
+            break;
+        }
+    }
+    CHECK(failures > 3);
+    m.picture.style.supersample = 2; // and of the first frame after that
+    for (int fail = 0; fail < 200; fail += 1 + fail / 4) {
+        heap.fail_at = heap.count + fail;
+        stp_result result = made_gl_draw(&m);
+        bool reached = heap.count > heap.fail_at;
+        heap.fail_at = -1;
+        CHECK(result == STP_OK || (reached && result == STP_ERROR_OUT_OF_MEMORY));
+        if (!reached) {
+            break;
+        }
+    }
+    m.picture.style.supersample = 1;
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK_EQUAL(0, made_count_different(whole, m.pixels, 0));
+    made_gl_end(&m);
+    CHECK_EQUAL(0, heap.live_bytes);
+}
+
+void test_gl_warm_frames_allocate_nothing(test_state* test)
+{
+    test_heap heap = TEST_HEAP(-1);
+    made_gl m;
+    if (!begin(test, &m, NULL, &heap)) {
+        return;
+    }
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    int before = heap.count;
+    for (int i = 0; i < 20; ++i) {
+        m.picture.view.eye.x = 0.001 * i;
+        CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    }
+    CHECK_EQUAL(before, heap.count);
+    made_gl_end(&m);
+}

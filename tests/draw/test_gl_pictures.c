@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: MIT
+// Pictures that OpenGL draws are those of the processor, whatever is drawn and however.
+#include "tests.h"
+
+#include "base/rng.h"
+#include "draw/gl/renderer.h"
+#include "draw/support_gl.h"
+#include "store/support_mesh.h"
+
+#include <string.h>
+
+enum { PIXELS = PICTURE_SIDE * PICTURE_SIDE, POINTS = 2000, MOST_CALLS = 8 };
+
+/// Draws both, and compares.
+static void compare(test_state* test, made_gl* m)
+{
+    CHECK_EQUAL(STP_OK, made_picture_draw(&m->picture));
+    uint64_t covered = m->picture.stats.covered_pixels, splats = m->picture.stats.splats;
+    CHECK(covered > 300);
+    CHECK_EQUAL(STP_OK, made_gl_draw(m));
+    uint64_t more = m->picture.stats.covered_pixels;
+    CHECK_EQUAL(splats, m->picture.stats.splats);
+    CHECK(more + 4 >= covered && covered + 4 >= more);
+    CHECK(m->picture.stats.draw_calls >= 1 && m->picture.stats.draw_calls <= MOST_CALLS);
+    int different = made_count_different(m->pixels, m->picture.pixels, 6);
+    CHECK(different <= PIXELS / 100);
+}
+
+static bool begin(test_state* test, made_gl* m, void (*add)(made_picture* p))
+{
+    bool failed;
+    if (made_gl_begin_with(m, add, NULL, NULL, &failed)) {
+        return true;
+    }
+    made_gl_end(m);
+    test->failed = failed ? 1 : 0;
+    test->skipped = failed ? NULL : "there is no OpenGL";
+    return false;
+}
+
+void test_gl_pictures_are_those_of_the_processor_in_every_style(test_state* test)
+{
+    static const stp_draw_style styles[] = {
+        {.supersample = 1},
+        {.headlight = true, .background = true, .background_color = {30, 90, 200}},
+        {.supersample = 2, .background = true, .background_color = {9, 9, 9}},
+        {.splat_scale = 0.5f},
+        {.eye_dome = 1.0f},
+        {.ambient_occlusion = 0.5f},
+        {.supersample = 2, .eye_dome = 1.0f, .background = true},
+    };
+    made_gl m;
+    if (!begin(test, &m, NULL)) {
+        return;
+    }
+    m.picture.quality.splat_size = 3;
+    for (size_t i = 0; i < sizeof(styles) / sizeof(styles[0]) && !test->failed; ++i) {
+        m.picture.style = styles[i];
+        compare(test, &m);
+    }
+    made_gl_end(&m);
+}
+
+void test_gl_pictures_have_two_eyes(test_state* test)
+{
+    made_gl m;
+    if (!begin(test, &m, NULL)) {
+        return;
+    }
+    m.picture.view.eye_distance = 0.4;
+    m.picture.quality.splat_size = 2;
+    compare(test, &m);
+    m.picture.style.supersample = 2;
+    compare(test, &m);
+    int different = 0; // the eyes do not see the same
+    for (int y = 0; y < PICTURE_SIDE; ++y) {
+        const uint8_t* row = m.pixels + (size_t)4 * PICTURE_SIDE * (size_t)y;
+        different += memcmp(row, row + 2 * PICTURE_SIDE, 2 * PICTURE_SIDE) != 0 ? 1 : 0;
+    }
+    CHECK(different > PICTURE_SIDE / 4);
+    made_gl_end(&m);
+}
+
+void test_gl_pictures_accumulate(test_state* test)
+{
+    made_gl m;
+    if (!begin(test, &m, NULL)) {
+        return;
+    }
+    stp_image image = {PICTURE_SIDE, PICTURE_SIDE, m.pixels};
+    made_picture* p = &m.picture;
+    p->style.supersample = 2;
+    for (uint32_t i = 1; i <= 6; ++i) {
+        CHECK_EQUAL(STP_OK, made_picture_accumulate(p));
+        CHECK_EQUAL(STP_OK, stp_renderer_accumulate(m.renderer, &p->view, &p->quality, &p->style,
+                                                    &p->list, &image, &p->stats));
+        CHECK_EQUAL(i < 4 ? i : 4, p->stats.samples);
+        CHECK(made_count_different(m.pixels, p->pixels, 6) <= PIXELS / 100);
+    }
+    p->view.eye.x += 0.1; // it no longer rests
+    CHECK_EQUAL(STP_OK, stp_renderer_accumulate(m.renderer, &p->view, &p->quality, &p->style,
+                                                &p->list, &image, &p->stats));
+    CHECK_EQUAL(1, p->stats.samples);
+    made_gl_end(&m);
+}
+
+/// What both backends draw of one list.
+static void compare_list(test_state* test, made_gl* m)
+{
+    made_picture* p = &m->picture;
+    stp_image image = {PICTURE_SIDE, PICTURE_SIDE, m->pixels};
+    CHECK_EQUAL(STP_OK, stp_renderer_draw(p->renderer, &p->view, &p->list, &p->style, &p->image,
+                                          &p->stats));
+    uint64_t covered = p->stats.covered_pixels;
+    CHECK_EQUAL(STP_OK,
+                stp_renderer_draw(m->renderer, &p->view, &p->list, &p->style, &image, &p->stats));
+    CHECK(covered > 100 && p->stats.covered_pixels + 4 >= covered);
+    CHECK(made_count_different(m->pixels, p->pixels, 6) <= PIXELS / 100);
+}
+
+void test_gl_pictures_have_sections_and_ghosts(test_state* test)
+{
+    made_gl m;
+    if (!begin(test, &m, NULL)) {
+        return;
+    }
+    made_picture* p = &m.picture;
+    p->view.sections.count = 2;
+    p->view.sections.planes[0] = (stp_section_plane){{1, 0.4, 0}, 0.5};
+    p->view.sections.planes[1] = (stp_section_plane){{0, 0, 1}, 0.3};
+    for (int parallel = 0; parallel < 2 && !test->failed; ++parallel) {
+        p->view.ortho_height = parallel != 0 ? 4.0 : 0.0;
+        p->quality.splat_size = 3;
+        CHECK_EQUAL(STP_OK, stp_select(p->context, p->store, &p->view, &p->quality, &p->list));
+        compare_list(test, &m);
+        for (size_t i = 0; i < p->list.count; ++i) {
+            p->list.items[i].ghost = i % 2 == 0;
+        }
+        compare_list(test, &m);
+    }
+    made_gl_end(&m);
+}
+
+static uint8_t texels[3][4 * 16 * 16];
+
+/// Squares with every kind of material that triangles have.
+static void add_materials(made_picture* p)
+{
+    static const int16_t normals[] = {0, 0, 9000, 0, 0, 12000, -9000, 4000};
+    static const uint16_t colors[] = {65535, 0,     0,     65535, 0,     65535, 0,     20000,
+                                      0,     20000, 65535, 50000, 40000, 40000, 65535, 65535};
+    made_scene* s = &p->scene;
+    for (size_t i = 0; i < 16 * 16; ++i) {
+        for (size_t t = 0; t < 3; ++t) {
+            uint64_t bits = stp_rng_hash(t, i);
+            memcpy(texels[t] + 4 * i, &bits, 4);
+        }
+        texels[0][4 * i + 3] = (i % 16 + i / 16) % 8 < 4 ? 255 : 0;
+    }
+    s->texture_count = 3;
+    for (uint32_t t = 0; t < 3; ++t) {
+        s->textures[t] = (stp_store_texture){
+            .width = 16, .height = 16, .wrap_u = t, .wrap_v = 2 - t, .texels = texels[t]};
+    }
+    s->textures[2].nearest = 1;
+    s->material_count = 5;
+    for (uint32_t i = 0; i < 5; ++i) {
+        s->materials[i] = made_material();
+        s->materials[i].base_color_texture.texture = i > 0 ? (i - 1) % 3 : STP_STORE_NONE;
+        s->materials[i].base_color_texture.transform[0][0] = 1.7f;
+        s->materials[i].metallic = 0.5f;
+    }
+    s->materials[1].alpha = STP_STORE_MASK;
+    s->materials[2].alpha = STP_STORE_BLEND;
+    s->materials[3].metallic_roughness_texture.texture = 1;
+    s->materials[4].emissive_texture.texture = 2;
+    s->materials[4].emissive[0] = s->materials[4].emissive[1] = 0.4f;
+    static const stp_vec3d places[] = {
+        {-1, 1, 0}, {1, 1, 0.5}, {0, 0, -1}, {-1, -1, 0.4}, {1, -1, 0}};
+    for (uint32_t i = 0; i < 5; ++i) {
+        made_picture_add(p, 0.3 * (double)i - 0.5, places[i], NULL);
+        s->meshes[i].material = i;
+        s->meshes[i].normals = i % 2 == 0 ? normals : NULL;
+        s->meshes[i].colors = i > 1 ? colors : NULL;
+    }
+}
+
+void test_gl_pictures_have_materials(test_state* test)
+{
+    made_gl m;
+    if (!begin(test, &m, add_materials)) {
+        return;
+    }
+    compare(test, &m);
+    CHECK(m.picture.stats.draw_calls >= 2);     // of those whose fragments are looked at, one more
+    m.picture.view.eye = (stp_vec3d){2, 1, 12}; // from afar: smaller levels
+    m.picture.style.supersample = 2;
+    compare(test, &m);
+    made_gl_end(&m);
+}
+
+static made_mesh wave;
+static stp_coded_mesh coded;
+
+/// A sheet of clusters with all that vertices can have.
+static void add_clusters(made_picture* p)
+{
+    made_scene* s = &p->scene;
+    if (!made_mesh_create(MADE_WAVE, 30, MADE_NORMALS | MADE_COLORS | MADE_TEXCOORDS, &wave)) {
+        return;
+    }
+    stp_store_mesh mesh = made_mesh_view(&wave);
+    stp_box box = stp_box_empty();
+    for (uint32_t i = 0; i < wave.vertex_count; ++i) {
+        const float* at = wave.positions + 3 * (size_t)i;
+        stp_box_add(&box, (stp_vec3){at[0], at[1], at[2]});
+    }
+    add_materials(p);
+    s->node_count = s->edge_count = s->part_count = s->mesh_count = 0;
+    if (stp_clusters_encode(p->context, &mesh, 1.0 / 1024, &coded) != STP_OK) {
+        return;
+    }
+    mesh.bounds = coded.bounds;
+    mesh.material = 3;
+    made_picture_add(p, 0.2, (stp_vec3d){0, 0, 0}, NULL);
+    s->meshes[0] = mesh;
+    s->nodes[0].triangle_count = mesh.triangle_count;
+    s->nodes[0].bounds =
+        (stp_boxd){stp_to_double(coded.bounds.min), stp_to_double(coded.bounds.max)};
+    s->coded_meshes = &coded;
+    stp_vec3 middle = {0.5f * (box.min.x + box.max.x), 0.5f * (box.min.y + box.max.y),
+                       0.5f * (box.min.z + box.max.z)};
+    double size = (double)(box.max.x - box.min.x); // it lies flat
+    p->view.target = (stp_vec3d){(double)middle.x, (double)middle.y, (double)middle.z};
+    p->view.eye =
+        (stp_vec3d){(double)middle.x, (double)middle.y - 0.4 * size, (double)middle.z + 1.2 * size};
+}
+
+void test_gl_pictures_have_clusters(test_state* test)
+{
+    made_gl m;
+    wave = (made_mesh){0};
+    coded = (stp_coded_mesh){0};
+    if (begin(test, &m, add_clusters)) {
+        compare(test, &m);
+        m.picture.view.fov_degrees = 12; // some clusters are outside
+        compare(test, &m);
+        stp_coded_mesh_destroy(m.picture.context, &coded);
+        made_gl_end(&m);
+    }
+    made_mesh_destroy(&wave);
+}
+
+/// Two sets of points: with colours and normals, and with neither.
+static void add_points(made_picture* p)
+{
+    static float positions[3 * POINTS];
+    static int16_t normals[2 * POINTS];
+    static uint8_t colors[4 * POINTS];
+    made_scene* s = &p->scene;
+    for (uint32_t i = 0; i < 3 * POINTS; ++i) {
+        positions[i] = (float)(stp_rng_hash(1, i) >> 40) / 8388608.0f - 1.0f;
+    }
+    for (uint32_t i = 0; i < 4 * POINTS; ++i) {
+        colors[i] = (uint8_t)(i % 4 == 3 ? 255 : stp_rng_hash(2, i / 64));
+    }
+    for (uint32_t i = 0; i < 2 * POINTS; ++i) {
+        normals[i] = (int16_t)(stp_rng_hash(3, i) >> 48);
+    }
+    s->materials[0].flags = 0;
+    for (uint32_t i = 0; i < 2; ++i) {
+        s->point_sets[i] = (stp_store_point_set){.point_count = POINTS,
+                                                 .bounds = {{-1, -1, -1}, {1, 1, 1}},
+                                                 .positions = positions,
+                                                 .normals = i == 0 ? normals : NULL,
+                                                 .colors = i == 0 ? colors : NULL};
+        s->parts[i] = (stp_store_part){STP_STORE_PART_POINTS, i};
+        s->nodes[i] = (stp_store_node){.first_part = i,
+                                       .part_count = 1,
+                                       .surfels = STP_STORE_NONE,
+                                       .point_count = POINTS,
+                                       .bounds = {{-1, -1, -1}, {1, 1, 1}}};
+        s->edges[i] = (stp_store_edge){i, stp_affine_identity()};
+        s->edges[i].transform.m[0][3] = i == 0 ? -0.8 : 0.8;
+    }
+    s->point_set_count = s->part_count = s->node_count = s->edge_count = 2;
+}
+
+void test_gl_pictures_have_points(test_state* test)
+{
+    made_gl m;
+    if (!begin(test, &m, add_points)) {
+        return;
+    }
+    compare(test, &m);
+    m.picture.view.ortho_height = 4;
+    compare(test, &m);
+    made_gl_end(&m);
+}
+
+void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
+{
+    made_gl m;
+    if (!begin(test, &m, NULL)) {
+        return;
+    }
+    made_picture* p = &m.picture;
+    gl_renderer* r = (gl_renderer*)m.renderer;
+    static uint8_t kept[4 * PIXELS];
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    p->style.background = true;
+    for (int i = 0; i < 10; ++i) { // without waiting
+        CHECK_EQUAL(STP_OK, stp_renderer_draw_selected(m.renderer, &p->view, &p->quality, &p->style,
+                                                       &p->list, NULL, &p->stats));
+    }
+    CHECK(p->stats.draw_ms > 0 && p->stats.shade_ms > 0);
+    r->gl.GetTextureImage(stp_draw_gl_texture(m.renderer), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                          sizeof(kept), kept);
+    CHECK(made_count_different(kept, m.pixels, 6) > 100);
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK_EQUAL(0, made_count_different(kept, m.pixels, 0));
+    made_gl_end(&m);
+}
+
+void test_gl_depth_is_that_of_the_processor(test_state* test)
+{
+    made_gl m;
+    if (!begin(test, &m, NULL)) {
+        return;
+    }
+    for (int eyes = 1; eyes <= 2 && !test->failed; ++eyes) {
+        m.picture.view.eye_distance = eyes > 1 ? 0.3 : 0.0;
+        compare(test, &m);
+        const float* cpu = stp_renderer_depth(m.picture.renderer);
+        const float* gl = stp_renderer_depth(m.renderer);
+        int different = 0;
+        CHECK(cpu != NULL && gl != NULL && stp_renderer_depth(m.renderer) == gl);
+        for (int i = 0; i < PIXELS; ++i) {
+            float step = cpu[i] - gl[i];
+            different += step > 1e-4f * cpu[i] || -step > 1e-4f * cpu[i] ? 1 : 0;
+        }
+        CHECK(different <= PIXELS / 200);
+    }
+    made_gl_end(&m);
+}
