@@ -314,7 +314,7 @@ static void place_item(gl_renderer* r, uint32_t index, uint32_t pattern)
     item->near_shift = where.near_shift;
     item->nearness_limit = where.camera.nearness_limit;
     item->footprint = 1.0f / (where.camera.pixel_scale * where.scale);
-    item->cut_slack = item->kind == KIND_SURFELS ? placed->step * where.scale : 0.0f;
+    item->cut_slack = item->kind == KIND_SURFELS ? 0.5f * placed->step * where.scale : 0.0f;
     item->seed = stp_placement_seed(placed->draw) + pattern * 0x9E3779B1u;
     if (item->kind != KIND_MESH) {
         place_splats(r, placed, &where, item);
