@@ -12,7 +12,6 @@
 #define EGL_FUNCTIONS(X)                                                                           \
     X(PFNEGLGETPROCADDRESSPROC, eglGetProcAddress)                                                 \
     X(PFNEGLINITIALIZEPROC, eglInitialize)                                                         \
-    X(PFNEGLTERMINATEPROC, eglTerminate)                                                           \
     X(PFNEGLBINDAPIPROC, eglBindAPI)                                                               \
     X(PFNEGLCREATECONTEXTPROC, eglCreateContext)                                                   \
     X(PFNEGLDESTROYCONTEXTPROC, eglDestroyContext)                                                 \
@@ -80,7 +79,7 @@ static void let_go(const egl* e, stp_headless* headless)
         if (headless->context != EGL_NO_CONTEXT) {
             e->eglDestroyContext(headless->display, headless->context);
         }
-        e->eglTerminate(headless->display);
+        // the display stays: its end would unload the driver, which then has lost what it keeps
     }
     headless->display = EGL_NO_DISPLAY;
     headless->context = EGL_NO_CONTEXT;
