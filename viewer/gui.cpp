@@ -104,6 +104,7 @@ bool make_font_texture()
     }
     SDL_UpdateTexture(font_texture, nullptr, pixels, 4 * width);
     SDL_SetTextureBlendMode(font_texture, SDL_BLENDMODE_BLEND);
+    SDL_SetTextureScaleMode(font_texture, SDL_ScaleModeLinear);
     ImGui::GetIO().Fonts->SetTexID(font_texture);
     return true;
 }
@@ -172,12 +173,19 @@ void gui_take_event(const SDL_Event* event)
     ImGui_ImplSDL2_ProcessEvent(event);
 }
 
-void gui_begin_frame(void)
+void gui_begin_frame(int width, int height, float density)
 {
     if (software == nullptr) {
         ImGui_ImplOpenGL3_NewFrame();
     }
     ImGui_ImplSDL2_NewFrame();
+    // all that is said here is in pixels, also where the window's units are larger
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = ImVec2(float(width), float(height));
+    io.DisplayFramebufferScale = ImVec2(1.0f, 1.0f);
+    if (ImGui::IsMousePosValid(&io.MousePos)) {
+        io.MousePos = ImVec2(io.MousePos.x * density, io.MousePos.y * density);
+    }
     ImGui::NewFrame();
 }
 
@@ -271,8 +279,9 @@ void gui_dialog_begin(const char* name, float x, float y, float width)
     ImGui::SetNextWindowSize(ImVec2(width, 0.0f)); // as high as needed
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 8.0f * ui_scale);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(20 * ui_scale, 16 * ui_scale));
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
     ImGui::Begin(name, nullptr, fixed_flags);
-    ImGui::PopStyleVar(2);
+    ImGui::PopStyleVar(3);
     ImGui::PushItemWidth(-0.42f * width);
 }
 

@@ -22,7 +22,8 @@ union SDL_Event;
 bool gui_create(struct SDL_Window* window, void* gl, struct SDL_Renderer* renderer, float scale);
 void gui_destroy(void);
 void gui_take_event(const union SDL_Event* event);
-void gui_begin_frame(void);
+/// Of a window of so many pixels, `density` of them a unit of its mouse.
+void gui_begin_frame(int width, int height, float density);
 /// Draws what was said since gui_begin_frame.
 void gui_end_frame(void);
 /// Whether a panel has the mouse, or a text field the keys.

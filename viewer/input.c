@@ -194,7 +194,9 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
     if (control) {
         v->quits = v->quits || key == SDLK_q;
         if (key == SDLK_f) {
-            v->settings.parts = v->shows_panels = v->finds = true;
+            v->settings.parts = false;
+            panels_switch_parts(v);
+            v->finds = true;
         }
         return;
     }
@@ -221,6 +223,9 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
     case SDLK_ESCAPE:
         if (v->shows_help) {
             v->shows_help = false;
+        } else if (v->message_is_error && v->scene != NULL) {
+            v->message[0] = 0; // it was read
+            v->message_is_error = false;
         } else if (v->measure.on) {
             v->measure.on = false;
         } else if (v->explorer != NULL) {
@@ -231,8 +236,7 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
         v->shows_panels = !v->shows_panels;
         break;
     case SDLK_p:
-        v->settings.parts = !v->settings.parts;
-        v->shows_panels = true;
+        panels_switch_parts(v);
         break;
     case SDLK_F2:
         toggle_page(v, PAGE_STATISTICS);

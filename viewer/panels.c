@@ -81,6 +81,16 @@ static bool has_parts(const viewer* v)
     return v->shows_panels && v->settings.parts && (room || !has_page(v));
 }
 
+void panels_switch_parts(viewer* v)
+{
+    bool shown = has_parts(v);
+    v->settings.parts = !shown;
+    v->shows_panels = true;
+    if (!shown && !has_parts(v)) { // there is no room for both
+        v->settings.page = PAGE_NONE;
+    }
+}
+
 viewer_area panels_layout(const viewer* v)
 {
     float width = (float)v->window.width, height = (float)v->window.height;
@@ -112,8 +122,8 @@ static void show_bar(viewer* v)
     }
     width += gui_text_width("Help") + 16.0f * scale;
     gui_right_aligned(width);
-    if (gui_toggle("Parts", v->settings.parts, "The tree of parts (P)")) {
-        v->settings.parts = !v->settings.parts;
+    if (gui_toggle("Parts", has_parts(v), "The tree of parts (P)")) {
+        panels_switch_parts(v);
     }
     gui_same_line();
     for (int i = 0; i < PAGES; ++i) {
@@ -218,6 +228,8 @@ static void show_waiting(viewer* v)
         gui_faint("Drop another file onto the window");
     } else if (v->file[0] == 0) {
         gui_text("Drop a model or a .stip file onto the window");
+    } else if (v->scene != NULL && v->shown_file_number == v->file_number) {
+        gui_text("Drawing the first picture of %s", file_name(v));
     } else {
         double part = v->news.overall >= 0.0 ? v->news.overall : v->news.fraction;
         char text[96];

@@ -147,8 +147,17 @@ void parts_show(viewer* v, float x, float y, float width, float height)
         gui_focus_next();
         v->finds = false;
     }
-    if (gui_input("##search", "Search names and ids", v->search, sizeof(v->search), NULL)) {
+    bool entered = false;
+    if (gui_input("##search", "Search names and ids", v->search, sizeof(v->search), &entered)) {
         explorer_search(e, v->search);
+    }
+    v->enters = v->enters || (entered && v->search[0] != 0);
+    if (v->enters && !explorer_works(e)) { // the first that was found
+        v->enters = false;
+        if (e->found_count > 0) {
+            explorer_choose(e, &e->found[0].item, false);
+            camera_frame(v);
+        }
     }
     float details = 13.0f * (gui_text_height() + gui_gap()) + 2.0f * gui_line_height();
     details = details < 0.55f * height ? details : 0.55f * height;

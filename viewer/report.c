@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What is shown, as JSON in a file: for tests, and for programs that steer the viewer.
+#include "gui.h"
 #include "parts.h"
 
 #include "base/clock.h"
@@ -53,12 +54,13 @@ static json_t* describe_tools(const viewer* v)
         json_array_append_new(points, vector(v->measure.points[i]));
     }
     stp_sections sections = section_make(v);
-    return json_pack(
-        "{s:s, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:s, s:b, s:s}", "chosen", chosen, "rows",
-        e != NULL ? (int)e->row_count : 0, "found", e != NULL ? (int)e->found_count : 0, "marks",
-        e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count, "measures",
-        (int)v->measure.on, "points", points, "views", (int)v->views.count, "current_view",
-        v->current_view, "records", (int)v->record.on, "shot", v->last_shot);
+    return json_pack("{s:s, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:s, s:b, s:s, s:b}", "chosen",
+                     chosen, "rows", e != NULL ? (int)e->row_count : 0, "found",
+                     e != NULL ? (int)e->found_count : 0, "marks",
+                     e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count,
+                     "measures", (int)v->measure.on, "points", points, "views", (int)v->views.count,
+                     "current_view", v->current_view, "records", (int)v->record.on, "shot",
+                     v->last_shot, "types", (int)gui_wants_keys());
 }
 
 static json_t* describe(const viewer* v)

@@ -96,6 +96,7 @@ typedef struct viewer {
     explorer* explorer;   ///< of `scene`; NULL: none
     uint64_t marks_version;
     char search[128];
+    bool enters;     ///< the first that is found is to be chosen
     bool finds;      ///< the keys go to the search
     bool has_picked; ///< something was clicked since the scene came
     stp_pick picked;
@@ -155,6 +156,7 @@ void input_destroy(viewer* v);
 /// Where the panels leave room for the picture.
 viewer_area panels_layout(const viewer* v);
 void panels_show(viewer* v);
+void panels_switch_parts(viewer* v);
 
 // pages.c
 void page_statistics(viewer* v);

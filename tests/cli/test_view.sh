@@ -114,7 +114,7 @@ same()
 as_seen()
 {
     # shellcheck disable=SC2046
-    "$stipple" render "$2" -o "$1" $(python3 "$here/view_report.py" report.json) --supersample 2 --splat-size 1 \
+    "$stipple" render "$2" --backend cpu -o "$1" $(python3 "$here/view_report.py" report.json) --supersample 2 --splat-size 1 \
         --background dbe0e6 -q || fail "$2 cannot be rendered"
 }
 
@@ -227,6 +227,19 @@ xdotool key u Escape
 wait_until 'r["rests"] and tools["marks"] == 0 and tools["chosen"] == ""'
 shot shown.png
 same shown.png all_parts.png 0.999
+# a part is found by its name
+xdotool key ctrl+f
+wait_until 'tools["types"]'
+xdotool type "BOX 15"
+wait_until 'tools["found"] == 1'
+xdotool key Return
+wait_until 'tools["chosen"].endswith("box 15") and r["rests"]'
+xdotool key Escape # out of the field
+wait_until 'not tools["types"]'
+xdotool key Tab
+wait_until 'r["rests"] and not r["panels"] and picture["width"] == 640'
+xdotool key Home
+wait_until 'r["rests"] and near(camera["reach"], k["camera"]["reach"]) and tools["chosen"] == ""'
 # a section through the middle
 xdotool key k
 wait_until 'r["rests"] and tools["section_planes"] == 6'
@@ -257,7 +270,7 @@ xdotool keydown d
 wait_until 'distance(camera["eye"], k["camera"]["eye"]) > 0.05'
 xdotool keyup d key r
 wait_until 'not tools["records"] and r["rests"]'
-"$stipple" fly scene:boxes --path pictures/Stipple/boxes-001.flight.json --size 64x48 --frames 3 --json -q > fly.json ||
+"$stipple" fly scene:boxes --path pictures/Stipple/boxes-001.flight.json --backend cpu --size 64x48 --frames 3 --json -q > fly.json ||
     fail "the recorded flight cannot be flown"
 # OpenGL draws the same, where it is to be had
 shot processor.png
@@ -314,7 +327,7 @@ close_viewer
 open_viewer ball.obj --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"] and tools["views"] == 1'
 close_viewer
-"$stipple" render ball.obj --view "View 1" -o view.png --size 64x64 -q || fail "the viewpoint cannot be rendered"
+"$stipple" render ball.obj --view "View 1" --backend cpu -o view.png --size 64x64 -q || fail "the viewpoint cannot be rendered"
 # without OpenGL
 open_viewer ball.obj --backend cpu --software-window
 wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
