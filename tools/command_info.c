@@ -3,6 +3,7 @@
 // stipple info: what a .stip file, or a model, holds.
 #include "command.h"
 #include "describe.h"
+#include "find_report.h"
 #include "scene_file.h"
 
 #include "build/census.h"
@@ -13,12 +14,18 @@
 
 static struct {
     uint64_t memory;
+    const char* find;
     bool json;
 } args;
 
 static const option* options(void)
 {
     static const option table[] = {
+        {.name = "find",
+         .type = OPTION_TEXT,
+         .argument = "TEXT",
+         .help = "list the objects of a .stip whose name or id contains a text, whatever the case",
+         .value = &args.find},
         OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
         {0},
@@ -51,6 +58,18 @@ static int print_store(stp_context* context, const char* path)
     scene_figures figures;
     stp_result described = describe_store(context, store, &figures);
     int code = print_figures(path, described, &figures);
+    stp_store_close(store);
+    return code;
+}
+
+static int print_found(stp_context* context, const char* path)
+{
+    stp_store* store = NULL;
+    stp_store_open_desc desc = {.defer_objects = true};
+    if (stp_store_open_with(context, path, &desc, &store) != STP_OK) {
+        return 1;
+    }
+    int code = find_print(context, store, args.find, args.json);
     stp_store_close(store);
     return code;
 }
@@ -95,11 +114,17 @@ static int run(int argc, char** argv)
     if (argc != 1) {
         return tool_usage_error("info needs one file, and got %d", argc);
     }
+    bool stored = is_store(argv[0]);
+    if (args.find != NULL && !stored) {
+        return tool_usage_error("--find looks into .stip files; %s is to be built first", argv[0]);
+    }
     stp_context* context = tool_context_create(0, args.memory, "none");
     if (context == NULL) {
         return 1;
     }
-    int code = is_store(argv[0]) ? print_store(context, argv[0]) : print_model(context, argv[0]);
+    int code = args.find != NULL ? print_found(context, argv[0])
+               : stored          ? print_store(context, argv[0])
+                                 : print_model(context, argv[0]);
     stp_context_destroy(context);
     return code;
 }
@@ -117,6 +142,10 @@ const command command_info = {
         "A part is an object below the uppermost one, or below what that holds alone, and so "
         "on; beyond 64, the smallest are one part, \"others\". An object is what the input calls "
         "one thing with a shape.\n"
+        "\n"
+        "--find prints a line for each object that the text finds, up to 1,000: its number (for "
+        "--hide and the like of render), what is below it, and its path; with --json one object, "
+        "\"found\".\n"
         "\n"
         "Of a .stip file only its first pages are read, however large it is (files of version "
         "1.0: the directory); a model is imported, but not built.",

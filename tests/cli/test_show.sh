@@ -120,6 +120,17 @@ show street.stip -o v.png --size 120x40 --view cut 2> err
 [ $? -eq 1 ] && grep -q "street.views.json: line" err || fail "a broken sidecar: $(cat err)"
 show street.stip -o v.png --size 120x40 --view front || fail "a broken sidecar is in the way of others"
 
+# objects by parts of their names
+"$stipple" info street.stip --find DOO > found 2> err || fail "find: $(cat err)"
+[ "$(wc -l < found)" -eq 2 ] && grep -q "left/room/door" found && grep -q "right/room/door" found || fail "finds $(cat found)"
+"$stipple" info street.stip --find roo --json > pick.json || fail "find as JSON"
+same 'len(p["found"]) == 2 and p["found"][0]["name"] == "room" and p["found"][0]["triangles"] == 4 and not p["more"]'
+same 'p["found"][1]["children"] == 1 and p["found"][1]["index"] == 5'
+"$stipple" info street.stip --find nowhere > found || fail "finding nothing is no failure"
+[ ! -s found ] || fail "finds what is not there"
+"$stipple" info street.gltf --find door 2> err
+[ $? -eq 2 ] || fail "--find of a model"
+
 # a flight shows the same
 echo '{"keys": [{"t": 0, "eye": [0, 0, 9], "target": [0, 0, 0]}, {"t": 0.05, "eye": [0, 0, 8], "target": [0, 0, 0]}]}' > f.json
 "$stipple" fly street.stip --backend cpu --path f.json -o frames/ --size 60x40 --frames 2 --hide wall --section x:0 -q > /dev/null 2> err ||

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "find_report.h"
+
+#include "tool.h"
+
+#include "store/outline.h"
+
+#include <stdio.h>
+
+enum { PATH_ROOM = 4096, AT_ONCE = 64, SLICE = 100000 };
+
+static json_t* pack_text(const char* text)
+{
+    json_t* json = text != NULL ? json_string(text) : json_null();
+    return json != NULL ? json : json_string("?"); // it is not UTF-8
+}
+
+/// Prints an object, or adds it to the list.
+static stp_result tell(stp_outline* outline, uint32_t object, json_t* list)
+{
+    stp_outline_item item;
+    stp_outline_row row;
+    char path[PATH_ROOM];
+    stp_result result = stp_outline_item_of(outline, object, &item);
+    result = result == STP_OK ? stp_outline_describe(outline, &item, &row) : result;
+    result = result == STP_OK ? stp_outline_path(outline, &item, path, sizeof(path)) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    if (list == NULL) {
+        printf("#%u\t%llu triangles, %llu points\t%s\n", object,
+               (unsigned long long)row.triangle_count, (unsigned long long)row.point_count, path);
+        return STP_OK;
+    }
+    json_t* json =
+        json_pack("{s:I, s:o, s:o, s:o, s:I, s:I, s:I}", "index", (json_int_t)object, "name",
+                  pack_text(row.name), "path", pack_text(path), "id", pack_text(row.id), "children",
+                  (json_int_t)row.child_count, "triangles", (json_int_t)row.triangle_count,
+                  "points", (json_int_t)row.point_count);
+    return json_array_append_new(list, json) == 0 ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
+}
+
+static stp_result find(stp_outline* outline, const char* text, json_t* list, bool* more)
+{
+    stp_outline_search search = stp_outline_search_begin(text);
+    uint32_t all = stp_outline_object_count(outline), told = 0;
+    bool ready;
+    stp_result result = stp_outline_prepare(outline, 0, &ready);
+    while (result == STP_OK && search.next < all && !*more) {
+        uint32_t objects[AT_ONCE], count;
+        result = stp_outline_search_on(outline, &search, SLICE, AT_ONCE, objects, &count);
+        for (uint32_t i = 0; i < count && result == STP_OK && !*more; ++i) {
+            *more = told == FIND_MOST;
+            result = *more ? STP_OK : tell(outline, objects[i], list);
+            told += 1;
+        }
+    }
+    return result;
+}
+
+int find_print(stp_context* context, stp_store* store, const char* text, bool as_json)
+{
+    stp_outline* outline;
+    json_t* list = as_json ? json_array() : NULL;
+    bool more = false;
+    stp_result result = stp_outline_create(context, store, &outline);
+    if (result == STP_OK) {
+        result = find(outline, text, list, &more);
+    }
+    stp_outline_destroy(outline);
+    if (result != STP_OK) {
+        json_decref(list);
+        return 1;
+    }
+    if (as_json) {
+        json_t* json = json_pack("{s:o, s:b}", "found", list, "more", more);
+        return json != NULL ? tool_print_json(json) : tool_error("out of memory");
+    }
+    if (more) {
+        stp_warn(context, "more than %d objects are found; the others are not told", FIND_MOST);
+    }
+    return tool_finish_output(0);
+}

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// The objects of a scene that a text finds, one a line or as JSON.
+#pragma once
+
+#include "command.h"
+
+#include "store/store.h"
+
+enum { FIND_MOST = 1000 }; ///< objects told
+
+/// Prints objects whose name or id contains the text. @return the exit code, with the message printed
+int find_print(stp_context* context, stp_store* store, const char* text, bool as_json);
