@@ -57,6 +57,7 @@ void test_gl_shaders_are_glsl(test_state* test)
         {"triangle.frag.glsl", "#define KEEP\n" PAGES(2)},
         {"shade.comp.glsl", PAGES(2)},
         {"screen.vert.glsl", ""},
+        {"select.comp.glsl", ""},
         {"planes.comp.glsl", PAGES(2)},
         {"blend.vert.glsl", PAGES(2)},
         {"blend.vert.glsl", "#define LEAVES\n" PAGES(2)},

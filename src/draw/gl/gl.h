@@ -50,6 +50,7 @@
     X(PFNGLDEPTHRANGEPROC, DepthRange)                                                             \
     X(PFNGLDISABLEPROC, Disable)                                                                   \
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                   \
+    X(PFNGLDISPATCHCOMPUTEINDIRECTPROC, DispatchComputeIndirect)                                   \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                             \
     X(PFNGLDRAWARRAYSINDIRECTPROC, DrawArraysIndirect)                                             \
     X(PFNGLENABLEPROC, Enable)                                                                     \
