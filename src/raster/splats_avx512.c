@@ -153,13 +153,10 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
             mask &= hash_fragments(coverage, f->seed + index, dx, dy);
         }
         fragments += (uint64_t)__builtin_popcount(mask);
-        if ((mask & 255u) != 0) {
-            store_eight(pixel, (__mmask8)mask, _mm512_castsi512_si256(bits), id);
-        }
-        if (mask >> 8 != 0) {
-            store_eight(pixel + f->target->stride, (__mmask8)(mask >> 8),
-                        _mm512_extracti64x4_epi64(bits, 1), id);
-        }
+        // without asking whether there is anything: processors guess that wrong
+        store_eight(pixel, (__mmask8)mask, _mm512_castsi512_si256(bits), id);
+        store_eight(pixel + (y + 1 < box.y1 ? f->target->stride : 0), (__mmask8)(mask >> 8),
+                    _mm512_extracti64x4_epi64(bits, 1), id);
         pixel += 2 * f->target->stride;
     }
     return fragments;
