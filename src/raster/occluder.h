@@ -22,6 +22,7 @@ typedef struct stp_raster_occluder {
     float corner;        ///< distance over depth in a corner of the picture
     float near_distance; ///< nearness = near_distance / depth
     float behind;        ///< what hides counts as if so many times farther
+    float apart;         ///< and splats as if so many radii nearer
 } stp_raster_occluder;
 
 /// From the least nearness of each block.

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "raster/splats_blend.h"
 
-#include "raster/splats_kernel.h"
+#include "raster/splats_hidden.h"
 
-// How far from a pixel's plane a splat's may lie there, in radii, and the cosine of how far it may be turned. What lies farther
-// off is another thing, and what is turned is another side of it: walls do not run into the ground they stand on.
-#define AWAY 1.5f
+// The cosine of how far from a pixel's plane a splat's may be turned. What is turned farther is another side of a thing: walls
+// do not run into the ground they stand on.
 #define ALIKE 0.4f
 
 /// A batch that is being added.
@@ -71,24 +70,27 @@ static void blend_fragment(blend_batch* b, uint32_t i, int32_t x, int32_t y, flo
     const splat_batch* t = &b->t;
     size_t at = (size_t)y * b->blend->width + (size_t)x;
     stp_raster_plane* plane = &b->blend->planes[at];
+    if (!b->adds && plane->id != b->blend->first_id + b->first + i) {
+        return;
+    }
     bool tiny = t->kind[i] == SPLAT_PIXEL;
     float side = find_side(b->frame, nearness), inverse = 1.0f / side;
     float right = tiny ? NAN : t->gx[i] * inverse, down = tiny ? NAN : t->gy[i] * inverse;
     if (!b->adds) {
-        if (plane->id == b->blend->first_id + b->first + i) {
-            plane->nearness = nearness;
-            plane->right = right;
-            plane->down = down;
-        }
+        plane->nearness = nearness;
+        plane->right = right;
+        plane->down = down;
         return;
     }
-    float most = side * AWAY * (tiny ? 0.5f : t->radius[i]);
-    float apart = fabsf(nearness - plane->nearness);
+    float most = side * STP_BLEND_AWAY * (tiny ? 0.5f : t->radius[i]);
+    if (!(fabsf(nearness - plane->nearness) <= most)) {
+        return;
+    }
     float ray_x = ((float)x - b->frame->center_x) * b->frame->inverse_scale;
     float ray_y = ((float)y - b->frame->center_y) * b->frame->inverse_scale;
     bool turned = is_turned(find_normal(right, down, ray_x, ray_y),
                             find_normal(plane->right, plane->down, ray_x, ray_y));
-    if (apart <= most && !turned && has_fragment(b, i, x, y)) {
+    if (!turned && has_fragment(b, i, x, y)) {
         float inner = share > 0.0f ? share : 0.0f; // squared: nearly exp(-2 q), and 0 at the rim
         add_fragment(b, i, at, 1 + (uint32_t)((float)(STP_BLEND_WEIGHT - 1) * (inner * inner)));
     }
@@ -143,12 +145,16 @@ static void blend_all(const stp_raster_blend* blend, const stp_raster_camera* ca
         uint32_t left = splats->end - first;
         b.first = first;
         b.count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
+        if (splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0) {
+            continue;
+        }
         load_positions_scalar(&frame, first, b.count, &b.t);
         project_batch(&frame, &b.t);
+        pick_batch(&frame, &b.t, first, b.count);
         bool disks = false, any = false;
         for (uint32_t i = 0; i < b.count; ++i) {
             disks = disks || b.t.kind[i] == SPLAT_DISK;
-            any = any || b.t.kind[i] != SPLAT_NONE;
+            any = any || (b.t.kind[i] != SPLAT_NONE && b.t.kind[i] != SPLAT_HIDDEN);
         }
         if (disks) {
             if (splats->normals != NULL) {

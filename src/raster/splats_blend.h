@@ -19,6 +19,9 @@ enum {
 /// Sums of weights up to here are of colours that cannot have overflowed.
 #define STP_BLEND_LIMIT (UINT32_MAX / STP_BLEND_COLORS)
 
+/// How far from a pixel's plane a splat's may lie there, in radii. What lies farther off is another thing.
+#define STP_BLEND_AWAY 1.5f
+
 /// What a pixel shows.
 typedef struct stp_raster_plane {
     uint32_t id;    ///< of the splat that is visible; UINT32_MAX: none
@@ -41,10 +44,11 @@ typedef struct stp_raster_blend {
 } stp_raster_blend;
 
 /// Fills in the planes of pixels that show one of the splats. Those that are hundreds of pixels wide or close to the eye are
-/// left out, here and below. `splats` as for stp_raster_draw_splats, without occluder.
+/// left out, here and below. `splats` as for stp_raster_draw_splats, without occluder and `hidden`.
 void stp_raster_find_planes(const stp_raster_blend* blend, const stp_raster_camera* camera,
                             const stp_raster_splats* splats);
 
-/// Adds splats to the pixels whose planes they belong to.
+/// Adds splats to the pixels whose planes they belong to. An occluder may be made of the planes' nearness, where splats count as
+/// STP_BLEND_AWAY radii nearer.
 void stp_raster_blend_splats(const stp_raster_blend* blend, const stp_raster_camera* camera,
                              const stp_raster_splats* splats);

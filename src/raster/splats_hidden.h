@@ -20,6 +20,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
 {
     const stp_raster_occluder* o = f->splats->occluder;
     float right = o->width - 1.0f, bottom = o->height - 1.0f, inverse_scale = 1.0f / o->pixel_scale;
+    float apart = o->apart, half = 0.5f * inverse_scale; // splats count as half a pixel at least
     float wider = 1.1f * o->corner, near = o->near_distance, least = near * o->behind;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         float x = t->px[i], y = t->py[i], z = t->pz[i];
@@ -35,7 +36,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
         float ratio = radius * inverse_scale; // radius over depth
         float extent = radius * wider + 0.51f;
         // within a twelfth of its depth, 1 / (1 - ratio) is less than 1 + 1.1 ratio and than 1.1
-        k->nearest[i] = least * inverse * (1.0f + 1.1f * ratio);
+        k->nearest[i] = least * inverse * (1.0f + 1.1f * ratio) * (1.0f + apart * (ratio + half));
         float x0 = sx - extent, y0 = sy - extent, x1 = sx + extent, y1 = sy + extent;
         int32_t asked = (int32_t)(W > near) & (int32_t)(ratio < 0.08f) & (int32_t)(x1 >= 0.0f) &
                         (int32_t)(y1 >= 0.0f) & (int32_t)(x0 <= right) & (int32_t)(y0 <= bottom);

@@ -3,6 +3,8 @@
 
 #include "draw/cpu/shade.h"
 
+#include <string.h>
+
 static stp_result make_room(cpu_renderer* r)
 {
     cpu_blend* b = &r->blend;
@@ -22,11 +24,43 @@ static stp_result make_room(cpu_renderer* r)
     return STP_OK;
 }
 
+static stp_result make_bits(cpu_renderer* r)
+{
+    cpu_blend* b = &r->blend;
+    void* visible = b->visible;
+    stp_result result = cpu_grow(r->base.context, &visible, &b->visible_capacity, r->late_count,
+                                 sizeof(*b->visible));
+    b->visible = visible;
+    if (result == STP_OK && r->late_count > 0) {
+        memset(b->visible, 0, r->late_count * sizeof(*b->visible));
+    }
+    return result;
+}
+
+static uint32_t count_blocks(uint32_t pixels, uint32_t shift)
+{
+    return (pixels + (1u << shift) - 1) >> shift;
+}
+
+/// Room for blocks and windows, of which splats touch few.
+static stp_result make_blocks(cpu_renderer* r)
+{
+    cpu_blend* b = &r->blend;
+    b->block_shift = 3 + cpu_choose_level(r, &r->frame, STP_DEPTH_PYRAMID_LEVELS);
+    size_t columns = count_blocks(r->width, b->block_shift);
+    size_t count = columns * count_blocks(r->height, b->block_shift);
+    void* blocks = b->blocks;
+    stp_result result =
+        cpu_grow(r->base.context, &blocks, &b->block_capacity, 2 * count, sizeof(*b->blocks));
+    b->blocks = blocks;
+    return result;
+}
+
 /// The nearest of all workers' pixels; what is no splat's is not blended.
 static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const cpu_renderer* r = user;
-    uint32_t slot = 0;
+    uint32_t slot = 0, last = UINT32_MAX;
     (void)worker;
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         uint64_t pixel = STP_RASTER_EMPTY;
@@ -46,6 +80,13 @@ static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
             if (item->kind != STP_DRAW_MESH) {
                 r->blend.planes[at].id = id;
             }
+            if (item->kind == STP_DRAW_SURFELS && id != last) {
+                uint32_t index = id - item->first_id;
+                _Atomic uint16_t* visible = (_Atomic uint16_t*)r->blend.visible + item->late;
+                atomic_fetch_or_explicit(&visible[index / 16], (uint16_t)(1u << index % 16),
+                                         memory_order_relaxed);
+                last = id;
+            }
         }
     }
 }
@@ -53,6 +94,8 @@ static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
 stp_result cpu_find_visible(cpu_renderer* r)
 {
     stp_result result = make_room(r);
+    result = result == STP_OK ? make_bits(r) : result;
+    result = result == STP_OK ? make_blocks(r) : result;
     if (result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_rows, r);
     }
@@ -94,15 +137,72 @@ static void light_splats(void* user, uint32_t first, uint32_t count, const float
     }
 }
 
+/// The least nearness of planes in rows of blocks. What shows no splat is as near as can be: nothing is added there.
+static void find_blocks(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const cpu_renderer* r = user;
+    uint32_t shift = r->blend.block_shift, columns = count_blocks(r->width, shift);
+    (void)worker;
+    for (size_t row = begin; row < end; ++row) {
+        float* blocks = r->blend.blocks + row * columns;
+        size_t last = (row + 1) << shift;
+        last = last < r->height ? last : r->height;
+        for (uint32_t x = 0; x < columns; ++x) {
+            blocks[x] = FLT_MAX;
+        }
+        for (size_t y = row << shift; y < last; ++y) {
+            const stp_raster_plane* planes = r->blend.planes + y * r->width;
+            for (uint32_t x = 0; x < r->width; ++x) {
+                float* block = &blocks[x >> shift];
+                *block = planes[x].nearness < *block ? planes[x].nearness : *block;
+            }
+        }
+    }
+}
+
+/// What splats are behind of all planes that they meet: nothing of them is added anywhere.
+static void find_windows(cpu_renderer* r)
+{
+    uint32_t columns = count_blocks(r->width, r->blend.block_shift);
+    uint32_t rows = count_blocks(r->height, r->blend.block_shift);
+    stp_team_run(&r->team, rows, 1, find_blocks, r);
+    stp_raster_make_windows(r->blend.blocks, columns, rows,
+                            r->blend.blocks + (size_t)columns * rows);
+}
+
+static stp_raster_occluder make_occluder(const cpu_renderer* r, const cpu_item* item)
+{
+    static const float nowhere[3] = {0.0f, 0.0f, 0.0f};
+    uint32_t shift = r->blend.block_shift, columns = count_blocks(r->width, shift);
+    size_t count = (size_t)columns * count_blocks(r->height, shift);
+    stp_view_frame frame = r->frame;
+    double rows[3][4];
+    frame.center_x += r->shift_x;
+    frame.center_y += r->shift_y;
+    cpu_view_rows(&frame, &item->draw->transform, nowhere, rows);
+    stp_raster_occluder occluder =
+        cpu_make_occluder(&frame, (const double(*)[4])rows, &item->draw->transform,
+                          r->blend.blocks + count, columns, shift);
+    occluder.apart = STP_BLEND_AWAY;
+    return occluder;
+}
+
 void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats)
 {
     stp_raster_blend blend = {.width = r->width,
                               .height = r->height,
                               .planes = r->blend.planes,
                               .first_id = item->first_id};
+    stp_raster_splats asked = *splats;
     if (r->blend.stage == CPU_BLEND_PLANES) {
-        stp_raster_find_planes(&blend, &item->camera, splats);
+        asked.wanted = item->kind == STP_DRAW_SURFELS ? r->blend.visible + item->late : NULL;
+        stp_raster_find_planes(&blend, &item->camera, &asked);
         return;
+    }
+    stp_raster_occluder occluder;
+    if (item->kind == STP_DRAW_SURFELS && !r->frame.parallel) {
+        occluder = make_occluder(r, item);
+        asked.occluder = &occluder;
     }
     splat_lighter lighter;
     lighter.r = r;
@@ -112,7 +212,7 @@ void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_rast
     blend.sums = (_Atomic uint64_t*)r->blend.sums;
     blend.colors = light_splats;
     blend.user = &lighter;
-    stp_raster_blend_splats(&blend, &item->camera, splats);
+    stp_raster_blend_splats(&blend, &item->camera, &asked);
 }
 
 static void mix_rows(size_t begin, size_t end, uint32_t worker, void* user)
@@ -136,6 +236,7 @@ stp_result cpu_blend_splats(cpu_renderer* r)
 {
     r->blend.stage = CPU_BLEND_PLANES;
     stp_result result = cpu_draw_items(r, 0);
+    find_windows(r);
     r->blend.stage = CPU_BLEND_SPLATS;
     result = result == STP_OK ? cpu_draw_items(r, 0) : result;
     r->blend.stage = CPU_BLEND_NONE;
@@ -149,4 +250,6 @@ void cpu_destroy_blend(cpu_renderer* r)
 {
     stp_free(r->base.context, r->blend.planes);
     stp_free(r->base.context, r->blend.sums);
+    stp_free(r->base.context, r->blend.visible);
+    stp_free(r->base.context, r->blend.blocks);
 }

@@ -122,6 +122,11 @@ typedef struct cpu_blend {
     stp_raster_plane* planes;
     uint64_t* sums; ///< 2 a pixel
     size_t capacity;
+    uint16_t* visible; ///< a bit a surfel, as of those that are hidden (cpu_item.late)
+    size_t visible_capacity;
+    float* blocks; ///< the least nearness of planes, then the windows of an occluder
+    size_t block_capacity;
+    uint32_t block_shift; ///< 2^shift pixels a side
     /// What is done with splats instead of drawing them.
     enum { CPU_BLEND_NONE, CPU_BLEND_PLANES, CPU_BLEND_SPLATS } stage;
 } cpu_blend;
@@ -213,6 +218,16 @@ bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye);
 STP_MUST_USE stp_result cpu_prepare_occluder(cpu_renderer* r);
 /// Makes ready what of the pyramid an item asks.
 void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item);
+/// What splats of an item ask of windows of a view's picture, whose blocks are 2^shift pixels a side; `rows` lead from the
+/// item to the view (cpu_view_rows).
+stp_raster_occluder cpu_make_occluder(const stp_view_frame* frame, const double rows[3][4],
+                                      const stp_affine* transform, const float* windows,
+                                      uint32_t columns, uint32_t shift);
+/// The finest level, 0 or more, of blocks of which splats up to twice the list's size touch few.
+uint32_t cpu_choose_level(const cpu_renderer* r, const stp_view_frame* frame, uint32_t level_count);
+/// Grows an array to so many elements of a size at least. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity,
+                                 size_t wanted, size_t size);
 /// The same of all items before `first` of which something was hidden from the eye.
 void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first);
 /// Whether the pyramid hides a box of the item's space.

@@ -6,8 +6,8 @@
 /// Levels of a pyramid that splats are looked up in: blocks of up to 64 pixels.
 enum { MOST_SHIFT = 6, FIRST_SHIFT = 3 };
 
-static stp_result grow(stp_context* context, void** memory, size_t* capacity, size_t wanted,
-                       size_t size)
+stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity, size_t wanted,
+                    size_t size)
 {
     if (wanted <= *capacity) {
         return STP_OK;
@@ -39,11 +39,12 @@ stp_result cpu_prepare_late(cpu_renderer* r, size_t first)
         cpu_eye* eye = &r->eyes[i];
         void* late = eye->late;
         void* pieces = eye->late_pieces;
-        result =
-            grow(r->base.context, &late, &eye->late_capacity, r->late_count, sizeof(*eye->late));
+        result = cpu_grow(r->base.context, &late, &eye->late_capacity, r->late_count,
+                          sizeof(*eye->late));
         eye->late = late;
         if (result == STP_OK) {
-            result = grow(r->base.context, &pieces, &eye->late_piece_capacity, r->piece_count, 1);
+            result =
+                cpu_grow(r->base.context, &pieces, &eye->late_piece_capacity, r->piece_count, 1);
             eye->late_pieces = pieces;
         }
     }
@@ -59,14 +60,12 @@ bool cpu_is_any_late(const cpu_renderer* r, const cpu_eye* eye)
     return any;
 }
 
-/// The finest level of which splats up to twice the list's size touch few blocks.
-static uint32_t choose_level(const cpu_renderer* r)
+uint32_t cpu_choose_level(const cpu_renderer* r, const stp_view_frame* frame, uint32_t level_count)
 {
-    const stp_depth_pyramid* p = r->occluding;
-    double width = 2.0 * (1.1 * (double)r->splat_size * p->frame.corner + 0.51);
+    double width = 2.0 * (1.1 * (double)r->splat_size * frame->corner + 0.51);
     double most = (double)(STP_DEPTH_PYRAMID_BLOCK * (STP_RASTER_OCCLUDER_BLOCKS - 1));
     uint32_t level = 0;
-    while (level + 1 < p->level_count && level < MOST_SHIFT - FIRST_SHIFT && most < width) {
+    while (level + 1 < level_count && level < MOST_SHIFT - FIRST_SHIFT && most < width) {
         level += 1;
         most *= 2.0;
     }
@@ -80,16 +79,41 @@ stp_result cpu_prepare_occluder(cpu_renderer* r)
     if (p == NULL) {
         return STP_OK;
     }
-    uint32_t level = choose_level(r);
+    uint32_t level = cpu_choose_level(r, &p->frame, p->level_count);
     void* windows = eye->windows;
-    stp_result result = grow(r->base.context, &windows, &eye->window_capacity,
-                             (size_t)p->columns[level] * p->rows[level], sizeof(*eye->windows));
+    stp_result result = cpu_grow(r->base.context, &windows, &eye->window_capacity,
+                                 (size_t)p->columns[level] * p->rows[level], sizeof(*eye->windows));
     eye->windows = windows;
     eye->window_level = level;
     if (result == STP_OK) {
         stp_raster_make_windows(p->levels[level], p->columns[level], p->rows[level], eye->windows);
     }
     return result;
+}
+
+stp_raster_occluder cpu_make_occluder(const stp_view_frame* frame, const double rows[3][4],
+                                      const stp_affine* transform, const float* windows,
+                                      uint32_t columns, uint32_t shift)
+{
+    stp_raster_occluder occluder = {
+        .windows = windows,
+        .columns = columns,
+        .shift = shift,
+        .width = (float)frame->width,
+        .height = (float)frame->height,
+        .pixel_scale = (float)frame->scale,
+        .scale = (float)stp_affine_scale(transform),
+        .corner = (float)frame->corner,
+        .near_distance = (float)frame->near_distance,
+        .behind = (float)(1.0 + 1e-5),
+    };
+    for (int c = 0; c < 4; ++c) {
+        double depth = rows[2][c];
+        occluder.matrix[0][c] = (float)(frame->scale * rows[0][c] + frame->center_x * depth);
+        occluder.matrix[1][c] = (float)(frame->scale * rows[1][c] + frame->center_y * depth);
+        occluder.matrix[2][c] = (float)depth;
+    }
+    return occluder;
 }
 
 void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
@@ -104,27 +128,11 @@ void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_it
         return;
     }
     uint32_t level = r->eye->window_level;
+    item->occluder =
+        cpu_make_occluder(&p->frame, (const double(*)[4])item->occluder_rows, &draw->transform,
+                          r->eye->windows, p->columns[level], FIRST_SHIFT + level);
     double behind = 1.0 + r->mesh_depth / p->frame.scale;
-    item->occluder = (stp_raster_occluder){
-        .windows = r->eye->windows,
-        .columns = p->columns[level],
-        .shift = FIRST_SHIFT + level,
-        .width = (float)p->frame.width,
-        .height = (float)p->frame.height,
-        .pixel_scale = (float)p->frame.scale,
-        .scale = (float)stp_affine_scale(&draw->transform),
-        .corner = (float)p->frame.corner,
-        .near_distance = (float)p->frame.near_distance,
-        .behind = (float)(behind * (1.0 + 1e-5)),
-    };
-    for (int c = 0; c < 4; ++c) {
-        double depth = item->occluder_rows[2][c];
-        item->occluder.matrix[0][c] =
-            (float)(p->frame.scale * item->occluder_rows[0][c] + p->frame.center_x * depth);
-        item->occluder.matrix[1][c] =
-            (float)(p->frame.scale * item->occluder_rows[1][c] + p->frame.center_y * depth);
-        item->occluder.matrix[2][c] = (float)depth;
-    }
+    item->occluder.behind = (float)(behind * (1.0 + 1e-5));
 }
 
 void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first)
