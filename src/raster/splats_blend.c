@@ -1,183 +1,38 @@
 // SPDX-License-Identifier: MIT
 #include "raster/splats_blend.h"
 
-#include "raster/splats_hidden.h"
+#include "base/processor.h"
+#include "raster/splats_blend_kernel.h"
 
-// The cosine of how far from a pixel's plane a splat's may be turned. What is turned farther is another side of a thing: walls
-// do not run into the ground they stand on.
-#define ALIKE 0.4f
-
-/// A batch that is being added.
-typedef struct blend_batch {
-    const stp_raster_blend* blend;
-    const stp_splat_frame* frame;
-    splat_batch t;
-    uint32_t first, count;
-    bool adds; ///< or else finds planes
-    bool has_colors;
-    uint32_t colors[SPLAT_BATCH][3];
-} blend_batch;
-
-/// Adds one fragment; the batch's colours are asked for with its first.
-static void add_fragment(blend_batch* b, uint32_t i, size_t at, uint32_t weight)
+void stp_splats_blend_portable(const stp_raster_blend* blend, const stp_raster_camera* camera,
+                               const stp_raster_splats* splats, bool adds)
 {
-    const stp_raster_blend* blend = b->blend;
-    if (!b->has_colors) {
-        blend->colors(blend->user, b->first, b->count, b->t.sx, b->t.sy, b->colors);
-        b->has_colors = true;
-    }
-    const uint32_t* color = b->colors[i];
-    uint64_t first = (uint64_t)(weight * color[1]) << 32 | weight * color[0];
-    uint64_t second = (uint64_t)weight << 32 | weight * color[2];
-    atomic_fetch_add_explicit(blend->sums + 2 * at, first, memory_order_relaxed);
-    atomic_fetch_add_explicit(blend->sums + 2 * at + 1, second, memory_order_relaxed);
+    blend_all(blend, camera, splats, adds);
 }
 
-static bool has_fragment(const blend_batch* b, uint32_t i, int32_t x, int32_t y)
+static blend_kernel choose_kernel(void)
 {
-    uint32_t index = b->first + i, coverage = splat_coverage(b->frame->splats, index);
-    return coverage == 255 ||
-           splat_has_fragment(coverage, b->frame->seed + index, x - b->t.cx[i], y - b->t.cy[i]);
-}
-
-/// The step of nearness that is a pixel's side of depth.
-static float find_side(const stp_splat_frame* f, float nearness)
-{
-    return fabsf(nearness * f->slope_factor + f->slope_constant);
-}
-
-/// The normal of a plane with these slopes that is met by a ray (x, y, 1), of any length.
-typedef struct slope_normal {
-    float x, y, z;
-} slope_normal;
-
-static slope_normal find_normal(float right, float down, float x, float y)
-{
-    return (slope_normal){right, down, 1.0f - (right * x + down * y)};
-}
-
-static bool is_turned(slope_normal a, slope_normal b)
-{
-    float both = a.x * b.x + a.y * b.y + a.z * b.z;
-    float squares = (a.x * a.x + a.y * a.y + a.z * a.z) * (b.x * b.x + b.y * b.y + b.z * b.z);
-    return both < 0.0f || both * both < ALIKE * ALIKE * squares; // never of what has no slopes
-}
-
-/// A fragment of a disk or of a single pixel: `value` of the conic, up to `limit` inside.
-static void blend_fragment(blend_batch* b, uint32_t i, int32_t x, int32_t y, float nearness,
-                           float share)
-{
-    const splat_batch* t = &b->t;
-    size_t at = (size_t)y * b->blend->width + (size_t)x;
-    stp_raster_plane* plane = &b->blend->planes[at];
-    if (!b->adds && plane->id != b->blend->first_id + b->first + i) {
-        return;
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return stp_splats_blend_avx512;
+    case STP_PROCESSOR_AVX2:
+        return stp_splats_blend_avx2;
+    case STP_PROCESSOR_BASELINE:
+        break;
     }
-    bool tiny = t->kind[i] == SPLAT_PIXEL;
-    float side = find_side(b->frame, nearness), inverse = 1.0f / side;
-    float right = tiny ? NAN : t->gx[i] * inverse, down = tiny ? NAN : t->gy[i] * inverse;
-    if (!b->adds) {
-        plane->nearness = nearness;
-        plane->right = right;
-        plane->down = down;
-        return;
-    }
-    float most = side * STP_BLEND_AWAY * (tiny ? 0.5f : t->radius[i]);
-    if (!(fabsf(nearness - plane->nearness) <= most)) {
-        return;
-    }
-    float ray_x = ((float)x - b->frame->center_x) * b->frame->inverse_scale;
-    float ray_y = ((float)y - b->frame->center_y) * b->frame->inverse_scale;
-    bool turned = is_turned(find_normal(right, down, ray_x, ray_y),
-                            find_normal(plane->right, plane->down, ray_x, ray_y));
-    if (!turned && has_fragment(b, i, x, y)) {
-        float inner = share > 0.0f ? share : 0.0f; // squared: nearly exp(-2 q), and 0 at the rim
-        add_fragment(b, i, at, 1 + (uint32_t)((float)(STP_BLEND_WEIGHT - 1) * (inner * inner)));
-    }
-}
-
-static void blend_disk(blend_batch* b, uint32_t i)
-{
-    const splat_batch* t = &b->t;
-    splat_box box = clip_box(b->frame, t, (int)i);
-    float limit = t->limit[i], most = t->g_limit[i], inverse = 1.0f / limit;
-    for (int32_t y = box.y0; y < box.y1; ++y) {
-        for (int32_t x = box.x0; x < box.x1; ++x) {
-            float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
-            float value = u * ((t->a[i] * u + t->b[i] * v) + t->p[i]) + v * (t->c[i] * v + t->q[i]);
-            if (!(value <= limit) && !(x == t->cx[i] && y == t->cy[i])) {
-                continue;
-            }
-            float change = t->gx[i] * u + t->gy[i] * v;
-            change = change > most ? most : change;
-            change = change < -most ? -most : change;
-            float share = 1.0f - (value > 0.0f ? value * inverse : 0.0f);
-            blend_fragment(b, i, x, y, t->nearness[i] + change, share);
-        }
-    }
-}
-
-static void blend_lanes(blend_batch* b)
-{
-    splat_batch* t = &b->t;
-    b->has_colors = false;
-    for (uint32_t i = 0; i < b->count; ++i) {
-        if (t->kind[i] == SPLAT_PIXEL) {
-            blend_fragment(b, i, t->cx[i], t->cy[i], t->nearness[i], 0.7f);
-        } else if (t->kind[i] == SPLAT_SMALL || t->kind[i] == SPLAT_WIDE) {
-            blend_disk(b, i);
-        }
-    }
-}
-
-static void blend_all(const stp_raster_blend* blend, const stp_raster_camera* camera,
-                      const stp_raster_splats* splats, bool adds)
-{
-    stp_raster_target target = {
-        .width = blend->width, .height = blend->height, .stride = blend->width};
-    stp_splat_frame frame;
-    if (!stp_splats_make_frame(&frame, &target, 0, blend->height, camera, splats,
-                               blend->first_id)) {
-        return;
-    }
-    blend_batch b = {.blend = blend, .frame = &frame, .adds = adds};
-    for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
-        uint32_t left = splats->end - first;
-        b.first = first;
-        b.count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
-        if (splats->wanted != NULL && splats->wanted[first / SPLAT_BATCH] == 0) {
-            continue;
-        }
-        load_positions_scalar(&frame, first, b.count, &b.t);
-        project_batch(&frame, &b.t);
-        pick_batch(&frame, &b.t, first, b.count);
-        bool disks = false, any = false;
-        for (uint32_t i = 0; i < b.count; ++i) {
-            disks = disks || b.t.kind[i] == SPLAT_DISK;
-            any = any || (b.t.kind[i] != SPLAT_NONE && b.t.kind[i] != SPLAT_HIDDEN);
-        }
-        if (disks) {
-            if (splats->normals != NULL) {
-                load_normals_scalar(&frame, first, b.count, &b.t);
-            }
-            shape_batch(&frame, &b.t);
-            box_batch(&b.t);
-            sort_batch(&frame, &b.t);
-        }
-        if (any) {
-            blend_lanes(&b);
-        }
-    }
+#endif
+    return stp_splats_blend_portable;
 }
 
 void stp_raster_find_planes(const stp_raster_blend* blend, const stp_raster_camera* camera,
                             const stp_raster_splats* splats)
 {
-    blend_all(blend, camera, splats, false);
+    choose_kernel()(blend, camera, splats, false);
 }
 
 void stp_raster_blend_splats(const stp_raster_blend* blend, const stp_raster_camera* camera,
                              const stp_raster_splats* splats)
 {
-    blend_all(blend, camera, splats, true);
+    choose_kernel()(blend, camera, splats, true);
 }

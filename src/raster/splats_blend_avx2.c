@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// The splat filter with 256-bit vectors, where the compiler makes them of its loops.
+#include "raster/splats_blend_kernel.h"
+
+void stp_splats_blend_avx2(const stp_raster_blend* blend, const stp_raster_camera* camera,
+                           const stp_raster_splats* splats, bool adds)
+{
+    blend_all(blend, camera, splats, adds);
+}
