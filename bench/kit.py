@@ -27,8 +27,10 @@ def options(doc, size="1920x1080"):
 
 
 def stipple(*arguments, threads=0):
-    """Runs a command with --json, and returns what it printed."""
-    call = [str(STIPPLE), *map(str, arguments), "--json", "--quiet"] + (["--threads", str(threads)] if threads else [])
+    """Runs a command with --json, and returns what it printed. The processor draws, where nothing else is said."""
+    draws = arguments[0] in ("render", "fly") and "--backend" not in arguments
+    call = [str(STIPPLE), *map(str, arguments), "--json", "--quiet", *(["--backend", "cpu"] if draws else []),
+            *(["--threads", str(threads)] if threads else [])]
     done = subprocess.run(call, capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(call)}: {done.stderr.strip() or done.returncode}")
