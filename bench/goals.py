@@ -83,7 +83,7 @@ def splats(results):
     found = [r for r in results.of("splats") if r["params"]["size_px"] == 1 and r["figures"]["ratio"]]
     if found:
         ratios = [r["figures"]["ratio"] for r in found]
-        yield " and ".join(f"{x:.0f}" for x in ratios) + " times with 1 and 2 threads", within(15, min(ratios))
+        yield " and ".join(f"{x:.1f}" for x in ratios) + " times with 1 and 2 threads", within(15, min(ratios))
 
 
 def memory(results):
