@@ -1,25 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "software_gl.h"
 
+#include "present/headless.h"
+
+#include <GL/glcorearb.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#if __has_include(<EGL/egl.h>) && __has_include(<GL/glcorearb.h>)
-
-#include <EGL/egl.h>
-#include <EGL/eglext.h>
-#include <GL/glcorearb.h>
-#include <dlfcn.h>
-
-// No library is linked for a comparison: EGL is opened at run time, and the rest asked of it.
-#define EGL_FUNCTIONS(X)                                                                           \
-    X(PFNEGLGETPROCADDRESSPROC, eglGetProcAddress)                                                 \
-    X(PFNEGLINITIALIZEPROC, eglInitialize)                                                         \
-    X(PFNEGLTERMINATEPROC, eglTerminate)                                                           \
-    X(PFNEGLBINDAPIPROC, eglBindAPI)                                                               \
-    X(PFNEGLCREATECONTEXTPROC, eglCreateContext)                                                   \
-    X(PFNEGLDESTROYCONTEXTPROC, eglDestroyContext)                                                 \
-    X(PFNEGLMAKECURRENTPROC, eglMakeCurrent)
 #define GL_FUNCTIONS(X)                                                                            \
     X(PFNGLGETSTRINGPROC, glGetString)                                                             \
     X(PFNGLGETERRORPROC, glGetError)                                                               \
@@ -53,13 +40,10 @@
     X(PFNGLFINISHPROC, glFinish)
 
 struct software_gl {
-    void* library;
-    EGLDisplay display;
-    EGLContext context;
+    stp_headless headless;
     GLuint programs[2], buffers[2], vertex_array;
     GLsizei count;
 #define X(type, name) type name;
-    EGL_FUNCTIONS(X)
     GL_FUNCTIONS(X)
 #undef X
 };
@@ -90,44 +74,11 @@ static bool find_functions(software_gl* gl)
 {
     bool found = true;
 #define X(type, name)                                                                              \
-    *(void**)&gl->name = dlsym(gl->library, #name);                                                \
-    found = found && gl->name != NULL;
-    EGL_FUNCTIONS(X)
-#undef X
-    if (!found) {
-        return false;
-    }
-#define X(type, name)                                                                              \
-    gl->name = (type)gl->eglGetProcAddress(#name);                                                 \
+    gl->name = (type)gl->headless.get_proc_address(#name);                                         \
     found = found && gl->name != NULL;
     GL_FUNCTIONS(X)
 #undef X
     return found;
-}
-
-static bool make_current(software_gl* gl)
-{
-    PFNEGLGETPLATFORMDISPLAYEXTPROC get_display =
-        (PFNEGLGETPLATFORMDISPLAYEXTPROC)gl->eglGetProcAddress("eglGetPlatformDisplayEXT");
-    if (get_display == NULL) {
-        return false;
-    }
-    gl->display = get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
-    if (gl->display == EGL_NO_DISPLAY || !gl->eglInitialize(gl->display, NULL, NULL)) {
-        gl->display = EGL_NO_DISPLAY;
-        return false;
-    }
-    static const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                    4,
-                                    EGL_CONTEXT_MINOR_VERSION,
-                                    5,
-                                    EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                    EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                    EGL_NONE};
-    gl->eglBindAPI(EGL_OPENGL_API);
-    gl->context = gl->eglCreateContext(gl->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted);
-    return gl->context != EGL_NO_CONTEXT &&
-           gl->eglMakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, gl->context);
 }
 
 static GLuint make_program(software_gl* gl, const char* fragment_text)
@@ -174,8 +125,8 @@ software_gl* software_gl_create(uint32_t width, uint32_t height, uint32_t thread
     snprintf(count, sizeof(count), "%u", threads);
     setenv("LP_NUM_THREADS", count, 1);
     setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0);
-    gl->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
-    if (gl->library == NULL || !find_functions(gl) || !make_current(gl) ||
+    const stp_headless_desc desc = {.software = true};
+    if (stp_headless_create(&desc, &gl->headless) != NULL || !find_functions(gl) ||
         !make_target(gl, width, height)) {
         software_gl_destroy(gl);
         return NULL;
@@ -188,14 +139,9 @@ void software_gl_destroy(software_gl* gl)
     if (gl == NULL) {
         return;
     }
-    if (gl->display != EGL_NO_DISPLAY) {
-        gl->eglMakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-        if (gl->context != EGL_NO_CONTEXT) {
-            gl->eglDestroyContext(gl->display, gl->context);
-        }
-        gl->eglTerminate(gl->display);
+    if (gl->headless.context != NULL) {
+        stp_headless_destroy(&gl->headless);
     }
-    // the library stays: drivers do not survive being unloaded
     free(gl);
 }
 
@@ -242,52 +188,3 @@ void software_gl_warm(software_gl* gl, float size_px, bool disks)
 {
     draw_first(gl, size_px, disks, 1);
 }
-
-#else
-
-struct software_gl {
-    int unused;
-};
-
-software_gl* software_gl_create(uint32_t width, uint32_t height, uint32_t threads)
-{
-    (void)width;
-    (void)height;
-    (void)threads;
-    return NULL; // built without the headers of EGL and OpenGL
-}
-
-void software_gl_destroy(software_gl* gl)
-{
-    free(gl);
-}
-
-const char* software_gl_name(const software_gl* gl)
-{
-    (void)gl;
-    return "";
-}
-
-bool software_gl_upload(software_gl* gl, const float* positions, const float* normals,
-                        uint32_t count)
-{
-    (void)gl;
-    (void)positions;
-    (void)normals;
-    (void)count;
-    return false;
-}
-
-void software_gl_draw(software_gl* gl, float size_px, bool disks)
-{
-    (void)gl;
-    (void)size_px;
-    (void)disks;
-}
-
-void software_gl_warm(software_gl* gl, float size_px, bool disks)
-{
-    software_gl_draw(gl, size_px, disks);
-}
-
-#endif

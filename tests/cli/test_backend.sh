@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# --backend: OpenGL draws what the processor draws. Arguments: executable, scratch folder.
+set -u
+stipple=$1
+scratch=$2
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+command -v python3 > /dev/null || exit 77
+
+for scene in boxes city-small; do
+    "$stipple" scene $scene -o $scene.gltf --scale 0.01 > /dev/null 2> err || fail "$scene: $(cat err)"
+    "$stipple" build $scene.gltf -o $scene.stip --fresh > /dev/null 2> err || fail "$scene: $(cat err)"
+done
+if ! "$stipple" render boxes.stip -o a.png --size 8x8 --backend gl 2> err; then
+    grep -q "^stipple: backend gl: .*; use --backend cpu$" err || fail "no OpenGL, without a sentence: $(cat err)"
+    echo "skipped: $(cat err)"
+    exit 77
+fi
+
+# both FILE ARGUMENTS...: the same picture from both backends
+both()
+{
+    local backend
+    for backend in cpu gl; do
+        "$stipple" render "$@" --size 120x80 --backend $backend -o $backend.png --json > $backend.json 2> err ||
+            fail "$* $backend: $(cat err)"
+    done
+    "$stipple" compare cpu.png gl.png --json > compare.json || fail "compare"
+    python3 - "$*" << 'END' || fail "$*"
+import json, sys
+cpu, gl, compare = (json.load(open(name + ".json")) for name in ("cpu", "gl", "compare"))
+assert (cpu["backend"], gl["backend"]) == ("cpu", "gl"), gl
+assert len(gl["device"]) > 3 and gl["device"] != cpu["device"], gl
+assert 1 <= gl["draw_calls"] <= 8, gl
+assert sorted(cpu) == sorted(gl), set(cpu) ^ set(gl)
+for key in ("width", "height", "splat_size"):
+    assert cpu[key] == gl[key], key
+assert compare["ssim"] >= 0.98, compare
+assert gl["draw_ms"] > 0 and gl["shade_ms"] > 0 and gl["frame_ms"] > 0, gl
+END
+}
+both boxes.stip
+both boxes.stip --supersample 2 --background 204060
+both city-small.stip --view top --splat-size 2 --eye-dome 1 --light head
+both city-small.stip --view iso --splat-size 2 --stereo
+
+cat > flight.json << 'END'
+{"fps": 10, "keys": [{"t": 0, "eye": [0, 1, 9], "target": [0, 0, 0]}, {"t": 1, "eye": [3, 1, 8], "target": [0, 0, 0]}]}
+END
+"$stipple" fly boxes.stip --path flight.json --size 64x48 --frames 3 --backend gl --json -q > fly.json 2> err ||
+    fail "fly: $(cat err)"
+python3 -c "
+import json
+f = json.load(open('fly.json'))
+assert f['backend'] == 'gl' and f['frames'] == 3 and f['draw_calls']['max'] <= 8, f" || fail "fly's figures"
+
+# automatic: a program that plays graphics processor is none
+"$stipple" render boxes.stip -o a.png --size 8x8 --json > auto.json 2> err || fail "auto: $(cat err)"
+python3 -c "
+import json
+auto, gl = json.load(open('auto.json')), json.load(open('gl.json'))
+software = any(name in gl['device'] for name in ('llvmpipe', 'softpipe', 'swrast'))
+assert auto['backend'] == ('cpu' if software else 'gl'), auto" || fail "automatic choice"
+
+# shaders of a folder take the place of those in the library
+mkdir -p shaders
+echo "void main() { this is no shader" > shaders/splat.frag.glsl
+if STP_SHADER_DIR=$PWD/shaders "$stipple" render city-small.stip --view top -o b.png --size 8x8 --backend gl 2> err; then
+    fail "a broken shader of STP_SHADER_DIR draws"
+fi
+grep -q "splat.frag.glsl" err || fail "a broken shader is not named: $(cat err)"
+exit $((failures > 0))
