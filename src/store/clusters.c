@@ -3,7 +3,9 @@
 #include "store/clusters.h"
 
 #include "base/context.h"
+#include "base/processor.h"
 #include "store/clusters_layout.h"
+#include "store/clusters_unpack.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "values are used straight from the file, which is little-endian"
@@ -154,6 +156,7 @@ const char* stp_clusters_open(const void* bytes, size_t size, stp_clusters* clus
         .triangle_count = stp_read_u32(p + 4),
         .vertex_count = stp_read_u32(p + 8),
         .present = clusters_read_present(p),
+        .unpacks_many = stp_processor_detect() >= STP_PROCESSOR_AVX2,
     };
     uint32_t known =
         STP_COLUMN_NORMALS | STP_COLUMN_COLORS | STP_COLUMN_TEXCOORDS_0 | STP_COLUMN_TEXCOORDS_1;
@@ -313,6 +316,13 @@ static void get_grouped(const stp_cluster_run* run, uint32_t count, float step, 
 void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* cluster,
                            float positions[3 * STP_CLUSTER_VERTICES])
 {
+    uint32_t done = 0;
+#if defined(__x86_64__)
+    if (clusters->unpacks_many) {
+        done =
+            clusters_unpack_avx2(cluster->runs, cluster->vertex_count, clusters->step, positions);
+    }
+#endif
     for (uint32_t k = 0; k < 3; ++k) {
         const stp_cluster_run run = cluster->runs[k];
         if (run.layout != STP_CLUSTER_PLAIN) {
@@ -320,7 +330,8 @@ void stp_cluster_positions(const stp_clusters* clusters, const stp_cluster* clus
             continue;
         }
         uint64_t mask = ((uint64_t)1 << run.width) - 1;
-        for (uint32_t i = 0, at = 0; i < cluster->vertex_count; ++i, at += run.width) {
+        for (uint32_t i = done, at = done * run.width; i < cluster->vertex_count;
+             ++i, at += run.width) {
             uint64_t bits;
             memcpy(&bits, run.bits + (at >> 3), sizeof(bits));
             uint32_t value = (uint32_t)((bits >> (at & 7)) & mask) << run.shift;

@@ -54,6 +54,7 @@ typedef struct stp_clusters {
     uint32_t cluster_count, triangle_count, vertex_count;
     uint32_t present; ///< STP_COLUMN_*
     float step, texcoord_steps[2];
+    bool unpacks_many; ///< on this processor
 } stp_clusters;
 
 /// Checks every count, size and index of a coded mesh, so that all below may be asked of it.
