@@ -112,8 +112,8 @@ void page_statistics(viewer* v)
     gui_value("Window", "%s", v->window.device);
 }
 
-static void show_effect(const char* label, float* value, float usual, float least, float most,
-                        const char* format, const char* tooltip)
+static void show_effect(const char* label, const char* amount, float* value, float usual,
+                        float least, float most, const char* format, const char* tooltip)
 {
     bool on = *value > 0.0f;
     if (gui_check(label, &on, tooltip)) {
@@ -121,7 +121,7 @@ static void show_effect(const char* label, float* value, float usual, float leas
     }
     if (on) {
         gui_push_id((int)(most * 100.0f));
-        gui_slider(label, value, least, most, format, NULL);
+        gui_slider(amount, value, least, most, format, NULL);
         gui_pop_id();
     }
 }
@@ -168,9 +168,9 @@ void page_quality(viewer* v)
     gui_space();
     gui_text("Look");
     gui_choice("Light", &s->light, lights, 2, "Where light comes from");
-    show_effect("Eye-dome lighting", &s->eye_dome, 1.0f, 0.05f, 4.0f, "%.2f",
+    show_effect("Eye-dome lighting", "Strength", &s->eye_dome, 1.0f, 0.05f, 4.0f, "%.2f",
                 "Darkens what lies behind its neighbours");
-    show_effect("Ambient occlusion", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
+    show_effect("Ambient occlusion", "Reach", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
                 "Darkens what its surroundings enclose; reach in parts of the picture's height");
     gui_color("Background", s->background, "Colour behind the scene");
     gui_space();
