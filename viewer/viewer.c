@@ -205,9 +205,12 @@ static void take_events(viewer* v)
     int wait = choose_wait(v);
     SDL_Event event;
     if (wait == 0 ? SDL_PollEvent(&event) : SDL_WaitEventTimeout(&event, wait)) {
+        // ImGui sees which keys are down when a frame begins: one that goes down and up between two would be lost
+        bool for_text;
         do {
             take_event(v, &event);
-        } while (SDL_PollEvent(&event));
+            for_text = (event.type == SDL_KEYDOWN || event.type == SDL_KEYUP) && gui_wants_keys();
+        } while (!for_text && SDL_PollEvent(&event));
     }
 }
 
@@ -321,6 +324,9 @@ int viewer_run(const viewer_options* options)
         v->quits = true;
     } else if (options->file != NULL) {
         viewer_open(v, options->file);
+    }
+    if (options->backend == BACKEND_OPENGL && !v->window.has_worker) {
+        viewer_say(v, false, "OpenGL 4.5 is not to be had here: the processor draws");
     }
     viewer_redraw(v);
     while (!v->quits) {

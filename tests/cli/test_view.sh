@@ -280,6 +280,11 @@ shot opengl.png
 same processor.png opengl.png 0.97
 xdotool key b
 wait_until 'r["rests"] and r["backend"] == "cpu"'
+# a window of another size
+xdotool windowsize "$window" 520 360
+wait_until 'r["rests"] and picture["width"] == 520 and picture["height"] == 360'
+xdotool windowsize "$window" 640 400
+wait_until 'r["rests"] and picture["width"] == 640 and picture["height"] == 400'
 # panels and help
 xdotool key Tab
 wait_until 'r["rests"] and r["panels"]'
