@@ -12,9 +12,15 @@
 // the SSIM of covered pixels changes by 0.02 to -0.005. With 2 the paving has no gaps, but most other views lose.
 #define MESH_DEPTH 1.0
 
-/// Nearness: near / depth in perspective; in parallel projection it falls linearly over the scene's depth.
-static void choose_nearness(stp_placement* p, const stp_store_directory* directory)
+double stp_placement_mesh_depth(const stp_draw_list* list)
 {
+    return list->mixes ? MESH_DEPTH * 0.5 * (double)list->splat_size : 0.0;
+}
+
+// near / depth in perspective; in parallel projection it falls linearly over the scene's depth
+void stp_placement_choose_nearness(stp_placement* placement, const stp_store_directory* directory)
+{
+    stp_placement* p = placement;
     const stp_view_frame* f = &p->frame;
     if (!f->parallel) {
         p->nearness_scale = f->near_distance;
@@ -41,9 +47,9 @@ static void choose_nearness(stp_placement* p, const stp_store_directory* directo
 void stp_placement_make(stp_placement* placement, const stp_store_directory* directory,
                         const stp_draw_list* list)
 {
-    placement->mesh_depth = list->mixes ? MESH_DEPTH * 0.5 * (double)list->splat_size : 0.0;
+    placement->mesh_depth = stp_placement_mesh_depth(list);
     placement->shift_x = placement->shift_y = 0.0;
-    choose_nearness(placement, directory);
+    stp_placement_choose_nearness(placement, directory);
 }
 
 void stp_placement_view_rows(const stp_view_frame* frame, const stp_affine* transform,

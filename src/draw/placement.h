@@ -26,6 +26,10 @@ typedef struct stp_placed_item {
     float scale;               ///< scene units per item unit
 } stp_placed_item;
 
+/// How far triangles of a list are put behind their place, in sides of a pixel there.
+double stp_placement_mesh_depth(const stp_draw_list* list);
+/// The nearness of depths: `frame` and `mesh_depth` must be there.
+void stp_placement_choose_nearness(stp_placement* placement, const stp_store_directory* directory);
 /// Chooses the nearness and how triangles stand to splats; `frame` must be there. No shift.
 void stp_placement_make(stp_placement* placement, const stp_store_directory* directory,
                         const stp_draw_list* list);

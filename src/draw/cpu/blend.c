@@ -2,6 +2,7 @@
 #include "draw/cpu/blend.h"
 
 #include "draw/cpu/shade.h"
+#include "draw/placement.h"
 
 #include <string.h>
 
@@ -179,7 +180,7 @@ static stp_raster_occluder make_occluder(const cpu_renderer* r, const cpu_item* 
     double rows[3][4];
     frame.center_x += r->shift_x;
     frame.center_y += r->shift_y;
-    cpu_view_rows(&frame, &item->draw->transform, nowhere, rows);
+    stp_placement_view_rows(&frame, &item->draw->transform, nowhere, rows);
     stp_raster_occluder occluder =
         cpu_make_occluder(&frame, (const double(*)[4])rows, &item->draw->transform,
                           r->blend.blocks + count, columns, shift);

@@ -219,7 +219,7 @@ STP_MUST_USE stp_result cpu_prepare_occluder(cpu_renderer* r);
 /// Makes ready what of the pyramid an item asks.
 void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item);
 /// What splats of an item ask of windows of a view's picture, whose blocks are 2^shift pixels a side; `rows` lead from the
-/// item to the view (cpu_view_rows).
+/// item to the view (stp_placement_view_rows).
 stp_raster_occluder cpu_make_occluder(const stp_view_frame* frame, const double rows[3][4],
                                       const stp_affine* transform, const float* windows,
                                       uint32_t columns, uint32_t shift);
@@ -232,9 +232,6 @@ STP_MUST_USE stp_result cpu_grow(stp_context* context, void** memory, size_t* ca
 void cpu_place_late_occluders(cpu_renderer* r, const stp_draw_list* list, size_t first);
 /// Whether the pyramid hides a box of the item's space.
 bool cpu_hides(const cpu_renderer* r, const cpu_item* item, stp_box box);
-/// Item space (minus `offset`) to a view's right, down and depth: the eye is taken off before anything is rounded.
-void cpu_view_rows(const stp_view_frame* frame, const stp_affine* transform, const float offset[3],
-                   double rows[3][4]);
 /// The nearness of what is in the buffers: at most as near as it is.
 void cpu_find_depths(cpu_renderer* r, uint32_t begin, uint32_t end, cpu_worker* worker);
 

@@ -1,115 +1,51 @@
 // SPDX-License-Identifier: MIT
 // Draw items made ready: data and textures looked up, matrices from item to screen.
-#include "base/rng.h"
 #include "draw/cpu/cpu.h"
+#include "draw/placement.h"
 
-void cpu_view_rows(const stp_view_frame* frame, const stp_affine* transform, const float offset[3],
-                   double rows[3][4])
-{
-    const stp_vec3d axes[3] = {frame->right, frame->down, frame->forward};
-    stp_vec3d base = stp_affine_point(
-        transform, (stp_vec3d){(double)offset[0], (double)offset[1], (double)offset[2]});
-    base = stp_subd(base, frame->eye);
-    for (int k = 0; k < 3; ++k) {
-        for (int c = 0; c < 3; ++c) {
-            rows[k][c] = axes[k].x * transform->m[0][c] + axes[k].y * transform->m[1][c] +
-                         axes[k].z * transform->m[2][c];
-        }
-        rows[k][3] = stp_dotd(axes[k], base);
-    }
-}
+#include <string.h>
 
-/// Puts the triangles of an item a little behind their place (renderer.c, MESH_DEPTH).
-static void push_back(const cpu_renderer* r, cpu_item* item)
+static void place_item(const stp_placement* placement, const stp_draw_item* draw, cpu_item* item)
 {
-    stp_raster_camera* camera = &item->camera;
-    double step = item->kind == STP_DRAW_MESH ? r->mesh_depth / r->frame.scale : 0.0;
-    item->near_factor = 1.0f;
-    item->near_shift = 0.0f;
-    if (camera->parallel) {
-        double shift = -r->nearness_scale * step;
-        camera->matrix.m[2][3] = (float)((double)camera->matrix.m[2][3] - shift);
-        camera->nearness_limit = (float)(1.0 - shift);
-        item->near_shift = (float)shift;
-    } else { // a pixel grows with the depth: all depths grow in proportion, in any order as before
-        double factor = 1.0 + step;
-        for (int c = 0; c < 4; ++c) {
-            camera->matrix.m[2][c] = (float)((double)camera->matrix.m[2][c] / factor);
-        }
-        camera->nearness_limit = (float)(1.0 / factor);
-        item->near_factor = (float)factor;
-    }
-}
-
-static void place_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
-{
-    const stp_view_frame* frame = &r->frame;
-    double rows[3][4];
-    cpu_view_rows(frame, &draw->transform, item->offset, rows);
-    stp_raster_camera* camera = &item->camera;
-    *camera = (stp_raster_camera){
-        .pixel_scale = (float)frame->scale, .parallel = frame->parallel, .nearness_limit = 1.0f};
-    double center_x = frame->center_x + r->shift_x, center_y = frame->center_y + r->shift_y;
-    for (int c = 0; c < 4; ++c) {
-        double one = c == 3 ? 1.0 : 0.0;
-        double x = rows[0][c], y = rows[1][c], z = rows[2][c];
-        double screen = frame->parallel ? one : z; // what the picture's middle is multiplied by
-        camera->matrix.m[0][c] = (float)(frame->scale * x + center_x * screen);
-        camera->matrix.m[1][c] = (float)(frame->scale * y + center_y * screen);
-        camera->matrix.m[2][c] =
-            (float)(r->nearness_offset * one +
-                    (frame->parallel ? r->nearness_scale * z : r->nearness_scale * one));
-        camera->matrix.m[3][c] = (float)screen;
-        for (int k = 0; k < 3; ++k) {
-            camera->view[k][c] = (float)rows[k][c];
-        }
-    }
-    push_back(r, item);
-    double normal[3][3];
-    stp_affine_normal_matrix(&draw->transform, normal);
-    double largest = 0.0;
-    for (int k = 0; k < 9; ++k) {
-        largest = fmax(largest, fabs(normal[k / 3][k % 3]));
-    }
-    for (int k = 0; k < 9; ++k) {
-        item->normal_matrix[k / 3][k % 3] =
-            largest > 0.0 ? (float)(normal[k / 3][k % 3] / largest) : 0.0f;
-    }
-    double squares = 0.0;
-    for (int k = 0; k < 9; ++k) {
-        double entry = draw->transform.m[k / 3][k % 3];
-        squares += entry * entry;
-    }
-    item->scale = (float)sqrt(squares / 3.0);
-    cpu_place_occluder(r, draw, item);
+    stp_placed_item placed;
+    stp_placement_place(placement, draw, item->offset, &placed);
+    item->camera = placed.camera;
+    item->near_factor = placed.near_factor;
+    item->near_shift = placed.near_shift;
+    item->scale = placed.scale;
+    memcpy(item->normal_matrix, placed.normal_matrix, sizeof(item->normal_matrix));
 }
 
 void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
+    const stp_placement placement = {.frame = r->frame,
+                                     .nearness_scale = r->nearness_scale,
+                                     .nearness_offset = r->nearness_offset,
+                                     .mesh_depth = r->mesh_depth,
+                                     .shift_x = r->shift_x,
+                                     .shift_y = r->shift_y};
     for (size_t i = r->placed == r->eye ? first : 0; i < r->item_count; ++i) {
-        place_item(r, &list->items[i], &r->items[i]);
+        place_item(&placement, &list->items[i], &r->items[i]);
+        cpu_place_occluder(r, &list->items[i], &r->items[i]);
     }
     r->placed = r->eye;
 }
 
-/// The octave that colours the prefix, and the share of it where the octave before has colours too.
+/// The colours of the octave that a prefix has, and of the octave before.
 static void choose_octave(cpu_item* item, uint32_t prefix)
 {
     const stp_surfels* surfels = &item->surfels;
+    stp_octave_choice choice = stp_placement_choose_octave(surfels, prefix);
     size_t first = 0, low_first = 0;
-    uint32_t octave = 0, low_end = 0;
-    while (octave + 1 < surfels->octave_count && surfels->octave_ends[octave] < prefix) {
+    for (uint32_t i = 0; i < choice.octave; ++i) {
         low_first = first;
-        low_end = surfels->octave_ends[octave];
-        first += low_end;
-        octave += 1;
+        first += surfels->octave_ends[i];
     }
-    uint32_t end = surfels->octave_ends[octave];
     item->colors = surfels->colors + 3 * first;
     item->low_colors = surfels->colors + 3 * low_first;
     item->coverages = surfels->coverages != NULL ? surfels->coverages + first : NULL;
-    item->low_count = low_end;
-    item->blend = end > low_end ? (float)(prefix - low_end) / (float)(end - low_end) : 1.0f;
+    item->low_count = choice.low_count;
+    item->blend = choice.blend;
 }
 
 /// Decodes a texture where it is used for the first time.
@@ -230,27 +166,13 @@ static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_i
     return result;
 }
 
-/// Of what is drawn and where it is placed, and of nothing that changes from frame to frame: the same pixels of it are
-/// left out in one pass and in two, and while other things come and go.
-static uint32_t seed_of(const stp_draw_item* draw)
-{
-    uint64_t seed = stp_rng_hash((uint64_t)draw->kind, draw->index);
-    for (int k = 0; k < 12; ++k) {
-        uint64_t bits;
-        double entry = draw->transform.m[k / 4][k % 4] + 0.0; // one zero
-        memcpy(&bits, &entry, sizeof(bits));
-        seed = stp_rng_hash(seed, bits);
-    }
-    return (uint32_t)(seed >> 32);
-}
-
 static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
                                const stp_draw_item* draw, cpu_item* item)
 {
     stp_result result = STP_OK;
     *item = (cpu_item){
         .kind = draw->kind, .first_id = draw->first_id, .count = draw->prefix, .draw = draw};
-    item->seed = seed_of(draw);
+    item->seed = stp_placement_seed(draw);
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
     item->radius = draw->radius * scale;
     item->pixel_radius = draw->pixel_radius * scale;

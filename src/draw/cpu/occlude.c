@@ -2,6 +2,7 @@
 // What a depth pyramid hides of items that are seen: splats and clusters. The first pass of a frame asks the pyramid of
 // the picture before and notes what that hid; the second asks the frame's own about these, and draws the rest of them.
 #include "draw/cpu/cpu.h"
+#include "draw/placement.h"
 
 /// Levels of a pyramid that splats are looked up in: blocks of up to 64 pixels.
 enum { MOST_SHIFT = 6, FIRST_SHIFT = 3 };
@@ -123,7 +124,7 @@ void cpu_place_occluder(const cpu_renderer* r, const stp_draw_item* draw, cpu_it
     if (p == NULL) {
         return;
     }
-    cpu_view_rows(&p->frame, &draw->transform, nowhere, item->occluder_rows);
+    stp_placement_view_rows(&p->frame, &draw->transform, nowhere, item->occluder_rows);
     if (item->kind != STP_DRAW_SURFELS) {
         return;
     }

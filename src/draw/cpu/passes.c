@@ -5,33 +5,16 @@
 #include "draw/cpu/accumulate.h"
 #include "draw/cpu/blend.h"
 #include "draw/cpu/effects.h"
+#include "draw/placement.h"
 
 #include <string.h>
 
-/// Nearness: near / depth in perspective; in parallel projection it falls linearly over the scene's depth.
 static void choose_nearness(cpu_renderer* r)
 {
-    const stp_view_frame* f = &r->frame;
-    if (!f->parallel) {
-        r->nearness_scale = f->near_distance;
-        r->nearness_offset = 0.0;
-        return;
-    }
-    double low = 0.0, high = 1.0;
-    if (r->directory->root != STP_STORE_NONE) {
-        stp_boxd box = r->directory->nodes[r->directory->root].bounds;
-        stp_vec3d half = stp_scaled(stp_subd(box.max, box.min), 0.5);
-        stp_vec3d center = stp_subd(stp_addd(box.min, half), f->eye);
-        double reach =
-            fabs(f->forward.x) * half.x + fabs(f->forward.y) * half.y + fabs(f->forward.z) * half.z;
-        double margin = 0.1 * (half.x + half.y + half.z); // splats stick out of the box
-        low = stp_dotd(f->forward, center) - reach - margin;
-        high = stp_dotd(f->forward, center) + reach + margin + r->mesh_depth / f->scale;
-    }
-    low = fmax(low, f->near_distance);
-    high = high > low ? high : low + 1.0;
-    r->nearness_scale = -0.9375 / (high - low);
-    r->nearness_offset = 1.0 - r->nearness_scale * low;
+    stp_placement placement = {.frame = r->frame, .mesh_depth = r->mesh_depth};
+    stp_placement_choose_nearness(&placement, r->directory);
+    r->nearness_scale = placement.nearness_scale;
+    r->nearness_offset = placement.nearness_offset;
 }
 
 /// From now on it is this eye that is drawn.
