@@ -4,11 +4,11 @@
 // eyes; times are the graphics processor's own. With --markdown they are written as a table too.
 #include "bench.h"
 #include "frame.h"
+#include "gl_measure.h"
 #include "scene_file.h"
 
 #include "build/build.h"
 #include "draw/draw_gl.h"
-#include "draw/gl/gl.h"
 #include "present/headless.h"
 #include "scenes/scenes.h"
 
@@ -16,7 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MOST_VIEWS = 5, QUICK_VIEWS = 2, REPEATS = 9, QUICK_REPEATS = 3, WARM = 2, COPIES = 5 };
+enum { MOST_VIEWS = 5, QUICK_VIEWS = 2, REPEATS = 9, QUICK_REPEATS = 3, WARM = 2 };
 static const uint64_t splat_bytes = 12; ///< read of each: place, normal, colour, coverage
 static const uint64_t copied_bytes = UINT64_C(256) << 20, quick_copied_bytes = UINT64_C(8) << 20;
 static const uint64_t hardware_memory = UINT64_C(12) << 30, software_memory = UINT64_C(2) << 30;
@@ -74,37 +74,6 @@ typedef struct frame_times {
     stp_draw_stats stats;
     stp_draw_gl_stats gl;
 } frame_times;
-
-/// Bytes that the device copies in a second, from memory to memory: each is read and written.
-static double measure_copy(const gl_bench* b)
-{
-    const stp_draw_gl_desc desc = {.get_proc_address = stp_headless_get_proc_address,
-                                   .user = (void*)(uintptr_t)&b->headless};
-    uint64_t size = b->small ? quick_copied_bytes : copied_bytes;
-    stp_gl gl;
-    GLuint buffers[2], queries[2];
-    double seconds[COPIES];
-    if (stp_gl_load(&gl, &desc) != NULL) {
-        return 0.0;
-    }
-    gl.CreateBuffers(2, buffers);
-    gl.CreateQueries(GL_TIMESTAMP, 2, queries);
-    gl.NamedBufferStorage(buffers[0], (GLsizeiptr)size, NULL, 0);
-    gl.NamedBufferStorage(buffers[1], (GLsizeiptr)size, NULL, 0);
-    for (int i = -1; i < COPIES; ++i) { // the first finds nothing ready
-        GLuint64 begin = 0, end = 0;
-        gl.QueryCounter(queries[0], GL_TIMESTAMP);
-        gl.CopyNamedBufferSubData(buffers[0], buffers[1], 0, 0, (GLsizeiptr)size);
-        gl.QueryCounter(queries[1], GL_TIMESTAMP);
-        gl.GetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begin);
-        gl.GetQueryObjectui64v(queries[1], GL_QUERY_RESULT, &end);
-        seconds[i < 0 ? 0 : i] = (double)(end - begin) * 1e-9;
-    }
-    gl.DeleteQueries(2, queries);
-    gl.DeleteBuffers(2, buffers);
-    double median = bench_median(seconds, COPIES);
-    return median > 0.0 ? 2.0 * (double)size / median : 0.0;
-}
 
 static stp_result measure_frames(gl_bench* b, const stp_view* view, const draw_way* w,
                                  frame_times* times)
@@ -258,6 +227,38 @@ static void report_device(gl_bench* b)
     }
 }
 
+/// Selecting by compute shaders and by the processor, at the first size.
+static void report_selection(gl_bench* b, const picture_size* size)
+{
+    for (uint32_t v = 0; v < b->view_count; ++v) {
+        stp_view view = {.width = size->width, .height = size->height};
+        gl_select_times t;
+        if (!tool_find_view(b->store, b->names[v], &view)) {
+            continue;
+        }
+        view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;
+        stp_result result = gl_measure_select(b->context, &b->headless, b->store, &view,
+                                              (float)b->options->splat_size, &t);
+        if (result != STP_OK) {
+            return; // which was said
+        }
+        bench_entry e = bench_result(b->results, "gl select");
+        bench_set_text(e.params, "view", b->names[v]);
+        bench_set_number(e.figures, "cpu_ms", t.cpu_ms);
+        bench_set_number(e.figures, "gpu_ms", t.gpu_ms);
+        bench_set_count(e.figures, "nodes", t.nodes);
+        bench_set_count(e.figures, "items", t.items);
+        bench_set_text(e.figures, "lists", t.same ? "equal" : "differ");
+        if (b->table != NULL) {
+            fprintf(b->table,
+                    "%s* view %s, %u nodes, %zu items: %.3f ms by compute shaders, %.3f ms by the "
+                    "processor%s\n",
+                    v == 0 ? "\nSelecting:\n\n" : "", b->names[v], t.nodes, t.items, t.gpu_ms,
+                    t.cpu_ms, t.same ? "" : "; the lists differ");
+        }
+    }
+}
+
 static void list_views(gl_bench* b)
 {
     const stp_store_directory* d = stp_store_get_directory(b->store);
@@ -279,7 +280,7 @@ static stp_result measure(gl_bench* b)
         b->small ? sizeof(quick_sizes) / sizeof(quick_sizes[0]) : sizeof(sizes) / sizeof(sizes[0]);
     stp_result result = STP_OK;
     list_views(b);
-    b->copied = measure_copy(b);
+    b->copied = gl_measure_copy(&b->headless, b->small ? quick_copied_bytes : copied_bytes);
     if (b->table != NULL) {
         fprintf(b->table,
                 "Device: %s. Scene: %s, splats of %g pixels. Memory: %.1f GB/s (read and written, "
@@ -293,6 +294,7 @@ static stp_result measure(gl_bench* b)
         result = measure_size(b, &all[i]);
     }
     report_device(b);
+    report_selection(b, &all[0]);
     return result;
 }
 
