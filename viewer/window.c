@@ -111,6 +111,7 @@ static void create_worker(window* w)
 
 static bool create_software(window* w, const window_desc* desc)
 {
+    SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0"); // SDL would ask OpenGL after all
     w->handle =
         SDL_CreateWindow(desc->title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, desc->width,
                          desc->height, SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
