@@ -189,55 +189,10 @@ static void switch_fullscreen(viewer* v)
     SDL_SetWindowFullscreen(v->window.handle, full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
 }
 
-static void take_key(viewer* v, SDL_Keycode key, bool control)
+/// Keys of panels and tools. @return whether it was one
+static bool take_tool_key(viewer* v, SDL_Keycode key)
 {
-    if (control) {
-        v->quits = v->quits || key == SDLK_q;
-        if (key == SDLK_f) {
-            v->settings.parts = false;
-            panels_switch_parts(v);
-            v->finds = true;
-        }
-        return;
-    }
-    if (take_view_key(v, key) || parts_take_key(v, key)) {
-        return;
-    }
     switch (key) {
-    case SDLK_5:
-    case SDLK_KP_5:
-        camera_switch_projection(v);
-        break;
-    case SDLK_HOME:
-        if (v->explorer != NULL) {
-            explorer_choose(v->explorer, NULL, false);
-        }
-        camera_frame(v);
-        break;
-    case SDLK_f:
-        camera_frame(v);
-        break;
-    case SDLK_h:
-        v->shows_help = !v->shows_help;
-        break;
-    case SDLK_ESCAPE:
-        if (v->shows_help) {
-            v->shows_help = false;
-        } else if (v->message_is_error && v->scene != NULL) {
-            v->message[0] = 0; // it was read
-            v->message_is_error = false;
-        } else if (v->measure.on) {
-            v->measure.on = false;
-        } else if (v->explorer != NULL) {
-            explorer_choose(v->explorer, NULL, false);
-        }
-        break;
-    case SDLK_TAB:
-        v->shows_panels = !v->shows_panels;
-        break;
-    case SDLK_p:
-        panels_switch_parts(v);
-        break;
     case SDLK_F2:
         toggle_page(v, PAGE_STATISTICS);
         break;
@@ -279,6 +234,61 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
         break;
     case SDLK_F12:
         shot_begin(v);
+        break;
+    default:
+        return false;
+    }
+    return true;
+}
+
+static void take_key(viewer* v, SDL_Keycode key, bool control)
+{
+    if (control) {
+        v->quits = v->quits || key == SDLK_q;
+        if (key == SDLK_f) {
+            v->settings.parts = false;
+            panels_switch_parts(v);
+            v->finds = true;
+        }
+        return;
+    }
+    if (take_view_key(v, key) || parts_take_key(v, key) || take_tool_key(v, key)) {
+        return;
+    }
+    switch (key) {
+    case SDLK_5:
+    case SDLK_KP_5:
+        camera_switch_projection(v);
+        break;
+    case SDLK_HOME:
+        if (v->explorer != NULL) {
+            explorer_choose(v->explorer, NULL, false);
+        }
+        camera_frame(v);
+        break;
+    case SDLK_f:
+        camera_frame(v);
+        break;
+    case SDLK_h:
+        v->shows_help = !v->shows_help;
+        break;
+    case SDLK_ESCAPE:
+        if (v->shows_help) {
+            v->shows_help = false;
+        } else if (v->message_is_error && v->scene != NULL) {
+            v->message[0] = 0; // it was read
+            v->message_is_error = false;
+        } else if (v->measure.on) {
+            v->measure.on = false;
+        } else if (v->explorer != NULL) {
+            explorer_choose(v->explorer, NULL, false);
+        }
+        break;
+    case SDLK_TAB:
+        v->shows_panels = !v->shows_panels;
+        break;
+    case SDLK_p:
+        panels_switch_parts(v);
         break;
     case SDLK_F11:
         switch_fullscreen(v);
