@@ -10,6 +10,7 @@
 #include "base/arena.h"
 #include "base/hash.h"
 #include "base/team.h"
+#include "draw/bounding.h"
 #include "draw/renderer.h"
 #include "draw/resting.h"
 #include "raster/splats_blend.h"
@@ -332,8 +333,8 @@ float cpu_mesh_density(const cpu_triangle* triangle, const stp_store_texture_use
 void cpu_mesh_color(const cpu_item* item, const cpu_triangle* triangle, const float weight[3],
                     float footprint, float out[4]);
 
-/// The least depth (W) of a box of the item's space.
-float cpu_least_depth(const cpu_item* item, stp_box box);
+/// What of an item's space is seen.
+stp_bounding cpu_bound(const cpu_renderer* r, const cpu_item* item);
 /// Makes degenerate what does not belong to the share of a mesh's triangles: `first` is the first one's index in it.
 void cpu_drop_triangles(uint32_t* indices, uint32_t first, uint32_t count, float share);
 

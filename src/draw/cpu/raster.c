@@ -135,7 +135,8 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
         mesh.keep_user = &keep;
     }
     stp_box box = item->mesh.bounds;
-    float share = stp_draw_share(item->draw, cpu_least_depth(item, box));
+    stp_bounding bounding = cpu_bound(r, item);
+    float share = stp_draw_share(item->draw, stp_bounding_least_depth(&bounding, box));
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     if (share < 1.0f) {
         size_t bytes = 3 * sizeof(uint32_t) * (size_t)(end - begin);

@@ -2,65 +2,14 @@
 #include "draw/gl/cull.h"
 
 #include "base/context.h"
+#include "draw/bounding.h"
 #include "draw/gl/upload.h"
 #include "store/format.h"
 
-/// Planes that bound what is seen: a point p with a.p + b < 0 is not.
-typedef struct bounding_planes {
-    double a[5][3], b[5];
-} bounding_planes;
-
-/// The sides of the picture, one pixel further out, and the near plane.
-static bounding_planes make_planes(const gl_renderer* r, const item_block* item)
+static stp_bounding bound(const gl_renderer* r, const item_block* item)
 {
-    bounding_planes planes;
-    double width = (double)r->target.width + 1.0, height = (double)r->target.height + 1.0;
-    for (int c = 0; c < 4; ++c) {
-        double x = (double)item->rows[0][c], y = (double)item->rows[1][c];
-        double near = (double)item->rows[2][c], w = (double)item->rows[3][c];
-        double rows[5] = {x + w, width * w - x, y + w, height * w - y,
-                          (double)item->nearness_limit * w - near};
-        for (int i = 0; i < 5; ++i) {
-            if (c < 3) {
-                planes.a[i][c] = rows[i];
-            } else {
-                planes.b[i] = rows[i];
-            }
-        }
-    }
-    return planes;
-}
-
-/// Whether the whole box lies behind one of the planes, with a margin for what floats round.
-static bool is_outside(const bounding_planes* planes, const item_block* item, stp_box box)
-{
-    const double low[3] = {(double)box.min.x, (double)box.min.y, (double)box.min.z};
-    const double high[3] = {(double)box.max.x, (double)box.max.y, (double)box.max.z};
-    bool outside = false;
-    for (int i = 0; i < 5; ++i) {
-        double most = planes->b[i], size = fabs(planes->b[i]);
-        for (int c = 0; c < 3; ++c) {
-            double a = planes->a[i][c], offset = (double)item->offset[c];
-            double from = (low[c] - offset) * a, to = (high[c] - offset) * a;
-            most += from > to ? from : to;
-            size += fmax(fabs(from), fabs(to));
-        }
-        outside = outside || most < -1e-5 * size;
-    }
-    return outside;
-}
-
-/// The least depth (W) of a box.
-static float least_depth(const item_block* item, stp_box box)
-{
-    const float* w = item->rows[3];
-    const float low[3] = {box.min.x, box.min.y, box.min.z};
-    const float high[3] = {box.max.x, box.max.y, box.max.z};
-    float depth = w[3];
-    for (int c = 0; c < 3; ++c) {
-        depth += w[c] * ((w[c] > 0.0f ? low[c] : high[c]) - item->offset[c]);
-    }
-    return depth;
+    return stp_bounding_make(item->rows, item->nearness_limit, item->offset, r->target.width,
+                             r->target.height);
 }
 
 static bool needs_keep(const gl_renderer* r, const item_block* item, uint32_t present)
@@ -99,7 +48,8 @@ static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* me
     item->cluster_count =
         (mesh->triangle_count + UPLOAD_CLUSTER_TRIANGLES - 1) / UPLOAD_CLUSTER_TRIANGLES;
     gl_command_kind kind = needs_keep(r, item, present) ? GL_COMMANDS_KEEP : GL_COMMANDS_TRIANGLES;
-    float share = stp_draw_share(draw, least_depth(item, mesh->bounds));
+    stp_bounding bounding = bound(r, item);
+    float share = stp_draw_share(draw, stp_bounding_least_depth(&bounding, mesh->bounds));
     for (uint32_t i = 0; i < item->cluster_count && share > 0.0f; ++i) {
         uint32_t left = mesh->triangle_count - i * UPLOAD_CLUSTER_TRIANGLES;
         uint32_t count = left < UPLOAD_CLUSTER_TRIANGLES ? left : UPLOAD_CLUSTER_TRIANGLES;
@@ -129,11 +79,11 @@ stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
     item->cluster_count = clusters.cluster_count;
     gl_command_kind kind =
         needs_keep(r, item, clusters.present) ? GL_COMMANDS_KEEP : GL_COMMANDS_TRIANGLES;
-    bounding_planes planes = make_planes(r, item);
+    stp_bounding bounding = bound(r, item);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         stp_box box = stp_clusters_bounds(&clusters, i);
-        float share = stp_draw_share(draw, least_depth(item, box));
-        if (!(share > 0.0f) || is_outside(&planes, item, box)) {
+        float share = stp_draw_share(draw, stp_bounding_least_depth(&bounding, box));
+        if (!(share > 0.0f) || stp_bounding_misses(&bounding, box)) {
             continue;
         }
         uint32_t first = stp_clusters_first_triangle(&clusters, i);
