@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What is known of a store's nodes whatever the view: what moves, and how far things stick out of their boxes.
+// What is known of a store's nodes whatever the view: what moves, how far things stick out of their boxes, and down to what
+// radius a node's own surfels are used.
+#include "base/prefix_table.h"
 #include "select/select_internal.h"
 
 static double above(double x, double most)
@@ -44,6 +46,38 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
     return margin * (1.0 + 1e-6);
 }
 
+#define TRIANGLES_PER_SURFEL 16 ///< what may be drawn instead, at most, for each surfel left out
+
+static double find_reach(const stp_selection* s, const stp_store_node* node)
+{
+    const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
+    // surface may lie that far from a candidate, however many of these are drawn
+    return above((double)stp_prefix_table_radius(&surfels->table, surfels->count),
+                 (double)surfels->candidate_radius);
+}
+
+/// The last surfels of a set cost about what is below it costs, which looks better: a set may be used down to a multiple of the
+/// radius that it could cover to, but where that would bring many more triangles.
+static double find_spare(const stp_selection* s, const stp_store_node* node)
+{
+    const stp_store_directory* directory = s->directory;
+    const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
+    double triangles = 1.0;
+    for (uint32_t i = 0; i < node->part_count; ++i) {
+        stp_store_part part = directory->parts[node->first_part + i];
+        if (part.kind == STP_STORE_PART_MESH) {
+            triangles += (double)stp_store_describe_mesh(s->store, part.index)->triangle_count;
+        }
+    }
+    for (uint32_t i = 0; i < node->edge_count; ++i) {
+        const stp_store_node* below =
+            &directory->nodes[directory->edges[node->first_edge + i].node];
+        triangles += below->surfels == STP_STORE_NONE ? (double)below->triangle_count : 0.0;
+    }
+    double spare = sqrt(TRIANGLES_PER_SURFEL * (double)surfels->count / triangles);
+    return spare < 1.0 ? 1.0 : spare < STP_SPARE_MOST ? spare : STP_SPARE_MOST;
+}
+
 static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
 {
     const stp_store_directory* directory = s->directory;
@@ -56,6 +90,9 @@ static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
         }
         graph->moving[i] = bits;
         graph->margins[i] = (float)find_margin(s, graph, node);
+        bool has_set = node->surfels != STP_STORE_NONE;
+        graph->reaches[i] = has_set ? find_reach(s, node) : 0.0;
+        graph->spares[i] = has_set ? (float)find_spare(s, node) : 1.0f;
     }
 }
 
@@ -76,7 +113,10 @@ stp_result stp_select_find_graph(stp_selection* s)
     }
     graph->moving = STP_NEW_ARRAY(s->context, uint8_t, (size_t)directory->node_count + 1);
     graph->margins = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
-    if (graph->moving == NULL || graph->margins == NULL) {
+    graph->reaches = STP_NEW_ARRAY(s->context, double, (size_t)directory->node_count + 1);
+    graph->spares = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
+    if (graph->moving == NULL || graph->margins == NULL || graph->reaches == NULL ||
+        graph->spares == NULL) {
         return stp_fail_memory(s->context); // not found by the next call, which makes it anew
     }
     look_at_nodes(s, graph);
@@ -94,6 +134,8 @@ void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph)
     if (graph != NULL) {
         stp_free(context, graph->moving);
         stp_free(context, graph->margins);
+        stp_free(context, graph->reaches);
+        stp_free(context, graph->spares);
         stp_free(context, graph);
     }
 }

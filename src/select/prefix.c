@@ -47,30 +47,35 @@ static double move_out(double lacks, stp_depth_range range)
     return cubed * (1.0 + part * (cubed * lacks - 1.0));
 }
 
-/// By insertion radius: as many as cover at the nearest depth, and all where they do not.
+/// By insertion radius: as many as cover at the nearest depth, or all where they do not; opened where a radius below `reach` is
+/// wanted.
 static void use_by_insertion(stp_set_use* use, const stp_selection* s, stp_depth_range range,
-                             bool cloud)
+                             double reach, bool cloud)
 {
     const stp_surfels* surfels = use->surfels;
-    // surface may lie that far from a candidate, however many of these are drawn
-    double reach = fmax((double)stp_prefix_table_radius(&surfels->table, surfels->count),
-                        (double)surfels->candidate_radius);
     double suffices_from = reach / use->per_depth;
+    uint32_t count = stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near));
     bool suffices = cloud || range.near >= suffices_from;
     if (!suffices && s->quality->policy == STP_POLICY_SWITCH) {
         return;
     }
     if (suffices) {
-        use_count(use,
-                  stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near)));
+        use_count(use, count);
         use->switch_depth = cloud || s->quality->policy == STP_POLICY_SWITCH ? 0.0 : suffices_from;
         return;
     }
     use->switch_depth = suffices_from * move_out(suffices_from / range.near, range);
     use->extra = true;
     if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
-        use_count(use, surfels->count);
+        use_count(use, count);
     }
+}
+
+/// The coverage radius down to which a node's own surfels are used.
+static double reach_of(const stp_selection* s, uint32_t node)
+{
+    return s->graph->reaches[node] *
+           fmin((double)s->graph->spares[node], stp_select_spare(s->quality));
 }
 
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
@@ -110,7 +115,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
         use_estimate(&use, per_depth * sight->range.near, cloud);
     } else {
         use.per_depth = per_depth;
-        use_by_insertion(&use, s, sight->range, cloud);
+        use_by_insertion(&use, s, sight->range, reach_of(s, at->node), cloud);
     }
     return use;
 }

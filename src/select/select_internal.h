@@ -13,6 +13,16 @@
 /// The same in depths: where they just suffice is moved out by the third power, at least, of what they lack (prefix.c).
 #define STP_LEVELS_SHRINK (STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE)
 
+/// What stp_quality.spare is where nothing is said, and at the most.
+#define STP_SPARE_DEFAULT 2.0
+#define STP_SPARE_MOST 8.0
+
+static inline double stp_select_spare(const stp_quality* quality)
+{
+    double spare = (double)quality->spare;
+    return !(spare > 0.0) ? STP_SPARE_DEFAULT : fmin(fmax(spare, 1.0), STP_SPARE_MOST);
+}
+
 /// A node still to be looked at.
 typedef struct stp_select_entry {
     uint32_t node;
@@ -35,6 +45,8 @@ typedef struct stp_select_graph {
     uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
     float*
         margins; ///< how far what is drawn of a node may stick out of its box, beside pixels; node units
+    double* reaches; ///< coverage radius of all surfels of its own, node units
+    float* spares;   ///< times that, down to which they are used at the most
 } stp_select_graph;
 
 enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };

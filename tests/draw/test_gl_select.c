@@ -203,7 +203,8 @@ void test_gl_select_gives_the_processors_list(test_state* test)
     uint32_t runs = 0;
     for (uint32_t i = 0; i < VIEWS; ++i) {
         stp_view view = make_view(i);
-        stp_quality quality = {.splat_size = i % 2 == 0 ? 1.0f : 3.0f};
+        stp_quality quality = {.splat_size = i % 2 == 0 ? 1.0f : 3.0f,
+                               .spare = i % 3 == 0 ? 0.0f : 1.0f};
         compare(test, &s, &view, &quality, &runs);
     }
     CHECK(runs > 200);

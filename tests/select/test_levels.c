@@ -77,7 +77,7 @@ static void tear_down(fixture* f)
 
 static stp_result look(fixture* f, const stp_view* view, float size, stp_policy policy)
 {
-    stp_quality quality = {.splat_size = size, .policy = policy, .fovea = f->fovea};
+    stp_quality quality = {.splat_size = size, .policy = policy, .fovea = f->fovea, .spare = 1};
     stp_view eye = stp_view_of_eye(view, 0);
     stp_view_frame frame;
     f->scale = stp_view_frame_make(&eye, &frame) ? frame.scale : 0.0;

@@ -83,7 +83,7 @@ void test_select_prefix_follows_the_pixel(test_state* test)
     for (int step = 0; step < 30; ++step) {
         double distance = 4.0 + 3.0 * step;
         stp_view view = view_from(distance);
-        stp_quality quality = {.splat_size = (float)(2 + step % 4)};
+        stp_quality quality = {.splat_size = (float)(2 + step % 4), .spare = 1};
         CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
         double r = 0.5 * (2 + step % 4) * (distance - 0.5) / 100.0;
         bool enough = r >= (double)surfels->table.radius[surfels->table.size - 1];
@@ -106,6 +106,46 @@ void test_select_prefix_follows_the_pixel(test_state* test)
         CHECK((double)item.radius >= 0.001);
     }
     tear_down(&f);
+}
+
+// A node is opened where its surfels could still cover twice, or as many times as is said, better than they have to; sooner only
+// where what is below brings no more than sixteen triangles a surfel.
+void test_select_opens_sooner_where_triangles_are_few(test_state* test)
+{
+    const struct {
+        uint32_t triangles; // below the node
+        float spare;
+        double times;
+    } cases[] = {{2, 0, 2},         {2, 1, 1},         {2, 3, 3},
+                 {6000, 0, 1.6521}, {6000, 1.5f, 1.5}, {60000, 0, 1}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        fixture f;
+        CHECK(set_up(&f));
+        stp_store_close(f.store);
+        f.scene.nodes[0].triangle_count = cases[i].triangles;
+        f.scene.nodes[2].triangle_count = cases[i].triangles + 2;
+        f.store = made_open(f.context, &f.scene);
+        CHECK(f.store != NULL);
+        const stp_surfels* surfels = stp_store_describe_surfels(f.store, 0);
+        double least = (double)surfels->table.radius[surfels->table.size - 1] * cases[i].times;
+        int own = 0, opened = 0;
+        for (double distance = 4.0; distance < 60.0; distance *= 1.03) {
+            stp_view view = view_from(distance);
+            stp_quality quality = {
+                .splat_size = 4, .policy = STP_POLICY_SWITCH, .spare = cases[i].spare};
+            CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+            double r = 0.5 * 4 * (distance - 0.5) / 100.0;
+            if (fabs(r - least) < 1e-3 * least) {
+                continue;
+            }
+            bool has_own = f.list.items[0].kind == STP_DRAW_SURFELS;
+            CHECK_EQUAL(r > least, has_own);
+            own += has_own;
+            opened += !has_own;
+        }
+        CHECK(own > 5 && opened > 5);
+        tear_down(&f);
+    }
 }
 
 void test_select_opens_what_contains_the_eye(test_state* test)
@@ -196,8 +236,8 @@ void test_select_draws_what_moves_by_its_own_surfels(test_state* test)
         f.store = made_open(f.context, s);
         CHECK(f.store != NULL);
         stp_view view = view_from(40);
-        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &(stp_quality){.splat_size = 4},
-                                       &f.list));
+        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view,
+                                       &(stp_quality){.splat_size = 4, .spare = 1}, &f.list));
         uint32_t resting = 0, moving[2] = {0};
         for (size_t i = 0; i < f.list.count; ++i) {
             const stp_draw_item* item = &f.list.items[i];

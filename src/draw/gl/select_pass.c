@@ -20,12 +20,12 @@ typedef struct select_state select_state;
 typedef struct select_view select_view;
 typedef struct select_entry select_entry;
 
-_Static_assert(sizeof(select_node) == 80, "layout of nodes");
+_Static_assert(sizeof(select_node) == 88, "layout of nodes");
 _Static_assert(sizeof(select_edge) == 104, "layout of edges");
 _Static_assert(sizeof(select_part) == 40, "layout of parts");
 _Static_assert(sizeof(select_entry) == 112, "layout of entries");
 _Static_assert(sizeof(select_item) == 136, "layout of items");
-_Static_assert(sizeof(select_view) == 2 * 35 * 8 + 16 + 3 * 64, "layout of views");
+_Static_assert(sizeof(select_view) == 2 * 35 * 8 + 24 + 3 * 64, "layout of views");
 _Static_assert(STP_PREFIX_TABLE_SIZE == SELECT_TABLE, "prefix tables");
 _Static_assert(STP_DEPTH_PYRAMID_LEVELS == SELECT_PYRAMID_LEVELS, "levels of a pyramid");
 _Static_assert(STP_DRAW_SURFELS == KIND_SURFELS && STP_DRAW_MESH == KIND_MESH &&
@@ -55,7 +55,9 @@ static void fill_nodes(const stp_selection* s, select_node* nodes)
                             .part_count = from->part_count,
                             .set = NO_ID,
                             .flags = s->graph->moving[i],
-                            .margin = s->graph->margins[i]};
+                            .margin = s->graph->margins[i],
+                            .reach = s->graph->reaches[i],
+                            .spare = s->graph->spares[i]};
         set_vec3(to->box, from->bounds.min);
         set_vec3(to->box + 3, from->bounds.max);
         if (from->surfels != STP_STORE_NONE) {
@@ -296,7 +298,8 @@ stp_result gl_select_run(gl_select_pass* pass, const stp_view* view, const stp_q
                         "view: eye, target, angle and size do not make a picture");
     }
     select_view block = {.parallel = frame.parallel ? 1 : 0,
-                         .splat_size = fmax((double)quality->splat_size, 1.0)};
+                         .splat_size = fmax((double)quality->splat_size, 1.0),
+                         .spare = stp_select_spare(quality)};
     set_frame(&block.frame, &frame);
     send_pyramid(pass, quality->occlusion, &block);
     gl->NamedBufferSubData(pass->buffers[GL_SELECT_VIEW], 0, sizeof(block), &block);

@@ -65,7 +65,7 @@ void use_count(uint set, uint count, inout set_use use)
 }
 
 // stp_select_use_set
-set_use use_set(uint set, bool cloud, double scale, box_sight sight)
+set_use use_set(uint set, double reach, bool cloud, double scale, box_sight sight)
 {
     set_use use = set_use(0u, 0.0lf, 0.0lf, SELECT_INFINITE, false);
     double per_depth = 0.5lf * view.splat_size / view.frame.scale / scale;
@@ -73,17 +73,17 @@ set_use use_set(uint set, bool cloud, double scale, box_sight sight)
         return use;
     }
     use.per_depth = per_depth;
-    uint all = sets[set].count;
-    double reach = double(max(prefix_radius(set, all), sets[set].candidate_radius)), from = reach / per_depth;
+    double from = reach / per_depth;
+    uint count = prefix_count(set, float(per_depth * sight.near));
     if (cloud || sight.near >= from) {
-        use_count(set, prefix_count(set, float(per_depth * sight.near)), use);
+        use_count(set, count, use);
         use.switch_depth = cloud ? 0.0lf : from;
         return use;
     }
     use.switch_depth = from * move_out(from / sight.near, sight);
     use.extra = true;
     if (sight.far * SHRINK > use.switch_depth) {
-        use_count(set, all, use);
+        use_count(set, count, use);
     }
     return use;
 }
@@ -298,7 +298,7 @@ void visit(select_entry at)
         return;
     }
     if (!moving_only && node.set != NO_ID) {
-        set_use use = use_set(node.set, (node.flags & SELECT_CLOUD) != 0u, scale, sight);
+        set_use use = use_set(node.set, node.reach * min(double(node.spare), view.spare), (node.flags & SELECT_CLOUD) != 0u, scale, sight);
         if (use.count > 0u) {
             add_set(node.set, at, use, sight);
         }

@@ -34,10 +34,11 @@
 
 struct select_node {
     double box[6]; // low, high
+    double reach;  // as in stp_select_graph
     uint first_edge, edge_count, first_part, part_count;
     uint set, flags;
     float margin;
-    uint spare;
+    float spare;
 };
 
 struct select_edge {
@@ -98,6 +99,7 @@ struct select_view {
     select_frame frame;
     select_frame pyramid_frame;
     double splat_size;
+    double spare;
     uint parallel, pyramid_levels; // 0: nothing is hidden
     uint columns[SELECT_PYRAMID_LEVELS], rows[SELECT_PYRAMID_LEVELS],
         offsets[SELECT_PYRAMID_LEVELS];
