@@ -17,7 +17,9 @@ enum {
     MARGIN =
         6, // step: at most 1/64 of the short edges, so that quantised triangles still face where
     LEAST_MARGIN =
-        4,    // they did; where sizes differ much, 1/16, and the largest triangles pay less for it
+        4, // they did; where sizes differ much, 1/16, and the largest triangles pay less for it
+    SIZE_DIGITS =
+        14, // large triangles stand on what smaller ones of other meshes do: of a mesh's size, 1/16384
     WIDE = 7, // octaves between short and typical edges from which on the margin falls
     FLOAT_DIGITS = 23,
     NUMBER_BITS = 29,  // a coordinate is less than 2^30 steps
@@ -98,24 +100,48 @@ static void add_edge(octave_counts* run, const float* a, const float* b)
     }
 }
 
-static double largest_of(const float* p, double largest)
+typedef struct reach {
+    float least[3], most[3];
+} reach;
+
+static void add_corner(reach* r, const float* p)
 {
     for (int k = 0; k < 3; ++k) {
-        double size = p[k] < 0.0f ? -(double)p[k] : (double)p[k];
-        largest = size > largest ? size : largest;
+        r->least[k] = p[k] < r->least[k] ? p[k] : r->least[k];
+        r->most[k] = p[k] > r->most[k] ? p[k] : r->most[k];
+    }
+}
+
+static double largest_number(const reach* r)
+{
+    double largest = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        largest = -(double)r->least[k] > largest ? -(double)r->least[k] : largest;
+        largest = (double)r->most[k] > largest ? (double)r->most[k] : largest;
     }
     return largest;
 }
 
-/// Of two lengths' octaves (of their squares) and the size of the numbers.
-static double choose(int shortest, int typical, double largest)
+static double longest_side(const reach* r)
+{
+    double longest = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        double side = (double)r->most[k] - (double)r->least[k];
+        longest = side > longest ? side : longest;
+    }
+    return longest;
+}
+
+/// Of two lengths' octaves (of their squares), the mesh's size, and the size of the numbers.
+static double choose(int shortest, int typical, double size, double largest)
 {
     int wide = (typical - shortest) / 2 - WIDE; // octaves of lengths
     int margin = MARGIN - (wide > 0 ? (wide + 1) / 2 : 0);
     margin = margin < LEAST_MARGIN ? LEAST_MARGIN : margin;
     int low = (shortest - EXPONENT_BIAS - ((shortest - EXPONENT_BIAS) & 1)) / 2;
     int top = (int)exponent_of(largest) - EXPONENT_BIAS;
-    int step = low - margin;
+    int finest = (int)exponent_of(size) - EXPONENT_BIAS - SIZE_DIGITS;
+    int step = size > 0.0 && finest < low - margin ? finest : low - margin;
     if (step <
         top - FLOAT_DIGITS) { // finer than the largest number is a float: only as far as needed
         step = low - LEAST_MARGIN < top - FLOAT_DIGITS ? low - LEAST_MARGIN : top - FLOAT_DIGITS;
@@ -134,12 +160,12 @@ double stp_choose_grid_step(const float* positions, const uint32_t* indices,
     clear(&run);
     clear(&all);
     uint32_t shortest = OCTAVES - 1;
-    double largest = 0.0;
+    reach whole = {{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
     for (uint32_t t = 0; t < triangle_count; ++t) {
         const float* p[3];
         for (size_t k = 0; k < 3; ++k) {
             p[k] = positions + 3 * (size_t)indices[3 * (size_t)t + k];
-            largest = largest_of(p[k], largest);
+            add_corner(&whole, p[k]);
         }
         for (int k = 0; k < 3; ++k) {
             add_edge(&run, p[k], p[(k + 1) % 3]);
@@ -154,12 +180,14 @@ double stp_choose_grid_step(const float* positions, const uint32_t* indices,
             clear(&run);
         }
     }
+    double largest = largest_number(&whole);
     if (all.total == 0) { // no triangle has any extent: as fine as its numbers
         int top = (int)exponent_of(largest);
-        return largest > 0.0 ? choose(2 * top - EXPONENT_BIAS, 2 * top - EXPONENT_BIAS, largest)
-                             : 1.0;
+        return largest > 0.0
+                   ? choose(2 * top - EXPONENT_BIAS, 2 * top - EXPONENT_BIAS, 0.0, largest)
+                   : 1.0;
     }
     uint32_t low = octave_at(&all, all.total / 20);
     return choose((int)(low < shortest ? low : shortest), (int)octave_at(&all, all.total / 2),
-                  largest);
+                  longest_side(&whole), largest);
 }
