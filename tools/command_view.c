@@ -8,7 +8,7 @@
 static struct {
     const char *view, *report;
     uint32_t size[2];
-    int backend;
+    int backend, gl_splats;
     double budget_ms, scale;
     bool software;
     uint64_t threads, memory;
@@ -35,6 +35,13 @@ static const option* options(void)
          .words = "auto|cpu|gl",
          .help = "what draws; default what drew last time",
          .value = &args.backend},
+        {.name = "gl-splats",
+         .type = OPTION_CHOICE,
+         .argument = "WAY",
+         .words = "auto|points|compute|compute64",
+         .help = "how OpenGL draws splats: as points, by a compute shader, or by one with 64-bit "
+                 "atomic operations; default auto, which measures them first",
+         .value = &args.gl_splats},
         {.name = "budget-ms",
          .type = OPTION_NUMBER,
          .argument = "MS",
@@ -74,6 +81,7 @@ static int run(int argc, char** argv)
                         .scale = (float)args.scale,
                         .software = args.software,
                         .backend = args.backend,
+                        .gl_splats = args.gl_splats,
                         .budget_ms = (float)args.budget_ms,
                         .thread_count = (uint32_t)args.threads,
                         .memory_limit = args.memory,

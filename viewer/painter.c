@@ -217,7 +217,8 @@ static void paint(painter* p)
     painter_picture* picture = &p->pictures[p->painting];
     pthread_mutex_unlock(&p->mutex);
     paint_figures figures = {0};
-    p->uses_gl = request.gl && p->gl.functions != NULL && paint_scene_use_gl(p->scene, &p->gl_desc);
+    p->uses_gl = request.gl && p->gl.functions != NULL &&
+                 paint_scene_use_gl(p->scene, &p->gl_desc, p->desc.gl_splats);
     learn(p, &request, NULL);
     bool accumulates = p->stage == STAGE_ACCUMULATES;
     float size = choose_size(p, &request);

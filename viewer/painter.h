@@ -71,6 +71,7 @@ typedef struct painter_desc {
     void (*end_gl)(void* user);
     stp_gl_proc (*get_proc_address)(const char* name, void* user);
     void* gl_user;
+    stp_gl_splats gl_splats; ///< how OpenGL draws splats, where it can
 } painter_desc;
 
 /// @return NULL where there is no thread or memory

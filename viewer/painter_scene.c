@@ -67,10 +67,14 @@ void paint_scene_close(paint_scene* s)
     free(s);
 }
 
-bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl)
+bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl, stp_gl_splats splats)
 {
     if (s->renderers[1] == NULL && !s->gl_failed) {
         s->gl_failed = stp_draw_gl_create(s->context, s->store, gl, &s->renderers[1]) != STP_OK;
+        if (!s->gl_failed) { // a way that is not to be had is logged, and another is taken
+            stp_result result = stp_draw_gl_set_splats(s->renderers[1], splats);
+            (void)result;
+        }
     }
     return !s->gl_failed;
 }

@@ -30,7 +30,7 @@ paint_scene* paint_scene_open(const paint_scene_desc* desc, const char* path, ui
 void paint_scene_close(paint_scene* s);
 
 /// Makes ready to draw with OpenGL, where that was not yet. @return whether it can
-bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl);
+bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl, stp_gl_splats splats);
 /// What is shown from now on.
 stp_result paint_scene_show(paint_scene* s, const shown_list* list);
 

@@ -272,6 +272,7 @@ static bool start(viewer* v)
                              .end_gl = window_end_worker,
                              .get_proc_address = window_get_proc_address,
                              .gl_user = &v->window,
+                             .gl_splats = (stp_gl_splats)v->options.gl_splats,
                              .thread_count = v->options.thread_count,
                              .memory_limit = v->options.memory_limit,
                              .wake = viewer_wake,

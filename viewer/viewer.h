@@ -13,6 +13,7 @@ typedef struct viewer_options {
     float scale;            ///< of text; 0: the display's
     bool software;          ///< the window without OpenGL
     int backend;            ///< 0: as last time; 1: processor; 2: OpenGL
+    int gl_splats;          ///< how OpenGL draws splats: an stp_gl_splats
     float budget_ms;        ///< 0: as last time
     uint32_t thread_count;
     uint64_t memory_limit;
