@@ -396,7 +396,7 @@ sample sample_make(stp_arena* arena, uint64_t seed)
     return made;
 }
 
-bool sample_code_meshes(stp_arena* arena, sample* made)
+bool sample_code_meshes(stp_arena* arena, sample* made, const double* steps)
 {
     uint32_t count = made->content.directory.mesh_count;
     stp_coded_mesh* list = stp_arena_alloc_array(arena, (size_t)count + 1, sizeof(*list));
@@ -406,7 +406,9 @@ bool sample_code_meshes(stp_arena* arena, sample* made)
         if (i % 2 != 0) {
             continue;
         }
-        double step = stp_choose_grid_step(mesh->positions, mesh->indices, mesh->triangle_count);
+        double step = steps != NULL ? steps[i / 2]
+                                    : stp_choose_grid_step(mesh->positions, mesh->indices,
+                                                           mesh->triangle_count);
         stp_coded_mesh coded;
         if (stp_clusters_encode(arena->context, mesh, step, &coded) != STP_OK) {
             return false;

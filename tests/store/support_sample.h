@@ -14,8 +14,9 @@ typedef struct sample {
 
 sample sample_make(stp_arena* arena, uint64_t seed);
 
-/// Codes every second mesh of the sample, in the same arena: false where memory runs out.
-bool sample_code_meshes(stp_arena* arena, sample* made);
+/// Codes every second mesh of the sample, in the same arena, on grids of these steps (NULL: as they are chosen): false
+/// where memory runs out.
+bool sample_code_meshes(stp_arena* arena, sample* made, const double* steps);
 
 /// NULL where the store holds exactly the content; else what differs first.
 const char* sample_difference(const stp_store_content* content, stp_store* store);

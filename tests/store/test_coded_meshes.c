@@ -24,7 +24,7 @@ static unsigned char* write_sample(stp_context* context, uint64_t seed, size_t* 
     scratch_path(path, "coded");
     stp_arena arena = stp_arena_create(context, 1 << 16);
     sample made = sample_make(&arena, seed);
-    bool coded = sample_code_meshes(&arena, &made);
+    bool coded = sample_code_meshes(&arena, &made, NULL);
     stp_result result = coded ? stp_store_write(context, &made.content, path) : STP_ERROR_IO;
     stp_arena_destroy(&arena);
     unsigned char* bytes = result == STP_OK ? sample_read_file(path, size) : NULL;
@@ -42,7 +42,7 @@ void test_coded_meshes_round_trip(test_state* test)
     for (uint64_t seed = 0; seed < 60; ++seed) {
         stp_arena_mark mark = stp_arena_get_mark(&arena);
         sample made = sample_make(&arena, seed);
-        CHECK(sample_code_meshes(&arena, &made));
+        CHECK(sample_code_meshes(&arena, &made, NULL));
         stp_store* store = NULL;
         CHECK_EQUAL(STP_OK, stp_store_write(context, &made.content, path));
         CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
@@ -194,7 +194,7 @@ void test_coded_meshes_that_no_reader_takes_are_not_written(test_state* test)
     stp_arena arena = stp_arena_create(context, 1 << 16);
     for (int fault = 0; fault < 3; ++fault) {
         sample made = sample_make(&arena, SEED);
-        CHECK(sample_code_meshes(&arena, &made));
+        CHECK(sample_code_meshes(&arena, &made, NULL));
         stp_coded_mesh coded = made.content.coded_meshes[0];
         stp_coded_mesh* list =
             stp_arena_alloc_array(&arena, made.content.directory.mesh_count, sizeof(*list));

@@ -86,7 +86,7 @@ static bool set_up(fixture* f, stp_context* context, uint64_t seed, bool open)
     for (uint32_t i = 0; f->made.complete && i < f->made.content.directory.surfels_count; ++i) {
         lengthen(&f->arena, &sets[i], seed + i);
     }
-    bool good = f->made.complete && sample_code_meshes(&f->arena, &f->made) &&
+    bool good = f->made.complete && sample_code_meshes(&f->arena, &f->made, NULL) &&
                 stp_store_write(context, &f->made.content, path) == STP_OK;
     f->bytes = good ? sample_read_file(path, &f->size) : NULL;
     unlink(path);
