@@ -6,6 +6,7 @@
 
 #include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 #define COMMAND(name) extern const command command_##name;
 #include "command_list.h"
@@ -86,9 +87,20 @@ static int run_command(const command* c, int argc, char** argv)
     return code;
 }
 
+/// Files are read in place: one that others cut short meanwhile has pages that are no more.
+static void end_without_file(int number)
+{
+    static const char message[] =
+        "stipple: a file in use was made shorter by another program, or its disk failed\n";
+    (void)number;
+    ssize_t written = write(STDERR_FILENO, message, sizeof(message) - 1);
+    _exit(written >= 0 ? 1 : 2);
+}
+
 int main(int argc, char** argv)
 {
     (void)signal(SIGPIPE, SIG_IGN); // a reader that goes away is a failed write, with a message
+    (void)signal(SIGBUS, end_without_file);
     int first = 1;
     while (first < argc && argv[first][0] == '-') {
         first += 1;
