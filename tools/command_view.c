@@ -20,7 +20,8 @@ static const option* options(void)
         {.name = "view",
          .type = OPTION_TEXT,
          .argument = "NAME",
-         .help = "begin with a view of the file, or front, back, left, right, top, bottom, iso; "
+         .help = "begin with a view of the file or a saved one, or front, back, left, right, top, "
+                 "bottom, iso; "
                  "default iso",
          .value = &args.view},
         {.name = "size",

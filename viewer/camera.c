@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The viewer's camera: what it sees, and how it goes from one place to another.
-#include "state.h"
+#include "parts.h"
 
 #include "base/clock.h"
 
@@ -25,7 +25,7 @@ void camera_begin(viewer* v)
         stp_view view = {.width = v->camera.width, .height = v->camera.height};
         if (tool_find_view(v->scene->store, name, &view)) {
             stp_navigator_take(&v->camera, &view);
-        } else {
+        } else if (!views_begin_at(v, name)) {
             viewer_say(v, true, "there is no view named %s", name);
         }
         v->options.view = NULL; // of the first file only

@@ -275,12 +275,19 @@ void gui_panel_end(void)
 
 void gui_dialog_begin(const char* name, float x, float y, float width)
 {
+    ImVec2 whole = ImGui::GetIO().DisplaySize;
+    const ImGuiWindow* before = ImGui::FindWindowByName(name);
+    float height = before != nullptr ? before->Size.y : 0.0f;
+    width = width < whole.x ? width : whole.x;
+    x = ImClamp(x, 0.5f * width, whole.x - 0.5f * width);
+    y = height < whole.y ? ImClamp(y, 0.5f * height, whole.y - 0.5f * height) : 0.5f * whole.y;
     ImGui::SetNextWindowPos(ImVec2(x, y), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
     ImGui::SetNextWindowSize(ImVec2(width, 0.0f)); // as high as needed
+    ImGui::SetNextWindowSizeConstraints(ImVec2(1.0f, 1.0f), whole);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 8.0f * ui_scale);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(20 * ui_scale, 16 * ui_scale));
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
-    ImGui::Begin(name, nullptr, fixed_flags);
+    ImGui::Begin(name, nullptr, fixed_flags & ~ImGuiWindowFlags_NoScrollbar);
     ImGui::PopStyleVar(3);
     ImGui::PushItemWidth(-0.42f * width);
 }
@@ -426,6 +433,34 @@ bool gui_toggle(const char* label, bool on, const char* tooltip)
     if (on) {
         ImGui::PopStyleColor(2);
     }
+    return pressed;
+}
+
+bool gui_name_toggle(const char* name, bool on, float beside, const char* tooltip)
+{
+    const ImGuiStyle& style = ImGui::GetStyle();
+    ImVec2 size = ImGui::CalcTextSize(name);
+    float wanted = size.x + 2.0f * style.FramePadding.x;
+    float room = ImGui::GetContentRegionAvail().x - beside;
+    float least = ImGui::GetFrameHeight();
+    bool fits = wanted <= room;
+    float width = fits ? wanted : room > least ? room : least;
+    ImVec2 start = ImGui::GetCursorScreenPos();
+    if (on) {
+        ImGui::PushStyleColor(ImGuiCol_Button, mixed(accent, 0.55f));
+        ImGui::PushStyleColor(ImGuiCol_ButtonHovered, mixed(accent, 0.7f));
+    }
+    bool pressed = ImGui::Button("##name", ImVec2(width, 0.0f));
+    if (on) {
+        ImGui::PopStyleColor(2);
+    }
+    gui_tooltip(fits ? tooltip : name);
+    ImVec2 text = ImVec2(start.x + style.FramePadding.x, start.y + style.FramePadding.y);
+    ImVec2 end = ImVec2(start.x + width - style.FramePadding.x, text.y + size.y);
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    list->PushClipRect(text, end, true);
+    list->AddText(text, ImGui::GetColorU32(ImGuiCol_Text), name);
+    list->PopClipRect();
     return pressed;
 }
 
@@ -674,12 +709,15 @@ void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim
 
 void gui_plate(float x, float y, const char* text, uint32_t color)
 {
-    ImVec2 size = ImGui::CalcTextSize(text);
-    ImVec2 start = ImVec2(x - 0.5f * size.x, y - 0.5f * size.y);
+    float widest = 300.0f * ui_scale, line = ImGui::GetTextLineHeight();
+    ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, widest);
+    // further lines go up, away from what the plate is about
+    ImVec2 start = ImVec2(std::floor(x - 0.5f * size.x), std::floor(y + 0.5f * line - size.y));
     ImVec2 pad = ImVec2(6.0f * ui_scale, 3.0f * ui_scale);
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     list->AddRectFilled(ImVec2(start.x - pad.x, start.y - pad.y),
                         ImVec2(start.x + size.x + pad.x, start.y + size.y + pad.y),
                         IM_COL32(24, 26, 29, 225), 4.0f * ui_scale);
-    list->AddText(start, color_of(color), text);
+    list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), start, color_of(color), text, nullptr,
+                  widest);
 }

@@ -42,7 +42,7 @@ void gui_panel_begin(const char* name, float x, float y, float width, float heig
 /// One line of widgets or text, in the middle of the height.
 void gui_bar_begin(const char* name, float x, float y, float width, float height, bool of_text);
 void gui_panel_end(void); ///< ends each of these
-/// A window over all others, its middle at a place, as high as what is in it.
+/// A panel over all others, its middle at a place where there is room, as high as what is in it.
 void gui_dialog_begin(const char* name, float x, float y, float width);
 void gui_same_line(void);
 void gui_right_aligned(float width);
@@ -70,6 +70,8 @@ bool gui_button(const char* label, const char* tooltip);
 /// As wide as the panel, divided by `share`.
 bool gui_wide_button(const char* label, int share, const char* tooltip);
 bool gui_toggle(const char* label, bool on, const char* tooltip);
+/// A toggle with a name that people gave: any text, cut short where less than `beside` would be left to its right.
+bool gui_name_toggle(const char* name, bool on, float beside, const char* tooltip);
 bool gui_check(const char* label, bool* value, const char* tooltip);
 bool gui_slider(const char* label, float* value, float least, float most, const char* format,
                 const char* tooltip);
@@ -120,7 +122,7 @@ void gui_unclip(void);
 void gui_line(float x0, float y0, float x1, float y1, uint32_t color, float width);
 void gui_disc(float x, float y, float radius, uint32_t fill, uint32_t rim);
 void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim);
-/// Text on a plate, its middle at a place.
+/// Text on a plate, the middle of its last line at a place.
 void gui_plate(float x, float y, const char* text, uint32_t color);
 
 #ifdef __cplusplus

@@ -228,6 +228,9 @@ static void show_waiting(viewer* v)
         gui_faint("Drop another file onto the window");
     } else if (v->file[0] == 0) {
         gui_text("Drop a model or a .stip file onto the window");
+    } else if (v->scene != NULL && v->shown_file_number == v->file_number &&
+               stp_boxd_is_empty(v->scene->bounds)) {
+        gui_text("There is nothing to draw in %s", file_name(v));
     } else if (v->scene != NULL && v->shown_file_number == v->file_number) {
         gui_text("Drawing the first picture of %s", file_name(v));
     } else {
@@ -266,7 +269,7 @@ void panels_show(viewer* v)
     }
     if (v->shows_help) {
         show_help(v);
-    } else if (!has_picture) {
+    } else if (!has_picture || stp_boxd_is_empty(v->scene->bounds)) {
         show_waiting(v);
     }
 }

@@ -35,6 +35,8 @@ void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t si
 void page_views(viewer* v);
 void views_begin(viewer* v); ///< of a new file
 void views_end(viewer* v);
+/// Begins at a saved viewpoint, with its sections and what is hidden there. @return whether there is one of that name
+bool views_begin_at(viewer* v, const char* name);
 void views_save(viewer* v); ///< what is seen now, as another viewpoint
 /// Keeps what is hidden, for the same file's next, finer scene; and brings it back there.
 void views_carry(viewer* v);

@@ -92,6 +92,8 @@ void record_switch(viewer* v)
         }
         if (r->count > 1) {
             write_record(v);
+        } else {
+            viewer_say(v, false, "The recording was too short to keep");
         }
     }
 }

@@ -50,11 +50,32 @@ stp_sections section_make(const viewer* v)
     return sections;
 }
 
+/// Whether the first planes are those that stp_sections_add_box makes.
+static bool find_box(const stp_sections* sections, stp_boxd* box)
+{
+    if (sections->count < 6) {
+        return false;
+    }
+    for (int i = 0; i < 6; ++i) {
+        stp_section_plane p = sections->planes[i];
+        double along = *axis_of(&p.normal, i / 2);
+        if (!(i % 2 == 0 ? along > 0.0 : along < 0.0) ||
+            stp_dotd(p.normal, p.normal) != along * along) {
+            return false;
+        }
+        *axis_of(i % 2 == 0 ? &box->max : &box->min, i / 2) = p.distance / along;
+    }
+    return !stp_boxd_is_empty(*box);
+}
+
 void section_take(viewer* v, const stp_sections* sections)
 {
     section_begin(v);
     section_state* s = &v->section;
-    for (uint32_t i = 0; i < sections->count && s->plane_count < SECTION_PLANES; ++i) {
+    stp_boxd box;
+    s->has_box = find_box(sections, &box);
+    s->box = s->has_box ? box : s->box;
+    for (uint32_t i = s->has_box ? 6 : 0; i < sections->count; ++i) {
         const stp_section_plane* p = &sections->planes[i];
         double length = sqrt(stp_dotd(p->normal, p->normal));
         stp_vec3d normal = stp_scaled(p->normal, 1.0 / length);
@@ -149,7 +170,7 @@ void page_section(viewer* v)
     gui_text("Planes");
     stp_vec3d middle = stp_scaled(stp_addd(scene.min, scene.max), 0.5);
     stp_vec3d size = stp_subd(scene.max, scene.min);
-    gui_disable(s->plane_count == SECTION_PLANES);
+    gui_disable(s->plane_count >= SECTION_PLANES);
     for (int place = 0; place < 3; ++place) {
         int axis = axis_in_order(v, place);
         stp_vec3d normal = {axis == 0, axis == 1, axis == 2};

@@ -15,7 +15,7 @@
 enum {
     FRAME_HISTORY = 120,
     PATH_ROOM = 4096,
-    SECTION_PLANES = 6,
+    SECTION_PLANES = 8, ///< that can be set beside a box
     MEASURE_POINTS = 64,
 };
 
@@ -47,7 +47,7 @@ typedef struct section_plane {
 typedef struct section_state {
     bool has_box;
     stp_boxd box;
-    section_plane planes[SECTION_PLANES];
+    section_plane planes[STP_SECTION_PLANES];
     int plane_count;
 } section_state;
 

@@ -139,6 +139,9 @@ static void take_news(viewer* v)
         if (v->shown_file_number != v->file_number || !v->has_camera) {
             v->shown_file_number = v->file_number;
             camera_begin(v);
+            if (stp_boxd_is_empty(v->scene->bounds)) {
+                viewer_say(v, false, "%s: there is nothing in it to draw", v->file);
+            }
         }
         viewer_redraw(v);
     }
@@ -296,6 +299,7 @@ static void set_options(viewer* v)
     v->settings.budget_ms = o->budget_ms > 0.0f ? o->budget_ms : v->settings.budget_ms;
     v->settings.adapts = o->budget_ms > 0.0f ? true : v->settings.adapts;
     v->shows_panels = true;
+    v->measure.snaps = true;
     v->glide_start = -1.0;
     v->last_ms = stp_clock_ms();
 }

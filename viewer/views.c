@@ -182,6 +182,24 @@ static void go_to(viewer* v, const stp_viewpoint* p)
     snprintf(v->current_view, sizeof(v->current_view), "%s", p->name);
 }
 
+bool views_begin_at(viewer* v, const char* name)
+{
+    const stp_viewpoint* p = stp_viewpoints_find(&v->views, name);
+    stp_view view = {.fov_degrees = v->camera.fov_degrees};
+    if (p == NULL) {
+        return false;
+    }
+    stp_viewpoint_look(p, &view);
+    stp_navigator_take(&v->camera, &view);
+    section_take(v, &p->sections);
+    // what is hidden there waits until the parts are known
+    stp_viewpoints_destroy(v->context, &v->carried);
+    v->carried = (stp_viewpoints){0};
+    (void)!stp_viewpoints_put(v->context, &v->carried, p);
+    snprintf(v->current_view, sizeof(v->current_view), "%s", name);
+    return true;
+}
+
 static void show_saved(viewer* v)
 {
     if (v->views.count == 0) {
@@ -191,7 +209,8 @@ static void show_saved(viewer* v)
         const stp_viewpoint* p = &v->views.views[i];
         bool goes = false;
         gui_push_id((int)i);
-        if (gui_toggle(p->name, strcmp(p->name, v->current_view) == 0, "Go there")) {
+        float beside = gui_text_width("Remove") + 24.0f * v->window.scale;
+        if (gui_name_toggle(p->name, strcmp(p->name, v->current_view) == 0, beside, "Go there")) {
             go_to(v, p);
         }
         gui_same_line();
@@ -201,9 +220,7 @@ static void show_saved(viewer* v)
         }
         gui_pop_id();
         if (goes) {
-            char name[128];
-            snprintf(name, sizeof(name), "%s", p->name);
-            (void)stp_viewpoints_remove(v->context, &v->views, name);
+            (void)stp_viewpoints_remove(v->context, &v->views, p->name);
             keep(v);
             return;
         }
@@ -222,7 +239,8 @@ static void show_cameras(viewer* v)
     for (uint32_t i = 0; i < d->view_count; ++i) {
         const stp_store_view* stored = &d->views[i];
         gui_push_id((int)i);
-        if (gui_button(stored->name != NULL ? stored->name : "unnamed", "Go there")) {
+        const char* name = stored->name != NULL && stored->name[0] != 0 ? stored->name : "unnamed";
+        if (gui_name_toggle(name, false, 0.0f, "Go there")) {
             stp_view view = {.eye = stored->eye,
                              .target = stored->target,
                              .up = stored->up,
@@ -270,7 +288,9 @@ void page_views(viewer* v)
     gui_text("Viewpoints");
     show_saved(v);
     gui_space();
-    gui_input("Name", "View 1", v->view_name, sizeof(v->view_name), NULL);
+    char name[128];
+    name_view(v, name, sizeof(name));
+    gui_input("Name", name, v->view_name, sizeof(v->view_name), NULL);
     gui_input("Note", "what is to be seen", v->view_note, sizeof(v->view_note), NULL);
     gui_disable(!v->has_picked);
     gui_check("Pin the note to the clicked point", &v->view_pins,

@@ -333,6 +333,59 @@ open_viewer ball.obj --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"] and tools["views"] == 1'
 close_viewer
 "$stipple" render ball.obj --view "View 1" --backend cpu -o view.png --size 64x64 -q || fail "the viewpoint cannot be rendered"
+# a viewpoint brings its box back as a box, further planes, and what is hidden; names may be anything
+python3 - << 'END'
+import json
+views = json.load(open("ball.views.json"))
+view = views["views"][0]
+view["name"] = "\"a\" ##b %s " + 100 * "long "
+view["note"] = 40 * "what is to be seen "
+view["sections"] = [[1, 0, 0, 0.9], [-1, 0, 0, 0.9], [0, 1, 0, 0.9], [0, -1, 0, 0.9], [0, 0, 1, 0.9], [0, 0, -1, 0.9],
+                    [1, 1, 0, 0.5]]
+view["annotations"] = [{"text": view["note"], "at": [0, 0, 1]}]
+views["views"] = [view, dict(view, name="short")]
+json.dump(views, open("ball.views.json", "w"))
+END
+open_viewer ball.obj --backend cpu --view short
+wait_until 'r["loading"] == "done" and r["rests"]'
+check "two views" 'tools["views"] == 2'
+check "the view is taken with all its planes" 'near(camera["eye"][0], 0) and tools["section_planes"] == 7 and r["message"] == ""'
+shot cut.png
+xdotool key k
+wait_until 'r["rests"] and tools["section_planes"] == 1'
+xdotool key F6
+wait_until 'r["rests"] and r["page"] == "views"'
+shot names.png
+xdotool key h # no higher than the window
+wait_until 'r["rests"] and r["help"]'
+shot help.png
+close_viewer
+# nothing to draw
+printf 'solid none\nendsolid none\n' > none.stl
+open_viewer none.stl --backend cpu
+wait_until 'r["loading"] == "done" and r["rests"]'
+check "nothing is said to be in it" '"nothing" in r["message"]'
+xdotool key f x k v m F12 1 5
+wait_until 'r["rests"]'
+close_viewer
+# a file that another program cuts short while it is shown: one sentence, whenever it is needed again
+"$stipple" build ball.obj -o short.stip -q || fail "ball.obj cannot be built"
+open_viewer short.stip --backend cpu
+wait_until 'r["loading"] == "done" and r["rests"]'
+: > short.stip
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    kill -0 $viewer 2> /dev/null || break
+    xdotool mousemove 320 200 click 1 key i key x key b
+    sleep 0.2
+done
+if kill -0 $viewer 2> /dev/null; then
+    close_viewer # all of it was in memory
+else
+    wait $viewer
+    code=$?
+    viewer=0
+    [ $code -eq 1 ] && grep -q '^stipple: a file in use was made shorter' viewer.err || fail "cut short: $code: $(cat viewer.err)"
+fi
 # without OpenGL
 open_viewer ball.obj --backend cpu --software-window
 wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
