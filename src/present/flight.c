@@ -8,13 +8,12 @@
 
 #include "base/file.h"
 #include "base/math.h"
+#include "present/json_text.h"
 
-#include <jansson.h>
 #include <string.h>
 
 static const double most_coordinate = 1e12; // so that nothing overflows on the way
 static const double least_span = 1e-6;      // seconds between keys
-#define PARSED_BYTES 64 // nearly, of the parser's own memory for a byte of text full of numbers
 
 typedef struct reader {
     stp_context* context;
@@ -137,25 +136,14 @@ stp_result stp_flight_parse(stp_context* context, const char* name, const unsign
         return stp_fail(context, STP_ERROR_LIMIT, "%s: a flight has at most %zu bytes, not %zu",
                         name, STP_FLIGHT_BYTES_MOST, size);
     }
-    uint64_t parsed = (uint64_t)size * PARSED_BYTES;
-    if (!stp_reserve(context, parsed)) {
-        return stp_fail_memory(context);
+    json_t* root;
+    stp_result result = stp_json_parse(context, name, bytes, size, &root);
+    if (result != STP_OK) {
+        return result;
     }
-    json_error_t error;
-    json_t* root =
-        json_loadb(size > 0 ? (const char*)bytes : "", size, JSON_REJECT_DUPLICATES, &error);
     reader r = {.context = context, .name = name};
-    stp_result result;
-    if (root != NULL) {
-        result = read_flight(&r, root, flight);
-        json_decref(root);
-    } else if (json_error_code(&error) == json_error_out_of_memory) {
-        result = stp_fail_memory(context);
-    } else {
-        result = stp_fail(context, STP_ERROR_FORMAT, "%s: line %d: not JSON: %s", name, error.line,
-                          error.text);
-    }
-    stp_release(context, parsed);
+    result = read_flight(&r, root, flight);
+    stp_json_release(context, root, size);
     if (result != STP_OK) {
         stp_flight_destroy(context, flight);
     }

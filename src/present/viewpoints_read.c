@@ -2,13 +2,12 @@
 // The sidecar read: every member is checked, members that are not known are left out.
 #include "base/file.h"
 #include "base/math.h"
+#include "present/json_text.h"
 #include "present/viewpoints_internal.h"
 
-#include <jansson.h>
 #include <string.h>
 
 static const double most_coordinate = 1e18;
-#define PARSED_BYTES 64 // nearly, of the parser's own memory for a byte of text full of numbers
 
 typedef struct reader {
     stp_context* context;
@@ -228,25 +227,14 @@ stp_result stp_viewpoints_parse(stp_context* context, const char* name, const un
                         "%s: a file of viewpoints has at most %zu bytes, not %zu", name,
                         STP_VIEWPOINTS_BYTES_MOST, size);
     }
-    uint64_t parsed = (uint64_t)size * PARSED_BYTES;
-    if (!stp_reserve(context, parsed)) {
-        return stp_fail_memory(context);
+    json_t* root;
+    stp_result result = stp_json_parse(context, name, bytes, size, &root);
+    if (result != STP_OK) {
+        return result;
     }
-    json_error_t error;
-    json_t* root =
-        json_loadb(size > 0 ? (const char*)bytes : "", size, JSON_REJECT_DUPLICATES, &error);
     reader r = {.context = context, .name = name};
-    stp_result result;
-    if (root != NULL) {
-        result = read_root(&r, root, viewpoints);
-    } else if (json_error_code(&error) == json_error_out_of_memory) {
-        result = stp_fail_memory(context);
-    } else {
-        result = stp_fail(context, STP_ERROR_FORMAT, "%s: line %d: not JSON: %s", name, error.line,
-                          error.text);
-    }
-    json_decref(root);
-    stp_release(context, parsed);
+    result = read_root(&r, root, viewpoints);
+    stp_json_release(context, root, size);
     if (result != STP_OK) {
         stp_viewpoints_destroy(context, viewpoints);
     }
