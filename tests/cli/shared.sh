@@ -8,3 +8,17 @@ fail()
     echo "FAIL: $*" >&2
     failures=$((failures + 1))
 }
+
+# refused CODE WORD ARGUMENTS...: the executable ends with CODE, says one sentence that has WORD, and nothing on stdout;
+# `programs`: its PATH, where it is another
+refused()
+{
+    local wanted=$1 word=$2 got
+    shift 2
+    PATH=${programs:-$PATH} "$stipple" "$@" > out 2> err
+    got=$?
+    [ $got -eq "$wanted" ] || fail "$* exits with $got, not $wanted"
+    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
+    [ "$(grep -c '^stipple: ' err)" -eq 1 ] || fail "$* says not one sentence: $(cat err)"
+    [ ! -s out ] || fail "$* writes on stdout"
+}

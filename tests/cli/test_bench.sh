@@ -18,17 +18,6 @@ bench()
     "$stipple" bench "$@" --json > "$name.json" 2> err || fail "$name: $(cat err)"
 }
 
-# refused WORD ARGUMENTS...: exits with 2 and one sentence that has WORD
-refused()
-{
-    local word=$1
-    shift
-    "$stipple" bench "$@" > out 2> err
-    [ $? -eq 2 ] || fail "$* is not refused"
-    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
-    [ ! -s out ] || fail "$* writes on stdout"
-}
-
 # hills over what the benchmark scene covers, in nine parts, so that positions see this and that of it
 python3 - << 'END' || exit 1
 from math import sin
@@ -91,11 +80,11 @@ for name, memory in ("frame", None), ("streamed", 64 << 20):
         assert flights[0]["figures"]["splat_size"]["max"] == 2
 END
 
-refused "no benchmark is named nothing" nothing
-refused "--size" positions --size 0x48
-refused "--count" positions --count 0
-refused "--first" positions --first -1
-refused "--memory" frame --memory much
+refused 2 "no benchmark is named nothing" bench nothing
+refused 2 "--size" bench positions --size 0x48
+refused 2 "--count" bench positions --count 0
+refused 2 "--first" bench positions --first -1
+refused 2 "--memory" bench frame --memory much
 "$stipple" bench frame --model nothing.stip --quick > out 2> err
 [ $? -eq 1 ] || fail "a model that is not there is not refused"
 grep -q "nothing.stip" err || fail "a model that is not there is not named: $(cat err)"

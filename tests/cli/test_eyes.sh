@@ -8,17 +8,6 @@ rm -rf "$scratch"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
 
-# refused COMMAND WORD ARGUMENTS...: exits with 2 and one sentence that has WORD
-refused()
-{
-    local command=$1 word=$2
-    shift 2
-    "$stipple" "$command" "$@" > out 2> err
-    [ $? -eq 2 ] || fail "$command $* exits with another code than 2"
-    grep -q -- "$word" err || fail "$command $* does not say $word: $(cat err)"
-    [ ! -s out ] || fail "$command $* writes on stdout"
-}
-
 # draw NAME ARGUMENTS...: writes NAME.png and NAME.json
 draw()
 {
@@ -108,18 +97,18 @@ for command in render fly; do
     arguments=(ball.stip -o a.png)
     [ $command = fly ] && arguments=(ball.stip --path flight.json)
     for zones in "" 1 1:2, 1:2,1:3 0.5:2,0.2:3 -1:2 1:0 1:99 3:2 0.5:2:3 nan:1 1:nan 0:1,.1:1,.2:1,.3:1,.4:1,.5:1,.6:1,.7:1,.8:1; do
-        refused $command "--fovea is R:S" "${arguments[@]}" --fovea "$zones"
+        refused 2 "--fovea is R:S" $command "${arguments[@]}" --fovea "$zones"
     done
     for center in "" 1 1,2 1,1,1 a,b; do
-        refused $command "--fovea-center is X,Y" "${arguments[@]}" --fovea 1:2 --fovea-center "$center"
+        refused 2 "--fovea-center is X,Y" $command "${arguments[@]}" --fovea 1:2 --fovea-center "$center"
     done
-    refused $command "with --fovea only" "${arguments[@]}" --fovea-center 0,0
-    refused $command "with --stereo only" "${arguments[@]}" --ipd 0.06
-    refused $command "ipd" "${arguments[@]}" --stereo --ipd 0
-    refused $command "even width" "${arguments[@]}" --stereo --size 127x96
-    refused $command "--fovea and --splats exclude" "${arguments[@]}" --fovea 1:2 --splats 9
-    refused $command "--fovea and --reference exclude" "${arguments[@]}" --fovea 1:2 --reference
+    refused 2 "with --fovea only" $command "${arguments[@]}" --fovea-center 0,0
+    refused 2 "with --stereo only" $command "${arguments[@]}" --ipd 0.06
+    refused 2 "ipd" $command "${arguments[@]}" --stereo --ipd 0
+    refused 2 "even width" $command "${arguments[@]}" --stereo --size 127x96
+    refused 2 "--fovea and --splats exclude" $command "${arguments[@]}" --fovea 1:2 --splats 9
+    refused 2 "--fovea and --reference exclude" $command "${arguments[@]}" --fovea 1:2 --reference
 done
-refused render "--stereo and --accumulate exclude" ball.stip -o a.png --stereo --accumulate 4
-refused render "--stereo and --ortho exclude" ball.stip -o a.png --stereo --ortho 3
+refused 2 "--stereo and --accumulate exclude" render ball.stip -o a.png --stereo --accumulate 4
+refused 2 "--stereo and --ortho exclude" render ball.stip -o a.png --stereo --ortho 3
 exit $((failures > 0))

@@ -10,18 +10,6 @@ mkdir -p "$scratch" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
 export XDG_CACHE_HOME=$PWD/cache
 
-# refused CODE WORD ARGUMENTS...: exits with CODE and one sentence that has WORD; `programs` is its PATH
-refused()
-{
-    local code=$1 word=$2
-    shift 2
-    PATH=${programs:-$PATH} "$stipple" fly "$@" > out 2> err
-    [ $? -eq "$code" ] || fail "$* exits with another code than $code"
-    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
-    [ "$(grep -c '^stipple: ' err)" -eq 1 ] || fail "$* says not one sentence: $(cat err)"
-    [ ! -s out ] || fail "$* writes on stdout"
-}
-
 # fly NAME ARGUMENTS...: writes NAME.json
 fly()
 {
@@ -141,18 +129,18 @@ python3 -c 'import json; json.load(open("film.json"))' || fail "figures beside a
 grep -q -- "-video_size 64x48 -framerate 4.0" arguments || fail "ffmpeg gets $(cat arguments)"
 echo old > film.mp4
 echo 3 > code
-programs=$PWD/bin:$PATH refused 1 "ffmpeg could not write it (its exit code is 3)" ball.stip --path flight.json --size 64x48 -o film.mp4
+programs=$PWD/bin:$PATH refused 1 "ffmpeg could not write it (its exit code is 3)" fly ball.stip --path flight.json --size 64x48 -o film.mp4
 [ "$(cat film.mp4)" = old ] || fail "a film that failed replaces the old one"
 ls film.mp4.* 2> /dev/null && fail "leaves $(ls film.mp4.*)"
 printf '#!/bin/sh\nexit 1\n' > bin/ffmpeg
-programs=$PWD/bin:$PATH refused 1 "ffmpeg" ball.stip --path flight.json --size 640x480 -o film.mp4
+programs=$PWD/bin:$PATH refused 1 "ffmpeg" fly ball.stip --path flight.json --size 640x480 -o film.mp4
 echo 'touch started' >> bin/ffmpeg
 mkfifo pipe.mp4
-programs=$PWD/bin:$PATH refused 1 "pipe.mp4: is not a regular file" ball.stip --path flight.json --size 64x48 -o pipe.mp4
-programs=$PWD/bin:$PATH refused 1 "no/film.mp4: cannot be written" ball.stip --path flight.json --size 64x48 -o no/film.mp4
+programs=$PWD/bin:$PATH refused 1 "pipe.mp4: is not a regular file" fly ball.stip --path flight.json --size 64x48 -o pipe.mp4
+programs=$PWD/bin:$PATH refused 1 "no/film.mp4: cannot be written" fly ball.stip --path flight.json --size 64x48 -o no/film.mp4
 [ ! -e started ] || fail "a film that cannot be written is begun"
 rm bin/ffmpeg
-programs=$PWD/bin refused 1 "ffmpeg, which cannot be started" ball.stip --path flight.json --size 64x48 -o film.mp4
+programs=$PWD/bin refused 1 "ffmpeg, which cannot be started" fly ball.stip --path flight.json --size 64x48 -o film.mp4
 
 "$stipple" fly ball.stip --path flight.json --size 64x48 --budget-ms 5 --plot plot.svg > /dev/null || fail "plot"
 python3 - << 'END' || fail "the plot"
@@ -187,24 +175,24 @@ ls film.mp4.* 2> /dev/null && fail "leaves $(ls film.mp4.*)"
 [ "$(stat -c %s film.mp4)" -eq $((2 * 64 * 48 * 3)) ] || fail "the film has $(stat -c %s film.mp4) bytes"
 rm bin/ffmpeg
 
-refused 2 "needs one file" --path flight.json
-refused 2 "needs --path" ball.stip
-refused 2 "film OUT.mp4 or a folder" ball.stip --path flight.json -o film.avi
-refused 2 "written over" ball.stip --path flight.json --plot flight.json
-refused 2 "written over" ball.stip --path flight.json --plot ball.stip
-refused 2 "exclude" ball.stip --path flight.json --budget-ms 5 --splat-size 2
-refused 2 "exclude" ball.stip --path flight.json --budget-ms 5 --reference
-refused 2 "frames" ball.stip --path flight.json --frames 0
-refused 1 "nothing.json" ball.stip --path nothing.json
-refused 1 "nothing.stip" nothing.stip --path flight.json
+refused 2 "needs one file" fly --path flight.json
+refused 2 "needs --path" fly ball.stip
+refused 2 "film OUT.mp4 or a folder" fly ball.stip --path flight.json -o film.avi
+refused 2 "written over" fly ball.stip --path flight.json --plot flight.json
+refused 2 "written over" fly ball.stip --path flight.json --plot ball.stip
+refused 2 "exclude" fly ball.stip --path flight.json --budget-ms 5 --splat-size 2
+refused 2 "exclude" fly ball.stip --path flight.json --budget-ms 5 --reference
+refused 2 "frames" fly ball.stip --path flight.json --frames 0
+refused 1 "nothing.json" fly ball.stip --path nothing.json
+refused 1 "nothing.stip" fly nothing.stip --path flight.json
 echo '{"fps": 1000, "keys": [{"t": 0, "eye": [0, 0, 9], "target": [0, 0, 0]}, {"t": 9000, "eye": [0, 0, 8], "target": [0, 0, 0]}]}' > long.json
-refused 1 "long.json: has 9000001 frames" ball.stip --path long.json
+refused 1 "long.json: has 9000001 frames" fly ball.stip --path long.json
 echo '{"keys": [{"t": 0}]}' > bad.json
-refused 1 'bad.json: key 0: "eye"' ball.stip --path bad.json
-refused 1 "no/plot.svg" ball.stip --path flight.json --size 8x8 --frames 1 --plot no/plot.svg
-refused 1 "no/plot.svg" ball.stip --path flight.json --size 8x8 --plot no/plot.svg -o never/
+refused 1 'bad.json: key 0: "eye"' fly ball.stip --path bad.json
+refused 1 "no/plot.svg" fly ball.stip --path flight.json --size 8x8 --frames 1 --plot no/plot.svg
+refused 1 "no/plot.svg" fly ball.stip --path flight.json --size 8x8 --plot no/plot.svg -o never/
 [ ! -e never ] || fail "what cannot be plotted is flown"
-refused 2 "standard output" ball.stip --path flight.json --plot -
+refused 2 "standard output" fly ball.stip --path flight.json --plot -
 touch file
-refused 1 "file/pictures/" ball.stip --path flight.json --size 8x8 --frames 1 -o file/pictures/
+refused 1 "file/pictures/" fly ball.stip --path flight.json --size 8x8 --frames 1 -o file/pictures/
 exit $((failures > 0))

@@ -7,17 +7,6 @@ scratch=$2
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 command -v python3 > /dev/null || exit 77
 
-# refused CODE WORD ARGUMENTS...: exits with CODE and a message that has WORD
-refused()
-{
-    local code=$1 word=$2
-    shift 2
-    "$stipple" render "$@" > out 2> err
-    [ $? -eq "$code" ] || fail "$* exits with $?, not $code"
-    grep -q -- "$word" err || fail "$* does not say $word: $(cat err)"
-    [ ! -s out ] || fail "$* writes on stdout"
-}
-
 "$stipple" build scene:boxes -o boxes.stip --fresh 2> err > /dev/null || fail "boxes: $(cat err)"
 file=boxes.stip
 rm -f a.png
@@ -154,28 +143,28 @@ done
 grep -q "far.stip: the picture is empty: nothing of the scene lies in the view" err ||
     fail "an empty picture is not explained: $(cat err)"
 
-refused 1 "text.xyzzy" text.xyzzy -o a.png
+refused 1 "text.xyzzy" render text.xyzzy -o a.png
 
-refused 2 "needs one file" -o a.png
-refused 2 "needs -o" "$file"
-refused 2 "no view named" "$file" -o a.png --view nowhere
-refused 2 "exclude" "$file" -o a.png --splats 4 --splat-size 2
-refused 2 "exclude" "$file" -o a.png --accumulate 4 --supersample 2
-refused 2 "--eye-dome" "$file" -o a.png --eye-dome=bright
-refused 2 "--filter" "$file" -o a.png --filter box
-refused 2 "--ambient-occlusion" "$file" -o a.png --ambient-occlusion 99
+refused 2 "needs one file" render -o a.png
+refused 2 "needs -o" render "$file"
+refused 2 "no view named" render "$file" -o a.png --view nowhere
+refused 2 "exclude" render "$file" -o a.png --splats 4 --splat-size 2
+refused 2 "exclude" render "$file" -o a.png --accumulate 4 --supersample 2
+refused 2 "--eye-dome" render "$file" -o a.png --eye-dome=bright
+refused 2 "--filter" render "$file" -o a.png --filter box
+refused 2 "--ambient-occlusion" render "$file" -o a.png --ambient-occlusion 99
 "$stipple" render -o eye.png --size 48x48 --eye-dome "$file" || fail "an option without its value before the file"
-refused 2 "--backend" "$file" -o a.png --backend vulkan
-refused 2 "hexadecimal" "$file" -o a.png --background green
-refused 2 "names* a file" "$file" -o - --json
-refused 1 "nothing.stip" nothing.stip -o a.png
+refused 2 "--backend" render "$file" -o a.png --backend vulkan
+refused 2 "hexadecimal" render "$file" -o a.png --background green
+refused 2 "names* a file" render "$file" -o - --json
+refused 1 "nothing.stip" render nothing.stip -o a.png
 cp "$file" same.stip
 ln -s same.stip link.stip
-refused 2 "written over" same.stip -o link.stip
+refused 2 "written over" render same.stip -o link.stip
 cmp -s "$file" same.stip || fail "render wrote over its scene"
-refused 2 "ortho" "$file" -o a.png --ortho -5
-refused 2 "ortho" "$file" -o a.png --ortho 0
+refused 2 "ortho" render "$file" -o a.png --ortho -5
+refused 2 "ortho" render "$file" -o a.png --ortho 0
 head -c 100 "$file" > short.stip
-refused 1 "short.stip" short.stip -o a.png
-refused 1 "no/folder" "$file" -o no/folder/a.png
+refused 1 "short.stip" render short.stip -o a.png
+refused 1 "no/folder" render "$file" -o no/folder/a.png
 exit $((failures > 0))
