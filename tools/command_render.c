@@ -315,9 +315,6 @@ static int check_arguments(int argc, const char* path)
     if (args.draw.stereo && args.ortho > 0.0) {
         return tool_usage_error("--stereo and --ortho exclude each other");
     }
-    if (args.draw.stereo && args.accumulate > 0) {
-        return tool_usage_error("--stereo and --accumulate exclude each other");
-    }
     if ((args.draw.json || args.pick != NULL) && strcmp(args.output, "-") == 0) {
         return tool_usage_error("standard output is for the figures; name a file");
     }

@@ -14,7 +14,9 @@ const option* show_options_table(option* table, show_options* o)
          .type = OPTION_TEXTS,
          .argument = "AXIS:AT|A,B,C,D",
          .help = "cut away what lies beyond a plane: along x, y, z, -x, -y or -z from a coordinate "
-                 "or a part of the scene on (x:2.5, -z:50%), or where A x + B y + C z > D; up to 8",
+                 "or a part of the scene on (x:2.5, -z:50%), or where A x + B y + C z > D; up to "
+                 "14, a box's "
+                 "six counted",
          .value = &o->sections},
         {.name = "section-box",
          .type = OPTION_TEXTS,
@@ -137,8 +139,8 @@ static int add_sections(const show_options* o, const stp_boxd* box, stp_sections
     for (uint32_t i = 0; i < o->boxes.count; ++i) {
         if (!add_box(o->boxes.texts[i], box, sections)) {
             return tool_usage_error("--section-box is X,Y,Z,X,Y,Z, each a number or a percentage, "
-                                    "not %s",
-                                    o->boxes.texts[i]);
+                                    "and there are at most %d planes, six a box; not %s",
+                                    STP_SECTION_PLANES, o->boxes.texts[i]);
         }
     }
     return 0;
