@@ -61,7 +61,8 @@ STP_MUST_USE stp_result stp_renderer_draw_selected(stp_renderer* renderer, const
 
 /// Selects, and draws one more sample of a view that rests, a part of a pixel beside those before; the picture is the mean of
 /// all samples since view, list or style last changed. There are style->supersample squared (from 2 x 2 on): then it is
-/// what that draws at once but for rounding, and further calls draw nothing. `list` is filled; `quality->occlusion` is
+/// what that draws at once but for rounding, and further calls draw nothing. A picture drawn otherwise in between may begin
+/// the samples anew. `list` is filled; `quality->occlusion` is
 /// not looked at. stats->samples says how many there are.
 /// @return as stp_select and stp_renderer_draw
 STP_MUST_USE stp_result stp_renderer_accumulate(stp_renderer* renderer, const stp_view* view,

@@ -97,6 +97,14 @@ void test_gl_pictures_accumulate(test_state* test)
         CHECK_EQUAL(i < 4 ? i : 4, p->stats.samples);
         CHECK(made_count_different(m.pixels, p->pixels, 6) <= PIXELS / 100);
     }
+    p->style.supersample = 1; // a frame that is not of them
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    p->style.supersample = 2;
+    do {
+        CHECK_EQUAL(STP_OK, stp_renderer_accumulate(m.renderer, &p->view, &p->quality, &p->style,
+                                                    &p->list, &image, &p->stats));
+    } while (p->stats.samples < 4);
+    CHECK(made_count_different(m.pixels, p->pixels, 6) <= PIXELS / 100);
     p->view.eye.x += 0.1; // it no longer rests
     CHECK_EQUAL(STP_OK, stp_renderer_accumulate(m.renderer, &p->view, &p->quality, &p->style,
                                                 &p->list, &image, &p->stats));

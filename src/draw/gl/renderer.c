@@ -177,7 +177,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     bool bytes = side > 1 && works_on_bytes(style);
     gl_sample_range range = {
         .side = side, .end = side * side, .sums = side > 1, .bytes = bytes, .scattered = bytes};
-    r->accumulation.frames = side > 1 ? 0 : r->accumulation.frames; // its sums are used
+    r->accumulation.frames = 0; // its picture is drawn over, and its sums may be used or made anew
     return draw_range(r, view, list, style, &range, image, stats);
 }
 
