@@ -3,6 +3,8 @@
 #include "store/outline_internal.h"
 #include "store/spots.h"
 
+#include <string.h>
+
 static const uint64_t visit_limit = UINT64_C(1) << 25;
 enum { PLACES_MOST = 1 << 20 }; ///< of prototypes below one item
 
@@ -152,36 +154,65 @@ stp_result stp_outline_describe(stp_outline* outline, const stp_outline_item* it
     return result;
 }
 
-stp_result stp_outline_item_of(stp_outline* outline, uint32_t object, stp_outline_item* item)
+/// Objects from one to the uppermost above it.
+static stp_result list_above(stp_outline* outline, uint32_t object, uint32_t* above, size_t room,
+                             size_t* count)
 {
-    uint32_t above[STP_OUTLINE_DEPTH], depth = 0;
     stp_store_object record;
-    *item = stp_outline_root(outline);
+    *count = 0;
     for (uint32_t at = object; at != STP_STORE_NONE; at = record.parent) {
-        if (depth == STP_OUTLINE_DEPTH) {
-            return stp_fail(outline->context, STP_ERROR_LIMIT,
-                            "object %u: more than %d objects stand above it", object,
-                            STP_OUTLINE_DEPTH);
+        if (*count < room) {
+            above[*count] = at;
         }
-        above[depth++] = at;
+        *count += 1;
         stp_result result = stp_store_read_object_place(outline->store, at, &record);
         if (result != STP_OK) {
             return result;
         }
     }
+    return STP_OK;
+}
+
+/// Goes down from the whole scene; of more objects than an item has room for, the lowest stay.
+static stp_result go_down(stp_outline* outline, const uint32_t* above, size_t depth,
+                          stp_outline_item* item)
+{
     bool nowhere = false;
     while (depth > 0) {
-        stp_outline_item upper = *item;
+        stp_store_object record;
         uint32_t at = above[--depth];
         stp_result result = stp_store_read_object_place(outline->store, at, &record);
         if (result != STP_OK) {
             return result;
         }
         nowhere = nowhere || stp_affine_scale(&record.transform) == 0.0;
+        if (item->depth == STP_OUTLINE_DEPTH) {
+            item->depth -= 1;
+            memmove(item->objects, item->objects + 1, item->depth * sizeof(item->objects[0]));
+        }
+        stp_outline_item upper = *item;
         (void)stp_outline_descend(&upper, at, record.node, &record.transform, item);
     }
     item->node = nowhere ? STP_STORE_NONE : item->node;
     return STP_OK;
+}
+
+stp_result stp_outline_item_of(stp_outline* outline, uint32_t object, stp_outline_item* item)
+{
+    uint32_t few[STP_OUTLINE_DEPTH], *all = NULL;
+    size_t depth;
+    *item = stp_outline_root(outline);
+    stp_result result = list_above(outline, object, few, STP_OUTLINE_DEPTH, &depth);
+    if (result == STP_OK && depth > STP_OUTLINE_DEPTH) {
+        all = STP_NEW_ARRAY(outline->context, uint32_t, depth);
+        result = all != NULL ? list_above(outline, object, all, depth, &depth)
+                             : stp_fail_memory(outline->context);
+    }
+    if (result == STP_OK) {
+        result = go_down(outline, all != NULL ? all : few, depth, item);
+    }
+    stp_free(outline->context, all);
+    return result;
 }
 
 /// Marks the nodes that have a part somewhere below them.

@@ -23,7 +23,7 @@ stp_result stp_outline_path(stp_outline* outline, const stp_outline_item* item, 
         if (result != STP_OK) {
             return result;
         }
-        const char* slash = i > 0 ? "/" : "";
+        const char* slash = i > 0 ? "/" : object.parent != STP_STORE_NONE ? ".../" : "";
         int length = has_text(object.name)
                          ? snprintf(text + used, size - used, "%s%s", slash, object.name)
                          : snprintf(text + used, size - used, "%s#%u", slash, item->objects[i]);

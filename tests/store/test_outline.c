@@ -20,7 +20,7 @@ typedef struct forest {
     char path[64];
 } forest;
 
-/// A file of objects without anything to see, each below a random one before it.
+/// A file of objects without anything to see, each below a random one before it, or below the one before it (no seed).
 static bool plant(forest* f, uint32_t count, uint64_t seed)
 {
     snprintf(f->path, sizeof(f->path), "/tmp/stp_outline_XXXXXX");
@@ -35,11 +35,13 @@ static bool plant(forest* f, uint32_t count, uint64_t seed)
     for (uint32_t i = 0; i < count; ++i) {
         snprintf(f->names[i], sizeof(f->names[i]), "%s %u", i % 100 == 0 ? "T\xC3\x9CR" : "Pipe",
                  i % 1000);
-        bool top = i < 3 || stp_rng_below(seed, 2 * i, 50) == 0;
+        bool top = seed == 0 ? i == 0 : i < 3 || stp_rng_below(seed, 2 * i, 50) == 0;
         f->objects[i] = (stp_store_object){
             .name = i % 11 == 10 ? NULL : f->names[i],
             .id = i % 13 == 0 ? "2x3fGUID" : NULL,
-            .parent = top ? STP_STORE_NONE : stp_rng_below(seed, 2 * i + 1, i < 40 ? i : 40),
+            .parent = top         ? STP_STORE_NONE
+                      : seed == 0 ? i - 1
+                                  : stp_rng_below(seed, 2 * i + 1, i < 40 ? i : 40),
             .node = STP_STORE_NONE,
             .transform = stp_affine_identity()};
         f->objects[i].transform.m[0][3] = i % 7;
@@ -206,6 +208,37 @@ static bool walk(stp_outline* outline, const stp_store* store, const stp_outline
     }
     free(children);
     return good;
+}
+
+void test_outline_places_what_is_too_deep_for_an_item(test_state* test)
+{
+    enum { DEEP = 200 };
+    forest f;
+    CHECK(plant(&f, DEEP, 0));
+    stp_outline* outline;
+    stp_outline_item item, below;
+    bool ready, named;
+    uint32_t count;
+    char path[4096];
+    CHECK_EQUAL(STP_OK, stp_outline_create(f.context, f.store, &outline));
+    CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 0, &ready));
+    double x = 0.0;
+    for (uint32_t i = 0; i < DEEP; ++i) {
+        x += i % 7;
+        CHECK_EQUAL(STP_OK, stp_outline_item_of(outline, i, &item));
+        CHECK_EQUAL(i < STP_OUTLINE_DEPTH ? i + 1 : STP_OUTLINE_DEPTH, item.depth);
+        CHECK_EQUAL(i, item.objects[item.depth - 1]);
+        CHECK_EQUAL(i + 1 - item.depth, item.objects[0]);
+        CHECK(item.transform.m[0][3] == x);
+        CHECK_EQUAL(STP_OK, stp_outline_path(outline, &item, path, sizeof(path)));
+        CHECK_EQUAL(i >= STP_OUTLINE_DEPTH, strncmp(path, ".../", 4) == 0);
+    }
+    CHECK_EQUAL(STP_OK, stp_outline_is_named(outline, DEEP - 1, "Pipe 198/Pipe 199", &named));
+    CHECK(named);
+    CHECK_EQUAL(STP_OK, stp_outline_children(outline, &item, 0, 1, &below, &count));
+    CHECK_EQUAL(0, count);
+    stp_outline_destroy(outline);
+    fell(&f);
 }
 
 void test_outline_unfolds_prototypes_where_they_are_used(test_state* test)
