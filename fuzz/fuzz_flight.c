@@ -4,26 +4,10 @@
 // Seeds: scenes/flights/*.json
 //
 // Any bytes as a flight: a failure is logged once; what is taken gives finite views at any time, and goes through its keys.
+#include "fuzz.h"
+
 #include "base/math.h"
 #include "present/flight.h"
-
-#include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
-
-static void count_errors(stp_log_level level, const char* message, void* user)
-{
-    (void)message;
-    int* errors = user;
-    *errors += level == STP_LOG_ERROR;
-}
-
-static void require(bool holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
 
 static bool is_finite(stp_vec3d v)
 {
@@ -51,12 +35,8 @@ static void check_flight(const stp_flight* flight)
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
     int errors = 0;
-    stp_context_desc desc = {.thread_count = 1,
-                             .memory_limit_bytes = (uint64_t)1 << 28,
-                             .log = count_errors,
-                             .log_user = &errors};
-    stp_context* context;
-    if (stp_context_create(&context, &desc) != STP_OK) {
+    stp_context* context = fuzz_context_create(&errors);
+    if (context == NULL) {
         return 0;
     }
     stp_flight flight;

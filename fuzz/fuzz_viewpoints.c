@@ -4,27 +4,11 @@
 //
 // Any bytes as the viewpoints beside a model: a failure is logged once; what is taken gives finite views, and can be found
 // and copied.
+#include "fuzz.h"
+
 #include "base/math.h"
 #include "present/viewpoints.h"
 #include "select/sections.h"
-
-#include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
-
-static void count_errors(stp_log_level level, const char* message, void* user)
-{
-    (void)message;
-    int* errors = user;
-    *errors += level == STP_LOG_ERROR;
-}
-
-static void require(bool holds)
-{
-    if (!holds) {
-        abort();
-    }
-}
 
 static void check_viewpoints(stp_context* context, const stp_viewpoints* viewpoints)
 {
@@ -45,12 +29,8 @@ static void check_viewpoints(stp_context* context, const stp_viewpoints* viewpoi
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
     int errors = 0;
-    stp_context_desc desc = {.thread_count = 1,
-                             .memory_limit_bytes = (uint64_t)1 << 28,
-                             .log = count_errors,
-                             .log_user = &errors};
-    stp_context* context;
-    if (stp_context_create(&context, &desc) != STP_OK) {
+    stp_context* context = fuzz_context_create(&errors);
+    if (context == NULL) {
         return 0;
     }
     stp_viewpoints viewpoints;
