@@ -52,6 +52,15 @@ typedef struct option {
         .name = "memory", .type = OPTION_SIZE, .argument = "SIZE", .words = "auto",                \
         .help = "most memory to use, as 8G or 512M; default no limit", .value = (where)            \
     }
+/// The value is an int, an stp_gl_splats.
+#define OPTION_GL_SPLATS(where)                                                                    \
+    {                                                                                              \
+        .name = "gl-splats", .type = OPTION_CHOICE, .argument = "WAY",                             \
+        .words = "auto|points|compute|compute64",                                                  \
+        .help = "how OpenGL draws splats: as points, by a compute shader, or by one with 64-bit "  \
+                "atomic operations; default auto, which measures them first",                      \
+        .value = (where)                                                                           \
+    }
 /// The value is an int, for tool_progress_names.
 #define OPTION_PROGRESS(where)                                                                     \
     {                                                                                              \

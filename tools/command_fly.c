@@ -2,7 +2,7 @@
 //
 // stipple fly: a flight through a scene, without a window.
 #include "command.h"
-#include "draw_options.h"
+#include "drawing.h"
 #include "flight_report.h"
 #include "svg.h"
 #include "tool.h"
@@ -58,11 +58,8 @@ static const option* options(void)
 }
 
 typedef struct session {
-    stp_context* context;
-    stp_store* store;
+    drawing drawing;
     stp_flight flight;
-    scene_show show;
-    frame_maker maker;
     video film;
     flight_plan plan;
     flight_record record;
@@ -70,22 +67,20 @@ typedef struct session {
 
 static int print_json(const session* s)
 {
-    char device[200];
-    frame_read_device(&s->maker, device, sizeof(device));
-    json_t* object = json_pack(
-        "{s:s, s:s, s:I, s:I, s:I}", "backend", frame_backend_name(&s->maker), "device", device,
-        "width", (json_int_t)s->plan.view.width, "height", (json_int_t)s->plan.view.height,
-        "threads", (json_int_t)stp_context_thread_count(s->context));
+    const stp_residency* residency = s->drawing.maker.residency;
+    json_t* object = drawing_describe(&s->drawing, &s->plan.view);
+    json_t* threads = json_integer(stp_context_thread_count(s->drawing.context));
     json_t* figures = flight_describe(&s->record);
-    if (object == NULL || figures == NULL || json_object_update(object, figures) != 0) {
+    if (json_object_set_new(object, "threads", threads) != 0 || figures == NULL ||
+        json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);
         return tool_error("out of memory");
     }
     json_decref(figures);
-    if (s->maker.residency != NULL &&
+    if (residency != NULL &&
         json_object_set_new(object, "residency",
-                            flight_describe_residency(&s->record, s->maker.residency)) != 0) {
+                            flight_describe_residency(&s->record, residency)) != 0) {
         json_decref(object);
         return tool_error("out of memory");
     }
@@ -95,7 +90,7 @@ static int print_json(const session* s)
 static int report(const session* s)
 {
     if (args.plot != NULL &&
-        flight_plot(s->context, args.plot, &s->record, s->plan.budget_ms) != STP_OK) {
+        flight_plot(s->drawing.context, args.plot, &s->record, s->plan.budget_ms) != STP_OK) {
         return 1;
     }
     if (args.draw.json) {
@@ -131,38 +126,34 @@ static bool open_film(session* s)
     double fps = spread ? (double)(args.frames - 1) / seconds : s->flight.fps;
     s->plan.sink = video_add;
     s->plan.sink_user = &s->film;
-    return video_open(s->context, args.output, s->plan.view.width, s->plan.view.height, fps,
+    return video_open(s->drawing.context, args.output, s->plan.view.width, s->plan.view.height, fps,
                       &s->film);
 }
 
 static bool fly_through(session* s, const char* file)
 {
-    stp_draw_style style = draw_options_style(&args.draw);
-    if (tool_open_scene_for(s->context, file, draw_options_use(&args.draw), &s->store) != STP_OK) {
+    drawing* d = &s->drawing;
+    if (drawing_open(d, &args.draw, file) != STP_OK) {
         return false;
     }
-    s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, s->store);
-    s->show = (scene_show){.context = s->context, .store = s->store};
-    if (scene_show_apply(&s->show, &args.draw.show, &s->plan.view) != 0) {
+    s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, d->store);
+    if (scene_show_apply(&d->show, &args.draw.show, &s->plan.view) != 0) {
         return false;
     }
-    s->plan.quality.visibility = s->show.visibility;
-    bool streams = args.draw.memory > 0 && !args.draw.reference;
-    return frame_maker_create_on(s->context, s->store, &style, (frame_backend)args.draw.backend,
-                                 &s->maker) == STP_OK &&
-           frame_maker_use_splats(&s->maker, args.draw.gl_splats) == STP_OK &&
-           (!streams || frame_maker_stream(&s->maker) == STP_OK) &&
-           flight_run(&s->maker, &s->plan, &s->record) == STP_OK;
+    s->plan.quality.visibility = d->show.visibility;
+    return drawing_make(d, &args.draw) == STP_OK &&
+           flight_run(&d->maker, &s->plan, &s->record) == STP_OK;
 }
 
 static int fly(session* s, const char* file)
 {
-    int code = stp_flight_read(s->context, args.path, &s->flight) == STP_OK ? make_plan(s) : 1;
+    int code =
+        stp_flight_read(s->drawing.context, args.path, &s->flight) == STP_OK ? make_plan(s) : 1;
     if (code != 0) {
         return code;
     }
     // what cannot be written is known before a model is built, and flown through, for long
-    if (args.plot != NULL && svg_check(s->context, args.plot) != STP_OK) {
+    if (args.plot != NULL && svg_check(s->drawing.context, args.plot) != STP_OK) {
         return 1;
     }
     if (args.output != NULL && !open_film(s)) {
@@ -205,20 +196,14 @@ static int run(int argc, char** argv)
     if (code != 0) {
         return code;
     }
-    session s = {.context =
-                     tool_context_create((uint32_t)args.draw.threads, args.draw.memory, NULL)};
-    if (s.context == NULL) {
+    session s = {0};
+    if (!drawing_begin(&s.drawing, &args.draw)) {
         return 1;
     }
     code = fly(&s, argv[0]);
-    flight_record_destroy(s.context, &s.record);
-    frame_maker_destroy(&s.maker);
-    scene_show_destroy(&s.show);
-    stp_flight_destroy(s.context, &s.flight);
-    if (s.store != NULL) {
-        stp_store_close(s.store);
-    }
-    stp_context_destroy(s.context);
+    flight_record_destroy(s.drawing.context, &s.record);
+    stp_flight_destroy(s.drawing.context, &s.flight);
+    drawing_end(&s.drawing);
     return code;
 }
 

@@ -2,8 +2,7 @@
 //
 // stipple render: one picture of a scene.
 #include "command.h"
-#include "draw_options.h"
-#include "frame.h"
+#include "drawing.h"
 #include "pick_report.h"
 #include "picture.h"
 #include "scene_file.h"
@@ -99,12 +98,9 @@ static stp_vec3d vector_of(const double v[3])
 }
 
 typedef struct session {
-    stp_context* context;
-    stp_store* store;
-    frame_maker maker;
+    drawing drawing;
     stp_image image;
     stp_view view;
-    scene_show show;
     json_t* picked; ///< NULL: was not asked for
     stp_quality quality;
     frame_figures figures;
@@ -114,25 +110,26 @@ typedef struct session {
 static int find_view(session* s, const char* path, const char* name)
 {
     stp_view* view = &s->view;
-    if (tool_find_view(s->store, name, view)) {
+    if (tool_find_view(s->drawing.store, name, view)) {
         return 0;
     }
     stp_viewpoints viewpoints = {0};
-    char* sidecar = stp_viewpoints_path(s->context, path);
-    stp_result result = sidecar != NULL ? stp_viewpoints_read(s->context, sidecar, &viewpoints)
-                                        : STP_ERROR_OUT_OF_MEMORY;
+    char* sidecar = stp_viewpoints_path(s->drawing.context, path);
+    stp_result result = sidecar != NULL
+                            ? stp_viewpoints_read(s->drawing.context, sidecar, &viewpoints)
+                            : STP_ERROR_OUT_OF_MEMORY;
     const stp_viewpoint* found = stp_viewpoints_find(&viewpoints, name);
     if (result == STP_OK && found != NULL) {
         double fov = view->fov_degrees;
         stp_viewpoint_look(found, view);
         view->fov_degrees = fov > 0.0 ? fov : view->fov_degrees;
-        result = scene_show_viewpoint(&s->show, found);
+        result = scene_show_viewpoint(&s->drawing.show, found);
     }
     int code = result != STP_OK ? 1
                : found != NULL  ? 0
                                 : tool_usage_error("there is no view named %s", name);
-    stp_viewpoints_destroy(s->context, &viewpoints);
-    stp_free(s->context, sidecar);
+    stp_viewpoints_destroy(s->drawing.context, &viewpoints);
+    stp_free(s->drawing.context, sidecar);
     return code;
 }
 
@@ -142,7 +139,7 @@ static int choose_view(session* s, const char* path)
     stp_view* view = &s->view;
     *view = draw_options_view(&args.draw);
     view->ortho_height = args.ortho;
-    view->eye_distance = draw_options_eye_distance(&args.draw, s->store);
+    view->eye_distance = draw_options_eye_distance(&args.draw, s->drawing.store);
     int code = find_view(s, path, args.view != NULL ? args.view : "iso");
     if (code != 0) {
         return code;
@@ -157,8 +154,8 @@ static int choose_view(session* s, const char* path)
         view->up = vector_of(args.up);
     }
     view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
-    code = scene_show_apply(&s->show, &args.draw.show, view);
-    s->quality.visibility = s->show.visibility;
+    code = scene_show_apply(&s->drawing.show, &args.draw.show, view);
+    s->quality.visibility = s->drawing.show.visibility;
     return code;
 }
 
@@ -177,10 +174,10 @@ static stp_result draw_frames(session* s)
     if (args.draw.has_budget) {
         stp_budget budget;
         stp_budget_init(&budget, (stp_controller)args.draw.controller, args.draw.budget_ms);
-        result = frame_settle(&s->maker, &s->view, &budget, &s->quality, &s->image);
+        result = frame_settle(&s->drawing.maker, &s->view, &budget, &s->quality, &s->image);
     }
     if (result == STP_OK) {
-        result = frame_draw_loaded(&s->maker, &s->view, &s->quality, &s->image, &frames[0]);
+        result = frame_draw_loaded(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[0]);
     }
     size_t count = 0;
     // what is hidden is known from the second frame on; all that a reference draws is drawn again
@@ -189,14 +186,14 @@ static stp_result draw_frames(session* s)
                   : args.once                         ? 1
                                                       : REPEATS;
     while (result == STP_OK && count < most && (count < 3 || total < repeat_ms)) {
-        result = frame_draw(&s->maker, &s->view, &s->quality, &s->image, &frames[count]);
+        result = frame_draw(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[count]);
         total += frames[count++].frame_ms;
     }
     qsort(frames, count, sizeof(frames[0]), compare_figures);
     s->figures = frames[count / 2];
     for (uint64_t i = 0; result == STP_OK && i < args.accumulate; ++i) {
-        result = frame_accumulate(&s->maker, &s->view, &s->quality, (uint32_t)args.accumulate,
-                                  &s->image);
+        result = frame_accumulate(&s->drawing.maker, &s->view, &s->quality,
+                                  (uint32_t)args.accumulate, &s->image);
     }
     return result;
 }
@@ -204,16 +201,14 @@ static stp_result draw_frames(session* s)
 /// Takes `picked` over, which may be NULL.
 static int print_json(const session* s, json_t* picked)
 {
-    char device[200];
-    frame_read_device(&s->maker, device, sizeof(device));
-    uint64_t resident = stp_context_live_bytes(s->context);
-    resident += s->maker.residency == NULL ? stp_store_file_bytes(s->store) : 0;
-    json_t* object =
-        json_pack("{s:s, s:s, s:I, s:I, s:I}", "backend", frame_backend_name(&s->maker), "device",
-                  device, "width", (json_int_t)s->view.width, "height", (json_int_t)s->view.height,
-                  "resident_bytes", (json_int_t)resident);
+    const drawing* d = &s->drawing;
+    uint64_t resident = stp_context_live_bytes(d->context);
+    resident += d->maker.residency == NULL ? stp_store_file_bytes(d->store) : 0;
+    json_t* object = drawing_describe(d, &s->view);
+    json_t* bytes = json_integer((json_int_t)resident);
     json_t* figures = frame_describe(&s->figures);
-    if (object == NULL || figures == NULL || json_object_update(object, figures) != 0) {
+    if (json_object_set_new(object, "resident_bytes", bytes) != 0 || figures == NULL ||
+        json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);
         json_decref(picked);
@@ -231,10 +226,10 @@ static int print_json(const session* s, json_t* picked)
 static void explain_empty(const session* s, const char* path)
 {
     if (s->figures.covered_pixels == 0) {
-        bool any = stp_store_get_directory(s->store)->root != STP_STORE_NONE;
-        stp_warn(s->context, "%s: the picture is empty: %s", path,
+        bool any = stp_store_get_directory(s->drawing.store)->root != STP_STORE_NONE;
+        stp_warn(s->drawing.context, "%s: the picture is empty: %s", path,
                  !any ? "so is the scene"
-                 : s->maker.list.count == 0
+                 : s->drawing.maker.list.count == 0
                      ? "nothing of the scene lies in the view"
                      : "what lies in the view covers the middle of no pixel");
     }
@@ -245,16 +240,15 @@ static bool pick(session* s)
 {
     double place[2];
     (void)pick_read_place(args.pick, place);
-    s->picked = pick_describe(&s->show, &s->view, place);
+    s->picked = pick_describe(&s->drawing.show, &s->view, place);
     return s->picked != NULL;
 }
 
 static int render(session* s, const char* path)
 {
-    if (tool_open_scene_for(s->context, path, draw_options_use(&args.draw), &s->store) != STP_OK) {
+    if (drawing_open(&s->drawing, &args.draw, path) != STP_OK) {
         return 1;
     }
-    s->show = (scene_show){.context = s->context, .store = s->store};
     int code = choose_view(s, path);
     if (code != 0) {
         return code;
@@ -267,24 +261,16 @@ static int render(session* s, const char* path)
         s->picked = NULL;
         return tool_print_json(picked);
     }
-    if (!frame_image_create(s->context, s->view.width, s->view.height, &s->image)) {
+    if (!frame_image_create(s->drawing.context, s->view.width, s->view.height, &s->image)) {
         return 1;
     }
-    stp_draw_style style = draw_options_style(&args.draw);
-    stp_result result = frame_maker_create_on(s->context, s->store, &style,
-                                              (frame_backend)args.draw.backend, &s->maker);
-    if (result == STP_OK) {
-        result = frame_maker_use_splats(&s->maker, args.draw.gl_splats);
-    }
-    if (result == STP_OK && args.draw.memory > 0 && !args.draw.reference) {
-        result = frame_maker_stream(&s->maker);
-    }
+    stp_result result = drawing_make(&s->drawing, &args.draw);
     if (result == STP_OK) {
         result = draw_frames(s);
     }
     if (result == STP_OK) {
         explain_empty(s, path);
-        result = tool_write_picture(s->context, &s->image, args.output);
+        result = tool_write_picture(s->drawing.context, &s->image, args.output);
     }
     if (result != STP_OK) {
         return 1;
@@ -331,19 +317,13 @@ static int run(int argc, char** argv)
         return code;
     }
     session s = {.quality = draw_options_quality(&args.draw)};
-    s.context = tool_context_create((uint32_t)args.draw.threads, args.draw.memory, NULL);
-    if (s.context == NULL) {
+    if (!drawing_begin(&s.drawing, &args.draw)) {
         return 1;
     }
     code = render(&s, argv[0]);
-    stp_free(s.context, s.image.pixels);
-    frame_maker_destroy(&s.maker);
-    scene_show_destroy(&s.show);
+    stp_free(s.drawing.context, s.image.pixels);
     json_decref(s.picked);
-    if (s.store != NULL) {
-        stp_store_close(s.store);
-    }
-    stp_context_destroy(s.context);
+    drawing_end(&s.drawing);
     return code;
 }
 

@@ -152,13 +152,7 @@ static size_t add_picture_options(option* table, size_t used, draw_options* o)
          .help = "what draws: gl is OpenGL 4.5, auto that on a graphics processor, else cpu; "
                  "default auto",
          .value = &o->backend},
-        {.name = "gl-splats",
-         .type = OPTION_CHOICE,
-         .argument = "WAY",
-         .words = "auto|points|compute|compute64",
-         .help = "how OpenGL draws splats: as points, by a compute shader, or by one with 64-bit "
-                 "atomic operations; default auto, which measures them first",
-         .value = &o->gl_splats},
+        OPTION_GL_SPLATS(&o->gl_splats),
         {.name = "supersample",
          .type = OPTION_COUNT,
          .argument = "N",

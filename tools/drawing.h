@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// What a command has open that draws a scene: the context, the file, what of it is shown, and what draws.
+#pragma once
+
+#include "draw_options.h"
+#include "frame.h"
+
+/// All zero at first.
+typedef struct drawing {
+    stp_context* context;
+    stp_store* store;
+    scene_show show;
+    frame_maker maker;
+} drawing;
+
+/// Makes the context. @return whether that went well, with the message printed
+bool drawing_begin(drawing* d, const draw_options* options);
+
+/// Opens a file, or builds it first. Failures are logged.
+STP_MUST_USE stp_result drawing_open(drawing* d, const draw_options* options, const char* path);
+
+/// Makes what draws the open scene; under a limit of memory, it loads what it needs. Failures are logged.
+STP_MUST_USE stp_result drawing_make(drawing* d, const draw_options* options);
+
+/// What draws, and pictures of what size: "backend", "device", "width", "height". NULL where memory runs out.
+json_t* drawing_describe(const drawing* d, const stp_view* view);
+
+/// Closes whatever is open, the context last.
+void drawing_end(drawing* d);
