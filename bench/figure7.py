@@ -3,7 +3,7 @@
 
 usage: bench/figure7.py SCENE [--views NAME,NAME] [--splat-size PX] [--size WxH]
 
-Writes figure7.png.
+Writes figure7.png, in which pictures are half as large.
 """
 import pathlib
 import subprocess
@@ -41,7 +41,7 @@ def main():
             pictures += shown
             results.append(found)
         sheet = given.images / "figure7.png"
-        subprocess.run([kit.ROOT / "scripts/contact_sheet.py", sheet, "3", *pictures], check=True)
+        subprocess.run([kit.ROOT / "scripts/contact_sheet.py", sheet, "3/2", *pictures], check=True)
     kit.say(sheet)
     kit.table(["view", "splats", "triangles", "triangles without LOD", "SSIM"],
               [[r["params"]["view"], *(kit.short(r["figures"][k]) for k in ("splats", "triangles", "triangles_without_lod")), f"{r['figures']['ssim']:.3f}"]

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Lays PNG files (8-bit RGB or RGBA, as stipple writes them) out on one sheet, for the documents.
 
-usage: contact_sheet.py OUT.png COLUMNS IN.png...     cells are as large as the largest picture; smaller ones are
-enlarged by whole factors, without smoothing; IN.png@X,Y,W,H takes a part of the picture, =IN.png keeps its size
+usage: contact_sheet.py OUT.png COLUMNS[/N] IN.png... cells are as large as the largest picture; smaller ones are
+enlarged by whole factors, without smoothing; IN.png@X,Y,W,H takes a part of the picture, =IN.png keeps its size;
+/N: pictures are shrunk first, each pixel the mean of N x N
 """
 import struct
 import sys
@@ -82,6 +83,17 @@ def load(name):
     return width, height, rows
 
 
+def shrink(picture, factor):
+    if factor == 1:
+        return picture
+    width, height, rows = picture[0] // factor, picture[1] // factor, []
+    for y in range(height):
+        sums = [sum(column) for column in zip(*picture[2][y * factor:(y + 1) * factor])]
+        rows.append(bytes((sum(sums[3 * (x * factor + i) + k] for i in range(factor)) + factor * factor // 2) // (factor * factor)
+                          for x in range(width) for k in range(3)))
+    return width, height, rows
+
+
 def enlarge(picture, cell_width, cell_height):
     width, height, rows = picture
     factor = max(1, min(cell_width // width, cell_height // height))
@@ -94,7 +106,8 @@ def enlarge(picture, cell_width, cell_height):
 def main():
     if len(sys.argv) < 4:
         sys.exit(__doc__)
-    out, columns, pictures = sys.argv[1], int(sys.argv[2]), [load(name) for name in sys.argv[3:]]
+    columns, _, factor = sys.argv[2].partition("/")
+    out, columns, pictures = sys.argv[1], int(columns), [shrink(load(name), int(factor or 1)) for name in sys.argv[3:]]
     cell_width, cell_height = max(p[0] for p in pictures), max(p[1] for p in pictures)
     pictures = [p if name.startswith("=") else enlarge(p, cell_width, cell_height)
                 for name, p in zip(sys.argv[3:], pictures)]
