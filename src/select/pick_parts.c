@@ -164,55 +164,57 @@ static stp_boxd widen(stp_box box)
     return (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
 }
 
-static stp_result pick_clusters(stp_pick_work* work, stp_store_part part,
-                                const stp_affine* transform, const ray_map* map)
+/// What of a mesh's clusters is met nearest, and its corners.
+static stp_result meet_clusters(stp_pick_work* work, uint32_t mesh, const stp_affine* transform,
+                                const ray_map* map, nearest_element* nearest, stp_vec3 corners[3])
 {
     stp_clusters clusters;
-    nearest_element nearest = {0};
-    stp_result result = stp_store_get_clusters(work->store, part.index, &clusters);
-    if (result != STP_OK) {
-        return result;
-    }
-    for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
+    stp_result result = stp_store_get_clusters(work->store, mesh, &clusters);
+    for (uint32_t i = 0; result == STP_OK && i < clusters.cluster_count; ++i) {
         stp_boxd box = widen(stp_clusters_bounds(&clusters, i));
         double near;
         work->pick->tests += 1;
         if (stp_pick_enters(work, transform, &box, 1e-6, false, &near)) {
-            test_cluster(work, map, &clusters, i, &nearest);
+            test_cluster(work, map, &clusters, i, nearest);
         }
     }
-    if (nearest.found) {
-        stp_vec3 corners[3];
-        read_triangle(&clusters, nearest.index, corners);
-        result = give_triangle(work, part, transform, &nearest, corners);
+    if (nearest->found) {
+        read_triangle(&clusters, nearest->index, corners);
     }
     return result;
 }
 
-static stp_result pick_columns(stp_pick_work* work, stp_store_part part,
-                               const stp_affine* transform, const ray_map* map)
+/// The same of one that is stored as columns.
+static stp_result meet_columns(stp_pick_work* work, uint32_t mesh, const ray_map* map,
+                               nearest_element* nearest, stp_vec3 corners[3])
 {
-    stp_store_mesh mesh;
-    nearest_element nearest = {0};
-    stp_result result = stp_store_get_mesh(work->store, part.index, &mesh);
-    if (result != STP_OK) {
-        return result;
-    }
-    for (uint32_t i = 0; i < mesh.triangle_count; ++i) {
+    stp_store_mesh columns;
+    stp_result result = stp_store_get_mesh(work->store, mesh, &columns);
+    for (uint32_t i = 0; result == STP_OK && i < columns.triangle_count; ++i) {
         corner c[3];
         for (size_t k = 0; k < 3; ++k) {
-            c[k] = turn(map, mesh.positions + 3 * (size_t)mesh.indices[3 * (size_t)i + k]);
+            c[k] = turn(map, columns.positions + 3 * (size_t)columns.indices[3 * (size_t)i + k]);
         }
-        test_triangle(work, &c[0], &c[1], &c[2], i, &nearest);
+        test_triangle(work, &c[0], &c[1], &c[2], i, nearest);
     }
-    if (nearest.found) {
-        const uint32_t* index = mesh.indices + 3 * (size_t)nearest.index;
-        stp_vec3 corners[3] = {read_vertex(mesh.positions, index[0]),
-                               read_vertex(mesh.positions, index[1]),
-                               read_vertex(mesh.positions, index[2])};
-        result = give_triangle(work, part, transform, &nearest, corners);
+    for (size_t k = 0; k < 3 && nearest->found; ++k) {
+        corners[k] =
+            read_vertex(columns.positions, columns.indices[3 * (size_t)nearest->index + k]);
     }
     return result;
+}
+
+static stp_result pick_mesh(stp_pick_work* work, stp_store_part part, const stp_affine* transform,
+                            const ray_map* map)
+{
+    nearest_element nearest = {0};
+    stp_vec3 corners[3];
+    stp_result result = stp_store_is_clustered(work->store, part.index)
+                            ? meet_clusters(work, part.index, transform, map, &nearest, corners)
+                            : meet_columns(work, part.index, map, &nearest, corners);
+    return result == STP_OK && nearest.found
+               ? give_triangle(work, part, transform, &nearest, corners)
+               : result;
 }
 
 static stp_result pick_points(stp_pick_work* work, stp_store_part part, const stp_affine* transform,
@@ -268,10 +270,6 @@ stp_result stp_pick_part(stp_pick_work* work, stp_store_part part, const stp_aff
         return STP_OK;
     }
     ray_map map = map_of(work, transform);
-    if (!is_mesh) {
-        return pick_points(work, part, transform, &map);
-    }
-    return stp_store_is_clustered(work->store, part.index)
-               ? pick_clusters(work, part, transform, &map)
-               : pick_columns(work, part, transform, &map);
+    return is_mesh ? pick_mesh(work, part, transform, &map)
+                   : pick_points(work, part, transform, &map);
 }
