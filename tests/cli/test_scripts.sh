@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# scripts/test counts what crashed, what cannot be started, and what is not there as failed. Instead of builds there are
+# folders of tests, which the real ctest runs. Arguments: executable, scratch folder, source folder.
+set -u
+scratch=$2
+source=$3
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$scratch/scripts" "$scratch/bin" && cd "$scratch" || exit 1
+CTEST=$(command -v ctest) || exit 77
+export CTEST
+cp "$source/scripts/test" scripts/test
+printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
+printf '#!/bin/sh\ncd "$2" || exit 1\nshift 2\n[ ! -e dies ] || kill -KILL $$\nexec "$CTEST" "$@"\n' > bin/ctest
+chmod +x scripts/setup bin/cmake bin/ctest
+
+# counts LINE CODE: scripts/test ends so, with one test that passes in each build but what `change` makes of it
+counts()
+{
+    local line=$1 code=$2 got
+    for build in release dev asan; do
+        rm -rf $build
+        mkdir $build
+        echo 'add_test(unit.fine "/bin/true")' > $build/CTestTestfile.cmake
+    done
+    change
+    PATH=$PWD/bin:$PATH scripts/test > out 2> err
+    got=$?
+    [ "$(tail -n 1 out)" = "$line" ] && [ $got -eq "$code" ] || fail "not \"$line\" and $code, but $got: $(tail -n 3 out)"
+}
+
+change() { :; }
+counts "3 passed, 0 failed" 0
+change() { printf 'add_test(unit.skips "/bin/sh" "-c" "exit 77")\nset_tests_properties(unit.skips PROPERTIES SKIP_RETURN_CODE 77)\n' >> dev/CTestTestfile.cmake; }
+counts "3 passed, 0 failed, 1 skipped" 0
+change() { echo 'add_test(unit.crashes "/bin/sh" "-c" "kill -SEGV $$")' >> asan/CTestTestfile.cmake; }
+counts "3 passed, 1 failed" 1
+change() { echo 'add_test(unit.lost "/nowhere/tests")' >> dev/CTestTestfile.cmake; }
+counts "3 passed, 1 failed, 1 skipped" 1
+change() { : > asan/CTestTestfile.cmake; }
+counts "2 passed, 1 failed" 1
+change() { touch release/dies; }
+counts "2 passed, 1 failed" 1
+exit $((failures > 0))
