@@ -134,7 +134,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
         figures->missing = loaded.missing > 0 && loaded.loading > 0 ? loaded.missing : 0;
     }
     if (gl && result == STP_OK) {
-        figures->missing += stp_draw_gl_get_stats(s->renderers[1]).missing;
+        figures->missing += stp_draw_gl_get_stats(s->renderers[1]).coming;
     }
     figures->frame_ms = stp_clock_ms() - start;
     figures->live_bytes = stp_context_live_bytes(s->context);

@@ -155,8 +155,23 @@ void test_gl_pictures_come_coarser_where_memory_is_short(test_state* test)
     uint64_t covered = m.picture.stats.covered_pixels;
     CHECK_EQUAL(STP_OK, made_gl_renew(&m, &tiny));
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
-    CHECK(stp_draw_gl_get_stats(m.renderer).missing > 0);
+    stp_draw_gl_stats stats = stp_draw_gl_get_stats(m.renderer);
+    CHECK(stats.missing > 0 && stats.coming == 0); // nor does it come
     CHECK(m.picture.stats.covered_pixels >= covered);
+    // so the mean of frames is that of coarser ones
+    made_picture* p = &m.picture;
+    stp_image image = {PICTURE_SIDE, PICTURE_SIDE, m.pixels};
+    p->style.supersample = 2;
+    for (uint32_t i = 1; i <= 4; ++i) {
+        CHECK_EQUAL(STP_OK, stp_renderer_accumulate(m.renderer, &p->view, &p->quality, &p->style,
+                                                    &p->list, &image, &p->stats));
+        CHECK_EQUAL(i, p->stats.samples);
+    }
+    // where things come, their frames do not count
+    const stp_draw_gl_desc slow = {.upload_bytes = 2048};
+    CHECK_EQUAL(STP_OK, made_gl_renew(&m, &slow));
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK(stp_draw_gl_get_stats(m.renderer).coming > 0);
     made_gl_end(&m);
 }
 

@@ -143,6 +143,7 @@ static bool add_page(gl_pool* pool)
 bool gl_pool_take(gl_pool* pool, uint32_t entry, uint64_t words)
 {
     gl_entry* taken = &pool->entries[entry];
+    words = words > 0 ? words : 1; // nothing has a place, too
     if (words > 1u << pool->page_shift) {
         return false;
     }

@@ -239,7 +239,7 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
     gl_accumulation* a = &r->accumulation;
     bool same = stp_resting_continues(&a->resting, view, list, &finer) &&
                 a->width == r->target.full_width && a->height == r->target.height &&
-                r->frame.missing == 0;
+                r->frame.coming == 0;
     a->frames = same ? a->frames : 0;
     uint32_t all = finer.supersample * finer.supersample;
     gl_sample_range range = {.side = finer.supersample,
@@ -377,6 +377,7 @@ stp_draw_gl_stats stp_draw_gl_get_stats(const stp_renderer* renderer)
                                .resident_bytes = r->pool.spans.used * sizeof(uint32_t),
                                .uploaded_bytes = r->pool.uploaded_bytes,
                                .missing = r->frame.missing,
+                               .coming = r->frame.coming,
                                .draw_calls = r->draw_calls,
                                .dispatches = r->dispatches,
                                .is_software = r->is_software,

@@ -93,6 +93,7 @@ typedef struct gl_frame {
     gl_ring ring; ///< that all of it goes through
     GLintptr items_offset, records_offset, chunks_offset, lookup_offset, view_offset;
     uint32_t missing; ///< things that are coarser than the list wants
+    uint32_t coming;  ///< uploads that were put off to later frames
 } gl_frame;
 
 /// Where things' entries begin in the pool's table.

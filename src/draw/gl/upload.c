@@ -82,6 +82,7 @@ gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool u
 {
     if (!urgent && r->upload_bytes > 0 && r->pool.uploaded_bytes > 0 && // one thing always goes
         r->pool.uploaded_bytes + words * sizeof(uint32_t) > r->upload_bytes) {
+        r->frame.coming += 1;
         return GL_UPLOAD_LATER;
     }
     return gl_pool_take(&r->pool, entry, words) ? GL_UPLOAD_THERE : GL_UPLOAD_NO_ROOM;
@@ -138,7 +139,7 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
     uint32_t end = known->octave_ends[octave];
     uint32_t begin = octave > 0 ? known->octave_ends[octave - 1] : 0, count = end - begin;
     uint64_t words = colors ? end : 2 * (uint64_t)count + (count + 3) / 4;
-    gl_upload result = gl_upload_begin(r, entry, words > 0 ? words : 1, urgent);
+    gl_upload result = gl_upload_begin(r, entry, words, urgent);
     if (result != GL_UPLOAD_THERE) {
         return result;
     }
