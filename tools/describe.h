@@ -34,6 +34,9 @@ void describe_print_table(const stp_store_summary* summary);
 const char* describe_count(uint64_t count, char out[32]);
 /// 554 MB, in powers of 1000.
 const char* describe_bytes(uint64_t bytes, char out[32]);
+/// A text from a file, which may hold any bytes, as JSON (in which text is UTF-8): null where it is NULL. NULL where memory
+/// runs out.
+json_t* describe_json_text(const char* text);
 /// Prints a text from a file, without bytes that could steer a terminal.
 void describe_text(const char* text);
 

@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Names come from input files and may hold any bytes; JSON wants UTF-8.
-static json_t* text_json(const char* text)
+json_t* describe_json_text(const char* text)
 {
     if (text == NULL) {
         return json_null();
@@ -61,7 +60,7 @@ static json_t* parts_json(const stp_store_summary* summary)
     json_t* parts = json_array();
     for (uint32_t i = 0; i < summary->part_count; ++i) {
         json_t* entry = json_object();
-        (void)json_object_set_new(entry, "name", text_json(summary->parts[i].name));
+        (void)json_object_set_new(entry, "name", describe_json_text(summary->parts[i].name));
         set_figures(entry, &summary->parts[i].figures);
         (void)json_array_append_new(parts, entry);
     }
@@ -73,8 +72,8 @@ static json_t* sources_json(const stp_store_directory* d)
     json_t* sources = json_array();
     for (uint32_t i = 0; i < d->source_count; ++i) {
         json_t* entry = json_object();
-        (void)json_object_set_new(entry, "path", text_json(d->sources[i].path));
-        (void)json_object_set_new(entry, "format", text_json(d->sources[i].format));
+        (void)json_object_set_new(entry, "path", describe_json_text(d->sources[i].path));
+        (void)json_object_set_new(entry, "format", describe_json_text(d->sources[i].format));
         set_count(entry, "bytes", d->sources[i].bytes);
         (void)json_array_append_new(sources, entry);
     }
@@ -85,7 +84,7 @@ static json_t* views_json(const stp_store_directory* d)
 {
     json_t* views = json_array();
     for (uint32_t i = 0; i < d->view_count; ++i) {
-        (void)json_array_append_new(views, text_json(d->views[i].name));
+        (void)json_array_append_new(views, describe_json_text(d->views[i].name));
     }
     return views;
 }
@@ -94,7 +93,7 @@ static json_t* unit_json(double metres)
 {
     const char* name = describe_unit(metres);
     if (name != NULL || metres <= 0.0) {
-        return text_json(name);
+        return describe_json_text(name);
     }
     char text[64];
     snprintf(text, sizeof(text), "%.9g m", metres);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "find_report.h"
 
+#include "describe.h"
 #include "tool.h"
 
 #include "store/outline.h"
@@ -8,12 +9,6 @@
 #include <stdio.h>
 
 enum { PATH_ROOM = 4096, AT_ONCE = 64, SLICE = 100000 };
-
-static json_t* pack_text(const char* text)
-{
-    json_t* json = text != NULL ? json_string(text) : json_null();
-    return json != NULL ? json : json_string("?"); // it is not UTF-8
-}
 
 /// Prints an object, or adds it to the list.
 static stp_result tell(stp_outline* outline, uint32_t object, json_t* list)
@@ -28,15 +23,17 @@ static stp_result tell(stp_outline* outline, uint32_t object, json_t* list)
         return result;
     }
     if (list == NULL) {
-        printf("#%u\t%llu triangles, %llu points\t%s\n", object,
-               (unsigned long long)row.triangle_count, (unsigned long long)row.point_count, path);
+        printf("#%u\t%llu triangles, %llu points\t", object, (unsigned long long)row.triangle_count,
+               (unsigned long long)row.point_count);
+        describe_text(path);
+        printf("\n");
         return STP_OK;
     }
     json_t* json =
         json_pack("{s:I, s:o, s:o, s:o, s:I, s:I, s:I}", "index", (json_int_t)object, "name",
-                  pack_text(row.name), "path", pack_text(path), "id", pack_text(row.id), "children",
-                  (json_int_t)row.child_count, "triangles", (json_int_t)row.triangle_count,
-                  "points", (json_int_t)row.point_count);
+                  describe_json_text(row.name), "path", describe_json_text(path), "id",
+                  describe_json_text(row.id), "children", (json_int_t)row.child_count, "triangles",
+                  (json_int_t)row.triangle_count, "points", (json_int_t)row.point_count);
     return json_array_append_new(list, json) == 0 ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
 }
 

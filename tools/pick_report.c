@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pick_report.h"
 
+#include "describe.h"
+
 #include "present/measuring.h"
 #include "select/pick.h"
 
@@ -28,13 +30,6 @@ static json_t* pack_vector(stp_vec3d v)
     return json_pack("[f,f,f]", v.x, v.y, v.z);
 }
 
-/// A text that may not be UTF-8.
-static json_t* pack_text(const char* text)
-{
-    json_t* json = text != NULL ? json_string(text) : json_null();
-    return json != NULL ? json : json_stringn_nocheck("?", 1);
-}
-
 static json_t* describe_object(scene_show* show, const stp_pick* pick)
 {
     stp_outline* outline;
@@ -51,11 +46,11 @@ static json_t* describe_object(scene_show* show, const stp_pick* pick)
         return json_null();
     }
     return json_pack("{s:I, s:o, s:o, s:o, s:I, s:I, s:{s:o, s:o}}", "index",
-                     (json_int_t)item.objects[item.depth - 1], "name", pack_text(row.name), "path",
-                     pack_text(path), "id", pack_text(row.id), "triangles",
-                     (json_int_t)row.triangle_count, "points", (json_int_t)row.point_count,
-                     "bounds", "min", pack_vector(row.bounds.min), "max",
-                     pack_vector(row.bounds.max));
+                     (json_int_t)item.objects[item.depth - 1], "name", describe_json_text(row.name),
+                     "path", describe_json_text(path), "id", describe_json_text(row.id),
+                     "triangles", (json_int_t)row.triangle_count, "points",
+                     (json_int_t)row.point_count, "bounds", "min", pack_vector(row.bounds.min),
+                     "max", pack_vector(row.bounds.max));
 }
 
 static json_t* describe_hit(scene_show* show, const stp_view* view, const stp_pick* pick)
@@ -80,8 +75,8 @@ static json_t* describe_hit(scene_show* show, const stp_view* view, const stp_pi
         stp_measure_unit(&measuring), "normal", pack_vector(pick->normal), "object", object, "kind",
         is_mesh ? "triangle" : "point", "part", (json_int_t)pick->part.index, "element",
         (json_int_t)pick->element, "node", (json_int_t)pick->thing.node, "material",
-        pack_text(d->materials[pick->material].name), "snap", "kind", snaps[snap], "position",
-        pack_vector(snapped));
+        describe_json_text(d->materials[pick->material].name), "snap", "kind", snaps[snap],
+        "position", pack_vector(snapped));
     return json;
 }
 

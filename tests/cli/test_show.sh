@@ -128,6 +128,20 @@ same 'len(p["found"]) == 2 and p["found"][0]["name"] == "room" and p["found"][0]
 same 'p["found"][1]["children"] == 1 and p["found"][1]["index"] == 5'
 "$stipple" info street.stip --find nowhere > found || fail "finding nothing is no failure"
 [ ! -s found ] || fail "finds what is not there"
+# names may hold any bytes: JSON is UTF-8, and nothing steers a terminal
+printf 'o caf\351\033[2J\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > bytes.obj
+"$stipple" build bytes.obj -o bytes.stip --fresh > /dev/null 2> err || fail "bytes: $(cat err)"
+"$stipple" info bytes.stip --find caf > found || fail "find of any bytes"
+LC_ALL=C grep -q 'bytes.obj/caf' found || fail "finds $(cat -v found)"
+LC_ALL=C grep -q $'\033' found && fail "tells a terminal what to do: $(cat -v found)"
+"$stipple" info bytes.stip --find caf --json > found.json || fail "find of any bytes as JSON"
+"$stipple" render bytes.stip --pick 16,20 --size 32x32 --view front > pick.json || fail "pick of any bytes"
+python3 - << 'END' || fail "names of any bytes: $(cat found.json pick.json)"
+import json
+found = json.load(open("found.json"))["found"][-1]
+assert found["name"].startswith("caf?") and found["path"].startswith("bytes.obj/caf?"), found
+assert json.load(open("pick.json"))["object"]["path"] == found["path"]
+END
 "$stipple" info street.gltf --find door 2> err
 [ $? -eq 2 ] || fail "--find of a model"
 
