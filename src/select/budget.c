@@ -19,9 +19,18 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define OVERSHOOT 1.1 // of the budget
 #define SLOWEST_FINER                                                                              \
     0.92 // sizes shrink by no more than so much a frame: a shrink too far is a late frame
-#define EXPONENT_FOLLOWS 0.2
+#define FIRST_SPLAT_EXPONENT 2.0    // what covers the screen
+#define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
+#define FIRST_TRIANGLE_EXPONENT 1.0
+#define EXPONENT_FOLLOWS 0.4
+#define SCENE_CHANGES 0.1 // of the logarithm of counts in a frame, by what else comes and goes
+#define EXPONENT_FADES                                                                             \
+    0.01 // of what an exponent differs from the first, where the size rests: what was learned elsewhere
+#define LEAST_CHANGE 0.02 // of the logarithm of the size, below which it rests
+#define SLOW_FRAME                                                                                 \
+    1.3              // times what the last frames suggest: more is not learned from a single frame
+#define MOST_OFF 0.1 // the same of the scatter
 #define LITTLE_GAIN 1.1
-#define LEAST_CHANGE 0.05 // of the logarithm of the size, below which nothing is said of exponents
 
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms)
 {
@@ -31,8 +40,10 @@ void stp_budget_init(stp_budget* budget, stp_controller controller, double budge
         .splat_size = controller == STP_CONTROLLER_PAPER ? 1.0f : 0.5f * STP_SPLAT_SIZE_MOST,
         .speed = 1.0,
         .scatter = 0.05,
-        .splat_exponent = 2.0, // what covers the screen
-        .triangle_exponent = 1.0,
+        .splat_exponent = FIRST_SPLAT_EXPONENT,
+        .fragment_exponent = FIRST_FRAGMENT_EXPONENT,
+        .triangle_exponent = FIRST_TRIANGLE_EXPONENT,
+        .ratios = {1.0, 1.0, 1.0},
     };
     for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
         budget->price[i] = first_price[i];
@@ -95,9 +106,9 @@ double stp_budget_predict(const stp_budget* b, double splat_size)
     double terms[STP_BUDGET_TERMS];
     list_terms(&b->last, terms);
     double finer = b->frames > 0 ? (double)b->last.splat_size / splat_size : 1.0;
-    double splats = pow(finer, b->splat_exponent), triangles = pow(finer, b->triangle_exponent);
-    terms[0] *= splats;
-    terms[1] *= splats / (finer * finer); // each covers as many pixels as it is large
+    double triangles = pow(finer, b->triangle_exponent);
+    terms[0] *= pow(finer, b->splat_exponent);
+    terms[1] *= pow(finer, b->fragment_exponent);
     terms[2] *= triangles;
     terms[3] *= triangles;
     return b->speed * price_of(b, terms);
@@ -129,26 +140,38 @@ static void learn_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], do
     }
 }
 
-static double learn_exponent(double exponent, uint64_t before, uint64_t now, double finer)
+// What a count's answer to a change of the size says of its exponent: the more, the larger the change beside what the scene does.
+static double learn_exponent(double exponent, uint64_t before, uint64_t now, double change,
+                             double least, double most)
 {
     if (before < 1000 || now < 1000) {
         return exponent;
     }
-    double seen = log((double)now / (double)before) / log(finer);
-    return exponent + EXPONENT_FOLLOWS * (clamp_number(seen, 0.0, 3.0) - exponent);
+    double seen = log((double)now / (double)before) / change, square = change * change;
+    double follows = EXPONENT_FOLLOWS * square / (square + SCENE_CHANGES * SCENE_CHANGES);
+    return exponent + follows * (clamp_number(seen, least, most) - exponent);
 }
 
-// How counts answered to the last change of the size.
+// How counts answered to the last change of the size. Where it rests, other things come into view: what was learned fades.
 static void learn_exponents(stp_budget* b, const stp_frame_cost* cost)
 {
-    double finer = (double)b->last.splat_size / (double)cost->splat_size;
-    if (b->frames == 0 || fabs(log(finer)) < LEAST_CHANGE) {
+    double change = log((double)b->last.splat_size / (double)cost->splat_size);
+    if (b->frames == 0) {
         return;
     }
-    b->splat_exponent = learn_exponent(b->splat_exponent, b->last.splats, cost->splats, finer);
+    if (fabs(change) < LEAST_CHANGE) {
+        b->splat_exponent += EXPONENT_FADES * (FIRST_SPLAT_EXPONENT - b->splat_exponent);
+        b->fragment_exponent += EXPONENT_FADES * (FIRST_FRAGMENT_EXPONENT - b->fragment_exponent);
+        b->triangle_exponent += EXPONENT_FADES * (FIRST_TRIANGLE_EXPONENT - b->triangle_exponent);
+        return;
+    }
+    const stp_frame_cost* last = &b->last;
+    b->splat_exponent =
+        learn_exponent(b->splat_exponent, last->splats, cost->splats, change, 0.5, 2.5);
+    b->fragment_exponent =
+        learn_exponent(b->fragment_exponent, last->fragments, cost->fragments, change, -0.5, 1.0);
     b->triangle_exponent =
-        learn_exponent(b->triangle_exponent, b->last.triangles, cost->triangles, finer);
-    b->splat_exponent = clamp_number(b->splat_exponent, 0.5, 2.5); // so that sizes still matter
+        learn_exponent(b->triangle_exponent, last->triangles, cost->triangles, change, 0.0, 3.0);
 }
 
 // Where the model reaches the goal; it falls with the size.
@@ -168,18 +191,32 @@ static double solve_size(const stp_budget* b, double goal)
     return high;
 }
 
+static double middle_of(const double v[STP_BUDGET_RATIOS])
+{
+    double low = fmin(v[0], v[1]), high = fmax(v[0], v[1]);
+    return fmax(low, fmin(high, v[2]));
+}
+
+// How fast the machine is: the middle one of the last frames says it, so that one slow frame changes next to nothing.
+// @return the time that is to be learned from
+static double learn_speed(stp_budget* b, double milliseconds, double expected)
+{
+    if (b->frames == 0 || !(expected > 0.0)) {
+        return milliseconds;
+    }
+    double ratio = clamp_number(milliseconds / expected, 0.2, 5.0);
+    b->ratios[b->frames % STP_BUDGET_RATIOS] = ratio;
+    double middle = middle_of(b->ratios), off = fabs(ratio / b->speed - 1.0);
+    b->scatter += SCATTER_FOLLOWS * (fmin(off, fmax(MOST_OFF, 3.0 * b->scatter)) - b->scatter);
+    b->speed += SPEED_FOLLOWS * (middle - b->speed);
+    return fmin(milliseconds, SLOW_FRAME * middle * expected);
+}
+
 static void predict(stp_budget* b, const stp_frame_cost* cost)
 {
     double terms[STP_BUDGET_TERMS];
     list_terms(cost, terms);
-    double expected = price_of(b, terms);
-    if (b->frames > 0 && expected > 0.0) {
-        double ratio = clamp_number(cost->milliseconds / expected, 0.2, 5.0);
-        double off = fabs(ratio / b->speed - 1.0);
-        b->scatter += SCATTER_FOLLOWS * ((off < 1.0 ? off : 1.0) - b->scatter);
-        b->speed += SPEED_FOLLOWS * (ratio - b->speed);
-    }
-    learn_prices(b, terms, cost->milliseconds);
+    learn_prices(b, terms, learn_speed(b, cost->milliseconds, price_of(b, terms)));
     learn_exponents(b, cost);
     b->last = *cost;
     b->frames += 1;

@@ -15,6 +15,9 @@ typedef struct machine {
     double swing;
     double noise;
     double slow; ///< how much slower the second half of the flight is
+    /// Of splats: 0: 2, what covers the screen. Less where nodes are opened nearer the larger splats are; as many pixels are
+    /// covered all the same.
+    double splat_exponent;
 } machine;
 
 static double random_between(uint64_t number, double low, double high)
@@ -26,8 +29,10 @@ static stp_frame_cost run_frame(const machine* m, int frame, float size)
 {
     double phase = 6.283185307 * (double)frame / 300.0, s = (double)size;
     double swell = 1.0 + m->swing * sin(phase);
-    double splats = m->splats * swell / (s * s), triangles = m->triangles * swell / s + 0.05;
-    double fragments = splats * s * s * 0.3, covered = 1.5;
+    double exponent = m->splat_exponent > 0.0 ? m->splat_exponent : 2.0;
+    double splats = m->splats * swell / pow(s, exponent),
+           triangles = m->triangles * swell / s + 0.05;
+    double fragments = m->splats * swell * 0.3, covered = 1.5;
     double time = 1.0 + 6.0 * splats + 1.5 * fragments + 9.0 * triangles + 6.0 * covered;
     time *= random_between((uint64_t)frame, 1.0 - m->noise, 1.0 + m->noise);
     time *= frame > FRAMES / 2 ? m->slow : 1.0;
@@ -119,6 +124,43 @@ void test_budget_prediction_goes_beyond_the_paper_to_be_in_time(test_state* test
     outcome paper = fly(&m, STP_CONTROLLER_PAPER, 40.0);
     CHECK(ours.p95 <= 1.1 && ours.size > 8.0 && ours.size < 24.0);
     CHECK(paper.p50 > 1.1);
+}
+
+void test_budget_prediction_goes_on_where_splats_fall_slowly(test_state* test)
+{
+    // a hall: 8 pixels take 43 ms, 14 would take 33
+    machine m = {.splats = 14.0,
+                 .triangles = 14.0,
+                 .swing = 0.0,
+                 .noise = 0.02,
+                 .slow = 1.0,
+                 .splat_exponent = 1.0};
+    CHECK(run_frame(&m, 0, 8.0f).milliseconds > 40.0);
+    CHECK(run_frame(&m, 0, 20.0f).milliseconds < 32.0);
+    outcome o = fly(&m, STP_CONTROLLER_PREDICT, 33.0);
+    CHECK(o.p50 <= 1.0);
+    CHECK(o.p95 <= 1.1);
+    CHECK(o.p50 >= 0.9);
+}
+
+void test_budget_prediction_forgives_one_slow_frame(test_state* test)
+{
+    machine m = {.splats = 10.0, .triangles = 4.0, .swing = 0.0, .noise = 0.02, .slow = 1.0};
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 25.0);
+    float before = 0.0f, most = 0.0f;
+    for (int i = 0; i < 80; ++i) {
+        stp_frame_cost cost = run_frame(&m, i, stp_budget_splat_size(&budget));
+        if (i == 60) {
+            before = cost.splat_size;
+            cost.milliseconds *= 4.0;
+        }
+        stp_budget_learn(&budget, &cost);
+        float size = stp_budget_splat_size(&budget);
+        most = i >= 60 && size > most ? size : most;
+        CHECK(i < 66 || size < 1.1f * before); // nor is the picture coarse for long
+    }
+    CHECK(before > 1.1f && most < 1.25f * before);
 }
 
 void test_budget_prediction_beats_the_paper_where_the_scene_changes(test_state* test)
