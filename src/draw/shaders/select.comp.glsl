@@ -88,8 +88,8 @@ set_use use_set(uint set, double reach, bool cloud, double scale, box_sight sigh
     return use;
 }
 
-// The depths between which splats from `index` on are drawn; 0 and infinite where none of what is seen lies beyond.
-dvec2 depths_of(uint set, const set_use use, double ceiling, bool thin, box_sight sight, uint index)
+// The depths between which splats from `index` on are drawn.
+dvec2 depths_of(uint set, const set_use use, double ceiling, bool thin, uint index)
 {
     dvec2 range = dvec2(0.0lf, SELECT_INFINITE);
     double along = double(index) / double(use.count);
@@ -103,6 +103,13 @@ dvec2 depths_of(uint set, const set_use use, double ceiling, bool thin, box_sigh
     if (thin && index > 0u) {
         range.y = min(range.y, double(prefix_radius(set, index)) / use.per_depth);
     }
+    return range;
+}
+
+// The same of what is seen: 0 and infinite where none of it lies beyond.
+dvec2 drawn_depths(uint set, const set_use use, double ceiling, bool thin, box_sight sight, uint index)
+{
+    dvec2 range = depths_of(set, use, ceiling, thin, index);
     range.x = range.x <= sight.near ? 0.0lf : range.x;
     range.y = range.y >= sight.far ? SELECT_INFINITE : range.y;
     return range;
@@ -133,18 +140,32 @@ void command_splats(uint item, uint count)
     }
 }
 
+// Leaves out runs from the first on that is drawn nowhere. @return whether there is one
+bool cut_prefix(uint set, const set_use use, double ceiling, bool thin, box_sight sight, inout uint prefix)
+{
+    for (uint begin = run_end(0u, prefix); begin < prefix; begin = run_end(begin, prefix)) {
+        dvec2 range = depths_of(set, use, ceiling, thin, begin);
+        if (range.y < max(range.x, sight.near)) {
+            prefix = begin;
+            return true;
+        }
+    }
+    return false;
+}
+
 // As many runs as differ; what is drawn wherever it is seen is one before them.
 void add_runs(uint set, const set_use use, double ceiling, bool thin, box_sight sight, uint number, inout select_item item)
 {
+    bool is_cut = cut_prefix(set, use, ceiling, thin, sight, item.prefix);
     uint whole = 0u; // splats before are drawn wherever they are seen
     while (whole < item.prefix) {
-        dvec2 range = depths_of(set, use, ceiling, thin, sight, whole);
+        dvec2 range = drawn_depths(set, use, ceiling, thin, sight, whole);
         if (range.x > 0.0lf || range.y < SELECT_INFINITE) {
             break;
         }
         whole = run_end(whole, item.prefix);
     }
-    if (whole >= item.prefix) {
+    if (whole >= item.prefix && !is_cut) {
         return;
     }
     item.run_count = count_runs(whole, item.prefix) + (whole > 0u ? 1u : 0u);
@@ -160,7 +181,7 @@ void add_runs(uint set, const set_use use, double ceiling, bool thin, box_sight 
     }
     for (uint begin = whole; begin < item.prefix;) {
         uint end = run_end(begin, item.prefix);
-        dvec2 range = depths_of(set, use, ceiling, thin, sight, begin);
+        dvec2 range = drawn_depths(set, use, ceiling, thin, sight, begin);
         float farthest = range.y < 3.4e38lf ? float(range.y * (1.0lf + 1e-6lf)) : uintBitsToFloat(0x7F800000u);
         runs[at++] = select_run(end, float(range.x * (1.0lf - 1e-6lf)), farthest, number);
         command_splats(number, end - begin);
