@@ -23,14 +23,14 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
 #define FIRST_TRIANGLE_EXPONENT 1.0
 #define EXPONENT_FOLLOWS 0.4
-#define SCENE_CHANGES 0.1 // of the logarithm of counts in a frame, by what else comes and goes
+#define SCENE_CHANGES 0.2 // of the logarithm of counts in a frame, by what else comes and goes
 #define EXPONENT_FADES                                                                             \
     0.01 // of what an exponent differs from the first, where the size rests: what was learned elsewhere
 #define LEAST_CHANGE 0.02 // of the logarithm of the size, below which it rests
 #define SLOW_FRAME                                                                                 \
     1.3              // times what the last frames suggest: more is not learned from a single frame
 #define MOST_OFF 0.1 // the same of the scatter
-#define LITTLE_GAIN 1.1
+#define LITTLE_GAIN 1.05
 
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms)
 {

@@ -114,7 +114,7 @@ void test_budget_prediction_takes_the_coarsest_where_nothing_helps(test_state* t
     }
     CHECK(stp_budget_splat_size(&budget) > 7.99f);
     CHECK(stp_budget_splat_size(&budget) <
-          23.9f); // a tenth of the time is not worth the last of the picture
+          23.9f); // a twentieth of the time is not worth the last of the picture
 }
 
 void test_budget_prediction_goes_beyond_the_paper_to_be_in_time(test_state* test)
