@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Where levels meet: each splat of a set is drawn between two depths. Beyond the far one fewer suffice, or those of an
 // ancestor do; nearer than the near one the node is opened.
-#include "base/prefix_table.h"
 #include "select/select_internal.h"
 
 enum {
     RUN_ALIGN = 64,
-    RUN_GROWS = 8,       ///< runs grow by an eighth of what is before them
-    THINNED_LEAST = 2048 ///< shorter prefixes are not worth it
+    RUN_GROWS = 8 ///< runs grow by an eighth of what is before them
 };
 
 #define ONE_DEPTH 1.02 ///< what is seen at depths this alike is drawn as if it were at one
-#define THIN_FROM 1.2  ///< far over near depth from which a prefix is thinned with depth
 
 static double clamp_unit(double x)
 {
@@ -34,7 +31,7 @@ static double shrinking(const stp_set_use* use, double depth)
 }
 
 /// The depths between which splat `index` of the prefix, and those after it, are drawn at most.
-static stp_depth_range depths_of(const stp_set_use* use, double ceiling, bool thin, uint32_t index)
+static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_t index)
 {
     stp_depth_range range = {0.0, HUGE_VAL};
     double part = (double)index / (double)use->count;
@@ -44,10 +41,6 @@ static stp_depth_range depths_of(const stp_set_use* use, double ceiling, bool th
     }
     if (ceiling < HUGE_VAL) {
         range.far = ceiling * (STP_LEVELS_GROW - part * (STP_LEVELS_GROW - 1.0));
-    }
-    if (thin && index > 0) { // from there on those before it suffice
-        double covers = (double)stp_prefix_table_radius(&use->surfels->table, index);
-        range.far = fmin(range.far, covers / use->per_depth);
     }
     return range;
 }
@@ -86,7 +79,7 @@ static double count_extra(const stp_select_entry* at, const stp_set_use* use, st
 
 /// Divides a prefix into runs; none where each splat is drawn wherever the node is seen.
 static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                           stp_depth_range seen, bool thin, stp_draw_item* item, double* extra)
+                           stp_depth_range seen, stp_draw_item* item, double* extra)
 {
     size_t first = s->list->run_count;
     bool needed = false;
@@ -95,7 +88,7 @@ static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const s
         uint32_t size = begin / RUN_GROWS / RUN_ALIGN * RUN_ALIGN;
         size = size > RUN_ALIGN ? size : RUN_ALIGN;
         uint32_t end = left - 1 < size ? item->prefix : begin + size;
-        stp_depth_range range = depths_of(use, at->ceiling, thin, begin);
+        stp_depth_range range = depths_of(use, at->ceiling, begin);
         if (begin > 0 && range.far < fmax(range.near, seen.near)) {
             item->prefix = begin; // neither this run nor any after it is drawn anywhere
             needed = true;
@@ -144,22 +137,12 @@ stp_result stp_select_add_set(stp_selection* s, const stp_select_entry* at, cons
                           .transform = at->transform};
     bool flat = range.far < range.near * ONE_DEPTH;
     bool by_depth = use->per_depth > 0.0 && s->quality->policy == STP_POLICY_INSERTION;
-    bool thin = by_depth && !use->limited && range.far > range.near * THIN_FROM &&
-                item.prefix >= THINNED_LEAST;
     double extra = at->extra || use->extra ? (double)item.prefix : 0.0;
-    if (by_depth && !flat && (thin || use->extra || range.far > at->ceiling)) {
-        if (thin) { // splats are as large as the coverage wanted at their own depth
-            item.radius = use->surfels->candidate_radius;
-            item.pixel_radius = (float)(0.5 * sight->splat_size);
-        }
+    if (by_depth && !flat && (use->extra || range.far > at->ceiling)) {
         extra = 0.0;
-        stp_result result = add_runs(s, at, use, range, thin, &item, &extra);
+        stp_result result = add_runs(s, at, use, range, &item, &extra);
         if (result != STP_OK) {
             return result;
-        }
-        if (item.run_count == 0) {
-            item.radius = (float)use->radius;
-            item.pixel_radius = 0.0f;
         }
     }
     s->list->extra_splats += (uint64_t)extra;

@@ -9,11 +9,19 @@ static bool is_cloud(const stp_store_node* node, const stp_surfels* surfels)
     return node->triangle_count == 0 && surfels->count >= node->point_count;
 }
 
-static void use_count(stp_set_use* use, uint32_t count)
+// Candidates only sample the surface, so no point of it is farther from a splat than what the prefix covers to and the
+// candidates' radius together. Hardly any is as far: of large splats all of it would only show beyond edges, where nothing is.
+#define ROOMY 2.0 ///< pixels up to which all of the candidates' radius is added
+#define CLOSE 4.0 ///< and from which on half of it is
+
+/// The prefix, and how large its disks are where splats of so many pixels are wanted.
+static void use_count(stp_set_use* use, uint32_t count, double splat_size)
 {
+    double roomy = (CLOSE - splat_size) / (CLOSE - ROOMY);
+    double share = 0.5 + 0.5 * (roomy > 0.0 ? fmin(roomy, 1.0) : 0.0);
     use->count = count;
     use->radius = (double)stp_prefix_table_radius(&use->surfels->table, count) +
-                  (double)use->surfels->candidate_radius;
+                  share * (double)use->surfels->candidate_radius;
 }
 
 /// p(r) = p_m (r_m / r)^2, Brandt 4.1.
@@ -49,10 +57,12 @@ static double move_out(double lacks, stp_depth_range range)
 
 /// By insertion radius: as many as cover at the nearest depth, or all where they do not; opened where a radius below `reach` is
 /// wanted.
-static void use_by_insertion(stp_set_use* use, const stp_selection* s, stp_depth_range range,
+static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp_sight* sight,
                              double reach, bool cloud)
 {
     const stp_surfels* surfels = use->surfels;
+    stp_depth_range range = sight->range;
+    double size = cloud ? 0.0 : sight->splat_size; // few surfels of a cloud suffice nowhere near
     double suffices_from = reach / use->per_depth;
     uint32_t count = stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near));
     bool suffices = cloud || range.near >= suffices_from;
@@ -60,14 +70,14 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s, stp_depth
         return;
     }
     if (suffices) {
-        use_count(use, count);
+        use_count(use, count, size);
         use->switch_depth = cloud || s->quality->policy == STP_POLICY_SWITCH ? 0.0 : suffices_from;
         return;
     }
     use->switch_depth = suffices_from * move_out(suffices_from / range.near, range);
     use->extra = true;
     if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
-        use_count(use, count);
+        use_count(use, count, size);
     }
 }
 
@@ -93,7 +103,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
         // what moves has a set of its own: together they are as many as was asked for
         uint64_t left = wanted > made ? wanted - made : 0;
         if (left > 0) {
-            use_count(&use, left < surfels->count ? (uint32_t)left : surfels->count);
+            use_count(&use, left < surfels->count ? (uint32_t)left : surfels->count, 0.0);
             use.switch_depth = 0.0;
         }
         return use;
@@ -106,7 +116,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
     }
     if (!(per_depth > 0.0) || !isfinite(per_depth)) {
         if (cloud) {
-            use_count(&use, surfels->count);
+            use_count(&use, surfels->count, 0.0);
             use.switch_depth = 0.0;
         }
         return use;
@@ -115,7 +125,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
         use_estimate(&use, per_depth * sight->range.near, cloud);
     } else {
         use.per_depth = per_depth;
-        use_by_insertion(&use, s, sight->range, reach_of(s, at->node), cloud);
+        use_by_insertion(&use, s, sight, reach_of(s, at->node), cloud);
     }
     return use;
 }

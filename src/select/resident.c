@@ -181,14 +181,12 @@ static void limit(stp_set_use* use, uint32_t here)
     if (use->count > here || use->count == 0) {
         use->count = here;
         use->radius = radius_of(use->surfels, here) + (double)use->surfels->candidate_radius;
-        use->limited = true;
     }
 }
 
 static void close_node(stp_set_use* use)
 {
     use->switch_depth = 0.0;
-    use->limited = use->limited || use->extra; // it does not suffice where it is nearest
     use->extra = false;
 }
 

@@ -89,7 +89,6 @@ typedef struct stp_set_use {
     double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
     double switch_depth; ///< 0: nothing below is drawn; infinite: all of it
     bool extra;          ///< switching would not draw them
-    bool limited;        ///< to what is resident: splats are larger than wanted
 } stp_set_use;
 
 /// @return whether any eye may see some of the box

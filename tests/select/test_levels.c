@@ -122,7 +122,8 @@ static double radius_drawn(const fixture* f, uint32_t set, double depth)
     return (double)item->radius + (double)item->pixel_radius * depth / f->scale;
 }
 
-// Whether a set covers to the radius wanted at a depth, with splats large enough.
+// Whether a set covers to the radius wanted at a depth, with splats large enough: up to two pixels candidates are covered
+// with all that they stand for, from four pixels on with half of it.
 static bool is_complete(const fixture* f, uint32_t set, double depth)
 {
     const stp_surfels* surfels = stp_store_describe_surfels(f->store, set);
@@ -133,9 +134,10 @@ static bool is_complete(const fixture* f, uint32_t set, double depth)
     }
     double covers = (double)stp_prefix_table_radius(&surfels->table, prefix);
     double wanted = 0.5 * f->size * depth / f->scale;
+    double share = 0.5 + 0.5 * fmin(fmax((4.0 - f->size) / 2.0, 0.0), 1.0);
     return covers <= wanted * (1.0 + 1e-4) &&
            radius_drawn(f, set, depth) >=
-               (covers + (double)surfels->candidate_radius) * (1.0 - 1e-5);
+               (covers + share * (double)surfels->candidate_radius) * (1.0 - 1e-5);
 }
 
 static bool mesh_is_complete(const fixture* f, double depth)

@@ -25,7 +25,7 @@ layout(location = 0) uniform uint level;
 
 struct set_use {
     uint count;
-    double radius, per_depth, switch_depth;
+    double radius, switch_depth;
     bool extra;
 };
 
@@ -58,38 +58,39 @@ double move_out(double lacks, box_sight sight)
     return cubed * (1.0lf + along * (cubed * lacks - 1.0lf));
 }
 
-void use_count(uint set, uint count, inout set_use use)
+void use_count(uint set, uint count, double size, inout set_use use)
 {
     use.count = count;
-    use.radius = double(prefix_radius(set, count)) + double(sets[set].candidate_radius);
+    double share = 0.5lf + 0.5lf * clamp_unit((4.0lf - size) / 2.0lf);
+    use.radius = double(prefix_radius(set, count)) + share * double(sets[set].candidate_radius);
 }
 
 // stp_select_use_set
 set_use use_set(uint set, double reach, bool cloud, double scale, box_sight sight)
 {
-    set_use use = set_use(0u, 0.0lf, 0.0lf, SELECT_INFINITE, false);
+    set_use use = set_use(0u, 0.0lf, SELECT_INFINITE, false);
     double per_depth = 0.5lf * view.splat_size / view.frame.scale / scale;
     if (sets[set].count == 0u || (sight.is_inside && !cloud)) {
         return use;
     }
-    use.per_depth = per_depth;
     double from = reach / per_depth;
     uint count = prefix_count(set, float(per_depth * sight.near));
+    double size = cloud ? 0.0lf : view.splat_size;
     if (cloud || sight.near >= from) {
-        use_count(set, count, use);
+        use_count(set, count, size, use);
         use.switch_depth = cloud ? 0.0lf : from;
         return use;
     }
     use.switch_depth = from * move_out(from / sight.near, sight);
     use.extra = true;
     if (sight.far * SHRINK > use.switch_depth) {
-        use_count(set, count, use);
+        use_count(set, count, size, use);
     }
     return use;
 }
 
 // The depths between which splats from `index` on are drawn.
-dvec2 depths_of(uint set, const set_use use, double ceiling, bool thin, uint index)
+dvec2 depths_of(const set_use use, double ceiling, uint index)
 {
     dvec2 range = dvec2(0.0lf, SELECT_INFINITE);
     double along = double(index) / double(use.count);
@@ -100,16 +101,13 @@ dvec2 depths_of(uint set, const set_use use, double ceiling, bool thin, uint ind
     if (ceiling < SELECT_INFINITE) {
         range.y = ceiling * (GROW - along * (GROW - 1.0lf));
     }
-    if (thin && index > 0u) {
-        range.y = min(range.y, double(prefix_radius(set, index)) / use.per_depth);
-    }
     return range;
 }
 
 // The same of what is seen: 0 and infinite where none of it lies beyond.
-dvec2 drawn_depths(uint set, const set_use use, double ceiling, bool thin, box_sight sight, uint index)
+dvec2 drawn_depths(const set_use use, double ceiling, box_sight sight, uint index)
 {
-    dvec2 range = depths_of(set, use, ceiling, thin, index);
+    dvec2 range = depths_of(use, ceiling, index);
     range.x = range.x <= sight.near ? 0.0lf : range.x;
     range.y = range.y >= sight.far ? SELECT_INFINITE : range.y;
     return range;
@@ -141,10 +139,10 @@ void command_splats(uint item, uint count)
 }
 
 // Leaves out runs from the first on that is drawn nowhere. @return whether there is one
-bool cut_prefix(uint set, const set_use use, double ceiling, bool thin, box_sight sight, inout uint prefix)
+bool cut_prefix(const set_use use, double ceiling, box_sight sight, inout uint prefix)
 {
     for (uint begin = run_end(0u, prefix); begin < prefix; begin = run_end(begin, prefix)) {
-        dvec2 range = depths_of(set, use, ceiling, thin, begin);
+        dvec2 range = depths_of(use, ceiling, begin);
         if (range.y < max(range.x, sight.near)) {
             prefix = begin;
             return true;
@@ -154,12 +152,12 @@ bool cut_prefix(uint set, const set_use use, double ceiling, bool thin, box_sigh
 }
 
 // As many runs as differ; what is drawn wherever it is seen is one before them.
-void add_runs(uint set, const set_use use, double ceiling, bool thin, box_sight sight, uint number, inout select_item item)
+void add_runs(const set_use use, double ceiling, box_sight sight, uint number, inout select_item item)
 {
-    bool is_cut = cut_prefix(set, use, ceiling, thin, sight, item.prefix);
+    bool is_cut = cut_prefix(use, ceiling, sight, item.prefix);
     uint whole = 0u; // splats before are drawn wherever they are seen
     while (whole < item.prefix) {
-        dvec2 range = drawn_depths(set, use, ceiling, thin, sight, whole);
+        dvec2 range = drawn_depths(use, ceiling, sight, whole);
         if (range.x > 0.0lf || range.y < SELECT_INFINITE) {
             break;
         }
@@ -181,7 +179,7 @@ void add_runs(uint set, const set_use use, double ceiling, bool thin, box_sight 
     }
     for (uint begin = whole; begin < item.prefix;) {
         uint end = run_end(begin, item.prefix);
-        dvec2 range = drawn_depths(set, use, ceiling, thin, sight, begin);
+        dvec2 range = drawn_depths(use, ceiling, sight, begin);
         float farthest = range.y < 3.4e38lf ? float(range.y * (1.0lf + 1e-6lf)) : uintBitsToFloat(0x7F800000u);
         runs[at++] = select_run(end, float(range.x * (1.0lf - 1e-6lf)), farthest, number);
         command_splats(number, end - begin);
@@ -213,13 +211,8 @@ void add_set(uint set, const select_entry at, const set_use use, box_sight sight
         return;
     }
     bool flat_set = sight.far < sight.near * 1.02lf;
-    bool thin = sight.far > sight.near * 1.2lf && item.prefix >= 2048u;
-    if (!flat_set && (thin || use.extra || sight.far > at.ceiling)) {
-        add_runs(set, use, at.ceiling, thin, sight, number, item);
-        if (thin && item.run_count > 0u) {
-            item.radius = sets[set].candidate_radius;
-            item.pixel_radius = float(0.5lf * view.splat_size);
-        }
+    if (!flat_set && (use.extra || sight.far > at.ceiling)) {
+        add_runs(use, at.ceiling, sight, number, item);
     }
     if (item.run_count == 0u) {
         command_splats(number, item.prefix);
