@@ -62,7 +62,7 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp
 {
     const stp_surfels* surfels = use->surfels;
     stp_depth_range range = sight->range;
-    double size = cloud ? 0.0 : sight->splat_size; // few surfels of a cloud suffice nowhere near
+    double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn however near, with gaps
     double suffices_from = reach / use->per_depth;
     uint32_t count = stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near));
     bool suffices = cloud || range.near >= suffices_from;

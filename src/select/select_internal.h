@@ -6,9 +6,9 @@
 #include "select/select.h"
 
 /// Times the depth at which a node's surfels just suffice: up to there what is below it grows in.
-#define STP_LEVELS_GROW 1.15
+#define STP_LEVELS_GROW 1.1
 /// What a set may lack of the wanted radius before all of its surfels are gone.
-#define STP_LEVELS_LACK 1.1
+#define STP_LEVELS_LACK 1.07
 #define STP_LEVELS_LACK_TWICE (STP_LEVELS_LACK * STP_LEVELS_LACK)
 /// The same in depths: where they just suffice is moved out by the third power, at least, of what they lack (prefix.c).
 #define STP_LEVELS_SHRINK (STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE)

@@ -19,8 +19,8 @@ layout(std430, binding = BINDING_SELECT_COMMANDS) writeonly buffer Commands { uv
 
 layout(location = 0) uniform uint level;
 
-#define GROW 1.15lf // STP_LEVELS_GROW
-#define LACK 1.1lf
+#define GROW 1.1lf // STP_LEVELS_GROW
+#define LACK 1.07lf
 #define SHRINK (LACK * LACK * LACK * LACK)
 
 struct set_use {
