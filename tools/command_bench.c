@@ -53,7 +53,7 @@ static const option* bench_options_table(void)
          .type = OPTION_NUMBER,
          .argument = "PX",
          .words = "1..64",
-         .help = "frame, positions: size of splats; default 1",
+         .help = "frame, positions, quality: size of splats; default 1",
          .value = &given.splat_size},
         {.name = "first",
          .type = OPTION_COUNT,
