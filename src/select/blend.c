@@ -89,11 +89,6 @@ static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const s
         size = size > RUN_ALIGN ? size : RUN_ALIGN;
         uint32_t end = left - 1 < size ? item->prefix : begin + size;
         stp_depth_range range = depths_of(use, at->ceiling, begin);
-        if (begin > 0 && range.far < fmax(range.near, seen.near)) {
-            item->prefix = begin; // neither this run nor any after it is drawn anywhere
-            needed = true;
-            break;
-        }
         *extra += count_extra(at, use, seen, range, end - begin);
         range.near = range.near <= seen.near ? 0.0 : range.near;
         range.far = range.far >= seen.far ? HUGE_VAL : range.far;

@@ -227,29 +227,6 @@ void test_levels_leave_no_depth_without_a_complete_one(test_state* test)
     tear_down(&f);
 }
 
-// Splats that are drawn at no depth that is seen would still be looked at, one by one.
-void test_levels_list_no_run_that_is_drawn_nowhere(test_state* test)
-{
-    fixture f;
-    CHECK(set_up(&f, false));
-    int runs = 0;
-    for (uint64_t round = 0; round < 1200; ++round) {
-        stp_view view = random_view(round);
-        float size = (float)uniform(round, 6, 1.0, 6.0);
-        CHECK_EQUAL(STP_OK, look(&f, &view, size, STP_POLICY_INSERTION));
-        for (size_t i = 0; i < f.list.count; ++i) {
-            const stp_draw_item* item = &f.list.items[i];
-            for (uint32_t k = 1; k < item->run_count; ++k) {
-                stp_draw_run run = f.list.runs[item->first_run + k];
-                CHECK(run.nearest <= run.farthest);
-                runs += 1;
-            }
-        }
-    }
-    CHECK(runs > 1000);
-    tear_down(&f);
-}
-
 // What each of two eyes gets of the list for both is at least as fine as what it would get alone.
 void test_levels_of_two_eyes_are_those_of_the_nearer(test_state* test)
 {

@@ -89,8 +89,8 @@ set_use use_set(uint set, double reach, bool cloud, double scale, box_sight sigh
     return use;
 }
 
-// The depths between which splats from `index` on are drawn.
-dvec2 depths_of(const set_use use, double ceiling, uint index)
+// The depths between which splats from `index` on are drawn; 0 and infinite where none of what is seen lies beyond.
+dvec2 depths_of(const set_use use, double ceiling, box_sight sight, uint index)
 {
     dvec2 range = dvec2(0.0lf, SELECT_INFINITE);
     double along = double(index) / double(use.count);
@@ -101,13 +101,6 @@ dvec2 depths_of(const set_use use, double ceiling, uint index)
     if (ceiling < SELECT_INFINITE) {
         range.y = ceiling * (GROW - along * (GROW - 1.0lf));
     }
-    return range;
-}
-
-// The same of what is seen: 0 and infinite where none of it lies beyond.
-dvec2 drawn_depths(const set_use use, double ceiling, box_sight sight, uint index)
-{
-    dvec2 range = depths_of(use, ceiling, index);
     range.x = range.x <= sight.near ? 0.0lf : range.x;
     range.y = range.y >= sight.far ? SELECT_INFINITE : range.y;
     return range;
@@ -138,32 +131,18 @@ void command_splats(uint item, uint count)
     }
 }
 
-// Leaves out runs from the first on that is drawn nowhere. @return whether there is one
-bool cut_prefix(const set_use use, double ceiling, box_sight sight, inout uint prefix)
-{
-    for (uint begin = run_end(0u, prefix); begin < prefix; begin = run_end(begin, prefix)) {
-        dvec2 range = depths_of(use, ceiling, begin);
-        if (range.y < max(range.x, sight.near)) {
-            prefix = begin;
-            return true;
-        }
-    }
-    return false;
-}
-
 // As many runs as differ; what is drawn wherever it is seen is one before them.
 void add_runs(const set_use use, double ceiling, box_sight sight, uint number, inout select_item item)
 {
-    bool is_cut = cut_prefix(use, ceiling, sight, item.prefix);
     uint whole = 0u; // splats before are drawn wherever they are seen
     while (whole < item.prefix) {
-        dvec2 range = drawn_depths(use, ceiling, sight, whole);
+        dvec2 range = depths_of(use, ceiling, sight, whole);
         if (range.x > 0.0lf || range.y < SELECT_INFINITE) {
             break;
         }
         whole = run_end(whole, item.prefix);
     }
-    if (whole >= item.prefix && !is_cut) {
+    if (whole >= item.prefix) {
         return;
     }
     item.run_count = count_runs(whole, item.prefix) + (whole > 0u ? 1u : 0u);
@@ -179,7 +158,7 @@ void add_runs(const set_use use, double ceiling, box_sight sight, uint number, i
     }
     for (uint begin = whole; begin < item.prefix;) {
         uint end = run_end(begin, item.prefix);
-        dvec2 range = drawn_depths(use, ceiling, sight, begin);
+        dvec2 range = depths_of(use, ceiling, sight, begin);
         float farthest = range.y < 3.4e38lf ? float(range.y * (1.0lf + 1e-6lf)) : uintBitsToFloat(0x7F800000u);
         runs[at++] = select_run(end, float(range.x * (1.0lf - 1e-6lf)), farthest, number);
         command_splats(number, end - begin);
