@@ -31,6 +31,13 @@ enum {
     SCENE_USES = 3,
 };
 
+/// What a scene is wanted for, and by whom.
+typedef struct wish {
+    scene_use use;
+    const scene_watcher* watcher; ///< NULL: nobody looks on
+    char* draft;                  ///< of the watcher
+} wish;
+
 static bool is_stip(const stp_mapped_file* file)
 {
     return file->size >= 4 && memcmp(file->bytes, "\x89STP", 4) == 0;
@@ -190,10 +197,39 @@ static bool decide_surfels(const stp_scene* scene, void* user)
     return d->with_surfels;
 }
 
+static void tell_drafted(void* user)
+{
+    const wish* w = user;
+    w->watcher->grown(w->draft, w->watcher->user);
+}
+
+/// Shows the watcher what there is, or has drafts made for it.
+static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_build_desc* desc)
+{
+    for (int i = (int)w->use + 1; w->watcher != NULL && i < SCENE_USES; ++i) {
+        if (is_cached(cached[i])) { // all of its triangles are there
+            w->watcher->grown(cached[i], w->watcher->user);
+            return;
+        }
+    }
+    if (w->watcher != NULL) {
+        static const char ending[] = "-draft.stip";
+        size_t length = strlen(cached[w->use]) - strlen(".stip");
+        if (length + sizeof(ending) <= PATH_MAX) {
+            memcpy(w->draft, cached[w->use], length);
+            memcpy(w->draft + length, ending, sizeof(ending));
+            desc->draft = w->draft;
+            desc->drafted = tell_drafted;
+            desc->drafted_user = w;
+        }
+    }
+}
+
 /// Builds into the cache. @return its place in `located`
-static stp_result build_cached(stp_context* context, const char* path, scene_use use,
+static stp_result build_cached(stp_context* context, const char* path, wish* w,
                                char cached[SCENE_USES][PATH_MAX], char* located)
 {
+    scene_use use = w->use;
     decision d = {.use = use};
     stp_build_desc desc = {.inputs = &path,
                            .input_count = 1,
@@ -202,6 +238,7 @@ static stp_result build_cached(stp_context* context, const char* path, scene_use
                            .wants_surfels = decide_surfels,
                            .wants_surfels_user = &d,
                            .parameters_json = parameters};
+    prepare_watching(w, cached, &desc);
     stp_build_report report;
     stp_result result = stp_build(context, &desc, &report);
     if (result != STP_OK) {
@@ -213,7 +250,7 @@ static stp_result build_cached(stp_context* context, const char* path, scene_use
     return STP_OK;
 }
 
-stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use, char* located)
+static stp_result locate(stp_context* context, const char* path, wish* w, char* located)
 {
     char cached[SCENE_USES][PATH_MAX];
     bool built = false, known;
@@ -233,14 +270,27 @@ stp_result tool_locate_scene(stp_context* context, const char* path, scene_use u
         snprintf(located, PATH_MAX, "%s", path);
         return built ? STP_OK : STP_ERROR_IO;
     }
-    for (int i = 0; i <= (int)use; ++i) { // what has more serves as well
+    for (int i = 0; i <= (int)w->use; ++i) { // what has more serves as well
         if (is_cached(cached[i])) {
             stp_notice(context, "%s: taken from the cache, %s", path, cached[i]);
             memcpy(located, cached[i], PATH_MAX);
             return STP_OK;
         }
     }
-    return build_cached(context, path, use, cached, located);
+    return build_cached(context, path, w, cached, located);
+}
+
+stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use, char* located)
+{
+    return locate(context, path, &(wish){.use = use}, located);
+}
+
+stp_result tool_locate_watched(stp_context* context, const char* path, const scene_watcher* watcher,
+                               char* located, char* draft)
+{
+    draft[0] = '\0';
+    return locate(context, path,
+                  &(wish){.use = SCENE_FOR_SPLATS, .watcher = watcher, .draft = draft}, located);
 }
 
 stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,

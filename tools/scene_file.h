@@ -30,6 +30,20 @@ STP_MUST_USE stp_result tool_open_scene_for(stp_context* context, const char* pa
 STP_MUST_USE stp_result tool_locate_scene(stp_context* context, const char* path, scene_use use,
                                           char* located);
 
+/// Who looks on while a model is built.
+typedef struct scene_watcher {
+    /// There is a .stip that can be looked at meanwhile: a former build without surfels, or a draft (build/draft.h). The
+    /// same path again: a newer one stands there. On any thread.
+    void (*grown)(const char* path, void* user);
+    void* user;
+} scene_watcher;
+
+/// As tool_locate_scene for SCENE_FOR_SPLATS. `draft` (PATH_MAX bytes) is where drafts are, the caller's to remove; empty
+/// where none were made.
+STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* path,
+                                            const scene_watcher* watcher, char* located,
+                                            char* draft);
+
 /// Imports a model, or makes a named scene (scene:NAME), and finishes it. The caller's (stp_scene_destroy); NULL on
 /// failure, which is logged.
 STP_MUST_USE stp_result tool_import_scene(stp_context* context, const char* path,

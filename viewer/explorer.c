@@ -50,6 +50,7 @@ void explorer_destroy(explorer* e)
         stp_store_close(e->store);
     }
     free(e->rows);
+    free(e->former_rows);
     free(e->found);
     free(e->marks);
     if (e->context != NULL) {
@@ -146,6 +147,55 @@ static void begin_rows(explorer* e)
     }
 }
 
+/// Unfolds what was unfolded before: the same objects are in the same order.
+static void follow_rows(explorer* e)
+{
+    size_t next = 0;
+    for (size_t i = 0; i < e->former_count; ++i) {
+        const explorer_row* former = &e->former_rows[i];
+        size_t row = next;
+        while (row < e->row_count && !explorer_is_same(&e->rows[row].item, &former->item)) {
+            row += 1;
+        }
+        if (row < e->row_count) {
+            if (e->rows[row].open != former->open) {
+                explorer_fold(e, row);
+            }
+            next = row + 1;
+        }
+    }
+}
+
+static void follow(explorer* e)
+{
+    follow_rows(e);
+    for (size_t i = 0; i < e->row_count && e->former_chosen.depth > 0; ++i) {
+        if (explorer_is_same(&e->rows[i].item, &e->former_chosen)) {
+            e->chosen = e->rows[i].item; // its node may be another now
+        }
+    }
+    free(e->former_rows);
+    e->former_rows = NULL;
+    e->former_count = 0;
+}
+
+void explorer_follow(explorer* e, explorer* before)
+{
+    bool waits =
+        !before->ready && before->former_rows != NULL; // it was followed before it was ready
+    e->former_rows = waits ? before->former_rows : before->rows;
+    e->former_count = waits ? before->former_count : before->row_count;
+    e->former_chosen = waits ? before->former_chosen : before->chosen;
+    if (waits) {
+        before->former_rows = NULL;
+        before->former_count = 0;
+    } else {
+        before->rows = NULL;
+        before->row_count = before->row_capacity = 0;
+    }
+    explorer_search(e, before->search.text);
+}
+
 bool explorer_works(const explorer* e)
 {
     return (!e->ready || e->searches) && e->message[0] == 0;
@@ -181,6 +231,7 @@ bool explorer_step(explorer* e)
     if (!e->ready) {
         if (stp_outline_prepare(e->outline, RECORDS_A_STEP, &e->ready) == STP_OK && e->ready) {
             begin_rows(e);
+            follow(e);
         }
         return e->ready;
     }

@@ -57,6 +57,10 @@ typedef struct explorer {
     explorer_mark* marks;
     size_t mark_count, mark_capacity;
     uint64_t marks_version;
+    // of the explorer that this one follows, until its own tree is ready
+    explorer_row* former_rows;
+    size_t former_count;
+    stp_outline_item former_chosen;
 } explorer;
 
 /// @return NULL where the file cannot be opened
@@ -66,6 +70,9 @@ void explorer_destroy(explorer* e);
 bool explorer_step(explorer* e);
 /// Whether there is more to go on with.
 bool explorer_works(const explorer* e);
+
+/// Takes over from an explorer of an earlier draft of the same scene what is unfolded, chosen and looked for. Marks are not.
+void explorer_follow(explorer* e, explorer* before);
 
 void explorer_fold(explorer* e, size_t row); ///< or unfolds
 void explorer_search(explorer* e, const char* text);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "loader.h"
 
-#include "store/store.h"
-
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 struct loader {
     loader_desc desc;
@@ -17,6 +17,7 @@ struct loader {
     uint32_t wanted, begun; ///< numbers of loads
     char path[PATH_MAX];    ///< of the load that is wanted
     loader_news news;
+    char draft[PATH_MAX]; ///< of the last build; the thread's own
 };
 
 static void copy_text(char* out, size_t size, const char* text)
@@ -54,19 +55,6 @@ static void on_log(stp_log_level level, const char* message, void* user)
     }
 }
 
-/// Whether the file at `path` lacks surfels that a build would give it.
-static bool is_coarse(stp_context* context, const char* path)
-{
-    stp_store* store = NULL;
-    if (stp_store_open_with(context, path, &(stp_store_open_desc){.defer_objects = true}, &store) !=
-        STP_OK) {
-        return false;
-    }
-    bool coarse = stp_store_get_directory(store)->surfels_count == 0;
-    stp_store_close(store);
-    return coarse;
-}
-
 static void tell(loader* l, loader_state state, const char* store, bool complete)
 {
     pthread_mutex_lock(&l->mutex);
@@ -82,46 +70,54 @@ static void tell(loader* l, loader_state state, const char* store, bool complete
     l->desc.wake(l->desc.user);
 }
 
+static void on_grown(const char* store, void* user)
+{
+    tell(user, LOADER_REFINING, store, false);
+}
+
+/// The last build's drafts are not looked at any more.
+static void remove_draft(loader* l)
+{
+    if (l->draft[0] != 0) {
+        (void)unlink(l->draft);
+        l->draft[0] = 0;
+    }
+}
+
 static void load(loader* l, const char* path)
 {
     char found[PATH_MAX];
-    uint32_t threads = l->desc.thread_count;
     stp_context* context = NULL;
     stp_context_desc desc = {.log = on_log,
                              .log_user = l,
                              .progress = on_progress,
                              .progress_user = l,
-                             .thread_count = threads,
+                             .thread_count = l->desc.thread_count,
                              .memory_limit_bytes = l->desc.memory_limit};
+    remove_draft(l);
     if (stp_context_create(&context, &desc) != STP_OK) {
         on_log(STP_LOG_ERROR, "there is no memory to load anything", l);
         tell(l, LOADER_FAILED, NULL, false);
         return;
     }
-    threads = stp_context_thread_count(context);
-    stp_result result = tool_locate_scene(context, path, SCENE_FOR_A_PICTURE, found);
-    bool coarse = result == STP_OK && strcmp(found, path) != 0 && is_coarse(context, found);
-    stp_context_destroy(context);
-    if (result != STP_OK || !coarse) {
-        tell(l, result != STP_OK ? LOADER_FAILED : LOADER_DONE, result == STP_OK ? found : NULL,
-             true);
-        return;
-    }
-    tell(l, LOADER_REFINING, found, false);
-    desc.thread_count = threads > 1 ? threads / 2 : 1; // the others draw
-    if (stp_context_create(&context, &desc) != STP_OK) {
-        tell(l, LOADER_DONE, NULL, false);
-        return;
-    }
-    result = tool_locate_scene(context, path, SCENE_FOR_SPLATS, found);
+    scene_watcher watcher = {.grown = on_grown, .user = l};
+    stp_result result = tool_locate_watched(context, path, &watcher, found, l->draft);
     stp_context_destroy(context);
     tell(l, result == STP_OK ? LOADER_DONE : LOADER_FAILED, result == STP_OK ? found : NULL, true);
+}
+
+/// Who builds yields to who draws. On Linux this is of the calling thread alone, and the threads that it starts.
+static void yield_to_drawing(void)
+{
+    enum { LESS = 10 };
+    (void)setpriority(PRIO_PROCESS, 0, LESS);
 }
 
 static void* run(void* user)
 {
     loader* l = user;
     char path[PATH_MAX];
+    yield_to_drawing();
     pthread_mutex_lock(&l->mutex);
     while (!l->quits) {
         if (l->begun == l->wanted) {
@@ -169,6 +165,7 @@ void loader_destroy(loader* l)
     pthread_cond_signal(&l->changed);
     pthread_mutex_unlock(&l->mutex);
     pthread_join(l->thread, NULL);
+    remove_draft(l);
     pthread_mutex_destroy(&l->mutex);
     pthread_cond_destroy(&l->changed);
     free(l);

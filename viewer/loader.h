@@ -2,8 +2,8 @@
 //
 // Finds or builds what a file looks like, on a thread of its own: the viewer never waits.
 //
-// A model is loaded twice: first as its triangles, which is soon, where that is of use; then with splats, while the first is
-// already looked at.
+// A model grows while it is built: drafts of what is there already (build/draft.h) come one after another, each at the same
+// path and with another serial, and the finished scene after them.
 #pragma once
 
 #include "scene_file.h"

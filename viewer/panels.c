@@ -167,6 +167,22 @@ static void show_place(const viewer* v)
     }
 }
 
+/// What the build is at, for people.
+static const char* name_stage(const viewer* v)
+{
+    static const char* const words[][2] = {{"import", "reading"},
+                                           {"partition", "dividing"},
+                                           {"clusters", "triangles"},
+                                           {"surfels", "splats"},
+                                           {"write", "writing"}};
+    for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); ++i) {
+        if (strcmp(v->news.stage, words[i][0]) == 0) {
+            return words[i][1];
+        }
+    }
+    return v->news.stage[0] != 0 ? v->news.stage : "looking at the file";
+}
+
 static void show_status(viewer* v)
 {
     float height = status_height(v);
@@ -177,7 +193,7 @@ static void show_status(viewer* v)
     if (says) {
         gui_text("%s", v->message);
     } else if (v->news.state == LOADER_REFINING) {
-        gui_text("Making splats: %s %.0f %%", v->news.stage,
+        gui_text("Building: %s %.0f %%", name_stage(v),
                  100.0 * (v->news.overall >= 0.0 ? v->news.overall : v->news.fraction));
     } else if (v->picture != NULL && v->scene != NULL) {
         const paint_figures* f = &v->picture->figures;
@@ -240,10 +256,10 @@ static void show_waiting(viewer* v)
         gui_text("Loading %s", file_name(v));
         gui_progress((float)part, text);
         if (v->news.total > 0) {
-            gui_faint("%s: %llu of %llu %s", v->news.stage, (unsigned long long)v->news.done,
+            gui_faint("%s: %llu of %llu %s", name_stage(v), (unsigned long long)v->news.done,
                       (unsigned long long)v->news.total, v->news.unit);
         } else {
-            gui_faint("%s", v->news.stage[0] != 0 ? v->news.stage : "looking at the file");
+            gui_faint("%s", name_stage(v));
         }
     }
     gui_panel_end();

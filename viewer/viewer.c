@@ -84,6 +84,8 @@ static void explore(viewer* v, bool same_file)
     v->marks_version = 0;
     if (v->explorer == NULL) {
         viewer_say(v, true, "%s: the parts cannot be read", v->file);
+    } else if (same_file && before != NULL) {
+        explorer_follow(v->explorer, before);
     }
     if (!same_file) {
         v->has_picked = false;
@@ -247,7 +249,9 @@ static void step(viewer* v)
     step_explorer(v);
     record_step(v);
     shot_step(v);
-    if (v->scene != NULL) {
+    // what is hidden in a scene that grows is not to flash up
+    bool waits = v->carried.count > 0 && v->explorer != NULL && explorer_works(v->explorer);
+    if (v->scene != NULL && !waits) {
         paint_request request = request_make(v);
         v->request = painter_request(v->painter, &request);
     }

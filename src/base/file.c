@@ -282,10 +282,10 @@ static void sync_folder(const stp_file_writer* writer)
     }
 }
 
-stp_result stp_file_writer_commit(stp_file_writer* writer)
+static stp_result commit(stp_file_writer* writer, bool lasts)
 {
     stp_result result = flush(writer);
-    if (result == STP_OK && fsync(writer->descriptor) != 0 && errno != EINVAL) {
+    if (result == STP_OK && lasts && fsync(writer->descriptor) != 0 && errno != EINVAL) {
         result = fail_io(writer, "written");
     }
     if (close(writer->descriptor) != 0 && result == STP_OK) {
@@ -294,13 +294,23 @@ stp_result stp_file_writer_commit(stp_file_writer* writer)
     if (result == STP_OK && rename(writer->temporary, writer->path) != 0) {
         result = fail_io(writer, "renamed to its final name");
     }
-    if (result == STP_OK) {
+    if (result == STP_OK && lasts) {
         sync_folder(writer);
-    } else {
+    } else if (result != STP_OK) {
         (void)unlink(writer->temporary);
     }
     free_writer(writer);
     return result;
+}
+
+stp_result stp_file_writer_commit(stp_file_writer* writer)
+{
+    return commit(writer, true);
+}
+
+stp_result stp_file_writer_commit_passing(stp_file_writer* writer)
+{
+    return commit(writer, false);
 }
 
 void stp_file_writer_abort(stp_file_writer* writer)

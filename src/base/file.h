@@ -42,6 +42,8 @@ STP_MUST_USE stp_result stp_file_writer_patch(stp_file_writer* writer, uint64_t 
 uint64_t stp_file_writer_size(const stp_file_writer* writer);
 /// Syncs, renames to the final name and ends the writer. On failure the temporary file is removed.
 STP_MUST_USE stp_result stp_file_writer_commit(stp_file_writer* writer);
+/// The same without syncing, for what need not outlast a loss of power.
+STP_MUST_USE stp_result stp_file_writer_commit_passing(stp_file_writer* writer);
 /// Removes the temporary file and ends the writer. NULL is allowed.
 void stp_file_writer_abort(stp_file_writer* writer);
 

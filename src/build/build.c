@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "build/census.h"
 #include "build/content.h"
+#include "build/draft.h"
 #include "build/meshes.h"
 #include "build/nodes.h"
 #include "build/plan.h"
@@ -27,6 +28,7 @@ typedef struct build {
     stp_work* work;
     stp_former* former; ///< NULL: none
     stp_spill* spill;
+    stp_build_draft* draft; ///< NULL: none is wanted
     stp_scene* scene;
     stp_shading_set shadings;
     stp_store_census census;
@@ -102,6 +104,9 @@ static stp_result import_inputs(build* b)
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.0);
     result = result != STP_OK ? result : stp_scene_finish(b->scene);
     result = result != STP_OK ? result : stp_build_census(b->scene, &b->census);
+    if (result == STP_OK) {
+        stp_build_draft_sketch(b->draft, b->scene);
+    }
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.5);
     result = result != STP_OK ? result : stp_scene_partition(b->scene, &b->desc->partition);
     stp_trim_heap();
@@ -143,10 +148,9 @@ static uint64_t largest_step(const stp_build_plan* plan)
     return most;
 }
 
-static stp_result make_surfels(build* b)
+static stp_result plan_surfels(build* b)
 {
     const stp_build_desc* desc = b->desc;
-    double start = stp_clock_ms();
     stp_result result = stp_make_shadings(b->scene, &b->shadings);
     if (result != STP_OK) {
         return result;
@@ -159,9 +163,16 @@ static stp_result make_surfels(build* b)
         .from_triangles = desc->from_triangles,
     };
     result = stp_build_plan_make(b->scene, &plan, &b->plan);
-    if (result != STP_OK) {
-        return result;
+    if (result == STP_OK) {
+        stp_build_draft_begin(b->draft, b->scene, &b->plan, &b->shadings, &b->census);
     }
+    return result;
+}
+
+static stp_result make_surfels(build* b)
+{
+    const stp_build_desc* desc = b->desc;
+    double start = stp_clock_ms();
     uint64_t usable = usable_bytes(b), used = stp_context_live_bytes(b->context) + RESERVE_BYTES;
     stp_build_nodes_desc nodes = {
         .plan = &b->plan,
@@ -172,10 +183,11 @@ static stp_result make_surfels(build* b)
         .memory_bytes = usable > used + LEAST_BUDGET ? usable - used : LEAST_BUDGET,
         .work = b->work,
         .former = b->former,
+        .draft = b->draft,
     };
     stp_context_expect_bytes(b->context,
                              stp_context_live_bytes(b->context) + largest_step(&b->plan));
-    result = stp_build_nodes_make(b->scene, &nodes, &b->nodes);
+    stp_result result = stp_build_nodes_make(b->scene, &nodes, &b->nodes);
     stp_context_expect_bytes(b->context, 0);
     stp_work_release_pages(b->work);
     if (result == STP_OK) {
@@ -187,7 +199,7 @@ static stp_result make_surfels(build* b)
 static stp_result code_meshes(build* b)
 {
     double start = stp_clock_ms();
-    stp_result result = stp_build_meshes_make(b->scene, b->work, b->former, &b->meshes);
+    stp_result result = stp_build_meshes_make(b->scene, b->work, b->former, b->draft, &b->meshes);
     stp_work_release_pages(b->work);
     b->report->clusters_s = (stp_clock_ms() - start) * 1e-3;
     b->report->meshes_made = b->meshes.made;
@@ -245,6 +257,7 @@ static void close_build(build* b, bool written)
         stp_work_get_report(b->work, &kept);
         b->report->work_bytes = kept.stored_bytes + kept.found_bytes;
     }
+    stp_build_draft_destroy(b->draft);
     stp_build_content_destroy(&b->content);
     stp_free(b->context, b->surfel_keys);
     stp_build_meshes_destroy(b->context, &b->meshes);
@@ -259,6 +272,21 @@ static void close_build(build* b, bool written)
     stp_free(b->context, b->work_folder);
 }
 
+// Triangles come first where somebody looks on: they are soon there, and all of the scene.
+static stp_result make_parts(build* b)
+{
+    stp_result result = plan_surfels(b);
+    if (b->draft == NULL) {
+        result = result != STP_OK ? result : make_surfels(b);
+        return result != STP_OK ? result : code_meshes(b);
+    }
+    result = result != STP_OK ? result : code_meshes(b);
+    if (result == STP_OK && b->plan.step_count > 0) {
+        stp_build_draft_write(b->draft);
+    }
+    return result != STP_OK ? result : make_surfels(b);
+}
+
 stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build_report* report)
 {
     stp_build_report unwanted;
@@ -268,12 +296,15 @@ stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build
     build b = {.context = context, .desc = desc, .report = report};
     static const stp_stage stages[] = {
         {"import", 5.0}, {"partition", 3.0}, {"surfels", 80.0}, {"clusters", 6.0}, {"write", 6.0}};
-    stp_progress_plan(context, stages, sizeof(stages) / sizeof(stages[0]));
+    static const stp_stage drafted_stages[] = {
+        {"import", 5.0}, {"partition", 3.0}, {"clusters", 6.0}, {"surfels", 80.0}, {"write", 6.0}};
+    stp_progress_plan(context, desc->draft != NULL ? drafted_stages : stages,
+                      sizeof(stages) / sizeof(stages[0]));
+    b.draft = stp_build_draft_create(desc);
     stp_result result = try_output(context, desc->output);
     result = result != STP_OK ? result : open_work(&b);
     result = result != STP_OK ? result : import_inputs(&b);
-    result = result != STP_OK ? result : make_surfels(&b);
-    result = result != STP_OK ? result : code_meshes(&b);
+    result = result != STP_OK ? result : make_parts(&b);
     result = result != STP_OK ? result : write_file(&b);
     close_build(&b, result == STP_OK);
     stp_progress_plan(context, NULL, 0);

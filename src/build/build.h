@@ -29,6 +29,12 @@ typedef struct stp_build_desc {
     uint64_t
         memory_bytes; ///< what the context may use; 0: no limit. The most goes to nodes in the making
     const char* parameters_json; ///< written into the file: what the user asked for
+    /// What is made so far is written there as a scene of its own now and then, to be looked at while the build goes on
+    /// (build/draft.h). A draft is replaced by renaming; the last one is the caller's to remove. NULL: none.
+    const char* draft;
+    bool draft_always; ///< after each mesh and each set, however short the build: for tests
+    void (*drafted)(void* user); ///< after each, on any thread of the build; may be NULL
+    void* drafted_user;
     /// Adds a named scene; NULL: "scene:" inputs are unknown.
     stp_result (*generate)(stp_scene* scene, const char* name, void* user);
     void* generate_user;

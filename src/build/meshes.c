@@ -16,6 +16,7 @@ typedef struct run {
     const stp_scene* scene;
     stp_work* work;
     stp_former* former;
+    stp_build_draft* draft;
     stp_build_meshes* meshes;
     stp_build_origin* origins;    ///< one a mesh
     pthread_mutex_t mutex;        ///< of the result
@@ -131,18 +132,20 @@ static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
         stp_progress_add(r->scene->context, mesh->triangle_count);
         if (result != STP_OK) {
             stp_parallel_stop(r->scene->context);
+        } else {
+            stp_build_draft_add_mesh(r->draft, i, &meshes->coded[i]);
         }
     }
 }
 
 stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work, stp_former* former,
-                                 stp_build_meshes* meshes)
+                                 stp_build_draft* draft, stp_build_meshes* meshes)
 {
     stp_context* context = scene->context;
     *meshes = (stp_build_meshes){0};
     meshes->coded = STP_NEW_ZEROED(context, stp_coded_mesh, scene->mesh_count);
     meshes->keys = STP_NEW_ZEROED(context, stp_hash, scene->mesh_count);
-    run r = {.scene = scene, .work = work, .former = former, .meshes = meshes};
+    run r = {.scene = scene, .work = work, .former = former, .draft = draft, .meshes = meshes};
     r.origins = STP_NEW_ZEROED(context, stp_build_origin, scene->mesh_count);
     if (meshes->coded == NULL || meshes->keys == NULL || r.origins == NULL) {
         stp_free(context, r.origins);

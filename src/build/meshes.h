@@ -2,6 +2,7 @@
 // Codes the meshes of a scene as clusters, each result kept in the work directory.
 #pragma once
 
+#include "build/draft.h"
 #include "build/former.h"
 #include "scene/scene.h"
 
@@ -11,9 +12,10 @@ typedef struct stp_build_meshes {
     uint32_t made, found;  ///< meshes made now; meshes that were there before the build began
 } stp_build_meshes;
 
-/// `former` may be NULL. @return STP_OK, or what the stages return (logged)
+/// `former` and `draft` may be NULL. @return STP_OK, or what the stages return (logged)
 STP_MUST_USE stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work,
-                                              stp_former* former, stp_build_meshes* meshes);
+                                              stp_former* former, stp_build_draft* draft,
+                                              stp_build_meshes* meshes);
 void stp_build_meshes_destroy(stp_context* context, stp_build_meshes* meshes);
 
 /// Which of a mesh's two sets of texture coordinates its material reads (bit 0, bit 1): the others are not

@@ -60,6 +60,9 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     }
     pthread_cond_broadcast(&r->advanced);
     pthread_mutex_unlock(&r->mutex);
+    if (result == STP_OK) {
+        stp_build_draft_add_surfels(r->desc->draft, index, &nodes->sets[index]);
+    }
 }
 
 // What the work directory or the former output has.

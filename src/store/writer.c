@@ -147,7 +147,8 @@ static stp_result write_all(stp_store_writing* w)
     if (result == STP_OK) {
         stp_file_writer* file = w->file;
         w->file = NULL;
-        result = stp_file_writer_commit(file);
+        result = w->content->passing ? stp_file_writer_commit_passing(file)
+                                     : stp_file_writer_commit(file);
     }
     return result;
 }

@@ -25,6 +25,7 @@ struct stp_store_content {
     /// again. NULL: nothing can.
     void (*release_pages)(void* user);
     void* release_user;
+    bool passing; ///< the file need not outlast a loss of power: nothing waits for the disk
 };
 
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_ARGUMENT (content that no reader would

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "build/draft.h"
+
+#include "base/clock.h"
+#include "build/draft_content.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WORTH_TRIANGLES = 100000 }; ///< what has fewer is done within a second
+static const double pause_ms = 1000.0, pause_of_time = 10.0;
+
+struct stp_build_draft {
+    stp_context* context; ///< its own, which is quiet: nobody misses a draft
+    const char* path;
+    void (*drafted)(void* user);
+    void* user;
+    double pause_ms;
+    const stp_scene* scene; ///< NULL: not begun
+    const stp_build_plan* plan;
+    const stp_shading_set* shadings;
+    const stp_store_census* census;
+    pthread_mutex_t mutex;
+    // under the mutex: what there is. Arrays are from malloc, as long as those of scene and plan
+    stp_coded_mesh* coded;
+    stp_surfels* sets; ///< one a step; count 0: not there, or nothing is seen of it
+    uint32_t news;     ///< so many things since the last draft
+    bool writes;       ///< some thread does
+    double due_ms;
+};
+
+// What there was at one time, for a thread that writes.
+typedef struct snapshot {
+    stp_coded_mesh* coded;
+    stp_surfels* sets;
+    uint32_t* set_of_node;
+    uint32_t set_count;
+} snapshot;
+
+stp_build_draft* stp_build_draft_create(const stp_build_desc* desc)
+{
+    if (desc->draft == NULL) {
+        return NULL;
+    }
+    stp_build_draft* d = calloc(1, sizeof(*d));
+    stp_context_desc context = {.thread_count = 1, .memory_limit_bytes = desc->memory_bytes / 8};
+    if (d == NULL || stp_context_create(&d->context, &context) != STP_OK) {
+        free(d);
+        return NULL;
+    }
+    d->path = desc->draft;
+    d->drafted = desc->drafted;
+    d->user = desc->drafted_user;
+    d->pause_ms = desc->draft_always ? 0.0 : pause_ms;
+    d->due_ms = stp_clock_ms() + d->pause_ms;
+    pthread_mutex_init(&d->mutex, NULL);
+    return d;
+}
+
+void stp_build_draft_destroy(stp_build_draft* draft)
+{
+    if (draft != NULL) {
+        free(draft->coded);
+        free(draft->sets);
+        stp_context_destroy(draft->context);
+        pthread_mutex_destroy(&draft->mutex);
+        free(draft);
+    }
+}
+
+static bool is_worth_it(const stp_build_draft* d, const stp_scene* scene)
+{
+    uint64_t amount = 0;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        amount += scene->meshes[i].triangle_count;
+    }
+    for (size_t i = 0; i < scene->point_set_count; ++i) {
+        amount += scene->point_sets[i].point_count;
+    }
+    return amount > WORTH_TRIANGLES || d->pause_ms == 0.0;
+}
+
+// Writes a scene, and tells. A failure is nobody's concern.
+static void write_state(stp_build_draft* d, const stp_draft_state* state)
+{
+    static const char parameters[] = "{\"draft\":true}";
+    stp_build_content content;
+    if (stp_draft_content_create(d->context, state, &content) != STP_OK) {
+        return;
+    }
+    content.content.census = d->census;
+    content.content.passing = true;
+    content.content.directory.build_json = parameters;
+    if (d->shadings != NULL) {
+        content.content.directory.shadings = d->shadings->shadings;
+        content.content.directory.shading_count = d->shadings->count;
+    }
+    stp_result result = stp_store_write(d->context, &content.content, d->path);
+    stp_build_content_destroy(&content);
+    if (result == STP_OK && d->drafted != NULL) {
+        d->drafted(d->user);
+    }
+}
+
+void stp_build_draft_sketch(stp_build_draft* draft, const stp_scene* scene)
+{
+    if (draft != NULL && is_worth_it(draft, scene)) {
+        write_state(draft, &(stp_draft_state){.scene = scene});
+        draft->due_ms = stp_clock_ms() + draft->pause_ms;
+    }
+}
+
+void stp_build_draft_begin(stp_build_draft* draft, const stp_scene* scene,
+                           const stp_build_plan* plan, const stp_shading_set* shadings,
+                           const stp_store_census* census)
+{
+    if (draft == NULL || !is_worth_it(draft, scene)) {
+        return;
+    }
+    draft->coded = calloc(scene->mesh_count + 1, sizeof(*draft->coded));
+    draft->sets = calloc((size_t)plan->step_count + 1, sizeof(*draft->sets));
+    if (draft->coded != NULL && draft->sets != NULL) {
+        draft->scene = scene;
+        draft->plan = plan;
+        draft->shadings = shadings;
+        draft->census = census;
+    }
+}
+
+// With the mutex held. @return false where memory runs out
+static bool take_snapshot(const stp_build_draft* d, snapshot* s)
+{
+    size_t meshes = d->scene->mesh_count, nodes = d->scene->node_count;
+    *s = (snapshot){.coded = malloc((meshes + 1) * sizeof(*s->coded)),
+                    .sets = malloc(((size_t)d->plan->step_count + 1) * sizeof(*s->sets)),
+                    .set_of_node = malloc((nodes + 1) * sizeof(*s->set_of_node))};
+    if (s->coded == NULL || s->sets == NULL || s->set_of_node == NULL) {
+        return false;
+    }
+    memcpy(s->coded, d->coded, meshes * sizeof(*s->coded));
+    for (size_t i = 0; i < nodes; ++i) {
+        s->set_of_node[i] = STP_NONE;
+    }
+    for (uint32_t i = 0; i < d->plan->step_count; ++i) {
+        if (d->sets[i].count > 0) {
+            s->set_of_node[d->plan->steps[i].node] = s->set_count;
+            s->sets[s->set_count++] = d->sets[i];
+        }
+    }
+    return true;
+}
+
+// With the mutex held, which it lets go while it writes.
+static void write_now(stp_build_draft* d)
+{
+    snapshot s;
+    bool taken = take_snapshot(d, &s);
+    d->writes = true;
+    d->news = 0;
+    pthread_mutex_unlock(&d->mutex);
+    double start = stp_clock_ms();
+    if (taken) {
+        write_state(d, &(stp_draft_state){.scene = d->scene,
+                                          .coded = s.coded,
+                                          .sets = s.sets,
+                                          .set_count = s.set_count,
+                                          .set_of_node = s.set_of_node});
+    }
+    free(s.coded);
+    free(s.sets);
+    free(s.set_of_node);
+    double now = stp_clock_ms(), pause = d->pause_ms > 0.0 ? pause_of_time * (now - start) : 0.0;
+    pthread_mutex_lock(&d->mutex);
+    d->due_ms = now + (pause > d->pause_ms ? pause : d->pause_ms);
+    d->writes = false;
+}
+
+// With the mutex held: something came.
+static void advance(stp_build_draft* d)
+{
+    d->news += 1;
+    if (!d->writes && stp_clock_ms() >= d->due_ms) {
+        write_now(d);
+    }
+}
+
+void stp_build_draft_add_mesh(stp_build_draft* draft, size_t mesh, const stp_coded_mesh* coded)
+{
+    if (draft != NULL && draft->scene != NULL) {
+        pthread_mutex_lock(&draft->mutex);
+        draft->coded[mesh] = *coded;
+        advance(draft);
+        pthread_mutex_unlock(&draft->mutex);
+    }
+}
+
+void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const stp_surfels* set)
+{
+    if (draft != NULL && draft->scene != NULL) {
+        pthread_mutex_lock(&draft->mutex);
+        draft->sets[step] = *set;
+        advance(draft);
+        pthread_mutex_unlock(&draft->mutex);
+    }
+}
+
+void stp_build_draft_write(stp_build_draft* draft)
+{
+    if (draft != NULL && draft->scene != NULL) {
+        pthread_mutex_lock(&draft->mutex);
+        if (draft->news > 0) {
+            write_now(draft);
+        }
+        pthread_mutex_unlock(&draft->mutex);
+    }
+}
