@@ -4,10 +4,11 @@
 #include "base/rng.h"
 #include "build/sketch.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 // What a picture of a draft may take: visits to nodes, triangles and points with all instances.
-static const double visits_most = 4e6, triangles_most = 6.4e7, points_most = 1e6,
+static const double visits_most = 4e6, triangles_most = 2.4e7, points_most = 1e6,
                     own_points_most = 1.6e7;
 
 // Of a mesh or point set: what a picture meets of it, outside of what surfels stand for.
@@ -65,21 +66,48 @@ static void count_paths(draft_work* w)
     }
 }
 
-// Meshes whose triangles are not there, or would be too many, get points.
-static void choose_meshes(draft_work* w)
+// A mesh, and what its triangles show.
+typedef struct candidate {
+    double area; ///< of one triangle, about
+    uint32_t mesh;
+} candidate;
+
+static int larger_first(const void* a, const void* b)
 {
-    double left = triangles_most;
-    uint32_t count = 0;
-    for (size_t i = 0; i < w->state->scene->mesh_count; ++i) {
-        exposure* x = &w->meshes[i];
-        double triangles = x->uses * (double)w->state->scene->meshes[i].triangle_count;
-        x->as_points = !is_coded(w->state, i) || triangles > left;
-        x->place = STP_NONE;
-        if (!x->as_points) {
-            left -= triangles;
-            x->place = count++;
-        }
+    const candidate *p = a, *q = b;
+    return p->area != q->area ? (p->area > q->area ? -1 : 1) : (p->mesh < q->mesh ? -1 : 1);
+}
+
+// Meshes whose triangles are not there, or would be too many, get points: large triangles come first.
+// @return false where memory runs out
+static bool choose_meshes(draft_work* w)
+{
+    const stp_scene* scene = w->state->scene;
+    size_t count = scene->mesh_count;
+    candidate* order = STP_NEW_ARRAY(w->context, candidate, count + 1);
+    if (order == NULL) {
+        return false;
     }
+    for (size_t i = 0; i < count; ++i) {
+        const stp_mesh* mesh = &scene->meshes[i];
+        double triangles = (double)mesh->triangle_count * (w->meshes[i].uses + 1e-9);
+        order[i] = (candidate){w->meshes[i].weight * mesh->area / triangles, (uint32_t)i};
+    }
+    qsort(order, count, sizeof(*order), larger_first);
+    double left = triangles_most;
+    for (size_t i = 0; i < count; ++i) {
+        uint32_t mesh = order[i].mesh;
+        exposure* x = &w->meshes[mesh];
+        double triangles = x->uses * (double)scene->meshes[mesh].triangle_count;
+        x->as_points = !is_coded(w->state, mesh) || triangles > left;
+        left -= x->as_points ? 0.0 : triangles;
+    }
+    stp_free(w->context, order);
+    uint32_t place = 0;
+    for (size_t i = 0; i < count; ++i) {
+        w->meshes[i].place = w->meshes[i].as_points ? STP_NONE : place++;
+    }
+    return true;
 }
 
 // As many points as its share of all area says; where that is less than one, one or none, by chance.
@@ -256,7 +284,9 @@ static stp_result make(draft_work* w, stp_build_content* content)
     if (!(w->visits <= visits_most)) {
         return STP_ERROR_LIMIT;
     }
-    choose_meshes(w);
+    if (!choose_meshes(w)) {
+        return stp_fail_memory(w->context);
+    }
     stp_result result =
         stp_build_content_create(&w->seen, s->sets, s->set_count, s->set_of_node, content);
     if (result == STP_OK) {

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+// What is to be seen of a scene while it is built.
+#include "tests.h"
+
+#include "build/build.h"
+#include "draw/draw.h"
+#include "measure/image_compare.h"
+#include "present/camera.h"
+#include "scenes/scenes.h"
+#include "store/store.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { DRAFTS = 64, WIDTH = 128, HEIGHT = 96, PIXELS = WIDTH * HEIGHT };
+
+// A draft as somebody who looks on finds it.
+typedef struct seen_draft {
+    bool whole; ///< it can be opened, checked and drawn
+    uint32_t meshes, point_sets, sets, objects;
+    uint64_t triangles, points;
+    char first_name[64]; ///< of the objects
+    uint8_t pixels[4 * PIXELS];
+} seen_draft;
+
+typedef struct onlooker {
+    const char* path;
+    seen_draft* drafts; ///< DRAFTS of them
+    uint32_t count;
+    bool only_counts; ///< pictures take long
+} onlooker;
+
+static bool draw(stp_context* context, stp_store* store, uint8_t* pixels)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    stp_view view = {.width = WIDTH, .height = HEIGHT, .fov_degrees = 40};
+    stp_renderer* renderer = NULL;
+    stp_draw_list list = {0};
+    stp_draw_stats stats;
+    stp_draw_style style = {.headlight = true, .supersample = 2};
+    stp_quality quality = {.splat_size = 1.0f};
+    stp_image image = {.width = WIDTH, .height = HEIGHT, .pixels = pixels};
+    bool drawn = stp_camera_frame("iso", &d->nodes[d->root].bounds, &view) &&
+                 stp_draw_cpu_create(context, store, &renderer) == STP_OK &&
+                 stp_renderer_draw_selected(renderer, &view, &quality, &style, &list, &image,
+                                            &stats) == STP_OK;
+    stp_draw_list_destroy(context, &list);
+    if (renderer != NULL) {
+        stp_renderer_destroy(renderer);
+    }
+    return drawn;
+}
+
+static void look_at(const char* path, bool draws, seen_draft* seen)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_store* store = NULL;
+    if (context != NULL && stp_store_check(context, path, false) == STP_OK &&
+        stp_store_open(context, path, &store) == STP_OK) {
+        const stp_store_directory* d = stp_store_get_directory(store);
+        *seen = (seen_draft){.meshes = d->mesh_count,
+                             .point_sets = d->point_set_count,
+                             .sets = d->surfels_count,
+                             .objects = d->object_count,
+                             .triangles = d->nodes[d->root].triangle_count,
+                             .points = d->nodes[d->root].point_count};
+        snprintf(seen->first_name, sizeof(seen->first_name), "%s",
+                 d->object_count > 0 && d->objects[0].name != NULL ? d->objects[0].name : "");
+        seen->whole = !draws || draw(context, store, seen->pixels);
+        stp_store_close(store);
+    }
+    stp_context_destroy(context);
+}
+
+static void on_draft(void* user)
+{
+    onlooker* o = user;
+    if (o->count < DRAFTS) {
+        look_at(o->path, !o->only_counts, &o->drafts[o->count]);
+    }
+    o->count += 1;
+}
+
+static stp_result build_scene(const char* input, const char* output, onlooker* o)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_build_desc desc = {.inputs = &input,
+                           .input_count = 1,
+                           .output = output,
+                           .generate = scene_make_input,
+                           .threshold = 1,
+                           .blue = {.surfel_count = 500, .capture = {.wanted_candidates = 4000}},
+                           .draft = o != NULL ? o->path : NULL,
+                           .draft_always = true,
+                           .drafted = on_draft,
+                           .drafted_user = o};
+    stp_build_report report;
+    stp_result result = stp_build(context, &desc, &report);
+    stp_context_destroy(context);
+    return result;
+}
+
+// Some bumpy sheets beside each other, an object each.
+static bool write_sheets(const char* path)
+{
+    enum { SHEETS = 6, SIZE = 20, CORNERS = (SIZE + 1) * (SIZE + 1) };
+    FILE* file = fopen(path, "w");
+    for (int s = 0; file != NULL && s < SHEETS; ++s) {
+        fprintf(file, "o sheet%d\n", s);
+        for (int i = 0; i < CORNERS; ++i) {
+            int x = i % (SIZE + 1), z = i / (SIZE + 1);
+            fprintf(file, "v %d %d %d\n", x + 24 * s, (x * 7 + z * (11 + s)) % 5, z);
+        }
+        for (int i = 0; i < SIZE * SIZE; ++i) {
+            int a = s * CORNERS + i / SIZE * (SIZE + 1) + i % SIZE + 1, b = a + 1, c = a + SIZE + 1;
+            fprintf(file, "f %d %d %d\nf %d %d %d\n", a, c, b, b, c, c + 1);
+        }
+    }
+    return file != NULL && fclose(file) == 0;
+}
+
+static bool same_files(const char* a, const char* b)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_mapped_file first, second;
+    bool same = false;
+    if (stp_file_map(context, a, &first) == STP_OK) {
+        if (stp_file_map(context, b, &second) == STP_OK) {
+            same = first.size == second.size && memcmp(first.bytes, second.bytes, first.size) == 0;
+            stp_file_unmap(&second);
+        }
+        stp_file_unmap(&first);
+    }
+    stp_context_destroy(context);
+    return same;
+}
+
+static double distance(const uint8_t* a, const uint8_t* b)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < 4 * (size_t)PIXELS; ++i) {
+        sum += abs((int)a[i] - (int)b[i]);
+    }
+    return sum / (4.0 * PIXELS);
+}
+
+void test_drafts_grow_to_the_finished_scene(test_state* test)
+{
+    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
+    snprintf(output, sizeof(output), "%s/output.stip", folder);
+    snprintf(plain, sizeof(plain), "%s/plain.stip", folder);
+    snprintf(model, sizeof(model), "%s/model.obj", folder);
+    CHECK(write_sheets(model));
+    onlooker o = {.path = draft, .drafts = calloc(DRAFTS + 1, sizeof(*o.drafts))};
+    CHECK(o.drafts != NULL);
+    CHECK_EQUAL(STP_OK, build_scene(model, output, &o));
+    CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
+    CHECK(same_files(output, plain)); // looking on changes nothing
+    seen_draft* last = &o.drafts[DRAFTS];
+    look_at(output, true, last);
+    CHECK(last->whole && last->triangles > 1000);
+    CHECK(o.count > 3);
+    uint32_t known = o.count < DRAFTS ? o.count : DRAFTS;
+    const seen_draft* first = &o.drafts[0];
+    CHECK(first->triangles == 0 && first->points > 1000 && first->points < 2000000);
+    for (uint32_t i = 0; i < known; ++i) {
+        const seen_draft* d = &o.drafts[i];
+        CHECK(d->whole && d->objects == last->objects);
+        CHECK(strcmp(d->first_name, last->first_name) == 0);
+        CHECK(i == 0 || d->triangles >= o.drafts[i - 1].triangles);
+        CHECK(i == 0 || d->sets >= o.drafts[i - 1].sets);
+    }
+    // of what there is at first the scene can be told, and it comes nearer
+    uint8_t* nothing = calloc(4, PIXELS);
+    double empty = distance(nothing, last->pixels), sketch = distance(first->pixels, last->pixels);
+    uint32_t triangles = 0; // the draft that has all of them
+    while (triangles + 1 < known && o.drafts[triangles].triangles < last->triangles) {
+        triangles += 1;
+    }
+    CHECK(sketch < 0.7 * empty);
+    CHECK(o.drafts[triangles].triangles == last->triangles && o.drafts[triangles].points == 0);
+    CHECK(distance(o.drafts[triangles].pixels, last->pixels) < 0.3 * sketch);
+    CHECK(o.drafts[known - 1].sets == last->sets);
+    free(nothing);
+    free(o.drafts);
+    unlink(draft);
+    unlink(output);
+    unlink(plain);
+    unlink(model);
+    CHECK(rmdir(folder) == 0); // nothing else is left
+}
+
+void test_drafts_stay_drawable_however_large_the_scene(test_state* test)
+{
+    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
+    snprintf(output, sizeof(output), "%s/output.stip", folder);
+    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    CHECK(o.drafts != NULL);
+    CHECK_EQUAL(STP_OK, build_scene("scene:spheres", output, &o)); // 1.3 G triangles
+    CHECK(o.count >= 2);
+    for (uint32_t i = 0; i < o.count && i < DRAFTS; ++i) {
+        const seen_draft* d = &o.drafts[i];
+        CHECK(d->whole);
+        CHECK(d->sets > 0 || (d->triangles == 0 && d->points < 4000000));
+    }
+    free(o.drafts);
+    unlink(draft);
+    unlink(output);
+    CHECK(rmdir(folder) == 0);
+}
+
+void test_drafts_that_cannot_be_written_harm_nothing(test_state* test)
+{
+    char folder[] = "/tmp/stp_draft_XXXXXX", output[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(output, sizeof(output), "%s/output.stip", folder);
+    onlooker o = {.path = "/nowhere/there/draft.stip"};
+    CHECK_EQUAL(STP_OK, build_scene("scene:boxes", output, &o));
+    CHECK_EQUAL(0, o.count);
+    unlink(output);
+    CHECK(rmdir(folder) == 0);
+}
