@@ -707,12 +707,13 @@ void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim
     list->AddRect(ImVec2(x0, y0), ImVec2(x1, y1), color_of(rim), 6.0f * ui_scale);
 }
 
-void gui_plate(float x, float y, const char* text, uint32_t color)
+static float show_plate(float x, float y, float share, float widest, const char* text,
+                        uint32_t color)
 {
-    float widest = 300.0f * ui_scale, line = ImGui::GetTextLineHeight();
+    float line = ImGui::GetTextLineHeight();
     ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, widest);
     // further lines go up, away from what the plate is about
-    ImVec2 start = ImVec2(std::floor(x - 0.5f * size.x), std::floor(y + 0.5f * line - size.y));
+    ImVec2 start = ImVec2(std::floor(x - share * size.x), std::floor(y + 0.5f * line - size.y));
     ImVec2 pad = ImVec2(6.0f * ui_scale, 3.0f * ui_scale);
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     list->AddRectFilled(ImVec2(start.x - pad.x, start.y - pad.y),
@@ -720,4 +721,15 @@ void gui_plate(float x, float y, const char* text, uint32_t color)
                         IM_COL32(24, 26, 29, 225), 4.0f * ui_scale);
     list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), start, color_of(color), text, nullptr,
                   widest);
+    return size.y - line;
+}
+
+void gui_plate(float x, float y, const char* text, uint32_t color)
+{
+    show_plate(x, y, 0.5f, 300.0f * ui_scale, text, color);
+}
+
+float gui_plate_at(float x, float y, float room, const char* text, uint32_t color)
+{
+    return show_plate(x, y, 0.0f, room > 1.0f ? room : 1.0f, text, color);
 }

@@ -124,6 +124,8 @@ void gui_disc(float x, float y, float radius, uint32_t fill, uint32_t rim);
 void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim);
 /// Text on a plate, the middle of its last line at a place.
 void gui_plate(float x, float y, const char* text, uint32_t color);
+/// The same from a left edge on, as wide as there is room, its last line at y. @return how high its other lines are
+float gui_plate_at(float x, float y, float room, const char* text, uint32_t color);
 
 #ifdef __cplusplus
 }

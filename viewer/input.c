@@ -275,9 +275,8 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
     case SDLK_ESCAPE:
         if (v->shows_help) {
             v->shows_help = false;
-        } else if (v->message_is_error && v->scene != NULL) {
-            v->message[0] = 0; // it was read
-            v->message_is_error = false;
+        } else if (v->scene != NULL && messages_put_away(v)) {
+            break; // it was read
         } else if (v->measure.on) {
             v->measure.on = false;
         } else if (v->explorer != NULL) {

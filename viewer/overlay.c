@@ -85,5 +85,6 @@ void overlay_show(viewer* v)
     measure_overlay(v, &n);
     views_overlay(v, &n);
     show_pivot(v, &n);
+    messages_overlay(v);
     gui_unclip();
 }

@@ -3,13 +3,10 @@
 #include "gui.h"
 #include "parts.h"
 
-#include "base/clock.h"
-
 #include <stdio.h>
 #include <string.h>
 
 static const float parts_width = 260.0f, page_width = 300.0f; // of scale 1
-static const double message_shown_ms = 8000.0;
 
 typedef struct page_entry {
     viewer_page page;
@@ -188,10 +185,9 @@ static void show_status(viewer* v)
     float height = status_height(v);
     gui_bar_begin("status", 0.0f, (float)v->window.height - height, (float)v->window.width, height,
                   true);
-    bool says = v->message[0] != 0 &&
-                (v->message_is_error || stp_clock_ms() - v->message_ms < message_shown_ms);
-    if (says) {
-        gui_text("%s", v->message);
+    const char* message = messages_newest(v);
+    if (message != NULL) {
+        gui_text("%s", message);
     } else if (v->news.state == LOADER_REFINING) {
         gui_text("Building: %s %.0f %%", name_stage(v),
                  100.0 * (v->news.overall >= 0.0 ? v->news.overall : v->news.fraction));
@@ -236,10 +232,11 @@ static void show_waiting(viewer* v)
     viewer_area a = v->picture_area;
     gui_dialog_begin("waiting", a.x + 0.5f * a.width, a.y + 0.5f * a.height,
                      420.0f * v->window.scale);
-    if (v->message_is_error && v->message[0] != 0) {
+    const char* error = messages_error(v);
+    if (error != NULL) {
         gui_text("%s cannot be shown", file_name(v));
         gui_space();
-        gui_paragraph("%s", v->message);
+        gui_paragraph("%s", error);
         gui_space();
         gui_faint("Drop another file onto the window");
     } else if (v->file[0] == 0) {

@@ -9,6 +9,16 @@ void parts_show(viewer* v, float x, float y, float width, float height);
 /// @return whether the key was one of its commands
 bool parts_take_key(viewer* v, SDL_Keycode key);
 
+// messages.c, beside viewer_say
+void messages_clear(viewer* v);
+/// Puts the newest error away. @return false where there is none
+bool messages_put_away(viewer* v);
+const char* messages_newest(const viewer* v); ///< NULL: it is old, or there is none
+const char* messages_error(const viewer* v);  ///< the newest that was not put away; NULL: none
+/// Why there is nothing in the picture; NULL: there is something.
+const char* messages_why_empty(const viewer* v);
+void messages_overlay(const viewer* v);
+
 // pages.c
 /// "12.3 M": a count for people.
 void page_print_count(char* text, size_t size, uint64_t count);

@@ -69,14 +69,15 @@ static json_t* describe(const viewer* v)
     static const char* const page_names[PAGE_COUNT] = {"none",    "statistics", "quality",
                                                        "section", "measure",    "views"};
     return json_pack(
-        "{s:s, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:s, s:o, s:o, s:o}", "file",
-        v->file, "loading", states[v->news.state], "stores", (json_int_t)v->news.serial, "rests",
-        (int)(viewer_rests(v) && v->dirty <= 0), "complete", (int)v->news.complete, "scene",
-        (json_int_t)(v->scene != NULL ? v->scene->serial : 0), "shows", (json_int_t)v->shows,
-        "page", page_names[v->settings.page], "panels", (int)v->shows_panels, "parts",
-        (int)v->settings.parts, "help", (int)v->shows_help, "backend",
-        v->picture != NULL && v->picture->gl ? "gl" : "cpu", "message", v->message, "camera",
-        describe_camera(v), "picture", describe_picture(v), "tools", describe_tools(v));
+        "{s:s, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:s, s:s, s:o, s:o, s:o}",
+        "file", v->file, "loading", states[v->news.state], "stores", (json_int_t)v->news.serial,
+        "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete", (int)v->news.complete,
+        "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0), "shows",
+        (json_int_t)v->shows, "page", page_names[v->settings.page], "panels", (int)v->shows_panels,
+        "parts", (int)v->settings.parts, "help", (int)v->shows_help, "backend",
+        v->picture != NULL && v->picture->gl ? "gl" : "cpu", "message", v->messages[0].text, "hint",
+        messages_why_empty(v) != NULL ? messages_why_empty(v) : "", "camera", describe_camera(v),
+        "picture", describe_picture(v), "tools", describe_tools(v));
 }
 
 void report_write(viewer* v, bool last)

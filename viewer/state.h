@@ -17,7 +17,15 @@ enum {
     PATH_ROOM = 4096,
     SECTION_PLANES = 8, ///< that can be set beside a box
     MEASURE_POINTS = 64,
+    MESSAGES = 4, ///< that are kept until they were read
 };
+
+/// What was said to the one who looks.
+typedef struct viewer_message {
+    char text[512]; ///< empty: nothing
+    bool is_error;
+    double ms; ///< when it came
+} viewer_message;
 
 /// What a pressed mouse button does.
 typedef enum drag_kind { DRAG_NONE, DRAG_ORBIT, DRAG_PAN, DRAG_LOOK } drag_kind;
@@ -115,14 +123,12 @@ typedef struct viewer {
     bool shows_help, shows_panels;
     float frame_times[FRAME_HISTORY];
     int newest_time;
-    char message[512];
-    bool message_is_error;
-    double message_ms; ///< when it came
-    double report_ms;  ///< when a report was written
-    bool report_rests; ///< what it said
+    viewer_message messages[MESSAGES]; ///< the newest first
+    double report_ms;                  ///< when a report was written
+    bool report_rests;                 ///< what it said
 } viewer;
 
-// viewer.c
+// viewer.c, messages.c
 void viewer_redraw(viewer* v);
 /// From any thread: there is news.
 void viewer_wake(void* viewer);

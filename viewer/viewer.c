@@ -9,7 +9,6 @@
 
 #include "base/clock.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,17 +25,6 @@ void viewer_redraw(viewer* v)
     v->dirty = SETTLING_FRAMES;
 }
 
-void viewer_say(viewer* v, bool is_error, const char* format, ...)
-{
-    va_list list;
-    va_start(list, format);
-    vsnprintf(v->message, sizeof(v->message), format, list);
-    va_end(list);
-    v->message_is_error = is_error;
-    v->message_ms = stp_clock_ms();
-    viewer_redraw(v);
-}
-
 void viewer_wake(void* user)
 {
     viewer* v = user;
@@ -48,7 +36,7 @@ void viewer_open(viewer* v, const char* path)
 {
     snprintf(v->file, sizeof(v->file), "%s", path);
     v->file_number += 1;
-    v->message[0] = 0;
+    messages_clear(v);
     v->record.plays = false;
     views_begin(v);
     loader_start(v->loader, v->file);
@@ -67,7 +55,8 @@ bool viewer_rests(const viewer* v)
                   v->picture->scene == v->scene->serial);
     bool opens = v->news.store[0] != 0 && v->opening != v->news.serial;
     bool adopted = v->opening == 0 || v->news.state == LOADER_FAILED ||
-                   (v->scene != NULL && v->scene->serial == v->opening) || v->message_is_error;
+                   (v->scene != NULL && v->scene->serial == v->opening) ||
+                   messages_error(v) != NULL;
     bool reads = v->explorer != NULL && explorer_works(v->explorer);
     bool moves = v->glide_start >= 0.0 || v->input.flies || v->record.plays;
     return !loads && !opens && shown && adopted && !moves && !reads && v->shot == NULL;
@@ -114,7 +103,7 @@ static void step_explorer(viewer* v)
         }
         viewer_redraw(v);
     }
-    if (e->message[0] != 0 && v->message[0] == 0) {
+    if (e->message[0] != 0 && messages_error(v) == NULL) {
         viewer_say(v, true, "%s", e->message);
     }
 }
