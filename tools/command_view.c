@@ -27,7 +27,7 @@ static const option* options(void)
         {.name = "size",
          .type = OPTION_PIXELS,
          .argument = "WxH",
-         .words = "400..16384",
+         .words = "200..16384",
          .help = "of the window; default 1280x720",
          .value = args.size},
         {.name = "backend",

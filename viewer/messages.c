@@ -97,8 +97,8 @@ const char* messages_why_empty(const viewer* v)
     stp_navigator n;
     const painter_picture* p = v->picture;
     if (p == NULL || v->scene == NULL || p->scene != v->scene->serial || p->number != v->request ||
-        p->figures.covered_pixels > 0 || p->figures.missing > 0 ||
-        stp_boxd_is_empty(v->scene->bounds) || !camera_of_picture(v, &n)) {
+        !p->is_empty || p->figures.missing > 0 || stp_boxd_is_empty(v->scene->bounds) ||
+        !camera_of_picture(v, &n)) {
         return NULL;
     }
     bool hidden = v->explorer != NULL && v->explorer->mark_count > 0;

@@ -208,6 +208,11 @@ static void copy_depth(painter* p, painter_picture* picture)
     } else {
         memset(picture->nearness, 0, count * sizeof(float));
     }
+    size_t pixel = 0;
+    while (pixel < count && !(picture->nearness[pixel] > 0.0f)) {
+        pixel += 1;
+    }
+    picture->is_empty = nearness != NULL && pixel == count;
 }
 
 /// Draws one frame without the mutex, and makes it the one that is ready. The mutex is held before and after.

@@ -52,6 +52,7 @@ typedef struct painter_picture {
     stp_view view;        ///< that it is of
     bool gl;              ///< drawn by OpenGL
     uint32_t texture;     ///< that it is in, instead of the image's pixels; 0: none
+    bool is_empty;        ///< nothing is to be seen in it
     uint32_t scene;       ///< serial
     uint64_t number;      ///< of the request, as painter_request returned it
     uint64_t frame;       ///< pictures of any request so far

@@ -32,7 +32,7 @@ typedef struct shortcut {
 static const shortcut mouse_shortcuts[] = {
     {"Left drag", "turn around the pivot"},
     {"Click", "choose a part, set the pivot"},
-    {"Middle or Shift+left drag", "move sideways"},
+    {"Middle, Shift+left", "move sideways"},
     {"Right drag", "look around"},
     {"Wheel", "zoom to the cursor; in flight: speed"},
 };
@@ -98,6 +98,7 @@ viewer_area panels_layout(const viewer* v)
     float right = has_page(v) ? page_width * v->window.scale : 0.0f;
     right = right < 0.6f * width ? right : 0.6f * width;
     float left = has_parts(v) ? parts_width * v->window.scale : 0.0f;
+    left = left < 0.6f * width ? left : 0.6f * width;
     float inner = height - top - bottom, middle = width - left - right;
     return (viewer_area){left, top, middle > 1.0f ? middle : 1.0f, inner > 1.0f ? inner : 1.0f};
 }
@@ -108,17 +109,26 @@ static const char* file_name(const viewer* v)
     return slash != NULL ? slash + 1 : v->file;
 }
 
-static void show_bar(viewer* v)
+/// All panels in one list, where there is no room for a button each.
+static void show_panel_list(viewer* v)
 {
-    float scale = v->window.scale;
-    gui_bar_begin("bar", 0.0f, 0.0f, (float)v->window.width, bar_height(v), false);
-    gui_text("%s", v->file[0] != 0 ? file_name(v) : "Stipple");
-    float width = gui_text_width("Parts") + 24.0f * scale;
+    const char* words[PAGES + 3] = {"Picture", "Parts"};
+    int chosen = has_parts(v) ? 1 : 0;
     for (int i = 0; i < PAGES; ++i) {
-        width += gui_text_width(pages[i].label) + 24.0f * scale;
+        words[2 + i] = pages[i].label;
+        chosen = v->settings.page == pages[i].page ? 2 + i : chosen;
     }
-    width += gui_text_width("Help") + 16.0f * scale;
-    gui_right_aligned(width);
+    words[2 + PAGES] = "Help";
+    gui_fill_width();
+    if (gui_choice("##panels", &chosen, words, PAGES + 3, "What is shown beside the picture")) {
+        v->shows_help = chosen == 2 + PAGES;
+        v->settings.page = chosen >= 2 && chosen < 2 + PAGES ? pages[chosen - 2].page : PAGE_NONE;
+        v->settings.parts = chosen == 1;
+    }
+}
+
+static void show_panel_buttons(viewer* v)
+{
     if (gui_toggle("Parts", has_parts(v), "The tree of parts (P)")) {
         panels_switch_parts(v);
     }
@@ -131,6 +141,29 @@ static void show_bar(viewer* v)
     }
     if (gui_toggle("Help", v->shows_help, "Keys and mouse (H)")) {
         v->shows_help = !v->shows_help;
+    }
+}
+
+static void show_bar(viewer* v)
+{
+    float scale = v->window.scale, whole = (float)v->window.width;
+    const char* name = v->file[0] != 0 ? file_name(v) : "Stipple";
+    float width = gui_text_width("Parts") + 24.0f * scale;
+    for (int i = 0; i < PAGES; ++i) {
+        width += gui_text_width(pages[i].label) + 24.0f * scale;
+    }
+    width += gui_text_width("Help") + 16.0f * scale;
+    gui_bar_begin("bar", 0.0f, 0.0f, whole, bar_height(v), false);
+    float room = whole - 24.0f * scale;
+    bool named = width + gui_text_width(name) + 16.0f * scale < room;
+    if (named) {
+        gui_text("%s", name);
+        gui_right_aligned(width);
+    }
+    if (width < room) {
+        show_panel_buttons(v);
+    } else {
+        show_panel_list(v);
     }
     gui_panel_end();
 }
@@ -276,7 +309,7 @@ void panels_show(viewer* v)
         }
         if (has_parts(v)) {
             float top = bar_height(v);
-            parts_show(v, 0.0f, top, parts_width * v->window.scale,
+            parts_show(v, 0.0f, top, v->picture_area.x,
                        (float)v->window.height - top - status_height(v));
         }
     }

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH_LEAST = 640, HEIGHT_LEAST = 400 };
+enum { WIDTH_LEAST = 300, HEIGHT_LEAST = 200 };
 
 // What the window itself needs of OpenGL, all of version 1.1.
 struct window_gl {
