@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "gui.h"
 
+extern "C" {
+#include "glyphs.h"
+}
+
 #include <SDL.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <backends/imgui_impl_sdl.h>
@@ -16,7 +20,9 @@ namespace
 
 SDL_Renderer* software; // NULL: OpenGL
 SDL_Texture* font_texture;
-float ui_scale = 1.0f;
+float ui_scale = 1.0f, font_size = 15.0f;
+glyph_set further_glyphs;           // beyond those that are always there
+bool font_is_old;                   // there are more since it was made
 const float tooltip_seconds = 0.5f; // that the mouse rests on something
 
 const ImVec4 accent = {0.30f, 0.62f, 0.82f, 1.0f};
@@ -67,29 +73,56 @@ void set_look(float scale)
     c[ImGuiCol_NavHighlight] = accent;
 }
 
-// A font of the system, with the letters of most European languages; where there is none, ImGui's own.
-void load_font(float size)
+// Adds a font's letters to those of the fonts before. @return false where there is no such font
+bool add_font(const char* file, const uint16_t* ranges, bool merges)
+{
+    FILE* found = std::fopen(file, "rb");
+    if (found == nullptr) {
+        return false;
+    }
+    std::fclose(found);
+    ImFontConfig config;
+    config.MergeMode = merges;
+    return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, font_size, &config, ranges) != nullptr;
+}
+
+// A font of the system with the letters of most European languages, ImGui's own where there is none; and from others what
+// names in other scripts need. What none has is shown as a box.
+void load_fonts()
 {
     static const char* const files[] = {
         "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
         "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
         "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
     };
-    static const ImWchar ranges[] = {0x20,   0x17F,  0x370,  0x3FF,  0x400,  0x52F,  0x2010, 0x2030,
-                                     0x20AC, 0x20AC, 0x2190, 0x21FF, 0x25A0, 0x25FF, 0};
+    static const char* const others[] = {
+        "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+        "/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
+        "/usr/share/fonts/truetype/noto/NotoSansCJK-Regular.ttc",
+        "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
+        "/usr/share/fonts/truetype/droid/DroidSansFallback.ttf",
+        "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",
+        "/usr/share/fonts/opentype/unifont/unifont.otf",
+        "/usr/share/fonts/truetype/unifont/unifont.ttf",
+    };
     ImFontAtlas* atlas = ImGui::GetIO().Fonts;
+    atlas->Clear();
+    bool loaded = false;
     for (const char* file : files) {
-        FILE* found = std::fopen(file, "rb");
-        if (found != nullptr) {
-            std::fclose(found);
-            if (atlas->AddFontFromFileTTF(file, size, nullptr, ranges) != nullptr) {
-                return;
-            }
+        loaded = loaded || add_font(file, glyphs_always, false);
+    }
+    if (!loaded) {
+        ImFontConfig config;
+        config.SizePixels = font_size;
+        atlas->AddFontDefault(&config);
+    }
+    if (further_glyphs.count > 0) {
+        const uint16_t* ranges = glyphs_make_ranges(&further_glyphs);
+        for (const char* file : others) {
+            add_font(file, ranges, true);
         }
     }
-    ImFontConfig config;
-    config.SizePixels = size;
-    atlas->AddFontDefault(&config);
+    atlas->Fonts[0]->FallbackChar = 0x25A1;
 }
 
 bool make_font_texture()
@@ -107,6 +140,20 @@ bool make_font_texture()
     SDL_SetTextureScaleMode(font_texture, SDL_ScaleModeLinear);
     ImGui::GetIO().Fonts->SetTexID(font_texture);
     return true;
+}
+
+// Once texts need more letters.
+void make_fonts_anew()
+{
+    if (software == nullptr) {
+        ImGui_ImplOpenGL3_DestroyFontsTexture();
+        load_fonts();
+        ImGui_ImplOpenGL3_CreateFontsTexture();
+    } else {
+        SDL_DestroyTexture(font_texture);
+        load_fonts();
+        make_font_texture();
+    }
 }
 
 // ImGui's triangles through SDL, for machines without OpenGL.
@@ -134,6 +181,22 @@ void draw_with_sdl(const ImDrawData* data)
     SDL_RenderSetClipRect(software, nullptr);
 }
 
+// Whatever is shown that others wrote goes through one of these.
+void need_letters(const char* text)
+{
+    font_is_old = glyphs_note(&further_glyphs, text) || font_is_old;
+}
+
+void need_letters_of(const char* format, va_list list)
+{
+    char text[2048];
+    va_list copy;
+    va_copy(copy, list);
+    std::vsnprintf(text, sizeof(text), format, copy);
+    va_end(copy);
+    need_letters(text);
+}
+
 ImU32 color_of(uint32_t c)
 {
     return IM_COL32(c >> 24, c >> 16 & 255, c >> 8 & 255, c & 255);
@@ -150,7 +213,8 @@ bool gui_create(SDL_Window* window, void* gl, SDL_Renderer* renderer, float scal
     ui_scale = scale;
     software = gl != nullptr ? nullptr : renderer;
     set_look(scale);
-    load_font(15.0f * scale);
+    font_size = 15.0f * scale;
+    load_fonts();
     if (gl != nullptr) {
         return ImGui_ImplSDL2_InitForOpenGL(window, gl) && ImGui_ImplOpenGL3_Init("#version 330");
     }
@@ -175,6 +239,10 @@ void gui_take_event(const SDL_Event* event)
 
 void gui_begin_frame(int width, int height, float density)
 {
+    if (font_is_old) {
+        font_is_old = false;
+        make_fonts_anew();
+    }
     if (software == nullptr) {
         ImGui_ImplOpenGL3_NewFrame();
     }
@@ -212,7 +280,7 @@ bool gui_wants_keys(void)
 bool gui_waits(void)
 {
     const ImGuiContext& g = *ImGui::GetCurrentContext();
-    return g.HoveredId != 0 && g.HoveredIdTimer < tooltip_seconds + 0.1f;
+    return font_is_old || (g.HoveredId != 0 && g.HoveredIdTimer < tooltip_seconds + 0.1f);
 }
 
 float gui_line_height(void)
@@ -350,6 +418,7 @@ void gui_text(const char* format, ...)
 {
     va_list list;
     va_start(list, format);
+    need_letters_of(format, list);
     ImGui::TextV(format, list);
     va_end(list);
 }
@@ -358,6 +427,7 @@ void gui_faint(const char* format, ...)
 {
     va_list list;
     va_start(list, format);
+    need_letters_of(format, list);
     ImGui::TextDisabledV(format, list);
     va_end(list);
 }
@@ -367,6 +437,7 @@ void gui_faint_paragraph(const char* format, ...)
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
     va_list list;
     va_start(list, format);
+    need_letters_of(format, list);
     ImGui::TextWrappedV(format, list);
     va_end(list);
     ImGui::PopStyleColor();
@@ -376,6 +447,7 @@ void gui_paragraph(const char* format, ...)
 {
     va_list list;
     va_start(list, format);
+    need_letters_of(format, list);
     ImGui::TextWrappedV(format, list);
     va_end(list);
 }
@@ -387,6 +459,7 @@ void gui_value(const char* name, const char* format, ...)
     ImGui::PushTextWrapPos(0.0f);
     va_list list;
     va_start(list, format);
+    need_letters_of(format, list);
     ImGui::TextV(format, list);
     va_end(list);
     ImGui::PopTextWrapPos();
@@ -438,6 +511,7 @@ bool gui_toggle(const char* label, bool on, const char* tooltip)
 
 bool gui_name_toggle(const char* name, bool on, float beside, const char* tooltip)
 {
+    need_letters(name);
     const ImGuiStyle& style = ImGui::GetStyle();
     ImVec2 size = ImGui::CalcTextSize(name);
     float wanted = size.x + 2.0f * style.FramePadding.x;
@@ -523,6 +597,7 @@ bool gui_color(const char* label, float color[3], const char* tooltip)
 
 bool gui_input(const char* label, const char* hint, char* text, size_t size, bool* entered)
 {
+    need_letters(text);
     char* before = static_cast<char*>(ImGui::MemAlloc(size));
     std::memcpy(before, text, size);
     bool done =
@@ -548,6 +623,7 @@ static float row_height()
 int gui_tree_row(const gui_row* row)
 {
     int result = 0;
+    need_letters(row->label);
     float line = ImGui::GetFrameHeight() - 4.0f * ui_scale;
     ImVec2 start = ImGui::GetCursorScreenPos();
     float width = ImGui::GetContentRegionAvail().x;
@@ -710,6 +786,7 @@ void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim
 static float show_plate(float x, float y, float share, float widest, const char* text,
                         uint32_t color)
 {
+    need_letters(text);
     float line = ImGui::GetTextLineHeight();
     ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, widest);
     // further lines go up, away from what the plate is about
