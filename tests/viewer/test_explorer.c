@@ -142,3 +142,40 @@ void test_viewer_explorer_refuses_what_is_no_scene(test_state* test)
 {
     CHECK(explorer_create("/nowhere/there.stip") == NULL);
 }
+
+void test_viewer_explorer_follows_a_scene_that_grows(test_state* test)
+{
+    char path[64];
+    explorer* e = open_boxes(path);
+    CHECK(e != NULL && e->row_count > 3);
+    stp_outline_item chosen = e->rows[2].item;
+    size_t count = e->row_count;
+    explorer_choose(e, &chosen, false);
+    explorer_search(e, "box 1");
+    while (explorer_works(e)) {
+        (void)explorer_step(e);
+    }
+    size_t found = e->found_count;
+    explorer *second = explorer_create(path), *third = explorer_create(path);
+    CHECK(second != NULL && third != NULL && found > 1);
+    explorer_follow(second, e);
+    explorer_destroy(e);
+    explorer_follow(third, second); // before the second is ready
+    explorer_destroy(second);
+    while (explorer_works(third)) {
+        (void)explorer_step(third);
+    }
+    CHECK(third->ready && explorer_is_same(&third->chosen, &chosen));
+    CHECK_EQUAL(count, third->row_count);
+    CHECK_EQUAL(found, third->found_count);
+    explorer_fold(third, 0); // what was folded stays so
+    e = explorer_create(path);
+    CHECK(e != NULL);
+    explorer_follow(e, third);
+    explorer_destroy(third);
+    while (explorer_works(e)) {
+        (void)explorer_step(e);
+    }
+    CHECK(e->row_count == 1 && !e->rows[0].open);
+    close_boxes(e, path);
+}
