@@ -32,7 +32,7 @@ typedef struct shortcut {
 static const shortcut mouse_shortcuts[] = {
     {"Left drag", "turn around the pivot"},
     {"Click", "choose a part, set the pivot"},
-    {"Middle, Shift+left", "move sideways"},
+    {"Middle drag", "move sideways; Shift and left too"},
     {"Right drag", "look around"},
     {"Wheel", "zoom to the cursor; in flight: speed"},
 };
