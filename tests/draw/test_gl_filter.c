@@ -38,7 +38,7 @@ void test_gl_filter_looks_as_the_processors(test_state* test)
         for (int i = 0; i < 2; ++i) {
             m.picture.style.filter = filters[i];
             CHECK_EQUAL(STP_OK, made_gl_draw(&m));
-            CHECK(compare(&m) >= (i == 0 ? 0.999 : 0.97));
+            CHECK(compare(&m) >= (i == 0 ? 0.999 : 0.99));
         }
         m.picture.style.filter = STP_FILTER_NONE;
         CHECK_EQUAL(STP_OK, made_gl_draw(&m));

@@ -13,6 +13,9 @@ flat out vec4 conic2;
 flat out vec4 color;  // linear, and the radius in pixels
 flat out vec4 ray;    // where the gaze meets the screen, 1 / scale, and whether it is a splat of one pixel
 flat out vec2 slope;  // of the item: change of nearness a pixel
+#ifdef LEAVES
+flat out vec2 depths;
+#endif
 flat out uvec3 hashed;
 
 void main()
@@ -27,6 +30,9 @@ void main()
     center = s.center;
     conic = s.conic;
     conic2 = s.conic2;
+#ifdef LEAVES
+    depths = s.depths;
+#endif
     ray = vec4(item.center_x, item.center_y, item.inverse_scale, shape == SHAPE_PIXEL ? 1.0 : 0.0);
     slope = vec2(item.slope_factor, item.slope_constant);
     hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));

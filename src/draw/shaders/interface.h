@@ -188,10 +188,12 @@ struct effect_block {
 };
 
 // A pixel that splats are blended into in one pass.
+#define TOLERANT_TINY 0x7C007C00u  // slopes of a splat of one pixel, which has none: two infinities
+#define TOLERANT_TAKEN 0xFFFFFFFFu // slopes of a pixel that somebody is at
 struct tolerant_pixel {
-    uint lock; // 1: somebody is at it
-    float nearness;
-    uint id, spare;
+    uint slopes;      // of the plane that stands for it, two halves; and its lock
+    float key, plane; // how near it is in front of others; how near its plane is. 0: nothing yet
+    uint id;
     vec4 sum; // weighted colour, weight
 };
 

@@ -19,18 +19,51 @@ flat in vec4 conic2;
 flat in vec4 color;
 flat in vec4 ray;
 flat in vec2 slope;
+flat in vec2 depths;
 flat in uvec3 hashed;
 
-void blend(uint at, float nearness, float fuzzy, vec4 sum)
+struct fragment {
+    float key;    // how near it counts as, when it is asked which is in front
+    float plane;  // how near its plane is
+    float fuzzy;  // how far from it another may be
+    uint slopes;  // of the plane, as pixels hold them
+    vec2 turn;    // the same
+    vec2 direction;
+    vec4 sum;
+};
+
+// The slopes of a pixel's plane, in the word that is its lock too. Splats of one pixel have none.
+uint pack_slopes(bool tiny, vec2 slopes)
 {
-    float before = pixels[at].nearness;
-    if (nearness > before + fuzzy) { // also where there was nothing
-        pixels[at].nearness = nearness;
-        pixels[at].id = hashed.x;
-        pixels[at].sum = sum;
-    } else if (nearness > before - fuzzy) {
-        pixels[at].sum += sum;
+    return tiny ? TOLERANT_TINY : packHalf2x16(clamp(slopes, -60000.0, 60000.0));
+}
+
+bool is_alike(const fragment f, float plane, uint slopes)
+{
+    if (abs(f.plane - plane) > f.fuzzy) {
+        return false;
     }
+    return f.slopes == TOLERANT_TINY || slopes == TOLERANT_TINY ||
+           !is_turned(slope_normal(f.turn, f.direction), slope_normal(unpackHalf2x16(slopes), f.direction));
+}
+
+// What is in front stands for the pixel, and what is about where its plane is, is added. @return slopes of what stands for it
+uint blend(uint at, const fragment f, uint slopes)
+{
+    float before = pixels[at].key;
+    bool front = f.key > before; // also where there was nothing
+    bool alike = before > 0.0 && is_alike(f, pixels[at].plane, slopes);
+    if (front) {
+        pixels[at].key = f.key;
+        pixels[at].plane = f.plane;
+        pixels[at].id = hashed.x;
+    }
+    if (alike) {
+        pixels[at].sum += f.sum;
+    } else if (front) {
+        pixels[at].sum = f.sum;
+    }
+    return front ? f.slopes : slopes;
 }
 
 bool is_in(ivec2 pixel, float value)
@@ -46,26 +79,33 @@ void main()
     vec2 at = vec2(pixel) + 0.5 - center.xy;
     bool tiny = ray.w > 0.5;
     float value = at.x * (conic.x * at.x + conic.y * at.y + conic.w) + at.y * (conic.z * at.y + conic2.x);
-    float nearness = center.z + clamp(dot(conic2.zw, at), -center.w, center.w);
-    float fuzzy = find_side(slope, nearness) * BLEND_AWAY * (tiny ? 0.5 : color.w);
+    fragment f;
+    f.plane = center.z + clamp(dot(conic2.zw, at), -center.w, center.w);
+    f.key = min(max(f.plane - min(value, conic2.y) * depths.x, 1e-30), depths.y);
+    float side = find_side(slope, f.plane);
+    f.fuzzy = side * BLEND_AWAY * (tiny ? 0.5 : color.w);
+    f.turn = conic2.zw / side;
+    f.slopes = pack_slopes(tiny, f.turn);
+    f.direction = (vec2(pixel) - ray.xy) * ray.z;
     float weight = blend_weight(tiny ? BLEND_TINY : 1.0 - max(value, 0.0) / conic2.y);
-    vec4 sum = vec4(weight * color.rgb, weight);
+    f.sum = vec4(weight * color.rgb, weight);
     bool drawn = !gl_HelperInvocation && all(lessThan(pixel, ivec2(view.size.xy))) && is_in(pixel, value) &&
-                 nearness > 0.0 && nearness > texelFetch(triangles, pixel, 0).r;
+                 f.plane + f.fuzzy > texelFetch(triangles, pixel, 0).r; // merging compares keys
     uint place = uint(pixel.y) * uint(view.size.x) + uint(pixel.x);
 #ifdef INTERLOCK
     beginInvocationInterlockARB();
     if (drawn) {
-        blend(place, nearness, fuzzy, sum);
+        pixels[place].slopes = blend(place, f, pixels[place].slopes);
     }
     endInvocationInterlockARB();
 #else
     // each gives way to the one that is at its pixel; a thread that waited for its neighbour in here would wait for ever
     for (uint i = 0u; drawn && i < uint(LOCK_TRIES); ++i) {
-        if (atomicExchange(pixels[place].lock, 1u) == 0u) {
-            blend(place, nearness, fuzzy, sum);
+        uint slopes = atomicExchange(pixels[place].slopes, TOLERANT_TAKEN);
+        if (slopes != TOLERANT_TAKEN) {
+            slopes = blend(place, f, slopes);
             memoryBarrierBuffer();
-            atomicExchange(pixels[place].lock, 0u);
+            atomicExchange(pixels[place].slopes, slopes);
             drawn = false;
         }
     }

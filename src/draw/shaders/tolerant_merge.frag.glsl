@@ -8,7 +8,7 @@ void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     uint at = uint(pixel.y) * uint(view.size.x) + uint(pixel.x);
-    float nearness = pixels[at].nearness;
+    float nearness = pixels[at].key;
     if (!(nearness > 0.0)) {
         discard;
     }
