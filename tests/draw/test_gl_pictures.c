@@ -306,6 +306,21 @@ void test_gl_pictures_have_points(test_state* test)
     made_gl_end(&m);
 }
 
+void test_gl_pictures_have_ghosts_of_points(test_state* test)
+{
+    made_gl m;
+    if (!begin(test, &m, add_points)) {
+        return;
+    }
+    made_picture* p = &m.picture;
+    CHECK_EQUAL(STP_OK, stp_select(p->context, p->store, &p->view, &p->quality, &p->list));
+    for (size_t i = 0; i < p->list.count; ++i) {
+        p->list.items[i].ghost = true;
+    }
+    compare_list(test, &m);
+    made_gl_end(&m);
+}
+
 void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
 {
     made_gl m;

@@ -77,14 +77,14 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
 {
-    stp_raster_splats splats = {.begin = begin, .end = end, .radius = item->radius};
+    stp_raster_splats splats = {
+        .begin = begin, .end = end, .radius = item->radius, .seed = cpu_sample_seed(r, item)};
     if (item->kind == STP_DRAW_SURFELS) {
         splats.positions = item->surfels.positions;
         splats.normals = item->surfels.normals;
         splats.origin = item->surfels.origin;
         splats.step = item->surfels.step;
         splats.coverages = item->coverages;
-        splats.seed = cpu_sample_seed(r, item);
         splats.rim_depth = RIM_DEPTH;
         splats.back_depth = BACK_DEPTH;
         splats.occluder = r->occluding != NULL ? &item->occluder : NULL;
