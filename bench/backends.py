@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""How alike the pictures of the processor and of OpenGL are: all named views of all named scenes, at splat sizes 1, 2 and 4,
+with fovea, section, ghosts, effects, accumulated, for two eyes and with filters, splats as points and by compute shaders
+(stipple bench backends). Of each scene, the least of its views stands in the table.
+
+    bench/backends.py                          all scenes, at the scales that are written here
+    bench/backends.py forest city=0.01         these, at these scales
+"""
+import pathlib
+import sys
+import tempfile
+
+import kit
+
+# Parts of scenes that Mesa's llvmpipe draws within a minute a view.
+SCALES = {"boxes": 1, "spheres": 0.001, "one-mesh": 0.1, "power-plant": 0.1, "twenty-million": 0.01, "forest": 0.05, "city-small": 0.3,
+          "city": 0.02, "terrain": 0.01, "bakery-line": 0.1, "car-factory": 0.05, "paper": 0.01, "paper-huge": 0.0005}
+GOAL = 0.98
+
+
+def measure(scene, scale, given):
+    path = given.scratch / f"{scene}.stip"
+    kit.say(f"{scene} ...")
+    kit.stipple("build", f"scene:{scene},scale={scale}", "-o", path)
+    found = kit.bench("backends", "--model", path, "--size", given.size, *(["--threads", given.threads] if given.threads else []))
+    path.unlink()
+    results = [r for r in found["results"] if r["name"] == "backends"]
+    for r in results:
+        r["params"]["model"] = f"scene:{scene},scale={scale}"
+    return results
+
+
+def column_of(result):
+    p = result["params"]
+    return p["case"] + (f", size {p['splat_size']:g}" if p["case"] in ("ewa", "blend") else "")
+
+
+def rows_of(results):
+    """Of each scene, the least of all views and of both ways; and how much less like the originals OpenGL is at worst."""
+    columns = list(dict.fromkeys(map(column_of, results)))
+    rows = []
+    for model in dict.fromkeys(r["params"]["model"] for r in results):
+        own = [r for r in results if r["params"]["model"] == model]
+        views = len({r["params"]["view"] for r in own})
+        least = [min(r["figures"]["ssim"] for r in own if column_of(r) == c) for c in columns]
+        worse = max(r["figures"]["ssim_reference_cpu"] - r["figures"]["ssim_reference_gl"] for r in own if "ssim_reference_gl" in r["figures"])
+        calls = max(r["figures"]["draw_calls"] for r in own)
+        rows.append([f"`{model[6:]}`", views, *(f"{v:.4f}" for v in least), f"{max(worse, 0):.5f}", calls])
+    return ["scene", "views", *columns, "less like originals by", "draw calls"], rows
+
+
+def main():
+    parser = kit.options(__doc__, size="640x360")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE[=SCALE]")
+    given = parser.parse_args()
+    wanted = {}
+    for text in given.scenes:
+        name, _, scale = text.partition("=")
+        wanted[name] = scale or SCALES.get(name, 1)
+    results = []
+    with tempfile.TemporaryDirectory(prefix="stipple-backends-") as folder:
+        given.scratch = pathlib.Path(folder)
+        for name, scale in (wanted or SCALES).items():
+            results += measure(name, scale, given)
+            kit.keep("backends", results, given.out, silent=True)
+    if not results:
+        sys.exit("nothing was compared: there is no OpenGL 4.5 here")
+    kit.table(*rows_of(results))
+    least = min(r["figures"]["ssim"] for r in results)
+    print(f"\nThe least of {len(results)} pictures is {least:.4f} (goal {GOAL}).")
+    sys.exit(least < GOAL)
+
+
+if __name__ == "__main__":
+    main()
