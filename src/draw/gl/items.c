@@ -113,6 +113,17 @@ static gl_upload bring_octaves(gl_renderer* r, uint32_t set, uint32_t places, ui
     return coloured;
 }
 
+/// The box of an item's splats holds an octave too.
+static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, item_block* item)
+{
+    const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
+    for (int k = 0; k < 3; ++k) {
+        float low = (float)box->low[k], high = (float)box->high[k];
+        item->box_low[k] = octave == 0 ? low : stp_min(item->box_low[k], low);
+        item->box_high[k] = octave == 0 ? high : stp_max(item->box_high[k], high);
+    }
+}
+
 static stp_result make_surfels(gl_renderer* r, uint32_t index)
 {
     gl_placed* placed = &r->frame.placed[index];
@@ -173,6 +184,7 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
                                .end = known->octave_ends[k],
                                .address = gl_address(r, gl_octave_entry(r, draw->index, k, false))};
         begin = chunk->end;
+        hold_octave(r, draw->index, k, item);
         chunk_block copy = *chunk;
         if (!add_splats(r, index, &copy, prefix, 2)) {
             return stp_fail_memory(r->base.context);
@@ -192,6 +204,10 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
     }
     uint32_t wanted = draw->prefix < points.point_count ? draw->prefix : points.point_count;
     item->material = points.material;
+    const float box[2][3] = {{points.bounds.min.x, points.bounds.min.y, points.bounds.min.z},
+                             {points.bounds.max.x, points.bounds.max.y, points.bounds.max.z}};
+    memcpy(item->box_low, box[0], sizeof(box[0]));
+    memcpy(item->box_high, box[1], sizeof(box[1]));
     item->flags |= ITEM_FACING | (points.colors != NULL ? ITEM_HAS_COLORS : 0u) |
                    (points.normals != NULL ? ITEM_HAS_NORMALS : 0u);
     item->first_chunk = (uint32_t)r->frame.chunk_count;

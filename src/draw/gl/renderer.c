@@ -19,6 +19,7 @@ static void destroy_programs(gl_renderer* r)
         gl_splat_pass_destroy(r);
         gl_raster_pass_destroy(r);
         gl_filter_pass_destroy(r);
+        gl_occlusion_pass_destroy(r);
         gl_triangle_pass_destroy(r);
         gl_shade_pass_destroy(r);
     }

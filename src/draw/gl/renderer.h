@@ -3,7 +3,8 @@
 // The OpenGL backend. A frame is:
 //
 //   items     what the list holds is brought to the pool (upload.h), and becomes blocks that shaders read (items.h)
-//   drawn     splats as points, those too large for that as quads, triangles: one command each, into the visibility buffer
+//   drawn     splats as points, those too large for that as quads, triangles: one command each, into the visibility buffer;
+//             splats and triangles twice: first what the picture before does not hide (occlusion_pass.h)
 //   shaded    a compute pass looks up what each pixel's id is, and lights it; effects and averages after it
 //
 // Each pass is a file with create, draw and destroy, and owns its program; programs depend on how many pages the pool has,
@@ -13,6 +14,7 @@
 #include "draw/gl/effect_pass.h"
 #include "draw/gl/filter_pass.h"
 #include "draw/gl/gl.h"
+#include "draw/gl/occlusion_pass.h"
 #include "draw/gl/pool.h"
 #include "draw/gl/program.h"
 #include "draw/gl/raster_pass.h"
@@ -96,12 +98,19 @@ typedef struct gl_frame {
     uint32_t coming;  ///< uploads that were put off to later frames
 } gl_frame;
 
+/// What holds the places of an octave's splats, in numbers of the grid.
+typedef struct gl_octave_box {
+    uint16_t low[3], high[3];
+} gl_octave_box;
+
 /// Where things' entries begin in the pool's table.
 typedef struct gl_things {
     uint32_t* sets;       ///< of each surfel set: two an octave, places and colours
     uint32_t meshes;      ///< one each
     uint32_t textures;    ///< two each: read as colour, and as data
     uint32_t* point_sets; ///< one for each chunk
+    gl_octave_box*
+        boxes; ///< of octaves that were brought: at half the number of their places' entries
     uint32_t count;
 } gl_things;
 
@@ -141,6 +150,8 @@ struct gl_renderer {
     gl_raster_pass raster;
     gl_splat_choice splat_choice;
     gl_filter_pass filter;
+    gl_occlusion_pass occlusion;
+    bool keeps_all; ///< one pass always, for comparison
     gl_triangle_pass triangles;
     gl_shade_pass shade;
     gl_effect_pass effects;

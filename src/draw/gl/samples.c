@@ -101,6 +101,7 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
     set_vec3(view.up, stp_scaled(f->down, -1.0));
     set_eye(p, &view);
     set_cuts(p, &r->view->sections, &view);
+    gl_occlusion_pass_set_view(r, &view);
     for (int k = 0; k < 3; ++k) {
         view.background[k] = stp_srgb8_to_linear(r->style->background_color[k]);
     }
@@ -127,6 +128,36 @@ void gl_set_visible_state(gl_renderer* r)
                  (GLsizei)t->height + 2 * POINT_MARGIN);
 }
 
+/// What commands say, of triangles and splats that are not large.
+static stp_result draw_commands(gl_renderer* r, bool late)
+{
+    gl_triangle_pass_draw(r);
+    return gl_splat_choice_draw(r, late);
+}
+
+/// What the picture before does not hide, and then what of the rest this one does not hide. The first picture is drawn in
+/// one pass: its depths are for those that follow.
+static stp_result draw_passes(gl_renderer* r)
+{
+    gl_occlusion_pass* pass = &r->occlusion;
+    bool serves = gl_occlusion_pass_serves(r);
+    bool known = pass->known && pass->width == r->target.width && pass->height == r->target.height;
+    pass->culls = serves && known;
+    stp_result result = pass->culls ? gl_occlusion_pass_cull(r, false) : STP_OK;
+    result = result == STP_OK ? draw_commands(r, false) : result;
+    if (result == STP_OK && serves) {
+        result = gl_occlusion_pass_fill(r);
+    }
+    if (result == STP_OK && pass->culls) {
+        result = gl_occlusion_pass_cull(r, true);
+        result = result == STP_OK ? draw_commands(r, true) : result;
+    }
+    if (result == STP_OK) {
+        gl_splat_choice_draw_large(r);
+    }
+    return result;
+}
+
 /// Visibility of one sample.
 static stp_result draw_visible(gl_renderer* r)
 {
@@ -138,11 +169,11 @@ static stp_result draw_visible(gl_renderer* r)
     gl_bind_frame(r);
     gl->ClearNamedFramebufferuiv(t->framebuffer, GL_COLOR, 0, nothing);
     gl->ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, &far);
-    gl_triangle_pass_draw(r);
     if (r->style->filter == STP_FILTER_BLEND) {
+        gl_triangle_pass_draw(r);
         return gl_filter_pass_draw_tolerant(r);
     }
-    stp_result result = gl_splat_choice_draw(r);
+    stp_result result = draw_passes(r);
     if (result == STP_OK && r->style->filter == STP_FILTER_EWA) {
         result = gl_filter_pass_blend(r);
     }

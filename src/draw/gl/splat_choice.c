@@ -126,7 +126,6 @@ static void bind_splats(gl_renderer* r, const made_splats* s)
 static stp_result draw_way(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source)
 {
     stp_result result = STP_OK;
-    gl_splat_pass_begin(r);
     if (way == STP_GL_SPLATS_POINTS) {
         gl_splat_pass_points(r, source, r->splats.points);
     } else {
@@ -172,6 +171,7 @@ static stp_result time_way(gl_renderer* r, stp_gl_splats way, const gl_splat_sou
         gl->ClearNamedFramebufferfv(r->target.framebuffer, GL_DEPTH, 0, &far);
         double begin = r->is_software ? read_time(r, 0) : 0.0;
         gl->QueryCounter(queries[0], GL_TIMESTAMP);
+        gl_splat_pass_begin(r);
         result = draw_way(r, way, source);
         gl->QueryCounter(queries[1], GL_TIMESTAMP);
         begin = r->is_software ? begin : read_time(r, queries[0]);
@@ -303,22 +303,35 @@ static stp_result send_groups(gl_renderer* r, gl_splat_source* source)
     return STP_OK;
 }
 
-stp_result gl_splat_choice_draw(gl_renderer* r)
+stp_result gl_splat_choice_draw(gl_renderer* r, bool late)
 {
     gl_splat_choice* c = &r->splat_choice;
-    gl_splat_source source;
-    if (!gl_splat_source_find(r, &source)) {
+    if (!late && !gl_splat_source_find(r, &c->source)) {
+        c->source.count = 0;
+    }
+    if (c->source.count == 0) {
         return STP_OK;
     }
-    float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
-    c->used = gl_splat_choice_find(r, r->list->splat_count, r->list->splat_size * scale);
-    stp_result result = c->used != STP_GL_SPLATS_POINTS ? send_groups(r, &source) : STP_OK;
-    result = result == STP_OK ? draw_way(r, c->used, &source) : result;
-    if (result == STP_OK) {
+    stp_result result = STP_OK;
+    if (!late) {
+        float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
+        c->used = gl_splat_choice_find(r, r->list->splat_count, r->list->splat_size * scale);
+        result = c->used != STP_GL_SPLATS_POINTS ? send_groups(r, &c->source) : STP_OK;
+        gl_splat_pass_begin(r);
+    }
+    // what comes late is little, and a point that is not drawn costs less than a group that draws nothing
+    stp_gl_splats way = late ? STP_GL_SPLATS_POINTS : c->used;
+    result = result == STP_OK ? draw_way(r, way, &c->source) : result;
+    gl_bind_frame(r);
+    return result;
+}
+
+void gl_splat_choice_draw_large(gl_renderer* r)
+{
+    if (r->splat_choice.source.count > 0) {
         gl_splat_pass_large(r);
         gl_bind_frame(r);
     }
-    return result;
 }
 
 stp_result stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats)

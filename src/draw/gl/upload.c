@@ -36,13 +36,15 @@ stp_result gl_things_create(gl_renderer* r)
         return stp_fail(r->base.context, STP_ERROR_LIMIT, "gl: the scene has too many things");
     }
     things->count = (uint32_t)count;
-    return STP_OK;
+    things->boxes = STP_NEW_ARRAY(r->base.context, gl_octave_box, (size_t)things->meshes / 2 + 1);
+    return things->boxes != NULL ? STP_OK : stp_fail_memory(r->base.context);
 }
 
 void gl_things_destroy(gl_renderer* r)
 {
     stp_free(r->base.context, r->things.sets);
     stp_free(r->base.context, r->things.point_sets);
+    stp_free(r->base.context, r->things.boxes);
 }
 
 gl_writer gl_writer_begin(gl_renderer* r, uint32_t entry, uint64_t words)
@@ -100,6 +102,19 @@ gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool 
                               "gl: the graphics context was lost while data was uploaded");
     }
     return GL_UPLOAD_FAILED;
+}
+
+static gl_octave_box bound_places(const stp_surfels* surfels, uint32_t begin, uint32_t end)
+{
+    gl_octave_box box = {.low = {UINT16_MAX, UINT16_MAX, UINT16_MAX}};
+    for (size_t i = begin; i < end; ++i) {
+        const uint16_t* p = surfels->positions + 3 * i;
+        for (int k = 0; k < 3; ++k) {
+            box.low[k] = p[k] < box.low[k] ? p[k] : box.low[k];
+            box.high[k] = p[k] > box.high[k] ? p[k] : box.high[k];
+        }
+    }
+    return box;
 }
 
 static void write_places(const stp_surfels* surfels, uint32_t begin, uint32_t end, gl_writer* w)
@@ -160,6 +175,7 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
         write_colors(&surfels, first, end, &writer);
     } else if (good) {
         write_places(&surfels, begin, end, &writer);
+        r->things.boxes[entry / 2] = bound_places(&surfels, begin, end);
     }
     return gl_upload_end(r, entry, &writer, good);
 }

@@ -17,6 +17,9 @@
 #define BINDING_RASTER_PIXELS 12
 #define BINDING_RASTER_COMMANDS 13
 #define BINDING_RASTER_GROUPS 14
+// Those of occlusion culling.
+#define BINDING_PYRAMID 12
+#define BINDING_OCCLUDED_COMMANDS 13
 // Uniform buffers.
 #define BINDING_VIEW 0
 #define BINDING_EFFECTS 1
@@ -35,8 +38,12 @@
 
 #define GROUP_SIDE 8 // of a compute group over pixels
 #define LOCK_TRIES 65536
-#define RASTER_GROUP 64 // splats of a compute group
-#define RASTER_ALONE 64 // most pixels of a splat's box that one thread looks at
+#define RASTER_GROUP 64  // splats of a compute group
+#define RASTER_ALONE 64  // most pixels of a splat's box that one thread looks at
+#define OCCLUDE_GROUP 64 // commands of a compute group
+#define PYRAMID_BLOCK 8  // pixels a side of a block of level 0; blocks of the next are 2 x 2
+#define PYRAMID_SHIFT 3
+#define PYRAMID_LEVELS 4
 #define ID_TABLE 16384
 #define NO_ID 0xFFFFFFFFu
 #define NO_ADDRESS 0xFFFFFFFFu
@@ -118,6 +125,7 @@ struct item_block {
     uint sections;   // bits of the view's cuts that may go through it
     float cut_slack; // of splats: scene units that rounding may have moved them beyond a cut
     uint item_spare0, item_spare1;
+    vec4 box_low, box_high; // of splats that are drawn, as the rows take them
 };
 
 // One command of a multi-draw, or one part of it: splats, or a cluster.
@@ -173,6 +181,9 @@ struct view_block {
     vec4 screen; // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
     vec4 cuts
         [SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
+    vec4 earlier[4];      // from X, Y, true N, W to those of the picture whose depths are known
+    float corner;         // distance over depth in a corner of the picture
+    float view_spare0, view_spare1, view_spare2;
 };
 
 // What is done after shading (draw/effect_shape.h).
@@ -211,9 +222,9 @@ typedef struct large_block {
     uint32_t vertex_count, instance_count, first, base;
     uint32_t places[LARGE_MOST][2];
 } large_block;
-_Static_assert(sizeof(item_block) == 320, "layout of items");
+_Static_assert(sizeof(item_block) == 352, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
-_Static_assert(sizeof(view_block) == 432, "layout of the view");
+_Static_assert(sizeof(view_block) == 512, "layout of the view");
 #endif

@@ -137,7 +137,7 @@ void main()
     uint local = (group - first_groups[group_command]) * uint(RASTER_GROUP) + gl_LocalInvocationIndex;
     record_block record = records[command.w];
     item_block item = items[record.item];
-    if (local < command.x && draw_alone(command.w, record, item, local)) { // groups beyond the last one draw nothing
+    if (local < command.x && command.y > 0u && draw_alone(command.w, record, item, local)) { // groups beyond the last one draw nothing
         crowd[atomicAdd(crowd_count, 1u)] = local;
     }
     barrier();
