@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // What a ray meets first, exactly and whatever the picture shows it as: original triangles and points, found from the
-// root down through boxes, nearest first.
+// root down through boxes, nearest first. Where the alpha of a cut-out material is below its cutoff, or that of a
+// transparent one is 0, nothing is met.
 #pragma once
 
 #include "select/visibility.h"

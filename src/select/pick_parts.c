@@ -5,7 +5,9 @@
 // that share it, so no ray slips through between them (Woop, Benthin, Wald 2013).
 #include "base/context.h"
 #include "select/pick_internal.h"
+#include "select/pick_mask.h"
 #include "store/clusters.h"
+#include "store/format.h"
 #include "store/residency.h"
 
 /// A corner seen along the ray.
@@ -61,7 +63,8 @@ static corner turn(const ray_map* map, const float* p)
                     m[2][0] * x + m[2][1] * y + m[2][2] * z + m[2][3]};
 }
 
-static bool meets(const corner* a, const corner* b, const corner* c, double* t)
+/// @param share  receives the corners' shares, 1 in all
+static bool meets(const corner* a, const corner* b, const corner* c, double* t, double share[3])
 {
     double u = b->x * c->y - b->y * c->x;
     double v = c->x * a->y - c->y * a->x;
@@ -74,6 +77,9 @@ static bool meets(const corner* a, const corner* b, const corner* c, double* t)
         return false; // seen edge-on
     }
     *t = (u * a->t + v * b->t + w * c->t) / sum;
+    share[0] = u / sum;
+    share[1] = v / sum;
+    share[2] = w / sum;
     return true;
 }
 
@@ -89,34 +95,87 @@ static bool counts(const stp_pick_work* work, double t, stp_vec3d place)
            (work->desc->sections == NULL || !stp_sections_cut(work->desc->sections, place));
 }
 
-static void test_triangle(stp_pick_work* work, const corner* a, const corner* b, const corner* c,
-                          uint32_t index, nearest_element* nearest)
+/// Where corners are read that a mask asks about: of a cluster, or of a mesh's columns.
+typedef struct mask_source {
+    stp_pick_mask mask;
+    const stp_clusters* clusters;
+    const stp_cluster* cluster;
+    const stp_store_mesh* columns;
+} mask_source;
+
+static stp_pick_corner read_corner(const mask_source* source, uint32_t vertex)
 {
-    double t;
+    stp_pick_corner out = {.alpha = 1.0f};
+    uint32_t set = source->mask.material->base_color_texture.texcoord != 0 ? 1 : 0;
+    if (source->columns != NULL) {
+        const stp_store_mesh* mesh = source->columns;
+        if (mesh->texcoords[set] != NULL) {
+            const float* uv = mesh->texcoords[set] + 2 * (size_t)vertex;
+            out.uv = (stp_vec2){uv[0], uv[1]};
+        }
+        if (mesh->colors != NULL) {
+            out.alpha = (float)mesh->colors[4 * (size_t)vertex + 3] / 65535.0f;
+        }
+        return out;
+    }
+    uint32_t present = source->clusters->present;
+    if ((present & (set == 0 ? STP_COLUMN_TEXCOORDS_0 : STP_COLUMN_TEXCOORDS_1)) != 0) {
+        out.uv = stp_cluster_texcoord(source->clusters, source->cluster, set, vertex);
+    }
+    if ((present & STP_COLUMN_COLORS) != 0) {
+        float color[4];
+        stp_cluster_color(source->cluster, vertex, color);
+        out.alpha = color[3];
+    }
+    return out;
+}
+
+static bool is_there(const mask_source* source, const uint32_t vertices[3], const double share[3])
+{
+    if (!source->mask.asks) {
+        return true;
+    }
+    stp_pick_corner corners[3];
+    for (int k = 0; k < 3; ++k) {
+        corners[k] = read_corner(source, vertices[k]);
+    }
+    return stp_pick_mask_has(&source->mask, corners, share);
+}
+
+/// `vertices`: of the cluster or the columns.
+static void test_triangle(stp_pick_work* work, const corner* a, const corner* b, const corner* c,
+                          const mask_source* source, const uint32_t vertices[3], uint32_t index,
+                          nearest_element* nearest)
+{
+    double t, share[3];
     work->pick->tests += 1;
-    if (meets(a, b, c, &t) && counts(work, t, point_at(&work->desc->ray, t))) {
+    if (meets(a, b, c, &t, share) && counts(work, t, point_at(&work->desc->ray, t)) &&
+        is_there(source, vertices, share)) {
         *nearest = (nearest_element){.found = true, .index = index, .t = t};
         work->nearest = t;
     }
 }
 
-static void test_cluster(stp_pick_work* work, const ray_map* map, const stp_clusters* clusters,
+static void test_cluster(stp_pick_work* work, const ray_map* map, mask_source* source,
                          uint32_t index, nearest_element* nearest)
 {
+    const stp_clusters* clusters = source->clusters;
     stp_cluster cluster;
     float positions[3 * STP_CLUSTER_VERTICES];
     corner corners[STP_CLUSTER_VERTICES];
     stp_clusters_get(clusters, index, &cluster);
     stp_cluster_positions(clusters, &cluster, positions);
+    source->cluster = &cluster;
     for (uint32_t i = 0; i < cluster.vertex_count; ++i) {
         corners[i] = turn(map, positions + 3 * (size_t)i);
     }
     for (uint32_t i = 0; i < cluster.triangle_count; ++i) {
         uint32_t c[3];
         stp_cluster_corners(&cluster, i, c);
-        test_triangle(work, &corners[c[0]], &corners[c[1]], &corners[c[2]],
+        test_triangle(work, &corners[c[0]], &corners[c[1]], &corners[c[2]], source, c,
                       cluster.first_triangle + i, nearest);
     }
+    source->cluster = NULL;
 }
 
 /// The corners of a triangle of clusters.
@@ -164,18 +223,28 @@ static stp_boxd widen(stp_box box)
     return (stp_boxd){stp_to_double(box.min), stp_to_double(box.max)};
 }
 
+static const stp_store_material* material_of(const stp_pick_work* work, uint32_t mesh)
+{
+    return &work->directory->materials[stp_store_describe_mesh(work->store, mesh)->material];
+}
+
 /// What of a mesh's clusters is met nearest, and its corners.
 static stp_result meet_clusters(stp_pick_work* work, uint32_t mesh, const stp_affine* transform,
                                 const ray_map* map, nearest_element* nearest, stp_vec3 corners[3])
 {
     stp_clusters clusters;
+    mask_source source = {.clusters = &clusters};
     stp_result result = stp_store_get_clusters(work->store, mesh, &clusters);
+    if (result == STP_OK) {
+        result = stp_pick_mask_make(work->store, material_of(work, mesh),
+                                    (clusters.present & STP_COLUMN_COLORS) != 0, &source.mask);
+    }
     for (uint32_t i = 0; result == STP_OK && i < clusters.cluster_count; ++i) {
         stp_boxd box = widen(stp_clusters_bounds(&clusters, i));
         double near;
         work->pick->tests += 1;
         if (stp_pick_enters(work, transform, &box, 1e-6, false, &near)) {
-            test_cluster(work, map, &clusters, i, nearest);
+            test_cluster(work, map, &source, i, nearest);
         }
     }
     if (nearest->found) {
@@ -189,13 +258,19 @@ static stp_result meet_columns(stp_pick_work* work, uint32_t mesh, const ray_map
                                nearest_element* nearest, stp_vec3 corners[3])
 {
     stp_store_mesh columns;
+    mask_source source = {.columns = &columns};
     stp_result result = stp_store_get_mesh(work->store, mesh, &columns);
+    if (result == STP_OK) {
+        result = stp_pick_mask_make(work->store, material_of(work, mesh), columns.colors != NULL,
+                                    &source.mask);
+    }
     for (uint32_t i = 0; result == STP_OK && i < columns.triangle_count; ++i) {
         corner c[3];
         for (size_t k = 0; k < 3; ++k) {
             c[k] = turn(map, columns.positions + 3 * (size_t)columns.indices[3 * (size_t)i + k]);
         }
-        test_triangle(work, &c[0], &c[1], &c[2], i, nearest);
+        test_triangle(work, &c[0], &c[1], &c[2], &source, columns.indices + 3 * (size_t)i, i,
+                      nearest);
     }
     for (size_t k = 0; k < 3 && nearest->found; ++k) {
         corners[k] =
