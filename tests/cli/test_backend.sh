@@ -55,6 +55,21 @@ import json
 f = json.load(open('fly.json'))
 assert f['backend'] == 'gl' and f['frames'] == 3 and f['draw_calls']['max'] <= 8, f" || fail "fly's figures"
 
+# all that changes pictures, splats as points and by compute shaders
+"$stipple" bench backends --quick --model city-small.stip --json > backends.json 2> err || fail "bench backends: $(cat err)"
+python3 - << 'END' || fail "bench backends' figures"
+import json
+results = json.load(open("backends.json"))["results"]
+pictures = [r for r in results if r["name"] == "backends"]
+assert {r["params"]["way"] for r in pictures} == {"points", "compute"}, pictures
+assert {1, 2, 4} <= {r["params"]["splat_size"] for r in pictures if r["params"]["case"].startswith("size")}
+for r in pictures:
+    f = r["figures"]
+    assert f["ssim"] >= 0.98 and 1 <= f["draw_calls"] <= 8, r
+    assert f.get("ssim_reference_gl", 1) >= f.get("ssim_reference_cpu", 1) - 0.001, r
+assert results[-1]["figures"]["ssim"] == min(r["figures"]["ssim"] for r in pictures)
+END
+
 # automatic: a program that plays graphics processor is none
 "$stipple" render boxes.stip -o a.png --size 8x8 --json > auto.json 2> err || fail "auto: $(cat err)"
 python3 -c "
