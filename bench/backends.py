@@ -42,10 +42,10 @@ def rows_of(results):
     for model in dict.fromkeys(r["params"]["model"] for r in results):
         own = [r for r in results if r["params"]["model"] == model]
         views = len({r["params"]["view"] for r in own})
-        least = [min(r["figures"]["ssim"] for r in own if column_of(r) == c) for c in columns]
+        least = [min((r["figures"]["ssim"] for r in own if column_of(r) == c), default=None) for c in columns]
         worse = max(r["figures"]["ssim_reference_cpu"] - r["figures"]["ssim_reference_gl"] for r in own if "ssim_reference_gl" in r["figures"])
         calls = max(r["figures"]["draw_calls"] for r in own)
-        rows.append([f"`{model[6:]}`", views, *(f"{v:.4f}" for v in least), f"{max(worse, 0):.5f}", calls])
+        rows.append([f"`{model[6:]}`", views, *("no room" if v is None else f"{v:.4f}" for v in least), f"{max(worse, 0):.5f}", calls])
     return ["scene", "views", *columns, "less like originals by", "draw calls"], rows
 
 
