@@ -57,7 +57,7 @@ static void place_occluder(stp_splat_frame* frame)
 
 void stp_splats_ask_frame(stp_splat_frame* frame, const stp_raster_splats* splats)
 {
-    *frame = (stp_splat_frame){.splats = splats, .pixel_radius = splats->pixel_radius};
+    *frame = (stp_splat_frame){.splats = splats};
     place_occluder(frame);
 }
 
@@ -71,7 +71,6 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     bool by_depth = splats->nearest != 0.0f || splats->farthest != 0.0f;
     frame->nearest = by_depth ? splats->nearest : -INFINITY;
     frame->farthest = by_depth ? splats->farthest : INFINITY;
-    frame->pixel_radius = splats->pixel_radius;
     frame->seed = splats->seed;
     frame->rim_depth = splats->rim_depth;
     frame->back_depth = splats->back_depth;
@@ -116,10 +115,9 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     frame->center_y = (float)(dot3(y, vz) / square / factor);
     frame->inverse_scale = (float)(1.0 / s);
     frame->slope_factor = frame->inverse_scale;
-    // closer than so many radii, of which a part grows with depth itself
+    // closer than so many radii
     double radii = 4.0 + 2.0 * (double)(frame->rim_depth + frame->back_depth);
-    double part = (double)splats->pixel_radius / s, most = 1.0 - radii * part;
-    frame->near_w = most > 0.0 ? (float)(radii * radius * factor / most) : INFINITY;
+    frame->near_w = (float)(radii * radius * factor);
     frame->far_w = (float)(-radius * factor);
     measure_sides(frame);
     return true;

@@ -21,8 +21,7 @@ typedef struct stp_raster_splats {
     uint32_t begin, end;       ///< range of splats to draw
     stp_vec3 origin;           ///< position = origin + step * value, in object space
     float step;
-    float radius;       ///< of every disk, object space; 0: the centre's pixel only
-    float pixel_radius; ///< added to it: so many pixels at the disk's depth
+    float radius; ///< of every disk, object space; 0: the centre's pixel only
     /// Where not both 0: only splats whose centre is within these depths (W of the matrix) are drawn.
     float nearest, farthest;
     /// How far the rim of a disk lies behind its plane, in radii (0: not at all; the centre never

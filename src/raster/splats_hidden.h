@@ -32,7 +32,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
                   f->occluder[2][3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse;
-        float radius = f->occluder_radius * inverse + f->pixel_radius;
+        float radius = f->occluder_radius * inverse;
         float ratio = radius * inverse_scale; // radius over depth
         float extent = radius * wider + 0.51f;
         // within a twelfth of its depth, 1 / (1 - ratio) is less than 1 + 1.1 ratio and than 1.1

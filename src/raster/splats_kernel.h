@@ -50,7 +50,6 @@ typedef struct stp_splat_frame {
         slope_constant;          ///< change of nearness a pixel: factor * nearness + constant
     float rim_depth, back_depth; ///< in radii
     float near_w, far_w;         ///< a disk with far_w < W < near_w is close to the eye
-    float pixel_radius;          ///< what radii are larger by, in pixels
     float nearest, farthest;     ///< W of what is drawn
     float nearness_limit;
     float beside[4];       ///< length of a step from a ball's centre to each side, per radius
@@ -166,7 +165,7 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse, nearness = N * inverse;
-        float radius = f->radius_px * inverse + f->pixel_radius;
+        float radius = f->radius_px * inverse;
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
         float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind
@@ -199,7 +198,7 @@ static inline void drop_beside(const stp_splat_frame* restrict f, splat_batch* r
         float X = ((f->x[0] * x + f->x[1] * y) + f->x[2] * z) + f->x[3];
         float Y = ((f->y[0] * x + f->y[1] * y) + f->y[2] * z) + f->y[3];
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
-        float radius = (f->radius_px + f->pixel_radius * (W > 0.0f ? W : 0.0f)) * 1.01f;
+        float radius = f->radius_px * 1.01f;
         int32_t beside = (int32_t)(X < -(radius * f->beside[0])) |
                          (int32_t)(X - width * W > radius * f->beside[1]) |
                          (int32_t)(Y - top * W < -(radius * f->beside[2])) |

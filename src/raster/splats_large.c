@@ -43,9 +43,7 @@ static large_disk make_disk(const stp_splat_frame* frame, uint32_t index)
         vz[k] = (double)camera->view[2][k];
     }
     double square = vz[0] * vz[0] + vz[1] * vz[1] + vz[2] * vz[2];
-    double pixel = (disk.parallel ? 1.0 : fmax(disk.center[2], 0.0)) / disk.scale;
-    disk.radius =
-        (double)frame->splats->radius * sqrt(square) + (double)frame->splats->pixel_radius * pixel;
+    disk.radius = (double)frame->splats->radius * sqrt(square);
     if (frame->splats->normals != NULL) {
         const int8_t* code = frame->splats->normals + 2 * (size_t)index;
         stp_vec3 n = stp_octahedral_decode(code[0], code[1]);

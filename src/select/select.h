@@ -50,7 +50,6 @@ typedef struct stp_draw_item {
     uint32_t first_id;
     uint32_t first_run, run_count; ///< of the list's runs; none: each splat of the prefix is drawn
     float radius;                  ///< of each splat, in the space of the item
-    float pixel_radius;            ///< and so many pixels more; above 0 only where there are runs
     /// Mesh: nearer than fade_begin all triangles are drawn, beyond fade_end none (stp_draw_share). 0, 0: all.
     float fade_begin, fade_end;
     uint32_t sections;    ///< bits of the view's planes that may cut it; 0: it lies inside them all

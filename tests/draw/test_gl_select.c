@@ -137,7 +137,6 @@ static bool is_same(const selecting* s, const stp_draw_item* a, const stp_draw_i
     bool same = a->kind == b->kind && a->index == b->index && apart < 1e-12 &&
                 a->prefix == b->prefix && a->full_prefix == b->full_prefix &&
                 a->run_count == b->run_count && is_close(a->radius, b->radius) &&
-                is_close(a->pixel_radius, b->pixel_radius) &&
                 is_close(a->fade_begin, b->fade_begin) && is_close(a->fade_end, b->fade_end);
     for (uint32_t i = 0; i < a->run_count && same; ++i) {
         const stp_draw_run* x = &s->cpu.runs[a->first_run + i];

@@ -53,8 +53,8 @@ static void make_wall(hidden_scene* s, uint64_t seed)
     stp_raster_make_windows(s->blocks, COLUMNS, ROWS, s->windows);
 }
 
-/// Splats in a cube around the eye and before it, of a radius, a part of it by pixels.
-static void make_scene(hidden_scene* s, uint64_t seed, double radius, float pixel_radius)
+/// Splats in a cube around the eye and before it, of a radius.
+static void make_scene(hidden_scene* s, uint64_t seed, double radius)
 {
     for (uint64_t i = 0; i < 3 * SPLATS; ++i) {
         s->positions[i] = (uint16_t)uniform(seed, i, 0, 65535);
@@ -72,7 +72,6 @@ static void make_scene(hidden_scene* s, uint64_t seed, double radius, float pixe
                                     .step = 4.0f / 65536.0f,
                                     .origin = {-2.0f, -2.0f, -0.3f},
                                     .radius = (float)radius,
-                                    .pixel_radius = pixel_radius,
                                     .rim_depth = 4.0f,
                                     .back_depth = 2.0f};
     s->camera = (stp_raster_camera){.pixel_scale = FOCAL, .nearness_limit = 1.0f};
@@ -120,7 +119,7 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
     static hidden_scene s;
     static uint16_t wanted[WORDS];
     for (uint64_t seed = 1; seed <= 12; ++seed) {
-        make_scene(&s, seed, 0.004 * (double)(seed % 4), (float)(seed % 3));
+        make_scene(&s, seed, 0.004 * (double)(seed % 4));
         make_wall(&s, seed);
         memcpy(s.pixels, s.wall, sizeof(s.wall));
         uint64_t whole = draw(&s, kernel);

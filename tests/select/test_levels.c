@@ -116,10 +116,9 @@ static uint32_t count_drawn(const fixture* f, uint32_t set, double depth, uint32
     return drawn;
 }
 
-static double radius_drawn(const fixture* f, uint32_t set, double depth)
+static double radius_drawn(const fixture* f, uint32_t set)
 {
-    const stp_draw_item* item = find_item(f, STP_DRAW_SURFELS, set);
-    return (double)item->radius + (double)item->pixel_radius * depth / f->scale;
+    return (double)find_item(f, STP_DRAW_SURFELS, set)->radius;
 }
 
 // Whether a set covers to the radius wanted at a depth, with splats large enough: up to two pixels candidates are covered
@@ -136,7 +135,7 @@ static bool is_complete(const fixture* f, uint32_t set, double depth)
     double wanted = 0.5 * f->size * depth / f->scale;
     double share = 0.5 + 0.5 * fmin(fmax((4.0 - f->size) / 2.0, 0.0), 1.0);
     return covers <= wanted * (1.0 + 1e-4) &&
-           radius_drawn(f, set, depth) >=
+           radius_drawn(f, set) >=
                (covers + share * (double)surfels->candidate_radius) * (1.0 - 1e-5);
 }
 

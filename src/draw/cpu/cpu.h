@@ -49,7 +49,7 @@ typedef struct cpu_item {
     float offset[3];
     float normal_matrix[3][3]; ///< item to scene, not of unit scale
     float scale;               ///< scene units per item unit
-    float radius, pixel_radius;
+    float radius;              ///< of splats, item space
     const stp_draw_item* draw; ///< of the list
     const stp_draw_run* runs;  ///< NULL: each splat is drawn at any depth
     stp_surfels surfels;

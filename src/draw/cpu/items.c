@@ -175,7 +175,6 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
     item->seed = stp_placement_seed(draw);
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
     item->radius = draw->radius * scale;
-    item->pixel_radius = draw->pixel_radius * scale;
     if (draw->run_count > 0) {
         item->runs = list->runs + draw->first_run;
     }

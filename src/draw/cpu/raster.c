@@ -60,7 +60,6 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
         worker->fragments += draw_range(r, item, splats, target);
         return;
     }
-    splats->pixel_radius = item->pixel_radius;
     while (run + 1 < item->draw->run_count && item->runs[run].end <= begin) {
         run += 1;
     }
@@ -94,7 +93,6 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     }
     if (late && splats.hidden !=
                     NULL) { // most are still hidden: they are asked before anything is worked out
-        splats.pixel_radius = item->runs != NULL ? item->pixel_radius : 0.0f;
         if (!stp_raster_ask_splats(&splats, splats.hidden)) {
             return;
         }

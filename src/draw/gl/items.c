@@ -288,7 +288,6 @@ static void place_splats(const gl_renderer* r, const gl_placed* placed,
                                 .origin = placed->origin,
                                 .step = placed->step,
                                 .radius = placed->radius,
-                                .pixel_radius = placed->pixel_radius,
                                 .rim_depth = surfels ? RIM_DEPTH : 0.0f,
                                 .back_depth = surfels ? BACK_DEPTH : 0.0f};
     stp_splat_frame frame;
@@ -313,7 +312,6 @@ static void place_splats(const gl_renderer* r, const gl_placed* placed,
     item->back_depth = frame.back_depth;
     item->near_w = frame.near_w;
     item->far_w = frame.far_w;
-    item->pixel_radius = frame.pixel_radius;
 }
 
 /// Where an item lies, for the placement's shift.
@@ -355,7 +353,6 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
     gl_placed* placed = &r->frame.placed[index];
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
     *placed = (gl_placed){.draw = draw, .radius = draw->radius * scale};
-    placed->pixel_radius = draw->run_count > 0 ? draw->pixel_radius * scale : 0.0f;
     *item = (item_block){.kind = (uint32_t)draw->kind,
                          .first_id = draw->first_id,
                          .flags = draw->ghost ? ITEM_GHOST : 0u,

@@ -74,8 +74,8 @@ typedef enum gl_command_kind {
 typedef struct gl_placed {
     const stp_draw_item* draw;
     float offset[3];
-    float radius, pixel_radius; ///< of splats, item space and pixels
-    stp_vec3 origin;            ///< of surfels' grid
+    float radius;    ///< of splats, item space
+    stp_vec3 origin; ///< of surfels' grid
     float step;
 } gl_placed;
 

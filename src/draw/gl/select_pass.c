@@ -331,7 +331,6 @@ static void add_item(stp_draw_list* list, const select_item* from)
                             .first_run = from->first_run,
                             .run_count = from->run_count,
                             .radius = from->radius,
-                            .pixel_radius = from->pixel_radius,
                             .fade_begin = from->fade_begin,
                             .fade_end = from->fade_end};
     memcpy(item->transform.m, from->m, sizeof(from->m));

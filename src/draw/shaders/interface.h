@@ -114,7 +114,7 @@ struct item_block {
     vec4 offset;                                        // of meshes
     float radius_px, center_x, center_y, inverse_scale; // see src/raster/splats_kernel.h
     float slope_factor, slope_constant, rim_depth, back_depth;
-    float near_w, far_w, pixel_radius, nearness_limit;
+    float near_w, far_w, item_spare2, nearness_limit;
     float near_factor, near_shift; // true nearness = factor * that of the buffer + shift
     float footprint;               // pixels at depth 1 of an item unit
     float blend;                   // share of `colors` below low_count

@@ -49,7 +49,7 @@ void main()
         high = middle.xy + radius + 1.0;
     } else {
         float z = splat.w, inverse = item.inverse_scale;
-        float radius = (item.radius_px + item.pixel_radius * max(z, 0.0)) * inverse;
+        float radius = item.radius_px * inverse;
         middle = vec4((splat.position.xy - gaze * z) * inverse, z, radius);
         normal.xyz = facing ? middle.xyz : turn_normal(item, splat.code);
         float behind = !facing && dot(normal.xyz, middle.xyz) > 0.0 ? item.back_depth * radius : 0.0;

@@ -30,7 +30,7 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     }
     splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
     splat.w = along(item.rows[3], p);
-    precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse + item.pixel_radius;
+    precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse;
     splat.radius = radius;
     return splat;
 }

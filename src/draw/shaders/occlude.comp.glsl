@@ -66,7 +66,7 @@ bool is_hidden(const item_block item, vec3 box_low, vec3 box_high)
         near = max(near, at.z);
     }
     // the nearest that a disk of what lies in the box reaches, and how far beyond the box on the screen
-    float radius = item.kind == KIND_MESH ? 0.0 : item.radius_px + item.pixel_radius * max(least, 0.0);
+    float radius = item.kind == KIND_MESH ? 0.0 : item.radius_px;
     float front = least - radius * item.inverse_scale;
     if (!(front > 0.1 * least) || !(least > 0.0)) {
         return false;

@@ -184,7 +184,7 @@ void add_set(uint set, const select_entry at, const set_use use, box_sight sight
         share *= clamp_unit((sight.far / use.switch_depth - gone) / (1.0lf - gone));
     }
     select_item item = select_item(at.m, KIND_SURFELS, set, uint(share * double(use.count)), use.count, 0u, 0u,
-                                   float(use.radius), 0.0, 0.0, 0.0);
+                                   float(use.radius), 0.0, 0.0);
     uint number;
     if (item.prefix == 0u || !take_item(number)) {
         return;
@@ -210,7 +210,7 @@ void add_part(const select_part part, const select_entry at)
     }
     bool mesh = part.kind == KIND_MESH;
     select_item item = select_item(at.m, part.kind, part.index, mesh ? 0u : part.count, mesh ? 0u : part.count, 0u, 0u,
-                                   0.0, 0.0, 0.0, 0.0);
+                                   0.0, 0.0, 0.0);
     if (mesh && sight.far > at.ceiling) {
         item.fade_begin = float(at.ceiling);
         item.fade_end = float(at.ceiling * GROW);

@@ -69,7 +69,7 @@ struct select_item {
     double m[12];
     uint kind, index, prefix, full_prefix;
     uint first_run, run_count;
-    float radius, pixel_radius, fade_begin, fade_end;
+    float radius, fade_begin, fade_end;
 };
 
 struct select_run {
