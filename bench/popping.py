@@ -14,7 +14,7 @@ import tempfile
 
 import kit
 
-SLOW = {"fov": 60, "fps": 60, "keys": [{"t": 0, "eye": [0, 0, 3.3], "target": [0, 0, 0]}, {"t": 5, "eye": [0, 0, 2.3], "target": [0, 0, 0]}]}
+SLOW = {"fov": 60, "fps": 60, "keys": [{"t": 0, "eye": [0, 0, 4.7], "target": [0, 0, 0]}, {"t": 5, "eye": [0, 0, 3.5], "target": [0, 0, 0]}]}
 
 
 def compare(given):
@@ -27,6 +27,7 @@ def compare(given):
         means = [f["popping"] for f in flight["per_frame"][1:]]
         figures = {**{f"popping_{k}": v for k, v in flight["popping"].items()}, "frame_p50": kit.rank(means, 0.5), "frame_max": max(means), "frames": means,
                    "extra_part": extra / max(1, splats - extra),
+                   "splats_min": min(f["splats"] for f in flight["per_frame"]), "splats_max": max(f["splats"] for f in flight["per_frame"]),
                    "splats_p50": flight["splats"]["p50"], "triangles_p50": flight["triangles"]["p50"], "frame_ms_p50": flight["frame_ms"]["p50"]}
         params = {"scene": given.scene, "path": str(given.path), "size": given.size, "splat_size": given.splat_size, "policy": policy,
                   "frames": flight["frames"]}
@@ -34,6 +35,8 @@ def compare(given):
         rows.append([policy, flight["frames"], *(f"{figures[f'popping_{n}']:.2f}" for n in ("p50", "p999", "max")),
                      f"{figures['frame_p50']:.3f}", f"{figures['frame_max'] - figures['frame_p50']:.3f}", f"{100 * figures['extra_part']:.1f} %", kit.short(figures["splats_p50"]), kit.short(figures["triangles_p50"])])
     kit.table(["policy", "frames", "popping, median", "99.9 %", "max", "median frame", "in one frame, beyond", "extra splats", "splats", "triangles"], rows)
+    if not all(0 < r["figures"]["splats_max"] and r["figures"]["splats_min"] == 0 for r in results):
+        raise SystemExit("popping: the flight does not go from splats to triangles")
     ratio = results[0]["figures"]["popping_p999"] / results[1]["figures"]["popping_p999"]
     spikes = [r["figures"]["frame_max"] - r["figures"]["frame_p50"] for r in results]
     print(f"\nblending / switching: 99.9 % {ratio:.3f} (goal: at most 0.25), in one frame {spikes[0] / max(spikes[1], 1e-9):.3f}")
