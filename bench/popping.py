@@ -3,7 +3,7 @@
 
 usage: bench/popping.py [SCENE] [--path FLIGHT.json] [--frames N] [--splat-size PX]
 
-default: scene:one-mesh, and a slow flight towards it during which it turns from splats to triangles. What pops is measured
+default: scene:one-mesh, and a slow flight to half the distance during which it turns from splats to triangles. What pops is measured
 against the original geometry (see `stipple fly --help`), of blocks of 8 x 8 pixels over all pairs of frames; "in one frame" is the
 mean over the blocks of a pair of frames: the largest there is beyond that of the median pair. That is what a change of levels adds
 to what splats do in any frame. Extra splats are those drawn while levels blend, as a part of the others.
@@ -14,7 +14,7 @@ import tempfile
 
 import kit
 
-SLOW = {"fov": 60, "fps": 60, "keys": [{"t": 0, "eye": [0, 0, 4.7], "target": [0, 0, 0]}, {"t": 5, "eye": [0, 0, 3.5], "target": [0, 0, 0]}]}
+SLOW = {"fov": 60, "fps": 60, "keys": [{"t": 0, "eye": [0, 0, 6], "target": [0, 0, 0]}, {"t": 5, "eye": [0, 0, 3], "target": [0, 0, 0]}]}
 
 
 def compare(given):
