@@ -70,7 +70,7 @@ typedef struct stp_draw_gl_stats {
     uint64_t resident_bytes; ///< of it, in use
     uint64_t uploaded_bytes; ///< in the last frame
     uint32_t
-        missing; ///< things that the last frame wanted finer than they were there; 0: the picture is complete
+        missing; ///< things that the last frame wanted finer than they were there, summed over the eyes; 0: the picture is complete
     uint32_t
         coming; ///< uploads put off to the next frames; with things missing and 0: there is no room for more
     uint32_t draw_calls;  ///< OpenGL draw calls of the last frame (one sample)

@@ -103,6 +103,30 @@ void test_gl_uploads_keep_to_their_budget(test_state* test)
     made_gl_end(&m);
 }
 
+void test_gl_counts_what_is_missing_of_both_eyes(test_state* test)
+{
+    static uint8_t whole[4 * PIXELS];
+    made_gl m;
+    if (!begin(test, &m, NULL, NULL)) {
+        return;
+    }
+    m.picture.view.eye_distance = 0.3;
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    memcpy(whole, m.pixels, sizeof(whole));
+    for (uint64_t budget = 2048; budget <= 16384; budget += 2048) { // either eye may be the last
+        const stp_draw_gl_desc settings = {.upload_bytes = budget};
+        CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
+        stp_draw_gl_stats stats = {.missing = 1};
+        for (int frames = 0; stats.missing > 0 && frames < 100; ++frames) {
+            CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+            stats = stp_draw_gl_get_stats(m.renderer);
+            CHECK((stats.coming > 0) == (stats.missing > 0));
+        }
+        CHECK_EQUAL(0, made_count_different(whole, m.pixels, 0));
+    }
+    made_gl_end(&m);
+}
+
 /// What is seen of one sheet, whole.
 static void look_at(made_gl* m, int sheet)
 {

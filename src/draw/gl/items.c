@@ -464,7 +464,9 @@ stp_result gl_frame_make(gl_renderer* r)
         return stp_fail_memory(r->base.context);
     }
     f->record_count = f->chunk_count = f->item_count = 0;
-    f->missing = f->coming = 0;
+    if (r->eye == 0) { // of the picture, not of its last eye
+        f->missing = f->coming = 0;
+    }
     r->failure = STP_ERROR_UNSUPPORTED;
     for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
         f->commands[i].count = 0;

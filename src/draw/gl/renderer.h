@@ -94,7 +94,7 @@ typedef struct gl_frame {
     gl_commands commands[GL_COMMAND_KINDS];
     gl_ring ring; ///< that all of it goes through
     GLintptr items_offset, records_offset, chunks_offset, lookup_offset, view_offset;
-    uint32_t missing; ///< things that are coarser than the list wants
+    uint32_t missing; ///< things that are coarser than the list wants, of all eyes
     uint32_t coming;  ///< uploads that were put off to later frames
 } gl_frame;
 
