@@ -337,11 +337,19 @@ void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
                                                        &p->list, NULL, &p->stats));
     }
     CHECK(p->stats.draw_ms > 0 && p->stats.shade_ms > 0);
-    r->gl.GetTextureImage(stp_draw_gl_texture(m.renderer), 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                          sizeof(kept), kept);
+    gl_read_texture(&r->gl, stp_draw_gl_texture(m.renderer), GL_RGBA, GL_UNSIGNED_BYTE,
+                    PICTURE_SIDE, PICTURE_SIDE, sizeof(kept), kept);
     CHECK(made_count_different(kept, m.pixels, 6) > 100);
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
     CHECK_EQUAL(0, made_count_different(kept, m.pixels, 0));
+    // large pictures are read in bands
+    const uint64_t row = UINT64_C(4) * PICTURE_SIDE, bands[] = {1, row, 5 * row + 3, 63 * row};
+    for (size_t i = 0; i < sizeof(bands) / sizeof(bands[0]); ++i) {
+        memset(kept, 1, sizeof(kept));
+        gl_read_texture(&r->gl, stp_draw_gl_texture(m.renderer), GL_RGBA, GL_UNSIGNED_BYTE,
+                        PICTURE_SIDE, PICTURE_SIDE, bands[i], kept);
+        CHECK_EQUAL(0, made_count_different(kept, m.pixels, 0));
+    }
     made_gl_end(&m);
 }
 

@@ -15,10 +15,10 @@ typedef struct visible {
 static void read_visible(made_gl* m, visible* v)
 {
     const gl_renderer* r = (const gl_renderer*)m->renderer;
-    r->gl.GetTextureImage(r->target.ids, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, sizeof(v->ids),
-                          v->ids);
-    r->gl.GetTextureImage(r->target.nearness, 0, GL_DEPTH_COMPONENT, GL_FLOAT, sizeof(v->nearness),
-                          v->nearness);
+    gl_read_texture(&r->gl, r->target.ids, GL_RED_INTEGER, GL_UNSIGNED_INT, PICTURE_SIDE,
+                    PICTURE_SIDE, sizeof(v->ids), v->ids);
+    gl_read_texture(&r->gl, r->target.nearness, GL_DEPTH_COMPONENT, GL_FLOAT, PICTURE_SIDE,
+                    PICTURE_SIDE, sizeof(v->nearness), v->nearness);
 }
 
 static int count_other_ids(const visible* a, const visible* b)

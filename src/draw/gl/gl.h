@@ -70,7 +70,7 @@
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                           \
     X(PFNGLGETSTRINGIPROC, GetStringi)                                                             \
     X(PFNGLGETSTRINGPROC, GetString)                                                               \
-    X(PFNGLGETTEXTUREIMAGEPROC, GetTextureImage)                                                   \
+    X(PFNGLGETTEXTURESUBIMAGEPROC, GetTextureSubImage)                                             \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
     X(PFNGLMAPNAMEDBUFFERRANGEPROC, MapNamedBufferRange)                                           \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                       \

@@ -12,6 +12,7 @@
 
 enum { SUPERSAMPLE_LIMIT = 64 };
 static const uint64_t default_memory = UINT64_C(1) << 30;
+static const uint64_t band_bytes = UINT64_C(1) << 30; // OpenGL counts those of a call in 31 bits
 
 static void destroy_programs(gl_renderer* r)
 {
@@ -95,10 +96,8 @@ static stp_result check(gl_renderer* r)
 
 static stp_result read_picture(gl_renderer* r, stp_image* image)
 {
-    r->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-    r->gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
-    r->gl.GetTextureImage(r->target.picture, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                          (GLsizei)(4 * image->width * image->height), image->pixels);
+    gl_read_texture(&r->gl, r->target.picture, GL_RGBA, GL_UNSIGNED_BYTE, image->width,
+                    image->height, band_bytes, image->pixels);
     return check(r);
 }
 
@@ -211,9 +210,8 @@ static const float* get_depth(const stp_renderer* renderer)
         back->has_depth = false;
     }
     if (back->depth != NULL && !back->has_depth && count > 0) {
-        r->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-        r->gl.GetTextureImage(r->target.depths, 0, GL_RED, GL_FLOAT,
-                              (GLsizei)(count * sizeof(float)), back->depth);
+        gl_read_texture(&r->gl, r->target.depths, GL_RED, GL_FLOAT, r->target.width,
+                        r->target.height * r->target.eye_count, band_bytes, back->depth);
         back->has_depth = true;
     }
     return back->depth;

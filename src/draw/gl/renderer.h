@@ -207,6 +207,9 @@ STP_MUST_USE stp_result gl_target_make(gl_renderer* r, const stp_view* view, boo
 void gl_target_destroy(gl_renderer* r);
 GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t height,
                        const char* label);
+/// Reads a texture of four bytes a pixel, in bands of whole rows of at most `band_bytes`, or one row. Waits.
+void gl_read_texture(const stp_gl* gl, GLuint texture, GLenum format, GLenum type, uint32_t width,
+                     uint32_t height, uint64_t band_bytes, void* pixels);
 
 /// Brings what the list holds to the pool, as far as the frame's uploads allow, and makes blocks, records and commands of
 /// it. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or as the store's functions; logged

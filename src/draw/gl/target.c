@@ -16,6 +16,21 @@ GLuint gl_make_texture(const stp_gl* gl, GLenum format, uint32_t width, uint32_t
     return texture;
 }
 
+void gl_read_texture(const stp_gl* gl, GLuint texture, GLenum format, GLenum type, uint32_t width,
+                     uint32_t height, uint64_t band_bytes, void* pixels)
+{
+    uint64_t row_bytes = UINT64_C(4) * width;
+    uint32_t rows = row_bytes < band_bytes ? (uint32_t)(band_bytes / row_bytes) : 1;
+    gl->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
+    for (uint32_t y = 0; y < height; y += rows) {
+        uint32_t left = height - y, band = rows < left ? rows : left;
+        gl->GetTextureSubImage(texture, 0, 0, (GLint)y, 0, (GLsizei)width, (GLsizei)band, 1, format,
+                               type, (GLsizei)(band * row_bytes),
+                               (unsigned char*)pixels + y * row_bytes);
+    }
+}
+
 void gl_target_destroy(gl_renderer* r)
 {
     gl_target* t = &r->target;
