@@ -27,8 +27,31 @@ static stp_result create_gl(frame_maker* maker)
 {
     stp_draw_gl_desc desc = {.get_proc_address = stp_headless_get_proc_address,
                              .user = &maker->headless};
-    maker->uses_gl = true;
     return stp_draw_gl_create(maker->context, maker->store, &desc, &maker->renderer);
+}
+
+stp_result frame_maker_create_in(stp_context* context, stp_store* store,
+                                 const stp_draw_style* style, frame_backend backend,
+                                 const stp_headless* headless, frame_maker* maker)
+{
+    *maker = (frame_maker){.context = context,
+                           .store = store,
+                           .style = *style,
+                           .headless = *headless,
+                           .uses_gl = true};
+    if (backend == FRAME_BACKEND_GL) {
+        return create_gl(maker);
+    }
+    tool_hold_errors();
+    stp_result result = create_gl(maker);
+    tool_release_errors(false);
+    if (result != STP_OK) {
+        stp_notice(context, "%s does not draw this; the processor does", maker->headless.device);
+        stp_headless_destroy(&maker->headless);
+        maker->uses_gl = false;
+        result = stp_draw_cpu_create(context, store, &maker->renderer);
+    }
+    return result;
 }
 
 stp_result frame_maker_create_on(stp_context* context, stp_store* store,
@@ -38,9 +61,10 @@ stp_result frame_maker_create_on(stp_context* context, stp_store* store,
     *maker = (frame_maker){.context = context, .store = store, .style = *style};
     if (backend != FRAME_BACKEND_CPU) {
         stp_headless_desc desc = {.only_hardware = backend == FRAME_BACKEND_AUTO};
-        const char* fault = stp_headless_create(&desc, &maker->headless);
+        stp_headless headless;
+        const char* fault = stp_headless_create(&desc, &headless);
         if (fault == NULL) {
-            return create_gl(maker);
+            return frame_maker_create_in(context, store, style, backend, &headless, maker);
         }
         if (backend == FRAME_BACKEND_GL) {
             tool_error("backend gl: %s; use --backend cpu", fault);

@@ -42,6 +42,11 @@ STP_MUST_USE stp_result frame_maker_create(stp_context* context, stp_store* stor
 STP_MUST_USE stp_result frame_maker_create_on(stp_context* context, stp_store* store,
                                               const stp_draw_style* style, frame_backend backend,
                                               frame_maker* maker);
+/// The same where OpenGL has a context, which becomes the maker's, whatever is returned. Automatic: the processor draws where
+/// the context lacks something.
+STP_MUST_USE stp_result frame_maker_create_in(stp_context* context, stp_store* store,
+                                              const stp_draw_style* style, frame_backend backend,
+                                              const stp_headless* headless, frame_maker* maker);
 /// How OpenGL, if it is used, draws splats: an stp_gl_splats. @return STP_OK, STP_ERROR_UNSUPPORTED (logged)
 STP_MUST_USE stp_result frame_maker_use_splats(frame_maker* maker, int splats);
 /// "cpu" or "gl".
