@@ -198,7 +198,7 @@ void explorer_follow(explorer* e, explorer* before)
 
 bool explorer_works(const explorer* e)
 {
-    return (!e->ready || e->searches) && e->message[0] == 0;
+    return !e->failed && (!e->ready || e->searches);
 }
 
 static bool search_on(explorer* e)
@@ -229,11 +229,12 @@ bool explorer_step(explorer* e)
         return false;
     }
     if (!e->ready) {
-        if (stp_outline_prepare(e->outline, RECORDS_A_STEP, &e->ready) == STP_OK && e->ready) {
+        e->failed = stp_outline_prepare(e->outline, RECORDS_A_STEP, &e->ready) != STP_OK;
+        if (!e->failed && e->ready) {
             begin_rows(e);
             follow(e);
         }
-        return e->ready;
+        return e->ready || e->failed;
     }
     return search_on(e);
 }

@@ -42,7 +42,8 @@ typedef struct explorer {
     stp_outline* outline;
     stp_visibility* visibility;
     bool ready;        ///< the tree can be shown
-    char message[512]; ///< the last failure; empty: none
+    bool failed;       ///< it never will
+    char message[512]; ///< the last failure, whoever says it empties it; empty: none
     explorer_row* rows;
     size_t row_count, row_capacity;
     bool cut_short; ///< there are more rows than are kept

@@ -163,7 +163,7 @@ void parts_show(viewer* v, float x, float y, float width, float height)
     details = details < 0.55f * height ? details : 0.55f * height;
     gui_list_begin("tree", -details);
     if (!e->ready) {
-        gui_faint(e->message[0] != 0 ? "The parts cannot be read" : "Reading the parts");
+        gui_faint(e->failed ? "The parts cannot be read" : "Reading the parts");
     } else if (v->search[0] != 0) {
         show_rows(v, false);
         if (e->found_count == 0 && !e->searches) {

@@ -103,8 +103,9 @@ static void step_explorer(viewer* v)
         }
         viewer_redraw(v);
     }
-    if (e->message[0] != 0 && messages_error(v) == NULL) {
+    if (e->message[0] != 0) { // once
         viewer_say(v, true, "%s", e->message);
+        e->message[0] = 0;
     }
 }
 

@@ -2,6 +2,7 @@
 // The tree of parts as the viewer shows it: rows that fold, search, what is chosen, hidden, isolated.
 #include "tests.h"
 
+#include "base/context.h"
 #include "build/build.h"
 #include "scenes/scenes.h"
 #include "viewer/explorer.h"
@@ -78,6 +79,23 @@ void test_viewer_explorer_finds_names(test_state* test)
     CHECK_EQUAL(0, e->found_count);
     explorer_search(e, "");
     CHECK(!explorer_works(e));
+    close_boxes(e, path);
+}
+
+void test_viewer_explorer_goes_on_after_a_failure(test_state* test)
+{
+    char path[64];
+    explorer* e = open_boxes(path);
+    CHECK(e != NULL);
+    // a click that met more than a pick looks at
+    (void)!stp_fail(e->context, STP_ERROR_LIMIT, "pick: too much lies on the ray");
+    CHECK(strcmp(e->message, "pick: too much lies on the ray") == 0);
+    explorer_search(e, "box 15");
+    CHECK(explorer_works(e));
+    while (explorer_works(e)) {
+        (void)explorer_step(e);
+    }
+    CHECK_EQUAL(1, e->found_count);
     close_boxes(e, path);
 }
 
