@@ -54,8 +54,8 @@ STP_MUST_USE stp_result stp_outline_children(stp_outline* outline, const stp_out
                                              uint32_t* count);
 STP_MUST_USE stp_result stp_outline_describe(stp_outline* outline, const stp_outline_item* item,
                                              stp_outline_row* row);
-/// Names from the top, with slashes between them ("#7" for object 7 without a name), cut to `size` bytes with the zero byte;
-/// ".../" is before those of an item whose uppermost objects it has no room for.
+/// Names from the top, with slashes between them ("#7" for object 7 without a name), cut to `size` bytes with the zero byte,
+/// between characters of UTF-8; ".../" is before those of an item whose uppermost objects it has no room for.
 STP_MUST_USE stp_result stp_outline_path(stp_outline* outline, const stp_outline_item* item,
                                          char* text, size_t size);
 /// Where an object stands. One below a prototype stands nowhere by itself: its node is STP_STORE_NONE. Of one with more

@@ -192,6 +192,26 @@ void test_outline_paths_lead_back(test_state* test)
     fell(&f);
 }
 
+void test_outline_cuts_paths_between_characters(test_state* test)
+{
+    static const char* const cuts[] = {"", "T", "T", "T\xC3\x9C", "T\xC3\x9CR", "T\xC3\x9CR "};
+    forest f;
+    stp_outline* outline = NULL;
+    stp_outline_item item;
+    bool ready = false;
+    CHECK(plant(&f, 2, 0));
+    CHECK_EQUAL(STP_OK, stp_outline_create(f.context, f.store, &outline));
+    CHECK_EQUAL(STP_OK, stp_outline_prepare(outline, 100, &ready));
+    CHECK_EQUAL(STP_OK, stp_outline_item_of(outline, 0, &item));
+    for (size_t i = 0; i < sizeof(cuts) / sizeof(cuts[0]); ++i) {
+        char path[8] = "xxxxxxx";
+        CHECK_EQUAL(STP_OK, stp_outline_path(outline, &item, path, i + 1));
+        CHECK(strcmp(path, cuts[i]) == 0);
+    }
+    stp_outline_destroy(outline);
+    fell(&f);
+}
+
 /// Walks the outline down and counts its rows.
 static bool walk(stp_outline* outline, const stp_store* store, const stp_outline_item* item,
                  uint32_t depth, uint32_t* rows)
