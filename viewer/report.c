@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What is shown, as JSON in a file: for tests, and for programs that steer the viewer.
+#include "describe.h"
 #include "gui.h"
 #include "parts.h"
 
@@ -54,13 +55,14 @@ static json_t* describe_tools(const viewer* v)
         json_array_append_new(points, vector(v->measure.points[i]));
     }
     stp_sections sections = section_make(v);
-    return json_pack("{s:s, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:s, s:b, s:s, s:b}", "chosen",
-                     chosen, "rows", e != NULL ? (int)e->row_count : 0, "found",
+    return json_pack("{s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}", "chosen",
+                     describe_json_text(chosen), "rows", e != NULL ? (int)e->row_count : 0, "found",
                      e != NULL ? (int)e->found_count : 0, "marks",
                      e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count,
                      "measures", (int)v->measure.on, "points", points, "views", (int)v->views.count,
-                     "current_view", v->current_view, "records", (int)v->record.on, "shot",
-                     v->last_shot, "types", (int)gui_wants_keys());
+                     "current_view", describe_json_text(v->current_view), "records",
+                     (int)v->record.on, "shot", describe_json_text(v->last_shot), "types",
+                     (int)gui_wants_keys());
 }
 
 static json_t* describe(const viewer* v)
@@ -69,13 +71,14 @@ static json_t* describe(const viewer* v)
     static const char* const page_names[PAGE_COUNT] = {"none",    "statistics", "quality",
                                                        "section", "measure",    "views"};
     return json_pack(
-        "{s:s, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:s, s:s, s:o, s:o, s:o}",
-        "file", v->file, "loading", states[v->news.state], "stores", (json_int_t)v->news.serial,
-        "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete", (int)v->news.complete,
-        "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0), "shows",
-        (json_int_t)v->shows, "page", page_names[v->settings.page], "panels", (int)v->shows_panels,
-        "parts", (int)v->settings.parts, "help", (int)v->shows_help, "backend",
-        v->picture != NULL && v->picture->gl ? "gl" : "cpu", "message", v->messages[0].text, "hint",
+        "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:s, s:o, s:o, s:o}",
+        "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
+        (json_int_t)v->news.serial, "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete",
+        (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
+        "shows", (json_int_t)v->shows, "page", page_names[v->settings.page], "panels",
+        (int)v->shows_panels, "parts", (int)v->settings.parts, "help", (int)v->shows_help,
+        "backend", v->picture != NULL && v->picture->gl ? "gl" : "cpu", "message",
+        describe_json_text(v->messages[0].text), "hint",
         messages_why_empty(v) != NULL ? messages_why_empty(v) : "", "camera", describe_camera(v),
         "picture", describe_picture(v), "tools", describe_tools(v));
 }
