@@ -5,6 +5,7 @@
 
 #include "scenes/scenes.h"
 
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,18 +45,32 @@ static void keep(viewer* v)
     }
 }
 
-/// Parts that are not shown as usual, by their paths. @return how many
-static size_t list_things(viewer* v, stp_shown_thing* things, char (*paths)[1024])
+/// The path of an item, where it is whole; for a file of texts. @return whether there is one
+static bool find_path(const explorer* e, const stp_outline_item* item, bool for_file,
+                      char path[1024])
+{
+    enum { CUT = 1024 - 4 }; // or longer
+    if (stp_outline_path(e->outline, item, path, 1024) != STP_OK || strlen(path) >= CUT) {
+        return false;
+    }
+    json_t* text = for_file ? json_string(path) : json_null();
+    json_decref(text);
+    return text != NULL;
+}
+
+/// Parts that are not shown as usual, by their paths, for a file (NULL: for now) that has no place for so many more.
+/// @return how many
+static size_t list_things(viewer* v, stp_shown_thing* things, char (*paths)[1024], size_t* left_out)
 {
     static const stp_shown_as as[] = {[EXPLORER_HIDDEN] = STP_SHOWN_HIDDEN,
                                       [EXPLORER_ISOLATED] = STP_SHOWN_ISOLATED,
                                       [EXPLORER_GHOST] = STP_SHOWN_GHOST};
     explorer* e = v->explorer;
-    size_t count = 0;
-    for (size_t i = 0; e != NULL && e->ready && i < e->mark_count && count < THINGS_MOST; ++i) {
+    size_t count = 0, all = e != NULL && e->ready ? e->mark_count : 0;
+    for (size_t i = 0; i < all && count < THINGS_MOST; ++i) {
         const explorer_mark* m = &e->marks[i];
         stp_outline_row row;
-        if (stp_outline_path(e->outline, &m->item, paths[count], sizeof(paths[0])) == STP_OK &&
+        if (find_path(e, &m->item, left_out != NULL, paths[count]) &&
             stp_outline_describe(e->outline, &m->item, &row) == STP_OK) {
             things[count] = (stp_shown_thing){
                 .as = as[m->how],
@@ -64,6 +79,9 @@ static size_t list_things(viewer* v, stp_shown_thing* things, char (*paths)[1024
                 .position = stp_scaled(stp_addd(row.bounds.min, row.bounds.max), 0.5)};
             count += 1;
         }
+    }
+    if (left_out != NULL) {
+        *left_out = all - count;
     }
     return count;
 }
@@ -90,7 +108,7 @@ void views_carry(viewer* v)
         char name[] = "carried";
         stp_viewpoint viewpoint = {.name = name, .target = {0, 0, -1}, .up = {0, 1, 0}};
         viewpoint.things = things;
-        viewpoint.thing_count = list_things(v, things, paths);
+        viewpoint.thing_count = list_things(v, things, paths, NULL);
         (void)!stp_viewpoints_put(v->context, &v->carried, &viewpoint);
     }
     free(things);
@@ -120,20 +138,26 @@ void views_save(viewer* v)
     if (v->view_note[0] != 0 && v->has_picked && v->view_pins) {
         explorer* e = v->explorer;
         annotation.point = v->picked.position;
-        bool named = e != NULL && e->ready && e->chosen.depth > 0 &&
-                     stp_outline_path(e->outline, &e->chosen, path, sizeof(path)) == STP_OK;
+        bool named =
+            e != NULL && e->ready && e->chosen.depth > 0 && find_path(e, &e->chosen, true, path);
         annotation.object = named ? path : NULL;
         viewpoint.annotations = &annotation;
         viewpoint.annotation_count = 1;
     }
+    size_t left_out = 0;
     if (things != NULL && paths != NULL) {
         viewpoint.things = things;
-        viewpoint.thing_count = list_things(v, things, paths);
+        viewpoint.thing_count = list_things(v, things, paths, &left_out);
     }
     if (stp_viewpoints_put(v->context, &v->views, &viewpoint) == STP_OK) {
         snprintf(v->current_view, sizeof(v->current_view), "%s", name);
         v->view_name[0] = v->view_note[0] = 0;
         keep(v);
+        if (left_out > 0) {
+            viewer_say(v, false,
+                       "Shown as usual in it, for their paths are too long or not UTF-8: %zu parts",
+                       left_out);
+        }
     }
     free(things);
     free(paths);

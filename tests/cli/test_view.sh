@@ -421,6 +421,27 @@ xdotool key p
 wait_until 'r["rests"] and r["parts"]'
 shot letters.png
 close_viewer
+# names of any bytes: they are reported, and viewpoints are kept without the parts that no file of texts can name
+python3 - << 'END' || exit 1
+ball = [line for line in open("ball.obj", "rb") if not line.startswith(b"o ")]
+long = "\u00e9" * 600
+with open("bytes.obj", "wb") as out:
+    out.write(b"o caf\xe9\n" + b"".join(ball))
+with open("long.obj", "wb") as out:
+    out.write(b"o x" + long.encode() + b"\n" + b"".join(ball))
+END
+for file in bytes long; do
+    open_viewer $file.obj --backend cpu
+    wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
+    xdotool key Tab f
+    wait_until 'r["rests"] and not r["panels"] and picture["width"] == 640'
+    xdotool mousemove 320 200 click 1
+    wait_until 'r["rests"] and tools["chosen"] != ""'
+    xdotool key x v
+    wait_until 'r["rests"] and tools["marks"] == 1 and tools["views"] == 1 and "too long or not UTF-8: 1 parts" in r["message"]'
+    close_viewer
+    grep -q '"View 1"' $file.views.json || fail "the viewpoint of $file.obj is not kept"
+done
 # nothing to draw
 printf 'solid none\nendsolid none\n' > none.stl
 open_viewer none.stl --backend cpu
