@@ -297,6 +297,12 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
     }
 }
 
+/// Whether a device that went is the one in use; which is no place among those that are there.
+static bool is_ours(SDL_GameController* pad, SDL_JoystickID which)
+{
+    return pad != NULL && SDL_JoystickInstanceID(SDL_GameControllerGetJoystick(pad)) == which;
+}
+
 void input_take(viewer* v, const SDL_Event* e)
 {
     bool control = e->type == SDL_KEYDOWN && (e->key.keysym.mod & KMOD_CTRL) != 0;
@@ -304,7 +310,7 @@ void input_take(viewer* v, const SDL_Event* e)
         take_key(v, e->key.keysym.sym, control);
     } else if (e->type == SDL_CONTROLLERDEVICEADDED && v->input.pad == NULL) {
         v->input.pad = SDL_GameControllerOpen(e->cdevice.which);
-    } else if (e->type == SDL_CONTROLLERDEVICEREMOVED && v->input.pad != NULL) {
+    } else if (e->type == SDL_CONTROLLERDEVICEREMOVED && is_ours(v->input.pad, e->cdevice.which)) {
         SDL_GameControllerClose(v->input.pad);
         v->input.pad = NULL;
     } else if (e->type == SDL_CONTROLLERBUTTONDOWN) {
