@@ -5,6 +5,7 @@
 #include "painter_scene.h"
 
 #include "base/clock.h"
+#include "draw/resting.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -73,35 +74,6 @@ static void on_log(stp_log_level level, const char* message, void* user)
     p->desc.wake(p->desc.user);
 }
 
-static bool same_sections(const stp_sections* a, const stp_sections* b)
-{
-    bool same = a->count == b->count;
-    for (uint32_t i = 0; same && i < a->count; ++i) {
-        const stp_section_plane *p = &a->planes[i], *q = &b->planes[i];
-        same = p->normal.x == q->normal.x && p->normal.y == q->normal.y &&
-               p->normal.z == q->normal.z && p->distance == q->distance;
-    }
-    return same;
-}
-
-static bool same_view(const stp_view* a, const stp_view* b)
-{
-    return a->eye.x == b->eye.x && a->eye.y == b->eye.y && a->eye.z == b->eye.z &&
-           a->target.x == b->target.x && a->target.y == b->target.y && a->target.z == b->target.z &&
-           a->up.x == b->up.x && a->up.y == b->up.y && a->up.z == b->up.z &&
-           a->fov_degrees == b->fov_degrees && a->ortho_height == b->ortho_height &&
-           a->near_distance == b->near_distance && a->width == b->width && a->height == b->height &&
-           a->eye_distance == b->eye_distance && same_sections(&a->sections, &b->sections);
-}
-
-static bool same_style(const stp_draw_style* a, const stp_draw_style* b)
-{
-    return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
-           a->headlight == b->headlight && a->background == b->background &&
-           memcmp(a->background_color, b->background_color, 3) == 0 && a->filter == b->filter &&
-           a->eye_dome == b->eye_dome && a->ambient_occlusion == b->ambient_occlusion;
-}
-
 static bool same_quality(const stp_quality* a, const stp_quality* b)
 {
     bool same = a->splat_size == b->splat_size && a->splat_count == b->splat_count &&
@@ -118,8 +90,10 @@ static bool same_quality(const stp_quality* a, const stp_quality* b)
 static bool same_request(const paint_request* a, const paint_request* b)
 {
     return a->scene == b->scene && a->budget_ms == b->budget_ms && a->samples == b->samples &&
-           a->controller == b->controller && a->gl == b->gl && same_view(&a->view, &b->view) &&
-           same_style(&a->style, &b->style) && same_quality(&a->quality, &b->quality);
+           a->controller == b->controller && a->gl == b->gl &&
+           stp_resting_is_same_view(&a->view, &b->view) &&
+           stp_resting_is_same_style(&a->style, &b->style) &&
+           same_quality(&a->quality, &b->quality);
 }
 
 /// Room for a picture. @return false where there is none

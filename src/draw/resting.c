@@ -37,7 +37,7 @@ static bool are_same_sections(const stp_sections* a, const stp_sections* b)
     return same;
 }
 
-static bool is_same_view(const stp_view* a, const stp_view* b)
+bool stp_resting_is_same_view(const stp_view* a, const stp_view* b)
 {
     return is_same_vector(a->eye, b->eye) && is_same_vector(a->target, b->target) &&
            is_same_vector(a->up, b->up) && a->fov_degrees == b->fov_degrees &&
@@ -67,7 +67,7 @@ static stp_hash hash_list(const stp_draw_list* list)
                : hash;
 }
 
-static bool is_same_style(const stp_draw_style* a, const stp_draw_style* b)
+bool stp_resting_is_same_style(const stp_draw_style* a, const stp_draw_style* b)
 {
     return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
            a->headlight == b->headlight && a->background == b->background &&
@@ -80,8 +80,9 @@ bool stp_resting_continues(stp_resting* resting, const stp_view* view, const stp
                            const stp_draw_style* style)
 {
     stp_hash hash = hash_list(list);
-    bool same = is_same_view(&resting->view, view) && stp_hash_equal(resting->list, hash) &&
-                is_same_style(&resting->style, style);
+    bool same = stp_resting_is_same_view(&resting->view, view) &&
+                stp_hash_equal(resting->list, hash) &&
+                stp_resting_is_same_style(&resting->style, style);
     *resting = (stp_resting){.view = *view, .list = hash, .style = *style};
     return same;
 }
