@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Saved pictures of any size, drawn aside: on a thread and with a renderer of their own, as fine as can be.
+#include "painter_scene.h"
 #include "parts.h"
 
+#include "base/context.h"
 #include "present/png.h"
 
 #include <pthread.h>
@@ -9,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { FRAMES_MOST = 200 }; // while what a picture wants is loaded
 
 struct shot {
     pthread_t thread;
@@ -20,6 +24,7 @@ struct shot {
     stp_quality quality;
     shown_list shown;
     uint32_t thread_count;
+    uint64_t memory_limit;
     void (*wake)(void* user);
     void* user;
 };
@@ -32,54 +37,53 @@ static void on_log(stp_log_level level, const char* message, void* user)
     }
 }
 
-static stp_result draw_shot(shot* s, stp_context* context, stp_store* store)
+/// Draws it again and again until all that it wants is there, or as much as memory has room for.
+static stp_result draw_loaded(shot* s, paint_scene* scene, stp_image* image)
 {
-    stp_renderer* renderer = NULL;
-    stp_visibility* visibility = NULL;
-    stp_draw_list list = {0};
-    stp_draw_stats stats;
+    const paint_request request = {.view = s->view, .style = s->style, .quality = s->quality};
+    stp_residency* loads = scene->residency;
+    paint_figures figures;
+    stp_result result = STP_OK;
+    bool more = true;
+    for (int i = 0; i < FRAMES_MOST && more && result == STP_OK; ++i) {
+        result =
+            paint_scene_draw(scene, &request, s->quality.splat_size, false, false, image, &figures);
+        more = loads != NULL && stp_residency_wait(loads);
+        for (int k = 0; k < FRAMES_MOST && loads != NULL && stp_residency_wait(loads); ++k) {
+            stp_residency_update(loads, scene->list.wants, scene->list.want_count);
+        }
+    }
+    return result;
+}
+
+static stp_result draw_shot(shot* s, paint_scene* scene)
+{
     stp_image image = {.width = s->view.width, .height = s->view.height};
-    image.pixels = stp_alloc_array(context, (size_t)image.width * image.height, 4);
-    stp_result result = image.pixels == NULL ? stp_fail_memory(context)
-                                             : stp_draw_cpu_create(context, store, &renderer);
+    image.pixels = stp_alloc_array(scene->context, (size_t)image.width * image.height, 4);
+    stp_result result = image.pixels == NULL ? stp_fail_memory(scene->context) : STP_OK;
     if (result == STP_OK && s->shown.count > 0) {
-        result = stp_visibility_create(context, store, &visibility);
-        result = result == STP_OK ? shown_list_apply(&s->shown, visibility) : result;
-    }
-    s->quality.visibility = visibility;
-    if (result == STP_OK) {
-        result = stp_renderer_draw_selected(renderer, &s->view, &s->quality, &s->style, &list,
-                                            &image, &stats);
+        result = paint_scene_show(scene, &s->shown);
     }
     if (result == STP_OK) {
-        result = stp_png_write(context, &image, s->path);
+        result = draw_loaded(s, scene, &image);
     }
-    if (visibility != NULL) {
-        stp_visibility_destroy(visibility);
+    if (result == STP_OK) {
+        result = stp_png_write(scene->context, &image, s->path);
     }
-    stp_draw_list_destroy(context, &list);
-    if (renderer != NULL) {
-        stp_renderer_destroy(renderer);
-    }
-    stp_free(context, image.pixels);
+    stp_free(scene->context, image.pixels);
     return result;
 }
 
 static void* run(void* user)
 {
     shot* s = user;
-    stp_context* context = NULL;
-    stp_store* store = NULL;
-    stp_context_desc desc = {.log = on_log, .log_user = s, .thread_count = s->thread_count};
-    s->failed = stp_context_create(&context, &desc) != STP_OK ||
-                stp_store_open(context, s->store, &store) != STP_OK ||
-                draw_shot(s, context, store) != STP_OK;
-    if (store != NULL) {
-        stp_store_close(store);
-    }
-    if (context != NULL) {
-        stp_context_destroy(context);
-    }
+    paint_scene_desc desc = {.thread_count = s->thread_count,
+                             .memory_limit = s->memory_limit,
+                             .log = on_log,
+                             .log_user = s};
+    paint_scene* scene = paint_scene_open(&desc, s->store, 1);
+    s->failed = scene == NULL || draw_shot(s, scene) != STP_OK;
+    paint_scene_close(scene);
     atomic_store(&s->done, true);
     s->wake(s->user);
     return NULL;
@@ -106,6 +110,7 @@ void shot_begin(viewer* v)
     s->style.supersample = (uint32_t)v->settings.shot_samples;
     s->quality = request.quality;
     s->thread_count = v->options.thread_count;
+    s->memory_limit = v->options.memory_limit;
     s->wake = viewer_wake;
     s->user = v;
     if (v->explorer != NULL) {

@@ -481,5 +481,15 @@ same software.png hardware.png 0.9
 # under a limit of memory
 open_viewer ball.obj --backend cpu --memory 64M
 wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
+xdotool key F12
+wait_until 'tools["shot"].endswith(".png") and r["rests"]'
+close_viewer
+# which holds for saved pictures, too
+sed -i 's/"shot_width": [0-9]*/"shot_width": 8192/; s/"shot_height": [0-9]*/"shot_height": 8192/' config/stipple/viewer.json
+open_viewer ball.obj --backend cpu --memory 64M
+wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
+xdotool key F12
+wait_until '"memory" in r["message"] and r["rests"]'
+check "there is no picture" 'tools["shot"] == ""'
 close_viewer
 [ $failures -eq 0 ]
