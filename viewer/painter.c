@@ -5,7 +5,6 @@
 #include "painter_scene.h"
 
 #include "base/clock.h"
-#include "draw/resting.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -50,6 +49,7 @@ struct painter {
     painter_gl gl;
     stp_draw_gl_desc gl_desc;
     bool uses_gl;       ///< for the frame being drawn
+    bool gl_lost;       ///< it draws no more
     paint_scene* scene; ///< adopted and asked for
     uint64_t begun;     ///< number of the request being drawn
     paint_stage stage;
@@ -72,28 +72,6 @@ static void on_log(stp_log_level level, const char* message, void* user)
     p->message_is_error = level == STP_LOG_ERROR;
     pthread_mutex_unlock(&p->mutex);
     p->desc.wake(p->desc.user);
-}
-
-static bool same_quality(const stp_quality* a, const stp_quality* b)
-{
-    bool same = a->splat_size == b->splat_size && a->splat_count == b->splat_count &&
-                a->policy == b->policy && a->reference == b->reference &&
-                a->fovea.count == b->fovea.count && a->fovea.center[0] == b->fovea.center[0] &&
-                a->fovea.center[1] == b->fovea.center[1];
-    for (uint32_t i = 0; same && i < a->fovea.count; ++i) {
-        same = a->fovea.zones[i].radius == b->fovea.zones[i].radius &&
-               a->fovea.zones[i].factor == b->fovea.zones[i].factor;
-    }
-    return same;
-}
-
-static bool same_request(const paint_request* a, const paint_request* b)
-{
-    return a->scene == b->scene && a->budget_ms == b->budget_ms && a->samples == b->samples &&
-           a->controller == b->controller && a->gl == b->gl &&
-           stp_resting_is_same_view(&a->view, &b->view) &&
-           stp_resting_is_same_style(&a->style, &b->style) &&
-           same_quality(&a->quality, &b->quality);
 }
 
 /// Room for a picture. @return false where there is none
@@ -189,6 +167,31 @@ static void copy_depth(painter* p, painter_picture* picture)
     picture->is_empty = nearness != NULL && pixel == count;
 }
 
+/// Draws one frame; *texture: that it is in, where OpenGL draws. That one may be lost by it.
+static bool draw(painter* p, const paint_request* request, float size, bool accumulates,
+                 uint32_t* texture, paint_figures* figures)
+{
+    painter_picture* picture = &p->pictures[p->painting];
+    const stp_view* view = &request->view;
+    double start = stp_clock_ms();
+    *texture = 0;
+    if (!fit_picture(picture, view->width, view->height)) {
+        on_log(STP_LOG_ERROR, "there is no memory for the picture", p);
+        return false;
+    }
+    stp_result result = paint_scene_draw(p->scene, request, size, accumulates, p->uses_gl,
+                                         p->uses_gl ? NULL : &picture->image, figures);
+    if (result == STP_OK && p->uses_gl) {
+        *texture = painter_gl_keep(&p->gl, p->painting, stp_draw_gl_texture(p->scene->renderers[1]),
+                                   view->width, view->height);
+        figures->frame_ms = stp_clock_ms() - start; // until it was there
+    }
+    p->gl_lost =
+        p->gl_lost ||
+        (p->uses_gl && (result == STP_ERROR_UNSUPPORTED || (result == STP_OK && *texture == 0)));
+    return result == STP_OK && !(p->uses_gl && *texture == 0);
+}
+
 /// Draws one frame without the mutex, and makes it the one that is ready. The mutex is held before and after.
 static void paint(painter* p)
 {
@@ -196,25 +199,17 @@ static void paint(painter* p)
     painter_picture* picture = &p->pictures[p->painting];
     pthread_mutex_unlock(&p->mutex);
     paint_figures figures = {0};
-    p->uses_gl = request.gl && p->gl.functions != NULL &&
+    p->uses_gl = request.gl && !p->gl_lost && p->gl.functions != NULL &&
                  paint_scene_use_gl(p->scene, &p->gl_desc, p->desc.gl_splats);
     learn(p, &request, NULL);
     bool accumulates = p->stage == STAGE_ACCUMULATES;
     float size = choose_size(p, &request);
-    bool drawn = fit_picture(picture, request.view.width, request.view.height);
     uint32_t texture = 0;
-    double start = stp_clock_ms();
-    if (!drawn) {
-        on_log(STP_LOG_ERROR, "there is no memory for the picture", p);
-    } else {
-        drawn = paint_scene_draw(p->scene, &request, size, accumulates, p->uses_gl,
-                                 p->uses_gl ? NULL : &picture->image, &figures) == STP_OK;
-    }
-    if (drawn && p->uses_gl) {
-        texture = painter_gl_keep(&p->gl, p->painting, stp_draw_gl_texture(p->scene->renderers[1]),
-                                  request.view.width, request.view.height);
-        drawn = texture != 0;
-        figures.frame_ms = stp_clock_ms() - start; // until it was there
+    bool drawn = draw(p, &request, size, accumulates, &texture, &figures);
+    if (p->gl_lost && p->uses_gl) {
+        on_log(STP_LOG_WARNING, "OpenGL was lost: the processor draws from now on", p);
+        p->uses_gl = false;
+        drawn = draw(p, &request, size, accumulates, &texture, &figures);
     }
     if (drawn) {
         p->size = size;
@@ -450,7 +445,7 @@ void painter_show(painter* p, uint32_t scene, shown_list* list)
 uint64_t painter_request(painter* p, const paint_request* request)
 {
     pthread_mutex_lock(&p->mutex);
-    if (p->number == 0 || !same_request(&p->request, request)) {
+    if (p->number == 0 || !paint_is_same_request(&p->request, request)) {
         p->request = *request;
         p->number += 1;
         p->request_ms = stp_clock_ms();

@@ -37,5 +37,7 @@ stp_result paint_scene_show(paint_scene* s, const shown_list* list);
 /// Draws one frame, or accumulates one more where `accumulates`. Without an image it stays in OpenGL's texture.
 stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float splat_size,
                             bool accumulates, bool gl, stp_image* image, paint_figures* figures);
+/// Whether they ask for the same picture.
+bool paint_is_same_request(const paint_request* a, const paint_request* b);
 /// The near distance of the last frame.
 double paint_near_distance(const stp_view* view);
