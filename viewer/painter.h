@@ -43,7 +43,7 @@ typedef struct paint_figures {
     uint64_t splats, triangles, fragments, covered_pixels, draw_calls, nodes;
     uint64_t live_bytes; ///< of the renderer's context
     uint32_t samples;    ///< accumulated
-    uint32_t missing;    ///< things wanted and not loaded yet
+    uint32_t missing;    ///< things wanted and not loaded, or not drawn yet
 } paint_figures;
 
 typedef struct painter_picture {

@@ -129,10 +129,14 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
                                .nodes = s->list.node_count,
                                .samples = accumulates ? stats.samples : 1};
     if (s->residency != NULL && result == STP_OK) {
-        stp_residency_stats loaded;
+        stp_residency_stats before, loaded;
+        stp_residency_get_stats(s->residency, &before);
         stp_residency_update(s->residency, s->list.wants, s->list.want_count);
         stp_residency_get_stats(s->residency, &loaded);
         figures->missing = loaded.missing > 0 && loaded.loading > 0 ? loaded.missing : 0;
+        if (loaded.loaded != before.loaded) { // what came since is in the next frame
+            figures->missing += 1;
+        }
     }
     if (gl && result == STP_OK) {
         figures->missing += stp_draw_gl_get_stats(s->renderers[1]).coming;

@@ -5,7 +5,7 @@
 #include "build/build.h"
 #include "present/headless.h"
 #include "scenes/scenes.h"
-#include "viewer/painter.h"
+#include "viewer/painter_scene.h"
 
 #include <GL/glcorearb.h>
 #include <stdatomic.h>
@@ -111,6 +111,38 @@ void test_viewer_painter_makes_another_picture_of_another_style(test_state* test
     CHECK(painter_request(p, &request) == number + 2);
     (void)wait_for(p, number + 2);
     painter_destroy(p);
+    unlink(path);
+}
+
+static void say_nothing(stp_log_level level, const char* message, void* user)
+{
+    (void)level;
+    (void)message;
+    (void)user;
+}
+
+void test_viewer_painter_is_done_once_what_came_is_drawn(test_state* test)
+{
+    enum { BYTES = 4 * 100 * 80 };
+    static uint8_t done[BYTES], again[BYTES];
+    char path[64];
+    CHECK(build_boxes(path));
+    paint_scene_desc desc = {.thread_count = 1, .memory_limit = 64 << 20, .log = say_nothing};
+    paint_scene* s = paint_scene_open(&desc, path, 1);
+    CHECK(s != NULL);
+    paint_request request = ask(false);
+    paint_figures figures = {.missing = 1};
+    stp_image image = {100, 80, done};
+    int frames = 0;
+    for (; figures.missing > 0; ++frames) {
+        (void)stp_residency_wait(s->residency); // all that was asked for is there
+        CHECK_EQUAL(STP_OK, paint_scene_draw(s, &request, 1.0f, false, false, &image, &figures));
+    }
+    CHECK(frames > 1);
+    image.pixels = again;
+    CHECK_EQUAL(STP_OK, paint_scene_draw(s, &request, 1.0f, false, false, &image, &figures));
+    CHECK(memcmp(done, again, BYTES) == 0);
+    paint_scene_close(s);
     unlink(path);
 }
 
