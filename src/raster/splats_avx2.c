@@ -108,10 +108,8 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
                                   uint32_t index)
 {
     const __m256 columns = _mm256_setr_ps(0, 1, 2, 3, 0, 1, 2, 3);
-    const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     __m256 u = _mm256_add_ps(_mm256_set1_ps(t->u0[i]), columns);
     uint32_t coverage = splat_coverage(f->splats, index);
-    int center = 4 * (t->cy[i] - t->y0[i]) + (t->cx[i] - t->x0[i]);
     __m256i id = _mm256_set1_epi64x((long long)(f->first_id + index));
     uint64_t* pixel = f->target->pixels + (size_t)t->y0[i] * f->target->stride + (size_t)t->x0[i];
     uint64_t fragments = 0;
@@ -121,8 +119,6 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
         __m256 v = _mm256_add_ps(_mm256_set1_ps(t->v0[i]), rows);
         __m256i bits;
         __m256i inside = evaluate(f, t, i, u, v, &bits);
-        inside = _mm256_or_si256(inside,
-                                 _mm256_cmpeq_epi32(lanes, _mm256_set1_epi32(center - 8 * half)));
         if (coverage < 255) {
             __m256i dx = _mm256_add_epi32(_mm256_cvttps_epi32(columns),
                                           _mm256_set1_epi32(t->x0[i] - t->cx[i]));
@@ -167,10 +163,6 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
             __m256 u = _mm256_add_ps(_mm256_set1_ps(t->u0[i]), _mm256_cvtepi32_ps(column));
             __m256i bits;
             __m256i inside = evaluate(f, t, i, u, v, &bits);
-            if (y == t->cy[i]) {
-                __m256i center = _mm256_cmpeq_epi32(steps, _mm256_set1_epi32(t->cx[i] - x));
-                inside = _mm256_or_si256(inside, center);
-            }
             __m256i at = _mm256_add_epi32(_mm256_set1_epi32(x), steps);
             inside = _mm256_and_si256(inside, _mm256_cmpgt_epi32(at, before));
             inside = _mm256_and_si256(inside, _mm256_cmpgt_epi32(after, at));

@@ -88,7 +88,6 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
     __m512 v = _mm512_add_ps(_mm512_set1_ps(t->v0[i]), rows);
     __m512i bits;
     uint32_t mask = evaluate(f, t, i, u, v, &bits);
-    mask |= 1u << (4 * (t->cy[i] - t->y0[i]) + (t->cx[i] - t->x0[i]));
     uint32_t coverage = splat_coverage(f->splats, index);
     if (coverage < 255) {
         __m512i dx =
@@ -136,16 +135,13 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
     __m512i column = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->x0[i]), steps);
     __m512 u = _mm512_add_ps(_mm512_set1_ps(t->u0[i]), _mm512_cvtepi32_ps(column));
-    int32_t center = (t->cx[i] - box.x0) + 8 * (t->cy[i] - box.y0); // lane of the centre in row y0
-    bool center_in = t->cx[i] >= box.x0 && t->cx[i] < box.x1;
     uint64_t* pixel = f->target->pixels + (size_t)box.y0 * f->target->stride + (size_t)box.x0;
     uint64_t fragments = 0;
-    for (int32_t y = box.y0; y < box.y1; y += 2, center -= 16) {
+    for (int32_t y = box.y0; y < box.y1; y += 2) {
         __m512i row = _mm512_add_epi32(_mm512_set1_epi32(y - t->y0[i]), rows);
         __m512 v = _mm512_add_ps(_mm512_set1_ps(t->v0[i]), _mm512_cvtepi32_ps(row));
         __m512i bits;
         uint32_t mask = evaluate(f, t, i, u, v, &bits);
-        mask |= center_in && (uint32_t)center < 16u ? 1u << center : 0;
         mask &= y + 1 < box.y1 ? columns | columns << 8 : columns;
         if (coverage < 255) {
             __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->cx[i]), steps);
@@ -181,9 +177,6 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
             __m512 u = _mm512_add_ps(_mm512_set1_ps(t->u0[i]), _mm512_cvtepi32_ps(column));
             __m512i bits;
             uint32_t mask = evaluate(f, t, i, u, v, &bits);
-            if (y == t->cy[i] && t->cx[i] >= x && t->cx[i] < x + 16) {
-                mask |= 1u << (t->cx[i] - x);
-            }
             mask &= box.x1 - x < 16 ? (1u << (box.x1 - x)) - 1u : 0xFFFFu;
             if (coverage < 255) {
                 __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(x - t->cx[i]), steps);

@@ -109,7 +109,7 @@ static void blend_disk(blend_batch* b, uint32_t i)
         for (int32_t x = box.x0; x < box.x1; ++x) {
             float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
             float value = u * ((t->a[i] * u + t->b[i] * v) + t->p[i]) + v * (t->c[i] * v + t->q[i]);
-            if (!(value <= limit) && !(x == t->cx[i] && y == t->cy[i])) {
+            if (!(value <= limit)) {
                 continue;
             }
             float change = t->gx[i] * u + t->gy[i] * v;

@@ -272,7 +272,7 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
-/// Boxes from centres and extents (held in u0, v0).
+/// Boxes from centres and extents (held in u0, v0), with the centre's pixel, so that none is empty.
 static inline void box_batch(splat_batch* restrict t)
 {
     const float most = (float)SPLAT_EXTENT_LIMIT, far = SPLAT_FAR;
@@ -367,8 +367,7 @@ static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_ba
         uint64_t* row = f->target->pixels + (size_t)y * f->target->stride;
         for (int32_t x = box.x0; x < box.x1; ++x) {
             float nearness;
-            bool in = disk_fragment(f, t, i, x - t->x0[i], y - t->y0[i], &nearness);
-            if (!in && !(x == t->cx[i] && y == t->cy[i])) {
+            if (!disk_fragment(f, t, i, x - t->x0[i], y - t->y0[i], &nearness)) {
                 continue;
             }
             if (coverage < 255 &&

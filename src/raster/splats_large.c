@@ -177,12 +177,6 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
         for (int32_t x = box.x0; x < box.x1; ++x) {
             double nearness;
             bool in = meet(&disk, (double)x + 0.5, (double)y + 0.5, &nearness);
-            if (!in && (double)x == center_x && (double)y == center_y) {
-                in = true;
-                double behind = disk.behind + disk.rim;
-                nearness = disk.parallel ? disk.nearness + disk.slope * behind
-                                         : disk.nearness / (disk.center[2] + behind);
-            }
             if (!in || !(nearness > 0.0) || nearness > limit) {
                 continue;
             }

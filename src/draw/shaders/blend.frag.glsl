@@ -21,7 +21,7 @@ void main()
     vec2 at = vec2(pixel) + 0.5 - center.xy;
     bool tiny = ray.w > 0.5;
     float value = at.x * (conic.x * at.x + conic.y * at.y + conic.w) + at.y * (conic.z * at.y + conic2.x);
-    if (plane.w == PLANE_NONE || (!(value <= conic2.y) && place != ivec2(0))) {
+    if (plane.w == PLANE_NONE || !(value <= conic2.y)) {
         discard;
     }
     float nearness = center.z + clamp(dot(conic2.zw, at), -center.w, center.w);

@@ -15,11 +15,9 @@ bool meet_parallel(out float nearness, out ivec2 center)
     vec2 at = gl_FragCoord.xy - middle.xy;
     float z = -dot(normal.xy, at) / normal.z, limit = middle.w * middle.w;
     float square = dot(at, at) + z * z;
-    bool met = square <= limit;
     center = ivec2(floor(middle.xy));
-    float behind = met ? depths.z + depths.w * (square / limit) : depths.z + depths.w;
-    nearness = depths.x + depths.y * ((met ? z : 0.0) + behind);
-    return met;
+    nearness = depths.x + depths.y * (z + depths.z + depths.w * (square / limit));
+    return square <= limit;
 }
 
 bool meet_perspective(out float nearness, out ivec2 center)
@@ -28,11 +26,9 @@ bool meet_perspective(out float nearness, out ivec2 center)
     float t = dot(normal.xyz, middle.xyz) / dot(normal.xyz, ray), limit = middle.w * middle.w;
     vec3 from = t * ray - middle.xyz;
     float square = dot(from, from);
-    bool met = t > 0.0 && square <= limit;
     center = middle.z > 0.0 ? ivec2(floor(screen.xy + middle.xy / (middle.z * screen.z))) : ivec2(-1);
-    float z = met ? t + depths.z + depths.w * (square / limit) : middle.z + depths.z + depths.w;
-    nearness = depths.x / z;
-    return met;
+    nearness = depths.x / (t + depths.z + depths.w * (square / limit));
+    return t > 0.0 && square <= limit;
 }
 
 void main()
@@ -41,7 +37,7 @@ void main()
     ivec2 center;
     bool met = view.parallel != 0u ? meet_parallel(nearness, center) : meet_perspective(nearness, center);
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    if ((!met && pixel != center) || !(nearness > 0.0) || nearness > screen.w) {
+    if (!met || !(nearness > 0.0) || nearness > screen.w) {
         discard;
     }
     if (hashed.z < 255u && !has_fragment(hashed.z, hashed.y, pixel - center)) {

@@ -69,7 +69,7 @@ uint blend(uint at, const fragment f, uint slopes)
 bool is_in(ivec2 pixel, float value)
 {
     ivec2 place = pixel - ivec2(floor(center.xy));
-    return (value <= conic2.y || place == ivec2(0)) &&
+    return value <= conic2.y &&
            (hashed.z >= 255u || has_fragment(hashed.z, hashed.y, place));
 }
 
