@@ -47,5 +47,8 @@ STP_MUST_USE stp_result stp_file_writer_commit_passing(stp_file_writer* writer);
 /// Removes the temporary file and ends the writer. NULL is allowed.
 void stp_file_writer_abort(stp_file_writer* writer);
 
+/// How many bytes the disk still takes beside `path`; UINT64_MAX where it does not say.
+uint64_t stp_file_room(const char* path);
+
 /// Removes what killed writers of `path` left beside it: their temporary files, where no such process lives.
 void stp_file_remove_stale(stp_context* context, const char* path);

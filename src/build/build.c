@@ -71,6 +71,9 @@ static stp_result open_work(build* b)
     snprintf(b->work_folder, size, "%s.work", b->desc->output);
     stp_result result = stp_work_open(b->context, b->work_folder, b->desc->fresh, &b->work);
     stp_file_remove_stale(b->context, b->desc->output);
+    if (result == STP_OK && b->desc->draft != NULL) {
+        stp_file_remove_stale(b->context, b->desc->draft);
+    }
     b->former = result == STP_OK && !b->desc->fresh ? stp_former_open(b->desc->output) : NULL;
     return result != STP_OK ? result : stp_spill_create(b->context, b->work_folder, &b->spill);
 }
@@ -300,7 +303,7 @@ stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build
         {"import", 5.0}, {"partition", 3.0}, {"clusters", 6.0}, {"surfels", 80.0}, {"write", 6.0}};
     stp_progress_plan(context, desc->draft != NULL ? drafted_stages : stages,
                       sizeof(stages) / sizeof(stages[0]));
-    b.draft = stp_build_draft_create(desc);
+    b.draft = stp_build_draft_create(context, desc);
     stp_result result = try_output(context, desc->output);
     result = result != STP_OK ? result : open_work(&b);
     result = result != STP_OK ? result : import_inputs(&b);

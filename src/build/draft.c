@@ -2,6 +2,8 @@
 #include "build/draft.h"
 
 #include "base/clock.h"
+#include "base/context.h"
+#include "base/file.h"
 #include "build/draft_content.h"
 
 #include <pthread.h>
@@ -10,6 +12,9 @@
 
 enum { WORTH_TRIANGLES = 100000 }; ///< what has fewer is done within a second
 static const double pause_ms = 1000.0, pause_of_time = 10.0;
+// Of the finished file, for each triangle and point without instances: 25 to 43 in the paper's scene. A draft takes no more, but for
+// points of its own.
+enum { BYTES_EACH = 48, BYTES_A_TEXEL = 4, BYTES_OF_POINTS = 32 << 20 };
 
 struct stp_build_draft {
     stp_context* context; ///< its own, which is quiet: nobody misses a draft
@@ -27,6 +32,7 @@ struct stp_build_draft {
     stp_surfels* sets; ///< one a step; count 0: not there, or nothing is seen of it
     uint32_t news;     ///< so many things since the last draft
     bool writes;       ///< some thread does
+    bool gives_up;     ///< one could not be written
     double due_ms;
 };
 
@@ -38,13 +44,14 @@ typedef struct snapshot {
     uint32_t set_count;
 } snapshot;
 
-stp_build_draft* stp_build_draft_create(const stp_build_desc* desc)
+stp_build_draft* stp_build_draft_create(const stp_context* of_build, const stp_build_desc* desc)
 {
     if (desc->draft == NULL) {
         return NULL;
     }
     stp_build_draft* d = calloc(1, sizeof(*d));
-    stp_context_desc context = {.thread_count = 1, .memory_limit_bytes = desc->memory_bytes / 8};
+    uint64_t limit = desc->memory_bytes != 0 ? desc->memory_bytes : stp_memory_limit(of_build);
+    stp_context_desc context = {.thread_count = 1, .memory_limit_bytes = limit / 8};
     if (d == NULL || stp_context_create(&d->context, &context) != STP_OK) {
         free(d);
         return NULL;
@@ -69,7 +76,8 @@ void stp_build_draft_destroy(stp_build_draft* draft)
     }
 }
 
-static bool is_worth_it(const stp_build_draft* d, const stp_scene* scene)
+// Triangles and points, without their instances.
+static uint64_t count_parts(const stp_scene* scene)
 {
     uint64_t amount = 0;
     for (size_t i = 0; i < scene->mesh_count; ++i) {
@@ -78,16 +86,33 @@ static bool is_worth_it(const stp_build_draft* d, const stp_scene* scene)
     for (size_t i = 0; i < scene->point_set_count; ++i) {
         amount += scene->point_sets[i].point_count;
     }
-    return amount > WORTH_TRIANGLES || d->pause_ms == 0.0;
+    return amount;
 }
 
-// Writes a scene, and tells. A failure is nobody's concern.
-static void write_state(stp_build_draft* d, const stp_draft_state* state)
+static bool is_worth_it(const stp_build_draft* d, const stp_scene* scene)
+{
+    return count_parts(scene) > WORTH_TRIANGLES || d->pause_ms == 0.0;
+}
+
+// Whether the disk holds the draft and all that the build may still write: its results, and the finished file.
+static bool has_room(const stp_build_draft* d, const stp_scene* scene)
+{
+    uint64_t bytes = BYTES_EACH * count_parts(scene);
+    for (size_t i = 0; i < scene->texture_count; ++i) {
+        bytes += BYTES_A_TEXEL * (uint64_t)scene->textures[i].width * scene->textures[i].height;
+    }
+    return stp_file_room(d->path) / 3 >= bytes + BYTES_OF_POINTS;
+}
+
+// Writes a scene, and tells. A failure is nobody's concern, but what is full or missing is left alone from then on.
+// @return whether another may be tried later
+static bool write_state(stp_build_draft* d, const stp_draft_state* state)
 {
     static const char parameters[] = "{\"draft\":true}";
     stp_build_content content;
-    if (stp_draft_content_create(d->context, state, &content) != STP_OK) {
-        return;
+    if (!has_room(d, state->scene) ||
+        stp_draft_content_create(d->context, state, &content) != STP_OK) {
+        return true;
     }
     content.content.census = d->census;
     content.content.passing = true;
@@ -101,12 +126,13 @@ static void write_state(stp_build_draft* d, const stp_draft_state* state)
     if (result == STP_OK && d->drafted != NULL) {
         d->drafted(d->user);
     }
+    return result != STP_ERROR_IO;
 }
 
 void stp_build_draft_sketch(stp_build_draft* draft, const stp_scene* scene)
 {
     if (draft != NULL && is_worth_it(draft, scene)) {
-        write_state(draft, &(stp_draft_state){.scene = scene});
+        draft->gives_up = !write_state(draft, &(stp_draft_state){.scene = scene});
         draft->due_ms = stp_clock_ms() + draft->pause_ms;
     }
 }
@@ -155,17 +181,17 @@ static bool take_snapshot(const stp_build_draft* d, snapshot* s)
 static void write_now(stp_build_draft* d)
 {
     snapshot s;
-    bool taken = take_snapshot(d, &s);
+    bool taken = take_snapshot(d, &s), goes_on = true;
     d->writes = true;
     d->news = 0;
     pthread_mutex_unlock(&d->mutex);
     double start = stp_clock_ms();
     if (taken) {
-        write_state(d, &(stp_draft_state){.scene = d->scene,
-                                          .coded = s.coded,
-                                          .sets = s.sets,
-                                          .set_count = s.set_count,
-                                          .set_of_node = s.set_of_node});
+        goes_on = write_state(d, &(stp_draft_state){.scene = d->scene,
+                                                    .coded = s.coded,
+                                                    .sets = s.sets,
+                                                    .set_count = s.set_count,
+                                                    .set_of_node = s.set_of_node});
     }
     free(s.coded);
     free(s.sets);
@@ -174,13 +200,14 @@ static void write_now(stp_build_draft* d)
     pthread_mutex_lock(&d->mutex);
     d->due_ms = now + (pause > d->pause_ms ? pause : d->pause_ms);
     d->writes = false;
+    d->gives_up = !goes_on;
 }
 
 // With the mutex held: something came.
 static void advance(stp_build_draft* d)
 {
     d->news += 1;
-    if (!d->writes && stp_clock_ms() >= d->due_ms) {
+    if (!d->writes && !d->gives_up && stp_clock_ms() >= d->due_ms) {
         write_now(d);
     }
 }
@@ -209,7 +236,7 @@ void stp_build_draft_write(stp_build_draft* draft)
 {
     if (draft != NULL && draft->scene != NULL) {
         pthread_mutex_lock(&draft->mutex);
-        if (draft->news > 0) {
+        if (draft->news > 0 && !draft->gives_up) {
             write_now(draft);
         }
         pthread_mutex_unlock(&draft->mutex);

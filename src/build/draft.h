@@ -2,7 +2,7 @@
 //
 // What a build has made so far, written again and again as a scene of its own, so that somebody can look at it: first
 // points of all meshes, then triangles, then surfels from the smallest parts up. Drafts take at most a tenth of the
-// time of one thread; none can make a build fail, or change its result.
+// time of one thread, and none is written where the disk might then be too small for the build. None changes its result.
 #pragma once
 
 #include "build/build.h"
@@ -12,8 +12,9 @@
 
 typedef struct stp_build_draft stp_build_draft;
 
-/// @return NULL where none are wanted, or there is no memory. All functions below take NULL, and do nothing then
-stp_build_draft* stp_build_draft_create(const stp_build_desc* desc);
+/// `context`: of the build. @return NULL where none are wanted, or there is no memory. All functions below take NULL, and
+/// do nothing then
+stp_build_draft* stp_build_draft_create(const stp_context* context, const stp_build_desc* desc);
 void stp_build_draft_destroy(stp_build_draft* draft);
 
 /// Writes points of a finished scene, before it is partitioned: it may change afterwards. Small ones are not worth it.

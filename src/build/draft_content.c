@@ -19,6 +19,9 @@ typedef struct exposure {
     bool as_points;
 } exposure;
 
+// No sum of these reaches beyond all numbers: things may be stretched where they have no width.
+static const double area_most = 1e60;
+
 typedef struct draft_work {
     stp_context* context;
     const stp_draft_state* state;
@@ -66,6 +69,13 @@ static void count_paths(draft_work* w)
     }
 }
 
+// Of a mesh with all its uses.
+static double area_of(const draft_work* w, size_t mesh)
+{
+    double area = w->meshes[mesh].weight * w->state->scene->meshes[mesh].area;
+    return area > 0.0 ? fmin(area, area_most) : 0.0;
+}
+
 // A mesh, and what its triangles show.
 typedef struct candidate {
     double area; ///< of one triangle, about
@@ -91,7 +101,7 @@ static bool choose_meshes(draft_work* w)
     for (size_t i = 0; i < count; ++i) {
         const stp_mesh* mesh = &scene->meshes[i];
         double triangles = (double)mesh->triangle_count * (w->meshes[i].uses + 1e-9);
-        order[i] = (candidate){w->meshes[i].weight * mesh->area / triangles, (uint32_t)i};
+        order[i] = (candidate){triangles > 0.0 ? area_of(w, i) / triangles : 0.0, (uint32_t)i};
     }
     qsort(order, count, sizeof(*order), larger_first);
     double left = triangles_most;
@@ -124,14 +134,14 @@ static stp_result sketch_meshes(draft_work* w, stp_arena* arena, stp_store_point
     const stp_scene* scene = &w->seen;
     double all = 0.0;
     for (size_t i = 0; i < scene->mesh_count; ++i) {
-        all += w->meshes[i].as_points ? w->meshes[i].weight * scene->meshes[i].area : 0.0;
+        all += w->meshes[i].as_points ? area_of(w, i) : 0.0;
     }
     for (size_t i = 0; i < scene->mesh_count && all > 0.0; ++i) {
         exposure* x = &w->meshes[i];
         if (!x->as_points || !(x->uses > 0.0)) {
             continue;
         }
-        double points = points_most * x->weight * scene->meshes[i].area / (all * x->uses);
+        double points = points_most * area_of(w, i) / (all * x->uses);
         uint32_t count = share_of(points, i);
         uint64_t most = 4 * (uint64_t)scene->meshes[i].triangle_count;
         count = count < most || scene->meshes[i].triangle_count > 1000 ? count : (uint32_t)most;

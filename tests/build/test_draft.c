@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: MIT
 // What is to be seen of a scene while it is built.
+#define _GNU_SOURCE // unshare
 #include "tests.h"
 
 #include "build/build.h"
 #include "draw/draw.h"
 #include "measure/image_compare.h"
 #include "present/camera.h"
+#include "scene/scene_helpers.h"
 #include "scenes/scenes.h"
 #include "store/store.h"
 
+#include <fcntl.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 enum { DRAFTS = 64, WIDTH = 128, HEIGHT = 96, PIXELS = WIDTH * HEIGHT };
@@ -82,9 +88,9 @@ static void on_draft(void* user)
     o->count += 1;
 }
 
-static stp_result build_scene(const char* input, const char* output, onlooker* o)
+static stp_result build_with(uint32_t threads, const char* input, const char* output, onlooker* o)
 {
-    stp_context* context = test_context(NULL, 1, NULL);
+    stp_context* context = test_context(NULL, threads, NULL);
     stp_build_desc desc = {.inputs = &input,
                            .input_count = 1,
                            .output = output,
@@ -99,6 +105,11 @@ static stp_result build_scene(const char* input, const char* output, onlooker* o
     stp_result result = stp_build(context, &desc, &report);
     stp_context_destroy(context);
     return result;
+}
+
+static stp_result build_scene(const char* input, const char* output, onlooker* o)
+{
+    return build_with(1, input, output, o);
 }
 
 // Some bumpy sheets beside each other, an object each.
@@ -223,5 +234,153 @@ void test_drafts_that_cannot_be_written_harm_nothing(test_state* test)
     CHECK_EQUAL(STP_OK, build_scene("scene:boxes", output, &o));
     CHECK_EQUAL(0, o.count);
     unlink(output);
+    CHECK(rmdir(folder) == 0);
+}
+
+void test_drafts_of_many_threads_change_nothing(test_state* test)
+{
+    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
+    snprintf(output, sizeof(output), "%s/output.stip", folder);
+    snprintf(plain, sizeof(plain), "%s/plain.stip", folder);
+    snprintf(model, sizeof(model), "%s/model.obj", folder);
+    CHECK(write_sheets(model));
+    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    CHECK(o.drafts != NULL);
+    CHECK_EQUAL(STP_OK, build_with(4, model, output, &o));
+    CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
+    CHECK(same_files(output, plain));
+    CHECK(o.count > 1);
+    for (uint32_t i = 0; i < o.count && i < DRAFTS; ++i) {
+        CHECK(o.drafts[i].whole);
+    }
+    free(o.drafts);
+    unlink(draft);
+    unlink(output);
+    unlink(plain);
+    unlink(model);
+    CHECK(rmdir(folder) == 0);
+}
+
+// What a killed build was writing: a name that the writer gives, of a process that is no more.
+void test_drafts_leave_nothing_of_those_before(test_state* test)
+{
+    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], stale[96];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
+    snprintf(output, sizeof(output), "%s/output.stip", folder);
+    pid_t child = fork();
+    if (child == 0) {
+        _exit(0);
+    }
+    CHECK(child > 0 && waitpid(child, NULL, 0) == child);
+    snprintf(stale, sizeof(stale), "%s.tmp-%ld-0", draft, (long)child);
+    int file = open(stale, O_CREAT | O_WRONLY, 0666);
+    CHECK(file >= 0 && close(file) == 0);
+    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    CHECK(o.drafts != NULL);
+    CHECK_EQUAL(STP_OK, build_scene("scene:boxes", output, &o));
+    CHECK(access(stale, F_OK) != 0);
+    free(o.drafts);
+    unlink(stale);
+    unlink(draft);
+    unlink(output);
+    CHECK(rmdir(folder) == 0);
+}
+
+// Flat things that are stretched, beyond all numbers, where they have no width.
+static stp_result make_stretched(stp_scene* scene, const char* name, void* user)
+{
+    (void)name;
+    (void)user;
+    const stp_affine stretched = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1e200, 0}}};
+    uint32_t mesh;
+    bool added = add_strip(scene, 2000, 0.0f, &mesh) &&
+                 add_mesh_object(scene, STP_NONE, stretched, mesh, NULL);
+    return added ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
+}
+
+void test_drafts_of_endless_areas_have_few_points(test_state* test)
+{
+    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
+    snprintf(output, sizeof(output), "%s/output.stip", folder);
+    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    CHECK(o.drafts != NULL);
+    const char* input = "scene:stretched";
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_build_desc desc = {.inputs = &input,
+                           .input_count = 1,
+                           .output = output,
+                           .generate = make_stretched,
+                           .memory_bytes = 2ull << 30,
+                           .draft = draft,
+                           .draft_always = true,
+                           .drafted = on_draft,
+                           .drafted_user = &o};
+    stp_build_report report;
+    CHECK_EQUAL(STP_OK, stp_build(context, &desc, &report));
+    stp_context_destroy(context);
+    CHECK(o.count > 0 && o.drafts[0].whole);
+    CHECK(o.drafts[0].points > 100 && o.drafts[0].points < 2000000);
+    free(o.drafts);
+    unlink(draft);
+    unlink(output);
+    CHECK(rmdir(folder) == 0);
+}
+
+enum { NOT_ALLOWED = 77 };
+
+// On a disk of its own, as small as will do for a build: whether drafts leave it the room. In a process of its own.
+static int fill_disk(const char* folder, const char* model)
+{
+    char options[64], output[80], draft[80];
+    snprintf(output, sizeof(output), "%s/output.stip", folder);
+    snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
+    if (unshare(CLONE_NEWNS | (geteuid() != 0 ? CLONE_NEWUSER : 0)) != 0 ||
+        mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) != 0) {
+        return NOT_ALLOWED;
+    }
+    for (unsigned kilobytes = 64; kilobytes < 4096; kilobytes += 64) {
+        snprintf(options, sizeof(options), "size=%uk", kilobytes);
+        if (mount("none", folder, "tmpfs", 0, options) != 0) {
+            return NOT_ALLOWED;
+        }
+        onlooker o = {
+            .path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+        bool fits = build_scene(model, output, NULL) == STP_OK && unlink(output) == 0;
+        bool with_drafts = fits && o.drafts != NULL && build_scene(model, output, &o) == STP_OK;
+        free(o.drafts);
+        if (umount(folder) != 0) {
+            return NOT_ALLOWED;
+        }
+        if (fits) {
+            return with_drafts ? 0 : 1;
+        }
+    }
+    return 1;
+}
+
+void test_drafts_leave_room_for_the_build(test_state* test)
+{
+    char folder[] = "/tmp/stp_draft_XXXXXX", model[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(model, sizeof(model), "%s.obj", folder);
+    CHECK(write_sheets(model));
+    int status = 0;
+    pid_t child = fork();
+    if (child == 0) {
+        _exit(fill_disk(folder, model));
+    }
+    CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status));
+    bool allowed = WEXITSTATUS(status) != NOT_ALLOWED;
+    if (!allowed) {
+        SKIP("no disk can be mounted here");
+    } else {
+        CHECK_EQUAL(0, WEXITSTATUS(status));
+    }
+    unlink(model);
     CHECK(rmdir(folder) == 0);
 }
