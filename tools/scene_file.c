@@ -36,6 +36,7 @@ typedef struct wish {
     scene_use use;
     const scene_watcher* watcher; ///< NULL: nobody looks on
     char* draft;                  ///< of the watcher
+    bool drafted;                 ///< one was written
 } wish;
 
 static bool is_stip(const stp_mapped_file* file)
@@ -199,8 +200,22 @@ static bool decide_surfels(const stp_scene* scene, void* user)
 
 static void tell_drafted(void* user)
 {
-    const wish* w = user;
+    wish* w = user;
+    w->drafted = true; // by one thread at a time
     w->watcher->grown(w->draft, w->watcher->user);
+}
+
+/// Where drafts of a cached build are. @return false where the name is too long
+static bool name_draft(const char* cached, char* draft)
+{
+    static const char ending[] = "-draft.stip";
+    size_t length = strlen(cached) - strlen(".stip");
+    if (length + sizeof(ending) > PATH_MAX) {
+        return false;
+    }
+    memcpy(draft, cached, length);
+    memcpy(draft + length, ending, sizeof(ending));
+    return true;
 }
 
 /// Shows the watcher what there is, or has drafts made for it.
@@ -212,16 +227,10 @@ static void prepare_watching(wish* w, char cached[SCENE_USES][PATH_MAX], stp_bui
             return;
         }
     }
-    if (w->watcher != NULL) {
-        static const char ending[] = "-draft.stip";
-        size_t length = strlen(cached[w->use]) - strlen(".stip");
-        if (length + sizeof(ending) <= PATH_MAX) {
-            memcpy(w->draft, cached[w->use], length);
-            memcpy(w->draft + length, ending, sizeof(ending));
-            desc->draft = w->draft;
-            desc->drafted = tell_drafted;
-            desc->drafted_user = w;
-        }
+    if (w->watcher != NULL && name_draft(cached[w->use], w->draft)) {
+        desc->draft = w->draft;
+        desc->drafted = tell_drafted;
+        desc->drafted_user = w;
     }
 }
 
@@ -273,6 +282,9 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
     for (int i = 0; i <= (int)w->use; ++i) { // what has more serves as well
         if (is_cached(cached[i])) {
             stp_notice(context, "%s: taken from the cache, %s", path, cached[i]);
+            if (w->watcher != NULL && name_draft(cached[i], w->draft)) {
+                (void)unlink(w->draft); // of a process that was killed
+            }
             memcpy(located, cached[i], PATH_MAX);
             return STP_OK;
         }
@@ -288,9 +300,12 @@ stp_result tool_locate_scene(stp_context* context, const char* path, scene_use u
 stp_result tool_locate_watched(stp_context* context, const char* path, const scene_watcher* watcher,
                                char* located, char* draft)
 {
-    draft[0] = '\0';
-    return locate(context, path,
-                  &(wish){.use = SCENE_FOR_SPLATS, .watcher = watcher, .draft = draft}, located);
+    wish w = {.use = SCENE_FOR_SPLATS, .watcher = watcher, .draft = draft};
+    stp_result result = locate(context, path, &w, located);
+    if (!w.drafted) { // what may stand there is another's
+        draft[0] = '\0';
+    }
+    return result;
 }
 
 stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,

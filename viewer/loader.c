@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 struct loader {
@@ -17,7 +18,7 @@ struct loader {
     uint32_t wanted, begun; ///< numbers of loads
     char path[PATH_MAX];    ///< of the load that is wanted
     loader_news news;
-    char draft[PATH_MAX]; ///< of the last build; the thread's own
+    char draft[PATH_MAX]; ///< of the last build
 };
 
 static void copy_text(char* out, size_t size, const char* text)
@@ -75,18 +76,38 @@ static void on_grown(const char* store, void* user)
     tell(user, LOADER_REFINING, store, false);
 }
 
-/// The last build's drafts are not looked at any more.
-static void remove_draft(loader* l)
+void loader_drop_drafts(loader* l)
 {
+    pthread_mutex_lock(&l->mutex);
     if (l->draft[0] != 0) {
         (void)unlink(l->draft);
         l->draft[0] = 0;
     }
+    pthread_mutex_unlock(&l->mutex);
+}
+
+/// Until another process may have built what is wanted. @return false where it is not wanted any more
+static bool wait_for_another(loader* l)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += 1;
+    pthread_mutex_lock(&l->mutex);
+    copy_text(l->news.stage, sizeof(l->news.stage), "waiting for another window");
+    l->news.message[0] = 0;
+    int waited = 0;
+    while (!l->quits && l->wanted == l->begun && waited == 0) {
+        waited = pthread_cond_timedwait(&l->changed, &l->mutex, &until);
+    }
+    bool goes_on = !l->quits && l->wanted == l->begun;
+    pthread_mutex_unlock(&l->mutex);
+    l->desc.wake(l->desc.user);
+    return goes_on;
 }
 
 static void load(loader* l, const char* path)
 {
-    char found[PATH_MAX];
+    char found[PATH_MAX], draft[PATH_MAX];
     stp_context* context = NULL;
     stp_context_desc desc = {.log = on_log,
                              .log_user = l,
@@ -94,15 +115,21 @@ static void load(loader* l, const char* path)
                              .progress_user = l,
                              .thread_count = l->desc.thread_count,
                              .memory_limit_bytes = l->desc.memory_limit};
-    remove_draft(l);
+    loader_drop_drafts(l);
     if (stp_context_create(&context, &desc) != STP_OK) {
         on_log(STP_LOG_ERROR, "there is no memory to load anything", l);
         tell(l, LOADER_FAILED, NULL, false);
         return;
     }
     scene_watcher watcher = {.grown = on_grown, .user = l};
-    stp_result result = tool_locate_watched(context, path, &watcher, found, l->draft);
+    stp_result result;
+    do {
+        result = tool_locate_watched(context, path, &watcher, found, draft);
+    } while (result == STP_ERROR_BUSY && wait_for_another(l));
     stp_context_destroy(context);
+    pthread_mutex_lock(&l->mutex);
+    copy_text(l->draft, sizeof(l->draft), draft);
+    pthread_mutex_unlock(&l->mutex);
     tell(l, result == STP_OK ? LOADER_DONE : LOADER_FAILED, result == STP_OK ? found : NULL, true);
 }
 
@@ -165,7 +192,7 @@ void loader_destroy(loader* l)
     pthread_cond_signal(&l->changed);
     pthread_mutex_unlock(&l->mutex);
     pthread_join(l->thread, NULL);
-    remove_draft(l);
+    loader_drop_drafts(l);
     pthread_mutex_destroy(&l->mutex);
     pthread_cond_destroy(&l->changed);
     free(l);

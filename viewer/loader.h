@@ -3,7 +3,7 @@
 // Finds or builds what a file looks like, on a thread of its own: the viewer never waits.
 //
 // A model grows while it is built: drafts of what is there already (build/draft.h) come one after another, each at the same
-// path and with another serial, and the finished scene after them.
+// path and with another serial, and the finished scene after them. What another process builds already is waited for.
 #pragma once
 
 #include "scene_file.h"
@@ -50,3 +50,5 @@ void loader_destroy(loader* l);
 /// Begins with a file; what was begun before is stopped.
 void loader_start(loader* l, const char* path);
 void loader_get_news(loader* l, loader_news* news);
+/// The finished scene is shown: its drafts are not looked at any more.
+void loader_drop_drafts(loader* l);

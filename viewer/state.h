@@ -90,6 +90,7 @@ typedef struct viewer {
     loader_news news;
     char file[PATH_ROOM];                    ///< that is shown or loaded
     uint32_t opening;                        ///< serial that the painter opens
+    uint32_t former;                         ///< serials up to this one are of the file before
     uint32_t file_number, shown_file_number; ///< files so far; the one that is shown
     const painter_scene* scene;
     const painter_picture* picture;

@@ -36,6 +36,7 @@ void viewer_open(viewer* v, const char* path)
 {
     snprintf(v->file, sizeof(v->file), "%s", path);
     v->file_number += 1;
+    v->former = v->opening;
     messages_clear(v);
     v->record.plays = false;
     views_begin(v);
@@ -71,9 +72,9 @@ static void explore(viewer* v, bool same_file)
     }
     v->explorer = explorer_create(v->scene->path);
     v->marks_version = 0;
-    if (v->explorer == NULL) {
+    if (v->explorer == NULL && v->scene->serial > v->former) {
         viewer_say(v, true, "%s: the parts cannot be read", v->file);
-    } else if (same_file && before != NULL) {
+    } else if (v->explorer != NULL && same_file && before != NULL) {
         explorer_follow(v->explorer, before);
     }
     if (!same_file) {
@@ -109,6 +110,30 @@ static void step_explorer(viewer* v)
     }
 }
 
+static void take_scene(viewer* v)
+{
+    const painter_scene* scene = painter_adopt(v->painter);
+    if (scene == NULL) {
+        return;
+    }
+    // one that was still being opened when another file was chosen is no draft of that
+    uint32_t number = scene->serial <= v->former ? v->file_number - 1 : v->file_number;
+    bool same_file = v->shown_file_number == number && v->has_camera;
+    v->scene = scene;
+    explore(v, same_file);
+    if (!same_file) {
+        v->shown_file_number = number;
+        camera_begin(v);
+        if (stp_boxd_is_empty(v->scene->bounds)) {
+            viewer_say(v, false, "%s: there is nothing in it to draw", v->file);
+        }
+    }
+    if (v->news.complete && scene->serial == v->news.serial) {
+        loader_drop_drafts(v->loader);
+    }
+    viewer_redraw(v);
+}
+
 static void take_news(viewer* v)
 {
     loader_state before = v->news.state;
@@ -124,19 +149,7 @@ static void take_news(viewer* v)
     if (v->news.state == LOADER_FAILED && before != LOADER_FAILED) {
         viewer_say(v, true, "%s", v->news.message);
     }
-    const painter_scene* scene = painter_adopt(v->painter);
-    if (scene != NULL) {
-        v->scene = scene;
-        explore(v, v->shown_file_number == v->file_number && v->has_camera);
-        if (v->shown_file_number != v->file_number || !v->has_camera) {
-            v->shown_file_number = v->file_number;
-            camera_begin(v);
-            if (stp_boxd_is_empty(v->scene->bounds)) {
-                viewer_say(v, false, "%s: there is nothing in it to draw", v->file);
-            }
-        }
-        viewer_redraw(v);
-    }
+    take_scene(v);
     char message[512];
     bool is_error;
     if (painter_get_message(v->painter, message, sizeof(message), &is_error)) {

@@ -28,7 +28,8 @@ extern "C" {
     X(ERROR_CANCELLED, "stopped by the caller")                                                    \
     X(ERROR_UNSUPPORTED, "file needs a feature this reader does not have")                         \
     X(ERROR_LIMIT, "a limit was exceeded")                                                         \
-    X(ERROR_ARGUMENT, "an option's value is out of range")
+    X(ERROR_ARGUMENT, "an option's value is out of range")                                         \
+    X(ERROR_BUSY, "somebody else is at work there")
 
 typedef enum stp_result {
 #define X(name, text) STP_##name,

@@ -24,7 +24,7 @@ typedef struct stp_work_report {
 } stp_work_report;
 
 /// Opens or makes the folder and locks it. `fresh` empties it first. Only files of its own kind are ever removed.
-/// @return STP_OK; STP_ERROR_IO (logged): no permission, disk full, another build at work there;
+/// @return STP_OK; STP_ERROR_IO (logged): no permission, disk full; STP_ERROR_BUSY (logged): another build is at work there;
 /// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_work_open(stp_context* context, const char* folder, bool fresh,
                                       stp_work** work);

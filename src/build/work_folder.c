@@ -75,7 +75,7 @@ static stp_result lock_folder(stp_work_folder* folder, bool* again)
         return fail_folder(place, "the file 'lock' cannot be made there");
     }
     if (!try_lock(folder->lock)) {
-        return errno == EWOULDBLOCK ? stp_fail(place->context, STP_ERROR_IO,
+        return errno == EWOULDBLOCK ? stp_fail(place->context, STP_ERROR_BUSY,
                                                "%s: another build is at work there", place->path)
                                     : fail_folder(place, "cannot be locked");
     }
@@ -113,7 +113,7 @@ stp_result stp_work_folder_open(stp_context* context, const char* path, stp_work
         }
     }
     return !again ? STP_OK
-                  : stp_fail(context, STP_ERROR_IO, "%s: another build is at work there", path);
+                  : stp_fail(context, STP_ERROR_BUSY, "%s: another build is at work there", path);
 }
 
 void stp_work_folder_close(stp_work_folder* folder, bool remove)

@@ -10,7 +10,7 @@ typedef struct stp_work_folder {
     int lock; ///< the lock file's descriptor: locked as long as it is open
 } stp_work_folder;
 
-/// @return STP_OK, or STP_ERROR_IO (logged): also where another build is at work in the folder
+/// @return STP_OK; STP_ERROR_IO, or STP_ERROR_BUSY where another build is at work in the folder (logged)
 STP_MUST_USE stp_result stp_work_folder_open(stp_context* context, const char* path,
                                              stp_work_folder* folder);
 /// Unlocks. `remove` takes the lock file away, and the folder where nothing else is in it.

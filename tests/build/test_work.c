@@ -101,7 +101,7 @@ void test_work_is_for_one_build_at_a_time(test_state* test)
     CHECK(context != NULL && make_work_place(&place));
     stp_work *first = open_work(context, &place), *second = NULL;
     CHECK(first != NULL);
-    CHECK_EQUAL(STP_ERROR_IO, stp_work_open(context, place.folder, true, &second));
+    CHECK_EQUAL(STP_ERROR_BUSY, stp_work_open(context, place.folder, true, &second));
     CHECK(second == NULL);
     CHECK_EQUAL(1, log.errors);
     CHECK(strstr(log.text, place.folder) == log.text && strstr(log.text, "another build") != NULL);

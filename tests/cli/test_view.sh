@@ -411,8 +411,36 @@ wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
 check "it was seen before it was finished" 'r["stores"] >= 3 and k["stores"] < r["stores"] or k["loading"] == "done"'
 check "the camera stays where it was" 'distance(camera["eye"], k["camera"]["eye"]) < 1e-9 or k["scene"] == 0'
 check "the whole is there" 'r["stores"] >= 3 and r["complete"]'
+ls cache/stipple/*-draft* > out 2> /dev/null && fail "a draft is kept that nobody needs any more: $(cat out)"
 close_viewer
-ls cache/stipple/*-draft* > out 2> /dev/null && fail "a draft stays: $(cat out)"
+# in two windows at once: the second waits for what the first builds, and leaves it its drafts
+sed 's/^v 0 .*/v 0 1 0/' large.obj > shared.obj
+open_viewer shared.obj --backend cpu
+wait_until 'r["stores"] > 0'
+kill -STOP $viewer # wherever it is by now
+"$stipple" view shared.obj --backend cpu --size 320x200 --report second.json > second.out 2> second.err &
+second=$!
+sleep 2
+kill -CONT $viewer
+until python3 "$here/view_report.py" second.json 'r["loading"] in ("done", "failed")'; do
+    kill -0 $second 2> /dev/null || { fail "the second window ended: $(cat second.err)"; break; }
+    sleep 0.1
+done
+python3 "$here/view_report.py" second.json 'r["loading"] == "done" and r["complete"]' || fail "the second: $(cat second.json)"
+kill $second
+wait $second
+wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
+check "nothing was missing" 'r["message"] == ""'
+xdotool windowfocus "$window"
+close_viewer
+# what a killed window left goes
+draft=$(ls -t cache/stipple/*.stip | head -1)
+draft=${draft%.stip}-draft.stip
+echo left > "$draft"
+open_viewer shared.obj --backend cpu
+wait_until 'r["loading"] == "done" and r["rests"]'
+close_viewer
+[ ! -e "$draft" ] || fail "a draft stays: $draft"
 # names in other scripts
 sed 's/^o .*//; 1i o \xe6\xb3\xb5\xe7\xab\x99 \xd9\x85\xd8\xb6\xd8\xae\xd8\xa9' ball.obj > names.obj
 open_viewer names.obj --backend cpu
