@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+//
+// What the C++ files that give Dear ImGui a C face have in common (gui*.cpp).
+#pragma once
+
+#include <SDL.h>
+#include <cstdarg>
+#include <imgui.h>
+
+extern float gui_scale;               // of fonts and distances
+extern SDL_Renderer* gui_software;    // NULL: OpenGL
+const float gui_tooltip_after = 0.5f; // seconds that the mouse rests on something
+
+const ImVec4 gui_accent = {0.30f, 0.62f, 0.82f, 1.0f};
+
+inline ImVec4 gui_mixed(const ImVec4& color, float alpha)
+{
+    return ImVec4(color.x, color.y, color.z, alpha);
+}
+
+// gui_fonts.cpp. The first fonts, once ImGui is there; false where there is no memory.
+bool gui_fonts_create();
+void gui_fonts_destroy();
+// Between two frames: makes fonts anew where texts need more letters.
+void gui_fonts_renew();
+bool gui_fonts_are_old();
+SDL_Texture* gui_fonts_texture(); // without OpenGL
+// Whatever is shown that others wrote goes through one of these.
+void gui_need_letters(const char* text);
+void gui_need_letters_of(const char* format, va_list list);
