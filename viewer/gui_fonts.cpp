@@ -8,6 +8,7 @@ extern "C" {
 
 #include <backends/imgui_impl_opengl3.h>
 #include <cstdio>
+#include <cstring>
 
 namespace
 {
@@ -21,14 +22,29 @@ float font_size()
     return 15.0f * gui_scale;
 }
 
+// Whether a file begins as fonts do: ImGui would end the program at another.
+bool is_font(const char* file)
+{
+    static const char beginnings[][5] = {{0, 1, 0, 0, 0}, "OTTO", "ttcf", "true"};
+    FILE* found = std::fopen(file, "rb");
+    char first[4];
+    bool read = found != nullptr && std::fread(first, 1, sizeof(first), found) == sizeof(first);
+    if (found != nullptr) {
+        std::fclose(found);
+    }
+    bool known = false;
+    for (const auto& beginning : beginnings) {
+        known = known || (read && std::memcmp(first, beginning, sizeof(first)) == 0);
+    }
+    return known;
+}
+
 // Adds a font's letters to those of the fonts before. @return false where there is no such font
 bool add_font(const char* file, const uint16_t* ranges, bool merges)
 {
-    FILE* found = std::fopen(file, "rb");
-    if (found == nullptr) {
+    if (!is_font(file)) {
         return false;
     }
-    std::fclose(found);
     ImFontConfig config;
     config.MergeMode = merges;
     return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, font_size(), &config, ranges) != nullptr;
@@ -80,13 +96,14 @@ bool make_font_texture()
     ImGui::GetIO().Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
     font_texture = SDL_CreateTexture(gui_software, SDL_PIXELFORMAT_RGBA32, SDL_TEXTUREACCESS_STATIC,
                                      width, height);
+    ImGui::GetIO().Fonts->SetTexID(
+        font_texture); // also where there is none: the one before is no more
     if (font_texture == nullptr) {
         return false;
     }
     SDL_UpdateTexture(font_texture, nullptr, pixels, 4 * width);
     SDL_SetTextureBlendMode(font_texture, SDL_BLENDMODE_BLEND);
     SDL_SetTextureScaleMode(font_texture, SDL_ScaleModeLinear);
-    ImGui::GetIO().Fonts->SetTexID(font_texture);
     return true;
 }
 
