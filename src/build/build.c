@@ -50,11 +50,18 @@ static stp_result try_output(stp_context* context, const char* path)
     return result;
 }
 
-// What the build may use: the limit asked for, or most of the machine.
+// The limit asked for, or the context's; 0: none.
+static uint64_t limit_bytes(const build* b)
+{
+    return b->desc->memory_bytes != 0 ? b->desc->memory_bytes : stp_memory_limit(b->context);
+}
+
+// What the build may use: the limit, or most of the machine.
 static uint64_t usable_bytes(const build* b)
 {
-    if (b->desc->memory_bytes != 0) {
-        return b->desc->memory_bytes;
+    uint64_t limit = limit_bytes(b);
+    if (limit != 0) {
+        return limit;
     }
     long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGE_SIZE);
     uint64_t all = pages > 0 && page_size > 0 ? (uint64_t)pages * (uint64_t)page_size : 0;
@@ -86,7 +93,7 @@ static stp_result import_input(build* b, const char* input)
     }
     stp_import_desc import = b->desc->import;
     if (import.helper_memory_bytes == 0) { // a process of its own has as much again
-        import.helper_memory_bytes = b->desc->memory_bytes;
+        import.helper_memory_bytes = limit_bytes(b);
     }
     return stp_import_file(b->scene, input, &import);
 }

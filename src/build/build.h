@@ -27,7 +27,7 @@ typedef struct stp_build_desc {
     bool from_triangles; ///< upper nodes capture triangles, not their children's surfels (3.4)
     bool fresh;          ///< nothing is taken from a former build
     uint64_t
-        memory_bytes; ///< what the context may use; 0: no limit. The most goes to nodes in the making
+        memory_bytes; ///< what the context may use; 0: its own limit. The most goes to nodes in the making
     const char* parameters_json; ///< written into the file: what the user asked for
     /// What is made so far is written there as a scene of its own now and then, to be looked at while the build goes on
     /// (build/draft.h). A draft is replaced by renaming; the last one is the caller's to remove. NULL: none.

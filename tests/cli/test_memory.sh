@@ -54,4 +54,10 @@ if "needs about" in lines[0]: # where it was for surfels
     done = build("limited.stip", "--threads", "1", "--memory", f"{needed}000000")
     assert done.returncode == 0, (needed, done.stderr)
     assert open("limited.stip", "rb").read() == expected
+
+# what is built only to be drawn keeps to the limit as well: without one, as much as the machine has would be planned with
+environment = {**os.environ, "XDG_CACHE_HOME": os.path.abspath("cache")}
+done = subprocess.run([stipple, "render", "scene:power-plant,scale=0.1", "--memory", "32M", "--threads", "2", "--size", "320x180", "-o", "x.png", "--once"],
+                      capture_output=True, text=True, env=environment)
+assert done.returncode == 0, done.stderr
 END_OF_TEST

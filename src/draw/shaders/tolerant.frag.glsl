@@ -35,7 +35,8 @@ struct fragment {
 // The slopes of a pixel's plane, in the word that is its lock too. Splats of one pixel have none.
 uint pack_slopes(bool tiny, vec2 slopes)
 {
-    return tiny ? TOLERANT_TINY : packHalf2x16(clamp(slopes, -60000.0, 60000.0));
+    bool known = !any(isnan(slopes)); // what is not a number could be taken for TOLERANT_TAKEN
+    return tiny || !known ? TOLERANT_TINY : packHalf2x16(clamp(slopes, -60000.0, 60000.0));
 }
 
 bool is_alike(const fragment f, float plane, uint slopes)
