@@ -68,7 +68,7 @@ stp_draw_gl_speed stp_draw_gl_get_speed(const stp_renderer* renderer);
 typedef struct stp_draw_gl_stats {
     uint64_t memory_bytes;   ///< that may be used for what scenes are made of
     uint64_t resident_bytes; ///< of it, in use
-    uint64_t uploaded_bytes; ///< in the last frame
+    uint64_t uploaded_bytes; ///< in the last frame, for all eyes
     uint32_t
         missing; ///< things that the last frame wanted finer than they were there, summed over the eyes; 0: the picture is complete
     uint32_t

@@ -127,6 +127,32 @@ void test_gl_counts_what_is_missing_of_both_eyes(test_state* test)
     made_gl_end(&m);
 }
 
+void test_gl_uploads_keep_to_their_budget_for_both_eyes(test_state* test)
+{
+    enum { BUDGET = 8192, FRAMES_MOST = 100 }; // no octave is larger
+    const stp_draw_gl_desc settings = {.upload_bytes = BUDGET};
+    made_gl m;
+    if (!begin(test, &m, NULL, NULL)) {
+        return;
+    }
+    m.picture.view.eye_distance = 0.3;
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    uint64_t whole = stp_draw_gl_get_stats(m.renderer).uploaded_bytes, sum = 0;
+    CHECK(whole > 4 * BUDGET); // of both, though the second finds all there
+    CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
+    stp_draw_gl_stats stats = {.missing = 1};
+    for (int frames = 0; stats.missing > 0 && frames < FRAMES_MOST; ++frames) {
+        uint64_t before = stats.resident_bytes;
+        CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+        stats = stp_draw_gl_get_stats(m.renderer);
+        CHECK(stats.uploaded_bytes <= BUDGET);
+        CHECK(stats.resident_bytes - before >= stats.uploaded_bytes);
+        sum += stats.uploaded_bytes;
+    }
+    CHECK_EQUAL(whole, sum);
+    made_gl_end(&m);
+}
+
 /// What is seen of one sheet, whole.
 static void look_at(made_gl* m, int sheet)
 {

@@ -466,6 +466,7 @@ stp_result gl_frame_make(gl_renderer* r)
     f->record_count = f->chunk_count = f->item_count = 0;
     if (r->eye == 0) { // of the picture, not of its last eye
         f->missing = f->coming = 0;
+        r->pool.uploaded_bytes = 0;
     }
     r->failure = STP_ERROR_UNSUPPORTED;
     for (int i = 0; i < GL_COMMAND_KINDS; ++i) {

@@ -66,7 +66,6 @@ void gl_pool_destroy(gl_pool* pool)
 void gl_pool_begin_frame(gl_pool* pool)
 {
     pool->frame += 1;
-    pool->uploaded_bytes = 0;
 }
 
 static void unlink_entry(gl_pool* pool, const gl_entry* entry)

@@ -35,7 +35,7 @@ typedef struct gl_pool {
         last_used; ///< the entry used longest ago, and last; POOL_NONE: none is here
     uint32_t frame;
     gl_ring ring;            ///< that uploads go through
-    uint64_t uploaded_bytes; ///< in this frame
+    uint64_t uploaded_bytes; ///< since whoever uses it set it to zero
     uint64_t dropped;        ///< entries that gave way, in all
 } gl_pool;
 
