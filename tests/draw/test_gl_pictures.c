@@ -92,9 +92,12 @@ void test_gl_pictures_accumulate(test_state* test)
     p->style.supersample = 2;
     for (uint32_t i = 1; i <= 6; ++i) {
         CHECK_EQUAL(STP_OK, made_picture_accumulate(p));
+        uint64_t covered = p->stats.covered_pixels;
         CHECK_EQUAL(STP_OK, stp_renderer_accumulate(m.renderer, &p->view, &p->quality, &p->style,
                                                     &p->list, &image, &p->stats));
         CHECK_EQUAL(i < 4 ? i : 4, p->stats.samples);
+        CHECK(covered > 100 && p->stats.covered_pixels + PIXELS / 100 >= covered);
+        CHECK(p->stats.covered_pixels <= covered + PIXELS / 100);
         CHECK(made_count_different(m.pixels, p->pixels, 6) <= PIXELS / 100);
     }
     p->style.supersample = 1; // a frame that is not of them

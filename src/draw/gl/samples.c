@@ -244,7 +244,7 @@ stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* rang
     stp_placement_make(&r->placement, r->directory, r->list);
     stp_result result = gl_frame_make(r);
     result = result == STP_OK ? gl_make_programs(r) : result;
-    if (result == STP_OK && eye == 0) {
+    if (result == STP_OK && eye == 0 && range->first < range->end) { // else the picture stays
         gl_shade_pass_clear(r);
     }
     for (uint32_t k = range->first; k < range->end && result == STP_OK; ++k) {
