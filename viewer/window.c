@@ -73,6 +73,8 @@ static bool create_gl(window* w, const window_desc* desc, int major, int minor)
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
     SDL_GL_SetAttribute(SDL_GL_DOUBLEBUFFER, 1);
     SDL_GL_SetAttribute(SDL_GL_DEPTH_SIZE, 0);
+    // without this a context does not tell that it was lost
+    SDL_GL_SetAttribute(SDL_GL_CONTEXT_RESET_NOTIFICATION, SDL_GL_CONTEXT_RESET_LOSE_CONTEXT);
     w->handle = SDL_CreateWindow(
         desc->title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, desc->width, desc->height,
         SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
@@ -80,6 +82,11 @@ static bool create_gl(window* w, const window_desc* desc, int major, int minor)
         return false;
     }
     w->gl = SDL_GL_CreateContext(w->handle);
+    if (w->gl == NULL) { // not every driver can tell
+        SDL_GL_SetAttribute(SDL_GL_CONTEXT_RESET_NOTIFICATION,
+                            SDL_GL_CONTEXT_RESET_NO_NOTIFICATION);
+        w->gl = SDL_GL_CreateContext(w->handle);
+    }
     w->functions = w->gl != NULL ? calloc(1, sizeof(*w->functions)) : NULL;
     if (w->functions == NULL || !load_functions(w->functions)) {
         window_destroy(w);

@@ -54,7 +54,9 @@ static bool is_software_name(const char* name)
     return software;
 }
 
-static bool make_current(const egl* e, const stp_headless_desc* desc, stp_headless* headless)
+/// Without being asked to, a context does not tell that it was lost.
+static bool make_current(const egl* e, const stp_headless_desc* desc, bool tells_loss,
+                         stp_headless* headless)
 {
     const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION,
                              4,
@@ -64,6 +66,8 @@ static bool make_current(const egl* e, const stp_headless_desc* desc, stp_headle
                              EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                              EGL_CONTEXT_OPENGL_DEBUG,
                              desc->debug ? EGL_TRUE : EGL_FALSE,
+                             tells_loss ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
+                             EGL_LOSE_CONTEXT_ON_RESET,
                              EGL_NONE};
     e->eglBindAPI(EGL_OPENGL_API);
     headless->context =
@@ -95,7 +99,8 @@ static bool try_display(const egl* e, const stp_headless_desc* desc, EGLenum pla
         return false;
     }
     PFNGLGETSTRINGPROC get_string = (PFNGLGETSTRINGPROC)e->eglGetProcAddress("glGetString");
-    if (get_string == NULL || !make_current(e, desc, headless)) {
+    if (get_string == NULL ||
+        !(make_current(e, desc, true, headless) || make_current(e, desc, false, headless))) {
         let_go(e, headless);
         return false;
     }

@@ -52,6 +52,21 @@ static bool begin(test_state* test, faulty* f)
     return true;
 }
 
+void test_gl_contexts_tell_when_they_are_lost(test_state* test)
+{
+    stp_headless headless;
+    if (stp_headless_create(&(stp_headless_desc){.software = true}, &headless) != NULL) {
+        test->skipped = "there is no OpenGL";
+        return;
+    }
+    PFNGLGETINTEGERVPROC get =
+        (PFNGLGETINTEGERVPROC)stp_headless_get_proc_address("glGetIntegerv", &headless);
+    GLint strategy = 0;
+    get(GL_RESET_NOTIFICATION_STRATEGY, &strategy);
+    CHECK_EQUAL(GL_LOSE_CONTEXT_ON_RESET, strategy);
+    stp_headless_destroy(&headless);
+}
+
 static stp_result make(faulty* f)
 {
     const stp_draw_gl_desc desc = {.get_proc_address = find_function, .user = f, .debug = true};
