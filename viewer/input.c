@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What hands do: mouse, keys and gamepad become movements of the camera and commands.
+#include "gamepad.h"
 #include "gui.h"
 #include "parts.h"
 
@@ -12,7 +13,6 @@ static const double faster = 5.0;      // with Shift
 static const double look_a_picture =
     STP_PI / 3.0;                     // a drag over the picture's height turns the head so far
 static const double stick_turn = 1.8; // radians a second
-static const double stick_dead = 0.15;
 
 static float in_picture_x(const viewer* v, float x)
 {
@@ -297,10 +297,15 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
     }
 }
 
-/// Whether a device that went is the one in use; which is no place among those that are there.
-static bool is_ours(SDL_GameController* pad, SDL_JoystickID which)
+static void take_button(viewer* v, Uint8 button)
 {
-    return pad != NULL && SDL_JoystickInstanceID(SDL_GameControllerGetJoystick(pad)) == which;
+    if (button == SDL_CONTROLLER_BUTTON_A) {
+        camera_frame(v);
+    } else if (button == SDL_CONTROLLER_BUTTON_DPAD_UP) {
+        stp_navigator_change_speed(&v->camera, 1.0);
+    } else if (button == SDL_CONTROLLER_BUTTON_DPAD_DOWN) {
+        stp_navigator_change_speed(&v->camera, -1.0);
+    }
 }
 
 void input_take(viewer* v, const SDL_Event* e)
@@ -308,50 +313,26 @@ void input_take(viewer* v, const SDL_Event* e)
     bool control = e->type == SDL_KEYDOWN && (e->key.keysym.mod & KMOD_CTRL) != 0;
     if (e->type == SDL_KEYDOWN && e->key.repeat == 0 && (control || !gui_wants_keys())) {
         take_key(v, e->key.keysym.sym, control);
-    } else if (e->type == SDL_CONTROLLERDEVICEADDED && v->input.pad == NULL) {
-        v->input.pad = SDL_GameControllerOpen(e->cdevice.which);
-    } else if (e->type == SDL_CONTROLLERDEVICEREMOVED && is_ours(v->input.pad, e->cdevice.which)) {
-        SDL_GameControllerClose(v->input.pad);
-        v->input.pad = NULL;
     } else if (e->type == SDL_CONTROLLERBUTTONDOWN) {
-        if (e->cbutton.button == SDL_CONTROLLER_BUTTON_A) {
-            camera_frame(v);
-        } else if (e->cbutton.button == SDL_CONTROLLER_BUTTON_DPAD_UP) {
-            stp_navigator_change_speed(&v->camera, 1.0);
-        } else if (e->cbutton.button == SDL_CONTROLLER_BUTTON_DPAD_DOWN) {
-            stp_navigator_change_speed(&v->camera, -1.0);
-        }
-    } else {
+        take_button(v, e->cbutton.button);
+    } else if (!gamepad_take(&v->input.pad, e)) {
         take_mouse(v, e);
     }
 }
 
-static double axis(SDL_GameController* pad, SDL_GameControllerAxis which)
-{
-    double value = (double)SDL_GameControllerGetAxis(pad, which) / 32767.0;
-    double size = fabs(value);
-    return size > stick_dead ? copysign((size - stick_dead) / (1.0 - stick_dead), value) : 0.0;
-}
-
 static bool step_pad(viewer* v, double moves[3], double seconds)
 {
-    SDL_GameController* pad = v->input.pad;
-    if (pad == NULL) {
-        return false;
+    gamepad_sticks sticks = gamepad_read(v->input.pad);
+    bool turns = sticks.turn != 0.0 || sticks.nod != 0.0;
+    for (int i = 0; i < 3; ++i) {
+        moves[i] += sticks.moves[i];
     }
-    double x = axis(pad, SDL_CONTROLLER_AXIS_LEFTX), y = axis(pad, SDL_CONTROLLER_AXIS_LEFTY);
-    double rise =
-        axis(pad, SDL_CONTROLLER_AXIS_TRIGGERRIGHT) - axis(pad, SDL_CONTROLLER_AXIS_TRIGGERLEFT);
-    double turn = axis(pad, SDL_CONTROLLER_AXIS_RIGHTX),
-           nod = axis(pad, SDL_CONTROLLER_AXIS_RIGHTY);
-    moves[0] += x;
-    moves[1] += rise;
-    moves[2] -= y;
-    if (turn != 0.0 || nod != 0.0) {
+    if (turns) {
         v->glide_start = -1.0;
-        stp_navigator_look(&v->camera, turn * stick_turn * seconds, nod * stick_turn * seconds);
+        stp_navigator_look(&v->camera, sticks.turn * stick_turn * seconds,
+                           sticks.nod * stick_turn * seconds);
     }
-    return turn != 0.0 || nod != 0.0;
+    return turns;
 }
 
 void input_step(viewer* v, double seconds)
@@ -376,10 +357,12 @@ void input_step(viewer* v, double seconds)
     v->input.flies = (flies || turns) && v->has_camera;
 }
 
+void input_begin(void)
+{
+    gamepad_begin();
+}
+
 void input_destroy(viewer* v)
 {
-    if (v->input.pad != NULL) {
-        SDL_GameControllerClose(v->input.pad);
-        v->input.pad = NULL;
-    }
+    gamepad_end(&v->input.pad);
 }

@@ -157,6 +157,8 @@ stp_boxd camera_scene_box(const viewer* v);
 void input_take(viewer* v, const SDL_Event* event);
 /// Moves the camera by keys and sticks that are held.
 void input_step(viewer* v, double seconds);
+/// Gamepads too.
+void input_begin(void);
 void input_destroy(viewer* v);
 
 // panels.c

@@ -337,6 +337,7 @@ int viewer_run(const viewer_options* options)
     } else if (options->file != NULL) {
         viewer_open(v, options->file);
     }
+    input_begin();
     if (options->backend == BACKEND_OPENGL && !v->window.has_worker) {
         viewer_say(v, false, "OpenGL 4.5 is not to be had here: the processor draws");
     }
