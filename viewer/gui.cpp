@@ -113,6 +113,13 @@ void gui_destroy(void)
 void gui_take_event(const SDL_Event* event)
 {
     ImGui_ImplSDL2_ProcessEvent(event);
+    if (event->type == SDL_KEYDOWN || event->type == SDL_KEYUP) {
+        // as they were then: SDL's own state is that after all events that have come
+        ImGuiIO& io = ImGui::GetIO();
+        io.KeyShift = (event->key.keysym.mod & KMOD_SHIFT) != 0;
+        io.KeyCtrl = (event->key.keysym.mod & KMOD_CTRL) != 0;
+        io.KeyAlt = (event->key.keysym.mod & KMOD_ALT) != 0;
+    }
 }
 
 void gui_begin_frame(int width, int height, float density)

@@ -55,14 +55,14 @@ static json_t* describe_tools(const viewer* v)
         json_array_append_new(points, vector(v->measure.points[i]));
     }
     stp_sections sections = section_make(v);
-    return json_pack("{s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}", "chosen",
-                     describe_json_text(chosen), "rows", e != NULL ? (int)e->row_count : 0, "found",
-                     e != NULL ? (int)e->found_count : 0, "marks",
-                     e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count,
-                     "measures", (int)v->measure.on, "points", points, "views", (int)v->views.count,
-                     "current_view", describe_json_text(v->current_view), "records",
-                     (int)v->record.on, "shot", describe_json_text(v->last_shot), "types",
-                     (int)gui_wants_keys());
+    return json_pack(
+        "{s:o, s:o, s:i, s:i, s:i, s:i, s:b, s:o, s:i, s:o, s:b, s:o, s:b}", "chosen",
+        describe_json_text(chosen), "search", describe_json_text(v->search), "rows",
+        e != NULL ? (int)e->row_count : 0, "found", e != NULL ? (int)e->found_count : 0, "marks",
+        e != NULL ? (int)e->mark_count : 0, "section_planes", (int)sections.count, "measures",
+        (int)v->measure.on, "points", points, "views", (int)v->views.count, "current_view",
+        describe_json_text(v->current_view), "records", (int)v->record.on, "shot",
+        describe_json_text(v->last_shot), "types", (int)gui_wants_keys());
 }
 
 static json_t* describe(const viewer* v)

@@ -52,12 +52,20 @@ while [ ! -s display ]; do
 done
 export DISPLAY=:$(cat display)
 
-# wait_until CONDITION: a Python expression over what the report says (r, camera, picture) and over what `keep` kept (k)
+# wait_until CONDITION: a Python expression over what the report says (r, camera, picture) and over what `keep` kept (k).
+# There is no limit to how long anything takes; but where the viewer rests for so many looks, nothing comes any more.
 wait_until()
 {
+    local rested=0
     while ! python3 "$here/view_report.py" report.json "$1"; do
         if ! kill -0 $viewer 2> /dev/null; then
             fail "the viewer ended before: $1: $(cat viewer.err)"
+            exit 1
+        fi
+        rested=$((rested + 1))
+        python3 "$here/view_report.py" report.json 'r["rests"]' || rested=0
+        if [ $rested -ge 600 ]; then
+            fail "the viewer rests, and this does not come: $1: $(cat report.json)"
             exit 1
         fi
         sleep 0.1
@@ -94,6 +102,18 @@ close_viewer()
     wait $viewer || fail "the viewer's exit code is $?: $(cat viewer.err)"
     viewer=0
     [ ! -s viewer.out ] || fail "the viewer writes on stdout"
+}
+
+# search_for TEXT: as quick hands, and as on a busy machine: all keys come before the viewer looks at the first
+search_for()
+{
+    xdotool key ctrl+f
+    wait_until 'tools["types"]'
+    kill -STOP $viewer
+    xdotool key ctrl+a
+    xdotool type "$1"
+    kill -CONT $viewer
+    wait_until "tools['search'] == '$1'"
 }
 
 # shot NAME: what is on the screen
@@ -228,9 +248,8 @@ wait_until 'r["rests"] and tools["marks"] == 0 and tools["chosen"] == ""'
 shot shown.png
 same shown.png all_parts.png 0.999
 # a part is found by its name
-xdotool key ctrl+f
-wait_until 'tools["types"]'
-xdotool type "BOX 15"
+search_for "BOX 1"
+search_for "BOX 15"
 wait_until 'tools["found"] == 1'
 xdotool key Return
 wait_until 'tools["chosen"].endswith("box 15") and r["rests"]'
@@ -280,10 +299,7 @@ shot opengl.png
 same processor.png opengl.png 0.97
 # where nothing is to be seen, the picture says why, whoever draws
 for backend in other cpu; do
-    xdotool key ctrl+f
-    wait_until 'tools["types"]'
-    xdotool key ctrl+a
-    xdotool type "boxes"
+    search_for boxes
     wait_until 'tools["found"] == 1'
     xdotool key Return
     wait_until 'tools["chosen"] == "boxes" and not tools["types"] and r["rests"]'
@@ -366,6 +382,17 @@ open_viewer ball.obj --backend cpu
 wait_until 'r["loading"] == "done" and r["rests"] and tools["views"] == 1'
 close_viewer
 "$stipple" render ball.obj --view "View 1" --backend cpu -o view.png --size 64x64 -q || fail "the viewpoint cannot be rendered"
+# files fall onto a window: one that shows nothing yet, and one that shows another
+cp ball.obj "a ball%20.obj"
+open_viewer --backend cpu
+for file in "a ball%20.obj" ball.obj; do
+    if python3 "$here/view_drop.py" "$window" "$file"; then
+        wait_until "r['file'].endswith('/$file') and r['loading'] == 'done' and r['rests'] and picture['complete']"
+    else
+        [ $? -eq 77 ] || fail "$file cannot be dropped"
+    fi
+done
+close_viewer
 # a viewpoint brings its box back as a box, further planes, and what is hidden; names may be anything
 python3 - << 'END'
 import json
