@@ -210,6 +210,36 @@ void test_gl_pictures_have_materials(test_state* test)
     made_gl_end(&m);
 }
 
+/// Triangles that are there and such whose fragments are looked at, and splats.
+static void add_all_kinds(made_picture* p)
+{
+    static const uint8_t color[3] = {200, 90, 20};
+    add_materials(p);
+    made_picture_add(p, 0.4, (stp_vec3d){0, 1.2, 0.3}, color);
+    made_picture_add(p, -0.4, (stp_vec3d){0.2, -1.2, -0.3}, color);
+}
+
+void test_gl_pictures_of_all_kinds_for_two_eyes_take_no_more_calls(test_state* test)
+{
+    static const stp_filter filters[] = {STP_FILTER_NONE, STP_FILTER_EWA, STP_FILTER_BLEND};
+    made_gl m;
+    if (!begin(test, &m, add_all_kinds)) {
+        return;
+    }
+    m.picture.view.eye_distance = 0.3;
+    m.picture.quality.splat_size = 3;
+    for (int i = 0; i < 3; ++i) {
+        m.picture.style.filter = filters[i];
+        if (filters[i] != STP_FILTER_BLEND) { // which the processor does not draw
+            compare(test, &m);
+        }
+        CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+        CHECK(m.picture.stats.splats > 50 && m.picture.stats.triangles >= 10);
+        CHECK_EQUAL(MOST_CALLS, m.picture.stats.draw_calls);
+    }
+    made_gl_end(&m);
+}
+
 static made_mesh wave;
 static stp_coded_mesh coded;
 

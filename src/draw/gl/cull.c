@@ -18,6 +18,10 @@ static bool needs_keep(const gl_renderer* r, const item_block* item, uint32_t pr
     if ((item->flags & ITEM_GHOST) != 0 || item->sections != 0) {
         return true;
     }
+    // filters take a draw call more an eye: with one for all triangles, two eyes take no more than eight
+    if (r->target.eye_count > 1 && r->style->filter != STP_FILTER_NONE) {
+        return true;
+    }
     if (material->alpha == STP_STORE_OPAQUE) {
         return false;
     }
