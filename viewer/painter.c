@@ -140,7 +140,7 @@ static void learn(painter* p, const paint_request* request, const paint_figures*
         }
     }
     if (request->budget_ms > 0.0 && f != NULL) {
-        stp_frame_cost cost = {.milliseconds = f->frame_ms,
+        stp_frame_cost cost = {.milliseconds = f->work_ms,
                                .splats = f->splats,
                                .fragments = f->fragments,
                                .triangles = f->triangles,
@@ -167,6 +167,18 @@ static void copy_depth(painter* p, painter_picture* picture)
     picture->is_empty = nearness != NULL && pixel == count;
 }
 
+/// What OpenGL measured of a frame that is done: its own time is what the budget learns from, beside that of making the frame.
+static void measure_gl(painter* p, paint_figures* figures)
+{
+    stp_draw_stats stats = {0};
+    stp_draw_gl_finish_stats(p->scene->renderers[1], &stats);
+    figures->draw_ms = stats.draw_ms;
+    figures->shade_ms = stats.shade_ms;
+    figures->fragments = stats.fragments;
+    figures->covered_pixels = stats.covered_pixels;
+    figures->work_ms = fmin(figures->frame_ms, figures->work_ms + stats.draw_ms + stats.shade_ms);
+}
+
 /// Draws one frame; *texture: that it is in, where OpenGL draws. That one may be lost by it.
 static bool draw(painter* p, const paint_request* request, float size, bool accumulates,
                  uint32_t* texture, paint_figures* figures)
@@ -185,6 +197,7 @@ static bool draw(painter* p, const paint_request* request, float size, bool accu
         *texture = painter_gl_keep(&p->gl, p->painting, stp_draw_gl_texture(p->scene->renderers[1]),
                                    view->width, view->height);
         figures->frame_ms = stp_clock_ms() - start; // until it was there
+        measure_gl(p, figures);
     }
     p->gl_lost =
         p->gl_lost ||

@@ -39,6 +39,8 @@ typedef struct paint_request {
 /// What a picture took.
 typedef struct paint_figures {
     double frame_ms, select_ms, draw_ms, shade_ms;
+    /// What of frame_ms was work on this frame: without what the graphics processor did for others in between.
+    double work_ms;
     float splat_size;
     uint64_t splats, triangles, fragments, covered_pixels, draw_calls, nodes;
     uint64_t live_bytes; ///< of the renderer's context

@@ -141,7 +141,7 @@ stp_result paint_scene_draw(paint_scene* s, const paint_request* request, float 
     if (gl && result == STP_OK) {
         figures->missing += stp_draw_gl_get_stats(s->renderers[1]).coming;
     }
-    figures->frame_ms = stp_clock_ms() - start;
+    figures->frame_ms = figures->work_ms = stp_clock_ms() - start;
     figures->live_bytes = stp_context_live_bytes(s->context);
     return result;
 }

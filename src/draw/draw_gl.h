@@ -39,6 +39,11 @@ STP_MUST_USE stp_result stp_draw_gl_create(stp_context* context, stp_store* stor
 /// such), row 0 the top row. It is the renderer's, and changes when the size of pictures does.
 uint32_t stp_draw_gl_texture(const stp_renderer* renderer);
 
+/// What the last picture took of the graphics processor (draw_ms, shade_ms, fragments) and what it covers: known once it is
+/// done, so to be asked for after a fence or glFinish where the picture stayed here; before, the call waits for it. The other
+/// figures of `stats`, which are those that the drawing call gave, are left as they are.
+void stp_draw_gl_finish_stats(stp_renderer* renderer, stp_draw_stats* stats);
+
 /// See stp_draw_gl_desc.upload_bytes.
 void stp_draw_gl_set_upload_bytes(stp_renderer* renderer, uint64_t bytes);
 

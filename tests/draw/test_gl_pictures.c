@@ -370,10 +370,19 @@ void test_gl_pictures_stay_where_they_are_drawn(test_state* test)
                                                        &p->list, NULL, &p->stats));
     }
     CHECK(p->stats.draw_ms > 0 && p->stats.shade_ms > 0);
+    CHECK_EQUAL(0, p->stats.covered_pixels); // not known before it is done
+    uint64_t splats = p->stats.splats;
+    stp_draw_gl_finish_stats(m.renderer, &p->stats);
+    CHECK(p->stats.draw_ms > 0 && p->stats.shade_ms > 0);
+    CHECK(p->stats.covered_pixels > 100);
+    CHECK_EQUAL(splats, p->stats.splats);
+    CHECK_EQUAL(0, r->timer.count); // of the last picture
+    uint64_t covered = p->stats.covered_pixels;
     gl_read_texture(&r->gl, stp_draw_gl_texture(m.renderer), GL_RGBA, GL_UNSIGNED_BYTE,
                     PICTURE_SIDE, PICTURE_SIDE, sizeof(kept), kept);
     CHECK(made_count_different(kept, m.pixels, 6) > 100);
     CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK_EQUAL(covered, p->stats.covered_pixels);
     CHECK_EQUAL(0, made_count_different(kept, m.pixels, 0));
     // large pictures are read in bands
     const uint64_t row = UINT64_C(4) * PICTURE_SIDE, bands[] = {1, row, 5 * row + 3, 63 * row};

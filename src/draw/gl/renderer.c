@@ -123,21 +123,35 @@ static stp_result begin_picture(gl_renderer* r, const stp_view* view, const stp_
     return gl_target_make(r, view, side > 1);
 }
 
+/// Times and pixels of a picture that is under way (those of one before), or done.
+static void read_times(gl_renderer* r, bool done, stp_draw_stats* stats)
+{
+    gl_timer_read(&r->gl, &r->timer, done);
+    double parts =
+        (double)r->counted_samples * r->target.eye_count; // each takes as long as the last
+    stats->covered_pixels = done ? gl_shade_pass_covered(r) : 0;
+    stats->fragments = r->target.eye_count * r->timer.fragments;
+    stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
+    stats->shade_ms = parts * r->timer.shade_ms;
+}
+
+void stp_draw_gl_finish_stats(stp_renderer* renderer, stp_draw_stats* stats)
+{
+    read_times((gl_renderer*)renderer, true, stats);
+}
+
 /// Figures of a picture that is under way, or done where `image` was read.
 static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool done,
                           stp_draw_stats* stats)
 {
     uint32_t eyes = r->target.eye_count;
-    gl_timer_read(&r->gl, &r->timer, done);
-    double parts = (double)samples * eyes; // each takes about as long as the last
-    stats->covered_pixels = done ? gl_shade_pass_covered(r) : 0;
+    r->counted_samples = samples;
+    stats->draw_ms = cpu_ms;
+    read_times(r, done, stats);
     stats->splats = eyes * r->list->splat_count;
     stats->triangles = eyes * r->list->triangle_count;
     stats->draw_calls = r->draw_calls;
     stats->samples = samples;
-    stats->fragments = eyes * r->timer.fragments;
-    stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : cpu_ms;
-    stats->shade_ms = parts * r->timer.shade_ms;
 }
 
 /// Whether something is done with the bytes of each sample.

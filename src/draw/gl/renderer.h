@@ -170,6 +170,7 @@ struct gl_renderer {
     const stp_draw_list* list;
     stp_result failure;              ///< why an upload failed
     uint32_t draw_calls, dispatches; ///< of the last picture's last sample
+    uint32_t counted_samples;        ///< that the last call drew
 };
 
 /// Defines for programs that read pages. @return `text`
