@@ -3,9 +3,8 @@
 #include "tests.h"
 
 #include "base/context.h"
-#include "build/build.h"
-#include "scenes/scenes.h"
 #include "viewer/explorer.h"
+#include "viewer/support_boxes.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,15 +14,7 @@
 /// Builds the boxes and opens them. @return NULL where that fails
 static explorer* open_boxes(char path[64])
 {
-    const char* input = "scene:boxes";
-    snprintf(path, 64, "/tmp/stp_explorer_%ld.stip", (long)getpid());
-    stp_context* context = test_context(NULL, 1, NULL);
-    stp_build_desc desc = {
-        .inputs = &input, .input_count = 1, .output = path, .generate = scene_make_input};
-    stp_build_report report;
-    bool built = stp_build(context, &desc, &report) == STP_OK;
-    stp_context_destroy(context);
-    explorer* e = built ? explorer_create(path) : NULL;
+    explorer* e = boxes_build("explorer", path) ? explorer_create(path) : NULL;
     while (e != NULL && explorer_works(e)) {
         (void)explorer_step(e);
     }

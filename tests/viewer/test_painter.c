@@ -2,10 +2,9 @@
 // The thread that draws for the window: what makes another picture, and what happens when OpenGL is lost.
 #include "tests.h"
 
-#include "build/build.h"
 #include "present/headless.h"
-#include "scenes/scenes.h"
 #include "viewer/painter_scene.h"
+#include "viewer/support_boxes.h"
 
 #include <GL/glcorearb.h>
 #include <stdatomic.h>
@@ -41,19 +40,6 @@ static stp_gl_proc find_function(const char* name, void* user)
     return strcmp(name, "glGetGraphicsResetStatus") == 0
                ? (stp_gl_proc)answer_reset_status
                : stp_headless_get_proc_address(name, user);
-}
-
-static bool build_boxes(char path[64])
-{
-    const char* input = "scene:boxes";
-    snprintf(path, 64, "/tmp/stp_painter_%ld.stip", (long)getpid());
-    stp_context* context = test_context(NULL, 1, NULL);
-    stp_build_desc desc = {
-        .inputs = &input, .input_count = 1, .output = path, .generate = scene_make_input};
-    stp_build_report report;
-    bool built = stp_build(context, &desc, &report) == STP_OK;
-    stp_context_destroy(context);
-    return built;
 }
 
 static void rest(void)
@@ -94,7 +80,7 @@ static paint_request ask(bool gl)
 void test_viewer_painter_makes_another_picture_of_another_style(test_state* test)
 {
     char path[64];
-    CHECK(build_boxes(path));
+    CHECK(boxes_build("painter", path));
     painter_desc desc = {.thread_count = 1, .wake = do_nothing};
     painter* p = painter_create(&desc);
     CHECK(p != NULL);
@@ -126,7 +112,7 @@ void test_viewer_painter_is_done_once_what_came_is_drawn(test_state* test)
     enum { BYTES = 4 * 100 * 80 };
     static uint8_t done[BYTES], again[BYTES];
     char path[64];
-    CHECK(build_boxes(path));
+    CHECK(boxes_build("painter", path));
     paint_scene_desc desc = {.thread_count = 1, .memory_limit = 64 << 20, .log = say_nothing};
     paint_scene* s = paint_scene_open(&desc, path, 1);
     CHECK(s != NULL);
@@ -155,7 +141,7 @@ void test_viewer_painter_draws_on_where_opengl_is_lost(test_state* test)
         SKIP("there is no OpenGL");
     }
     end_gl(&headless);
-    CHECK(build_boxes(path));
+    CHECK(boxes_build("painter", path));
     painter_desc desc = {.thread_count = 1,
                          .wake = do_nothing,
                          .begin_gl = begin_gl,
