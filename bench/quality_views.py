@@ -8,9 +8,8 @@ once with our order and once with --order paper-fast; a SCENE that is a .stip is
 as SCENE=OTHER. For each view:
 - SSIM on covered pixels at splat size 1, against the original triangles;
 - against a picture of N x N samples a pixel: ours at rest (N x N frames accumulated) and in one frame, and the original triangles at one sample;
-- with as many splats as ours draws at each of the sizes (--splats, none hidden): our order and policy, and the
-  paper's order with --policy paper, each against the original triangles;
-- the paper's at each of the sizes, and ours at the least size with which it draws no more splats and triangles.
+- the paper's order with --policy paper at each of the sizes, and ours at the least size with which it draws no more
+  splats, and no more splats and triangles together, each against the original triangles.
 """
 import math
 import pathlib
@@ -54,38 +53,44 @@ class Viewer:
         return png, figures
 
 
-def equal_splats(viewer, paper_file, truth, splats):
-    """The same number of splats in our order and in the paper's."""
-    figures = {"splats": splats}
-    for name, more in (("ours", {}), ("paper", {"file": paper_file})):
-        policy = ["--policy", "paper"] if name == "paper" else []
-        png, drawn = viewer.draw("equal", "--splats", splats, *policy, **more)
-        figures[name] = kit.compare(png, truth)["ssim_covered"]
-        figures[f"{name}_drawn"] = drawn["splats"]
-    return figures
+def splats_of(drawn):
+    return drawn["splats"]
 
 
 def work_of(drawn):
     return drawn["splats"] + drawn["triangles"]
 
 
-def equal_work(viewer, paper_file, truth, splat_size):
-    """The paper's at a size of splats, and ours at the least size with which it draws no more splats and triangles together."""
-    png, paper = viewer.draw("paper", "--splat-size", splat_size, "--policy", "paper", file=paper_file)
-    figures = {"paper": kit.compare(png, truth)["ssim_covered"], "paper_splats": paper["splats"], "paper_triangles": paper["triangles"]}
-    most, low, high, best = work_of(paper), 1.0, 48.0, None
-    for step in range(8):
-        size = 1.0 if step == 0 else math.sqrt(low * high)
-        png, drawn = viewer.draw("ours-equal", "--splat-size", f"{size:.4f}")
-        if work_of(drawn) <= most:
-            best, high = (size, drawn, kit.compare(png, truth)["ssim_covered"]), size
-            if step == 0 or work_of(drawn) > 0.98 * most:
-                break
-        else:
-            low = size
-    if best is not None:
-        figures.update({"ours_size": best[0], "ours_splats": best[1]["splats"], "ours_triangles": best[1]["triangles"], "ours": best[2]})
-    return figures
+class PaperView:
+    """The paper's picture at a size of splats, and ours with no more of what is counted."""
+
+    def __init__(self, viewer, paper_file, truth, splat_size):
+        self.viewer, self.truth, self.sizes = viewer, truth, {}
+        png, self.paper = viewer.draw("paper", "--splat-size", splat_size, "--policy", "paper", file=paper_file)
+        self.figures = {"paper": kit.compare(png, truth)["ssim_covered"], "paper_splats": self.paper["splats"],
+                        "paper_triangles": self.paper["triangles"]}
+
+    def ours(self, size):
+        if size not in self.sizes:
+            png, drawn = self.viewer.draw("ours-equal", "--splat-size", f"{size:.4f}")
+            self.sizes[size] = (size, drawn, kit.compare(png, self.truth)["ssim_covered"])
+        return self.sizes[size]
+
+    def equal(self, count_of):
+        """Ours at the least size with which it draws no more than the paper's."""
+        most, low, high, best = count_of(self.paper), 1.0, 48.0, None
+        for step in range(8):
+            size = 1.0 if step == 0 else math.sqrt(low * high)
+            drawn = self.ours(size)
+            if count_of(drawn[1]) <= most:
+                best, high = drawn, size
+                if step == 0 or count_of(drawn[1]) > 0.98 * most:
+                    break
+            else:
+                low = size
+        if best is None:
+            return self.figures
+        return self.figures | {"ours_size": best[0], "ours_splats": best[1]["splats"], "ours_triangles": best[1]["triangles"], "ours": best[2]}
 
 
 def measure_view(given, file, paper_file, view, folder):
@@ -101,10 +106,9 @@ def measure_view(given, file, paper_file, view, folder):
         figures["fine_rest"] = kit.compare(rest, fine)["ssim_covered"]
         figures["fine_originals"] = kit.compare(truth, fine)["ssim_covered"]
     for splat_size in [] if paper_file is None else given.splat_sizes.split(","):
-        count = viewer.draw("counted", "--splat-size", splat_size)[1]["splats"]
-        if count > 0:
-            figures[f"equal_{splat_size}"] = equal_splats(viewer, paper_file, truth, count)
-        figures[f"work_{splat_size}"] = equal_work(viewer, paper_file, truth, splat_size)
+        paper = PaperView(viewer, paper_file, truth, splat_size)
+        figures[f"equal_{splat_size}"] = paper.equal(splats_of)
+        figures[f"work_{splat_size}"] = paper.equal(work_of)
     return figures
 
 
@@ -115,10 +119,9 @@ def row_of(given, scene, view, f):
     row = [scene, view, kit.short(f["splats"]), kit.short(f["triangles"]), value("ssim"), value("ssim_covered"), value("fine_rest"),
            value("fine_ours"), value("fine_originals")]
     for splat_size in [] if given.no_paper else given.splat_sizes.split(","):
-        equal = f.get(f"equal_{splat_size}")
-        row.append("" if equal is None else f"{equal['ours']:.4f} / {equal['paper']:.4f} ({kit.short(equal['splats'])})")
-        work = f.get(f"work_{splat_size}", {})
-        row.append(f"{work['ours']:.4f} / {work['paper']:.4f} ({kit.short(work['paper_splats'] + work['paper_triangles'])})" if "ours" in work else "")
+        for kind, counts in (("equal", ("splats",)), ("work", ("splats", "triangles"))):
+            found = f.get(f"{kind}_{splat_size}", {})
+            row.append(f"{found['ours']:.4f} / {found['paper']:.4f} ({kit.short(sum(found[f'paper_{c}'] for c in counts))})" if "ours" in found else "")
     return row
 
 
@@ -159,8 +162,8 @@ def main():
                 figures = measure_view(given, file, paper_file, view, pathlib.Path(folder))
             results.append(kit.result("quality_views", {"scene": scene, "view": view, "size": given.size}, figures))
             rows.append(row_of(given, kit.name_of(scene.partition("=")[0]) if ".stip" in scene else scene, view, figures))
-    equal = [] if given.no_paper else [h for s in given.splat_sizes.split(",")
-                                       for h in (f"splats of size {s}: ours / paper's (splats)", f"work of size {s}: ours / paper's (splats and triangles)")]
+    equal = [] if given.no_paper else [f"{what} of the paper's size {s}: ours / paper's ({what})"
+                                       for s in given.splat_sizes.split(",") for what in ("splats", "splats and triangles")]
     kit.table(["scene", "view", "splats", "triangles", "SSIM", "covered", f"{given.supersample}x{given.supersample}: ours at rest", "in one frame", "originals", *equal], rows)
     conclude(results)
     kit.keep("quality-views", results, given.out)
