@@ -191,15 +191,16 @@ static stp_result draw_frames(session* s)
     }
     qsort(frames, count, sizeof(frames[0]), compare_figures);
     s->figures = frames[count / 2];
-    for (uint64_t i = 0; result == STP_OK && i < args.accumulate; ++i) {
+    uint64_t accumulated = args.accumulate > 1 ? args.accumulate : 0; // of one, that is the mean
+    for (uint64_t i = 0; result == STP_OK && i < accumulated; ++i) {
         result = frame_accumulate(&s->drawing.maker, &s->view, &s->quality,
                                   (uint32_t)args.accumulate, &s->image);
     }
     return result;
 }
 
-/// Takes `picked` over, which may be NULL.
-static int print_json(const session* s, json_t* picked)
+/// Takes `picked` over, which may be NULL. @return NULL where memory runs out
+static json_t* describe(const session* s, json_t* picked)
 {
     const drawing* d = &s->drawing;
     uint64_t resident = stp_context_live_bytes(d->context);
@@ -212,14 +213,14 @@ static int print_json(const session* s, json_t* picked)
         json_decref(object);
         json_decref(figures);
         json_decref(picked);
-        return tool_error("out of memory");
+        return NULL;
     }
     json_decref(figures);
     if (picked != NULL && json_object_set_new(object, "pick", picked) != 0) {
         json_decref(object);
-        return tool_error("out of memory");
+        return NULL;
     }
-    return tool_print_json(object);
+    return object;
 }
 
 /// An empty picture is rarely what was wanted: it should not look like a scene without content.
@@ -242,6 +243,22 @@ static bool pick(session* s)
     (void)pick_read_place(args.pick, place);
     s->picked = pick_describe(&s->drawing.show, &s->view, place);
     return s->picked != NULL;
+}
+
+/// Writes the picture, to which all that made it gives its memory, and prints what is to be said. @return the exit code
+static int finish(session* s)
+{
+    json_t *picked = s->picked, *said = args.draw.json ? describe(s, picked) : picked;
+    s->picked = NULL;
+    if (args.draw.json && said == NULL) {
+        return tool_error("out of memory");
+    }
+    frame_maker_destroy(&s->drawing.maker);
+    if (tool_write_picture(s->drawing.context, &s->image, args.output) != STP_OK) {
+        json_decref(said);
+        return 1;
+    }
+    return said != NULL ? tool_print_json(said) : 0;
 }
 
 static int render(session* s, const char* path)
@@ -268,16 +285,11 @@ static int render(session* s, const char* path)
     if (result == STP_OK) {
         result = draw_frames(s);
     }
-    if (result == STP_OK) {
-        explain_empty(s, path);
-        result = tool_write_picture(s->drawing.context, &s->image, args.output);
-    }
     if (result != STP_OK) {
         return 1;
     }
-    json_t* picked = s->picked;
-    s->picked = NULL;
-    return args.draw.json ? print_json(s, picked) : picked != NULL ? tool_print_json(picked) : 0;
+    explain_empty(s, path);
+    return finish(s);
 }
 
 static int check_arguments(int argc, const char* path)

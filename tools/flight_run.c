@@ -102,41 +102,63 @@ typedef struct study {
     frame_maker* maker;
     const flight_plan* plan;
     flight_record* record;
+    uint32_t frame;
     stp_image ours[2], references[2];
     stp_popping popping;
 } study;
 
+static stp_result give_picture(void* user)
+{
+    study* s = user;
+    return s->plan->sink(s->plan->sink_user, &s->ours[s->frame & 1], s->frame);
+}
+
+static stp_result compare_picture(void* user)
+{
+    study* s = user;
+    uint32_t now = s->frame & 1;
+    flight_quality* q = &s->record->qualities[s->record->quality_count];
+    q->frame = s->frame;
+    return stp_image_compare(s->maker->context, &s->ours[now], &s->references[now], NULL, NULL,
+                             &q->quality);
+}
+
+static stp_result add_popping(void* user)
+{
+    study* s = user;
+    uint32_t now = s->frame & 1, before = now ^ 1u;
+    return stp_popping_add(s->maker->context, &s->popping, &s->ours[before], &s->ours[now],
+                           &s->references[before], &s->references[now]);
+}
+
 static stp_result study_frame(study* s, uint32_t i)
 {
     const flight_plan* plan = s->plan;
-    stp_context* context = s->maker->context;
     bool compared = plan->reference_every > 0 && i % plan->reference_every == 0;
     if (!compared && !plan->popping && plan->sink == NULL) {
         return STP_OK;
     }
     stp_view view = look_at_frame(plan, s->record, i);
-    stp_image *ours = &s->ours[i & 1], *reference = &s->references[i & 1];
     frame_figures figures;
     stp_quality quality = plan->quality;
+    s->frame = i;
     if (plan->budget_ms > 0.0) {
         quality.splat_size = s->record->frames[i].splat_size;
     }
-    stp_result result = frame_draw_loaded(s->maker, &view, &quality, ours, &figures);
+    stp_result result = frame_draw_loaded(s->maker, &view, &quality, &s->ours[i & 1], &figures);
     if (result == STP_OK && plan->sink != NULL) {
-        result = plan->sink(plan->sink_user, ours, i);
+        result = frame_do(s->maker, give_picture, s);
     }
     if (result == STP_OK && (compared || plan->popping)) {
         stp_quality whole = {.reference = true, .visibility = plan->quality.visibility};
-        result = frame_draw(s->maker, &view, &whole, reference, &figures);
+        result = frame_draw(s->maker, &view, &whole, &s->references[i & 1], &figures);
     }
     if (result == STP_OK && compared) {
-        flight_quality* q = &s->record->qualities[s->record->quality_count++];
-        q->frame = i;
-        result = stp_image_compare(context, ours, reference, NULL, NULL, &q->quality);
+        result = frame_do(s->maker, compare_picture, s);
+        s->record->quality_count += result == STP_OK ? 1 : 0;
     }
     if (result == STP_OK && plan->popping && i > 0) {
-        result = stp_popping_add(context, &s->popping, &s->ours[(i + 1) & 1], ours,
-                                 &s->references[(i + 1) & 1], reference);
+        result = frame_do(s->maker, add_popping, s);
         s->record->poppings[i] = s->popping.last_mean;
     }
     return result;
@@ -149,9 +171,9 @@ static stp_result fly_again(frame_maker* maker, const flight_plan* plan, flight_
     bool with_reference = plan->popping || plan->reference_every > 0;
     for (int i = 0; i < 2 && created; ++i) {
         created =
-            frame_image_create(maker->context, plan->view.width, plan->view.height, &s.ours[i]) &&
-            (!with_reference || frame_image_create(maker->context, plan->view.width,
-                                                   plan->view.height, &s.references[i]));
+            frame_maker_create_image(maker, plan->view.width, plan->view.height, &s.ours[i]) &&
+            (!with_reference || frame_maker_create_image(maker, plan->view.width, plan->view.height,
+                                                         &s.references[i]));
     }
     stp_result result =
         created ? stp_popping_create(maker->context, &s.popping) : STP_ERROR_OUT_OF_MEMORY;

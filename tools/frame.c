@@ -109,35 +109,53 @@ void frame_maker_destroy(frame_maker* maker)
     *maker = (frame_maker){0};
 }
 
-static stp_result draw_once(frame_maker* maker, const stp_view* view, const stp_quality* quality,
-                            stp_image* image, stp_draw_stats* stats)
+stp_result frame_do(frame_maker* maker, frame_task task, void* user)
 {
-    return stp_renderer_draw_selected(maker->renderer, view, quality, &maker->style, &maker->list,
-                                      image, stats);
-}
-
-// Where a picture runs out of memory, what was loaded gives way to it.
-static stp_result draw_streamed(frame_maker* maker, const stp_view* view,
-                                const stp_quality* quality, stp_image* image, stp_draw_stats* stats)
-{
+    if (maker->residency == NULL) {
+        return task(user);
+    }
     tool_hold_errors();
-    stp_result result = draw_once(maker, view, quality, image, stats);
+    stp_result result = task(user);
     while (result == STP_ERROR_OUT_OF_MEMORY && stp_residency_yield(maker->residency)) {
-        result = draw_once(maker, view, quality, image, stats);
+        result = task(user);
     }
     tool_release_errors(result != STP_OK);
     return result;
 }
 
+/// A picture to be drawn.
+typedef struct drawing_task {
+    frame_maker* maker;
+    const stp_view* view;
+    const stp_quality* quality;
+    const stp_draw_style* style;
+    stp_image* image;
+    stp_draw_stats stats;
+} drawing_task;
+
+static stp_result draw_once(void* user)
+{
+    drawing_task* t = user;
+    return stp_renderer_draw_selected(t->maker->renderer, t->view, t->quality, t->style,
+                                      &t->maker->list, t->image, &t->stats);
+}
+
+static stp_result accumulate_once(void* user)
+{
+    drawing_task* t = user;
+    return stp_renderer_accumulate(t->maker->renderer, t->view, t->quality, t->style,
+                                   &t->maker->list, t->image, &t->stats);
+}
+
 stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_quality* quality,
                       stp_image* image, frame_figures* figures)
 {
-    stp_draw_stats stats;
+    drawing_task task = {
+        .maker = maker, .view = view, .quality = quality, .style = &maker->style, .image = image};
+    const stp_draw_stats* stats = &task.stats;
     double start = stp_clock_ms();
     uint32_t eyes = stp_view_eye_count(view);
-    stp_result result = maker->residency != NULL
-                            ? draw_streamed(maker, view, quality, image, &stats)
-                            : draw_once(maker, view, quality, image, &stats);
+    stp_result result = frame_do(maker, draw_once, &task);
     uint32_t missing = 0;
     if (maker->residency != NULL && result == STP_OK && !quality->reference) {
         stp_residency_stats loaded;
@@ -147,17 +165,17 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
     }
     *figures = (frame_figures){.frame_ms = stp_clock_ms() - start,
                                .missing = missing,
-                               .select_ms = stats.select_ms,
-                               .draw_ms = stats.draw_ms,
-                               .shade_ms = stats.shade_ms,
+                               .select_ms = stats->select_ms,
+                               .draw_ms = stats->draw_ms,
+                               .shade_ms = stats->shade_ms,
                                .splat_size = maker->list.splat_size,
-                               .splats = stats.splats,
-                               .triangles = stats.triangles,
-                               .fragments = stats.fragments,
-                               .covered_pixels = stats.covered_pixels,
+                               .splats = stats->splats,
+                               .triangles = stats->triangles,
+                               .fragments = stats->fragments,
+                               .covered_pixels = stats->covered_pixels,
                                .extra_splats = eyes * maker->list.extra_splats,
                                .nodes = maker->list.node_count,
-                               .draw_calls = stats.draw_calls};
+                               .draw_calls = stats->draw_calls};
     for (size_t i = 0; i < maker->list.count; ++i) {
         figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH ? eyes : 0;
     }
@@ -187,14 +205,14 @@ stp_result frame_draw_loaded(frame_maker* maker, const stp_view* view, const stp
 stp_result frame_accumulate(frame_maker* maker, const stp_view* view, const stp_quality* quality,
                             uint32_t count, stp_image* image)
 {
-    stp_draw_stats stats;
     stp_draw_style style = maker->style;
     style.supersample = 2;
     while (style.supersample * style.supersample < count) {
         style.supersample += 1;
     }
-    return stp_renderer_accumulate(maker->renderer, view, quality, &style, &maker->list, image,
-                                   &stats);
+    drawing_task task = {
+        .maker = maker, .view = view, .quality = quality, .style = &style, .image = image};
+    return frame_do(maker, accumulate_once, &task);
 }
 
 stp_frame_cost frame_cost(const frame_figures* figures)
@@ -231,14 +249,27 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
     return STP_OK;
 }
 
-bool frame_image_create(stp_context* context, uint32_t width, uint32_t height, stp_image* image)
+static bool create_image(stp_context* context, stp_residency* residency, uint32_t width,
+                         uint32_t height, stp_image* image)
 {
     *image = (stp_image){.width = width, .height = height};
-    image->pixels = stp_alloc_array(context, (size_t)width * height, 4);
+    do {
+        image->pixels = stp_alloc_array(context, (size_t)width * height, 4);
+    } while (image->pixels == NULL && residency != NULL && stp_residency_yield(residency));
     if (image->pixels == NULL) {
         tool_error("out of memory for a picture of %ux%u", width, height);
     }
     return image->pixels != NULL;
+}
+
+bool frame_image_create(stp_context* context, uint32_t width, uint32_t height, stp_image* image)
+{
+    return create_image(context, NULL, width, height, image);
+}
+
+bool frame_maker_create_image(frame_maker* maker, uint32_t width, uint32_t height, stp_image* image)
+{
+    return create_image(maker->context, maker->residency, width, height, image);
 }
 
 json_t* frame_describe(const frame_figures* f)

@@ -65,7 +65,7 @@ STP_MUST_USE stp_result frame_draw_loaded(frame_maker* maker, const stp_view* vi
                                           const stp_quality* quality, stp_image* image,
                                           frame_figures* figures);
 
-/// Draws the next of `count` frames that are accumulated (stp_renderer_accumulate).
+/// Draws the next of `count` frames that are accumulated (stp_renderer_accumulate), of which there are more than one.
 STP_MUST_USE stp_result frame_accumulate(frame_maker* maker, const stp_view* view,
                                          const stp_quality* quality, uint32_t count,
                                          stp_image* image);
@@ -80,6 +80,14 @@ stp_frame_cost frame_cost(const frame_figures* figures);
 
 /// A picture's memory, from stp_alloc. @return false, with the message printed
 bool frame_image_create(stp_context* context, uint32_t width, uint32_t height, stp_image* image);
+/// The same, to which what the maker loaded gives way.
+bool frame_maker_create_image(frame_maker* maker, uint32_t width, uint32_t height,
+                              stp_image* image);
+
+/// Something that needs memory and leaves nothing done where there is none. @return STP_ERROR_OUT_OF_MEMORY (logged) then
+typedef stp_result (*frame_task)(void* user);
+/// Does it; where memory runs out, what the maker loaded gives way and it is done again. A last failure is logged.
+STP_MUST_USE stp_result frame_do(frame_maker* maker, frame_task task, void* user);
 
 /// The keys of frame figures as `render --json` has them. NULL where memory runs out.
 json_t* frame_describe(const frame_figures* figures);

@@ -37,6 +37,8 @@ cmp -s threads.png large.png || fail "1024 threads change the picture"
 cmp -s effects.png iso.png && fail "effects change nothing"
 "$stipple" render "$file" -o effects2.png --size 48x48 --eye-dome 1 --ambient-occlusion 6 --supersample 2 --threads 1 || fail "effects, again"
 cmp -s effects.png effects2.png || fail "four accumulated frames are not --supersample 2"
+"$stipple" render "$file" -o one.png --size 32x32 --accumulate 1 || fail "one frame"
+cmp -s one.png iso.png || fail "one accumulated frame is not the picture"
 for processor in baseline avx2; do
     STP_PROCESSOR=$processor "$stipple" render "$file" -o p.png --size 48x48 --eye-dome --ambient-occlusion=6 --supersample 2 || fail "effects, $processor"
     cmp -s p.png effects.png || fail "$processor changes effects"

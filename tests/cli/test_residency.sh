@@ -113,6 +113,21 @@ assert sorted(figures) == ["damaged", "dropped", "frames_lacking", "limit_bytes"
 assert 0 < figures["peak_bytes"] <= 8 * 1024 * 1024 and figures["read_bytes"] > 0 and figures["damaged"] == 0, figures
 assert figures["resident_bytes"] <= figures["peak_bytes"], figures
 
+# what was loaded is not in the way of what is done with a picture: where there is room to draw, there is to write and, with
+# a megabyte for its sums, to let it rest; more memory is never too little
+where = (*views["near"], "--size", "240x160", "--threads", "1")
+with open("look.json", "w") as file:
+    json.dump({"fov": 50, "keys": [{"t": 0, "eye": [40, 9, 60], "target": [90, 0, 80]}]}, file)
+limit = 1 << 20
+while run("fly", "sheet.stip", "--path", "look.json", *where[4:], "--memory", str(limit)).returncode != 0:
+    limit += 1 << 18
+    assert limit < 16 << 20
+for more in range(0, 2 << 20, 1 << 18):
+    done = run("render", "sheet.stip", "-o", "written.png", *where, "--once", "--memory", str(limit + more))
+    assert done.returncode == 0, (limit, more, done.stderr)
+    done = run("render", "sheet.stip", "-o", "rests.png", *where, "--accumulate", "4", "--memory", str(limit + more + (1 << 20)))
+    assert done.returncode == 0, (limit, more, done.stderr)
+
 # a damaged block is said once, and the rest is drawn
 data = bytearray(open("sheet.stip", "rb").read())
 data[-1000] ^= 255
