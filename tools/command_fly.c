@@ -164,6 +164,12 @@ static int fly(session* s, const char* file)
     return flown && closed ? report(s) : 1;
 }
 
+static bool ends_with(const char* name, const char* ending)
+{
+    const char* last = strrchr(name, '.');
+    return last != NULL && strcmp(last, ending) == 0;
+}
+
 static int check_arguments(int argc, const char* file)
 {
     if (argc != 1) {
@@ -182,9 +188,10 @@ static int check_arguments(int argc, const char* file)
     if (args.plot != NULL && strcmp(args.plot, "-") == 0) {
         return tool_usage_error("--plot writes a file, and standard output is none");
     }
-    const char* ending = args.output != NULL ? strrchr(args.output, '.') : NULL;
-    if (args.output != NULL && !video_is_folder(args.output) &&
-        (ending == NULL || strcmp(ending, ".mp4") != 0)) {
+    if (args.plot != NULL && !ends_with(args.plot, ".svg")) {
+        return tool_usage_error("--plot is a drawing OUT.svg, not %s", args.plot);
+    }
+    if (args.output != NULL && !video_is_folder(args.output) && !ends_with(args.output, ".mp4")) {
         return tool_usage_error("-o is a film OUT.mp4 or a folder DIR/, not %s", args.output);
     }
     return draw_options_check(&args.draw);

@@ -193,6 +193,9 @@ refused 1 "no/plot.svg" fly ball.stip --path flight.json --size 8x8 --frames 1 -
 refused 1 "no/plot.svg" fly ball.stip --path flight.json --size 8x8 --plot no/plot.svg -o never/
 [ ! -e never ] || fail "what cannot be plotted is flown"
 refused 2 "standard output" fly ball.stip --path flight.json --plot -
+for plot in both.mp4 plot.png plot; do # a plot in place of the film that was just written would be a loss
+    refused 2 "--plot is a drawing OUT.svg, not $plot" fly ball.stip --path flight.json --size 8x8 -o both.mp4 --plot "$plot"
+done
 touch file
 refused 1 "file/pictures/" fly ball.stip --path flight.json --size 8x8 --frames 1 -o file/pictures/
 exit $((failures > 0))
