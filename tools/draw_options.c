@@ -39,7 +39,8 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .type = OPTION_NUMBER,
          .argument = "MS",
          .words = "0.1..1e6",
-         .help = "choose the size of splats, 1 to 8 pixels, so that a frame takes so long",
+         .help = "choose the size of splats so that a frame takes so long: from 1 pixel on, to 8 "
+                 "(--controller paper) or, where that is not enough, 24",
          .value = &o->budget_ms,
          .given = &o->has_budget},
         {.name = "controller",
