@@ -62,9 +62,13 @@ static bench_entry begin_result(const frame_bench* b, const way* w)
     return entry;
 }
 
-static void set_figures(const bench_entry* entry, json_t* figures)
+// As `render --json` and `fly --json` have them.
+static void set_figures(const frame_bench* b, const bench_entry* entry, json_t* figures)
 {
+    json_t* drawn = frame_maker_describe(&b->maker, b->image.width, b->image.height);
+    json_object_update(entry->figures, drawn);
     json_object_update(entry->figures, figures);
+    json_decref(drawn);
     json_decref(figures);
 }
 
@@ -94,7 +98,8 @@ static stp_result measure_view(frame_bench* b, uint32_t view, const way* w)
         qsort(frames, (size_t)repeats, sizeof(frames[0]), compare_figures);
         bench_entry entry = begin_result(b, w);
         bench_set_text(entry.params, "view", b->names[view]);
-        set_figures(&entry, frame_describe(&frames[repeats / 2]));
+        set_figures(b, &entry, frame_describe(&frames[repeats / 2]));
+        bench_set_count(entry.figures, "resident_bytes", frame_maker_resident_bytes(&b->maker));
     }
     return result;
 }
@@ -119,7 +124,8 @@ static stp_result measure_flight(frame_bench* b, const way* w)
     if (result == STP_OK) {
         bench_entry entry = begin_result(b, w);
         bench_set_text(entry.params, "flight", "through the views");
-        set_figures(&entry, flight_describe(&record));
+        set_figures(b, &entry, flight_describe(&record));
+        bench_set_count(entry.figures, "threads", stp_context_thread_count(b->context));
         if (b->maker.residency != NULL) {
             json_object_set_new(entry.figures, "residency",
                                 flight_describe_residency(&record, b->maker.residency));

@@ -203,8 +203,7 @@ static stp_result draw_frames(session* s)
 static json_t* describe(const session* s, json_t* picked)
 {
     const drawing* d = &s->drawing;
-    uint64_t resident = stp_context_live_bytes(d->context);
-    resident += d->maker.residency == NULL ? stp_store_file_bytes(d->store) : 0;
+    uint64_t resident = frame_maker_resident_bytes(&d->maker);
     json_t* object = drawing_describe(d, &s->view);
     json_t* bytes = json_integer((json_int_t)resident);
     json_t* figures = frame_describe(&s->figures);

@@ -32,10 +32,7 @@ stp_result drawing_make(drawing* d, const draw_options* options)
 
 json_t* drawing_describe(const drawing* d, const stp_view* view)
 {
-    char device[200];
-    frame_read_device(&d->maker, device, sizeof(device));
-    return json_pack("{s:s, s:s, s:I, s:I}", "backend", frame_backend_name(&d->maker), "device",
-                     device, "width", (json_int_t)view->width, "height", (json_int_t)view->height);
+    return frame_maker_describe(&d->maker, view->width, view->height);
 }
 
 void drawing_end(drawing* d)

@@ -303,3 +303,17 @@ void frame_read_device(const frame_maker* maker, char* name, size_t size)
         fclose(file);
     }
 }
+
+json_t* frame_maker_describe(const frame_maker* maker, uint32_t width, uint32_t height)
+{
+    char device[200];
+    frame_read_device(maker, device, sizeof(device));
+    return json_pack("{s:s, s:s, s:I, s:I}", "backend", frame_backend_name(maker), "device", device,
+                     "width", (json_int_t)width, "height", (json_int_t)height);
+}
+
+uint64_t frame_maker_resident_bytes(const frame_maker* maker)
+{
+    uint64_t bytes = stp_context_live_bytes(maker->context);
+    return bytes + (maker->residency == NULL ? stp_store_file_bytes(maker->store) : 0);
+}

@@ -92,5 +92,10 @@ STP_MUST_USE stp_result frame_do(frame_maker* maker, frame_task task, void* user
 /// The keys of frame figures as `render --json` has them. NULL where memory runs out.
 json_t* frame_describe(const frame_figures* figures);
 
+/// What draws, and pictures of which size: `backend`, `device`, `width`, `height`. NULL where memory runs out.
+json_t* frame_maker_describe(const frame_maker* maker, uint32_t width, uint32_t height);
+/// Bytes in memory: what the context counts, and without a limit the file as it is mapped.
+uint64_t frame_maker_resident_bytes(const frame_maker* maker);
+
 /// What draws calls itself: the processor, or what OpenGL says.
 void frame_read_device(const frame_maker* maker, char* name, size_t size);

@@ -40,6 +40,9 @@ bench begin positions "${small[@]}" --count 5
 bench end positions "${small[@]}" --first 5 --count 1 --memory 64M --splat-size 3
 bench frame frame "${small[@]}" --quick --splat-size 2
 bench streamed frame "${small[@]}" --quick --memory 64M --threads 1
+"$stipple" render hills.stip -o a.png --size 64x48 --json > render.json || fail "render"
+echo '{"keys": [{"t": 0, "eye": [0, 900, 2000], "target": [0, 0, 0]}]}' > look.json
+"$stipple" fly hills.stip --path look.json --size 64x48 --json > fly.json || fail "fly"
 python3 - << 'END' || fail "figures"
 import json
 def load(name):
@@ -69,7 +72,11 @@ for name, memory in ("frame", None), ("streamed", 64 << 20):
     flights = [r for r in results if "flight" in r["params"]]
     assert [r["params"].get("controller") for r in flights] == [None, "predict", "paper"]
     assert len(results) > len(flights) and all("view" in r["params"] for r in results if r not in flights)
-    for r in results:
+    for r in results: # what the commands say of a picture and of a flight
+        flies = r in flights
+        keys = set(json.load(open("fly.json" if flies else "render.json"))) | ({"residency"} if flies and memory else set())
+        assert set(r["figures"]) == keys, set(r["figures"]) ^ keys
+        assert (r["figures"]["backend"], r["figures"]["width"]) == ("cpu", 64), r["figures"]
         assert (r["params"]["width"], r["params"].get("memory_bytes")) == (64, memory), r["params"]
         assert ("residency" in r["figures"]) == (memory is not None and r in flights)
     if memory:
