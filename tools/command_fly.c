@@ -130,19 +130,22 @@ static bool open_film(session* s)
                       &s->film);
 }
 
-static bool fly_through(session* s, const char* file)
+/// @return the exit code, with the message printed
+static int fly_through(session* s, const char* file)
 {
     drawing* d = &s->drawing;
     if (drawing_open(d, &args.draw, file) != STP_OK) {
-        return false;
+        return 1;
     }
     s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, d->store);
-    if (scene_show_apply(&d->show, &args.draw.show, &s->plan.view) != 0) {
-        return false;
+    int code = scene_show_apply(&d->show, &args.draw.show, &s->plan.view);
+    if (code != 0) {
+        return code;
     }
     s->plan.quality.visibility = d->show.visibility;
-    return drawing_make(d, &args.draw) == STP_OK &&
-           flight_run(&d->maker, &s->plan, &s->record) == STP_OK;
+    bool flown = drawing_make(d, &args.draw) == STP_OK &&
+                 flight_run(&d->maker, &s->plan, &s->record) == STP_OK;
+    return flown ? 0 : 1;
 }
 
 static int fly(session* s, const char* file)
@@ -159,9 +162,11 @@ static int fly(session* s, const char* file)
     if (args.output != NULL && !open_film(s)) {
         return 1;
     }
-    bool flown = fly_through(s, file);
-    bool closed = video_close(&s->film, flown);
-    return flown && closed ? report(s) : 1;
+    code = fly_through(s, file);
+    if (!video_close(&s->film, code == 0)) {
+        return 1;
+    }
+    return code == 0 ? report(s) : code;
 }
 
 static bool ends_with(const char* name, const char* ending)

@@ -183,6 +183,7 @@ refused 2 "written over" fly ball.stip --path flight.json --plot ball.stip
 refused 2 "exclude" fly ball.stip --path flight.json --budget-ms 5 --splat-size 2
 refused 2 "exclude" fly ball.stip --path flight.json --budget-ms 5 --reference
 refused 2 "frames" fly ball.stip --path flight.json --frames 0
+refused 2 "no object named attic" fly ball.stip --path flight.json --size 8x8 --hide attic
 refused 1 "nothing.json" fly ball.stip --path nothing.json
 refused 1 "nothing.stip" fly nothing.stip --path flight.json
 echo '{"fps": 1000, "keys": [{"t": 0, "eye": [0, 0, 9], "target": [0, 0, 0]}, {"t": 9000, "eye": [0, 0, 8], "target": [0, 0, 0]}]}' > long.json
