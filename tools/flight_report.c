@@ -27,10 +27,9 @@ static json_t* describe_frames(const flight_record* record)
     json_t* list = json_array();
     for (uint32_t i = 0; i < record->frame_count; ++i) {
         const frame_figures* f = &record->frames[i];
-        json_t* frame = json_pack("{s:f, s:f, s:I, s:I, s:I, s:f}", "t", record->times[i],
-                                  "frame_ms", f->frame_ms, "splats", (json_int_t)f->splats,
-                                  "extra_splats", (json_int_t)f->extra_splats, "triangles",
-                                  (json_int_t)f->triangles, "splat_size", (double)f->splat_size);
+        json_t* frame = frame_describe(f);
+        json_object_set_new(frame, "t", json_real(record->times[i]));
+        json_object_set_new(frame, "extra_splats", json_integer((json_int_t)f->extra_splats));
         if (record->has_popping) {
             json_object_set_new(frame, "popping", json_real(record->poppings[i]));
         }

@@ -60,8 +60,9 @@ def load(name):
     assert len(f["per_frame"]) == f["frames"]
     for frame in f["per_frame"]:
         assert ("popping" in frame) == (f["popping"] is not None) and frame.pop("popping", 0) >= 0
-        assert sorted(frame) == ["extra_splats", "frame_ms", "splat_size", "splats", "t", "triangles"], frame
-        assert frame["frame_ms"] > 0
+        assert sorted(frame) == sorted("""t frame_ms select_ms draw_ms shade_ms splat_size splats extra_splats fragments
+            clusters triangles nodes draw_calls covered_pixels""".split()), frame
+        assert 0 < frame["select_ms"] + frame["draw_ms"] + frame["shade_ms"] <= frame["frame_ms"] + 1e-6, frame
     for key in "frame_ms", "splats", "triangles", "splat_size":
         values = sorted(frame[key] for frame in f["per_frame"])
         assert f[key]["max"] == values[-1] and f[key]["p50"] == values[(len(values) - 1) // 2], (name, key, values, f[key])
