@@ -17,8 +17,10 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define MOST_SCATTER 0.25
 #define SIGMAS 1.3    // nineteen of twenty frames are to stay within OVERSHOOT
 #define OVERSHOOT 1.1 // of the budget
-#define SLOWEST_FINER                                                                              \
-    0.92 // sizes shrink by no more than so much a frame: a shrink too far is a late frame
+#define FASTEST_FINER                                                                              \
+    0.92          // sizes shrink by no more than so much a frame: a shrink too far is a late frame
+#define SURE 0.05 // scatter beyond which they shrink the more slowly:
+#define SLOWEST 0.4 // a view that empties suddenly fills as suddenly. The least part of that pace
 #define FIRST_SPLAT_EXPONENT 2.0    // what covers the screen
 #define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
 #define FIRST_TRIANGLE_EXPONENT 1.0
@@ -30,7 +32,10 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define SLOW_FRAME                                                                                 \
     1.3              // times what the last frames suggest: more is not learned from a single frame
 #define MOST_OFF 0.1 // the same of the scatter
-#define LITTLE_GAIN 1.05
+#define LITTLE_GAIN 0.05 // of a frame's time, for which no size is given up where none is in time
+#define HOPELESS 0.1     // of the goal, missed by which all of that is left alone
+#define TREND_FOLLOWS 0.5
+#define MOST_LATE 0.4 // logarithm: what differs by more is another place
 
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms)
 {
@@ -108,7 +113,8 @@ double stp_budget_predict(const stp_budget* b, double splat_size)
     double finer = b->frames > 0 ? (double)b->last.splat_size / splat_size : 1.0;
     double triangles = pow(finer, b->triangle_exponent);
     terms[0] *= pow(finer, b->splat_exponent);
-    terms[1] *= pow(finer, b->fragment_exponent);
+    // larger splats may have more fragments, but what is a guess from other places must not keep splats small
+    terms[1] *= pow(finer, finer < 1.0 ? fmax(b->fragment_exponent, 0.0) : b->fragment_exponent);
     terms[2] *= triangles;
     terms[3] *= triangles;
     return b->speed * price_of(b, terms);
@@ -174,16 +180,14 @@ static void learn_exponents(stp_budget* b, const stp_frame_cost* cost)
         learn_exponent(b->triangle_exponent, last->triangles, cost->triangles, change, 0.0, 3.0);
 }
 
-// Where the model reaches the goal; it falls with the size.
+// Where the model, which never rises with the size, meets the goal. Where no size does, what would gain next to nothing is not
+// given up for it.
 static double solve_size(const stp_budget* b, double goal)
 {
-    double low = (double)STP_SPLAT_SIZE_LEAST, high = (double)STP_SPLAT_SIZE_MOST;
-    if (stp_budget_predict(b, high) > goal) {
-        low = high;
-        high = (double)STP_SPLAT_SIZE_COARSEST;
-        // where even the coarsest is too late, what would gain next to nothing is not given up for it
-        goal = fmax(goal, LITTLE_GAIN * stp_budget_predict(b, high));
-    }
+    double low = (double)STP_SPLAT_SIZE_LEAST, high = (double)STP_SPLAT_SIZE_COARSEST;
+    double fastest = stp_budget_predict(b, high);
+    double beyond = clamp_number((fastest / goal - 1.0) / HOPELESS, 0.0, 1.0);
+    goal = fmax(goal, fastest * (1.0 + LITTLE_GAIN * beyond));
     for (int i = 0; i < 24; ++i) {
         double middle = 0.5 * (low + high);
         *(stp_budget_predict(b, middle) > goal ? &low : &high) = middle;
@@ -204,27 +208,41 @@ static double learn_speed(stp_budget* b, double milliseconds, double expected)
     if (b->frames == 0 || !(expected > 0.0)) {
         return milliseconds;
     }
-    double ratio = clamp_number(milliseconds / expected, 0.2, 5.0);
-    b->ratios[b->frames % STP_BUDGET_RATIOS] = ratio;
-    double middle = middle_of(b->ratios), off = fabs(ratio / b->speed - 1.0);
-    b->scatter += SCATTER_FOLLOWS * (fmin(off, fmax(MOST_OFF, 3.0 * b->scatter)) - b->scatter);
+    b->ratios[b->frames % STP_BUDGET_RATIOS] = clamp_number(milliseconds / expected, 0.2, 5.0);
+    double middle = middle_of(b->ratios);
     b->speed += SPEED_FOLLOWS * (middle - b->speed);
     return fmin(milliseconds, SLOW_FRAME * middle * expected);
+}
+
+// How frames kept to their forecasts: those of a flight towards something are late one after the other.
+static void learn_trend(stp_budget* b, const stp_frame_cost* cost)
+{
+    double forecast = stp_budget_predict(b, (double)cost->splat_size);
+    if (b->frames == 0 || !(forecast > 0.0)) {
+        return;
+    }
+    double late = clamp_number(log(cost->milliseconds / forecast), -MOST_LATE, MOST_LATE);
+    b->lateness[b->frames % STP_BUDGET_RATIOS] = late;
+    double off = fmin(fabs(late - fmax(b->trend, 0.0)), fmax(MOST_OFF, 3.0 * b->scatter));
+    b->scatter += SCATTER_FOLLOWS * (off - b->scatter);
+    b->trend += TREND_FOLLOWS * (middle_of(b->lateness) - b->trend);
 }
 
 static void predict(stp_budget* b, const stp_frame_cost* cost)
 {
     double terms[STP_BUDGET_TERMS];
     list_terms(cost, terms);
+    learn_trend(b, cost);
     learn_prices(b, terms, learn_speed(b, cost->milliseconds, price_of(b, terms)));
     learn_exponents(b, cost);
     b->last = *cost;
     b->frames += 1;
     double scatter = b->scatter < MOST_SCATTER ? b->scatter : MOST_SCATTER;
     double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // mean deviations to sigmas
-    double goal = b->budget_ms * (margin < 1.0 ? margin : 1.0);
-    double size = solve_size(b, goal), least = (double)cost->splat_size * SLOWEST_FINER;
-    b->splat_size = clamp_size(size > least ? size : least, (double)STP_SPLAT_SIZE_COARSEST);
+    double goal = b->budget_ms * fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
+    double finer = pow(FASTEST_FINER, clamp_number(SURE / b->scatter, SLOWEST, 1.0));
+    double size = fmax(solve_size(b, goal), (double)cost->splat_size * finer);
+    b->splat_size = clamp_size(size, (double)STP_SPLAT_SIZE_COARSEST);
 }
 
 void stp_budget_learn(stp_budget* b, const stp_frame_cost* cost)

@@ -27,7 +27,7 @@ typedef struct stp_frame_cost {
 enum {
     STP_BUDGET_TERMS = 5,    ///< splats, fragments, triangles, draws, covered pixels
     STP_BUDGET_AVERAGED = 3, ///< frames whose splat size the paper averages
-    STP_BUDGET_RATIOS = 3,   ///< frames whose middle one says how fast the machine is
+    STP_BUDGET_RATIOS = 3,   ///< frames whose middle one says how the machine and the scene change
 };
 
 typedef struct stp_budget {
@@ -41,10 +41,12 @@ typedef struct stp_budget {
     double price[STP_BUDGET_TERMS];
     double covariance[STP_BUDGET_TERMS][STP_BUDGET_TERMS];
     double speed;   ///< measured over predicted, lately: what else the machine does
-    double scatter; ///< of measured over predicted around `speed`
+    double trend;   ///< logarithm of measured over forecast, lately: what comes into view
+    double scatter; ///< of that around `trend`: mean deviation
     /// How counts fall with the size of splats; fragments may rise (negative).
     double splat_exponent, fragment_exponent, triangle_exponent;
-    double ratios[STP_BUDGET_RATIOS]; ///< of measured to predicted, of the last frames
+    double ratios[STP_BUDGET_RATIOS];   ///< of measured to what a frame's counts should take
+    double lateness[STP_BUDGET_RATIOS]; ///< logarithm of measured over forecast
 } stp_budget;
 
 /// `budget_ms` above 0.

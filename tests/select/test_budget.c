@@ -18,6 +18,10 @@ typedef struct machine {
     /// Of splats: 0: 2, what covers the screen. Less where nodes are opened nearer the larger splats are; as many pixels are
     /// covered all the same.
     double splat_exponent;
+    double rate; ///< by which what is shown grows from frame to frame (logarithm), and then shrinks
+    int leg;     ///< frames of either. 0: never
+    double rough; ///< by which what is shown differs at random (logarithm), every so many frames
+    int knot;
 } machine;
 
 static double random_between(uint64_t number, double low, double high)
@@ -25,10 +29,25 @@ static double random_between(uint64_t number, double low, double high)
     return low + (high - low) * ((double)(stp_rng_hash(7, number) >> 11) * 0x1p-53);
 }
 
+static double swell_at(const machine* m, int frame)
+{
+    double swell = 1.0 + m->swing * sin(6.283185307 * (double)frame / 300.0);
+    if (m->leg > 0) {
+        int along = frame % (2 * m->leg);
+        swell *= exp(m->rate * (double)(along < m->leg ? along : 2 * m->leg - along));
+    }
+    if (m->knot > 0) {
+        uint64_t knot = (uint64_t)(frame / m->knot) + 100000;
+        double before = random_between(knot, -m->rough, m->rough);
+        double after = random_between(knot + 1, -m->rough, m->rough);
+        swell *= exp(before + (after - before) * (double)(frame % m->knot) / (double)m->knot);
+    }
+    return swell;
+}
+
 static stp_frame_cost run_frame(const machine* m, int frame, float size)
 {
-    double phase = 6.283185307 * (double)frame / 300.0, s = (double)size;
-    double swell = 1.0 + m->swing * sin(phase);
+    double swell = swell_at(m, frame), s = (double)size;
     double exponent = m->splat_exponent > 0.0 ? m->splat_exponent : 2.0;
     double splats = m->splats * swell / pow(s, exponent),
            triangles = m->triangles * swell / s + 0.05;
@@ -161,6 +180,69 @@ void test_budget_prediction_forgives_one_slow_frame(test_state* test)
         CHECK(i < 66 || size < 1.1f * before); // nor is the picture coarse for long
     }
     CHECK(before > 1.1f && most < 1.25f * before);
+}
+
+void test_budget_prediction_knows_where_a_flight_goes(test_state* test)
+{
+    // an eighth more from frame to frame, up to eighteen times as much, and as fast away
+    machine m = {
+        .splats = 2.8, .triangles = 0.95, .noise = 0.02, .slow = 1.0, .rate = 0.12, .leg = 24};
+    outcome o = fly(&m, STP_CONTROLLER_PREDICT, 40.0);
+    CHECK(o.p95 <= 1.1);
+    CHECK(o.p99 <= 1.15);
+    CHECK(o.p50 >= 0.6);
+}
+
+void test_budget_prediction_holds_where_views_come_and_go(test_state* test)
+{
+    const machine machines[] = {
+        {.splats = 6.0, .triangles = 2.5, .noise = 0.02, .slow = 1.0, .rough = 0.3, .knot = 1},
+        {.splats = 6.0, .triangles = 2.5, .noise = 0.02, .slow = 1.0, .rough = 0.6, .knot = 3},
+        {.splats = 6.0, .triangles = 2.5, .noise = 0.02, .slow = 1.0, .rough = 0.9, .knot = 7},
+    };
+    for (size_t i = 0; i < sizeof(machines) / sizeof(machines[0]); ++i) {
+        outcome o = fly(&machines[i], STP_CONTROLLER_PREDICT, 40.0);
+        CHECK(o.p95 <= 1.1);
+        CHECK(o.p99 <= 1.5);
+        CHECK(o.p50 >= 0.75);
+    }
+}
+
+void test_budget_prediction_takes_what_the_coarsest_saves(test_state* test)
+{
+    // 24 pixels are in time, and 16 a twentieth too late
+    machine m = {
+        .splats = 40.0, .triangles = 4.0, .noise = 0.0, .slow = 1.0, .splat_exponent = 1.0};
+    double budget_ms = run_frame(&m, 0, 23.0f).milliseconds;
+    CHECK(run_frame(&m, 0, 19.0f).milliseconds > 1.04 * budget_ms);
+    outcome o = fly(&m, STP_CONTROLLER_PREDICT, budget_ms);
+    CHECK(o.p50 <= 1.01);
+    CHECK(o.size > 20.0 && o.size < 24.0);
+}
+
+void test_budget_prediction_never_expects_larger_splats_to_be_slower(test_state* test)
+{
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 30.0);
+    for (int i = 0; i < 40; ++i) {
+        // a hall whose fragments rise with the size, and nothing else changes
+        float size = stp_budget_splat_size(&budget);
+        double fragments = 10.0 * pow((double)size, 0.3);
+        stp_frame_cost cost = {.milliseconds = 10.0 + 2.0 * fragments,
+                               .splats = 200000,
+                               .fragments = (uint64_t)(fragments * 1e6),
+                               .triangles = 300000,
+                               .covered_pixels = 1500000,
+                               .draw_calls = 300,
+                               .splat_size = size};
+        stp_budget_learn(&budget, &cost);
+    }
+    double before = stp_budget_predict(&budget, (double)budget.last.splat_size);
+    for (double size = (double)budget.last.splat_size; size < 24.0; size *= 1.2) {
+        double now = stp_budget_predict(&budget, size);
+        CHECK(now <= before * (1.0 + 1e-9));
+        before = now;
+    }
 }
 
 void test_budget_prediction_beats_the_paper_where_the_scene_changes(test_state* test)
