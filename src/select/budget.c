@@ -15,7 +15,7 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define SPEED_FOLLOWS 0.25  // how fast the machine's speed is taken over
 #define SCATTER_FOLLOWS 0.1 // and how fast its scatter is
 #define MOST_SCATTER 0.25
-#define SIGMAS 1.3    // nineteen of twenty frames are to stay within OVERSHOOT
+#define SIGMAS 1.6    // nineteen of twenty frames are to stay within OVERSHOOT
 #define OVERSHOOT 1.1 // of the budget
 #define FASTEST_FINER                                                                              \
     0.92          // sizes shrink by no more than so much a frame: a shrink too far is a late frame
@@ -214,25 +214,28 @@ static double learn_speed(stp_budget* b, double milliseconds, double expected)
     return fmin(milliseconds, SLOW_FRAME * middle * expected);
 }
 
-// How frames kept to their forecasts: those of a flight towards something are late one after the other.
-static void learn_trend(stp_budget* b, const stp_frame_cost* cost)
+// How frames kept to their forecasts. What came into view goes on coming, in a flight towards something: that is what the counts would
+// take at the prices of the forecast, whatever the machine did meanwhile.
+static void learn_trend(stp_budget* b, const stp_frame_cost* cost,
+                        const double terms[STP_BUDGET_TERMS])
 {
     double forecast = stp_budget_predict(b, (double)cost->splat_size);
     if (b->frames == 0 || !(forecast > 0.0)) {
         return;
     }
     double late = clamp_number(log(cost->milliseconds / forecast), -MOST_LATE, MOST_LATE);
-    b->lateness[b->frames % STP_BUDGET_RATIOS] = late;
+    double grown = log(b->speed * price_of(b, terms) / forecast);
+    b->growth[b->frames % STP_BUDGET_RATIOS] = clamp_number(grown, -MOST_LATE, MOST_LATE);
     double off = fmin(fabs(late - fmax(b->trend, 0.0)), fmax(MOST_OFF, 3.0 * b->scatter));
     b->scatter += SCATTER_FOLLOWS * (off - b->scatter);
-    b->trend += TREND_FOLLOWS * (middle_of(b->lateness) - b->trend);
+    b->trend += TREND_FOLLOWS * (middle_of(b->growth) - b->trend);
 }
 
 static void predict(stp_budget* b, const stp_frame_cost* cost)
 {
     double terms[STP_BUDGET_TERMS];
     list_terms(cost, terms);
-    learn_trend(b, cost);
+    learn_trend(b, cost, terms);
     learn_prices(b, terms, learn_speed(b, cost->milliseconds, price_of(b, terms)));
     learn_exponents(b, cost);
     b->last = *cost;

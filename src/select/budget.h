@@ -40,13 +40,14 @@ typedef struct stp_budget {
     // The model: milliseconds a unit of each term, and how far they are known.
     double price[STP_BUDGET_TERMS];
     double covariance[STP_BUDGET_TERMS][STP_BUDGET_TERMS];
-    double speed;   ///< measured over predicted, lately: what else the machine does
-    double trend;   ///< logarithm of measured over forecast, lately: what comes into view
-    double scatter; ///< of that around `trend`: mean deviation
+    double speed; ///< measured over predicted, lately: what else the machine does
+    double
+        trend; ///< logarithm of what comes into view: a frame's counts, priced, over its forecast
+    double scatter; ///< of measured over forecast around `trend`: mean deviation
     /// How counts fall with the size of splats; fragments may rise (negative).
     double splat_exponent, fragment_exponent, triangle_exponent;
-    double ratios[STP_BUDGET_RATIOS];   ///< of measured to what a frame's counts should take
-    double lateness[STP_BUDGET_RATIOS]; ///< logarithm of measured over forecast
+    double ratios[STP_BUDGET_RATIOS]; ///< of measured to what a frame's counts should take
+    double growth[STP_BUDGET_RATIOS]; ///< logarithm of what counts should take over the forecast
 } stp_budget;
 
 /// `budget_ms` above 0.

@@ -245,6 +245,25 @@ void test_budget_prediction_never_expects_larger_splats_to_be_slower(test_state*
     }
 }
 
+void test_budget_prediction_tells_a_busy_machine_from_a_growing_scene(test_state* test)
+{
+    // four frames of the same scene take a third longer: something else ran meanwhile
+    machine m = {
+        .splats = 14.0, .triangles = 10.0, .noise = 0.02, .slow = 1.0, .splat_exponent = 1.0};
+    stp_budget budget;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 40.0);
+    float before = 0.0f, most = 0.0f;
+    for (int i = 0; i < 90; ++i) {
+        stp_frame_cost cost = run_frame(&m, i, stp_budget_splat_size(&budget));
+        before = i == 60 ? cost.splat_size : before;
+        cost.milliseconds *= i >= 60 && i < 64 ? 1.33 : 1.0;
+        stp_budget_learn(&budget, &cost);
+        most = fmaxf(i >= 60 ? stp_budget_splat_size(&budget) : 0.0f, most);
+    }
+    CHECK(most < 2.2f * before); // 1.6 would be in time
+    CHECK(budget.trend < 0.02);
+}
+
 void test_budget_prediction_beats_the_paper_where_the_scene_changes(test_state* test)
 {
     machine m = {.splats = 12.0, .triangles = 4.0, .swing = 0.8, .noise = 0.03, .slow = 1.3};
