@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 // Part of the name of what is cached: to be raised when builds of the same input become different.
-static const char* const cache_version = "stipple-" STP_VERSION "-5";
+static const char* const cache_version = "stipple-" STP_VERSION "-6";
 static const char* const parameters =
     "{\"method\":\"blue\",\"metric\":\"side\",\"order\":\"exact\",\"threshold\":1000}";
 

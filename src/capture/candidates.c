@@ -69,5 +69,6 @@ void stp_candidates_destroy(stp_context* context, stp_candidates* candidates)
     stp_free(context, candidates->colors);
     stp_free(context, candidates->materials);
     stp_free(context, candidates->view_starts);
+    stp_free(context, candidates->set_areas);
     *candidates = (stp_candidates){0};
 }

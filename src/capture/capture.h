@@ -60,6 +60,8 @@ typedef struct stp_candidates {
     double pixel_size;  ///< side of a capture pixel, scene units
     uint32_t set_count; ///< the last so many are surfels of sets
     float set_radius;   ///< of their disks, the largest, scene units
+    float*
+        set_areas; ///< how much surface each of them stands for, scene units squared; NULL where there are none
     double surface_radius; ///< how far surface that was seen may lie from a candidate; 0: half a
                            ///< pixel's diagonal
     uint32_t resolution, direction_count;
@@ -67,6 +69,21 @@ typedef struct stp_candidates {
     uint64_t covered_pixels, triangle_views; ///< for reports
     double raster_ms, resolve_ms;
 } stp_candidates;
+
+/// The part of a disk's area that is nearest to its surfel, where surfels whose disks just cover a surface lie evenly.
+#define STP_WHOLE_SHARE 0.5
+
+/// The chance with which pixels of a disk are drawn that stands over what is thin, from the surface nearest to its
+/// surfel over the disk's area. Of thin things both sides are seen.
+static inline double stp_chance_of_share(double share)
+{
+    return 0.5 * share;
+}
+
+static inline double stp_share_of_chance(double chance)
+{
+    return 2.0 * chance;
+}
 
 /// The first candidate that is a surfel of a set; their count where none is.
 static inline uint32_t stp_first_of_sets(const stp_candidates* candidates)

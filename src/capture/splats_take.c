@@ -228,8 +228,9 @@ typedef struct resolve_sets {
     uint64_t* starts; ///< candidate of the first surfel seen, of each piece
 } resolve_sets;
 
-static void find_colour(const stp_surfels* s, const stp_set_look* look, uint32_t surfel,
-                        uint8_t rgba[4])
+// @return the chance with which a pixel of its disk is drawn
+static float find_colour(const stp_surfels* s, const stp_set_look* look, uint32_t surfel,
+                         uint8_t rgba[4])
 {
     const uint8_t* own = s->colors + 3 * (look->first + surfel);
     const uint8_t* before = s->colors + 3 * (look->first_before + surfel);
@@ -250,6 +251,7 @@ static void find_colour(const stp_surfels* s, const stp_set_look* look, uint32_t
     float fraction = 1.0f - (1.0f - chance) * (1.0f - chance);
     float scaled = fraction * 255.0f + 0.5f;
     rgba[3] = scaled < 1.0f ? 1 : (uint8_t)scaled;
+    return chance;
 }
 
 // The set that a surfel belongs to, at or after `set`.
@@ -267,14 +269,30 @@ static size_t find_set(const stp_capture_job* job, uint64_t surfel, size_t set)
     return low;
 }
 
+// A placed set's disks, and how much surface one stands for that is drawn whole.
+typedef struct set_area {
+    double disk, whole;
+} set_area;
+
+static set_area find_area(const stp_placed_set* set)
+{
+    double scale = stp_affine_stretch(&set->transform), disk = (double)set->radius;
+    double reach = disk - (double)set->surfels->candidate_radius; // to what the prefix covers
+    reach = reach > 0.5 * disk ? reach : 0.5 * disk;
+    disk *= scale, reach *= scale;
+    return (set_area){STP_PI * disk * disk, STP_WHOLE_SHARE * STP_PI * reach * reach};
+}
+
 static void write_candidate(stp_candidates* out, size_t to, const stp_set_placing* placing,
-                            const stp_set_look* look, uint32_t surfel)
+                            const stp_set_look* look, uint32_t surfel, set_area area)
 {
     stp_vec3 at = stp_to_float(stp_set_position(placing, surfel));
     stp_vec3 normal = stp_to_float(stp_set_normal(placing, surfel));
     memcpy(out->positions + 3 * to, &at, sizeof(at));
     memcpy(out->normals + 3 * to, &normal, sizeof(normal));
-    find_colour(placing->surfels, look, surfel, out->colors + 4 * to);
+    float chance = find_colour(placing->surfels, look, surfel, out->colors + 4 * to);
+    double own = stp_share_of_chance((double)chance) * area.disk;
+    out->set_areas[to - out->count] = (float)(own < area.whole ? own : area.whole);
     out->materials[to] = placing->surfels->materials[surfel];
 }
 
@@ -289,6 +307,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
         size_t to = (size_t)r->starts[piece], set = SIZE_MAX;
         stp_set_placing placing = {0};
         stp_set_look look = {0};
+        set_area area = {0};
         for (uint64_t word = first; word < (last < words ? last : words); ++word) {
             for (uint32_t bits = word_at(job, word); bits != 0; bits &= bits - 1) {
                 uint64_t surfel = 32 * word + (uint64_t)__builtin_ctz(bits);
@@ -298,9 +317,10 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
                     stp_affine placement = stp_capture_set_placement(job, set);
                     placing = stp_set_placing_make(job->sets[set].surfels, &placement);
                     look = stp_set_look_at(job->sets[set].surfels, job->sets[set].prefix);
+                    area = find_area(&job->sets[set]);
                 }
                 write_candidate(r->out, to++, &placing, &look,
-                                (uint32_t)(surfel - job->first_surfels[set]));
+                                (uint32_t)(surfel - job->first_surfels[set]), area);
             }
         }
     }
@@ -313,6 +333,11 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
     size_t pieces = (size_t)((words + WORDS_A_PIECE - 1) / WORDS_A_PIECE);
     resolve_sets r = {job, candidates, STP_NEW_ARRAY(context, uint64_t, pieces)};
     if (r.starts == NULL) {
+        return stp_fail_memory(context);
+    }
+    candidates->set_areas = STP_NEW_ARRAY(context, float, stp_capture_seen_count(job) + 1);
+    if (candidates->set_areas == NULL) {
+        stp_free(context, r.starts);
         return stp_fail_memory(context);
     }
     uint64_t sum = candidates->count;

@@ -16,15 +16,33 @@
 #define LINEAR_ONE 1048576.0f // linear light as whole numbers: 1 is 2^20
 #define AHEAD 24u             // samples that memory is asked for in advance
 
-static void add_sample(stp_pyramid_sum* sum, const uint32_t color[3], uint64_t weight,
-                       uint64_t alpha)
+// What is added to a surfel's sum.
+typedef struct sample {
+    uint32_t color[3];
+    uint64_t weight, alpha, area;
+    float toward[3]; ///< its area times its normal
+} sample;
+
+static void add_sample(stp_pyramid_sum* sum, const sample* s)
 {
     for (int k = 0; k < 3; ++k) {
-        sum->color[k] += weight * color[k];
+        sum->color[k] += s->weight * s->color[k];
+        sum->toward[k] += (int64_t)s->toward[k];
     }
-    sum->weight += weight;
-    sum->alpha += alpha;
-    sum->count += 1;
+    sum->weight += s->weight;
+    sum->alpha += s->area * s->alpha;
+    sum->area += s->area;
+}
+
+static sample candidate_sample(const stp_pyramid* p, uint32_t candidate)
+{
+    const uint8_t* c = p->input->finish->candidates->colors + 4 * (size_t)candidate;
+    return (sample){
+        .color = {p->linear[c[0]], p->linear[c[1]], p->linear[c[2]]},
+        .weight = c[3] > 0 ? c[3] : 1, // what is nearly clear has little say
+        .alpha = c[3],
+        .area = stp_candidate_area(&p->areas, candidate, c[3]),
+    };
 }
 
 static void add_candidates(stp_pyramid* p, const stp_grid* samples)
@@ -36,10 +54,11 @@ static void add_candidates(stp_pyramid* p, const stp_grid* samples)
             __builtin_prefetch(&p->sums[p->nearest[at + AHEAD] & INT32_MAX]);
         }
         if (p->nearest[at] != UINT32_MAX) {
-            const uint8_t* c = colors + 4 * (size_t)samples->index[at];
-            uint32_t color[3] = {p->linear[c[0]], p->linear[c[1]], p->linear[c[2]]};
-            uint64_t weight = c[3] > 0 ? c[3] : 1; // what is nearly clear has little say
-            add_sample(&p->sums[p->nearest[at]], color, weight, c[3]);
+            sample s = candidate_sample(p, samples->index[at]);
+            s.toward[0] = (float)s.area * samples->nx[at];
+            s.toward[1] = (float)s.area * samples->ny[at];
+            s.toward[2] = (float)s.area * samples->nz[at];
+            add_sample(&p->sums[p->nearest[at]], &s);
         }
     }
 }
@@ -49,8 +68,12 @@ static void add_surfels(stp_pyramid* p, const stp_grid* samples, const stp_pyram
     for (uint32_t at = 0; at < samples->count; ++at) {
         const stp_pyramid_entry* e = &finer[samples->index[at]];
         if (p->nearest[at] != UINT32_MAX) {
-            add_sample(&p->sums[p->nearest[at]], e->color, e->fraction > 0 ? e->fraction : 1,
-                       e->alpha);
+            sample s = {.color = {e->color[0], e->color[1], e->color[2]},
+                        .weight = e->fraction > 0 ? e->fraction : 1,
+                        .alpha = e->alpha,
+                        .area = (uint64_t)e->area,
+                        .toward = {e->toward[0], e->toward[1], e->toward[2]}};
+            add_sample(&p->sums[p->nearest[at]], &s);
         }
     }
 }
@@ -62,13 +85,16 @@ static stp_pyramid_entry single_entry(const stp_pyramid* p, const stp_pyramid_en
     if (finer != NULL) {
         return finer[surfel];
     }
-    const uint8_t* c =
-        p->input->finish->candidates->colors + 4 * (size_t)p->input->finish->order[surfel];
-    return (stp_pyramid_entry){.color = {p->linear[c[0]], p->linear[c[1]], p->linear[c[2]]},
-                               .alpha = stp_pyramid_fraction((double)c[3] / 255.0)};
+    sample s = candidate_sample(p, p->input->finish->order[surfel]);
+    const float* n = p->input->normals + 3 * (size_t)surfel;
+    float area = (float)s.area;
+    return (stp_pyramid_entry){.color = {s.color[0], s.color[1], s.color[2]},
+                               .alpha = stp_pyramid_fraction((double)s.alpha / 255.0),
+                               .area = area,
+                               .toward = {area * n[0], area * n[1], area * n[2]}};
 }
 
-// Averages what was added. `alpha_one`: the sum of alphas that means 1 for a single sample.
+// Averages what was added. `alpha_one`: the alpha that means 1 of a single sample.
 static void average_octave(stp_pyramid* p, uint32_t octave, const stp_pyramid_entry* finer,
                            uint32_t alpha_one)
 {
@@ -76,15 +102,17 @@ static void average_octave(stp_pyramid* p, uint32_t octave, const stp_pyramid_en
     for (uint32_t i = 0; i < count; ++i) {
         const stp_pyramid_sum* sum = &p->sums[i];
         stp_pyramid_entry* e = &p->octaves[octave][i];
-        if (sum->count == 0) {
+        if (sum->weight == 0) {
             *e = single_entry(p, finer, i);
             continue;
         }
         for (int k = 0; k < 3; ++k) {
             e->color[k] = (uint32_t)((sum->color[k] + sum->weight / 2) / sum->weight);
+            e->toward[k] = (float)sum->toward[k];
         }
-        uint64_t one = sum->count * alpha_one;
-        e->alpha = (uint16_t)((sum->alpha * 65535 + one / 2) / one);
+        double one = (double)sum->area * alpha_one;
+        e->alpha = stp_pyramid_fraction((double)sum->alpha / one);
+        e->area = (float)sum->area;
     }
 }
 
@@ -151,16 +179,10 @@ static stp_result make_octave(stp_pyramid* p, uint32_t octave)
     result =
         finest ? make_finest(p, octave, &plan, &surfels) : make_coarser(p, octave, &plan, &surfels);
     stp_grid_destroy(p->context, &surfels);
+    if (result == STP_OK) {
+        result = stp_pyramid_choose_chances(p, octave, &plan);
+    }
     return result;
-}
-
-// Disks of one prefix overlap about twice, so each is drawn with a chance whose union is the
-// fraction.
-static uint8_t encode_coverage(uint16_t fraction)
-{
-    double chance = 1.0 - sqrt(1.0 - (double)fraction / 65535.0);
-    int code = (int)(chance * 255.0 + 0.5);
-    return (uint8_t)(code < 1 ? 1 : code);
 }
 
 static void write_octaves(stp_pyramid* p)
@@ -173,7 +195,7 @@ static void write_octaves(stp_pyramid* p)
                 p->surfels->colors[3 * at + (size_t)k] =
                     stp_linear_to_srgb8((float)e->color[k] / LINEAR_ONE);
             }
-            p->surfels->coverages[at] = encode_coverage(e->fraction);
+            p->surfels->coverages[at] = e->coverage;
         }
     }
 }
@@ -220,6 +242,7 @@ stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input
 {
     stp_pyramid p = {
         .context = context, .input = input, .surfels = surfels, .stencil = stp_stencil_make()};
+    p.areas = stp_candidate_areas_make(input->finish->candidates);
     for (int i = 0; i < 256; ++i) {
         p.linear[i] = (uint32_t)(stp_srgb8_to_linear((uint8_t)i) * LINEAR_ONE + 0.5f);
     }

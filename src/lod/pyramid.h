@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The colour pyramid while it is made, for the files that do it: pyramid.c (colours, and the whole) and
-// pyramid_coverage.c (how much of each disk is surface).
+// pyramid_coverage.c (how much of each disk is surface), pyramid_chance.c (with what chance its pixels are drawn).
 #pragma once
 
 #include "lod/finish.h"
@@ -12,11 +12,40 @@ typedef struct stp_pyramid_entry {
     uint32_t color[3]; ///< linear, whole numbers
     uint16_t alpha;    ///< mean opacity, 65535 is 1
     uint16_t fraction; ///< how much of the disk is surface, opacity included, 65535 is 1
+    float area;        ///< of the surface nearest to it, in STP_AREA_UNITS
+    float toward[3];   ///< the same, times its normals: vectors, summed
+    uint8_t coverage;  ///< result: the chance with which a pixel is drawn, 255 is 1
 } stp_pyramid_entry;
 
 typedef struct stp_pyramid_sum {
-    uint64_t color[3], alpha, weight, count;
+    uint64_t color[3], weight, alpha, area;
+    int64_t toward[3];
 } stp_pyramid_sum;
+
+enum { STP_AREA_UNITS = 4096 }; ///< a pixel of the capture, where areas are whole numbers
+
+/// How much surface candidates stand for, in STP_AREA_UNITS.
+typedef struct stp_candidate_areas {
+    uint32_t captured, blended, filled; ///< each of those that were captured as pixels
+    uint32_t first_filled, first_of_sets;
+    const float* of_sets; ///< scene units squared
+    double per_area;      ///< STP_AREA_UNITS in a scene unit squared
+} stp_candidate_areas;
+
+stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates);
+
+/// At least 1.
+static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint32_t candidate,
+                                          uint8_t alpha)
+{
+    if (candidate >= areas->first_of_sets) {
+        double area = (double)areas->of_sets[candidate - areas->first_of_sets] * areas->per_area;
+        return (uint64_t)(area < 1.0 ? 1.0 : area > 0x1p40 ? 0x1p40 : area);
+    }
+    return candidate >= areas->first_filled ? areas->filled
+           : alpha < 255                    ? areas->blended
+                                            : areas->captured;
+}
 
 typedef struct stp_pyramid {
     stp_context* context;
@@ -24,6 +53,7 @@ typedef struct stp_pyramid {
     stp_surfels* surfels;
     stp_stencil stencil;
     uint32_t linear[256];
+    stp_candidate_areas areas;
     stp_pyramid_entry* octaves[STP_OCTAVE_LIMIT]; ///< entries of each octave, in one array
     uint16_t* fractions[STP_OCTAVE_LIMIT];        ///< the same fractions, as columns for searches
     stp_pyramid_entry* entries;
@@ -59,3 +89,20 @@ void stp_pyramid_cover_finest(stp_pyramid* p, uint32_t octave, const stp_octave_
 /// The same of another octave; finer ones are done.
 STP_MUST_USE stp_result stp_pyramid_cover_coarser(stp_pyramid* p, uint32_t octave,
                                                   const stp_octave_plan* plan);
+/// For each surfel how much surface there is in the fullest quarter of its disk.
+typedef struct stp_sector_search {
+    const stp_pyramid* pyramid;
+    const stp_grid* samples;          ///< cells as wide as `radius`, or wider
+    const stp_pyramid_entry* entries; ///< of the samples, by index; NULL: samples are candidates
+    uint32_t stride;                  ///< each stands for so many of its kind
+    const uint32_t* visit;            ///< surfels
+    size_t count;
+    float radius;   ///< of the disks
+    float* fullest; ///< result: of each surfel visited, in STP_AREA_UNITS
+} stp_sector_search;
+
+void stp_sector_search_run(stp_context* context, stp_sector_search* search);
+
+/// Fills the coverages of an octave, from fractions and areas.
+STP_MUST_USE stp_result stp_pyramid_choose_chances(stp_pyramid* p, uint32_t octave,
+                                                   const stp_octave_plan* plan);
