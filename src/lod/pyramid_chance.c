@@ -10,8 +10,10 @@
 // those with more than the second are drawn whole: surface that half of the views do not see has so much.
 #define THIN 0.3
 #define WHOLE 0.5
-// Surface that on the mean faces away by more than this cosine is something else (the ground below a tree).
-#define LEAST_FACING 0.3
+// Surface that on the mean faces away by more than this cosine is something else: the ground below a tree. Leaves, and
+// what is as round as the disk is wide, face as much. Many octaves away from them, lattices face less.
+#define LEAST_FACING 0.5
+#define LEAST_FACING_OF_THIN 0.3
 // No surfel of a whole surface has less, even at a corner: another lies as far away as the disks reach.
 #define CORNER 0.1
 // Disks whose fullest quarter has more than the first part are no wires; with more than the second they are whole.
@@ -67,6 +69,13 @@ static double overlapping_chance(uint16_t fraction)
     return 1.0 - sqrt(1.0 - (double)fraction / 65535.0);
 }
 
+// How much of the nearest surface is taken for the surfel's own.
+static double own_part(double cosine, double least)
+{
+    double part = clamp(cosine / least);
+    return part * part * part * part;
+}
+
 static uint8_t encode(double chance)
 {
     int code = (int)(chance * 255.0 + 0.5);
@@ -105,10 +114,10 @@ static uint8_t choose(const chooser* c, uint32_t surfel, double solid)
 {
     const stp_pyramid_entry* e = &c->entries[surfel];
     double whole = overlapping_chance(e->fraction);
-    double own = clamp(facing(c->p, e, surfel) / LEAST_FACING);
+    double own = own_part(facing(c->p, e, surfel), LEAST_FACING_OF_THIN);
     double alpha =
         c->p->input->finish->candidates->set_count != 0 ? 1.0 : (double)e->alpha / 65535.0;
-    double thin = stp_chance_of_share((double)e->area * own * own * own * own / c->disk) * alpha;
+    double thin = stp_chance_of_share((double)e->area * own / c->disk) * alpha;
     thin = thin < whole ? thin : whole;
     return encode(whole * solid + thin * (1.0 - solid));
 }
@@ -119,8 +128,7 @@ static size_t choose_by_area(const chooser* c, uint32_t* doubtful)
     size_t count = 0;
     for (uint32_t i = 0; i < c->p->surfels->octave_ends[c->octave]; ++i) {
         stp_pyramid_entry* e = &c->entries[i];
-        double cosine = facing(c->p, e, i);
-        double share = (double)e->area * cosine * cosine * cosine / c->whole;
+        double share = (double)e->area * own_part(facing(c->p, e, i), LEAST_FACING) / c->whole;
         e->coverage = choose(c, i, ramp(share, THIN, WHOLE));
         if (share < WHOLE && (double)e->area >= CORNER * c->whole) {
             doubtful[count++] = i;
