@@ -10,10 +10,11 @@
 // those with more than the second are drawn whole: surface that half of the views do not see has so much.
 #define THIN 0.3
 #define WHOLE 0.5
-// Surface that on the mean faces away by more than this cosine is something else: the ground below a tree. Leaves, and
-// what is as round as the disk is wide, face as much. Many octaves away from them, lattices face less.
-#define LEAST_FACING 0.5
-#define LEAST_FACING_OF_THIN 0.3
+// Of the finest octave less, and its sectors are not looked at: a dozen candidates in a disk do not tell a wire from a border.
+#define THIN_OF_FINEST 0.08
+#define WHOLE_OF_FINEST 0.18
+// Surface that on the mean faces away by more than this cosine is something else: the ground below a tree.
+#define LEAST_FACING 0.3
 // No surfel of a whole surface has less, even at a corner: another lies as far away as the disks reach.
 #define CORNER 0.1
 // Disks whose fullest quarter has more than the first part are no wires; with more than the second they are whole.
@@ -70,9 +71,9 @@ static double overlapping_chance(uint16_t fraction)
 }
 
 // How much of the nearest surface is taken for the surfel's own.
-static double own_part(double cosine, double least)
+static double own_part(double cosine)
 {
-    double part = clamp(cosine / least);
+    double part = clamp(cosine / LEAST_FACING);
     return part * part * part * part;
 }
 
@@ -114,7 +115,7 @@ static uint8_t choose(const chooser* c, uint32_t surfel, double solid)
 {
     const stp_pyramid_entry* e = &c->entries[surfel];
     double whole = overlapping_chance(e->fraction);
-    double own = own_part(facing(c->p, e, surfel), LEAST_FACING_OF_THIN);
+    double own = own_part(facing(c->p, e, surfel));
     double alpha =
         c->p->input->finish->candidates->set_count != 0 ? 1.0 : (double)e->alpha / 65535.0;
     double thin = stp_chance_of_share((double)e->area * own / c->disk) * alpha;
@@ -122,15 +123,20 @@ static uint8_t choose(const chooser* c, uint32_t surfel, double solid)
     return encode(whole * solid + thin * (1.0 - solid));
 }
 
-// Chooses by what is nearest to each surfel. @return how many are in doubt; they are listed
+// Chooses by what is nearest to each surfel. @return how many are in doubt; they are listed, along the curve
 static size_t choose_by_area(const chooser* c, uint32_t* doubtful)
 {
     size_t count = 0;
-    for (uint32_t i = 0; i < c->p->surfels->octave_ends[c->octave]; ++i) {
+    bool finest = c->octave + 1 == c->p->surfels->octave_count;
+    double low = finest ? THIN_OF_FINEST : THIN, high = finest ? WHOLE_OF_FINEST : WHOLE;
+    for (uint32_t at = 0; at < c->p->visit_count; ++at) {
+        uint32_t i = c->p->visit[at];
         stp_pyramid_entry* e = &c->entries[i];
-        double share = (double)e->area * own_part(facing(c->p, e, i), LEAST_FACING) / c->whole;
-        e->coverage = choose(c, i, ramp(share, THIN, WHOLE));
-        if (share < WHOLE && (double)e->area >= CORNER * c->whole) {
+        double cosine = facing(c->p, e, i);
+        double share = (double)e->area * cosine * cosine / c->whole;
+        e->coverage = choose(c, i, ramp(share, low, high));
+        bool lower = e->coverage < encode(overlapping_chance(e->fraction));
+        if (!finest && lower && (double)e->area >= CORNER * c->whole) {
             doubtful[count++] = i;
         }
     }
@@ -157,15 +163,11 @@ static void run_search(const chooser* c, stp_sector_search* search, const stp_gr
     stp_sector_search_run(c->p->context, search);
 }
 
-// The finest octaves have no octave of surfels dense enough: candidates tell.
+// The last octave but one has no octave of surfels dense enough: candidates tell.
 static stp_result look_at_candidates(const chooser* c, stp_sector_search* search)
 {
     stp_pyramid* p = c->p;
     search->radius = c->disk_radius;
-    if (c->octave + 1 == p->surfels->octave_count) {
-        run_search(c, search, &p->candidates);
-        return STP_OK;
-    }
     stp_grid samples;
     stp_result result =
         stp_grid_thin(p->context, &p->candidates, c->stride, c->disk_radius * 1.001f, &samples);
