@@ -31,8 +31,10 @@ typedef struct stp_raster_splats {
     /// How far a disk seen from behind lies behind its plane, in radii: it may fill a hole, but does
     /// not hide what faces the viewer.
     float back_depth;
-    const uint8_t*
-        coverages; ///< NULL, or 1 a splat: below 255 the disk is drawn with holes (hashed)
+    /// NULL, or 1 a splat: the part of the disk that is drawn. Down to a quarter (64) it has holes (hashed), below its
+    /// radius is halved once or more while it leaves a pixel, so that what is left is no thinner and lies where the splat does.
+    const uint8_t* coverages;
+    float share;   ///< of the fragments that are drawn, of ghosts; 0: all
     uint32_t seed; ///< of the holes
     const float*
         points; ///< 3 a splat, used where `positions` is NULL (origin and step are ignored)

@@ -22,6 +22,7 @@ enum {
 };
 
 #define SPLAT_LEAST_NEARNESS 1e-30f
+#define SPLAT_LEAST_HALVED 1.0f ///< pixels: radii are not halved to less
 #define SPLAT_FAR 1e6f ///< pixels: centres are brought within it, so that they fit a whole number
 
 typedef enum splat_kind {
@@ -61,7 +62,8 @@ typedef struct stp_splat_frame {
 /// Sixteen splats. Lanes that are not drawn hold whatever they hold.
 typedef struct splat_batch {
     float px[SPLAT_BATCH], py[SPLAT_BATCH], pz[SPLAT_BATCH]; ///< grid or object position
-    float nu[SPLAT_BATCH], nv[SPLAT_BATCH];                  ///< octahedral normal
+    int32_t halvings[SPLAT_BATCH];          ///< of the radius: what is wanted, then what was done
+    float nu[SPLAT_BATCH], nv[SPLAT_BATCH]; ///< octahedral normal
     float sx[SPLAT_BATCH], sy[SPLAT_BATCH], nearness[SPLAT_BATCH], radius[SPLAT_BATCH];
     int32_t kind[SPLAT_BATCH], large[SPLAT_BATCH];
     int32_t x0[SPLAT_BATCH], y0[SPLAT_BATCH], x1[SPLAT_BATCH], y1[SPLAT_BATCH]; ///< box, inclusive
@@ -104,9 +106,19 @@ static inline bool splat_has_fragment(uint32_t coverage, uint32_t index, int32_t
     return h >> 24 < coverage + (coverage >> 7);
 }
 
-static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t index)
+/// How often the radius of a disk is halved, of which so little is drawn (of 255).
+static inline uint32_t splat_halvings(uint32_t coverage)
 {
-    return splats->coverages != NULL ? splats->coverages[index] : 255u;
+    return (uint32_t)(coverage < 64) + (uint32_t)(coverage < 16) + (uint32_t)(coverage < 4);
+}
+
+/// The part of a splat's pixels that is drawn, once its radius was halved so often; of 255.
+static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t index,
+                                      int32_t halvings)
+{
+    uint32_t coverage = splats->coverages != NULL ? splats->coverages[index] : 255u;
+    coverage <<= 2 * halvings;
+    return splats->share > 0.0f ? (uint32_t)((float)coverage * splats->share + 0.5f) : coverage;
 }
 
 static inline void splat_store(uint64_t* pixel, uint64_t value)
@@ -150,6 +162,31 @@ static inline void load_normals_scalar(const stp_splat_frame* frame, uint32_t fi
     }
 }
 
+/// How often radii of splats `first` and after should be halved.
+static inline void load_halvings(const stp_splat_frame* restrict f, uint32_t first, uint32_t count,
+                                 splat_batch* restrict t)
+{
+    const uint8_t* coverages = f->splats->coverages;
+    memset(t->halvings, 0, sizeof(t->halvings));
+    for (uint32_t i = 0; i < count && coverages != NULL; ++i) {
+        t->halvings[i] = (int32_t)splat_halvings(coverages[first + i]);
+    }
+}
+
+/// The radius, in pixels, halved as often as is wanted and leaves SPLAT_LEAST_HALVED.
+static inline float halve_radius(float radius, int32_t* halvings)
+{
+    const float least = 2.0f * SPLAT_LEAST_HALVED;
+    int32_t wanted = *halvings;
+    int32_t once = (int32_t)(wanted > 0) & (int32_t)(radius >= least);
+    int32_t twice = (int32_t)(wanted > 1) & (int32_t)(radius >= 2.0f * least);
+    int32_t thrice = (int32_t)(wanted > 2) & (int32_t)(radius >= 4.0f * least);
+    *halvings = once + twice + thrice;
+    float halved = once != 0 ? 0.5f * radius : radius;
+    halved = twice != 0 ? 0.25f * radius : halved;
+    return thrice != 0 ? 0.125f * radius : halved;
+}
+
 /// Projects the centres and sorts splats into kinds. A disk of at most half a pixel covers no pixel
 /// centre but, perhaps, that of its own pixel: `tiny`.
 static inline void project_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
@@ -165,7 +202,7 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse, nearness = N * inverse;
-        float radius = f->radius_px * inverse;
+        float radius = halve_radius(f->radius_px * inverse, &t->halvings[i]);
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
         float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind
@@ -361,7 +398,7 @@ static inline splat_box clip_box(const stp_splat_frame* f, const splat_batch* t,
 static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_batch* t, int i,
                                         uint32_t index, splat_box box)
 {
-    uint32_t coverage = splat_coverage(f->splats, index);
+    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
     uint64_t fragments = 0;
     for (int32_t y = box.y0; y < box.y1; ++y) {
         uint64_t* row = f->target->pixels + (size_t)y * f->target->stride;
@@ -384,7 +421,7 @@ static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_ba
 static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
 {
-    uint32_t coverage = splat_coverage(f->splats, index);
+    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
     if (coverage < 255 && !splat_has_fragment(coverage, f->seed + index, 0, 0)) {
         return 0;
     }

@@ -85,7 +85,7 @@ void test_dither_of_samples_differs(test_state* test)
 {
     made_picture p;
     CHECK(made_picture_begin(&p, NULL, 1));
-    make_pair(&p, grey, 40);
+    make_pair(&p, grey, 64);
     p.style.supersample = 4;
     CHECK_EQUAL(STP_OK, made_picture_open(&p));
     CHECK_EQUAL(STP_OK, made_picture_draw(&p));
@@ -97,7 +97,7 @@ void test_dither_of_samples_differs(test_state* test)
             levels[alpha] += 1;
         }
     }
-    CHECK(levels[0] + levels[255] < inner / 20);
+    CHECK(levels[0] + levels[255] < inner / 10);
     made_picture_end(&p);
 }
 

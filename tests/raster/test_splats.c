@@ -296,6 +296,55 @@ void test_splats_coverage_is_the_share_of_fragments(test_state* test)
     }
 }
 
+static void find_columns(const splat_scene* s, int32_t* left, int32_t* right)
+{
+    *left = WIDTH;
+    *right = -1;
+    for (int32_t i = 0; i < WIDTH * HEIGHT; ++i) {
+        if (s->pixels[i] != STP_RASTER_EMPTY) {
+            *left = i % WIDTH < *left ? i % WIDTH : *left;
+            *right = i % WIDTH > *right ? i % WIDTH : *right;
+        }
+    }
+}
+
+// Disks of which less than a quarter is drawn become smaller instead of thinner, but not smaller than a pixel.
+void test_splats_of_which_little_is_drawn_are_smaller(test_state* test)
+{
+    static splat_scene s;
+    const int levels[] = {2, 3, 5, 15, 20, 63}, halvings[] = {3, 3, 2, 2, 1, 1};
+    const double focal = 40.0;
+    for (int level = 0; level < 6; ++level) {
+        double area = 0.0, drawn = 0.0, most = 0.0;
+        make_scene(&s, 15, 8.0 / focal); // the view is twice as large: sixteen pixels
+        place_camera(&s, 0.3, 4.0, focal, true, false);
+        s.splats.normals = NULL;
+        for (uint32_t i = 0; i < SPLATS; ++i) {
+            clear(&s);
+            memset(s.coverages, 255, sizeof(s.coverages));
+            s.splats.coverages = s.coverages;
+            s.splats.begin = i;
+            s.splats.end = i + 1;
+            uint64_t whole = stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
+            int32_t left, right, inner_left, inner_right;
+            find_columns(&s, &left, &right);
+            if (left <= 0 || right >= WIDTH - 1 || right < left || whole < 795) {
+                continue;
+            }
+            clear(&s);
+            s.coverages[i] = (uint8_t)levels[level];
+            area += (double)whole * levels[level] / 255.0;
+            drawn += (double)stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
+            find_columns(&s, &inner_left, &inner_right);
+            double width = (double)(inner_right - inner_left + 1) / (right - left + 1);
+            most = width > most ? width : most;
+        }
+        double size = 1.0 / (1 << halvings[level]);
+        CHECK(area > 100.0 && fabs(drawn - area) < 0.05 * area);
+        CHECK(most > 0.8 * size && most < 1.2 * size);
+    }
+}
+
 void test_splats_keep_their_center_pixel(test_state* test)
 {
     static splat_scene s;

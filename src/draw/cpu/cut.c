@@ -70,21 +70,11 @@ bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint
 // disks that just cover meet a pixel two to three times.
 #define GHOST_OVERLAP 0.45f
 
-/// Smaller coverages, for fewer fragments.
-static bool make_ghosts(const cpu_renderer* r, stp_raster_splats* splats, cpu_worker* worker)
+/// The part of splats' fragments that ghosts have.
+static float ghost_part(const cpu_renderer* r)
 {
     float share = cpu_ghost_share(r);
-    float each = share < 1.0f ? share * (GHOST_OVERLAP + (1.0f - GHOST_OVERLAP) * share) : 1.0f;
-    uint8_t* coverages = stp_arena_alloc(&worker->scratch, splats->end);
-    if (coverages == NULL) {
-        return false;
-    }
-    for (uint32_t i = splats->begin; i < splats->end; ++i) {
-        float before = splats->coverages != NULL ? (float)splats->coverages[i] : 255.0f;
-        coverages[i] = (uint8_t)(before * each + 0.5f);
-    }
-    splats->coverages = coverages;
-    return true;
+    return share < 1.0f ? share * (GHOST_OVERLAP + (1.0f - GHOST_OVERLAP) * share) : 0.0f;
 }
 
 /// Cuts in what splats' positions are numbers of.
@@ -154,9 +144,7 @@ static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint3
 bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                     cpu_worker* worker)
 {
-    if (item->draw->ghost && !make_ghosts(r, splats, worker)) {
-        return false;
-    }
+    splats->share = item->draw->ghost ? ghost_part(r) : 0.0f;
     if (item->draw->sections == 0) {
         return true;
     }

@@ -35,7 +35,7 @@ void main()
 #endif
     ray = vec4(item.center_x, item.center_y, item.inverse_scale, shape == SHAPE_PIXEL ? 1.0 : 0.0);
     slope = vec2(item.slope_factor, item.slope_constant);
-    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));
+    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, splat.halvings));
     color = vec4(0.0);
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // no pixel
     gl_PointSize = 1.0;

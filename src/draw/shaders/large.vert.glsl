@@ -35,7 +35,9 @@ void main()
     item_block item = items[record.item];
     uint local = large_places[number].y, index = record.first + local;
     splat_place splat = place_splat(record, item, local);
-    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));
+    uint halvings = splat_halvings(stored_coverage(item, index)); // large as it is, nothing is halved to too little
+    float size = item.radius_px / float(1u << halvings);
+    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, halvings));
     bool facing = (item.flags & ITEM_FACING) != 0u, parallel = view.parallel != 0u;
     vec2 gaze = vec2(item.center_x, item.center_y);
     vec2 low, high;
@@ -49,7 +51,7 @@ void main()
         high = middle.xy + radius + 1.0;
     } else {
         float z = splat.w, inverse = item.inverse_scale;
-        float radius = item.radius_px * inverse;
+        float radius = size * inverse;
         middle = vec4((splat.position.xy - gaze * z) * inverse, z, radius);
         normal.xyz = facing ? middle.xyz : turn_normal(item, splat.code);
         float behind = !facing && dot(normal.xyz, middle.xyz) > 0.0 ? item.back_depth * radius : 0.0;

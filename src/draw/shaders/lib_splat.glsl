@@ -6,6 +6,7 @@ struct splat_place {
     float w;
     vec2 code;     // octahedral normal
     float radius;  // pixels
+    uint halvings; // of the radius
 };
 
 // All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
@@ -13,6 +14,20 @@ float along(vec4 row, vec3 p)
 {
     precise float sum = ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w;
     return sum;
+}
+
+// The part of a surfel's disk that is drawn, of 255.
+uint stored_coverage(const item_block item, uint index)
+{
+    return item.kind == KIND_SURFELS ? fetch(item.colors + index) >> 24 : 255u;
+}
+
+#define SPLAT_LEAST_HALVED 1.0 // pixels: radii are not halved to less
+
+// How often the radius of a disk is halved, of which so little is drawn.
+uint splat_halvings(uint coverage)
+{
+    return uint(coverage < 64u) + uint(coverage < 16u) + uint(coverage < 4u);
 }
 
 splat_place place_splat(const record_block record, const item_block item, uint local)
@@ -31,6 +46,12 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
     splat.w = along(item.rows[3], p);
     precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse;
+    uint wanted = splat_halvings(stored_coverage(item, record.first + local));
+    splat.halvings = 0u;
+    while (splat.halvings < wanted && 0.5 * radius >= SPLAT_LEAST_HALVED) {
+        radius *= 0.5;
+        splat.halvings += 1u;
+    }
     splat.radius = radius;
     return splat;
 }
@@ -56,9 +77,9 @@ vec3 turn_normal(const item_block item, vec2 code)
     return turned;
 }
 
-// 255: no holes.
-uint splat_coverage(const item_block item, uint index)
+// Once its radius was halved so often; 255: no holes.
+uint splat_coverage(const item_block item, uint index, uint halvings)
 {
-    uint coverage = item.kind == KIND_SURFELS ? fetch(item.colors + index) >> 24 : 255u;
+    uint coverage = stored_coverage(item, index) << 2u * halvings;
     return (item.flags & ITEM_GHOST) != 0u ? uint(float(coverage) * view.ghost_splats + 0.5) : coverage;
 }

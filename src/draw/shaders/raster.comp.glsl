@@ -81,7 +81,8 @@ uint find_command(uint group)
 bool draw_alone(uint number, const record_block record, const item_block item, uint local)
 {
     splat_shape s;
-    uint shape = shape_splat(record, item, place_splat(record, item, local), s), index = record.first + local;
+    splat_place splat = place_splat(record, item, local);
+    uint shape = shape_splat(record, item, splat, s), index = record.first + local;
     if (shape == SHAPE_NONE) {
         return false;
     }
@@ -91,7 +92,7 @@ bool draw_alone(uint number, const record_block record, const item_block item, u
         }
         return false;
     }
-    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));
+    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, splat.halvings));
     if (shape == SHAPE_PIXEL) {
         draw_pixel(s, hashed, ivec2(floor(s.center.xy)));
         return false;
@@ -116,8 +117,9 @@ void draw_together(const record_block record, const item_block item, uint local)
 {
     splat_shape s;
     uint index = record.first + local;
-    shape_splat(record, item, place_splat(record, item, local), s);
-    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));
+    splat_place splat = place_splat(record, item, local);
+    shape_splat(record, item, splat, s);
+    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, splat.halvings));
     ivec4 box = clip_box(s);
     ivec2 size = box.zw - box.xy + 1;
     for (int at = int(gl_LocalInvocationIndex); at < size.x * size.y; at += RASTER_GROUP) {

@@ -23,7 +23,7 @@ void main()
     conic = s.conic;
     conic2 = s.conic2;
     depths = s.depths;
-    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index));
+    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, splat.halvings));
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // no pixel
     gl_PointSize = 1.0;
     if (shape == SHAPE_LARGE) {
