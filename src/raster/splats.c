@@ -138,7 +138,7 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
             continue;
         }
         load_positions_scalar(frame, first, count, &batch);
-        load_halvings(frame, first, count, &batch);
+        load_parts(frame, first, count, &batch);
         project_batch(frame, &batch);
         pick_batch(frame, &batch, first, count);
         bool disks = false;

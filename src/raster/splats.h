@@ -32,8 +32,11 @@ typedef struct stp_raster_splats {
     /// not hide what faces the viewer.
     float back_depth;
     /// NULL, or 1 a splat: the part of the disk that is drawn. Down to a quarter (64) it has holes (hashed), below its
-    /// radius is halved once or more while it leaves a pixel, so that what is left is no thinner and lies where the splat does.
+    /// radius is halved once or more while it leaves about a pixel, so that what is left is no thinner and lies where the splat does.
     const uint8_t* coverages;
+    /// Those of another octave for splats below low_count, which count for low_share of 256; 0: none.
+    const uint8_t* low_coverages;
+    uint32_t low_count, low_share;
     float share;   ///< of the fragments that are drawn, of ghosts; 0: all
     uint32_t seed; ///< of the holes
     const float*

@@ -109,7 +109,7 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
 {
     const __m256 columns = _mm256_setr_ps(0, 1, 2, 3, 0, 1, 2, 3);
     __m256 u = _mm256_add_ps(_mm256_set1_ps(t->u0[i]), columns);
-    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
+    uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     __m256i id = _mm256_set1_epi64x((long long)(f->first_id + index));
     uint64_t* pixel = f->target->pixels + (size_t)t->y0[i] * f->target->stride + (size_t)t->x0[i];
     uint64_t fragments = 0;
@@ -152,7 +152,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
         box.x0 = left;
         box.x1 = left + 8;
     }
-    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
+    uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     __m256i id = _mm256_set1_epi64x((long long)(f->first_id + index));
     uint64_t fragments = 0;
     for (int32_t y = box.y0; y < box.y1; ++y) {

@@ -88,7 +88,7 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
     __m512 v = _mm512_add_ps(_mm512_set1_ps(t->v0[i]), rows);
     __m512i bits;
     uint32_t mask = evaluate(f, t, i, u, v, &bits);
-    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
+    uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     if (coverage < 255) {
         __m512i dx =
             _mm512_add_epi32(_mm512_cvttps_epi32(columns), _mm512_set1_epi32(t->x0[i] - t->cx[i]));
@@ -130,7 +130,7 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
 {
     const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
     const __m512i rows = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
-    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
+    uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     uint32_t columns = (1u << (box.x1 - box.x0)) - 1u;
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
     __m512i column = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->x0[i]), steps);
@@ -166,7 +166,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
     if (box.x1 - box.x0 <= 8) {
         return draw_eight(f, t, i, index, box);
     }
-    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
+    uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
     uint64_t fragments = 0;
     for (int32_t y = box.y0; y < box.y1; ++y) {

@@ -12,7 +12,7 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint
 {
     const stp_raster_splats* splats = f->splats;
     uint64_t fragments = 0;
-    load_halvings(f, first, count, t);
+    load_parts(f, first, count, t);
     project_batch(f, t);
     pick_batch(f, t, first, count);
     if (splats->hidden != NULL) {

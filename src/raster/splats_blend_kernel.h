@@ -40,7 +40,7 @@ static void add_fragment(blend_batch* b, uint32_t i, size_t at, uint32_t weight)
 static bool has_fragment(const blend_batch* b, uint32_t i, int32_t x, int32_t y)
 {
     uint32_t index = b->first + i,
-             coverage = splat_coverage(b->frame->splats, index, b->t.halvings[i]);
+             coverage = splat_coverage(b->frame->splats, (uint32_t)b->t.part[i], b->t.halvings[i]);
     return coverage == 255 ||
            splat_has_fragment(coverage, b->frame->seed + index, x - b->t.cx[i], y - b->t.cy[i]);
 }
@@ -155,7 +155,7 @@ static inline void blend_all(const stp_raster_blend* blend, const stp_raster_cam
             continue;
         }
         load_positions_scalar(&frame, first, b.count, &b.t);
-        load_halvings(&frame, first, b.count, &b.t);
+        load_parts(&frame, first, b.count, &b.t);
         project_batch(&frame, &b.t);
         pick_batch(&frame, &b.t, first, b.count);
         bool disks = false, any = false;

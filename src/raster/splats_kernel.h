@@ -22,7 +22,6 @@ enum {
 };
 
 #define SPLAT_LEAST_NEARNESS 1e-30f
-#define SPLAT_LEAST_HALVED 1.0f ///< pixels: radii are not halved to less
 #define SPLAT_FAR 1e6f ///< pixels: centres are brought within it, so that they fit a whole number
 
 typedef enum splat_kind {
@@ -62,7 +61,9 @@ typedef struct stp_splat_frame {
 /// Sixteen splats. Lanes that are not drawn hold whatever they hold.
 typedef struct splat_batch {
     float px[SPLAT_BATCH], py[SPLAT_BATCH], pz[SPLAT_BATCH]; ///< grid or object position
+    int32_t part[SPLAT_BATCH];                               ///< of the disk that is drawn, of 255
     int32_t halvings[SPLAT_BATCH];          ///< of the radius: what is wanted, then what was done
+    float least[SPLAT_BATCH];               ///< see splat_least
     float nu[SPLAT_BATCH], nv[SPLAT_BATCH]; ///< octahedral normal
     float sx[SPLAT_BATCH], sy[SPLAT_BATCH], nearness[SPLAT_BATCH], radius[SPLAT_BATCH];
     int32_t kind[SPLAT_BATCH], large[SPLAT_BATCH];
@@ -112,13 +113,29 @@ static inline uint32_t splat_halvings(uint32_t coverage)
     return (uint32_t)(coverage < 64) + (uint32_t)(coverage < 16) + (uint32_t)(coverage < 4);
 }
 
+/// The part of a splat's disk that is drawn, between those of two octaves; of 255.
+static inline uint32_t splat_part(const stp_raster_splats* splats, uint32_t index)
+{
+    uint32_t part = splats->coverages != NULL ? splats->coverages[index] : 255u;
+    if (index < splats->low_count) {
+        uint32_t low = splats->low_coverages[index], share = splats->low_share;
+        part = (low * share + part * (256u - share) + 128u) >> 8;
+    }
+    return part;
+}
+
 /// The part of a splat's pixels that is drawn, once its radius was halved so often; of 255.
-static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t index,
+static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t part,
                                       int32_t halvings)
 {
-    uint32_t coverage = splats->coverages != NULL ? splats->coverages[index] : 255u;
-    coverage <<= 2 * halvings;
+    uint32_t coverage = part << 2 * halvings;
     return splats->share > 0.0f ? (uint32_t)((float)coverage * splats->share + 0.5f) : coverage;
+}
+
+/// Twice the radius, in pixels, that halving must leave. Another for each splat, so that not all shrink at one depth.
+static inline float splat_least(uint32_t index)
+{
+    return 1.5f + (float)(index * 0x9E3779B1u >> 24) * (1.5f / 256.0f);
 }
 
 static inline void splat_store(uint64_t* pixel, uint64_t value)
@@ -162,21 +179,30 @@ static inline void load_normals_scalar(const stp_splat_frame* frame, uint32_t fi
     }
 }
 
-/// How often radii of splats `first` and after should be halved.
-static inline void load_halvings(const stp_splat_frame* restrict f, uint32_t first, uint32_t count,
-                                 splat_batch* restrict t)
+/// What splats `first` and after want of how they are drawn.
+static inline void load_parts(const stp_splat_frame* restrict f, uint32_t first, uint32_t count,
+                              splat_batch* restrict t)
 {
-    const uint8_t* coverages = f->splats->coverages;
-    memset(t->halvings, 0, sizeof(t->halvings));
-    for (uint32_t i = 0; i < count && coverages != NULL; ++i) {
-        t->halvings[i] = (int32_t)splat_halvings(coverages[first + i]);
+    const stp_raster_splats* splats = f->splats;
+    bool blends = first < splats->low_count;
+    for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {
+        t->part[i] = 255;
+        t->least[i] = splat_least(first + i);
+    }
+    for (uint32_t i = 0; i < count && splats->coverages != NULL && !blends; ++i) {
+        t->part[i] = splats->coverages[first + i];
+    }
+    for (uint32_t i = 0; i < count && blends; ++i) {
+        t->part[i] = (int32_t)splat_part(splats, first + i);
+    }
+    for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {
+        t->halvings[i] = (int32_t)splat_halvings((uint32_t)t->part[i]);
     }
 }
 
-/// The radius, in pixels, halved as often as is wanted and leaves SPLAT_LEAST_HALVED.
-static inline float halve_radius(float radius, int32_t* halvings)
+/// The radius, in pixels, halved as often as is wanted while half of `least` is left.
+static inline float halve_radius(float radius, float least, int32_t* halvings)
 {
-    const float least = 2.0f * SPLAT_LEAST_HALVED;
     int32_t wanted = *halvings;
     int32_t once = (int32_t)(wanted > 0) & (int32_t)(radius >= least);
     int32_t twice = (int32_t)(wanted > 1) & (int32_t)(radius >= 2.0f * least);
@@ -202,7 +228,7 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse, nearness = N * inverse;
-        float radius = halve_radius(f->radius_px * inverse, &t->halvings[i]);
+        float radius = halve_radius(f->radius_px * inverse, t->least[i], &t->halvings[i]);
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
         float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind
@@ -398,7 +424,7 @@ static inline splat_box clip_box(const stp_splat_frame* f, const splat_batch* t,
 static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_batch* t, int i,
                                         uint32_t index, splat_box box)
 {
-    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
+    uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     uint64_t fragments = 0;
     for (int32_t y = box.y0; y < box.y1; ++y) {
         uint64_t* row = f->target->pixels + (size_t)y * f->target->stride;
@@ -421,7 +447,7 @@ static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_ba
 static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
 {
-    uint32_t coverage = splat_coverage(f->splats, index, t->halvings[i]);
+    uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     if (coverage < 255 && !splat_has_fragment(coverage, f->seed + index, 0, 0)) {
         return 0;
     }

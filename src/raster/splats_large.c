@@ -32,13 +32,7 @@ static void object_position(const stp_raster_splats* splats, uint32_t index, dou
     }
 }
 
-/// Large as they are, what is halved is never too little.
-static int32_t find_halvings(const stp_raster_splats* splats, uint32_t index)
-{
-    return splats->coverages != NULL ? (int32_t)splat_halvings(splats->coverages[index]) : 0;
-}
-
-static large_disk make_disk(const stp_splat_frame* frame, uint32_t index)
+static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_t halvings)
 {
     const stp_raster_camera* camera = frame->camera;
     large_disk disk = {.scale = (double)camera->pixel_scale, .parallel = camera->parallel};
@@ -50,7 +44,7 @@ static large_disk make_disk(const stp_splat_frame* frame, uint32_t index)
     }
     double square = vz[0] * vz[0] + vz[1] * vz[1] + vz[2] * vz[2];
     disk.radius = (double)frame->splats->radius * sqrt(square);
-    disk.radius = ldexp(disk.radius, -find_halvings(frame->splats, index));
+    disk.radius = ldexp(disk.radius, -halvings);
     if (frame->splats->normals != NULL) {
         const int8_t* code = frame->splats->normals + 2 * (size_t)index;
         stp_vec3 n = stp_octahedral_decode(code[0], code[1]);
@@ -171,9 +165,12 @@ static void center_pixel(const large_disk* disk, double* x, double* y)
 
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
 {
-    large_disk disk = make_disk(frame, index);
+    uint32_t part = splat_part(frame->splats, index);
+    int32_t halvings =
+        (int32_t)splat_halvings(part); // large as it is, what is left is never too little
+    large_disk disk = make_disk(frame, index, halvings);
     splat_box box = disk_box(frame, &disk);
-    uint32_t coverage = splat_coverage(frame->splats, index, find_halvings(frame->splats, index));
+    uint32_t coverage = splat_coverage(frame->splats, part, halvings);
     double limit = (double)frame->nearness_limit, center_x, center_y;
     center_pixel(&disk, &center_x, &center_y);
     int32_t whole_x = (int32_t)fmin(fmax(center_x, -1e6), 1e6);

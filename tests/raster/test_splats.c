@@ -296,6 +296,40 @@ void test_splats_coverage_is_the_share_of_fragments(test_state* test)
     }
 }
 
+// Between two octaves, coverages are those between; what lies beyond the lower one has its own.
+void test_splats_coverage_goes_from_octave_to_octave(test_state* test)
+{
+    static splat_scene s;
+    static uint64_t blended[WIDTH * HEIGHT];
+    static uint8_t low[SPLATS], between[SPLATS];
+    const uint32_t shares[] = {0, 1, 100, 255, 256};
+    for (int round = 0; round < 10; ++round) {
+        uint32_t share = shares[round % 5], low_count = round < 5 ? SPLATS / 3 : SPLATS;
+        make_scene(&s, 400 + (uint64_t)round, round < 5 ? 0.02 : 0.2);
+        place_camera(&s, 0.5 * round, 2.5, 60.0, round % 4 == 3, false);
+        for (uint32_t i = 0; i < SPLATS; ++i) {
+            low[i] = (uint8_t)(s.coverages[i] / 9 + i % 50);
+            between[i] =
+                i < low_count
+                    ? (uint8_t)((low[i] * share + s.coverages[i] * (256 - share) + 128) / 256)
+                    : s.coverages[i];
+        }
+        s.splats.coverages = s.coverages;
+        s.splats.low_coverages = low;
+        s.splats.low_count = low_count;
+        s.splats.low_share = share;
+        uint64_t fragments = stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 5);
+        memcpy(blended, s.pixels, sizeof(blended));
+        clear(&s);
+        s.splats.coverages = between;
+        s.splats.low_coverages = NULL;
+        s.splats.low_count = 0;
+        CHECK_EQUAL(fragments,
+                    stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 5));
+        CHECK(fragments > 100 && memcmp(blended, s.pixels, sizeof(blended)) == 0);
+    }
+}
+
 static void find_columns(const splat_scene* s, int32_t* left, int32_t* right)
 {
     *left = WIDTH;

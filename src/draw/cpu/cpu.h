@@ -55,7 +55,7 @@ typedef struct cpu_item {
     stp_surfels surfels;
     const uint8_t* colors;     ///< of the prefix's octave
     const uint8_t* low_colors; ///< of the octave before, for the first `low_count`
-    const uint8_t* coverages;
+    const uint8_t *coverages, *low_coverages;
     uint32_t low_count;
     float blend;           ///< share of `colors` there
     stp_store_mesh mesh;   ///< of columns, or

@@ -44,6 +44,7 @@ static void choose_octave(cpu_item* item, uint32_t prefix)
     item->colors = surfels->colors + 3 * first;
     item->low_colors = surfels->colors + 3 * low_first;
     item->coverages = surfels->coverages != NULL ? surfels->coverages + first : NULL;
+    item->low_coverages = surfels->coverages != NULL ? surfels->coverages + low_first : NULL;
     item->low_count = choice.low_count;
     item->blend = choice.blend;
 }

@@ -35,7 +35,7 @@ void main()
     item_block item = items[record.item];
     uint local = large_places[number].y, index = record.first + local;
     splat_place splat = place_splat(record, item, local);
-    uint halvings = splat_halvings(stored_coverage(item, index)); // large as it is, nothing is halved to too little
+    uint halvings = splat_halvings(splat_part(item, index)); // large as it is, nothing is halved to too little
     float size = item.radius_px / float(1u << halvings);
     hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, halvings));
     bool facing = (item.flags & ITEM_FACING) != 0u, parallel = view.parallel != 0u;

@@ -16,13 +16,19 @@ float along(vec4 row, vec3 p)
     return sum;
 }
 
-// The part of a surfel's disk that is drawn, of 255.
-uint stored_coverage(const item_block item, uint index)
+// The part of a splat's disk that is drawn, between those of two octaves; of 255.
+uint splat_part(const item_block item, uint index)
 {
-    return item.kind == KIND_SURFELS ? fetch(item.colors + index) >> 24 : 255u;
+    if (item.kind != KIND_SURFELS) {
+        return 255u;
+    }
+    uint part = fetch(item.colors + index) >> 24;
+    if (index < item.low_count) {
+        uint low = fetch(item.low_colors + index) >> 24, share = uint(256.0 * (1.0 - item.blend) + 0.5);
+        part = (low * share + part * (256u - share) + 128u) >> 8;
+    }
+    return part;
 }
-
-#define SPLAT_LEAST_HALVED 1.0 // pixels: radii are not halved to less
 
 // How often the radius of a disk is halved, of which so little is drawn.
 uint splat_halvings(uint coverage)
@@ -46,9 +52,10 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
     splat.w = along(item.rows[3], p);
     precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse;
-    uint wanted = splat_halvings(stored_coverage(item, record.first + local));
+    uint index = record.first + local, wanted = splat_halvings(splat_part(item, index));
+    float least = 1.5 + float(index * 0x9E3779B1u >> 24) * (1.5 / 256.0); // as splat_least: not all shrink at one depth
     splat.halvings = 0u;
-    while (splat.halvings < wanted && 0.5 * radius >= SPLAT_LEAST_HALVED) {
+    while (splat.halvings < wanted && radius >= least) {
         radius *= 0.5;
         splat.halvings += 1u;
     }
@@ -80,6 +87,6 @@ vec3 turn_normal(const item_block item, vec2 code)
 // Once its radius was halved so often; 255: no holes.
 uint splat_coverage(const item_block item, uint index, uint halvings)
 {
-    uint coverage = stored_coverage(item, index) << 2u * halvings;
+    uint coverage = splat_part(item, index) << 2u * halvings;
     return (item.flags & ITEM_GHOST) != 0u ? uint(float(coverage) * view.ghost_splats + 0.5) : coverage;
 }
