@@ -12,7 +12,7 @@
 
 enum {
     SETTLE_FRAMES = 150, ///< most
-    STEADY_FRAMES = 5,   ///< in a row without much change are settled
+    STEADY_FRAMES = 16,  ///< in a row without much change are settled: doubts fade that slowly
     LOADED_FRAMES = 200, ///< most while what a view wants is loaded
 };
 static const double settle_ms = 20000.0, steady_change = 0.02;

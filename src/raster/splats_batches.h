@@ -52,7 +52,7 @@ static uint64_t draw_all(const stp_splat_frame* frame)
 {
     const stp_raster_splats* splats = frame->splats;
     uint64_t fragments = 0;
-    splat_batch batch = {0};
+    splat_batch batch = empty_batch();
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first;
         uint32_t count = left < SPLAT_BATCH ? left : SPLAT_BATCH;

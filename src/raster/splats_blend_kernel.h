@@ -146,7 +146,7 @@ static inline void blend_all(const stp_raster_blend* blend, const stp_raster_cam
                                blend->first_id)) {
         return;
     }
-    blend_batch b = {.blend = blend, .frame = &frame, .adds = adds};
+    blend_batch b = {.blend = blend, .frame = &frame, .adds = adds, .t = empty_batch()};
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first;
         b.first = first;

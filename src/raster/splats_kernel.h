@@ -63,7 +63,7 @@ typedef struct splat_batch {
     float px[SPLAT_BATCH], py[SPLAT_BATCH], pz[SPLAT_BATCH]; ///< grid or object position
     int32_t part[SPLAT_BATCH];                               ///< of the disk that is drawn, of 255
     int32_t halvings[SPLAT_BATCH];          ///< of the radius: what is wanted, then what was done
-    float least[SPLAT_BATCH];               ///< see splat_least
+    float size[SPLAT_BATCH];                ///< of 1, to which that makes the radius
     float nu[SPLAT_BATCH], nv[SPLAT_BATCH]; ///< octahedral normal
     float sx[SPLAT_BATCH], sy[SPLAT_BATCH], nearness[SPLAT_BATCH], radius[SPLAT_BATCH];
     int32_t kind[SPLAT_BATCH], large[SPLAT_BATCH];
@@ -179,38 +179,58 @@ static inline void load_normals_scalar(const stp_splat_frame* frame, uint32_t fi
     }
 }
 
-/// What splats `first` and after want of how they are drawn.
-static inline void load_parts(const stp_splat_frame* restrict f, uint32_t first, uint32_t count,
-                              splat_batch* restrict t)
+/// A batch of splats that are drawn whole, until load_parts says otherwise.
+static inline splat_batch empty_batch(void)
 {
-    const stp_raster_splats* splats = f->splats;
-    bool blends = first < splats->low_count;
-    for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {
-        t->part[i] = 255;
-        t->least[i] = splat_least(first + i);
+    splat_batch batch = {.halvings = {0}};
+    for (int i = 0; i < SPLAT_BATCH; ++i) {
+        batch.part[i] = 255;
+        batch.size[i] = 1.0f;
     }
-    for (uint32_t i = 0; i < count && splats->coverages != NULL && !blends; ++i) {
-        t->part[i] = splats->coverages[first + i];
-    }
-    for (uint32_t i = 0; i < count && blends; ++i) {
-        t->part[i] = (int32_t)splat_part(splats, first + i);
-    }
-    for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {
-        t->halvings[i] = (int32_t)splat_halvings((uint32_t)t->part[i]);
-    }
+    return batch;
 }
 
-/// The radius, in pixels, halved as often as is wanted while half of `least` is left.
-static inline float halve_radius(float radius, float least, int32_t* halvings)
+/// Halves the radius of one splat, in pixels, as often as is wanted and half of splat_least is left.
+static inline void halve_radius(const stp_splat_frame* f, uint32_t index, int i, splat_batch* t)
 {
-    int32_t wanted = *halvings;
-    int32_t once = (int32_t)(wanted > 0) & (int32_t)(radius >= least);
-    int32_t twice = (int32_t)(wanted > 1) & (int32_t)(radius >= 2.0f * least);
-    int32_t thrice = (int32_t)(wanted > 2) & (int32_t)(radius >= 4.0f * least);
-    *halvings = once + twice + thrice;
-    float halved = once != 0 ? 0.5f * radius : radius;
-    halved = twice != 0 ? 0.25f * radius : halved;
-    return thrice != 0 ? 0.125f * radius : halved;
+    float W = ((f->w[0] * t->px[i] + f->w[1] * t->py[i]) + f->w[2] * t->pz[i]) + f->w[3];
+    float radius = f->radius_px * (1.0f / W), least = splat_least(index);
+    int32_t wanted = t->halvings[i], done = 0;
+    while (done < wanted && radius * t->size[i] >= least) {
+        t->size[i] *= 0.5f;
+        done += 1;
+    }
+    t->halvings[i] = done;
+}
+
+/// How much of splats `first` and after is drawn, and of what size they are. Their positions are there.
+static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t count,
+                              splat_batch* t)
+{
+    const stp_raster_splats* splats = f->splats;
+    if (splats->coverages == NULL) {
+        return; // all is as in an empty batch
+    }
+    if (first < splats->low_count) {
+        for (uint32_t i = 0; i < count; ++i) {
+            t->part[i] = (int32_t)splat_part(splats, first + i);
+        }
+    } else {
+        for (uint32_t i = 0; i < count; ++i) {
+            t->part[i] = splats->coverages[first + i];
+        }
+    }
+    int32_t any = 0;
+    for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {
+        t->halvings[i] = (int32_t)splat_halvings((uint32_t)t->part[i]);
+        t->size[i] = 1.0f;
+        any |= t->halvings[i];
+    }
+    for (uint32_t i = 0; i < count && any != 0; ++i) {
+        if (t->halvings[i] != 0) {
+            halve_radius(f, first + i, (int)i, t);
+        }
+    }
 }
 
 /// Projects the centres and sorts splats into kinds. A disk of at most half a pixel covers no pixel
@@ -228,7 +248,7 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse, nearness = N * inverse;
-        float radius = halve_radius(f->radius_px * inverse, t->least[i], &t->halvings[i]);
+        float radius = f->radius_px * inverse * t->size[i];
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
         float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind

@@ -12,14 +12,18 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define DRIFT 0.03  // of a first price that a price may change by in a frame: scenes and caches do
 #define NOISE 0.1   // of a frame's time, from what is not in the model
 #define OUTLIER 0.5 // relative errors beyond are learned from as if they were this large
-#define SPEED_FOLLOWS 0.25  // how fast the machine's speed is taken over
+#define SPEED_FOLLOWS 0.25 // how fast the machine's speed is taken over
+#define SPEED_FADES                                                                                \
+    0.05 // of its logarithm in a frame, into the prices: only their product is known
 #define SCATTER_FOLLOWS 0.1 // and how fast its scatter is
 #define MOST_SCATTER 0.25
 #define SIGMAS 1.6    // nineteen of twenty frames are to stay within OVERSHOOT
 #define OVERSHOOT 1.1 // of the budget
 #define FASTEST_FINER                                                                              \
-    0.92          // sizes shrink by no more than so much a frame: a shrink too far is a late frame
-#define SURE 0.05 // scatter beyond which they shrink the more slowly:
+    0.92 // sizes shrink by no more than so much a frame: a shrink too far is a late frame
+#define FASTEST_COARSER                                                                            \
+    1.5 // and grow by no more: at a size too large by far a frame may take no less than at a good one, and stay there
+#define SURE 0.05   // scatter beyond which they shrink the more slowly:
 #define SLOWEST 0.4 // a view that empties suddenly fills as suddenly. The least part of that pace
 #define FIRST_SPLAT_EXPONENT 2.0    // what covers the screen
 #define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
@@ -214,6 +218,22 @@ static double learn_speed(stp_budget* b, double milliseconds, double expected)
     return fmin(milliseconds, SLOW_FRAME * middle * expected);
 }
 
+// What lasts is no mood of the machine: prices take it over. Else prices that rise and a speed that falls could go on doing so.
+static void settle_speed(stp_budget* b)
+{
+    double part = pow(b->speed, SPEED_FADES);
+    b->speed /= part;
+    for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
+        b->price[i] *= part;
+        for (int k = 0; k < STP_BUDGET_TERMS; ++k) {
+            b->covariance[i][k] *= part * part;
+        }
+    }
+    for (int i = 0; i < STP_BUDGET_RATIOS; ++i) {
+        b->ratios[i] /= part;
+    }
+}
+
 // How frames kept to their forecasts. What came into view goes on coming, in a flight towards something: that is what the counts would
 // take at the prices of the forecast, whatever the machine did meanwhile.
 static void learn_trend(stp_budget* b, const stp_frame_cost* cost,
@@ -237,6 +257,7 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     list_terms(cost, terms);
     learn_trend(b, cost, terms);
     learn_prices(b, terms, learn_speed(b, cost->milliseconds, price_of(b, terms)));
+    settle_speed(b);
     learn_exponents(b, cost);
     b->last = *cost;
     b->frames += 1;
@@ -245,6 +266,7 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     double goal = b->budget_ms * fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
     double finer = pow(FASTEST_FINER, clamp_number(SURE / b->scatter, SLOWEST, 1.0));
     double size = fmax(solve_size(b, goal), (double)cost->splat_size * finer);
+    size = fmin(size, (double)cost->splat_size * FASTEST_COARSER);
     b->splat_size = clamp_size(size, (double)STP_SPLAT_SIZE_COARSEST);
 }
 

@@ -322,3 +322,27 @@ void test_budget_learns_nothing_from_nonsense(test_state* test)
         }
     }
 }
+
+// A cold first frame is no speed of the machine's that lasts: however long a view rests, the forecast stays right, and the size is found again.
+void test_budget_prediction_stays_right_after_a_cold_frame(test_state* test)
+{
+    const double colds[] = {1.0, 6.0, 30.0};
+    float found[3];
+    for (int i = 0; i < 3; ++i) {
+        machine m = {.splats = 20.0, .triangles = 1.0, .noise = 0.05, .slow = 1.0};
+        stp_budget budget;
+        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+        for (int frame = 0; frame < FRAMES; ++frame) {
+            stp_frame_cost cost = run_frame(&m, frame, stp_budget_splat_size(&budget));
+            cost.milliseconds *= frame == 0 ? colds[i] : 1.0;
+            stp_budget_learn(&budget, &cost);
+            if (frame > 150) {
+                double forecast = stp_budget_predict(&budget, (double)cost.splat_size);
+                CHECK(fabs(forecast / cost.milliseconds - 1.0) < 0.15);
+                CHECK(budget.speed > 0.7 && budget.speed < 1.4);
+            }
+        }
+        found[i] = stp_budget_splat_size(&budget);
+        CHECK(fabs((double)(found[i] / found[0]) - 1.0) < 0.1);
+    }
+}
