@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "draw/placement.h"
 
+// Of the overlapping disks of a surface, so many times fewer fragments than of its triangles make as dense a ghost:
+// disks that just cover meet a pixel two to three times.
+#define GHOST_OVERLAP 0.45f
+
 #include "base/rng.h"
 
 #include <string.h>
@@ -163,4 +167,9 @@ stp_octave_choice stp_placement_choose_octave(const stp_surfels* surfels, uint32
                        ? (float)(prefix - choice.low_count) / (float)(end - choice.low_count)
                        : 1.0f;
     return choice;
+}
+
+float stp_placement_ghost_part(float share)
+{
+    return share < 1.0f ? share * (GHOST_OVERLAP + (1.0f - GHOST_OVERLAP) * share) : 1.0f;
 }

@@ -36,6 +36,9 @@ void stp_placement_make(stp_placement* placement, const stp_store_directory* dir
 void stp_placement_place(const stp_placement* placement, const stp_draw_item* draw,
                          const float offset[3], stp_placed_item* item);
 
+/// The part of splats' fragments that ghosts have, of which triangles have `share`.
+float stp_placement_ghost_part(float share);
+
 /// Item space (minus `offset`) to a view's right, down and depth: the eye is taken off before anything is rounded.
 void stp_placement_view_rows(const stp_view_frame* frame, const stp_affine* transform,
                              const float offset[3], double rows[3][4]);

@@ -2,6 +2,7 @@
 // What sections cut away of items that they go through, and splats of ghosts. Items that lie wholly inside all planes, as
 // nearly all do, have nothing tested.
 #include "draw/cpu/cpu.h"
+#include "draw/placement.h"
 #include "select/sections.h"
 
 #include <string.h>
@@ -64,17 +65,6 @@ bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint
         }
     }
     return false;
-}
-
-// Of the overlapping disks of a surface, so many times fewer fragments than of its triangles make as dense a ghost:
-// disks that just cover meet a pixel two to three times.
-#define GHOST_OVERLAP 0.45f
-
-/// The part of splats' fragments that ghosts have.
-static float ghost_part(const cpu_renderer* r)
-{
-    float share = cpu_ghost_share(r);
-    return share < 1.0f ? share * (GHOST_OVERLAP + (1.0f - GHOST_OVERLAP) * share) : 0.0f;
 }
 
 /// Cuts in what splats' positions are numbers of.
@@ -144,7 +134,7 @@ static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint3
 bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                     cpu_worker* worker)
 {
-    splats->share = item->draw->ghost ? ghost_part(r) : 0.0f;
+    splats->share = item->draw->ghost ? stp_placement_ghost_part(cpu_ghost_share(r)) : 0.0f;
     if (item->draw->sections == 0) {
         return true;
     }

@@ -93,7 +93,7 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
         .filtered = (uint32_t)r->style->filter,
         .ghost = ghost,
         .ghost_seed = GHOST_SEED,
-        .ghost_splats = ghost < 1.0f ? ghost * (0.45f + 0.55f * ghost) : 1.0f};
+        .ghost_splats = stp_placement_ghost_part(ghost)};
     view.screen[0] = (float)(f->center_x + p->shift_x);
     view.screen[1] = (float)(f->center_y + p->shift_y);
     view.screen[2] = (float)(1.0 / f->scale);
