@@ -123,6 +123,15 @@ static inline stp_finish_input maker_input(const maker* m)
                               .shading_of_material = shadings};
 }
 
+/// Orders `wanted` of the candidates and finishes them.
+static inline stp_result maker_finish(maker* m, stp_context* context, uint32_t wanted,
+                                      stp_surfels* out)
+{
+    maker_order(m, wanted, 10.0f);
+    stp_finish_input input = maker_input(m);
+    return stp_finish_surfels(context, &input, out);
+}
+
 /// Where an octave's entries begin in colors and coverages.
 static inline size_t octave_start(const stp_surfels* s, uint32_t octave)
 {

@@ -60,10 +60,8 @@ void test_solid_plates_are_fully_covered(test_state* test)
     maker* m = maker_create(0.014);
     maker_add_plane(m, 1.0, paint_grey, NULL);
     CHECK(context != NULL && m->candidates.count > 20000 && m->candidates.count < MAKER_LIMIT);
-    maker_order(m, m->candidates.count / 17, 10.0f);
-    stp_finish_input input = maker_input(m);
     stp_surfels s;
-    CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
+    CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
     CHECK(s.octave_count >= 5);
     for (uint32_t octave = 0; octave < s.octave_count;
          ++octave) { // inside and at the border, at any distance
@@ -119,10 +117,8 @@ void test_wires_keep_their_projected_area(test_state* test)
         double half_width = half_widths[i];
         maker* m = maker_create(0.008);
         maker_add_plane(m, 1.0, paint_wire, &half_width);
-        maker_order(m, m->candidates.count / 17, 10.0f);
-        stp_finish_input input = maker_input(m);
         stp_surfels s;
-        CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
+        CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
         double truth = 2.0 * 2.0 * half_width;
         for (uint32_t octave = 0; octave + 1 < s.octave_count; ++octave) {
             float radius = m->radii[s.octave_ends[octave]] + s.candidate_radius;
@@ -150,11 +146,9 @@ void test_coarse_colours_are_averages_of_light(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     maker* m = maker_create(0.01);
     maker_add_plane(m, 1.0, paint_stripes, NULL);
-    maker_order(m, m->candidates.count / 17, 10.0f);
-    stp_finish_input input = maker_input(m);
     stp_surfels s;
     CHECK(context != NULL);
-    CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
+    CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
     // stripes are two pixels wide: from the middle octaves on every surfel sees many, half of the
     // light
     uint8_t half = stp_linear_to_srgb8(0.5f);
@@ -181,11 +175,9 @@ void test_colours_stay_on_their_patch(test_state* test)
         const float* p = m->candidates.positions + 3 * (size_t)i;
         maker_add(m, (stp_vec3){p[0], p[1], -0.001f}, (stp_vec3){0, 0, -1}, 0x00ff00ff);
     }
-    maker_order(m, m->candidates.count / 17, 10.0f);
-    stp_finish_input input = maker_input(m);
     stp_surfels s;
     CHECK(context != NULL);
-    CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
+    CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
     for (uint32_t octave = 0; octave < s.octave_count; ++octave) {
         size_t start = octave_start(&s, octave);
         for (uint32_t i = 0; i < s.octave_ends[octave]; ++i) {
@@ -210,11 +202,9 @@ void test_clear_panes_let_light_through(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     maker* m = maker_create(0.015);
     maker_add_plane(m, 1.0, paint_pane, NULL);
-    maker_order(m, m->candidates.count / 17, 10.0f);
-    stp_finish_input input = maker_input(m);
     stp_surfels s;
     CHECK(context != NULL);
-    CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
+    CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
     int expected = (int)(255.0 * (1.0 - sqrt(1.0 - 64.0 / 255.0)) + 0.5);
     for (uint32_t octave = 0; octave < s.octave_count; ++octave) {
         size_t start = octave_start(&s, octave);

@@ -57,10 +57,10 @@ void test_lattices_keep_their_area(test_state* test)
         const float* p = m->candidates.positions + 3 * (size_t)i;
         maker_add(m, (stp_vec3){p[0], p[1], -0.016f}, (stp_vec3){0, 0, -1}, 0x808080ff);
     }
-    maker_order(m, m->candidates.count / 5 < 6000 ? m->candidates.count / 5 : 6000, 10.0f);
-    stp_finish_input input = maker_input(m);
     stp_surfels s;
-    CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
+    CHECK_EQUAL(STP_OK,
+                maker_finish(m, context,
+                             m->candidates.count / 5 < 6000 ? m->candidates.count / 5 : 6000, &s));
     double truth = 4.0 * (1.0 - (1.0 - 0.16) * (1.0 - 0.064));
     int seen = 0;
     for (uint32_t octave = 0; octave + 1 < s.octave_count; ++octave) {
@@ -112,10 +112,8 @@ void test_poles_stay_small_and_their_ground_whole(test_state* test)
     double width = 0.03, height = 0.35;
     add_pole(m, width, height);
     CHECK(context != NULL && m->candidates.count < MAKER_LIMIT);
-    maker_order(m, m->candidates.count / 9, 10.0f);
-    stp_finish_input input = maker_input(m);
     stp_surfels s;
-    CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
+    CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 9, &s));
     double half = 0.5 * 4.0 * width * height; // both sides' disks are met
     for (uint32_t octave = 0; octave < s.octave_count; ++octave) {
         float reach = reach_of(m, &s, octave);
@@ -157,11 +155,9 @@ void test_boxes_are_whole_at_edges_and_corners(test_state* test)
             }
         }
     }
-    maker_order(m, 3000, 10.0f);
-    stp_finish_input input = maker_input(m);
     stp_surfels s;
     CHECK(context != NULL);
-    CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
+    CHECK_EQUAL(STP_OK, maker_finish(m, context, 3000, &s));
     CHECK_EQUAL(3000, s.count);
     for (uint32_t octave = 0; octave < s.octave_count; ++octave) {
         uint32_t lower = 0;
