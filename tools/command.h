@@ -19,7 +19,14 @@ typedef enum option_type {
     OPTION_PIXELS, ///< uint32_t[2]: WxH
     OPTION_VECTOR, ///< double[3]: X,Y,Z
     OPTION_TEXTS,  ///< option_texts: given again, it is one more
+    OPTION_PREFIX, ///< option_prefix: a size as OPTION_SIZE, or a percentage as 5%
 } option_type;
+
+/// The beginning of a file: a number of bytes, or a part of it. Both 0: not given.
+typedef struct option_prefix {
+    uint64_t bytes;
+    double percent; ///< above 0, at most 100; 0: see `bytes`
+} option_prefix;
 
 enum { OPTION_TEXTS_MOST = 256 };
 typedef struct option_texts {

@@ -51,7 +51,7 @@ static int print_figures(const char* path, stp_result described, scene_figures* 
 static int print_store(stp_context* context, const char* path)
 {
     stp_store* store = NULL;
-    stp_store_open_desc desc = {.summary_only = true};
+    stp_store_open_desc desc = {.summary_only = true, .accept_prefix = true};
     if (stp_store_open_with(context, path, &desc, &store) != STP_OK) {
         return 1;
     }
@@ -65,7 +65,7 @@ static int print_store(stp_context* context, const char* path)
 static int print_found(stp_context* context, const char* path)
 {
     stp_store* store = NULL;
-    stp_store_open_desc desc = {.defer_objects = true};
+    stp_store_open_desc desc = {.defer_objects = true, .accept_prefix = true};
     if (stp_store_open_with(context, path, &desc, &store) != STP_OK) {
         return 1;
     }

@@ -8,6 +8,7 @@ stp_result describe_store(stp_context* context, stp_store* store, scene_figures*
     *figures = (scene_figures){
         .directory = stp_store_get_directory(store),
         .file_bytes = stp_store_file_bytes(store),
+        .whole_bytes = stp_store_whole_bytes(store),
         .format_version = stp_store_format_version(store),
         .format_minor = stp_store_format_minor(store),
     };

@@ -12,6 +12,7 @@ typedef struct scene_figures {
     stp_context* context; ///< whose memory the summary takes; NULL: it is the store's
     const stp_store_directory* directory; ///< views, sources, unit and up axis of it are looked at
     uint64_t file_bytes;
+    uint64_t whole_bytes; ///< of a .stip; more than file_bytes where it was cut short
     uint32_t format_version, format_minor; ///< 0: not a .stip
 } scene_figures;
 

@@ -114,6 +114,10 @@ json_t* describe_json(const scene_figures* f)
     (void)json_object_set_new(json, "format_minor",
                               stored ? count_json(f->format_minor) : json_null());
     set_count(json, "file_bytes", f->file_bytes);
+    if (stored) {
+        (void)json_object_set_new(json, "truncated", json_boolean(f->file_bytes < f->whole_bytes));
+        set_count(json, "whole_bytes", f->whole_bytes);
+    }
     (void)json_object_set_new(json, "methods", methods);
     set_figures(json, &f->summary.figures);
     set_count(json, "materials", f->summary.material_count);
@@ -238,6 +242,9 @@ void describe_print(const char* path, const scene_figures* f)
     printf(": %s", describe_bytes(f->file_bytes, text));
     if (f->format_version != 0) {
         printf(", .stip version %u.%u", f->format_version, f->format_minor);
+        if (f->file_bytes < f->whole_bytes) {
+            printf(", cut short: the first part of %s", describe_bytes(f->whole_bytes, text));
+        }
     }
     printf("\n\n");
     describe_print_table(&f->summary);

@@ -64,6 +64,12 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
                  "Brandt 4.1, or without blending between levels; default insertion",
          .value = &o->policy},
         {.name = "reference", .help = "original triangles and points only", .value = &o->reference},
+        {.name = "prefix",
+         .type = OPTION_PREFIX,
+         .argument = "SIZE|P%",
+         .help = "draw as if the .stip file ended after so many bytes (as 64K), or that part of "
+                 "it (as 5%)",
+         .value = &o->prefix},
         {0},
     };
     return copy_options(table, used, list);

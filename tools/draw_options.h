@@ -20,6 +20,7 @@ typedef struct draw_options {
     bool has_splat_size, has_splats, has_budget;
     int policy, controller;
     bool reference;
+    option_prefix prefix;
     const char *fovea, *fovea_center;
     bool stereo, has_ipd;
     double ipd;

@@ -11,7 +11,8 @@ bool drawing_begin(drawing* d, const draw_options* options)
 
 stp_result drawing_open(drawing* d, const draw_options* options, const char* path)
 {
-    stp_result result = tool_open_scene_for(d->context, path, draw_options_use(options), &d->store);
+    stp_result result = tool_open_scene_prefix(d->context, path, draw_options_use(options),
+                                               &options->prefix, &d->store);
     d->show = (scene_show){.context = d->context, .store = d->store};
     return result;
 }
@@ -32,7 +33,16 @@ stp_result drawing_make(drawing* d, const draw_options* options)
 
 json_t* drawing_describe(const drawing* d, const stp_view* view)
 {
-    return frame_maker_describe(&d->maker, view->width, view->height);
+    json_t* object = frame_maker_describe(&d->maker, view->width, view->height);
+    json_t* file = json_pack("{s:b, s:I, s:I}", "truncated", stp_store_is_truncated(d->store),
+                             "file_bytes", (json_int_t)stp_store_file_bytes(d->store),
+                             "whole_bytes", (json_int_t)stp_store_whole_bytes(d->store));
+    if (file == NULL || json_object_update(object, file) != 0) {
+        json_decref(object);
+        object = NULL;
+    }
+    json_decref(file);
+    return object;
 }
 
 void drawing_end(drawing* d)

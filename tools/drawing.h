@@ -22,7 +22,8 @@ STP_MUST_USE stp_result drawing_open(drawing* d, const draw_options* options, co
 /// Makes what draws the open scene; under a limit of memory, it loads what it needs. Failures are logged.
 STP_MUST_USE stp_result drawing_make(drawing* d, const draw_options* options);
 
-/// What draws, and pictures of what size: "backend", "device", "width", "height". NULL where memory runs out.
+/// What draws, pictures of what size, and of how much of the file: "backend", "device", "width", "height", "truncated",
+/// "file_bytes" (there, or drawn of), "whole_bytes". NULL where memory runs out.
 json_t* drawing_describe(const drawing* d, const stp_view* view);
 
 /// Closes whatever is open, the context last.

@@ -155,6 +155,23 @@ static bool set_size(const option* o, const char* text, char* problem, size_t si
     return true;
 }
 
+static bool set_prefix(const option* o, const char* text, char* problem, size_t size)
+{
+    option_prefix prefix = {0};
+    const char* end;
+    if (strchr(text, '%') == NULL) {
+        option bytes = {.words = "1..9e18", .value = &prefix.bytes};
+        if (!set_size(&bytes, text, problem, size)) {
+            return fail(problem, size, "is not a size such as 65536 or 64K, nor a part such as 5%");
+        }
+    } else if (!read_number(text, &prefix.percent, &end) || strcmp(end, "%") != 0 ||
+               !(prefix.percent > 0.0 && prefix.percent <= 100.0)) {
+        return fail(problem, size, "is not a part such as 5%, above 0 and at most 100%");
+    }
+    *(option_prefix*)o->value = prefix;
+    return true;
+}
+
 static bool set_choice(const option* o, const char* text, char* problem, size_t size)
 {
     size_t length = strlen(text);
@@ -244,6 +261,8 @@ bool option_set_value(const option* o, const char* text, char* problem, size_t p
         return set_pixels(o, text, problem, problem_size);
     case OPTION_VECTOR:
         return set_vector(o, text, problem, problem_size);
+    case OPTION_PREFIX:
+        return set_prefix(o, text, problem, problem_size);
     }
     return fail(problem, problem_size, "cannot be read");
 }

@@ -11,6 +11,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,9 +40,12 @@ typedef struct wish {
     bool drafted;                 ///< one was written
 } wish;
 
-static bool is_stip(const stp_mapped_file* file)
+/// What ends within its first bytes is one by its name.
+static bool is_stip(const char* path, const stp_mapped_file* file)
 {
-    return file->size >= 4 && memcmp(file->bytes, "\x89STP", 4) == 0;
+    size_t length = strlen(path);
+    bool named = length > 5 && strcmp(path + length - 5, ".stip") == 0;
+    return file->size >= 4 ? memcmp(file->bytes, "\x89STP", 4) == 0 : named;
 }
 
 /// Makes a folder and those above it.
@@ -271,7 +275,7 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
         if (mapped != STP_OK) {
             return mapped;
         }
-        built = is_stip(&file);
+        built = is_stip(path, &file);
         known = built || cache_paths(context, path, &file, cached);
         stp_file_unmap(&file);
     }
@@ -315,6 +319,24 @@ stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use
     *store = NULL;
     stp_result result = tool_locate_scene(context, path, use, located);
     return result == STP_OK ? stp_store_open(context, located, store) : result;
+}
+
+stp_result tool_open_scene_prefix(stp_context* context, const char* path, scene_use use,
+                                  const option_prefix* prefix, stp_store** store)
+{
+    char located[PATH_MAX];
+    struct stat status;
+    stp_store_open_desc desc = {.accept_prefix = use != SCENE_FOR_ORIGINALS,
+                                .prefix_bytes = prefix->bytes};
+    *store = NULL;
+    stp_result result = tool_locate_scene(context, path, use, located);
+    if (result != STP_OK) {
+        return result;
+    }
+    if (prefix->percent > 0.0 && stat(located, &status) == 0) {
+        desc.prefix_bytes = (uint64_t)ceil(0.01 * prefix->percent * (double)status.st_size);
+    }
+    return stp_store_open_with(context, located, &desc, store);
 }
 
 stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store)

@@ -20,10 +20,16 @@ typedef enum scene_use {
     SCENE_FOR_ORIGINALS, ///< it needs triangles and points only
 } scene_use;
 
-/// The same. What does not need surfels is built without them, which takes a tenth of the time: for a picture, where
+/// As tool_open_scene. What does not need surfels is built without them, which takes a tenth of the time: for a picture, where
 /// the model is large, but not so large that its triangles would take longer to draw than surfels to make.
 STP_MUST_USE stp_result tool_open_scene_for(stp_context* context, const char* path, scene_use use,
                                             stp_store** store);
+
+/// The same, also of a .stip that ends early, and of its first bytes alone where `prefix` says so. For a reference
+/// (SCENE_FOR_ORIGINALS) the file must be whole.
+STP_MUST_USE stp_result tool_open_scene_prefix(stp_context* context, const char* path,
+                                               scene_use use, const option_prefix* prefix,
+                                               stp_store** store);
 
 /// Where the .stip is that tool_open_scene_for would open, built now where it is not there yet. `located` has room for
 /// PATH_MAX bytes. @return STP_OK: it can be opened; else as that

@@ -23,9 +23,9 @@ explorer* explorer_create(const char* path)
 {
     explorer* e = calloc(1, sizeof(*e));
     stp_context_desc desc = {.log = on_log, .log_user = e, .thread_count = 1};
+    stp_store_open_desc opening = {.defer_objects = true, .accept_prefix = true};
     bool made = e != NULL && stp_context_create(&e->context, &desc) == STP_OK &&
-                stp_store_open_with(e->context, path, &(stp_store_open_desc){.defer_objects = true},
-                                    &e->store) == STP_OK &&
+                stp_store_open_with(e->context, path, &opening, &e->store) == STP_OK &&
                 stp_outline_create(e->context, e->store, &e->outline) == STP_OK &&
                 stp_visibility_create(e->context, e->store, &e->visibility) == STP_OK;
     if (!made) {

@@ -9,7 +9,7 @@
 
 static stp_result open_store(paint_scene* s, const paint_scene_desc* desc, const char* path)
 {
-    stp_result result = stp_store_open(s->context, path, &s->store);
+    stp_result result = stp_store_open_prefix(s->context, path, &s->store);
     if (result == STP_OK) {
         result = stp_draw_cpu_create(s->context, s->store, &s->renderers[0]);
     }

@@ -28,7 +28,8 @@ static stp_result check_magic(const stp_store* store)
     }
     if (size < STP_STORE_HEADER_BYTES) {
         return stp_fail(store->context, STP_ERROR_TRUNCATED,
-                        "%s: ends after %zu bytes, within its header", store->path, size);
+                        "%s: ends after %zu bytes, within its header of %d", store->path, size,
+                        STP_STORE_HEADER_BYTES);
     }
     return STP_OK;
 }
@@ -45,6 +46,13 @@ static stp_result check_sizes(const stp_store* store)
                         store->file.size, (unsigned long long)store->file_bytes);
     }
     uint64_t needed = store->desc.accept_prefix ? store->data_offset : store->file_bytes;
+    if (store->file.size < needed && store->desc.accept_prefix) {
+        return stp_fail(store->context, STP_ERROR_TRUNCATED,
+                        "%s: ends after %zu of %llu bytes, within its directory: the first %llu "
+                        "bytes are needed to show anything",
+                        store->path, store->file.size, (unsigned long long)store->file_bytes,
+                        (unsigned long long)needed);
+    }
     if (store->file.size < needed) {
         return stp_fail(store->context, STP_ERROR_TRUNCATED, "%s: ends after %zu of %llu bytes",
                         store->path, store->file.size, (unsigned long long)store->file_bytes);

@@ -11,8 +11,9 @@ struct stp_store {
     stp_context* context;
     char* path;
     stp_mapped_file file;
-    bool mapped;    ///< else the bytes are the caller's
-    int descriptor; ///< the mapped file, open for reading; -1: none
+    bool mapped;         ///< else the bytes are the caller's
+    size_t mapped_bytes; ///< file.size may be less: desc.prefix_bytes
+    int descriptor;      ///< the mapped file, open for reading; -1: none
     stp_store_open_desc desc;
 
     uint64_t file_bytes;  ///< as the header says
@@ -108,6 +109,8 @@ const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
 /// Frees the columns of a set.
 void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record);
 
+/// Whether the file holds all of a block; false only where it was cut short.
+bool stp_store_is_block_here(const stp_store* store, const stp_store_block* block);
 /// The entry of the block table.
 const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index);
 /// Says that there is no such mesh, ...: STP_ERROR_ARGUMENT.

@@ -69,7 +69,7 @@ static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_
     return STP_OK;
 }
 
-static bool is_whole(const stp_store* store, const stp_store_block* block)
+bool stp_store_is_block_here(const stp_store* store, const stp_store_block* block)
 {
     return block->offset + block->size <= store->file.size;
 }
@@ -106,13 +106,13 @@ static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_
     return STP_OK;
 }
 
-// Each octave's block, in the order of the octaves; of a file cut short, what is whole.
+// Each octave's block, in the order of the octaves, and how many a file cut short holds whole.
 static stp_result link_octaves(stp_store* store, uint32_t index)
 {
     stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
     const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
-    stp_surfels* surfels = &sets[index].surfels;
-    uint32_t whole = 0;
+    const stp_surfels* surfels = &sets[index].surfels;
+    sets[index].whole = 0;
     for (uint32_t k = 0; k < surfels->octave_count; ++k) {
         uint32_t number = octaves[sets[index].first_octave + k].block;
         stp_store_column columns[STP_STORE_COLUMN_LIMIT];
@@ -129,9 +129,8 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
         if (k > 0 && number <= octaves[sets[index].first_octave + k - 1].block) {
             return fail_format(store, "surfel set", index, "its octaves are not in order");
         }
-        whole += is_whole(store, stp_store_block_at(store, number)) ? 1 : 0;
+        sets[index].whole += stp_store_is_block_here(store, stp_store_block_at(store, number));
     }
-    stp_store_cut_surfels(surfels, whole);
     return STP_OK;
 }
 

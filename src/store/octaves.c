@@ -206,8 +206,8 @@ stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index, uint32
     }
     const stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
     const stp_store_surfels_record* record = &records[index];
-    if (octave_count > record->surfels.octave_count) {
-        octave_count = record->surfels.octave_count;
+    if (octave_count > record->whole) {
+        octave_count = record->whole;
     }
     if (store->residency != NULL && octave_count > record->ready) {
         octave_count = record->ready; // what is here: nobody waits for more

@@ -210,6 +210,11 @@ static stp_store* create_store(stp_context* context, const char* path,
 // Reads the store's bytes; the store is closed where they are wrong.
 static stp_result finish_open(stp_store* made, stp_store** store)
 {
+    uint64_t prefix = made->desc.prefix_bytes;
+    made->mapped_bytes = made->file.size;
+    if (prefix != 0 && prefix < made->file.size) {
+        made->file.size = (size_t)prefix;
+    }
     stp_result result = stp_store_read_header(made);
     if (result == STP_OK) {
         const stp_store_section* summary = made->known[STP_SECTION_SUMMARY];
@@ -219,6 +224,10 @@ static stp_result finish_open(stp_store* made, stp_store** store)
     if (result != STP_OK) {
         stp_store_close(made);
         return result;
+    }
+    if (stp_store_is_truncated(made)) {
+        stp_warn(made->context, "%s: ends after %zu of %llu bytes: shown as far as it goes",
+                 made->path, made->file.size, (unsigned long long)made->file_bytes);
     }
     *store = made;
     return STP_OK;
@@ -280,6 +289,7 @@ void stp_store_close(stp_store* store)
     stp_store_free_keys(store);
     stp_free(context, store->pages_checked);
     if (store->mapped) {
+        store->file.size = store->mapped_bytes;
         stp_file_unmap(&store->file);
     }
     stp_file_close(store->descriptor);
@@ -295,6 +305,16 @@ const stp_store_directory* stp_store_get_directory(const stp_store* store)
 uint64_t stp_store_file_bytes(const stp_store* store)
 {
     return store->file.size;
+}
+
+uint64_t stp_store_whole_bytes(const stp_store* store)
+{
+    return store->file_bytes;
+}
+
+bool stp_store_is_truncated(const stp_store* store)
+{
+    return store->file.size < store->file_bytes;
 }
 
 const stp_store_summary* stp_store_get_summary(const stp_store* store)

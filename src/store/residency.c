@@ -8,11 +8,11 @@ enum { ALLOCATION_BYTES = 64 }; ///< that the context counts of each allocation 
 
 static const uint64_t batch_bytes = 16 << 20, most_pinned = 1 << 20;
 
-const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave)
+/// The block of a thing, or of an octave of it.
+static const stp_store_block* block_of(const stp_store* store, stp_resident_kind kind,
+                                       uint32_t index, uint32_t octave)
 {
-    const stp_store* store = r->store;
-    stp_resident_kind kind = stp_residency_kind(r, thing);
-    uint32_t index = thing - r->firsts[kind], block = 0;
+    uint32_t block = 0;
     switch (kind) {
     case STP_RESIDENT_SURFELS: {
         const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
@@ -32,6 +32,12 @@ const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thin
         break;
     }
     return stp_store_block_at(store, block);
+}
+
+const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave)
+{
+    stp_resident_kind kind = stp_residency_kind(r, thing);
+    return block_of(r->store, kind, thing - r->firsts[kind], octave);
 }
 
 uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t level)
@@ -70,8 +76,12 @@ static stp_result create_tables(stp_residency* r)
         r->spare = &r->loads[i];
     }
     for (uint32_t i = 0; i < count; ++i) {
-        bool surfels = i < r->firsts[STP_RESIDENT_MESH];
-        r->things[i].most = surfels ? (uint8_t)stp_residency_surfels(r, i)->octave_count : 1;
+        if (i < r->firsts[STP_RESIDENT_MESH]) {
+            const stp_store_surfels_record* sets = r->store->tables[STP_SECTION_SURFELS];
+            r->things[i].most = (uint8_t)sets[i].whole;
+        } else {
+            r->things[i].most = stp_store_is_block_here(r->store, stp_residency_block(r, i, 0));
+        }
     }
     return STP_OK;
 }
@@ -279,40 +289,47 @@ void stp_residency_get_stats(const stp_residency* r, stp_residency_stats* stats)
 
 bool stp_store_streams(const stp_store* store)
 {
-    return store->residency != NULL;
+    return store->residency != NULL || stp_store_is_truncated(store);
 }
 
 uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index)
 {
     const stp_surfels* surfels = stp_store_describe_surfels(store, index);
+    const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
     const stp_residency* r = store->residency;
-    return r == NULL ? surfels->count : stp_store_octave_begin(surfels, r->things[index].level);
+    return stp_store_octave_begin(surfels, r == NULL ? sets[index].whole : r->things[index].level);
 }
 
-static bool is_texture_here(const stp_residency* r, const stp_store_texture_use* use)
+/// Whether a thing other than a set is loaded or, without a residency, in the file.
+static bool is_thing_here(const stp_store* store, stp_resident_kind kind, uint32_t index)
+{
+    const stp_residency* r = store->residency;
+    return r != NULL ? r->things[r->firsts[kind] + index].level > 0
+                     : stp_store_is_block_here(store, block_of(store, kind, index, 0));
+}
+
+static bool is_texture_here(const stp_store* store, const stp_store_texture_use* use)
 {
     return use->texture == STP_STORE_NONE ||
-           r->things[r->firsts[STP_RESIDENT_TEXTURE] + use->texture].level > 0;
+           is_thing_here(store, STP_RESIDENT_TEXTURE, use->texture);
 }
 
 bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index)
 {
-    const stp_residency* r = store->residency;
-    if (r == NULL) {
+    if (!stp_store_streams(store)) {
         return true;
     }
     const stp_store_material* material =
         &store->directory.materials[stp_store_describe_mesh(store, index)->material];
-    return r->things[r->firsts[STP_RESIDENT_MESH] + index].level > 0 &&
-           is_texture_here(r, &material->base_color_texture) &&
-           is_texture_here(r, &material->metallic_roughness_texture) &&
-           is_texture_here(r, &material->emissive_texture);
+    return is_thing_here(store, STP_RESIDENT_MESH, index) &&
+           is_texture_here(store, &material->base_color_texture) &&
+           is_texture_here(store, &material->metallic_roughness_texture) &&
+           is_texture_here(store, &material->emissive_texture);
 }
 
 bool stp_store_are_points_resident(const stp_store* store, uint32_t index)
 {
-    const stp_residency* r = store->residency;
-    return r == NULL || r->things[r->firsts[STP_RESIDENT_POINTS] + index].level > 0;
+    return !stp_store_streams(store) || is_thing_here(store, STP_RESIDENT_POINTS, index);
 }
 
 uint64_t stp_store_texture_arrival(const stp_store* store, uint32_t index)

@@ -81,7 +81,8 @@ bool stp_residency_wait(stp_residency* residency);
 
 void stp_residency_get_stats(const stp_residency* residency, stp_residency_stats* stats);
 
-// What is resident; all there is where the store has no residency. `index` must be below the directory's count.
+// What is resident; all that the file holds where the store has no residency. `index` must be below the directory's count.
+/// Whether some of what the directory lists may not be here: it has a residency, or its file ends early.
 bool stp_store_streams(const stp_store* store);
 /// How many of a set's first surfels are here.
 uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index);

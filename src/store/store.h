@@ -129,10 +129,13 @@ STP_MUST_USE stp_result stp_store_open(stp_context* context, const char* path, s
 
 /// How to open. Zero means what stp_store_open does.
 typedef struct stp_store_open_desc {
-    /// Accepts a file that ends early but holds its whole directory: surfel sets are offered with
-    /// the octaves that are whole (perhaps none, count 0); other data beyond the end is
-    /// STP_ERROR_TRUNCATED.
+    /// Accepts a file that ends early but holds its whole directory: surfel sets are given with the
+    /// octaves that are whole (perhaps none, count 0); other data beyond the end is
+    /// STP_ERROR_TRUNCATED. What describes things describes the whole file's; what is here is asked
+    /// of stp_store_resident_surfels and its kin (store/residency.h).
     bool accept_prefix;
+    /// Acts as if the file ended after so many bytes; 0: where it does.
+    uint64_t prefix_bytes;
     /// Leaves `objects` NULL (their count is known) until stp_store_load_objects.
     bool defer_objects;
     /// Reads no more than what says what the file is: summary, views, sources and parameters of the build, a few
@@ -163,6 +166,9 @@ STP_MUST_USE stp_result stp_store_read_object_place(stp_store* store, uint32_t i
 void stp_store_close(stp_store* store);
 const stp_store_directory* stp_store_get_directory(const stp_store* store);
 uint64_t stp_store_file_bytes(const stp_store* store);
+/// Bytes of the whole file, as its header says: more than stp_store_file_bytes where it was cut short.
+uint64_t stp_store_whole_bytes(const stp_store* store);
+bool stp_store_is_truncated(const stp_store* store);
 /// What the file says it holds; NULL where it has no summary (see stp_store_summarise).
 const stp_store_summary* stp_store_get_summary(const stp_store* store);
 /// The major version of the format.

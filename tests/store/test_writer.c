@@ -356,8 +356,10 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
         stp_store* store = NULL;
         stp_store_open_desc desc = {.accept_prefix = true};
         if (stp_store_open_memory(context, "cut", file.bytes, length, &desc, &store) == STP_OK) {
-            uint32_t octaves[2] = {stp_store_describe_surfels(store, 0)->octave_count,
-                                   stp_store_describe_surfels(store, 1)->octave_count};
+            stp_surfels given[2];
+            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &given[0]));
+            CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 1, &given[1]));
+            uint32_t octaves[2] = {given[0].octave_count, given[1].octave_count};
             if ((int)(octaves[0] + octaves[1]) > seen) {
                 order[seen][0] = octaves[0];
                 order[seen][1] = octaves[1];
