@@ -17,7 +17,8 @@ typedef enum option_type {
     OPTION_SIZE,   ///< uint64_t*: bytes, with K M G T (powers of 1024)
     OPTION_CHOICE, ///< int*: index of a word in `words`
     OPTION_PIXELS, ///< uint32_t[2]: WxH
-    OPTION_VECTOR, ///< double[3]: X,Y,Z
+    OPTION_VECTOR, ///< double[3]: X,Y,Z; with `words`, also an axis: x, -x, y, -y, z, -z
+    OPTION_COLOR,  ///< uint8_t[3], sRGB: a CSS name, RRGGBB or RGB with or without #
     OPTION_TEXTS,  ///< option_texts: given again, it is one more
     OPTION_PREFIX, ///< option_prefix: a size as OPTION_SIZE, or a percentage as 5%
 } option_type;
@@ -85,6 +86,10 @@ typedef struct command {
     const char* arguments; ///< "INPUT... -o FILE.stip"
     const char* summary;   ///< one line, as `stipple help` lists it
     const char* text;      ///< paragraphs for `stipple help NAME` and the man page
+    const char* examples;  ///< "$ command" lines, each after a line that says what it does
+    const char* files;     ///< "PATH<tab>what it is" lines: what the command reads and writes
+    const char*
+        interrupted; ///< what an interrupted run says of its results; NULL: nothing was written
     /// Fills the table of options (ends with a NULL name); each value points into the command's own
     /// storage.
     const option* (*options)(void);
@@ -98,13 +103,16 @@ const command* const* commands(void);
 
 /// A context that prints messages on stderr ("stipple: ...", notices only with --verbose) and
 /// progress as asked: "auto" (also NULL: a bar where stderr is a terminal), "bar", "json" (one
-/// object a line) or "none". The first interrupt makes the next report of progress stop the work.
+/// object a line) or "none". The first interrupt makes the next report of progress stop the work,
+/// a second one kills.
 /// NULL: message printed.
 stp_context* tool_context_create(uint32_t thread_count, uint64_t memory_limit_bytes,
                                  const char* progress);
 /// Prints one sentence on stderr and returns 2, or 1.
 int tool_usage_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
 int tool_error(const char* format, ...) __attribute__((format(printf, 1, 2)));
+/// Whether an interrupt (Ctrl+C) asked the work to stop: loops that report no progress look here.
+bool tool_is_interrupted(void);
 // Around what is tried again where it fails: errors that the library logs are kept, and the last of them is printed
 // at the end or dropped. One thread.
 void tool_hold_errors(void);

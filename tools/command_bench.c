@@ -284,6 +284,12 @@ const command command_bench = {
             "is measured interleaved in one run; times are medians. Data goes to standard output; "
             "--json "
             "prints one object: machine, and results with name, params and figures.",
+    .examples = "Which benchmarks there are:\n"
+                "$ stipple bench --list\n"
+                "One of them, smaller, as JSON:\n"
+                "$ stipple bench splats --quick --json\n",
+    .files = "$TMPDIR\t"
+             "scratch files of benchmarks that build; /tmp where the variable is not set\n",
     .options = bench_options_table,
     .run = run_bench,
 };

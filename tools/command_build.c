@@ -3,6 +3,7 @@
 // stipple build: models in, one .stip file out.
 #include "command.h"
 #include "describe.h"
+#include "overwrite.h"
 #include "tool.h"
 
 #include "build/build.h"
@@ -11,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define DEFAULT_THRESHOLD 1000
 
@@ -27,6 +29,8 @@ static const stp_order_kind order_kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FA
                                              STP_ORDER_PAPER_TEXT, STP_ORDER_RANDOM};
 static const char* const metric_names[] = {"side", "euclidean"};
 static const stp_order_metric metrics[] = {STP_METRIC_SIDE, STP_METRIC_EUCLIDEAN};
+static const char* const up_names[] = {"x", "-x", "y", "-y", "z", "-z"};
+static const char up_axes[] = {'x', 'X', 'y', 'Y', 'z', 'Z'};
 static const char* const unit_names[] = {"m", "mm", "cm", "in", "ft", "us-ft"};
 static const char* const capture_names[] = {"splats", "triangles"};
 static const double unit_metres[] = {1.0, 0.001, 0.01, 0.0254, 0.3048, 1200.0 / 3937.0};
@@ -116,8 +120,9 @@ static const option* options(void)
          .value = &args.seed},
         {.name = "up",
          .type = OPTION_CHOICE,
-         .words = "y|z",
-         .help = "the up axis, where the input does not say",
+         .argument = "AXIS",
+         .words = "x|-x|y|-y|z|-z",
+         .help = "the axis that points up, where the input does not say",
          .value = &args.up,
          .given = &args.up_given},
         {.name = "unit",
@@ -157,7 +162,7 @@ static char* parameters_json(void)
         }
     }
     if (args.up_given) {
-        (void)json_object_set_new(json, "up", json_string(args.up == 0 ? "y" : "z"));
+        (void)json_object_set_new(json, "up", json_string(up_names[args.up]));
     }
     if (args.unit_given) {
         (void)json_object_set_new(json, "unit", json_string(unit_names[args.unit]));
@@ -229,9 +234,7 @@ static int build(stp_context* context, int argc, char** argv)
         .input_count = (size_t)argc,
         .generate = scene_make_input,
         .output = args.output,
-        .import = {.up = (char)(!args.up_given ? 0
-                                : args.up == 0 ? 'y'
-                                               : 'z'),
+        .import = {.up = args.up_given ? up_axes[args.up] : '\0',
                    .unit_metres = args.unit_given ? unit_metres[args.unit] : 0.0},
         .blue = {.capture = {.direction_count = (uint32_t)args.directions,
                              .resolution = (uint32_t)args.resolution},
@@ -257,6 +260,25 @@ static int build(stp_context* context, int argc, char** argv)
     return result == STP_OK ? print_result(context, &report) : 1;
 }
 
+// Suffixes of models and pictures that no .stip file should have. Others, and none, are the user's choice.
+static bool output_is_stip(const char* path)
+{
+    static const char* const others[] = {
+        "gltf",  "glb", "obj",  "mtl", "ply",  "stl", "fbx",  "dae", "3ds",  "3mf",
+        "blend", "ifc", "x3d",  "wrl", "off",  "dxf", "lwo",  "usd", "usda", "usdc",
+        "usdz",  "stp", "step", "igs", "iges", "las", "laz",  "e57", "pts",  "ptx",
+        "pcd",   "xyz", "hgt",  "tif", "tiff", "png", "bin",  "jpg", "jpeg", "webp",
+        "ktx2",  "bmp", "gif",  "svg", "pdf",  "mp4", "json", "zip"};
+    const char* slash = strrchr(path, '/');
+    const char* dot = strrchr(slash != NULL ? slash : path, '.');
+    for (size_t i = 0; dot != NULL && i < sizeof(others) / sizeof(others[0]); ++i) {
+        if (strcasecmp(dot + 1, others[i]) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static int run(int argc, char** argv)
 {
     if (argc < 1) {
@@ -272,9 +294,13 @@ static int run(int argc, char** argv)
         return tool_usage_error("a build cannot be written to standard output; name a file");
     }
     for (int i = 0; i < argc; ++i) {
-        if (tool_is_same_file(argv[i], args.output)) {
-            return tool_usage_error("%s is an input, and would be written over", argv[i]);
+        int code = overwrite_check(argv[i], args.output);
+        if (code != 0) {
+            return code;
         }
+    }
+    if (!output_is_stip(args.output)) {
+        return tool_usage_error("%s: build writes .stip files only", args.output);
     }
     stp_context* context = tool_context_create((uint32_t)args.threads, args.memory,
                                                tool_progress_names[args.progress]);
@@ -299,6 +325,13 @@ const command command_build = {
         "surfels are chosen from it in such an order that every prefix covers the whole evenly "
         "(Brandt et al. 2019). The original triangles are kept for close views.\n"
         "\n"
+        "These are read: glTF 2.0 (.gltf, .glb; with Draco, meshopt and quantization, PNG, JPEG "
+        "and "
+        "WebP), OBJ, PLY and STL directly; FBX, Collada (.dae), 3DS, 3MF, IFC, X3D, Blender, DXF, "
+        "LWO, OFF and whatever else assimp reads through it. What a model holds that is not kept "
+        "(animations, skins, lines, extensions) is named in one warning. STEP and IGES are not "
+        "read: they hold exact surfaces and no triangles.\n"
+        "\n"
         "Every node of the scene above the threshold gets surfels of its own, from the bottom up. "
         "Each result is kept in FILE.stip.work until the file is written: a build that was killed "
         "goes on where it was when it is run again, and gives the same bytes. Where FILE.stip is "
@@ -308,6 +341,17 @@ const command command_build = {
         "number of threads and any limit of memory. The file is written aside and renamed: a build "
         "that fails or is "
         "interrupted leaves a former file as it was.",
+    .examples = "Build a model:\n"
+                "$ stipple build plant.glb -o plant.stip\n"
+                "Several models in one scene, z up, in millimetres:\n"
+                "$ stipple build hall.obj pipes.stl -o plant.stip --up z --unit mm\n"
+                "A named scene, within 8 GB of memory:\n"
+                "$ stipple build scene:paper -o paper.stip --memory 8G\n",
+    .files = "FILE.stip\t"
+             "the result\n"
+             "FILE.stip.work\t"
+             "finished parts of a build that has not ended: the same command resumes from them\n",
+    .interrupted = "the same command resumes where it stopped",
     .options = options,
     .run = run,
 };

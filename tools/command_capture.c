@@ -2,6 +2,7 @@
 //
 // stipple capture: the candidates of a model, as points; and the pictures they were read from.
 #include "command.h"
+#include "overwrite.h"
 #include "picture.h"
 #include "point_file.h"
 #include "scene_file.h"
@@ -216,6 +217,10 @@ static int run(int argc, char** argv)
     if (argc != 1 || (args.output == NULL && args.pictures == NULL)) {
         return tool_usage_error("capture: expected one model, and -o OUT.ply or --pictures FOLDER");
     }
+    int refused = overwrite_check(argv[0], args.output);
+    if (refused != 0) {
+        return refused;
+    }
     stp_context* context = tool_context_create((uint32_t)args.threads, 0, NULL);
     if (context == NULL) {
         return 1;
@@ -237,6 +242,14 @@ const command command_capture = {
             "`stipple build` chooses surfels, and a point set to try `stipple order` on.\n"
             "\n"
             "--pictures writes positionN.png, normalN.png and colorN.png for each direction N.",
+    .examples = "The points that surfels are chosen from:\n"
+                "$ stipple capture plant.glb -o points.ply\n"
+                "Pictures of them, eight directions, three each:\n"
+                "$ stipple capture plant.glb --pictures views\n",
+    .files = "OUT.ply\t"
+             "points with normals and colours, binary PLY\n"
+             "FOLDER/position0.png\t"
+             "and so on: places, normals and colours for each direction\n",
     .options = options,
     .run = run,
 };

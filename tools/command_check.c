@@ -91,6 +91,12 @@ const command command_check = {
         "pages; their whole directory is checked.\n"
         "\n"
         "Exit status is 0 where the file is right and 1 where it is not.",
+    .examples = "Check everything:\n"
+                "$ stipple check plant.stip\n"
+                "Check only the directory, of a large file:\n"
+                "$ stipple check plant.stip --quick\n",
+    .files = "FILE.stip\t"
+             "the file that is checked; it is never changed\n",
     .options = options,
     .run = run,
 };

@@ -2,6 +2,7 @@
 //
 // stipple compare: how alike two pictures are.
 #include "command.h"
+#include "overwrite.h"
 #include "picture.h"
 
 #include "measure/image_compare.h"
@@ -104,6 +105,22 @@ static bool is_stream(const char* path)
     return path != NULL && strcmp(path, "-") == 0;
 }
 
+static int check_outputs(char** pictures)
+{
+    const char* inputs[] = {pictures[0], pictures[1], args.mask};
+    const char* outputs[] = {args.map, args.difference};
+    for (int o = 0; o < 2; ++o) {
+        int code = tool_check_picture(outputs[o]);
+        for (int i = 0; i < 3 && code == 0; ++i) {
+            code = overwrite_check(inputs[i], outputs[o]);
+        }
+        if (code != 0) {
+            return code;
+        }
+    }
+    return 0;
+}
+
 static int run(int argc, char** argv)
 {
     if (argc != 2) {
@@ -114,6 +131,10 @@ static int run(int argc, char** argv)
     }
     if (is_stream(args.map) || is_stream(args.difference)) {
         return tool_usage_error("standard output is for the figures; name a file");
+    }
+    int refused = check_outputs(argv);
+    if (refused != 0) {
+        return refused;
     }
     stp_context* context = tool_context_create((uint32_t)args.threads, 0, "none");
     if (context == NULL) {
@@ -148,6 +169,15 @@ const command command_compare = {
         "Either picture, or the mask, may be - for standard input.\n"
         "\n"
         "Exit status is 0 however different the pictures are, and 1 where they cannot be compared.",
+    .examples =
+        "How alike two pictures are:\n"
+        "$ stipple compare plant.png reference.png\n"
+        "Where they differ:\n"
+        "$ stipple compare plant.png reference.png --map ssim.png --difference difference.png\n",
+    .files = "A.png, B.png\t"
+             "PNG files of one size\n"
+             "M.png\t"
+             "a mask; pixels that are black in it do not count\n",
     .options = options,
     .run = run,
 };

@@ -3,6 +3,7 @@
 // stipple distribution: how evenly the prefixes of ordered points are spread, and how well they cover.
 #include "command.h"
 #include "distribution_plot.h"
+#include "overwrite.h"
 #include "point_file.h"
 
 #include "measure/distribution.h"
@@ -208,7 +209,11 @@ static int run(int argc, char** argv)
         return tool_usage_error("distribution: expected one file of ordered points, or up to %d",
                                 MOST_FILES);
     }
-    int code = read_prefixes(&s);
+    int code = overwrite_check(args.of, args.plot);
+    for (int i = 0; i < argc && code == 0; ++i) {
+        code = overwrite_check(argv[i], args.plot);
+    }
+    code = code != 0 ? code : read_prefixes(&s);
     if (code != 0) {
         return code;
     }
@@ -253,6 +258,15 @@ const command command_distribution = {
             "median, largest), "
             "relative to that lattice, like Figure 3 of Brandt et al. 2019; several files stand "
             "side by side.",
+    .examples =
+        "How evenly prefixes are spread, and how well they cover:\n"
+        "$ stipple distribution ordered.ply --of points.ply --prefix 1000,10000\n"
+        "Compare two orders in a plot:\n"
+        "$ stipple distribution ordered.ply paper.ply --prefix 1000,10000 --plot spacing.svg\n",
+    .files = "ORDERED.ply\t"
+             "points in order, as stipple order writes them\n"
+             "OUT.svg\t"
+             "violins of spacings, with --plot\n",
     .options = options,
     .run = run,
 };

@@ -247,6 +247,19 @@ const command command_fly = {
             "--reference-every and "
             "--popping draw that geometry, which takes its time in large scenes; --plot shows "
             "them, too.",
+    .examples = "Fly at 33 ms a frame, and plot the times:\n"
+                "$ stipple fly plant.stip --path flight.json --budget-ms 33 --plot flight.svg\n"
+                "Write a film:\n"
+                "$ stipple fly plant.stip --path flight.json -o flight.mp4\n"
+                "How like the original every tenth frame is:\n"
+                "$ stipple fly plant.stip --path flight.json --reference-every 10 --json\n",
+    .files = "FLIGHT.json\t"
+             "keys of the camera over time; stipple view records them, scenes/flights has one for "
+             "each named scene\n"
+             "DIR/frame-000000.png\t"
+             "pictures, with -o DIR/; removed where an interrupt stops the flight\n"
+             "$XDG_CACHE_HOME/stipple\t"
+             "models that were built to be drawn; ~/.cache/stipple where the variable is not set\n",
     .options = options,
     .run = run,
 };

@@ -59,6 +59,12 @@ const command command_help = {
             "\n"
             "  stipple help --man render | man -l -\n"
             "  source <(stipple help --completion bash)",
+    .examples = "Read a man page:\n"
+                "$ stipple help --man render | man -l -\n"
+                "Completions for this shell:\n"
+                "$ source <(stipple help --completion bash)\n",
+    .files = "~/.local/share/bash-completion/completions/stipple\t"
+             "where bash looks for completions\n",
     .options = options,
     .run = run,
 };

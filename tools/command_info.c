@@ -149,6 +149,14 @@ const command command_info = {
         "\n"
         "Of a .stip file only its first pages are read, however large it is (files of version "
         "1.0: the directory); a model is imported, but not built.",
+    .examples = "A table of the parts:\n"
+                "$ stipple info plant.stip\n"
+                "The same as JSON:\n"
+                "$ stipple info plant.stip --json\n"
+                "Find objects by their names:\n"
+                "$ stipple info plant.stip --find pump\n",
+    .files = "FILE\t"
+             "a .stip file, or a model that is imported but not built\n",
     .options = options,
     .run = run,
 };

@@ -2,6 +2,7 @@
 //
 // stipple order: the points of a file in such an order that every prefix covers them all evenly.
 #include "command.h"
+#include "overwrite.h"
 #include "point_file.h"
 #include "tool.h"
 
@@ -159,8 +160,9 @@ static int run(int argc, char** argv)
     if (strcmp(args.output, "-") == 0) {
         return tool_usage_error("order cannot write to standard output; name a file");
     }
-    if (tool_is_same_file(argv[0], args.output)) {
-        return tool_usage_error("%s is the input, and would be written over", argv[0]);
+    int refused = overwrite_check(argv[0], args.output);
+    if (refused != 0) {
+        return refused;
     }
     stp_context* context = tool_context_create((uint32_t)args.threads, 0, NULL);
     if (context == NULL) {
@@ -200,6 +202,14 @@ const command command_order = {
             "With the metric side, two points whose normals face apart count as farther from each "
             "other than any "
             "two that do not, so that both sides of a thin wall are covered.",
+    .examples = "The first 20,000 points of the exact order:\n"
+                "$ stipple order points.ply -o ordered.ply --count 20000\n"
+                "The paper's schedule, for comparison:\n"
+                "$ stipple order points.ply -o paper.ply --order paper-fast\n",
+    .files = "POINTS.ply\t"
+             "any model that can be imported\n"
+             "ORDERED.ply\t"
+             "binary PLY, in order\n",
     .options = options,
     .run = run,
 };

@@ -3,10 +3,12 @@
 // stipple render: one picture of a scene.
 #include "command.h"
 #include "drawing.h"
+#include "overwrite.h"
 #include "pick_report.h"
 #include "picture.h"
 #include "scene_file.h"
 #include "tool.h"
+#include "view_list.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +37,8 @@ static const option* options(void)
          .letter = 'o',
          .type = OPTION_TEXT,
          .argument = "OUT.png",
-         .help = "the picture to write",
+         .help = "the picture to write: PNG, JPEG (.jpg, .jpeg; white where nothing is drawn) or "
+                 "WebP (lossless); - is standard output, as PNG",
          .value = &args.output},
         {.name = "view",
          .type = OPTION_TEXT,
@@ -57,8 +60,9 @@ static const option* options(void)
          .given = &args.has_target},
         {.name = "up",
          .type = OPTION_VECTOR,
-         .argument = "X,Y,Z",
-         .help = "what is up in the picture; default 0,1,0",
+         .argument = "X,Y,Z|AXIS",
+         .words = "x|-x|y|-y|z|-z",
+         .help = "what is up in the picture: a direction, or x, -x, y, -y, z or -z; default 0,1,0",
          .value = args.up,
          .given = &args.has_up},
         {.name = "ortho",
@@ -127,7 +131,7 @@ static int find_view(session* s, const char* path, const char* name)
     }
     int code = result != STP_OK ? 1
                : found != NULL  ? 0
-                                : tool_usage_error("there is no view named %s", name);
+                                : view_list_refuse(name, s->drawing.store, &viewpoints);
     stp_viewpoints_destroy(s->drawing.context, &viewpoints);
     stp_free(s->drawing.context, sidecar);
     return code;
@@ -187,14 +191,16 @@ static stp_result draw_frames(session* s)
                                                       : REPEATS;
     while (result == STP_OK && count < most && (count < 3 || total < repeat_ms)) {
         result = frame_draw(&s->drawing.maker, &s->view, &s->quality, &s->image, &frames[count]);
+        result = tool_is_interrupted() ? STP_ERROR_CANCELLED : result;
         total += frames[count++].frame_ms;
     }
     qsort(frames, count, sizeof(frames[0]), compare_figures);
     s->figures = frames[count / 2];
     uint64_t accumulated = args.accumulate > 1 ? args.accumulate : 0; // of one, that is the mean
     for (uint64_t i = 0; result == STP_OK && i < accumulated; ++i) {
-        result = frame_accumulate(&s->drawing.maker, &s->view, &s->quality,
-                                  (uint32_t)args.accumulate, &s->image);
+        result = tool_is_interrupted() ? STP_ERROR_CANCELLED
+                                       : frame_accumulate(&s->drawing.maker, &s->view, &s->quality,
+                                                          (uint32_t)args.accumulate, &s->image);
     }
     return result;
 }
@@ -287,8 +293,18 @@ static int render(session* s, const char* path)
     if (result != STP_OK) {
         return 1;
     }
+    if (tool_is_interrupted()) { // no picture that was not wanted any more
+        return 1;
+    }
     explain_empty(s, path);
     return finish(s);
+}
+
+/// What could not be written is refused before the work, and no input is written over.
+static int check_output(const char* path)
+{
+    int code = overwrite_check(path, args.output);
+    return code != 0 ? code : tool_check_picture(args.output);
 }
 
 static int check_arguments(int argc, const char* path)
@@ -306,8 +322,9 @@ static int check_arguments(int argc, const char* path)
     if (args.output == NULL) {
         return draw_options_check(&args.draw);
     }
-    if (tool_is_same_file(path, args.output)) {
-        return tool_usage_error("%s is the scene, and would be written over", path);
+    int code = check_output(path);
+    if (code != 0) {
+        return code;
     }
     if (args.draw.stereo && args.ortho > 0.0) {
         return tool_usage_error("--stereo and --ortho exclude each other");
@@ -379,6 +396,19 @@ const command command_render = {
         "long it took: frame_ms is the median of repeated frames, without opening the file; where "
         "that takes two seconds or more, and with --once, it is the second frame's, and that of "
         "--reference the first's.",
+    .examples =
+        "Draw a picture, as finely as its size asks for:\n"
+        "$ stipple render plant.stip -o plant.png\n"
+        "From the front, on white, antialiased, as JPEG:\n"
+        "$ stipple render plant.stip -o plant.jpg --view front --background white --supersample 2\n"
+        "As fine as a frame of 33 ms allows, with its figures:\n"
+        "$ stipple render plant.stip -o plant.png --budget-ms 33 --json\n"
+        "Only the original triangles, to compare with:\n"
+        "$ stipple render plant.stip -o reference.png --reference\n",
+    .files = "FILE.views.json\t"
+             "viewpoints saved beside the model, for --view\n"
+             "$XDG_CACHE_HOME/stipple\t"
+             "models that were built to be drawn; ~/.cache/stipple where the variable is not set\n",
     .options = options,
     .run = run,
 };

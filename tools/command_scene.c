@@ -139,6 +139,14 @@ const command command_scene = {
             "as do info and render.\n"
             "\n"
             "A .glb holds at most 4 GiB; a .gltf has as many .bin files beside it as it needs.",
+    .examples = "Which scenes there are:\n"
+                "$ stipple scene --list\n"
+                "Write one at a tenth of its size:\n"
+                "$ stipple scene paper -o paper.glb --scale 0.1\n",
+    .files = "FILE.glb\t"
+             "one file of at most 4 GiB\n"
+             "FILE.gltf, FILE.bin\t"
+             "the scene and its buffers, in as many files as they need\n",
     .options = options,
     .run = run,
 };

@@ -101,6 +101,16 @@ const command command_view = {
         "Settings are kept in $XDG_CONFIG_HOME/stipple/viewer.json (or ~/.config/stipple).\n"
         "\n"
         "Where there is no display, use stipple render for pictures and stipple fly for films.",
+    .examples = "Look at a file, or at a model that is built meanwhile:\n"
+                "$ stipple view plant.stip\n"
+                "Without a graphics processor's OpenGL:\n"
+                "$ stipple view plant.stip --software\n",
+    .files = "$XDG_CONFIG_HOME/stipple/viewer.json\t"
+             "settings; ~/.config/stipple where the variable is not set\n"
+             "FILE.views.json\t"
+             "viewpoints saved beside the model\n"
+             "$XDG_CACHE_HOME/stipple\t"
+             "models that were built to be drawn; ~/.cache/stipple where the variable is not set\n",
     .options = options,
     .run = run,
 };

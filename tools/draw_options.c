@@ -173,10 +173,12 @@ static size_t add_picture_options(option* table, size_t used, draw_options* o)
          .help = "light from above the viewer's left shoulder, or from the eye; default sun",
          .value = &o->light},
         {.name = "background",
-         .type = OPTION_TEXT,
-         .argument = "RRGGBB",
-         .help = "colour behind the scene, in hexadecimal; default none (transparent)",
-         .value = &o->background},
+         .type = OPTION_COLOR,
+         .argument = "COLOR",
+         .help = "colour behind the scene: a CSS name such as white, or hexadecimal such as "
+                 "#dfe3e8; default none (transparent)",
+         .value = o->background,
+         .given = &o->has_background},
         OPTION_THREADS(&o->threads),
         OPTION_MEMORY(&o->memory),
         {.name = "json", .help = "print figures as one JSON object", .value = &o->json},
@@ -198,19 +200,6 @@ const option* draw_options_table(option* table, const option* own, draw_options*
 }
 
 /// Six hexadecimal digits, perhaps after a #.
-static bool parse_color(const char* text, uint8_t color[3])
-{
-    text += *text == '#' ? 1 : 0;
-    if (strlen(text) != 6 || strspn(text, "0123456789abcdefABCDEF") != 6) {
-        return false;
-    }
-    unsigned long value = strtoul(text, NULL, 16);
-    color[0] = (uint8_t)(value >> 16);
-    color[1] = (uint8_t)(value >> 8);
-    color[2] = (uint8_t)value;
-    return true;
-}
-
 /// Two numbers with a character between them. @return what comes after, NULL where they are none
 static const char* read_pair(const char* text, char between, float pair[2])
 {
@@ -286,7 +275,6 @@ static int check_eyes(const draw_options* o)
 
 int draw_options_check(const draw_options* o)
 {
-    uint8_t color[3];
     if (o->has_splat_size && o->has_splats) {
         return tool_usage_error("--splat-size and --splats exclude each other");
     }
@@ -295,9 +283,6 @@ int draw_options_check(const draw_options* o)
                                 o->reference        ? "--reference"
                                 : o->has_splat_size ? "--splat-size"
                                                     : "--splats");
-    }
-    if (o->background != NULL && !parse_color(o->background, color)) {
-        return tool_usage_error("--background is six hexadecimal digits, not %s", o->background);
     }
     int code = show_options_check(&o->show);
     return code != 0 ? code : check_eyes(o);
@@ -319,13 +304,13 @@ stp_draw_style draw_options_style(const draw_options* o)
     stp_draw_style style = {.splat_scale = (float)o->splat_scale,
                             .supersample = (uint32_t)o->supersample,
                             .headlight = o->light == LIGHT_HEAD,
-                            .background = o->background != NULL,
+                            .background = o->has_background,
                             .filter = (stp_filter)o->filter,
                             .eye_dome = (float)o->eye_dome,
                             .ambient_occlusion = (float)(0.01 * o->ambient_occlusion),
                             .ghost = (float)o->show.ghost_share};
     if (style.background) {
-        (void)parse_color(o->background, style.background_color);
+        memcpy(style.background_color, o->background, sizeof(o->background));
     }
     return style;
 }

@@ -26,7 +26,8 @@ typedef struct draw_options {
     double ipd;
     uint64_t supersample;
     int light;
-    const char* background;
+    uint8_t background[3];
+    bool has_background;
     int filter;
     double eye_dome, ambient_occlusion;
     show_options show;
@@ -40,7 +41,7 @@ enum { DRAW_OPTION_ROOM = 96 }; ///< entries of a table
 /// @return the table
 const option* draw_options_table(option* table, const option* own, draw_options* options);
 
-/// Options that exclude each other, and a background that is none. @return 0, or 2 (message printed)
+/// Options that exclude each other, and values that make no sense. @return 0, or 2 (message printed)
 int draw_options_check(const draw_options* options);
 
 /// What was asked for. Options must have been checked.

@@ -233,8 +233,9 @@ stp_result frame_settle(frame_maker* maker, const stp_view* view, stp_budget* bu
     double start = stp_clock_ms();
     int steady = 0;
     quality->splat_size = stp_budget_splat_size(budget);
-    for (int i = 0;
-         i < SETTLE_FRAMES && steady < STEADY_FRAMES && stp_clock_ms() - start < settle_ms; ++i) {
+    for (int i = 0; i < SETTLE_FRAMES && steady < STEADY_FRAMES &&
+                    stp_clock_ms() - start < settle_ms && !tool_is_interrupted();
+         ++i) {
         stp_result result = frame_draw(maker, view, quality, image, &figures);
         if (result != STP_OK) {
             return result;

@@ -82,6 +82,36 @@ static void print_options(FILE* stream, const char* heading, const option* table
     }
 }
 
+// "$ command" lines, each after a line that says what it does.
+static void print_examples(FILE* stream, const char* text)
+{
+    print_heading(stream, "Examples");
+    while (*text != 0) {
+        size_t length = strcspn(text, "\n");
+        fprintf(stream, "%s%.*s\n", *text == '$' ? "    " : "  ", (int)length, text);
+        text += length + (text[length] == '\n');
+    }
+}
+
+// "PATH<tab>what it is" lines.
+static void print_files(FILE* stream, const char* text)
+{
+    print_heading(stream, "Files");
+    while (*text != 0) {
+        size_t path = strcspn(text, "\t"), line = strcspn(text, "\n");
+        char what[512];
+        snprintf(what, sizeof(what), "%.*s", (int)(line - path - 1), text + path + 1);
+        int column = fprintf(stream, "  %.*s", (int)path, text);
+        if (column > TEXT_COLUMN - 2) {
+            putc('\n', stream);
+            column = 0;
+        }
+        fprintf(stream, "%*s", TEXT_COLUMN - column, "");
+        print_wrapped(stream, what, TEXT_COLUMN, TEXT_COLUMN);
+        text += line + (text[line] == '\n');
+    }
+}
+
 void help_print_overview(FILE* stream)
 {
     fprintf(stream,
@@ -106,4 +136,6 @@ void help_print_command(FILE* stream, const command* c)
     }
     print_options(stream, "Options", c->options != NULL ? c->options() : NULL);
     print_options(stream, "Options of every command", options_common());
+    print_examples(stream, c->examples);
+    print_files(stream, c->files);
 }

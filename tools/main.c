@@ -84,7 +84,7 @@ static int run_command(const command* c, int argc, char** argv)
     }
     code = c->run(argc, argv);
     tool_end_progress();
-    return code;
+    return tool_finish_interrupted(code, c->interrupted);
 }
 
 /// Files are read in place: one that others cut short meanwhile has pages that are no more.

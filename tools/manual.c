@@ -138,11 +138,25 @@ static void print_options(FILE* stream, const option* table)
     fputs(".El\n", stream);
 }
 
+// "2026-11-21" as mdoc writes dates: "November 21, 2026". Other texts stay as they are.
+static void print_date(FILE* stream, const char* date)
+{
+    static const char* const months[] = {"January",   "February", "March",    "April",
+                                         "May",       "June",     "July",     "August",
+                                         "September", "October",  "November", "December"};
+    unsigned year, month, day;
+    if (sscanf(date, "%4u-%2u-%2u", &year, &month, &day) == 3 && month >= 1 && month <= 12) {
+        fprintf(stream, "%s %u, %u", months[month - 1], day, year);
+    } else {
+        fputs(date, stream);
+    }
+}
+
 static void print_header(FILE* stream, const char* suffix, const char* summary)
 {
-    fprintf(stream,
-            ".\\\" Made from the option tables in tools/. Do not edit.\n.Dd %s\n.Dt STIPPLE",
-            STP_RELEASE_DATE);
+    fprintf(stream, ".\\\" Made from the option tables in tools/. Do not edit.\n.Dd ");
+    print_date(stream, STP_RELEASE_DATE);
+    fputs("\n.Dt STIPPLE", stream);
     for (const char* c = suffix; *c != 0; ++c) {
         putc(toupper((unsigned char)*c), stream);
     }
@@ -152,17 +166,54 @@ static void print_header(FILE* stream, const char* suffix, const char* summary)
     print_line(stream, summary, strlen(summary));
 }
 
-static void print_end(FILE* stream)
+// The lines of command.files; mdoc wants this section between ENVIRONMENT and EXIT STATUS.
+static void print_files(FILE* stream, const char* text)
+{
+    fputs(".Sh FILES\n.Bl -tag -width Ds\n", stream);
+    while (*text != 0) {
+        size_t path = strcspn(text, "\t"), line = strcspn(text, "\n");
+        fputs(".It Pa ", stream);
+        print_line(stream, text, path);
+        print_line(stream, text + path + 1, line - path - 1);
+        text += line + (text[line] == '\n');
+    }
+    fputs(".El\n", stream);
+}
+
+// The lines of command.examples.
+static void print_examples(FILE* stream, const char* text)
+{
+    fputs(".Sh EXAMPLES\n", stream);
+    const char* gap = "";
+    while (*text != 0) {
+        size_t length = strcspn(text, "\n");
+        if (*text == '$') {
+            fputs(".Dl ", stream);
+            print_line(stream, text, length);
+        } else {
+            fputs(gap, stream);
+            print_line(stream, text, length);
+        }
+        gap = ".Pp\n";
+        text += length + (text[length] == '\n');
+    }
+}
+
+static void print_end(FILE* stream, const char* files, const char* examples)
 {
     fputs(".Sh ENVIRONMENT\n.Bl -tag -width Ds\n"
           ".It Ev NO_COLOR\nIf set, messages have no colours.\n"
-          ".El\n"
-          ".Sh EXIT STATUS\n.Bl -tag -width Ds\n"
+          ".El\n",
+          stream);
+    print_files(stream, files);
+    fputs(".Sh EXIT STATUS\n.Bl -tag -width Ds\n"
           ".It 0\nAll went well.\n"
           ".It 1\nThe work failed; one sentence on standard error says why.\n"
           ".It 2\nThe command line cannot be understood.\n"
+          ".It 130\nAn interrupt stopped the work.\n"
           ".El\n",
           stream);
+    print_examples(stream, examples);
 }
 
 static void print_overview(FILE* stream)
@@ -190,7 +241,15 @@ static void print_overview(FILE* stream)
     }
     fputs(".El\n.Sh OPTIONS\nOf every command:\n", stream);
     print_options(stream, NULL);
-    print_end(stream);
+    print_end(stream,
+              "$XDG_CACHE_HOME/stipple\tmodels that were built to be drawn; ~/.cache/stipple where "
+              "the variable is not set\n"
+              "$XDG_CONFIG_HOME/stipple\tsettings of the viewer; ~/.config/stipple where the "
+              "variable is not set\n",
+              "Build a model, look at it, draw it:\n"
+              "$ stipple build plant.glb -o plant.stip\n"
+              "$ stipple view plant.stip\n"
+              "$ stipple render plant.stip -o plant.png\n");
     fputs(".Sh SEE ALSO\n", stream);
     for (const command* const* c = commands(); *c != NULL; ++c) {
         fputs(".Xr stipple\\-", stream);
@@ -220,6 +279,6 @@ void manual_print(FILE* stream, const command* c)
     print_paragraphs(stream, c->text != NULL && *c->text != 0 ? c->text : c->summary);
     fputs(".Sh OPTIONS\n", stream);
     print_options(stream, c->options != NULL ? c->options() : NULL);
-    print_end(stream);
+    print_end(stream, c->files, c->examples);
     fputs(".Sh SEE ALSO\n.Xr stipple 1\n", stream);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "option_value.h"
 
+#include "color_names.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -214,13 +216,37 @@ static bool set_pixels(const option* o, const char* text, char* problem, size_t 
     return true;
 }
 
+// "x" is 1, "-z" is -3; 0 where the text is no axis.
+static int read_axis(const char* text)
+{
+    int sign = *text == '-' ? -1 : 1;
+    text += *text == '-' || *text == '+' ? 1 : 0;
+    return *text >= 'x' && *text <= 'z' && text[1] == 0 ? sign * (*text - 'x' + 1) : 0;
+}
+
+static bool set_color(const option* o, const char* text, char* problem, size_t size)
+{
+    return color_parse(text, o->value) ||
+           fail(problem, size, "is no colour such as white, steelblue, #fff or #dfe3e8");
+}
+
 static bool set_vector(const option* o, const char* text, char* problem, size_t size)
 {
-    double values[3];
+    double values[3] = {0.0};
     const char* end = text;
+    int axis = o->words != NULL ? read_axis(text) : 0;
+    if (axis != 0) {
+        values[abs(axis) - 1] = axis > 0 ? 1.0 : -1.0;
+        memcpy(o->value, values, sizeof(values));
+        return true;
+    }
     for (int i = 0; i < 3; ++i) {
         if (!read_number(end, &values[i], &end) || *end != (i < 2 ? ',' : 0)) {
-            return fail(problem, size, "is not three numbers such as 1,2.5,-3");
+            return fail(
+                problem, size,
+                o->words != NULL
+                    ? "is neither an axis such as z or -x nor three numbers such as 1,2.5,-3"
+                    : "is not three numbers such as 1,2.5,-3");
         }
         end += i < 2;
     }
@@ -259,6 +285,8 @@ bool option_set_value(const option* o, const char* text, char* problem, size_t p
         return set_choice(o, text, problem, problem_size);
     case OPTION_PIXELS:
         return set_pixels(o, text, problem, problem_size);
+    case OPTION_COLOR:
+        return set_color(o, text, problem, problem_size);
     case OPTION_VECTOR:
         return set_vector(o, text, problem, problem_size);
     case OPTION_PREFIX:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "picture.h"
 
+#include "present/picture_file.h"
 #include "present/png.h"
 
 #include <stdio.h>
@@ -47,10 +48,17 @@ stp_result tool_read_picture(stp_context* context, const char* path, stp_image* 
     return result;
 }
 
+int tool_check_picture(const char* path)
+{
+    bool known = path == NULL || strcmp(path, "-") == 0 ||
+                 stp_picture_format_of(path) != STP_PICTURE_UNKNOWN;
+    return known ? 0 : tool_usage_error("%s: pictures are written as " STP_PICTURE_SUFFIXES, path);
+}
+
 stp_result tool_write_picture(stp_context* context, const stp_image* image, const char* path)
 {
     if (strcmp(path, "-") != 0) {
-        return stp_png_write(context, image, path);
+        return stp_picture_write(context, image, path);
     }
     unsigned char* bytes;
     size_t size;

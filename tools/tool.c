@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { INTERRUPTED_CODE = 130 }; // 128 + SIGINT, as shells have it
+
 // Messages may come from several threads; a message must not be cut in two by another, nor by the
 // bar.
 static pthread_mutex_t output_mutex = PTHREAD_MUTEX_INITIALIZER;
@@ -20,6 +22,7 @@ static progress_state progress;
 static volatile sig_atomic_t interrupted;
 static bool holds_errors;
 static char held_error[1024];
+static char stopped_text[256]; ///< what the library said when an interrupt stopped it
 
 tool_settings* tool_settings_get(void)
 {
@@ -71,8 +74,12 @@ int tool_usage_error(const char* format, ...)
     return 2;
 }
 
+// What fails after an interrupt fails because of it: tool_finish_interrupted says that, once.
 int tool_error(const char* format, ...)
 {
+    if (interrupted) {
+        return 1;
+    }
     va_list list;
     va_start(list, format);
     print_message("", "", format, list);
@@ -98,7 +105,13 @@ static void print_log(stp_log_level level, const char* message, void* user)
 {
     (void)user;
     const tool_settings* settings = tool_settings_get();
-    if (level == STP_LOG_ERROR && holds_errors) {
+    if (level == STP_LOG_ERROR && interrupted) {
+        pthread_mutex_lock(&output_mutex);
+        if (stopped_text[0] == 0) {
+            snprintf(stopped_text, sizeof(stopped_text), "%s", message);
+        }
+        pthread_mutex_unlock(&output_mutex);
+    } else if (level == STP_LOG_ERROR && holds_errors) {
         pthread_mutex_lock(&output_mutex);
         snprintf(held_error, sizeof(held_error), "%s", message);
         pthread_mutex_unlock(&output_mutex);
@@ -138,6 +151,22 @@ static void catch_interrupt(void)
     if (sigaction(SIGINT, NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
         (void)sigaction(SIGINT, &action, NULL);
     }
+}
+
+bool tool_is_interrupted(void)
+{
+    return interrupted != 0;
+}
+
+int tool_finish_interrupted(int code, const char* results)
+{
+    if (!interrupted || code == 0) {
+        return code;
+    }
+    bool stopped = strncmp(stopped_text, "stopped while at: ", 18) == 0;
+    print_text("", "", "%s; %s", stopped ? stopped_text : "interrupted",
+               results != NULL ? results : "nothing was written");
+    return INTERRUPTED_CODE;
 }
 
 const char* const tool_progress_names[] = {"auto", "bar", "json", "none"};

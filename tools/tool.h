@@ -24,6 +24,10 @@ bool tool_has_color(FILE* stream);
 /// Whether both exist and are one file, by whatever names.
 bool tool_is_same_file(const char* a, const char* b);
 
+/// After a command that ended with `code`: where an interrupt stopped it, says so and `results` (command.interrupted).
+/// @return 130, or `code` where it was not interrupted or ended well all the same
+int tool_finish_interrupted(int code, const char* results);
+
 /// Takes the progress bar off the terminal, before anything else is printed there.
 void tool_end_progress(void);
 

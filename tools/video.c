@@ -145,7 +145,8 @@ bool video_open(stp_context* context, const char* path, uint32_t width, uint32_t
         }
         return true;
     }
-    if (mkdir(path, 0777) != 0 && (errno != EEXIST || !video_is_folder(path))) {
+    v->made_folder = mkdir(path, 0777) == 0;
+    if (!v->made_folder && (errno != EEXIST || !video_is_folder(path))) {
         tool_error("%s: the folder cannot be made: %s", path, strerror(errno));
         return false;
     }
@@ -165,15 +166,22 @@ static bool write_whole(int file, const uint8_t* bytes, size_t size)
     return true;
 }
 
+// The picture of a frame in the folder. @return false where the name is too long
+static bool name_frame(const video* v, uint32_t frame, char* path, size_t size)
+{
+    size_t length = strlen(v->path);
+    int written = snprintf(path, size, "%s%sframe-%06u.png", v->path,
+                           length > 0 && v->path[length - 1] == '/' ? "" : "/", frame);
+    return written > 0 && (size_t)written < size;
+}
+
 stp_result video_add(void* user, const stp_image* image, uint32_t frame)
 {
     video* v = user;
     if (v->is_folder) {
         char path[4096];
-        size_t length = strlen(v->path);
-        int size = snprintf(path, sizeof(path), "%s%sframe-%06u.png", v->path,
-                            length > 0 && v->path[length - 1] == '/' ? "" : "/", frame);
-        return size > 0 && (size_t)size < sizeof(path)
+        v->frame_count = frame + 1;
+        return name_frame(v, frame, path, sizeof(path))
                    ? tool_write_picture(v->context, image, path)
                    : stp_fail(v->context, STP_ERROR_IO, "%s: the name is too long", v->path);
     }
@@ -192,8 +200,25 @@ stp_result video_add(void* user, const stp_image* image, uint32_t frame)
     return STP_OK;
 }
 
+// Takes back what an interrupted flight wrote; the folder, too, where it was made for it.
+static void remove_frames(video* v)
+{
+    char path[4096];
+    for (uint32_t frame = 0; frame < v->frame_count; ++frame) {
+        if (name_frame(v, frame, path, sizeof(path))) {
+            (void)unlink(path);
+        }
+    }
+    if (v->made_folder) {
+        (void)rmdir(v->path);
+    }
+}
+
 bool video_close(video* v, bool whole)
 {
+    if (v->is_folder && !whole && tool_is_interrupted()) {
+        remove_frames(v);
+    }
     if (v->child == 0) {
         return true;
     }

@@ -12,6 +12,8 @@ typedef struct video {
     stp_context* context;
     const char* path;
     bool is_folder;
+    bool made_folder;      ///< it was not there before
+    uint32_t frame_count;  ///< in the folder: those written are before it
     pid_t child;           ///< 0: none
     int pipe;              ///< to its standard input
     char unfinished[4096]; ///< what the child writes, beside `path`
@@ -29,5 +31,6 @@ bool video_open(stp_context* context, const char* path, uint32_t width, uint32_t
 /// A flight_sink; the video is `user`. Transparency is composited on black in a film, and kept in PNG files.
 stp_result video_add(void* user, const stp_image* image, uint32_t frame);
 
-/// Ends it. @return false with the message printed; a film that is not `whole` is removed
+/// Ends it. @return false with the message printed; a film that is not `whole` is removed, and so are pictures of
+/// frames where an interrupt stopped the flight
 bool video_close(video* v, bool whole);

@@ -464,6 +464,27 @@ static void put_axes(writer* w, const char* path)
     put(w, &unit, sizeof(unit));
 }
 
+// What assimp makes up to show a skeleton without a mesh.
+static int is_made_up(const struct aiScene* scene, const struct aiMesh* mesh)
+{
+    struct aiString name = {0};
+    (void)aiGetMaterialString(scene->mMaterials[mesh->mMaterialIndex], AI_MATKEY_NAME, &name);
+    return strcmp(name.data, "SkeletonMaterial") == 0;
+}
+
+static void put_losses(writer* w)
+{
+    const struct aiScene* scene = w->scene;
+    stp_assimp_losses losses = {.animations = scene->mNumAnimations, .lights = scene->mNumLights};
+    for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+        const struct aiMesh* mesh = scene->mMeshes[i];
+        losses.skins += mesh->mNumBones > 0 && !is_made_up(scene, mesh);
+        losses.morphs += mesh->mNumAnimMeshes;
+        losses.lines += mesh->mPrimitiveTypes == aiPrimitiveType_LINE;
+    }
+    put(w, &losses, sizeof(losses));
+}
+
 static void put_scene(writer* w, const char* path)
 {
     const struct aiScene* scene = w->scene;
@@ -489,6 +510,7 @@ static void put_scene(writer* w, const char* path)
     for (unsigned i = 0; i < scene->mNumCameras; ++i) {
         put_view(w, scene->mCameras[i]);
     }
+    put_losses(w);
     put_u32(w, STP_ASSIMP_END);
 }
 
@@ -515,7 +537,6 @@ int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t si
     w->descriptor = descriptor;
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, 0);
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
-    aiSetImportPropertyInteger(properties, AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE);
     unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType |
                      aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs;
     const char* dot = strrchr(path, '.');

@@ -472,6 +472,21 @@ static stp_result read_views(reader* r)
     return STP_OK;
 }
 
+static stp_result read_losses(reader* r)
+{
+    stp_assimp_losses in;
+    if (!take_value(r, &in, sizeof(in))) {
+        return fail_stream(r, "losses");
+    }
+    stp_losses* losses = &r->import->losses;
+    stp_losses_add(losses, STP_LOSS_ANIMATION, in.animations);
+    stp_losses_add(losses, STP_LOSS_SKIN, in.skins);
+    stp_losses_add(losses, STP_LOSS_MORPH, in.morphs);
+    stp_losses_add(losses, STP_LOSS_LINE, in.lines);
+    stp_losses_add(losses, STP_LOSS_LIGHT, in.lights);
+    return STP_OK;
+}
+
 static stp_result read_axes(reader* r)
 {
     uint32_t up;
@@ -487,8 +502,8 @@ static stp_result read_axes(reader* r)
 
 static stp_result read_scene(reader* r)
 {
-    stp_result (*const steps[])(reader*) = {read_axes,   read_textures, read_materials,
-                                            read_meshes, read_nodes,    read_views};
+    stp_result (*const steps[])(reader*) = {read_axes,  read_textures, read_materials, read_meshes,
+                                            read_nodes, read_views,    read_losses};
     for (size_t i = 0; i < sizeof(steps) / sizeof(steps[0]); ++i) {
         stp_result result = steps[i](r);
         if (result != STP_OK) {

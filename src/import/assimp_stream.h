@@ -5,7 +5,7 @@
 // writes is checked like a file.
 //
 //   stream    magic, then either  FAILED, text
-//             or  SCENE, up, unit, textures, materials, meshes, nodes, views, END
+//             or  SCENE, up, unit, textures, materials, meshes, nodes, views, losses, END
 //   a list    u32 count, then its items; a text: u32 length (at most STP_ASSIMP_TEXT_LIMIT), bytes
 //   texture   text name, u32 width, u32 height, bytes: RGBA; height 0: a picture file of `width` bytes
 //   material  text name, stp_assimp_material, two uses (base colour, emissive)
@@ -13,6 +13,7 @@
 //   mesh      text name, stp_assimp_mesh, positions, normals, texcoords, colours, indices as its flags say
 //   node      text name, u32 parent, u32 flags, f64 transform[3][4], list of u32 meshes
 //   view      text name, f64 eye[3], target[3], up[3], fov
+//   losses    u32 animations, skins, morph targets, line meshes, lights (stp_assimp_losses)
 #pragma once
 
 #include "import/import.h"
@@ -50,6 +51,11 @@ enum {
 typedef struct stp_assimp_mesh {
     uint32_t material, flags, vertex_count, triangle_count;
 } stp_assimp_mesh;
+
+/// What the scene holds that is not kept.
+typedef struct stp_assimp_losses {
+    uint32_t animations, skins, morphs, lines, lights;
+} stp_assimp_losses;
 
 /// Adds what a stream holds to the scene. @return STP_OK; STP_ERROR_FORMAT where assimp failed, or where the
 /// stream is not sound; STP_ERROR_OUT_OF_MEMORY, also where assimp had too little (each logged)

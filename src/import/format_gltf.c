@@ -52,6 +52,13 @@ typedef struct json_text {
     size_t size;
 } json_text;
 
+static stp_result fail_version_1(stp_gltf_scope* scope)
+{
+    return stp_gltf_fail(scope, STP_ERROR_UNSUPPORTED,
+                         "it is glTF 1.0, which is not read: convert it to glTF 2.0, for example "
+                         "with gltf-pipeline");
+}
+
 // Finds the two chunks of a .glb (4.4.3).
 static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* text)
 {
@@ -62,8 +69,10 @@ static stp_result open_glb(stp_gltf_scope* scope, stp_gltf* gltf, json_text* tex
     uint32_t version = stp_read_u32(file->bytes + 4);
     size_t length = stp_read_u32(file->bytes + 8);
     if (version != 2) {
-        return stp_gltf_fail(scope, version > 2 ? STP_ERROR_VERSION : STP_ERROR_UNSUPPORTED,
-                             "its container is of version %u, but only 2 is read", version);
+        return version == 1
+                   ? fail_version_1(scope)
+                   : stp_gltf_fail(scope, STP_ERROR_VERSION,
+                                   "its container is of version %u, but only 2 is read", version);
     }
     if (length > file->size) {
         return stp_gltf_fail(scope, STP_ERROR_TRUNCATED,
@@ -146,6 +155,19 @@ static bool parse_version(const char* text, unsigned* major, unsigned* minor)
            text[used] == '\0';
 }
 
+// glTF 1.0 keeps its lists in objects; its version was optional, and often a number.
+static bool is_version_1(const json_t* root)
+{
+    const json_t* version = json_object_get(json_object_get(root, "asset"), "version");
+    const char* text = json_string_value(version);
+    if (text != NULL) {
+        return text[0] == '1' && (text[1] == '.' || text[1] == '\0');
+    }
+    return json_is_number(version) ? json_number_value(version) < 2.0
+                                   : json_is_object(json_object_get(root, "meshes")) ||
+                                         json_is_object(json_object_get(root, "buffers"));
+}
+
 static stp_result check_version(stp_gltf_scope* scope, const stp_gltf* gltf)
 {
     const json_t* asset;
@@ -153,6 +175,9 @@ static stp_result check_version(stp_gltf_scope* scope, const stp_gltf* gltf)
     stp_result result = stp_gltf_object(scope, gltf->root, "asset", &asset);
     if (result != STP_OK) {
         return result;
+    }
+    if (is_version_1(gltf->root)) {
+        return fail_version_1(scope);
     }
     const char* version = stp_gltf_text(asset, "version");
     const char* least = stp_gltf_text(asset, "minVersion");
@@ -210,8 +235,7 @@ static stp_result check_extensions(stp_gltf_scope* scope, const stp_gltf* gltf)
     for (size_t i = 0; i < json_array_size(used); ++i) {
         const char* name = json_string_value(json_array_get(used, i));
         if (name != NULL && !is_known(name) && !is_listed(required, name)) {
-            stp_notice(gltf->context, "%s: the extension %.100s is ignored", gltf->import->path,
-                       name);
+            stp_losses_add_extension(&gltf->import->losses, name);
         }
     }
     return STP_OK;

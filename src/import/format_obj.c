@@ -90,9 +90,9 @@ static void warn_of_losses(const stp_obj* obj)
         curves += obj->chunks[i].curves;
         bad += obj->chunks[i].bad_attributes;
     }
-    warn(obj, lines, "line elements are left out");
+    stp_losses_add(&obj->import->losses, STP_LOSS_LINE, lines);
+    stp_losses_add(&obj->import->losses, STP_LOSS_CURVE, curves);
     warn(obj, small, "faces with fewer than three corners are left out");
-    warn(obj, curves, "statements of free-form curves and surfaces are left out");
     warn(obj, bad, "texture coordinates or normals are incomplete and were set to zero");
 }
 

@@ -146,15 +146,25 @@ static stp_result read_primitives(stp_gltf_scope* scope, stp_gltf* gltf,
         stp_gltf_forget_buffers(gltf);
         begin = end;
     }
-    if (result == STP_OK && line_count != 0) {
-        stp_warn(gltf->context, "%s: %zu primitives are lines and are left out", gltf->import->path,
-                 line_count);
-    }
+    stp_losses_add(&gltf->import->losses, STP_LOSS_LINE, line_count);
     return result;
+}
+
+// A mesh has as many morph targets as each of its primitives.
+static void count_morph_targets(stp_gltf* gltf)
+{
+    size_t count = stp_gltf_count(gltf, STP_GLTF_MESHES);
+    for (size_t i = 0; i < count; ++i) {
+        const json_t* mesh = json_array_get(gltf->lists[STP_GLTF_MESHES], i);
+        const json_t* first = json_array_get(json_object_get(mesh, "primitives"), 0);
+        stp_losses_add(&gltf->import->losses, STP_LOSS_MORPH,
+                       json_array_size(json_object_get(first, "targets")));
+    }
 }
 
 stp_result stp_gltf_load_meshes(stp_gltf_scope* scope, stp_gltf* gltf)
 {
+    count_morph_targets(gltf);
     size_t count;
     stp_result result = count_primitives(scope, gltf, &count);
     if (result == STP_OK) {

@@ -185,8 +185,7 @@ static stp_result mark_roots(stp_gltf_scope* scope, stp_gltf* gltf)
     }
     shown = shown == STP_NONE ? 0 : shown;
     if (scene_count > 1) {
-        stp_notice(gltf->context, "%s: of %zu scenes, scenes[%u] is read", gltf->import->path,
-                   scene_count, shown);
+        stp_losses_add(&gltf->import->losses, STP_LOSS_SCENE, scene_count - 1);
     }
     const json_t *json, *roots;
     result = stp_gltf_item(scope, STP_GLTF_SCENES, shown, &json);
@@ -235,10 +234,7 @@ static stp_result mark_animated(stp_gltf_scope* scope, stp_gltf* gltf)
         }
     }
     stp_gltf_set_place(scope, "%s", "");
-    if (count != 0) {
-        stp_notice(gltf->context, "%s: %zu animations are not played: all rests as it is stored",
-                   gltf->import->path, count);
-    }
+    stp_losses_add(&gltf->import->losses, STP_LOSS_ANIMATION, count);
     return STP_OK;
 }
 

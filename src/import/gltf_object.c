@@ -255,7 +255,7 @@ static stp_result add_camera(object_writer* writer, const stp_gltf_node* node)
         return result;
     }
     if (!(fov > 0.0) || !(fov < STP_PI)) {
-        stp_gltf_warn(scope, "its camera is left out: it is not a perspective of 0 to 180 degrees");
+        stp_losses_add(&writer->gltf->import->losses, STP_LOSS_CAMERA, 1);
         return STP_OK;
     }
     return write_view(writer, node, camera, fov);
@@ -284,8 +284,7 @@ stp_result stp_gltf_add_objects(stp_gltf_scope* scope, stp_gltf* gltf)
         has_skins = has_skins || (node->mesh != STP_NONE && node->skin != STP_NONE);
     }
     if (has_skins) {
-        stp_notice(gltf->context, "%s: skinned meshes are read as they stand at rest",
-                   gltf->import->path);
+        stp_losses_add(&gltf->import->losses, STP_LOSS_SKIN, stp_gltf_count(gltf, STP_GLTF_SKINS));
     }
     return STP_OK;
 }

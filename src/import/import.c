@@ -76,6 +76,25 @@ static const stp_importer* find_importer(const char* path, const stp_mapped_file
     return NULL;
 }
 
+// The turn that brings an axis to y, with a scale: about x for y and z, about z for x.
+static stp_affine turn_up(char up, double s)
+{
+    switch (up) {
+    case 'x':
+        return (stp_affine){{{0, -s, 0, 0}, {s, 0, 0, 0}, {0, 0, s, 0}}};
+    case 'X':
+        return (stp_affine){{{0, s, 0, 0}, {-s, 0, 0, 0}, {0, 0, s, 0}}};
+    case 'Y':
+        return (stp_affine){{{s, 0, 0, 0}, {0, -s, 0, 0}, {0, 0, -s, 0}}};
+    case 'z':
+        return (stp_affine){{{s, 0, 0, 0}, {0, 0, s, 0}, {0, -s, 0, 0}}};
+    case 'Z':
+        return (stp_affine){{{s, 0, 0, 0}, {0, 0, -s, 0}, {0, s, 0, 0}}};
+    default:
+        return (stp_affine){{{s, 0, 0, 0}, {0, s, 0, 0}, {0, 0, s, 0}}};
+    }
+}
+
 void stp_import_set_axes(stp_import* import, char up, double unit_metres)
 {
     stp_scene* scene = import->scene;
@@ -85,16 +104,13 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
     import->unit_metres = unit;
     if (first) {
         scene->unit_metres = unit;
-        scene->up = up == 'z' ? "z" : "y";
+        scene->up = up == 'z' || up == 'Z' ? "z" : up == 'x' || up == 'X' ? "x" : "y";
     } else if (scene->unit_metres == 0.0) {
         scene->unit_metres = unit; // files of unknown unit are taken to be in the one that is known
     } else if (unit > 0.0) {
         scale = unit / scene->unit_metres;
     }
-    // z up to y up: a quarter turn about x
-    stp_affine y_up = {{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}};
-    stp_affine z_up = {{{scale, 0, 0, 0}, {0, 0, scale, 0}, {0, -scale, 0, 0}}};
-    scene->objects[import->root].transform = up == 'z' ? z_up : y_up;
+    scene->objects[import->root].transform = turn_up(up, scale);
 }
 
 // Several inputs in one scene have one unit; where that is a guess, the user should know.
@@ -138,6 +154,7 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
     result = importer->read(import);
     if (result == STP_OK) {
         judge_units(import, scene_unit);
+        stp_losses_report(import->context, import->path, &import->losses);
     }
     return result;
 }

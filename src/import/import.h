@@ -5,10 +5,12 @@
 #pragma once
 
 #include "base/file.h"
+#include "import/losses.h"
 #include "scene/scene.h"
 
 typedef struct stp_import_desc {
-    char up; ///< 'y' or 'z': where the input does not say; default what the format's users expect
+    char up; ///< where the input does not say: 'x', 'y' or 'z', or 'X', 'Y' or 'Z' for the negative
+             ///< axis; default what the format's users expect
     double unit_metres; ///< length of one input unit: where the input does not say; 0: unknown
     uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats;
                                   ///< default 4 GiB
@@ -25,6 +27,7 @@ typedef struct stp_import {
     stp_import_desc desc;
     uint32_t root;
     double unit_metres; ///< of the file, once its axes are set; 0: unknown
+    stp_losses losses;  ///< what the importer does not keep; reported once it has read the file
     bool alone;         ///< the bytes came from memory: no file beside it may be read
 } stp_import;
 
@@ -59,7 +62,7 @@ const stp_importer* const* stp_importers(void);
 
 // For importers:
 
-/// Says which axis is up in the file ('y' or 'z') and how long its unit is (0: the file does not
+/// Says which axis is up in the file (as stp_import_desc.up) and how long its unit is (0: the file does not
 /// say, and desc.unit_metres holds), before objects are added. A format that does not say its axis
 /// passes desc.up where that is set, else what its users expect. Without a call: desc.up or 'y',
 /// desc.unit_metres.

@@ -193,7 +193,7 @@ typedef struct stp_scene {
     stp_content_table spilled; ///< which mesh, point set or texture in the spill has a content
 
     double unit_metres; ///< length of one unit; 0 where the input does not say
-    const char* up;     ///< the input's up axis, "y" or "z": what was turned to y
+    const char* up;     ///< the input's up axis, "x", "y" or "z", without sign: it was turned to y
 } stp_scene;
 
 /// From now on, meshes, point sets and texels that are added move to `spill` once more than `above_bytes` of

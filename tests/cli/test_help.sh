@@ -9,7 +9,10 @@ mkdir -p "$scratch" && cd "$scratch" || exit 1
 check_page()
 {
     if command -v mandoc > /dev/null; then
-        mandoc -T lint -W warning "$1" > lint 2>&1 || fail "mandoc: $1: $(head -3 lint)"
+        # long lines do not matter, for nobody edits the pages; the rest is advice to base systems, which we are not
+        mandoc -T lint "$1" 2>&1 | grep -v -e 'STYLE: input text line longer than 80 bytes' \
+            -e 'STYLE: operating system explicitly' -e 'STYLE: referenced manual not found' > lint
+        [ ! -s lint ] || fail "mandoc: $1: $(head -3 lint)"
     fi
     if command -v groff > /dev/null; then
         groff -mandoc -ww -Tutf8 "$1" 2> lint > rendered || fail "groff: $1"
@@ -18,12 +21,26 @@ check_page()
     fi
 }
 
+# the sections that a reader of man pages looks for, none of them empty, each example a command of its own
+check_sections()
+{
+    for section in SYNOPSIS DESCRIPTION OPTIONS FILES "EXIT STATUS" EXAMPLES; do
+        sed -n "/^\.Sh $section\$/,/^\.Sh /p" "$1" | grep -v '^\.Sh' > section
+        [ -s section ] || fail "$1: no $section"
+    done
+    sed -n '/^\.Sh EXAMPLES$/,/^\.Sh /p' "$1" | grep -q '^\.Dl \$ .*stipple' || fail "$1: no example"
+    for code in 0 1 2 130; do
+        grep -q "^\.It $code\$" "$1" || fail "$1: no exit status $code"
+    done
+}
+
 names=$("$stipple" help | sed -n '/^Commands:/,/^$/s/^  \([a-z-]*\) .*/\1/p')
 for name in compare help; do
     echo "$names" | grep -qx -- "$name" || fail "help does not list $name"
 done
 "$stipple" help --man > stipple.1 || fail "help --man"
 check_page stipple.1
+check_sections stipple.1
 for name in $names; do
     "$stipple" help "$name" > text || fail "help $name"
     "$stipple" "$name" --help > text2 || fail "$name --help"
@@ -32,6 +49,8 @@ for name in $names; do
     awk 'length > 110 { exit 1 }' text || fail "help $name: lines are too long"
     "$stipple" help --man "$name" > "stipple-$name.1" || fail "help --man $name"
     check_page "stipple-$name.1"
+    check_sections "stipple-$name.1"
+    grep -q "^Examples:" text && grep -q "^Files:" text || fail "help $name: no examples or files"
     grep -q "Xr stipple.-$(echo "$name" | sed 's/-/.-/g') 1" stipple.1 || fail "stipple.1 does not name $name"
     # each option that help names is in the man page and the completions
     for option in $(sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p' text); do

@@ -11,6 +11,7 @@ import random
 import signal
 import subprocess
 import sys
+import time
 
 stipple = sys.argv[1]
 random.seed(1)
@@ -30,14 +31,44 @@ first = process.stderr.readline() # work has begun
 process.send_signal(signal.SIGINT)
 out, err = process.communicate(timeout=60)
 assert "stage" in json.loads(first), first
-assert process.returncode == 1, (process.returncode, err)
+assert process.returncode == 130, (process.returncode, err)
 assert out == "", out
 messages = [line for line in err.splitlines() if not line.startswith("{")]
 assert len(messages) == 1 and messages[0].startswith("stipple: stopped while at: "), err
+assert messages[0].endswith("; the same command resumes where it stopped"), err
 assert sorted(os.listdir()) == ["cloud.ply", "cloud.stip"], os.listdir()
 assert open("cloud.stip").read() == "what was there before"
 
+# a flight leaves none of its pictures, and a render no picture
 write_cloud(2000)
+assert subprocess.run([stipple, "build", "cloud.ply", "-o", "cloud.stip", "-q"]).returncode == 0
+with open("flight.json", "w") as file:
+    json.dump({"fov": 60, "fps": 30, "keys": [{"t": t, "eye": [t / 99, 2, 9], "target": [0, 0, 0], "up": [0, 1, 0]}
+                                              for t in (0, 100)]}, file)
+command_fly = [stipple, "fly", "cloud.stip", "--path", "flight.json", "-o", "frames/", "--frames", "40", "--size",
+               "320x240", "--backend", "cpu", "--reference-every", "1"]
+process = subprocess.Popen(command_fly, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+deadline = time.monotonic() + 60
+while not os.path.exists("frames/frame-000001.png") and time.monotonic() < deadline:
+    time.sleep(0.005)
+process.send_signal(signal.SIGINT)
+out, err = process.communicate(timeout=60)
+assert process.returncode == 130, (process.returncode, err)
+assert err == "stipple: stopped while at: pictures; nothing was written\n", err
+assert not os.path.exists("frames"), os.listdir("frames")
+
+command_render = [stipple, "render", "cloud.stip", "-o", "picture.png", "--accumulate", "4096", "--size", "800x600",
+                  "--backend", "cpu"]
+process = subprocess.Popen(command_render, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+time.sleep(1.0)
+process.send_signal(signal.SIGINT)
+out, err = process.communicate(timeout=60)
+assert process.returncode == 130, (process.returncode, err)
+assert err == "stipple: interrupted; nothing was written\n", err
+assert not os.path.exists("picture.png")
+os.remove("cloud.stip")
+with open("cloud.stip", "w") as file:
+    file.write("what was there before")
 
 # where interrupts are ignored from the start, they stay ignored
 def ignore():

@@ -149,7 +149,7 @@ refused 1 "text.xyzzy" render text.xyzzy -o a.png
 
 refused 2 "needs one file" render -o a.png
 refused 2 "needs -o" render "$file"
-refused 2 "no view named" render "$file" -o a.png --view nowhere
+refused 2 "there are front, back, left, right, top, bottom, iso, d0 to d25" render "$file" -o a.png --view nowhere
 refused 2 "exclude" render "$file" -o a.png --splats 4 --splat-size 2
 refused 2 "exclude" render "$file" -o a.png --accumulate 4 --supersample 2
 refused 2 "--eye-dome" render "$file" -o a.png --eye-dome=bright
@@ -157,7 +157,7 @@ refused 2 "--filter" render "$file" -o a.png --filter box
 refused 2 "--ambient-occlusion" render "$file" -o a.png --ambient-occlusion 99
 "$stipple" render -o eye.png --size 48x48 --eye-dome "$file" || fail "an option without its value before the file"
 refused 2 "--backend" render "$file" -o a.png --backend vulkan
-refused 2 "hexadecimal" render "$file" -o a.png --background green
+refused 2 "no colour" render "$file" -o a.png --background greenish
 refused 2 "names* a file" render "$file" -o - --json
 refused 1 "nothing.stip" render nothing.stip -o a.png
 cp "$file" same.stip

@@ -313,6 +313,8 @@ static void make_stream(stream* s)
     put_u32(s, 1); // views
     put_text(s, "front");
     put(s, view, sizeof(view));
+    stp_assimp_losses losses = {.animations = 2};
+    put(s, &losses, sizeof(losses));
     put_u32(s, STP_ASSIMP_END);
 }
 

@@ -132,3 +132,34 @@ void test_option_pixels_and_vectors_have_parts(test_state* test)
         CHECK(refuses(OPTION_VECTOR, NULL, bad_vectors[i]));
     }
 }
+
+void test_option_color_is_a_name_or_hexadecimal(test_state* test)
+{
+    static const struct {
+        const char* text;
+        uint8_t rgb[3];
+    } cases[] = {{"aliceblue", {0xF0, 0xF8, 0xFF}},     {"YellowGreen", {0x9A, 0xCD, 0x32}},
+                 {"rebeccapurple", {0x66, 0x33, 0x99}}, {"#dfe3e8", {0xDF, 0xE3, 0xE8}},
+                 {"DFE3E8", {0xDF, 0xE3, 0xE8}},        {"#a1f", {0xAA, 0x11, 0xFF}}};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        uint8_t color[3] = {1, 2, 3};
+        CHECK(set(OPTION_COLOR, NULL, color, cases[i].text));
+        CHECK(memcmp(color, cases[i].rgb, 3) == 0);
+    }
+    static const char* const bad[] = {"",      "#",      "bluish", "#12",
+                                      "#1234", "12345g", "blue ",  "##fff"};
+    for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); ++i) {
+        CHECK(refuses(OPTION_COLOR, NULL, bad[i]));
+    }
+}
+
+void test_option_vector_may_be_an_axis(test_state* test)
+{
+    double v[3] = {9, 9, 9};
+    CHECK(set(OPTION_VECTOR, "x|-x", v, "-z"));
+    CHECK(v[0] == 0.0 && v[1] == 0.0 && v[2] == -1.0);
+    CHECK(set(OPTION_VECTOR, "x|-x", v, "1,2,3"));
+    CHECK(v[0] == 1.0 && v[1] == 2.0 && v[2] == 3.0);
+    CHECK(refuses(OPTION_VECTOR, "x|-x", "w"));
+    CHECK(refuses(OPTION_VECTOR, NULL, "x"));
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+//
+// What an input holds that a .stip does not keep: counted while the file is read, and said in one
+// warning at its end.
+#pragma once
+
+#include "base/context.h"
+
+/// Each with its singular, its plural and what is done instead.
+#define STP_LOSSES(X)                                                                              \
+    X(ANIMATION, "animation", "animations", "drawn in the stored pose")                            \
+    X(SKIN, "skin", "skins", "drawn in the stored pose")                                           \
+    X(MORPH, "morph target", "morph targets", "drawn at the stored weights")                       \
+    X(LINE, "line element", "line elements", NULL)                                                 \
+    X(CURVE, "curve or surface statement", "curve and surface statements", NULL)                   \
+    X(CAMERA, "camera that is not a perspective", "cameras that are not perspectives", NULL)       \
+    X(LIGHT, "light", "lights", NULL)                                                              \
+    X(SCENE, "further scene", "further scenes", NULL)
+
+typedef enum stp_loss {
+#define X(name, one, many, instead) STP_LOSS_##name,
+    STP_LOSSES(X)
+#undef X
+        STP_LOSS_COUNT
+} stp_loss;
+
+enum { STP_LOSS_EXTENSIONS_SIZE = 512 };
+
+/// All zero: nothing was lost.
+typedef struct stp_losses {
+    uint64_t counts[STP_LOSS_COUNT];
+    char extensions[STP_LOSS_EXTENSIONS_SIZE]; ///< names apart by ", "
+    uint32_t unnamed_extensions;               ///< more, for which that has no room
+} stp_losses;
+
+void stp_losses_add(stp_losses* losses, stp_loss loss, uint64_t count);
+
+/// An extension of the format that is not read. Characters that are not printable become "?".
+void stp_losses_add_extension(stp_losses* losses, const char* name);
+
+/// Logs one warning, "PATH: not kept: ...", where anything was lost.
+void stp_losses_report(stp_context* context, const char* path, const stp_losses* losses);
