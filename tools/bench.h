@@ -7,14 +7,19 @@
 
 #include "command.h"
 
+#include <stipple/types.h>
+
 typedef struct bench_options {
     bool quick;        ///< a small case of everything, within seconds
     const char* model; ///< a model to measure on; NULL: the benchmark's own
     uint32_t count;    ///< of what is repeated; 0: the benchmark's own
     uint32_t first; ///< of what is repeated: so many are left out, so that it is measured in pieces
     double splat_size; ///< of pictures of scenes
-    uint32_t size[2];  ///< of pictures of scenes, pixels; 0: the benchmark's own
-    uint32_t threads;  ///< that draw pictures of scenes; 0: all
+    bool all_sizes;    ///< no size was given: all that are compared
+    bool has_eye;
+    stp_vec3d eye, target; ///< of the only picture, where `has_eye`
+    uint32_t size[2];      ///< of pictures of scenes, pixels; 0: the benchmark's own
+    uint32_t threads;      ///< that draw pictures of scenes; 0: all
     uint64_t
         memory; ///< bytes under which scenes are loaded while they are drawn; 0: they are mapped
     const char* markdown; ///< a file for a table of what is drawn by OpenGL; NULL: none

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Benchmark `quality`: the picture, at splat size 1 or another, against the original triangles, from 26
-// directions that keep away from the capture's. Twice: the object framed to fill the picture (where
-// the surfels do not suffice, triangles are drawn), and from as near as the surfels alone suffice.
+// Benchmark `quality`: the picture, at splat sizes 1 to 24 or at a given one, against the original triangles: SSIM,
+// holes, wrong depths, and how much larger the covered area is. Three series: the object framed to fill the
+// picture (where the surfels do not suffice, triangles are drawn) from 26 directions that keep away from the
+// capture's, and from the named views; and from as near as the surfels alone suffice.
 #include "bench.h"
 
 #include "build/build.h"
@@ -18,7 +19,11 @@
 #define DEFAULT_MODEL                                                                              \
     "/usr/share/assimp/models/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb"
 
-enum { DIRECTION_COUNT = 26, QUICK_DIRECTION_COUNT = 3 };
+enum { DIRECTION_COUNT = 26, QUICK_DIRECTION_COUNT = 3, SIZE_COUNT = 6 };
+
+static const float all_sizes[SIZE_COUNT] = {1.0f, 2.0f, 4.0f, 8.0f, 16.0f, 24.0f};
+static const char* const named_views[] = {"iso",   "front", "back",   "left",
+                                          "right", "top",   "bottom", NULL};
 
 // One model under test.
 typedef struct quality_run {
@@ -29,42 +34,85 @@ typedef struct quality_run {
     stp_image ours, reference;
     float* reference_nearness;
     uint32_t width, height;
-    float splat_size;
+    float sizes[SIZE_COUNT]; ///< of splats, that are compared
+    uint32_t size_count;
+    const stp_view* eye; ///< the only view, or NULL
 } quality_run;
 
-// Sums over the directions of one series.
+// Sums over the views of one series, at one size of splats.
 typedef struct quality_sums {
+    float splat_size;
     uint32_t pictures;
     stp_surface_errors errors;
     uint64_t splats, triangles;
     double ssim[DIRECTION_COUNT], covered[DIRECTION_COUNT];
     uint32_t worst; ///< direction with the most holes and wrong depths
     uint64_t worst_errors;
+    double most_holes;            ///< of one picture, in 10,000 pixels of its interior
+    double least_area, most_area; ///< of one picture, over the reference's
 } quality_sums;
 
-static stp_result draw_view(quality_run* run, const stp_view* view, bool reference,
-                            stp_image* image, stp_draw_stats* stats)
+// The views of a series.
+typedef struct quality_series {
+    const char* name;
+    const char* const* views; ///< names, NULL at the end; NULL: the directions
+    const stp_view* eye;      ///< one view instead
+    bool limit;               ///< from as near as the surfels suffice
+    const float* sizes;
+    uint32_t size_count, direction_count;
+} quality_series;
+
+static stp_result draw_view(quality_run* run, const stp_view* view, float splat_size,
+                            bool reference, stp_image* image, stp_draw_stats* stats)
 {
-    stp_quality quality = {.splat_size = run->splat_size, .reference = reference};
-    stp_draw_style style = {0};
+    stp_quality quality = {.splat_size = splat_size, .reference = reference};
+    stp_draw_style style = {.plane_depth = true};
     stp_result result = stp_select(run->context, run->store, view, &quality, &run->list);
     return result != STP_OK
                ? result
                : stp_renderer_draw(run->renderer, view, &run->list, &style, image, stats);
 }
 
-// Draws both pictures of a view and adds their differences to the sums.
+// The picture that the others are compared with.
+static stp_result draw_reference(quality_run* run, const stp_view* view)
+{
+    stp_draw_stats stats;
+    stp_result result = draw_view(run, view, 1.0f, true, &run->reference, &stats);
+    if (result == STP_OK) {
+        size_t pixels = (size_t)run->width * run->height;
+        memcpy(run->reference_nearness, stp_renderer_depth(run->renderer), pixels * sizeof(float));
+    }
+    return result;
+}
+
+static void add_errors(quality_sums* sums, const stp_surface_errors* errors, uint32_t direction)
+{
+    sums->errors.covered += errors->covered;
+    sums->errors.interior += errors->interior;
+    sums->errors.holes += errors->holes;
+    sums->errors.wrong_depth += errors->wrong_depth;
+    sums->errors.drawn += errors->drawn;
+    sums->errors.extra += errors->extra;
+    if (errors->holes + errors->wrong_depth > sums->worst_errors) {
+        sums->worst_errors = errors->holes + errors->wrong_depth;
+        sums->worst = direction;
+    }
+    if (errors->covered == 0) {
+        return;
+    }
+    double interior = errors->interior > 0 ? (double)errors->interior : 1.0;
+    sums->most_holes = fmax(sums->most_holes, 1e4 * (double)errors->holes / interior);
+    double area = (double)errors->drawn / (double)errors->covered;
+    sums->most_area = fmax(sums->most_area, area);
+    sums->least_area = sums->least_area > 0.0 ? fmin(sums->least_area, area) : area;
+}
+
+// Draws a view and adds its differences from the reference, which is drawn, to the sums.
 static stp_result compare_view(quality_run* run, const stp_view* view, uint32_t direction,
                                quality_sums* sums)
 {
     stp_draw_stats stats;
-    stp_result result = draw_view(run, view, true, &run->reference, &stats);
-    if (result != STP_OK) {
-        return result;
-    }
-    size_t pixels = (size_t)run->width * run->height;
-    memcpy(run->reference_nearness, stp_renderer_depth(run->renderer), pixels * sizeof(float));
-    result = draw_view(run, view, false, &run->ours, &stats);
+    stp_result result = draw_view(run, view, sums->splat_size, false, &run->ours, &stats);
     if (result != STP_OK) {
         return result;
     }
@@ -78,14 +126,7 @@ static stp_result compare_view(quality_run* run, const stp_view* view, uint32_t 
     double pixel_angle = 2.0 * tan(view->fov_degrees * STP_PI / 360.0) / (double)run->height;
     stp_surface_errors errors;
     stp_surface_compare(&truth, &frame, pixel_angle, 2.0, &errors);
-    sums->errors.covered += errors.covered;
-    sums->errors.holes += errors.holes;
-    sums->errors.wrong_depth += errors.wrong_depth;
-    sums->errors.extra += errors.extra;
-    if (errors.holes + errors.wrong_depth > sums->worst_errors) {
-        sums->worst_errors = errors.holes + errors.wrong_depth;
-        sums->worst = direction;
-    }
+    add_errors(sums, &errors, direction);
     sums->splats += stats.splats;
     sums->triangles += stats.triangles;
     sums->ssim[sums->pictures] = quality.ssim;
@@ -111,6 +152,25 @@ static void move_to_limit(const stp_surfels* surfels, const stp_boxd* box, float
     view->eye = stp_addd(centre, stp_scaled(away, sphere + nearest));
 }
 
+static void report_errors(json_t* figures, const quality_sums* sums)
+{
+    const stp_surface_errors* errors = &sums->errors;
+    double covered = errors->covered > 0 ? (double)errors->covered : 1.0;
+    double interior = errors->interior > 0 ? (double)errors->interior : 1.0;
+    bench_set_number(figures, "holes_per_10k", 1e4 * (double)errors->holes / covered);
+    bench_set_number(figures, "wrong_depth_per_10k", 1e4 * (double)errors->wrong_depth / covered);
+    bench_set_number(figures, "extra_per_10k", 1e4 * (double)errors->extra / covered);
+    bench_set_number(figures, "interior_holes_per_10k", 1e4 * (double)errors->holes / interior);
+    bench_set_number(figures, "interior_holes_per_10k_most", sums->most_holes);
+    bench_set_number(figures, "wrong_depth_per_1k", 1e3 * (double)errors->wrong_depth / covered);
+    bench_set_number(figures, "area_ratio", (double)errors->drawn / covered);
+    bench_set_number(figures, "area_ratio_least", sums->least_area);
+    bench_set_number(figures, "area_ratio_most", sums->most_area);
+    bench_set_count(figures, "worst_direction", sums->worst);
+    bench_set_count(figures, "covered_pixels", errors->covered);
+    bench_set_count(figures, "interior_pixels", errors->interior);
+}
+
 static void report_series(json_t* results, const char* model, const char* series,
                           const quality_run* run, quality_sums* sums)
 {
@@ -119,9 +179,8 @@ static void report_series(json_t* results, const char* model, const char* series
     bench_set_text(entry.params, "series", series);
     bench_set_count(entry.params, "width", run->width);
     bench_set_count(entry.params, "height", run->height);
-    bench_set_number(entry.params, "splat_size", (double)run->splat_size);
+    bench_set_number(entry.params, "splat_size", (double)sums->splat_size);
     bench_set_count(entry.params, "pictures", sums->pictures);
-    double covered = sums->errors.covered > 0 ? (double)sums->errors.covered : 1.0;
     double least = sums->pictures > 0 ? sums->covered[0] : 0.0;
     for (uint32_t i = 1; i < sums->pictures; ++i) {
         least = sums->covered[i] < least ? sums->covered[i] : least;
@@ -129,40 +188,57 @@ static void report_series(json_t* results, const char* model, const char* series
     bench_set_number(entry.figures, "ssim", bench_median(sums->ssim, sums->pictures));
     bench_set_number(entry.figures, "ssim_covered", bench_median(sums->covered, sums->pictures));
     bench_set_number(entry.figures, "ssim_covered_least", least);
-    bench_set_number(entry.figures, "holes_per_10k", 1e4 * (double)sums->errors.holes / covered);
-    bench_set_number(entry.figures, "wrong_depth_per_10k",
-                     1e4 * (double)sums->errors.wrong_depth / covered);
-    bench_set_number(entry.figures, "extra_per_10k", 1e4 * (double)sums->errors.extra / covered);
-    bench_set_count(entry.figures, "worst_direction", sums->worst);
-    bench_set_count(entry.figures, "covered_pixels", sums->errors.covered);
+    report_errors(entry.figures, sums);
     uint32_t pictures = sums->pictures > 0 ? sums->pictures : 1;
     bench_set_count(entry.figures, "splats", sums->splats / pictures);
     bench_set_count(entry.figures, "triangles", sums->triangles / pictures);
 }
 
-static stp_result run_series(quality_run* run, const char* model, const char* series, bool limit,
-                             uint32_t directions, json_t* results)
+// The view `index` of a series. @return false where there are no more
+static bool make_view(const quality_run* run, const quality_series* series, uint32_t index,
+                      stp_view* view)
+{
+    if (series->eye != NULL) {
+        *view = *series->eye;
+        return index == 0;
+    }
+    const stp_store_directory* directory = stp_store_get_directory(run->store);
+    char direction[16];
+    snprintf(direction, sizeof(direction), "d%u", index);
+    const char* name = direction;
+    if (series->views != NULL) {
+        name = series->views[index];
+    } else if (index == series->direction_count) {
+        name = NULL;
+    }
+    *view = (stp_view){.width = run->width, .height = run->height};
+    return name != NULL && stp_camera_frame(name, &directory->nodes[directory->root].bounds, view);
+}
+
+static stp_result run_series(quality_run* run, const char* model, const quality_series* series,
+                             json_t* results)
 {
     const stp_store_directory* directory = stp_store_get_directory(run->store);
     const stp_store_node* root = &directory->nodes[directory->root];
+    quality_sums sums[SIZE_COUNT] = {0};
     stp_surfels surfels;
     stp_result result = STP_OK;
-    if (limit) {
+    if (series->limit) {
         result = stp_store_get_surfels(run->store, root->surfels, &surfels);
     }
-    quality_sums sums = {0};
-    for (uint32_t i = 0; result == STP_OK && i < directions; ++i) {
-        char name[16];
-        snprintf(name, sizeof(name), "d%u", i);
-        stp_view view = {.width = run->width, .height = run->height};
-        stp_camera_frame(name, &root->bounds, &view);
-        if (limit) {
-            move_to_limit(&surfels, &root->bounds, run->splat_size, &view);
+    stp_view view;
+    for (uint32_t i = 0; result == STP_OK && make_view(run, series, i, &view); ++i) {
+        if (series->limit) {
+            move_to_limit(&surfels, &root->bounds, series->sizes[0], &view);
         }
-        result = compare_view(run, &view, i, &sums);
+        result = draw_reference(run, &view);
+        for (uint32_t k = 0; result == STP_OK && k < series->size_count; ++k) {
+            sums[k].splat_size = series->sizes[k];
+            result = compare_view(run, &view, i, &sums[k]);
+        }
     }
-    if (result == STP_OK) {
-        report_series(results, model, series, run, &sums);
+    for (uint32_t k = 0; result == STP_OK && k < series->size_count; ++k) {
+        report_series(results, model, series->name, run, &sums[k]);
     }
     return result;
 }
@@ -194,10 +270,28 @@ static stp_result measure_file(quality_run* run, const char* path, const char* m
     if (directory->root == STP_STORE_NONE) {
         return stp_fail(run->context, STP_ERROR_FORMAT, "%s: the scene is empty", model);
     }
-    uint32_t directions = quick ? QUICK_DIRECTION_COUNT : DIRECTION_COUNT;
-    result = run_series(run, model, "framed", false, directions, results);
+    quality_series series = {.name = "framed",
+                             .sizes = run->sizes,
+                             .size_count = run->size_count,
+                             .direction_count = quick ? QUICK_DIRECTION_COUNT : DIRECTION_COUNT};
+    if (run->eye != NULL) {
+        series.name = "eye";
+        series.eye = run->eye;
+        return run_series(run, model, &series, results);
+    }
+    result = run_series(run, model, &series, results);
+    if (result == STP_OK) {
+        quality_series named = series;
+        named.name = "views";
+        named.views = named_views;
+        result = run_series(run, model, &named, results);
+    }
     if (result == STP_OK && directory->nodes[directory->root].surfels != STP_STORE_NONE) {
-        result = run_series(run, model, "limit", true, directions, results);
+        quality_series near = series;
+        near.name = "limit";
+        near.limit = true;
+        near.size_count = 1; // the place of the eye depends on it
+        result = run_series(run, model, &near, results);
     }
     return result;
 }
@@ -216,6 +310,24 @@ static void free_run(quality_run* run)
     }
 }
 
+static quality_run make_run(stp_context* context, const bench_options* options)
+{
+    quality_run run = {.context = context,
+                       .width = options->quick ? 320 : 1920,
+                       .height = options->quick ? 180 : 1080,
+                       .sizes = {(float)options->splat_size},
+                       .size_count = 1};
+    if (options->size[0] != 0) {
+        run.width = options->size[0];
+        run.height = options->size[1];
+    }
+    if (options->all_sizes) {
+        memcpy(run.sizes, all_sizes, sizeof(all_sizes));
+        run.size_count = SIZE_COUNT;
+    }
+    return run;
+}
+
 static int run_quality(const bench_options* options, json_t* results)
 {
     const char* model = options->model != NULL ? options->model : DEFAULT_MODEL;
@@ -227,14 +339,14 @@ static int run_quality(const bench_options* options, json_t* results)
     stp_context* context = tool_context_create(0, 0, "none");
     stp_result result = STP_ERROR_OUT_OF_MEMORY;
     if (context != NULL) {
-        quality_run run = {.context = context,
-                           .width = 1920,
-                           .height = 1080,
-                           .splat_size = (float)options->splat_size};
-        if (options->quick) {
-            run.width = 320;
-            run.height = 180;
-        }
+        quality_run run = make_run(context, options);
+        stp_view eye = {.eye = options->eye,
+                        .target = options->target,
+                        .up = {0.0, 1.0, 0.0},
+                        .fov_degrees = 60.0,
+                        .width = run.width,
+                        .height = run.height};
+        run.eye = options->has_eye ? &eye : NULL;
         const char* ending = strrchr(model, '.');
         bool is_built = ending != NULL && strcmp(ending, ".stip") == 0;
         stp_build_desc desc = {.inputs = &model, .input_count = 1, .output = path};
@@ -254,6 +366,7 @@ static int run_quality(const bench_options* options, json_t* results)
 
 const benchmark benchmark_quality = {
     .name = "quality",
-    .summary = "splats against the original triangles, from 26 directions",
+    .summary = "splats of sizes 1 to 24 against the original triangles, from 26 directions and the "
+               "named views",
     .run = run_quality,
 };

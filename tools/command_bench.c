@@ -29,6 +29,8 @@ static struct {
     const char *model, *markdown;
     uint64_t count, first, threads, memory;
     double splat_size;
+    double eye[3], target[3];
+    bool has_eye;
     uint32_t size[2];
 } given;
 
@@ -53,8 +55,20 @@ static const option* bench_options_table(void)
          .type = OPTION_NUMBER,
          .argument = "PX",
          .words = "1..64",
-         .help = "frame, positions, quality: size of splats; default 1",
+         .help =
+             "frame, positions, quality: size of splats; default 1; quality: 1, 2, 4, 8, 16 and 24",
          .value = &given.splat_size},
+        {.name = "eye",
+         .type = OPTION_VECTOR,
+         .argument = "X,Y,Z",
+         .help = "quality: only the view from here",
+         .value = given.eye,
+         .given = &given.has_eye},
+        {.name = "target",
+         .type = OPTION_VECTOR,
+         .argument = "X,Y,Z",
+         .help = "quality: what the eye looks at; default 0,0,0",
+         .value = given.target},
         {.name = "first",
          .type = OPTION_COUNT,
          .argument = "N",
@@ -64,7 +78,7 @@ static const option* bench_options_table(void)
         {.name = "size",
          .type = OPTION_PIXELS,
          .argument = "WxH",
-         .help = "frame, positions: pixels; default 1920x1080, with --quick 320x180",
+         .help = "frame, positions, quality: pixels; default 1920x1080, with --quick 320x180",
          .value = given.size},
         {.name = "memory",
          .type = OPTION_SIZE,
@@ -241,6 +255,10 @@ static int run_bench(int argc, char** argv)
                              .count = (uint32_t)given.count,
                              .first = (uint32_t)given.first,
                              .splat_size = given.splat_size > 0.0 ? given.splat_size : 1.0,
+                             .all_sizes = !(given.splat_size > 0.0),
+                             .has_eye = given.has_eye,
+                             .eye = {given.eye[0], given.eye[1], given.eye[2]},
+                             .target = {given.target[0], given.target[1], given.target[2]},
                              .size = {given.size[0], given.size[1]},
                              .threads = (uint32_t)given.threads,
                              .memory = given.memory,

@@ -43,9 +43,11 @@ void stp_surface_compare(const stp_surface_frame* reference, const stp_surface_f
             bool covered = reference->nearness[at] > 0.0f;
             bool drawn = frame->nearness[at] > 0.0f;
             errors->covered += covered;
+            errors->drawn += drawn;
             errors->extra += !covered && drawn;
             if (covered) {
                 surroundings around = look_around(reference, x, y);
+                errors->interior += around.inside;
                 errors->holes += !drawn && around.inside;
                 errors->wrong_depth +=
                     drawn && (double)frame->nearness[at] < (double)around.farthest * factor;

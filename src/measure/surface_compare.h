@@ -13,11 +13,12 @@ typedef struct stp_surface_frame {
 } stp_surface_frame;
 
 typedef struct stp_surface_errors {
-    uint64_t covered; ///< pixels the reference covers
-    uint64_t
-        holes; ///< of these, two pixels or more inside the silhouette, and empty in the other frame
+    uint64_t covered;     ///< pixels the reference covers
+    uint64_t interior;    ///< of these, two pixels or more inside the silhouette
+    uint64_t holes;       ///< interior pixels that are empty in the other frame
     uint64_t wrong_depth; ///< covered by both, and the other frame is behind the reference there
-    uint64_t extra;       ///< pixels that only the other frame covers
+    uint64_t drawn;       ///< pixels the other frame covers
+    uint64_t extra;       ///< of these, pixels that the reference does not cover
 } stp_surface_errors;
 
 /// Counts the errors of `frame` against `reference` (same size). A pixel has a wrong depth where it

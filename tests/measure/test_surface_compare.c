@@ -36,6 +36,8 @@ void test_surface_compare_counts_each_error_once(test_state* test)
     CHECK_EQUAL(1, errors.holes);
     CHECK_EQUAL(1, errors.wrong_depth);
     CHECK_EQUAL(1, errors.extra);
+    CHECK_EQUAL(64, errors.interior);       // all but a border of two pixels
+    CHECK_EQUAL(144 - 2 + 1, errors.drawn); // less two that are missing, and one outside
 }
 
 void test_surface_compare_allows_depth_found_nearby(test_state* test)

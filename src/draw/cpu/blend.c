@@ -233,6 +233,29 @@ static void mix_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
+static void copy_plane_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const cpu_renderer* r = user;
+    (void)worker;
+    for (size_t at = begin * r->width; at < end * r->width; ++at) {
+        const stp_raster_plane* plane = &r->blend.planes[at];
+        if (plane->id != UINT32_MAX && plane->nearness < FLT_MAX) {
+            r->depth[at] = plane->nearness;
+        }
+    }
+}
+
+stp_result cpu_find_plane_depths(cpu_renderer* r)
+{
+    r->blend.stage = CPU_BLEND_PLANES;
+    stp_result result = cpu_draw_items(r, 0);
+    r->blend.stage = CPU_BLEND_NONE;
+    if (result == STP_OK) {
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, copy_plane_rows, r);
+    }
+    return result;
+}
+
 stp_result cpu_blend_splats(cpu_renderer* r)
 {
     r->blend.stage = CPU_BLEND_PLANES;

@@ -16,6 +16,8 @@ static inline bool cpu_has_filter(const stp_draw_style* style)
 STP_MUST_USE stp_result cpu_find_visible(cpu_renderer* r);
 /// Replaces the colours of splats' pixels: after shading. @return as cpu_draw_items
 STP_MUST_USE stp_result cpu_blend_splats(cpu_renderer* r);
+/// Replaces the depths of splats' pixels by those of their planes: after shading. @return as cpu_draw_items
+STP_MUST_USE stp_result cpu_find_plane_depths(cpu_renderer* r);
 /// What is done with a range of an item's splats in the stages of the filter.
 void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats);
 void cpu_destroy_blend(cpu_renderer* r);

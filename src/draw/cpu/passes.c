@@ -135,7 +135,8 @@ static bool is_any_hidden(const cpu_renderer* r)
 static stp_result finish_picture(cpu_renderer* r)
 {
     bool blends = cpu_has_filter(r->style) && r->splat_size > 0.0f;
-    stp_result result = blends ? cpu_find_visible(r) : STP_OK;
+    bool planes = r->style->plane_depth && !blends && r->splat_size > 0.0f;
+    stp_result result = blends || planes ? cpu_find_visible(r) : STP_OK;
     if (result != STP_OK) {
         return result;
     }
@@ -144,6 +145,9 @@ static stp_result finish_picture(cpu_renderer* r)
     if (blends) {
         r->occluding = NULL;
         result = cpu_blend_splats(r);
+    } else if (planes) {
+        r->occluding = NULL;
+        result = cpu_find_plane_depths(r);
     }
     if (result == STP_OK && cpu_has_effects(r->style)) {
         result = cpu_apply_effects(r);
