@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# scripts/demo: a model alone, and the plant that it makes of one; the build around it is left out. Arguments: executable,
+# scratch folder, source folder.
+set -u
+stipple=$1
+scratch=$2
+source=$3
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$scratch/scripts" "$scratch/bin" "$scratch/build/release/tools" && cd "$scratch" || exit 1
+command -v python3 > /dev/null || exit 77
+cp "$source"/scripts/demo "$source"/scripts/demo.py "$source"/scripts/make_plant.py scripts
+printf '#!/bin/sh\nexit 0\n' | tee scripts/setup > bin/cmake
+chmod +x scripts/setup bin/cmake
+ln -s "$stipple" build/release/tools/stipple
+export XDG_CACHE_HOME=$PWD/cache
+
+"$stipple" scene boxes -o boxes.glb -q > /dev/null || fail "boxes"
+PATH=$PWD/bin:$PATH scripts/demo boxes.glb > out 2> err || fail "demo of a model: $(cat err)"
+for row in "^boxes.glb .* triangles" "^frame time, median .* ms .* ms" "^likeness (SSIM) .*0\.[0-9]* .*1$" \
+    "^memory, peak .* MB .* MB" "^contact sheet .*build/demo/sheet.png"; do
+    grep -q -- "$row" out || fail "the demo does not print $row: $(cat out)"
+done
+"$stipple" compare build/demo/sheet.png build/demo/sheet.png > sheet || fail "the sheet is no picture"
+[ -s build/demo/far-difference.png ] && [ -s build/demo/near-splats.png ] || fail "pictures are missing"
+PATH=$PWD/bin:$PATH scripts/demo missing.glb > out 2> err && fail "a demo of nothing ends well"
+grep -q "missing.glb: there is no such file" err || fail "a missing model is not named: $(cat err)"
+
+# the plant: 200 machines of 27 boxes a hall, on shelves and a floor
+scripts/make_plant.py boxes.glb plant.glb flight.json 300 > out || fail "plant"
+grep -qx "400 machines in 2 halls" out || fail "machines are not rounded up to halls: $(cat out)"
+"$stipple" info plant.glb --json > plant.json || fail "the plant cannot be read"
+"$stipple" info boxes.glb --json > boxes.json
+python3 - << 'END' || fail "the plant does not hold its machines"
+import json
+plant, boxes = json.load(open("plant.json")), json.load(open("boxes.json"))
+slabs = 2 * 5 * 3 + 1
+assert plant["triangles"] == 400 * boxes["triangles"] + 12 * slabs, (plant["triangles"], boxes["triangles"])
+low, high = plant["bounds"]["min"], plant["bounds"]["max"]
+for key in json.load(open("flight.json"))["keys"]:
+    assert all(abs(value) < 10 * (h - l) + 1e6 for value, l, h in zip(key["eye"], low, high))
+END
+exit $((failures > 0))
