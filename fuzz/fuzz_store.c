@@ -166,9 +166,7 @@ static uint64_t use_keys(stp_store* store, const uint8_t* data, size_t size)
             stp_store_find_mesh_by_key(store, key, &mesh) != STP_OK) {
             break;
         }
-        for (uint32_t k = 0; surfels.surfels != NULL && k < surfels.surfels->octave_count; ++k) {
-            total += sum(surfels.blocks[k], surfels.sizes[k]);
-        }
+        total += surfels.surfels != NULL ? surfels.surfels->count : 0;
         total += sum(mesh.block, mesh.size);
     }
     return total;

@@ -344,6 +344,45 @@ def read_clusters(data, begin, end, record):
     record["columns"] = sums
 
 
+def chunk_ends(first, end):
+    """The surfels that the chunks of an octave end with: as many as 64 KiB hold, 4 bytes each and 9 more from `first` on."""
+    at = 0
+    while at < end:
+        room = 65536 - 4 * max(0, min(at + 16384, first) - at)
+        at = at + 16384 if at + 16384 <= first else max(at, first) + room // 13
+        yield min(at, end)
+
+
+def unpack_octave(record, block, stored, place):
+    """The columns of a compressed octave, joined from its chunks."""
+    end = record["octave_ends"][block["octave"]]
+    first = ([0] + record["octave_ends"])[block["octave"]]
+    ends = list(chunk_ends(first, end))
+    table = [(len(stored), block["crc"])]
+    at = 0
+    if len(ends) > 1:
+        at = 8 * len(ends)
+        need(at <= len(stored) and zlib.crc32(stored[:at]) == block["crc"], f"{place}: chunk table")
+        table = list(struct.iter_unpack("<2I", stored[:at]))
+    columns = {"positions": b"", "normals": b"", "materials": b"", "colors": b"", "coverages": b""}
+    for begin, stop, (size, crc) in zip([0] + ends, ends, table):
+        chunk, at = stored[at:at + size], at + size
+        places, colors = max(0, stop - max(begin, first)), stop - begin
+        length = 9 * places + 4 * colors
+        need(len(chunk) == size <= length and size >= length // 32 and zlib.crc32(chunk) == crc, f"{place}: chunk")
+        if size < length:
+            inflater = zlib.decompressobj(-15)
+            chunk = inflater.decompress(chunk, length + 1)
+            need(inflater.eof and len(chunk) == length and not any(inflater.unused_data), f"{place}: compression")
+        part = 0
+        for name, step in (("positions", 6 * places), ("normals", 2 * places), ("materials", places), ("colors", 3 * colors),
+                           ("coverages", colors)):
+            columns[name] += chunk[part:part + step]
+            part += step
+    need(at == len(stored), f"{place}: bytes after the last chunk")
+    return b"".join(columns.values())
+
+
 def read_blocks(data, header, t):
     end, radius, owned = header["data_offset"], math.inf, set()
     for i, block in enumerate(t["blocks"]):
@@ -352,12 +391,13 @@ def read_blocks(data, header, t):
         need(begin == align(end) and begin + block["size"] <= len(data), f"{place}: is not in its place")
         need(not any(data[end:begin]), f"{place}: bytes before it")
         end = begin + block["size"]
-        need(zlib.crc32(data[begin:end]) == block["crc"], f"{place}: wrong checksum")
+        chunked = block["kind"] == 4 and block["encoding"] == 1
+        need(chunked or zlib.crc32(data[begin:end]) == block["crc"], f"{place}: wrong checksum")
         need(0 <= block["radius"] <= radius, f"{place}: radius ascends")
         radius = block["radius"]
         if block["kind"] not in KINDS:
             continue
-        need(block["encoding"] == 0, f"{place}: encoding")
+        need(block["encoding"] == 0 or chunked, f"{place}: encoding")
         need(block["owner"] < len(t[KINDS[block["kind"]]]), f"{place}: owner")
         if KINDS[block["kind"]] == "meshes":
             coded = t["meshes"][block["owner"]]["cluster_count"] != NONE
@@ -372,15 +412,16 @@ def read_blocks(data, header, t):
             except (ValueError, struct.error) as fault:
                 raise ValueError(f"{place}: clusters: {fault}") from fault
             continue
+        plain = unpack_octave(record, block, data[begin:end], place) if chunked else data[begin:end]
         at, sums = 0, record.setdefault("columns", {})
         for name, size in columns:
             start = align(at, alignment) if size else at
-            need(not any(data[begin + at:begin + start]), f"{place}: bytes between columns")
-            column = data[begin + start:begin + start + size]
+            need(not any(plain[at:start]), f"{place}: bytes between columns")
+            column = plain[start:start + size]
             check_content(t, record, block, name, column, place)
             sums[name] = zlib.crc32(column, sums.get(name, 0))
             at = start + size
-        need(at == block["size"], f"{place}: size")
+        need(at == len(plain), f"{place}: size")
     need(end == len(data), "bytes after the last block")
     wanted = len(t["meshes"]) + len(t["point_sets"]) + len(t["textures"]) + len(t["octaves"])
     need(len(owned) == wanted, "a mesh, point set, texture or octave has no block")

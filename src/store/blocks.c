@@ -6,19 +6,25 @@
 #error "columns are used straight from the file, which is little-endian"
 #endif
 
-stp_result stp_store_verify_block(const stp_store* store, const stp_store_block* block,
-                                  const unsigned char** bytes)
+stp_result stp_store_fail_block(const stp_store* store, const stp_store_block* block,
+                                const char* what)
 {
-    if (block->offset + block->size > store->file.size) {
+    if (!stp_store_is_block_here(store, block)) {
         return stp_fail(store->context, STP_ERROR_TRUNCATED,
                         "%s: ends before the block at %llu does", store->path,
                         (unsigned long long)block->offset);
     }
-    *bytes = store->file.bytes + block->offset;
-    if (stp_store_crc(0, *bytes, (size_t)block->size) != block->crc) {
-        return stp_fail(store->context, STP_ERROR_FORMAT,
-                        "%s: the checksum of the block at %llu is wrong", store->path,
-                        (unsigned long long)block->offset);
+    return stp_fail(store->context, STP_ERROR_FORMAT, "%s: the %s of the block at %llu is wrong",
+                    store->path, what, (unsigned long long)block->offset);
+}
+
+stp_result stp_store_verify_block(const stp_store* store, const stp_store_block* block,
+                                  const unsigned char** bytes)
+{
+    bool here = stp_store_is_block_here(store, block);
+    *bytes = store->file.bytes + (here ? block->offset : 0);
+    if (!here || stp_store_crc(0, *bytes, (size_t)block->size) != block->crc) {
+        return stp_store_fail_block(store, block, "checksum");
     }
     return STP_OK;
 }

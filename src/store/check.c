@@ -1,24 +1,32 @@
 // SPDX-License-Identifier: MIT
 // Goes through a whole file: every checksum, every padding byte, every invariant.
+#include "store/chunks.h"
 #include "store/internal.h"
 
 #define SMALL_DIRECTORY ((uint64_t)512 << 10) // so much a quick check reads whole
 
-// Bulk data is judged in the file itself: a check needs no memory for it.
-static stp_result check_surfels(const stp_store* store, const stp_store_block* block)
+// Of what is compressed, only the materials are kept, which are judged.
+static stp_result check_surfels(stp_store* store, const stp_store_block* block)
 {
-    stp_store_judge judge = stp_store_own_judge(store);
-    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
-    const unsigned char* bytes = NULL;
-    stp_result result = stp_store_verify_block(store, block, &bytes);
-    if (result != STP_OK) {
-        return result;
+    stp_store_octave_span span = stp_store_span_of(stp_store_describe_surfels(store, block->owner),
+                                                   block->octave, block->encoding);
+    stp_store_block_source source = {.block = block, .read = stp_store_read_mapped, .user = store};
+    uint32_t count = span.end - span.first;
+    uint64_t read_bytes = 0;
+    unsigned char* materials = stp_alloc(store->context, count);
+    if (materials == NULL) {
+        return stp_fail_memory(store->context);
     }
-    stp_store_surfel_columns(stp_store_describe_surfels(store, block->owner), block->octave,
-                             columns);
-    return stp_store_judge_surfel_data(
-        &judge, block->owner, bytes + columns[STP_SURFEL_MATERIALS].offset,
-        columns[STP_SURFEL_MATERIALS].size, store->directory.shading_count);
+    void* targets[STP_SURFEL_COLUMNS] = {[STP_SURFEL_MATERIALS] = materials};
+    const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
+                                              targets, &read_bytes);
+    stp_store_judge judge = stp_store_own_judge(store);
+    stp_result result = fault != NULL
+                            ? stp_store_fail_block(store, block, fault)
+                            : stp_store_judge_surfel_data(&judge, block->owner, materials, count,
+                                                          store->directory.shading_count);
+    stp_free(store->context, materials);
+    return result;
 }
 
 static stp_result check_zeros(const stp_store* store, uint64_t begin, uint64_t end)

@@ -3,12 +3,12 @@
 #include "base/bytes.h"
 #include "store/internal.h"
 
+#include <libdeflate.h>
 #include <string.h>
-#include <zlib.h>
 
 uint32_t stp_store_crc(uint32_t crc, const void* bytes, size_t size)
 {
-    return size == 0 ? crc : (uint32_t)crc32_z(crc, bytes, size);
+    return size == 0 ? crc : libdeflate_crc32(crc, bytes, size);
 }
 
 static stp_result fail_format(const stp_store* store, const char* what)

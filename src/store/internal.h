@@ -115,6 +115,14 @@ bool stp_store_is_block_here(const stp_store* store, const stp_store_block* bloc
 const stp_store_block* stp_store_block_at(const stp_store* store, uint32_t index);
 /// Says that there is no such mesh, ...: STP_ERROR_ARGUMENT.
 stp_result stp_store_fail_index(const stp_store* store, const char* what, uint32_t index);
+/// The block of a set's octave.
+const stp_store_block* stp_store_octave_block(const stp_store* store, uint32_t index,
+                                              uint32_t octave);
+/// Reads a part of the mapped file (stp_store_block_source); `user` is the store.
+bool stp_store_read_mapped(void* user, uint64_t offset, void* bytes, size_t size);
+/// Says that something of a block is wrong, or that it is not there: STP_ERROR_FORMAT, STP_ERROR_TRUNCATED.
+stp_result stp_store_fail_block(const stp_store* store, const stp_store_block* block,
+                                const char* what);
 /// Checks that a block is there, whole and right, and gives its first byte.
 STP_MUST_USE stp_result stp_store_verify_block(const stp_store* store, const stp_store_block* block,
                                                const unsigned char** bytes);

@@ -111,20 +111,7 @@ stp_result stp_store_find_surfels_by_key(stp_store* store, stp_hash key,
         return STP_OK;
     }
     const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
-    const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
-    const stp_surfels* surfels = &sets[index].surfels;
-    for (uint32_t k = 0; k < surfels->octave_count; ++k) {
-        const stp_store_block* block =
-            stp_store_block_at(store, octaves[sets[index].first_octave + k].block);
-        const unsigned char* bytes = NULL;
-        result = stp_store_verify_block(store, block, &bytes);
-        if (result != STP_OK) {
-            return result;
-        }
-        found->blocks[k] = bytes;
-        found->sizes[k] = (size_t)block->size;
-    }
-    found->surfels = surfels;
+    found->surfels = &sets[index].surfels;
     found->index = index;
     return STP_OK;
 }

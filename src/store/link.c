@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Fits the tables of a directory together: sets with their octaves and breakpoints, everything with
 // blocks.
+#include "store/chunks.h"
 #include "store/internal.h"
 
 static stp_result fail_format(const stp_store* store, const char* what, uint32_t index,
@@ -41,7 +42,7 @@ static stp_result judge_blocks(const stp_store* store)
     return STP_OK;
 }
 
-// A block as its owner needs it.
+// A block as its owner needs it. Of an octave, `wanted.size` is not looked at.
 static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_block wanted)
 {
     static const char* const names[STP_BLOCK_END] = {
@@ -57,12 +58,21 @@ static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_
         block->octave != wanted.octave) {
         return fail_format(store, names[wanted.kind], wanted.owner, "its block is another's");
     }
-    if (block->encoding != 0) {
+    uint32_t known =
+        wanted.kind == STP_BLOCK_SURFELS ? STP_STORE_ENCODING_CHUNKS : STP_STORE_ENCODING_PLAIN;
+    if (block->encoding > known) {
         return stp_fail(store->context, STP_ERROR_UNSUPPORTED,
                         "%s: %s %u: encoding %u of its block is not known", store->path,
                         names[wanted.kind], wanted.owner, block->encoding);
     }
-    if (block->size != wanted.size) {
+    bool fits = block->size == wanted.size;
+    if (wanted.kind == STP_BLOCK_SURFELS) {
+        const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+        stp_store_octave_span span =
+            stp_store_span_of(&sets[wanted.owner].surfels, wanted.octave, block->encoding);
+        fits = stp_store_can_hold(&span, block->size);
+    }
+    if (!fits) {
         return fail_format(store, names[wanted.kind], wanted.owner,
                            "its block is not of the size that its counts need");
     }
@@ -115,13 +125,7 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
     sets[index].whole = 0;
     for (uint32_t k = 0; k < surfels->octave_count; ++k) {
         uint32_t number = octaves[sets[index].first_octave + k].block;
-        stp_store_column columns[STP_STORE_COLUMN_LIMIT];
-        stp_store_block wanted = {
-            .kind = STP_BLOCK_SURFELS,
-            .owner = index,
-            .octave = k,
-            .size = stp_store_surfel_columns(surfels, k, columns),
-        };
+        stp_store_block wanted = {.kind = STP_BLOCK_SURFELS, .owner = index, .octave = k};
         stp_result result = judge_block(store, number, wanted);
         if (result != STP_OK) {
             return result;

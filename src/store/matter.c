@@ -28,14 +28,13 @@ void stp_store_matter_destroy(stp_context* context, stp_store_matter* matter)
     *matter = (stp_store_matter){0};
 }
 
-static stp_store_amount amount_of_surfels(const stp_surfels* surfels)
+static void add_octaves(const stp_store_block* blocks, uint32_t count, stp_store_amount* sets)
 {
-    stp_store_amount amount = {.count = surfels->count};
-    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
-    for (uint32_t k = 0; k < surfels->octave_count; ++k) {
-        amount.bytes += stp_store_surfel_columns(surfels, k, columns);
+    for (uint32_t i = 0; i < count; ++i) {
+        if (blocks[i].kind == STP_BLOCK_SURFELS) {
+            sets[blocks[i].owner].bytes += blocks[i].size;
+        }
     }
-    return amount;
 }
 
 static stp_store_amount amount_of_texture(const stp_store_texture* texture, uint64_t bytes)
@@ -72,8 +71,9 @@ stp_result stp_store_matter_of_file(const stp_store* store, stp_store_matter* ma
                                                 stp_store_block_at(store, textures[i].block)->size);
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
-        matter->sets[i] = amount_of_surfels(stp_store_describe_surfels(store, i));
+        matter->sets[i].count = stp_store_describe_surfels(store, i)->count;
     }
+    add_octaves(store->tables[STP_SECTION_BLOCKS], store->counts[STP_SECTION_BLOCKS], matter->sets);
     return STP_OK;
 }
 
@@ -105,8 +105,9 @@ stp_result stp_store_matter_of_plan(stp_context* context, const stp_store_conten
             amount_of_texture(&content->textures[i], plan->blocks[plan->texture_blocks[i]].size);
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
-        matter->sets[i] = amount_of_surfels(&content->surfels[i]);
+        matter->sets[i].count = content->surfels[i].count;
     }
+    add_octaves(plan->blocks, plan->block_count, matter->sets);
     return STP_OK;
 }
 

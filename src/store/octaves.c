@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Surfels: columns joined from the blocks of their octaves, as many as are asked for.
+#include "store/chunks.h"
 #include "store/internal.h"
 
 #include <string.h>
@@ -143,33 +144,42 @@ void stp_store_octave_targets(const stp_surfels* surfels, uint32_t octave,
     targets[STP_SURFEL_COVERAGES] = surfels->coverages + entry;
 }
 
-// Checks an octave's block and copies its columns to their places.
-static stp_result add_octave(const stp_store* store, uint32_t index, uint32_t octave,
-                             const stp_surfels* surfels)
+bool stp_store_read_mapped(void* user, uint64_t offset, void* bytes, size_t size)
+{
+    const stp_store* store = user;
+    bool whole = offset <= store->file.size && size <= store->file.size - offset;
+    if (whole) {
+        memcpy(bytes, store->file.bytes + offset, size);
+    }
+    return whole;
+}
+
+const stp_store_block* stp_store_octave_block(const stp_store* store, uint32_t index,
+                                              uint32_t octave)
 {
     const stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
     const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
-    uint32_t number = octaves[records[index].first_octave + octave].block;
-    const unsigned char* bytes = NULL;
-    stp_result result = stp_store_verify_block(store, stp_store_block_at(store, number), &bytes);
-    if (result != STP_OK || bytes == NULL) {
-        return result;
-    }
-    stp_store_column c[STP_STORE_COLUMN_LIMIT];
-    stp_store_surfel_columns(surfels, octave, c);
-    stp_store_judge judge = stp_store_own_judge(store);
-    result =
-        stp_store_judge_surfel_data(&judge, index, bytes + c[STP_SURFEL_MATERIALS].offset,
-                                    c[STP_SURFEL_MATERIALS].size, store->directory.shading_count);
-    if (result != STP_OK) {
-        return result;
-    }
+    return stp_store_block_at(store, octaves[records[index].first_octave + octave].block);
+}
+
+// Checks an octave's block and puts its columns in their places.
+static stp_result add_octave(stp_store* store, uint32_t index, uint32_t octave,
+                             const stp_surfels* surfels)
+{
+    const stp_store_block* block = stp_store_octave_block(store, index, octave);
+    stp_store_octave_span span = stp_store_span_of(surfels, octave, block->encoding);
+    stp_store_block_source source = {.block = block, .read = stp_store_read_mapped, .user = store};
     void* targets[STP_SURFEL_COLUMNS];
+    uint64_t read_bytes = 0;
     stp_store_octave_targets(surfels, octave, targets);
-    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
-        memcpy(targets[i], bytes + c[i].offset, (size_t)c[i].size);
+    const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
+                                              targets, &read_bytes);
+    if (fault != NULL) {
+        return stp_store_fail_block(store, block, fault);
     }
-    return STP_OK;
+    stp_store_judge judge = stp_store_own_judge(store);
+    return stp_store_judge_surfel_data(&judge, index, targets[STP_SURFEL_MATERIALS],
+                                       span.end - span.first, store->directory.shading_count);
 }
 
 // Joins the first `octave_count` octaves, more than there are ready, in new memory.

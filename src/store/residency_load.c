@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The threads that read: a load is taken from the queue, filled, checked, and handed back.
+#include "store/chunks.h"
 #include "store/residency_internal.h"
 
 #include <string.h>
@@ -54,44 +55,36 @@ static bool read_block(stp_residency* r, const stp_store_block* block, unsigned 
     return is_right(&at);
 }
 
-/// Copies bytes [begin, begin + size) of a block to where its columns belong.
-static void scatter(const stp_store_column* columns, void* const* targets,
-                    const unsigned char* bytes, uint64_t begin, uint64_t size)
+/// Reads for stp_store_read_chunks, until the threads are to end.
+static bool read_part(void* user, uint64_t offset, void* bytes, size_t size)
 {
-    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
-        uint64_t from = columns[i].offset > begin ? columns[i].offset : begin;
-        uint64_t column_end = columns[i].offset + columns[i].size;
-        uint64_t end = column_end < begin + size ? column_end : begin + size;
-        if (from < end) {
-            memcpy((unsigned char*)targets[i] + (from - columns[i].offset), bytes + (from - begin),
-                   (size_t)(end - from));
-        }
-    }
+    stp_residency* r = user;
+    return !atomic_load_explicit(&r->ending, memory_order_relaxed) &&
+           r->desc.read(r->desc.read_user, offset, bytes, size);
 }
 
-static bool read_octave(stp_residency* r, const stp_load* load, uint32_t octave)
+static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
 {
-    unsigned char chunk[STP_RESIDENCY_CHUNK];
     uint32_t index = load->thing - r->firsts[STP_RESIDENT_SURFELS];
-    block_reader at = {.r = r, .block = stp_residency_block(r, load->thing, octave)};
-    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    const stp_store_block* block = stp_residency_block(r, load->thing, octave);
+    stp_store_octave_span span = stp_store_span_of(&load->columns, octave, block->encoding);
+    stp_store_block_source source = {.block = block, .read = read_part, .user = r};
     void* targets[STP_SURFEL_COLUMNS];
-    stp_store_surfel_columns(&load->columns, octave, columns);
     stp_store_octave_targets(&load->columns, octave, targets);
-    while (at.done < at.block->size) {
-        uint64_t left = at.block->size - at.done, begin = at.done;
-        size_t size = left < sizeof(chunk) ? (size_t)left : sizeof(chunk);
-        if (!read_next(&at, chunk, size)) {
-            return false;
-        }
-        scatter(columns, targets, chunk, begin, size);
+    const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
+                                              targets, &load->read_bytes);
+    if (fault != NULL && !atomic_load(&r->ending)) {
+        stp_warn(r->context,
+                 fault == stp_store_unreadable
+                     ? "%s: the %s of the block at %llu cannot be read: it stays away"
+                     : "%s: the %s of the block at %llu is wrong: it stays away",
+                 r->store->path, fault, (unsigned long long)block->offset);
     }
     stp_store_judge judge = stp_store_own_judge(r->store);
     judge.warns = true;
-    return is_right(&at) &&
-           stp_store_judge_surfel_data(&judge, index, targets[STP_SURFEL_MATERIALS],
-                                       columns[STP_SURFEL_MATERIALS].size,
-                                       r->store->directory.shading_count) == STP_OK;
+    return fault == NULL && stp_store_judge_surfel_data(
+                                &judge, index, targets[STP_SURFEL_MATERIALS], span.end - span.first,
+                                r->store->directory.shading_count) == STP_OK;
 }
 
 static bool judge_mesh(stp_residency* r, stp_load* load)
@@ -134,7 +127,6 @@ static void fill_load(stp_residency* r, stp_load* load)
             stp_store_copy_columns(&load->columns, &load->before, load->from);
         }
         while (load->reached < load->to && read_octave(r, load, load->reached)) {
-            load->read_bytes += stp_residency_block(r, load->thing, load->reached)->size;
             load->reached += 1;
         }
         return;

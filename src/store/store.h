@@ -227,10 +227,8 @@ STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, 
 
 /// A surfel set or mesh as it lies in the file, checksums verified. Pointers live as long as the store.
 typedef struct stp_store_stored_surfels {
-    uint32_t index;                       ///< STP_STORE_NONE: the file has none of that key
-    const stp_surfels* surfels;           ///< without columns
-    const void* blocks[STP_OCTAVE_LIMIT]; ///< one for each octave (docs/format.md, Blocks)
-    size_t sizes[STP_OCTAVE_LIMIT];
+    uint32_t index;             ///< STP_STORE_NONE: the file has none of that key
+    const stp_surfels* surfels; ///< without columns (stp_store_get_surfels)
 } stp_store_stored_surfels;
 
 typedef struct stp_store_stored_mesh {

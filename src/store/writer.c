@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Streams a file: a place for header and section table, the directory's sections, the blocks; then
-// the header, section table and block table, whose checksums and offsets are known only now, are
-// patched in.
+// the header, section table, block table and summary, which need sizes, offsets and checksums of
+// blocks, are patched in.
 #include "store/writer.h"
 
 #include "base/bytes.h"
@@ -114,6 +114,26 @@ static stp_result judge_content(const stp_store_writing* w)
     return result;
 }
 
+// The summary once more, now that the sizes of compressed blocks are known.
+static stp_result patch_summary(stp_store_writing* w)
+{
+    stp_store_text whole = w->text;
+    w->text = (stp_store_text){
+        .context = w->context}; // they come first, so texts get the same places again
+    stp_store_summary_destroy(w->context, &w->summary);
+    stp_result result = stp_store_summarise_planned(w->context, w->content, &w->plan, &w->summary);
+    if (result == STP_OK) {
+        result = stp_store_patch_section(w, STP_SECTION_SUMMARY, &w->summary, 1);
+    }
+    if (result == STP_OK) {
+        result = stp_store_patch_section(w, STP_SECTION_SCENE_PARTS, w->summary.parts,
+                                         w->summary.part_count);
+    }
+    stp_free(w->context, w->text.bytes);
+    w->text = whole;
+    return result;
+}
+
 static stp_result write_all(stp_store_writing* w)
 {
     stp_result result = stp_store_plan_make(w->context, w->content, 0, &w->plan);
@@ -129,14 +149,14 @@ static stp_result write_all(stp_store_writing* w)
     if (result != STP_OK) {
         return result;
     }
-    // offsets were planned from 0 on; now it is known where the blocks begin
     uint64_t data_offset = stp_file_writer_size(w->file);
-    for (uint32_t i = 0; i < w->plan.block_count; ++i) {
-        w->plan.blocks[i].offset += data_offset;
-    }
     result = stp_store_write_blocks(w);
     if (result == STP_OK) {
-        result = stp_store_patch_blocks(w);
+        result =
+            stp_store_patch_section(w, STP_SECTION_BLOCKS, w->plan.blocks, w->plan.block_count);
+    }
+    if (result == STP_OK) {
+        result = patch_summary(w);
     }
     if (result == STP_OK) {
         result = patch_pages(w);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The blocks: columns of meshes, point sets and octaves, clusters, texels; and the table of them.
+// The blocks: columns of meshes and point sets, clusters, texels; octaves are for writer_chunks.c. And what is known of
+// the directory only when they are written.
 #include "store/internal.h"
 #include "store/matter.h"
 #include "store/writing.h"
 
 #include <assert.h>
+#include <string.h>
 
 #define RELEASE_BYTES ((uint64_t)32 << 20)
 
@@ -60,23 +62,6 @@ static stp_result write_points(stp_store_writing* w, uint32_t index)
     return write_columns(w, sources, columns, STP_POINT_COLUMNS);
 }
 
-static stp_result write_octave(stp_store_writing* w, uint32_t index, uint32_t octave)
-{
-    const stp_surfels* surfels = &w->content->surfels[index];
-    size_t first = stp_store_octave_begin(surfels, octave);
-    size_t entry = (size_t)stp_store_pyramid_begin(surfels, octave);
-    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
-    stp_store_surfel_columns(surfels, octave, columns);
-    source_column sources[STP_SURFEL_COLUMNS] = {
-        [STP_SURFEL_POSITIONS] = {surfels->positions + 3 * first},
-        [STP_SURFEL_NORMALS] = {surfels->normals + 2 * first},
-        [STP_SURFEL_MATERIALS] = {surfels->materials + first},
-        [STP_SURFEL_COLORS] = {surfels->colors + 3 * entry},
-        [STP_SURFEL_COVERAGES] = {surfels->coverages + entry},
-    };
-    return write_columns(w, sources, columns, STP_SURFEL_COLUMNS);
-}
-
 // Coded meshes may be more than memory holds: each is checked when its turn comes to be written.
 static stp_result write_clusters(stp_store_writing* w, uint32_t index)
 {
@@ -97,8 +82,6 @@ static stp_result write_clusters(stp_store_writing* w, uint32_t index)
 static stp_result write_block(stp_store_writing* w, const stp_store_block* block)
 {
     switch (block->kind) {
-    case STP_BLOCK_SURFELS:
-        return write_octave(w, block->owner, block->octave);
     case STP_BLOCK_MESH:
         return write_mesh(w, block->owner);
     case STP_BLOCK_CLUSTERS:
@@ -110,44 +93,61 @@ static stp_result write_block(stp_store_writing* w, const stp_store_block* block
     }
 }
 
-stp_result stp_store_write_blocks(stp_store_writing* w)
+static stp_result write_plain(stp_store_writing* w, stp_store_block* block)
 {
-    stp_result result = STP_OK;
-    uint64_t released = 0;
-    for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
-        stp_store_block* block = &w->plan.blocks[i];
-        result = stp_store_pad(w);
-        assert(result != STP_OK || stp_file_writer_size(w->file) == block->offset);
-        w->crc = 0;
-        if (result == STP_OK) {
-            result = write_block(w, block);
-        }
-        block->crc = w->crc;
-        assert(result != STP_OK || stp_file_writer_size(w->file) == block->offset + block->size);
-        if (w->content->release_pages != NULL && block->offset - released >= RELEASE_BYTES) {
-            released = block->offset;
-            w->content->release_pages(w->content->release_user);
-        }
+    stp_result result = stp_store_pad(w);
+    block->offset = stp_file_writer_size(w->file);
+    w->crc = 0;
+    if (result == STP_OK) {
+        result = write_block(w, block);
     }
+    block->crc = w->crc;
+    assert(result != STP_OK || stp_file_writer_size(w->file) == block->offset + block->size);
     return result;
 }
 
-// The block table, with offsets and checksums.
-stp_result stp_store_patch_blocks(stp_store_writing* w)
+stp_result stp_store_write_blocks(stp_store_writing* w)
 {
-    stp_store_section* section = &w->sections[STP_SECTION_BLOCKS];
+    stp_store_batch* batch = NULL;
+    stp_result result = stp_store_batch_create(w, &batch);
+    uint64_t released = 0;
+    for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
+        if (w->plan.blocks[i].kind == STP_BLOCK_SURFELS) {
+            result = stp_store_batch_add(batch, i);
+        } else { // after all octaves
+            result = stp_store_batch_flush(batch);
+            result = result == STP_OK ? write_plain(w, &w->plan.blocks[i]) : result;
+        }
+        uint64_t written = stp_file_writer_size(w->file);
+        if (w->content->release_pages != NULL && written - released >= RELEASE_BYTES) {
+            released = written;
+            w->content->release_pages(w->content->release_user);
+        }
+    }
+    result = result == STP_OK ? stp_store_batch_flush(batch) : result;
+    stp_store_batch_destroy(batch);
+    return result;
+}
+
+stp_result stp_store_patch_section(stp_store_writing* w, uint32_t type, const void* elements,
+                                   uint32_t count)
+{
+    stp_store_section* section = &w->sections[type];
+    size_t element_size = stp_store_table_of(type)->element_size;
     unsigned char* bytes = STP_NEW_ARRAY(w->context, unsigned char, (size_t)section->size + 1);
     if (bytes == NULL) {
         return stp_fail_memory(w->context);
     }
+    assert(section->count == count);
     stp_result result = STP_OK;
-    for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
-        stp_store_element element = {.block = w->plan.blocks[i]};
-        result = stp_store_code_element(w, STP_SECTION_BLOCKS, i, &element,
-                                        bytes + (size_t)i * section->record_size);
+    for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
+        stp_store_element element;
+        memcpy(&element, (const char*)elements + i * element_size, element_size);
+        result =
+            stp_store_code_element(w, type, i, &element, bytes + (size_t)i * section->record_size);
     }
     section->crc = stp_store_crc(0, bytes, (size_t)section->size);
-    stp_store_page_sums_replace(&w->sums, STP_SECTION_BLOCKS, bytes, (size_t)section->size);
+    stp_store_page_sums_replace(&w->sums, type, bytes, (size_t)section->size);
     if (result == STP_OK) {
         result = stp_file_writer_patch(w->file, section->offset, bytes, (size_t)section->size);
     }

@@ -5,6 +5,7 @@
 
 #include "store/columns.h"
 #include "store/page_sums.h"
+#include "store/plan.h"
 #include "store/records.h"
 #include "store/writer.h"
 
@@ -23,6 +24,17 @@ typedef struct stp_store_writing {
     stp_store_page_sums sums;
 } stp_store_writing;
 
+/// Chunks of octaves that wait to be compressed together.
+typedef struct stp_store_batch stp_store_batch;
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). In any case `*batch` is to be destroyed
+STP_MUST_USE stp_result stp_store_batch_create(stp_store_writing* w, stp_store_batch** batch);
+void stp_store_batch_destroy(stp_store_batch* batch);
+/// Adds an octave, by the index of its block; when enough wait, they are compressed and written. Offset, size, checksum
+/// and encoding of its block are noted in the plan.
+STP_MUST_USE stp_result stp_store_batch_add(stp_store_batch* batch, uint32_t block);
+/// Writes what waits.
+STP_MUST_USE stp_result stp_store_batch_flush(stp_store_batch* batch);
+
 /// Appends bytes of the section or block being written: `crc` and the pages' checksums take them in.
 STP_MUST_USE stp_result stp_store_emit(stp_store_writing* w, const void* bytes, size_t size);
 /// Zero bytes up to the next multiple; not part of any checksum.
@@ -33,7 +45,9 @@ STP_MUST_USE stp_result stp_store_code_element(stp_store_writing* w, uint32_t ty
 
 /// Reserves header and section table, and writes every section.
 STP_MUST_USE stp_result stp_store_write_directory(stp_store_writing* w);
-/// Writes every block, where the plan has it, and takes down its checksum.
+/// Writes every block, and notes in the plan where it is, its size and checksum.
 STP_MUST_USE stp_result stp_store_write_blocks(stp_store_writing* w);
-/// Writes the block table over that of the directory, now that offsets and checksums are known.
-STP_MUST_USE stp_result stp_store_patch_blocks(stp_store_writing* w);
+/// Writes a section's records over those that the directory has: blocks, summary and scene parts are known when all
+/// data is written.
+STP_MUST_USE stp_result stp_store_patch_section(stp_store_writing* w, uint32_t type,
+                                                const void* elements, uint32_t count);

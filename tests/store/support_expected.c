@@ -306,7 +306,7 @@ json_t* sample_expected_json(const stp_store_content* content, const stp_store_s
     char up[2] = {d->up, '\0'};
     return json_pack(
         "{s:[ii] s:I s:f s:s s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:[o] s:o s:o}", "version",
-        1, 1, "root", (json_int_t)d->root, "unit_metres", d->unit_metres, "up", up, "build",
+        1, 2, "root", (json_int_t)d->root, "unit_metres", d->unit_metres, "up", up, "build",
         text(d->build_json), "nodes", expected_nodes(d), "edges", expected_edges(d), "objects",
         expected_objects(d), "materials", expected_materials(d), "meshes", expected_meshes(content),
         "point_sets", expected_points(content), "textures", expected_textures(content), "surfels",

@@ -16,6 +16,34 @@ static inline uint32_t reseal_crc(const unsigned char* bytes, size_t size, uint6
     return (uint32_t)crc32_z(0, bytes + offset, (size_t)length);
 }
 
+// The checksums of an octave's chunks, in its chunk table. How many they are, the first size tells: chunks follow the
+// table. @return the table's bytes; 0: one chunk, or no table that could be right
+static inline uint64_t reseal_chunks(unsigned char* bytes, size_t size, uint64_t offset,
+                                     uint64_t length)
+{
+    if (offset > size || length > size - offset) {
+        return 0;
+    }
+    for (uint64_t count = 2; 8 * count <= length && count < 64; ++count) {
+        uint64_t end = 8 * count;
+        for (uint64_t i = 0; i < count; ++i) {
+            end += stp_read_u32(bytes + offset + 8 * i);
+        }
+        if (end != length) {
+            continue;
+        }
+        uint64_t at = offset + 8 * count;
+        for (uint64_t i = 0; i < count; ++i) {
+            unsigned char* entry = bytes + offset + 8 * i;
+            uint32_t chunk = stp_read_u32(entry);
+            stp_write_u32(entry + 4, reseal_crc(bytes, size, at, chunk));
+            at += chunk;
+        }
+        return 8 * count;
+    }
+    return 0;
+}
+
 // The checksums of blocks, in the table of blocks at `offset`.
 static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t offset,
                                  uint64_t length, uint32_t record_size)
@@ -25,8 +53,11 @@ static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t off
     }
     for (uint64_t at = 0; at + record_size <= length; at += record_size) {
         unsigned char* record = bytes + offset + at;
-        stp_write_u32(record + 12, reseal_crc(bytes, size, stp_read_u64(record + 16),
-                                              stp_read_u64(record + 24)));
+        uint64_t begin = stp_read_u64(record + 16), length_of_block = stp_read_u64(record + 24);
+        uint64_t table =
+            stp_read_u32(record + 36) == 1 ? reseal_chunks(bytes, size, begin, length_of_block) : 0;
+        stp_write_u32(record + 12,
+                      reseal_crc(bytes, size, begin, table != 0 ? table : length_of_block));
     }
 }
 

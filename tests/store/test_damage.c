@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.1.stip"
+#define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.2.stip"
 #define GOLDEN_1_0 STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip"
 
 static const stp_store_open_desc whole = {0};

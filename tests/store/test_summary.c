@@ -36,6 +36,20 @@ static bool same_summary(const stp_store_summary* a, const stp_store_summary* b)
     return same;
 }
 
+// Content does not say how many bytes its splats take once they are compressed: never more than planned, which the file's
+// own check compares with its blocks. @return false where that is not so
+static bool take_splat_bytes(stp_store_summary* planned, const stp_store_summary* stored)
+{
+    bool good = stored != NULL && stored->part_count == planned->part_count &&
+                stored->figures.splat_bytes <= planned->figures.splat_bytes &&
+                (stored->figures.splat_bytes != 0) == (planned->figures.splat_bytes != 0);
+    planned->figures.splat_bytes = good ? stored->figures.splat_bytes : 0;
+    for (uint32_t i = 0; good && i < planned->part_count; ++i) {
+        planned->parts[i].figures.splat_bytes = stored->parts[i].figures.splat_bytes;
+    }
+    return good;
+}
+
 void test_store_summary_is_read_alone_or_with_all(test_state* test)
 {
     char path[256];
@@ -53,6 +67,7 @@ void test_store_summary_is_read_alone_or_with_all(test_state* test)
         CHECK_EQUAL(STP_OK, stp_store_open(context, path, &all));
         stp_store_open_desc desc = {.summary_only = true};
         CHECK_EQUAL(STP_OK, stp_store_open_with(context, path, &desc, &head));
+        CHECK(take_splat_bytes(&wanted, stp_store_get_summary(all)));
         CHECK(same_summary(&wanted, stp_store_get_summary(all)));
         CHECK(same_summary(&wanted, stp_store_get_summary(head)));
         with_parts += wanted.part_count > 1;
@@ -318,9 +333,9 @@ void test_store_finds_what_was_made_under_a_key(test_state* test)
             if (stored.index != STP_STORE_NONE && stored.surfels->count != 0) {
                 const stp_surfels* wanted = &content->surfels[stored.index];
                 CHECK_EQUAL(wanted->count, stored.surfels->count);
-                CHECK_EQUAL(wanted->octave_ends[0] * 13, stored.sizes[0]);
-                CHECK(memcmp(wanted->positions, stored.blocks[0],
-                             6 * (size_t)wanted->octave_ends[0]) == 0);
+                stp_surfels columns;
+                CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stored.index, &columns));
+                CHECK(memcmp(wanted->positions, columns.positions, 6 * (size_t)wanted->count) == 0);
                 found_sets += 1;
             }
             stp_store_stored_mesh mesh;

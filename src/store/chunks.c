@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+#include "store/chunks.h"
+
+#include "base/bytes.h"
+#include "store/internal.h"
+
+#include <libdeflate.h>
+#include <string.h>
+
+enum {
+    COLOR_BYTES = 4, ///< of a surfel's colour and coverage
+    PLACE_BYTES = 9, ///< of its position, normal and material
+    COLORS_MOST = STP_STORE_CHUNK_BYTES / COLOR_BYTES,
+    SURFELS_MOST = STP_STORE_CHUNK_BYTES / (COLOR_BYTES + PLACE_BYTES),
+    LEVEL = 6, ///< of compression: docs/notes/2026-11-compression.md
+};
+
+stp_store_octave_span stp_store_span_of(const stp_surfels* surfels, uint32_t octave,
+                                        uint32_t encoding)
+{
+    return (stp_store_octave_span){
+        .first = stp_store_octave_begin(surfels, octave),
+        .end = surfels->octave_ends[octave],
+        .encoding = encoding,
+    };
+}
+
+/// Chunks that hold nothing but colours of surfels of former octaves.
+static uint32_t color_chunks(const stp_store_octave_span* span)
+{
+    return span->first / COLORS_MOST;
+}
+
+/// The end of the chunk after those, before it is cut to the octave: what is left of those colours, and surfels.
+static uint64_t mixed_end(const stp_store_octave_span* span)
+{
+    uint32_t colors = span->first % COLORS_MOST;
+    return (uint64_t)span->first +
+           (STP_STORE_CHUNK_BYTES - COLOR_BYTES * colors) / (COLOR_BYTES + PLACE_BYTES);
+}
+
+uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
+{
+    uint64_t mixed = mixed_end(span);
+    if (span->encoding == STP_STORE_ENCODING_PLAIN) {
+        return 1;
+    }
+    uint64_t left = span->end > mixed ? span->end - mixed : 0;
+    return (uint32_t)(color_chunks(span) + 1 + (left + SURFELS_MOST - 1) / SURFELS_MOST);
+}
+
+uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
+{
+    uint32_t colors = color_chunks(span);
+    uint64_t end = span->end;
+    if (span->encoding != STP_STORE_ENCODING_PLAIN && chunk < colors) {
+        end = (chunk + 1) * (uint64_t)COLORS_MOST;
+    } else if (span->encoding != STP_STORE_ENCODING_PLAIN) {
+        end = mixed_end(span) + (uint64_t)(chunk - colors) * SURFELS_MOST;
+    }
+    return end < span->end ? (uint32_t)end : span->end;
+}
+
+static uint32_t chunk_begin(const stp_store_octave_span* span, uint32_t chunk)
+{
+    return chunk == 0 ? 0 : stp_store_chunk_end(span, chunk - 1);
+}
+
+/// The sizes of the columns of some surfels. @return their sum
+static uint64_t measure(const stp_store_octave_span* span, uint32_t begin, uint32_t end,
+                        uint64_t sizes[STP_SURFEL_COLUMNS])
+{
+    uint64_t colors = end - begin;
+    uint64_t places = end > span->first ? end - (begin > span->first ? begin : span->first) : 0;
+    sizes[STP_SURFEL_POSITIONS] = 6 * places;
+    sizes[STP_SURFEL_NORMALS] = 2 * places;
+    sizes[STP_SURFEL_MATERIALS] = places;
+    sizes[STP_SURFEL_COLORS] = 3 * colors;
+    sizes[STP_SURFEL_COVERAGES] = colors;
+    return PLACE_BYTES * places + COLOR_BYTES * colors;
+}
+
+uint64_t stp_store_chunk_columns(const stp_store_octave_span* span, uint32_t chunk,
+                                 stp_store_column columns[STP_STORE_COLUMN_LIMIT])
+{
+    uint64_t sizes[STP_SURFEL_COLUMNS], end = 0;
+    measure(span, chunk_begin(span, chunk), stp_store_chunk_end(span, chunk), sizes);
+    for (int i = 0; i < STP_STORE_COLUMN_LIMIT; ++i) {
+        uint64_t size = i < STP_SURFEL_COLUMNS ? sizes[i] : 0;
+        columns[i] = (stp_store_column){.offset = end, .size = size};
+        end += size;
+    }
+    return end;
+}
+
+uint64_t stp_store_chunk_table_bytes(const stp_store_octave_span* span)
+{
+    uint64_t count = stp_store_chunk_count(span);
+    return count > 1 ? count * STP_STORE_CHUNK_ENTRY : 0;
+}
+
+static uint64_t decoded_bytes(const stp_store_octave_span* span)
+{
+    uint64_t sizes[STP_SURFEL_COLUMNS];
+    return measure(span, 0, span->end, sizes);
+}
+
+bool stp_store_can_hold(const stp_store_octave_span* span, uint64_t size)
+{
+    uint64_t table = stp_store_chunk_table_bytes(span), decoded = decoded_bytes(span);
+    if (span->encoding == STP_STORE_ENCODING_PLAIN) {
+        return size == decoded;
+    }
+    uint64_t least = decoded / STP_STORE_CHUNK_RATIO, rounded = stp_store_chunk_count(span);
+    return size >= table && size - table <= decoded && size - table + rounded >= least;
+}
+
+stp_store_packer* stp_store_packer_create(void)
+{
+    return libdeflate_alloc_compressor(LEVEL);
+}
+
+void stp_store_packer_destroy(stp_store_packer* packer)
+{
+    if (packer != NULL) {
+        libdeflate_free_compressor(packer);
+    }
+}
+
+size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out)
+{
+    size_t least = size / STP_STORE_CHUNK_RATIO;
+    size_t made = packer != NULL && size > 1
+                      ? libdeflate_deflate_compress(packer, bytes, size, out, size - 1)
+                      : 0;
+    if (made == 0) {
+        memcpy(out, bytes, size);
+        return size;
+    }
+    if (made <
+        least) { // zero bytes follow: no reader needs much more memory than the file has bytes
+        memset((unsigned char*)out + made, 0, least - made);
+        made = least;
+    }
+    return made;
+}
+
+/// `decompressor` is made when first needed.
+static bool unpack(struct libdeflate_decompressor** decompressor, const unsigned char* stored,
+                   size_t stored_size, void* out, size_t size)
+{
+    size_t used = 0, made = 0;
+    if (stored_size < size / STP_STORE_CHUNK_RATIO) {
+        return false;
+    }
+    if (*decompressor == NULL) {
+        *decompressor = libdeflate_alloc_decompressor();
+    }
+    if (*decompressor == NULL ||
+        libdeflate_deflate_decompress_ex(*decompressor, stored, stored_size, out, size, &used,
+                                         &made) != LIBDEFLATE_SUCCESS) {
+        return false;
+    }
+    for (size_t i = used; i < stored_size; ++i) {
+        if (stored[i] != 0) {
+            return false;
+        }
+    }
+    return made == size;
+}
+
+const char* const stp_store_unreadable = "bytes";
+
+/// Where a reader stands in a block.
+typedef struct block_reader {
+    const stp_store_block_source* source;
+    uint64_t read_bytes;
+} block_reader;
+
+/// Reads bytes of the block from `offset` on.
+static bool read_part(block_reader* at, uint64_t offset, void* bytes, size_t size)
+{
+    const stp_store_block_source* source = at->source;
+    at->read_bytes += size;
+    return source->read(source->user, source->block->offset + offset, bytes, size);
+}
+
+/// Copies bytes [begin, begin + size) of columns that follow each other to where each belongs.
+static void scatter(const stp_store_column* columns, unsigned char* const* targets,
+                    const unsigned char* bytes, uint64_t begin, uint64_t size)
+{
+    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+        uint64_t from = columns[i].offset > begin ? columns[i].offset : begin;
+        uint64_t column_end = columns[i].offset + columns[i].size;
+        uint64_t end = column_end < begin + size ? column_end : begin + size;
+        if (from < end && targets[i] != NULL) {
+            memcpy(targets[i] + (from - columns[i].offset), bytes + (from - begin),
+                   (size_t)(end - from));
+        }
+    }
+}
+
+/// A block of encoding 0: its columns as they are.
+static const char* read_plain(block_reader* at, const stp_store_octave_span* span,
+                              unsigned char* const* targets)
+{
+    unsigned char bytes[STP_STORE_CHUNK_BYTES];
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    const stp_store_block* block = at->source->block;
+    uint32_t crc = 0;
+    stp_store_chunk_columns(span, 0, columns);
+    for (uint64_t done = 0; done < block->size;) {
+        uint64_t left = block->size - done;
+        size_t size = left < sizeof(bytes) ? (size_t)left : sizeof(bytes);
+        if (!read_part(at, done, bytes, size)) {
+            return stp_store_unreadable;
+        }
+        crc = stp_store_crc(crc, bytes, size);
+        scatter(columns, targets, bytes, done, size);
+        done += size;
+    }
+    return crc == block->crc ? NULL : "checksum";
+}
+
+/// Checks the chunk table, and finds where in the block a chunk begins.
+static const char* find_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
+                              uint64_t* offset)
+{
+    unsigned char bytes[512 * STP_STORE_CHUNK_ENTRY];
+    const stp_store_block* block = at->source->block;
+    uint64_t table = stp_store_chunk_table_bytes(span), end = table;
+    uint32_t crc = 0, index = 0;
+    *offset = table;
+    for (uint64_t done = 0; done < table;) {
+        size_t size = table - done < sizeof(bytes) ? (size_t)(table - done) : sizeof(bytes);
+        if (!read_part(at, done, bytes, size)) {
+            return stp_store_unreadable;
+        }
+        crc = stp_store_crc(crc, bytes, size);
+        for (size_t i = 0; i < size; i += STP_STORE_CHUNK_ENTRY, ++index) {
+            *offset = index == chunk ? end : *offset;
+            end += stp_read_u32(bytes + i);
+        }
+        done += size;
+    }
+    if (table != 0 && crc != block->crc) {
+        return "checksum";
+    }
+    return table == 0 || end == block->size ? NULL : "size";
+}
+
+/// Reads and decodes one chunk, at `offset` of the block. @return what is wrong, or NULL
+static const char* read_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
+                              uint64_t* offset, struct libdeflate_decompressor** decompressor,
+                              unsigned char* const* targets)
+{
+    unsigned char stored[STP_STORE_CHUNK_BYTES], decoded[STP_STORE_CHUNK_BYTES];
+    unsigned char entry[STP_STORE_CHUNK_ENTRY];
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    const stp_store_block* block = at->source->block;
+    uint64_t size = stp_store_chunk_columns(span, chunk, columns), stored_size = block->size;
+    uint32_t crc = block->crc;
+    if (stp_store_chunk_table_bytes(span) != 0) {
+        if (!read_part(at, (uint64_t)chunk * STP_STORE_CHUNK_ENTRY, entry, sizeof(entry))) {
+            return stp_store_unreadable;
+        }
+        at->read_bytes -= sizeof(entry); // read before
+        stored_size = stp_read_u32(entry);
+        crc = stp_read_u32(entry + 4);
+    }
+    if (stored_size > size || *offset > block->size || stored_size > block->size - *offset) {
+        return "size of a chunk";
+    }
+    if (!read_part(at, *offset, stored, (size_t)stored_size)) {
+        return stp_store_unreadable;
+    }
+    if (stp_store_crc(0, stored, (size_t)stored_size) != crc) {
+        return "checksum";
+    }
+    const unsigned char* bytes = stored;
+    if (stored_size < size) {
+        if (!unpack(decompressor, stored, (size_t)stored_size, decoded, (size_t)size)) {
+            return "compression of a chunk";
+        }
+        bytes = decoded;
+    }
+    scatter(columns, targets, bytes, 0, size);
+    *offset += stored_size;
+    return NULL;
+}
+
+const char* stp_store_read_chunks(const stp_store_block_source* source,
+                                  const stp_store_octave_span* span, uint32_t begin, uint32_t end,
+                                  void* const targets[STP_SURFEL_COLUMNS], uint64_t* read_bytes)
+{
+    block_reader at = {.source = source};
+    struct libdeflate_decompressor* decompressor = NULL;
+    unsigned char* places[STP_SURFEL_COLUMNS];
+    uint64_t sizes[STP_SURFEL_COLUMNS], offset = 0;
+    const char* fault = NULL;
+    measure(span, 0, chunk_begin(span, begin), sizes);
+    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+        places[i] = targets[i] != NULL ? (unsigned char*)targets[i] + sizes[i] : NULL;
+    }
+    if (span->encoding == STP_STORE_ENCODING_PLAIN) {
+        fault = begin < end ? read_plain(&at, span, places) : NULL;
+    } else {
+        fault = find_chunk(&at, span, begin, &offset);
+        for (uint32_t chunk = begin; fault == NULL && chunk < end; ++chunk) {
+            fault = read_chunk(&at, span, chunk, &offset, &decompressor, places);
+            measure(span, chunk_begin(span, chunk), stp_store_chunk_end(span, chunk), sizes);
+            for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+                places[i] += places[i] != NULL ? sizes[i] : 0;
+            }
+        }
+    }
+    libdeflate_free_decompressor(decompressor);
+    *read_bytes += at.read_bytes;
+    return fault;
+}

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Content with surfel sets of several chunks an octave.
+#pragma once
+
+#include "base/arena.h"
+#include "store/writer.h"
+
+enum { CHUNK_SAMPLE_SETS = 3 };
+
+typedef struct chunk_sample {
+    stp_store_content content;
+    stp_surfels sets[CHUNK_SAMPLE_SETS];
+    stp_shading shading;
+} chunk_sample;
+
+/// Three sets of up to 60,000 surfels, whose content is drawn from `seed`; seed 0: all bytes are alike. `made` must not be
+/// moved. Memory is the arena's. @return false where that runs out
+bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made);
+
+/// Whether two sets have the same surfels and colours.
+bool chunk_sample_is_same(const stp_surfels* a, const stp_surfels* b);

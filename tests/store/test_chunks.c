@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+// Octaves in chunks: how they are cut, that each decodes alone, and what becomes of forged ones.
+#include "support_chunks.h"
+#include "support_reseal.h"
+#include "support_sample.h"
+#include "tests.h"
+
+#include "store/chunks.h"
+#include "store/internal.h"
+
+#include <string.h>
+#include <unistd.h>
+
+static uint64_t cost(uint32_t i, uint32_t first)
+{
+    return 4 * (uint64_t)i + (i > first ? 9 * (uint64_t)(i - first) : 0);
+}
+
+void test_chunks_hold_as_many_surfels_as_64_kib_do(test_state* test)
+{
+    static const uint32_t firsts[] = {0,     1,     2,     700,   5041,  16383,  16384,
+                                      16385, 20000, 32767, 32768, 60000, 100000, 131072};
+    static const uint32_t counts[] = {1, 2, 5040, 5041, 5042, 10082, 10083, 40000};
+    for (size_t i = 0; i < sizeof(firsts) / sizeof(firsts[0]); ++i) {
+        for (size_t k = 0; k < sizeof(counts) / sizeof(counts[0]); ++k) {
+            stp_store_octave_span span = {.first = firsts[i],
+                                          .end = firsts[i] + counts[k],
+                                          .encoding = STP_STORE_ENCODING_CHUNKS};
+            uint32_t begin = 0, chunk = 0;
+            for (; begin < span.end; ++chunk) {
+                uint32_t end = stp_store_chunk_end(&span, chunk);
+                CHECK(end > begin && end <= span.end);
+                CHECK(cost(end, span.first) - cost(begin, span.first) <= STP_STORE_CHUNK_BYTES);
+                CHECK(end == span.end ||
+                      cost(end + 1, span.first) - cost(begin, span.first) > STP_STORE_CHUNK_BYTES);
+                stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+                CHECK_EQUAL(cost(end, span.first) - cost(begin, span.first),
+                            stp_store_chunk_columns(&span, chunk, columns));
+                begin = end;
+            }
+            CHECK_EQUAL(chunk, stp_store_chunk_count(&span));
+        }
+    }
+}
+
+static stp_result write_file(stp_context* context, const stp_store_content* content,
+                             unsigned char** bytes, size_t* size)
+{
+    char path[256];
+    const char* folder = getenv("TMPDIR");
+    snprintf(path, sizeof(path), "%s/stp_chunks_%ld.stip", folder != NULL ? folder : "/tmp",
+             (long)getpid());
+    stp_result result = stp_store_write(context, content, path);
+    *bytes = result == STP_OK ? sample_read_file(path, size) : NULL;
+    unlink(path);
+    return result;
+}
+
+static stp_result open_bytes(stp_context* context, const unsigned char* bytes, size_t size,
+                             stp_store** store)
+{
+    return stp_store_open_memory(context, "chunks", bytes, size, &(stp_store_open_desc){0}, store);
+}
+
+void test_chunks_bring_back_what_was_written(test_state* test)
+{
+    stp_context* context = test_context(NULL, 3, NULL);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 20);
+    chunk_sample made;
+    CHECK(chunk_sample_make(&arena, 1, &made));
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes, &size));
+    CHECK_EQUAL(STP_OK, open_bytes(context, bytes, size, &store));
+    for (uint32_t i = 0; i < made.content.directory.surfels_count; ++i) {
+        stp_surfels got;
+        CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
+        CHECK(chunk_sample_is_same(&made.sets[i], &got));
+    }
+    stp_store_check_report report;
+    CHECK_EQUAL(STP_OK, stp_store_check_open(store, false, &report));
+    CHECK_EQUAL(size, report.bytes_checked);
+    CHECK_EQUAL(2, stp_store_format_minor(store));
+    stp_store_close(store);
+    free(bytes);
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
+}
+
+void test_chunks_are_the_same_bytes_for_any_number_of_threads(test_state* test)
+{
+    unsigned char* bytes[2] = {NULL, NULL};
+    size_t sizes[2] = {0, 0};
+    for (uint32_t i = 0; i < 2; ++i) {
+        stp_context* context = test_context(NULL, i == 0 ? 1 : 4, NULL);
+        CHECK(context != NULL);
+        stp_arena arena = stp_arena_create(context, 1 << 20);
+        chunk_sample made;
+        CHECK(chunk_sample_make(&arena, 2, &made));
+        CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes[i], &sizes[i]));
+        stp_arena_destroy(&arena);
+        stp_context_destroy(context);
+    }
+    CHECK_EQUAL(sizes[0], sizes[1]);
+    CHECK(memcmp(bytes[0], bytes[1], sizes[0]) == 0);
+    free(bytes[0]);
+    free(bytes[1]);
+}
+
+/// Reads each chunk of an octave alone, into columns of its own, and puts them together.
+static bool read_one_by_one(stp_store* store, const stp_surfels* wanted, uint32_t octave)
+{
+    const stp_store_block* block = stp_store_octave_block(store, 0, octave);
+    stp_store_octave_span span = stp_store_span_of(wanted, octave, block->encoding);
+    stp_store_block_source source = {.block = block, .read = stp_store_read_mapped, .user = store};
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    stp_store_surfel_columns(wanted, octave, columns);
+    void *targets[STP_SURFEL_COLUMNS], *truth[STP_SURFEL_COLUMNS];
+    stp_store_octave_targets(wanted, octave, truth);
+    bool same = true;
+    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+        targets[i] = calloc(1, (size_t)columns[i].size + 1);
+    }
+    for (uint32_t chunk = stp_store_chunk_count(&span); chunk-- > 0;) {
+        uint64_t read_bytes = 0;
+        const char* fault =
+            stp_store_read_chunks(&source, &span, chunk, chunk + 1, targets, &read_bytes);
+        same = same && fault == NULL && read_bytes <= STP_STORE_CHUNK_BYTES + 4096;
+    }
+    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+        same = same && memcmp(targets[i], truth[i], (size_t)columns[i].size) == 0;
+        free(targets[i]);
+    }
+    return same;
+}
+
+void test_chunks_decode_alone(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 20);
+    chunk_sample made;
+    CHECK(chunk_sample_make(&arena, 3, &made));
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes, &size));
+    CHECK_EQUAL(STP_OK, open_bytes(context, bytes, size, &store));
+    for (uint32_t k = 0; k < made.sets[0].octave_count; ++k) {
+        CHECK(read_one_by_one(store, &made.sets[0], k));
+    }
+    stp_store_close(store);
+    free(bytes);
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
+}
+
+// Content that is all alike would compress a thousandfold; what is stored of it is a 32nd at least, so that a small file
+// cannot ask for much memory.
+void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
+{
+    static unsigned char zeros[STP_STORE_CHUNK_BYTES], stored[STP_STORE_CHUNK_BYTES];
+    stp_store_packer* packer = stp_store_packer_create();
+    CHECK(packer != NULL);
+    for (size_t size = 13; size <= sizeof(zeros); size += 991) {
+        size_t packed = stp_store_pack(packer, zeros, size, stored);
+        CHECK(packed >= size / STP_STORE_CHUNK_RATIO && packed <= size);
+        CHECK_EQUAL(size, stp_store_pack(NULL, zeros, size, stored));
+    }
+    stp_store_packer_destroy(packer);
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 20);
+    chunk_sample made;
+    CHECK(chunk_sample_make(&arena, 0, &made)); // all alike
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes, &size));
+    CHECK_EQUAL(STP_OK, open_bytes(context, bytes, size, &store));
+    stp_surfels got;
+    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &got));
+    CHECK(chunk_sample_is_same(&made.sets[0], &got));
+    CHECK(stp_store_columns_bytes(&made.sets[0], made.sets[0].octave_count) <
+          (STP_STORE_CHUNK_RATIO + 1) * (uint64_t)size);
+    stp_store_close(store);
+    free(bytes);
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
+}
+
+// Bytes of blocks are changed and checksums made right again: whatever the verdict, nothing is read or written beyond
+// the ends, and no content of another size is taken.
+void test_chunks_that_are_forged_are_refused(test_state* test)
+{
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    stp_arena arena = stp_arena_create(context, 1 << 20);
+    chunk_sample made;
+    CHECK(chunk_sample_make(&arena, 4, &made));
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes, &size));
+    size_t data = (size_t)stp_read_u64(bytes + 24);
+    uint32_t refused = 0, tried = 0;
+    unsigned char* copy = NULL;
+    CHECK(posix_memalign((void**)&copy, 64, size) == 0);
+    for (size_t at = data; at < size; at += at < data + 4096 ? 7 : 1 + size / 97) {
+        for (unsigned bit = 0; bit < 8; bit += 3) {
+            memcpy(copy, bytes, size);
+            copy[at] ^= (unsigned char)(1u << bit);
+            reseal(copy, size);
+            stp_store* store = NULL;
+            stp_surfels got;
+            stp_result result = open_bytes(context, copy, size, &store);
+            for (uint32_t i = 0; result == STP_OK && i < made.content.directory.surfels_count;
+                 ++i) {
+                result = stp_store_get_surfels(store, i, &got);
+            }
+            tried += 1;
+            refused += result != STP_OK ? 1 : 0;
+            CHECK(result == STP_OK || result == STP_ERROR_FORMAT);
+            stp_store_close(store);
+        }
+    }
+    CHECK(tried > 100 && refused > tried / 20);
+    free(copy);
+    free(bytes);
+    stp_arena_destroy(&arena);
+    stp_context_destroy(context);
+}
