@@ -24,6 +24,9 @@ explorer* explorer_create(const char* path)
     explorer* e = calloc(1, sizeof(*e));
     stp_context_desc desc = {.log = on_log, .log_user = e, .thread_count = 1};
     stp_store_open_desc opening = {.defer_objects = true, .accept_prefix = true};
+    if (e != NULL) {
+        e->materials_of = STP_STORE_NONE;
+    }
     bool made = e != NULL && stp_context_create(&e->context, &desc) == STP_OK &&
                 stp_store_open_with(e->context, path, &opening, &e->store) == STP_OK &&
                 stp_outline_create(e->context, e->store, &e->outline) == STP_OK &&
@@ -257,6 +260,19 @@ const char* explorer_label(explorer* e, const stp_outline_item* item, stp_outlin
         return row->name;
     }
     snprintf(text, sizeof(text), "#%u", item->depth > 0 ? item->objects[item->depth - 1] : 0);
+    return text;
+}
+
+const char* explorer_path_above(explorer* e, const stp_outline_item* item, char* text, size_t size)
+{
+    stp_outline_item above = *item;
+    text[0] = 0;
+    if (item->depth > 1) {
+        above.depth -= 1;
+        if (stp_outline_path(e->outline, &above, text, size) != STP_OK) {
+            text[0] = 0;
+        }
+    }
     return text;
 }
 

@@ -4,6 +4,8 @@
 // meets. It has the file open for itself, so it asks nothing of the thread that draws.
 #pragma once
 
+#include "part_materials.h"
+
 #include "select/pick.h"
 #include "store/outline.h"
 
@@ -54,7 +56,9 @@ typedef struct explorer {
     bool searches;
     // what is chosen; depth 0: nothing
     stp_outline_item chosen;
-    bool scrolls; ///< the row of the chosen part is to be brought in sight
+    bool scrolls;             ///< the row of the chosen part is to be brought in sight
+    part_materials materials; ///< of the node `materials_of`
+    uint32_t materials_of;
     explorer_mark* marks;
     size_t mark_count, mark_capacity;
     uint64_t marks_version;
@@ -80,6 +84,8 @@ void explorer_search(explorer* e, const char* text);
 
 /// Text for people; never NULL, valid until the next call.
 const char* explorer_label(explorer* e, const stp_outline_item* item, stp_outline_row* row);
+/// Names of what an item belongs to, with slashes between them; empty where it is at the top. @return text
+const char* explorer_path_above(explorer* e, const stp_outline_item* item, char* text, size_t size);
 bool explorer_is_same(const stp_outline_item* a, const stp_outline_item* b);
 
 /// What a pixel of a view shows. @return whether it meets anything

@@ -63,6 +63,9 @@ void gui_faint_paragraph(const char* format, ...) __attribute__((format(printf, 
 void gui_paragraph(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /// A name on the left and a value beside it.
 void gui_value(const char* name, const char* format, ...) __attribute__((format(printf, 2, 3)));
+/// The same with a square of a colour (linear light, with alpha) before the value.
+void gui_swatch(const char* name, const float color[4], const char* format, ...)
+    __attribute__((format(printf, 3, 4)));
 void gui_tooltip(const char* text); ///< of the widget before
 
 // Widgets: true when the hand changed or pressed them.
@@ -97,6 +100,7 @@ enum {
 
 typedef struct gui_row {
     const char* label;
+    const char* detail; ///< dimmed, behind the label; NULL: none
     int depth;
     bool has_children, open, selected, shown, faint;
 } gui_row;
@@ -121,6 +125,10 @@ void gui_clip(float x0, float y0, float x1, float y1); ///< until gui_unclip
 void gui_unclip(void);
 void gui_line(float x0, float y0, float x1, float y1, uint32_t color, float width);
 void gui_disc(float x, float y, float radius, uint32_t fill, uint32_t rim);
+/// A convex polygon of corners x, y, x, y, ...
+void gui_polygon(const float* corners, int count, uint32_t fill, uint32_t rim);
+/// Text around a place, `size` times as large as usual.
+void gui_letters(float x, float y, float size, const char* text, uint32_t color);
 void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim);
 /// Text on a plate, the middle of its last line at a place.
 void gui_plate(float x, float y, const char* text, uint32_t color);

@@ -66,6 +66,30 @@ void gui_disc(float x, float y, float radius, uint32_t fill, uint32_t rim)
     list->AddCircle(ImVec2(x, y), radius * gui_scale, color_of(rim), 0, 1.5f * gui_scale);
 }
 
+void gui_polygon(const float* corners, int count, uint32_t fill, uint32_t rim)
+{
+    ImDrawList* list = ImGui::GetBackgroundDrawList();
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int i = 0; i < count; ++i) {
+            list->PathLineTo(ImVec2(corners[2 * i], corners[2 * i + 1]));
+        }
+        if (pass == 0) {
+            list->PathFillConvex(color_of(fill));
+        } else {
+            list->PathStroke(color_of(rim), ImDrawFlags_Closed, 1.0f * gui_scale);
+        }
+    }
+}
+
+void gui_letters(float x, float y, float size, const char* text, uint32_t color)
+{
+    gui_need_letters(text);
+    float height = size * ImGui::GetFontSize();
+    ImVec2 extent = ImGui::GetFont()->CalcTextSizeA(height, 1e6f, 0.0f, text);
+    ImVec2 start = ImVec2(std::floor(x - 0.5f * extent.x + 0.5f), std::floor(y - 0.5f * extent.y));
+    ImGui::GetBackgroundDrawList()->AddText(ImGui::GetFont(), height, start, color_of(color), text);
+}
+
 void gui_box(float x0, float y0, float x1, float y1, uint32_t fill, uint32_t rim)
 {
     ImDrawList* list = ImGui::GetBackgroundDrawList();

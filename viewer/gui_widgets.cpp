@@ -3,6 +3,7 @@
 #include "gui.h"
 #include "gui_internal.h"
 
+#include <cmath>
 #include <cstring>
 #include <imgui_internal.h>
 
@@ -54,6 +55,35 @@ void gui_value(const char* name, const char* format, ...)
     gui_need_letters_of(format, list);
     ImGui::TextV(format, list);
     va_end(list);
+    ImGui::PopTextWrapPos();
+}
+
+static float to_srgb(float linear)
+{
+    float x = linear > 0.0f ? linear < 1.0f ? linear : 1.0f : 0.0f;
+    return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
+}
+
+void gui_swatch(const char* name, const float color[4], const char* format, ...)
+{
+    ImGui::TextDisabled("%s", name);
+    ImGui::SameLine(0.42f * ImGui::GetWindowWidth());
+    ImVec2 start = ImGui::GetCursorScreenPos();
+    float side = ImGui::GetTextLineHeight() - 3.0f * gui_scale;
+    ImVec4 shown = {to_srgb(color[0]), to_srgb(color[1]), to_srgb(color[2]), 1.0f};
+    ImVec2 from = ImVec2(start.x, start.y + 1.5f * gui_scale);
+    ImVec2 to = ImVec2(from.x + side, from.y + side);
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    list->AddRectFilled(from, to, ImGui::GetColorU32(shown), 3.0f * gui_scale);
+    list->AddRect(from, to, ImGui::GetColorU32(ImGuiCol_TextDisabled), 3.0f * gui_scale);
+    ImGui::Dummy(ImVec2(side, side));
+    ImGui::SameLine();
+    ImGui::PushTextWrapPos(0.0f);
+    va_list arguments;
+    va_start(arguments, format);
+    gui_need_letters_of(format, arguments);
+    ImGui::TextV(format, arguments);
+    va_end(arguments);
     ImGui::PopTextWrapPos();
 }
 
@@ -212,10 +242,28 @@ static float row_height()
     return ImGui::GetFrameHeight() - 4.0f * gui_scale;
 }
 
+// As much of a text as there is room for: of a path, the end says most.
+static void show_end(ImDrawList* list, ImVec2 at, float room, ImU32 color, const char* text)
+{
+    if (ImGui::CalcTextSize(text).x > room) {
+        float dots = ImGui::CalcTextSize("...").x;
+        while (*text != 0 && dots + ImGui::CalcTextSize(text).x > room) {
+            do {
+                text += 1;
+            } while ((*text & 0xC0) == 0x80); // within a character
+        }
+        list->AddText(at, color, "...");
+        at.x += dots;
+    }
+    list->AddText(at, color, text);
+}
+
 int gui_tree_row(const gui_row* row)
 {
     int result = 0;
     gui_need_letters(row->label);
+    const char* detail = row->detail != nullptr ? row->detail : "";
+    gui_need_letters(detail);
     float line = ImGui::GetFrameHeight() - 4.0f * gui_scale;
     ImVec2 start = ImGui::GetCursorScreenPos();
     float width = ImGui::GetContentRegionAvail().x;
@@ -248,6 +296,13 @@ int gui_tree_row(const gui_row* row)
         ImVec2(fold_end, middle - 0.5f * ImGui::GetTextLineHeight()),
         ImGui::GetColorU32(row->faint || !row->shown ? ImGuiCol_TextDisabled : ImGuiCol_Text),
         row->label);
+    float label_end = fold_end + ImGui::CalcTextSize(row->label).x;
+    if (detail[0] != 0) {
+        label_end += 8.0f * gui_scale;
+        show_end(list, ImVec2(label_end, middle - 0.5f * ImGui::GetTextLineHeight()),
+                 eye_begin - 4.0f * gui_scale - label_end, faint, detail);
+        label_end += ImGui::CalcTextSize(detail).x;
+    }
     list->PopClipRect();
     if (hovered || !row->shown) { // the eye
         float x = end.x - 11.0f * gui_scale, r = 4.0f * gui_scale;
@@ -260,8 +315,8 @@ int gui_tree_row(const gui_row* row)
     float at = ImGui::GetIO().MousePos.x;
     if (hovered && at > eye_begin) {
         ImGui::SetTooltip(row->shown ? "Hide" : "Show");
-    } else if (hovered && fold_end + ImGui::CalcTextSize(row->label).x > eye_begin) {
-        ImGui::SetTooltip("%s", row->label);
+    } else if (hovered && label_end > eye_begin) {
+        ImGui::SetTooltip(detail[0] != 0 ? "%s\n%s" : "%s", row->label, detail);
     }
     if (hovered && ImGui::IsMouseDoubleClicked(0) && at >= fold_end && at <= eye_begin) {
         result |= GUI_ROW_DOUBLE;

@@ -128,6 +128,10 @@ static void take_mouse(viewer* v, const SDL_Event* e)
     float density = v->window.density;
     if (e->type == SDL_MOUSEBUTTONDOWN) {
         float x = (float)e->button.x * density, y = (float)e->button.y * density;
+        if (in->button == 0 && e->button.button == SDL_BUTTON_LEFT && is_on_picture(v, x, y) &&
+            orientation_click(v, x, y)) {
+            return;
+        }
         if (in->button == 0 && v->scene != NULL && is_on_picture(v, x, y)) {
             in->button = e->button.button;
             in->start_x = in->last_x = x;
@@ -194,19 +198,19 @@ static bool take_tool_key(viewer* v, SDL_Keycode key)
 {
     switch (key) {
     case SDLK_F2:
-        toggle_page(v, PAGE_STATISTICS);
-        break;
-    case SDLK_F3:
         toggle_page(v, PAGE_QUALITY);
         break;
-    case SDLK_F4:
+    case SDLK_F3:
         toggle_page(v, PAGE_SECTION);
         break;
-    case SDLK_F5:
+    case SDLK_F4:
         toggle_page(v, PAGE_MEASURE);
         break;
-    case SDLK_F6:
+    case SDLK_F5:
         toggle_page(v, PAGE_VIEWS);
+        break;
+    case SDLK_F6:
+        toggle_page(v, PAGE_STATISTICS);
         break;
     case SDLK_k:
         v->section.has_box = !v->section.has_box;
@@ -229,7 +233,7 @@ static bool take_tool_key(viewer* v, SDL_Keycode key)
     case SDLK_b:
         v->settings.backend = viewer_uses_gl(v) ? BACKEND_PROCESSOR : BACKEND_OPENGL;
         if (!v->window.has_worker) {
-            viewer_say(v, false, "OpenGL 4.5 is not to be had here");
+            viewer_say(v, false, "OpenGL 4.5 is not available");
         }
         break;
     case SDLK_F12:

@@ -11,9 +11,10 @@
 static const uint32_t line_color = 0xFFD24DFF;
 static const double snap_pixels = 9.0;
 
-static stp_measuring measuring_of(const viewer* v)
+stp_measuring measure_units(const viewer* v)
 {
-    stp_measuring m = {.up = 'y'};
+    static const double metres[UNIT_COUNT] = {0.0, 0.001, 0.01, 1.0, 0.0254, 0.3048};
+    stp_measuring m = {.up = 'y', .shown_metres = metres[v->settings.unit]};
     if (v->scene != NULL) {
         m.unit_metres = v->scene->directory->unit_metres;
         m.up = v->scene->directory->up;
@@ -23,21 +24,21 @@ static stp_measuring measuring_of(const viewer* v)
 
 void measure_print(const viewer* v, double length, char* text, size_t size)
 {
-    stp_measuring m = measuring_of(v);
+    stp_measuring m = measure_units(v);
     stp_measure_text(&m, length, 6, text, size);
 }
 
 void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t size)
 {
-    stp_measuring m = measuring_of(v);
+    stp_measuring m = measure_units(v);
     stp_vec3d p = stp_measure_coordinates(&m, point);
     stp_boxd box = camera_scene_box(v);
     stp_vec3d sides = stp_subd(box.max, box.min);
-    double reach = sqrt(stp_dotd(sides, sides));
+    double factor = stp_measure_factor(&m), reach = factor * sqrt(stp_dotd(sides, sides));
     double digits = reach > 0.0 && isfinite(reach) ? 6.0 - floor(log10(reach)) : 3.0;
     int decimals = digits < 0.0 ? 0 : digits > 9.0 ? 9 : (int)digits;
-    snprintf(text, size, "%.*f, %.*f, %.*f %s", decimals, p.x, decimals, p.y, decimals, p.z,
-             stp_measure_unit(&m));
+    snprintf(text, size, "%.*f, %.*f, %.*f %s", decimals, factor * p.x, decimals, factor * p.y,
+             decimals, factor * p.z, stp_measure_unit(&m));
 }
 
 void measure_click(viewer* v, const stp_pick* pick, const stp_vec3d* seen)
@@ -81,25 +82,37 @@ static void show_results(const viewer* v)
     gui_value("Slope", "%.3f\u00b0", d.slope);
     if (m->count > 2) {
         gui_separator();
-        show_length(v, "In all", total);
+        show_length(v, "Total", total);
         gui_value("Angle", "%.3f\u00b0",
                   stp_measure_angle(m->points[last - 2], m->points[last - 1], m->points[last]));
         double around, area = stp_measure_area(m->points, (size_t)m->count, &around);
-        stp_measuring unit = measuring_of(v);
-        gui_value("Area", "%.6g %s%s", area, stp_measure_unit(&unit),
+        stp_measuring unit = measure_units(v);
+        double factor = stp_measure_factor(&unit);
+        gui_value("Area", "%.6g %s%s", factor * factor * area, stp_measure_unit(&unit),
                   stp_measure_unit(&unit)[0] != 0 ? "\u00b2" : "");
     }
+}
+
+void measure_unit_choice(viewer* v)
+{
+    static const char* const words[UNIT_COUNT] = {"File's unit", "mm", "cm", "m", "in", "ft"};
+    bool known = v->scene != NULL && v->scene->directory->unit_metres > 0.0;
+    gui_disable(!known);
+    gui_choice("Unit", &v->settings.unit, words, UNIT_COUNT,
+               known ? "Unit of lengths, coordinates and the scale bar"
+                     : "This file does not name its unit");
+    gui_enable();
 }
 
 void page_measure(viewer* v)
 {
     measure_state* m = &v->measure;
-    gui_check("Measure with clicks", &m->on, "Each click on the scene sets a point (M)");
-    gui_check("Snap", &m->snaps, "To corners and edges of the original triangles");
+    gui_check("Measure with clicks", &m->on, "Each click on the model adds a point (M)");
+    gui_check("Snap", &m->snaps, "Snap to corners and edges of the original triangles");
+    measure_unit_choice(v);
     gui_space();
     if (m->count == 0) {
-        gui_paragraph("Click two points for a distance and a height, three for an angle and an "
-                      "area.");
+        gui_paragraph("Click two points for a distance, three for an angle and an area.");
         return;
     }
     if (m->count > 1) {
@@ -114,11 +127,11 @@ void page_measure(viewer* v)
         gui_paragraph("%s", text);
     }
     gui_space();
-    if (gui_wide_button("Last point away", 2, "Backspace")) {
+    if (gui_wide_button("Undo point", 2, "Remove the last point (Backspace)")) {
         measure_undo(v);
     }
     gui_same_line();
-    if (gui_wide_button("All away", 2, "Begin anew")) {
+    if (gui_wide_button("Clear", 2, "Remove all points")) {
         m->count = 0;
     }
 }

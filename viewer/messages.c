@@ -104,12 +104,13 @@ const char* messages_why_empty(const viewer* v)
     bool hidden = v->explorer != NULL && v->explorer->mark_count > 0;
     bool cut = section_make(v).count > 0;
     if (!box_is_in_view(v, &n) || (!hidden && !cut)) {
-        return "Nothing is in view (Home shows everything)";
+        return "Nothing is in view (Home fits everything)";
     }
-    return hidden && cut ? "Nothing is visible: all that is in view is hidden or cut away (U shows "
-                           "all parts, K ends the section box)"
-           : hidden      ? "Nothing is visible: all parts in view are hidden (U shows all)"
-                         : "Nothing is visible: all that is in view is cut away (Section, F4)";
+    return hidden && cut
+               ? "Nothing is visible: everything in view is hidden or cut away (U shows all "
+                 "parts, K turns off the section box)"
+           : hidden ? "Nothing is visible: all parts in view are hidden (U shows all)"
+                    : "Nothing is visible: everything in view is cut away (Section, F3)";
 }
 
 void messages_overlay(const viewer* v)

@@ -85,6 +85,7 @@ void overlay_show(viewer* v)
     measure_overlay(v, &n);
     views_overlay(v, &n);
     show_pivot(v, &n);
+    orientation_overlay(v, &n);
     messages_overlay(v);
     gui_unclip();
 }

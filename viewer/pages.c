@@ -7,13 +7,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-static const char* const method_words[METHOD_COUNT] = {
-    "Blended levels",
-    "Paper's estimate",
-    "Switched levels",
-    "Original only",
-};
-
 void page_print_count(char* text, size_t size, uint64_t count)
 {
     static const char* const units[] = {"", " k", " M", " G", " T"};
@@ -72,7 +65,7 @@ static void show_times(const viewer* v)
     float mark = v->settings.adapts ? v->settings.budget_ms : 0.0f;
     most = 1.15f * fmaxf(most, mark);
     gui_graph(v->frame_times, FRAME_HISTORY, v->newest_time, most, mark, 64.0f * v->window.scale,
-              "Time of the last frames; the line is the time asked for");
+              "Time of the last frames; the line is the limit");
     float mean = count > 0 ? sum / (float)count : 0.0f;
     gui_value("Frame", "%.1f ms (mean %.0f)", (double)v->frame_times[v->newest_time], (double)mean);
 }
@@ -84,19 +77,19 @@ void page_statistics(viewer* v)
         return;
     }
     const paint_figures* f = &v->picture->figures;
-    gui_value("Choosing", "%.1f ms", f->select_ms);
+    gui_value("Selection", "%.1f ms", f->select_ms);
     gui_value("Drawing", "%.1f ms", f->draw_ms);
     gui_value("Shading", "%.1f ms", f->shade_ms);
     gui_separator();
     show_count("Splats", f->splats);
     show_count("Triangles", f->triangles);
     show_count("Nodes", f->nodes);
-    show_count("Draw items", f->draw_calls);
+    show_count("Draw calls", f->draw_calls);
     gui_value("Splat size", "%.2f px", (double)f->splat_size);
-    gui_value("Samples", "%u a pixel", f->samples);
+    gui_value("Samples", "%u per pixel", f->samples);
     gui_separator();
     show_bytes("Memory", resident_bytes());
-    show_bytes("Renderer", f->live_bytes);
+    show_bytes("For drawing", f->live_bytes);
     show_bytes("File", stp_store_file_bytes(v->scene->store));
     gui_separator();
     const stp_store_directory* d = v->scene->directory;
@@ -108,8 +101,8 @@ void page_statistics(viewer* v)
         show_count("Points", root->point_count);
     }
     show_count("Objects", d->object_count);
-    gui_value("Drawn by", "%s", v->picture->gl ? "OpenGL" : "the processor");
-    gui_value("Window", "%s", v->window.device);
+    gui_value("Renderer", "%s", v->picture->gl ? "OpenGL" : "CPU");
+    gui_value("Window by", "%s", v->window.device);
 }
 
 static void show_effect(const char* label, const char* amount, float* value, float usual,
@@ -126,59 +119,83 @@ static void show_effect(const char* label, const char* amount, float* value, flo
     }
 }
 
+static void show_look(viewer* v)
+{
+    viewer_settings* s = &v->settings;
+    static const char* const lights[] = {"Sun", "Headlight"};
+    gui_choice("Light", &s->light, lights, 2,
+               "Sun: from above left of the viewer. Headlight: from the viewer");
+    show_effect("Ambient occlusion", "Reach", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
+                "Darkens corners and crevices; the reach is in percent of the picture's height");
+    show_effect("Eye-dome lighting", "Strength", &s->eye_dome, 1.0f, 0.05f, 4.0f, "%.2f",
+                "Darkens edges in front of something farther away; good for point clouds");
+    gui_color("Background", s->background, "Colour behind the model");
+    gui_check("View cube and scale bar", &s->guides,
+              "Click a side of the cube to look at it; Tab hides everything but the picture");
+    measure_unit_choice(v);
+}
+
+static void show_speed(viewer* v)
+{
+    viewer_settings* s = &v->settings;
+    gui_check("Limit frame time", &s->adapts,
+              "While the camera moves, splats grow until frames are fast enough. At rest, the "
+              "picture is refined to full quality");
+    gui_disable(!s->adapts);
+    gui_log_slider("Frame time", &s->budget_ms, 8.0f, 200.0f, "%.0f ms",
+                   "Longest time of a frame while the camera moves");
+    gui_enable();
+    gui_slider("Splat size", &s->splat_size, 1.0f, 16.0f, "%.1f px",
+               "Size of splats at rest; the size always, where frame time is not limited");
+    int samples = s->samples;
+    if (gui_whole_number("Antialiasing", &samples, 1, 8,
+                         "Samples per pixel at rest, in each direction")) {
+        s->samples = samples;
+    }
+}
+
+static void show_advanced(viewer* v)
+{
+    viewer_settings* s = &v->settings;
+    static const char* const filters[] = {"Nearest", "Blended"};
+    static const char* const backends[] = {"Automatic", "CPU", "OpenGL"};
+    static const char* const methods[METHOD_COUNT] = {"Blended", "Brandt 2019", "Hard switch",
+                                                      "Off: original"};
+    gui_disable(!v->window.has_worker);
+    gui_choice("Renderer", &s->backend, backends, BACKEND_COUNT,
+               v->window.has_worker
+                   ? "Automatic: OpenGL where there is a graphics processor (B switches)"
+                   : "OpenGL 4.5 is not available");
+    gui_enable();
+    gui_choice("Detail", &s->method, methods, METHOD_COUNT,
+               "How levels of detail are chosen. Blended: by insertion radius, with smooth "
+               "transitions. Brandt 2019: the estimate of the paper. Hard switch: no transitions. "
+               "Off: all original triangles and points");
+    gui_choice("Splats", &s->filter, filters, 2, "How overlapping splats are combined");
+    gui_check("Foveated", &s->fovea, "Larger splats away from the middle of the picture");
+    if (s->fovea) {
+        gui_slider("Edge size", &s->fovea_factor, 1.0f, 8.0f, "%.1f x",
+                   "Size of splats at the edge of the picture, relative to the middle");
+    }
+}
+
 void page_quality(viewer* v)
 {
     viewer_settings* s = &v->settings;
-    static const char* const filters[] = {"Nearest splat", "Blended splats"};
-    static const char* const backends[] = {"Automatic", "Processor", "OpenGL"};
-    static const char* const lights[] = {"Sun", "From the eye"};
-    gui_text("Speed");
-    gui_check("Keep a frame time", &s->adapts,
-              "While the camera moves, splats are as large as the time allows; when it rests, "
-              "the picture becomes as fine as can be");
-    gui_disable(!s->adapts);
-    gui_log_slider("Frame time", &s->budget_ms, 8.0f, 200.0f, "%.0f ms",
-                   "What a frame may take while the camera moves");
-    gui_enable();
-    gui_slider("Splat size", &s->splat_size, 1.0f, 16.0f, "%.1f px",
-               "Size of splats at rest, or always where no frame time is kept");
-    int samples = s->samples;
-    if (gui_whole_number("Samples", &samples, 1, 8, "Samples a side of each pixel, at rest")) {
-        s->samples = samples;
+    if (gui_section("Look", true)) {
+        show_look(v);
     }
-    gui_check("Fovea", &s->fovea, "Larger splats away from the middle of the picture");
-    if (s->fovea) {
-        gui_slider("At the rim", &s->fovea_factor, 1.0f, 8.0f, "%.1f x",
-                   "How much larger splats are at the rim of the picture");
+    if (gui_section("Speed and quality", true)) {
+        show_speed(v);
+    }
+    if (gui_section("Advanced", false)) {
+        show_advanced(v);
     }
     gui_space();
-    gui_text("Method");
-    gui_disable(!v->window.has_worker);
-    gui_choice("Drawn by", &s->backend, backends, BACKEND_COUNT,
-               v->window.has_worker ? "What draws; automatic: a graphics processor where there is "
-                                      "one (B changes between both)"
-                                    : "OpenGL 4.5 is not to be had here");
-    gui_enable();
-    gui_choice(
-        "Draw", &s->method, method_words, METHOD_COUNT,
-        "How the number of splats is chosen: by insertion radius with blending between levels, "
-        "by the estimate of Brandt et al. 2019, or with hard switching; or the original "
-        "geometry without any");
-    gui_choice("Splats", &s->filter, filters, 2, "What a pixel shows where splats overlap");
-    gui_space();
-    gui_text("Look");
-    gui_choice("Light", &s->light, lights, 2, "Where light comes from");
-    show_effect("Eye-dome lighting", "Strength", &s->eye_dome, 1.0f, 0.05f, 4.0f, "%.2f",
-                "Darkens what lies behind its neighbours");
-    show_effect("Ambient occlusion", "Reach", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
-                "Darkens what its surroundings enclose; reach in parts of the picture's height");
-    gui_color("Background", s->background, "Colour behind the scene");
-    gui_space();
-    if (gui_wide_button("As at first", 1, "All of this panel as it was at first")) {
+    if (gui_wide_button("Reset", 1, "Default values for everything in this panel")) {
         viewer_settings fresh = viewer_settings_default();
         fresh.page = s->page;
         fresh.parts = s->parts;
-        fresh.backend = s->backend;
         *s = fresh;
     }
 }

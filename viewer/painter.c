@@ -188,7 +188,7 @@ static bool draw(painter* p, const paint_request* request, float size, bool accu
     double start = stp_clock_ms();
     *texture = 0;
     if (!fit_picture(picture, view->width, view->height)) {
-        on_log(STP_LOG_ERROR, "there is no memory for the picture", p);
+        on_log(STP_LOG_ERROR, "not enough memory for the picture", p);
         return false;
     }
     stp_result result = paint_scene_draw(p->scene, request, size, accumulates, p->uses_gl,
@@ -220,7 +220,8 @@ static void paint(painter* p)
     uint32_t texture = 0;
     bool drawn = draw(p, &request, size, accumulates, &texture, &figures);
     if (p->gl_lost && p->uses_gl) {
-        on_log(STP_LOG_WARNING, "OpenGL was lost: the processor draws from now on", p);
+        on_log(STP_LOG_WARNING, "The OpenGL context was lost; using the CPU renderer from now on",
+               p);
         p->uses_gl = false;
         drawn = draw(p, &request, size, accumulates, &texture, &figures);
     }

@@ -30,7 +30,7 @@ paint_scene* paint_scene_open(const paint_scene_desc* desc, const char* path, ui
                                 .thread_count = desc->thread_count,
                                 .memory_limit_bytes = desc->memory_limit};
     if (s == NULL || stp_context_create(&s->context, &context) != STP_OK) {
-        desc->log(STP_LOG_ERROR, "there is no memory to open the scene", desc->log_user);
+        desc->log(STP_LOG_ERROR, "not enough memory to open the scene", desc->log_user);
         free(s);
         return NULL;
     }
@@ -72,7 +72,7 @@ bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl, stp_gl_splat
 {
     if (s->renderers[1] == NULL && !s->gl_failed) {
         s->gl_failed = stp_draw_gl_create(s->context, s->store, gl, &s->renderers[1]) != STP_OK;
-        if (!s->gl_failed) { // a way that is not to be had is logged, and another is taken
+        if (!s->gl_failed) { // an unsupported path is logged, and another one used
             stp_result result = stp_draw_gl_set_splats(s->renderers[1], splats);
             (void)result;
         }

@@ -15,13 +15,14 @@ typedef struct page_entry {
     void (*show)(viewer* v);
 } page_entry;
 
+// what people need first comes first; F2 to F6 follow the order
 static const page_entry pages[] = {
-    {PAGE_STATISTICS, "Statistics", "What a frame draws, and how long it takes (F2)",
+    {PAGE_QUALITY, "Display", "Light, background, units, speed and quality (F2)", page_quality},
+    {PAGE_SECTION, "Section", "Cut the model open (F3)", page_section},
+    {PAGE_MEASURE, "Measure", "Distances, heights, angles, coordinates (F4)", page_measure},
+    {PAGE_VIEWS, "Views", "Saved viewpoints, notes, pictures, flights (F5)", page_views},
+    {PAGE_STATISTICS, "Statistics", "Frame times, splats and triangles, memory (F6)",
      page_statistics},
-    {PAGE_QUALITY, "Quality", "How finely is drawn, and how it looks (F3)", page_quality},
-    {PAGE_SECTION, "Section", "Cut the scene open (F4)", page_section},
-    {PAGE_MEASURE, "Measure", "Distances, heights, angles, coordinates (F5)", page_measure},
-    {PAGE_VIEWS, "Views", "Viewpoints, notes, pictures, flights (F6)", page_views},
 };
 enum { PAGES = sizeof(pages) / sizeof(pages[0]) };
 
@@ -30,28 +31,26 @@ typedef struct shortcut {
 } shortcut;
 
 static const shortcut mouse_shortcuts[] = {
-    {"Left drag", "turn around the pivot"},
-    {"Click", "choose a part, set the pivot"},
-    {"Middle drag", "move sideways; Shift and left too"},
-    {"Right drag", "look around"},
-    {"Wheel", "zoom to the cursor; in flight: speed"},
+    {"Left drag", "orbit around the pivot"},         {"Click", "select a part and set the pivot"},
+    {"Middle drag", "pan; Shift and left drag too"}, {"Right drag", "look around"},
+    {"Wheel", "zoom to the cursor; flying: speed"},
 };
 static const shortcut key_shortcuts[] = {
     {"W A S D, Q E", "fly; Q down, E up; Shift: faster"},
-    {"F / Home", "see the chosen part / everything"},
-    {"1 3 7 9", "front, right, top, iso"},
-    {"5", "parallel projection"},
+    {"F / Home", "fit the selected part / everything"},
+    {"1 3 7 9", "front, right, top, iso view"},
+    {"5", "perspective or parallel projection"},
     {"X I G U", "hide, isolate, ghost, show all"},
     {"K", "section box"},
-    {"M, Backspace", "measure, last point away"},
+    {"M, Backspace", "measure, undo the last point"},
     {"V", "save a viewpoint"},
     {"R", "record a flight"},
     {"F12", "save a picture"},
-    {"B", "processor or OpenGL"},
-    {"P, Ctrl+F", "parts, search them"},
+    {"B", "switch between CPU and OpenGL"},
+    {"P, Ctrl+F", "parts, search parts"},
     {"F2 to F6", "panels on the right"},
-    {"Tab", "all panels away and back"},
-    {"F11", "whole screen"},
+    {"Tab", "hide or show all panels"},
+    {"F11", "full screen"},
     {"H, Escape", "this help, back"},
     {"Ctrl+Q", "quit"},
 };
@@ -120,7 +119,7 @@ static void show_panel_list(viewer* v)
     }
     words[2 + PAGES] = "Help";
     gui_fill_width();
-    if (gui_choice("##panels", &chosen, words, PAGES + 3, "What is shown beside the picture")) {
+    if (gui_choice("##panels", &chosen, words, PAGES + 3, "Panel beside the picture")) {
         v->shows_help = chosen == 2 + PAGES;
         v->settings.page = chosen >= 2 && chosen < 2 + PAGES ? pages[chosen - 2].page : PAGE_NONE;
         v->settings.parts = chosen == 1;
@@ -197,20 +196,20 @@ static void show_place(const viewer* v)
     }
 }
 
-/// What the build is at, for people.
+/// The stage of the build, for people.
 static const char* name_stage(const viewer* v)
 {
-    static const char* const words[][2] = {{"import", "reading"},
-                                           {"partition", "dividing"},
-                                           {"clusters", "triangles"},
-                                           {"surfels", "splats"},
+    static const char* const words[][2] = {{"import", "reading the file"},
+                                           {"partition", "splitting into nodes"},
+                                           {"clusters", "compressing triangles"},
+                                           {"surfels", "making splats"},
                                            {"write", "writing"}};
     for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); ++i) {
         if (strcmp(v->news.stage, words[i][0]) == 0) {
             return words[i][1];
         }
     }
-    return v->news.stage[0] != 0 ? v->news.stage : "looking at the file";
+    return v->news.stage[0] != 0 ? v->news.stage : "opening the file";
 }
 
 static void show_status(viewer* v)
@@ -226,9 +225,9 @@ static void show_status(viewer* v)
                  100.0 * (v->news.overall >= 0.0 ? v->news.overall : v->news.fraction));
     } else if (v->picture != NULL && v->scene != NULL) {
         const paint_figures* f = &v->picture->figures;
-        gui_faint("%u x %u   %.1f ms   splats of %.1f px%s", v->picture->image.width,
+        gui_faint("%u x %u   %.1f ms   splat size %.1f px%s", v->picture->image.width,
                   v->picture->image.height, f->frame_ms, (double)f->splat_size,
-                  v->picture->complete ? "" : "   refining");
+                  v->picture->complete ? "" : "   refining...");
     } else {
         gui_faint("Drop a model or a .stip file onto the window");
     }
@@ -259,7 +258,7 @@ static void show_help(viewer* v)
     gui_panel_end();
 }
 
-/// What stands in the middle while there is no picture.
+/// The dialog in the middle while there is no picture.
 static void show_waiting(viewer* v)
 {
     viewer_area a = v->picture_area;

@@ -29,12 +29,10 @@ static bool show_row(viewer* v, const explorer_row* r, size_t index, bool of_tre
     explorer* e = v->explorer;
     stp_outline_item item = r->item; // rows may move
     stp_outline_row about;
-    char path[512];
+    char above[512];
     const char* label = explorer_label(e, &item, &about);
-    if (!of_tree && stp_outline_path(e->outline, &item, path, sizeof(path)) == STP_OK) {
-        label = path;
-    }
     gui_row row = {.label = label,
+                   .detail = of_tree ? NULL : explorer_path_above(e, &item, above, sizeof(above)),
                    .depth = of_tree ? (int)item.depth - 1 : 0,
                    .has_children = of_tree && about.child_count > 0,
                    .open = r->open,
@@ -77,24 +75,46 @@ static void show_marks(viewer* v)
     bool none = chosen->depth == 0;
     gui_disable(none || chosen->node == STP_STORE_NONE);
     bool hidden = explorer_is_marked(e, chosen, EXPLORER_HIDDEN);
-    if (gui_wide_button(hidden ? "Show" : "Hide", 3,
-                        "The chosen part, out of sight and back (X)")) {
+    if (gui_wide_button(hidden ? "Show" : "Hide", 3, "Hide or show the selected part (X)")) {
         explorer_mark_item(e, chosen, EXPLORER_HIDDEN);
     }
     gui_same_line();
-    if (gui_wide_button("Isolate", 3, "Only the chosen part (I)")) {
+    if (gui_wide_button("Isolate", 3, "Show only the selected part (I)")) {
         explorer_mark_item(e, chosen, EXPLORER_ISOLATED);
     }
     gui_same_line();
-    if (gui_wide_button("Ghost", 3, "See through the chosen part (G)")) {
+    if (gui_wide_button("Ghost", 3, "Make the selected part see-through (G)")) {
         explorer_mark_item(e, chosen, EXPLORER_GHOST);
     }
     gui_enable();
     gui_disable(e->mark_count == 0);
-    if (gui_wide_button("Show all", 1, "Everything as usual (U)")) {
+    if (gui_wide_button("Show all", 1, "Show every part again (U)")) {
         explorer_show_all(e);
     }
     gui_enable();
+}
+
+/// Colours of the materials of the chosen part, as swatches with their names.
+static void show_materials(viewer* v)
+{
+    explorer* e = v->explorer;
+    const stp_store_directory* d = stp_store_get_directory(e->store);
+    if (e->materials_of != e->chosen.node) { // looked up once a choice
+        e->materials = part_materials_find(e->store, e->chosen.node);
+        e->materials_of = e->chosen.node;
+    }
+    for (uint32_t i = 0; i < e->materials.count; ++i) {
+        const stp_store_material* m = &d->materials[e->materials.materials[i]];
+        bool textured = m->base_color_texture.texture != STP_STORE_NONE;
+        gui_push_id((int)i);
+        gui_swatch(i == 0 ? "Material" : "", m->base_color, "%s%s",
+                   m->name != NULL && m->name[0] != 0 ? m->name : "unnamed",
+                   textured ? " (texture)" : "");
+        gui_pop_id();
+    }
+    if (e->materials.more) {
+        gui_value("", "and more");
+    }
 }
 
 static void show_chosen(viewer* v)
@@ -103,7 +123,7 @@ static void show_chosen(viewer* v)
     stp_outline_row row;
     char path[1024], text[64];
     if (e->chosen.depth == 0) {
-        gui_faint("Click a part, here or in the picture");
+        gui_faint("Click a part here or in the picture");
         return;
     }
     const char* label = explorer_label(e, &e->chosen, &row);
@@ -131,6 +151,7 @@ static void show_chosen(viewer* v)
             gui_value(names[i], "%s", text);
         }
     }
+    show_materials(v);
 }
 
 void parts_show(viewer* v, float x, float y, float width, float height)
@@ -159,22 +180,22 @@ void parts_show(viewer* v, float x, float y, float width, float height)
             camera_frame(v);
         }
     }
-    float details = 13.0f * (gui_text_height() + gui_gap()) + 2.0f * gui_line_height();
+    float details = 15.0f * (gui_text_height() + gui_gap()) + 2.0f * gui_line_height();
     details = details < 0.55f * height ? details : 0.55f * height;
     gui_list_begin("tree", -details);
     if (!e->ready) {
-        gui_faint(e->failed ? "The parts cannot be read" : "Reading the parts");
+        gui_faint(e->failed ? "The parts cannot be read" : "Reading the parts...");
     } else if (v->search[0] != 0) {
         show_rows(v, false);
         if (e->found_count == 0 && !e->searches) {
-            gui_faint("Nothing is called so");
+            gui_faint("No matches");
         } else if (e->found_count == EXPLORER_FOUND_MOST) {
-            gui_faint("The first %d; there are more", EXPLORER_FOUND_MOST);
+            gui_faint("First %d matches; there are more", EXPLORER_FOUND_MOST);
         }
     } else {
         show_rows(v, true);
         if (e->cut_short) {
-            gui_faint("More parts are found by searching");
+            gui_faint("Too many parts to list: search to find more");
         }
     }
     gui_list_end();

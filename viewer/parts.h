@@ -4,6 +4,9 @@
 
 #include "state.h"
 
+#include "present/measuring.h"
+#include "present/scale_bar.h"
+
 // parts.c
 void parts_show(viewer* v, float x, float y, float width, float height);
 /// @return whether the key was one of its commands
@@ -29,17 +32,33 @@ void page_section(viewer* v);
 /// What is cut away of the scene now.
 stp_sections section_make(const viewer* v);
 void section_overlay(const viewer* v, const stp_navigator* n);
+/// The file's number of an axis of the scene (0..2), and back: inside, y is up.
+int section_file_axis(const viewer* v, int axis);
 void section_take(viewer* v, const stp_sections* sections); ///< of a saved viewpoint
 
 // measure.c
 void page_measure(viewer* v);
+void measure_unit_choice(viewer* v);
 void measure_overlay(const viewer* v, const stp_navigator* n);
 void measure_click(viewer* v, const stp_pick* pick, const stp_vec3d* seen);
 void measure_undo(viewer* v);
-/// A length in the file's unit.
+/// The file's unit and up axis, and the unit that is shown.
+stp_measuring measure_units(const viewer* v);
+/// A length (of the file) in the unit that is shown.
 void measure_print(const viewer* v, double length, char* text, size_t size);
-/// A point in the file's coordinates and unit.
+/// A point in the file's coordinates, in the unit that is shown.
 void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t size);
+
+// orientation.c
+/// The side of the view cube (present/view_cube.h) at a place of the window; -1: none.
+int orientation_side(const viewer* v, float x, float y);
+/// Where a side (of STP_VIEW_CUBE_SIDES) of the cube can be clicked. @return its view; NULL: it cannot
+const char* orientation_place(const viewer* v, int side, float* x, float* y);
+/// Turns to the side of the view cube at a place of the window. @return false where there is none
+bool orientation_click(viewer* v, float x, float y);
+/// The scale bar in the unit that is shown; its length is 0 where none is drawn.
+stp_scale_bar orientation_scale_bar(const viewer* v, const stp_navigator* n);
+void orientation_overlay(const viewer* v, const stp_navigator* n);
 
 // views.c
 void page_views(viewer* v);

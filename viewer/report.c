@@ -5,6 +5,7 @@
 #include "parts.h"
 
 #include "base/clock.h"
+#include "present/view_cube.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -65,13 +66,50 @@ static json_t* describe_tools(const viewer* v)
         describe_json_text(v->last_shot), "types", (int)gui_wants_keys());
 }
 
+/// View cube and scale bar: where each side can be clicked, and how long the bar is.
+static json_t* describe_guides(const viewer* v)
+{
+    stp_navigator n;
+    if (!camera_of_picture(v, &n)) {
+        return json_null();
+    }
+    stp_scale_bar bar = orientation_scale_bar(v, &n);
+    stp_measuring m = measure_units(v);
+    json_t* sides = json_object();
+    for (int i = 0; sides != NULL && i < STP_VIEW_CUBE_SIDES; ++i) {
+        float x, y;
+        const char* view = orientation_place(v, i, &x, &y);
+        if (view != NULL) {
+            json_object_set_new(sides, view, json_pack("[f, f]", (double)x, (double)y));
+        }
+    }
+    return json_pack("{s:o, s:{s:f, s:f, s:s}}", "cube", sides, "scale_bar", "length", bar.length,
+                     "pixels", bar.pixels, "unit", stp_measure_unit(&m));
+}
+
+/// The first match of the search, as its row shows it.
+static json_t* describe_match(const viewer* v)
+{
+    explorer* e = v->explorer;
+    char above[512];
+    stp_outline_row row;
+    if (e == NULL || !e->ready || e->found_count == 0) {
+        return json_null();
+    }
+    const stp_outline_item* item = &e->found[0].item;
+    json_t* label = describe_json_text(explorer_label(e, item, &row));
+    return json_pack("{s:o, s:o}", "label", label, "detail",
+                     describe_json_text(explorer_path_above(e, item, above, sizeof(above))));
+}
+
 static json_t* describe(const viewer* v)
 {
     static const char* const states[] = {"idle", "working", "refining", "done", "failed"};
     static const char* const page_names[PAGE_COUNT] = {"none",    "statistics", "quality",
                                                        "section", "measure",    "views"};
     return json_pack(
-        "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:s, s:o, s:o, s:o}",
+        "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:s, s:o, s:o, s:o, "
+        "s:o, s:o}",
         "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
         (json_int_t)v->news.serial, "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete",
         (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
@@ -80,7 +118,8 @@ static json_t* describe(const viewer* v)
         "backend", v->picture != NULL && v->picture->gl ? "gl" : "cpu", "message",
         describe_json_text(v->messages[0].text), "hint",
         messages_why_empty(v) != NULL ? messages_why_empty(v) : "", "camera", describe_camera(v),
-        "picture", describe_picture(v), "tools", describe_tools(v));
+        "picture", describe_picture(v), "tools", describe_tools(v), "guides", describe_guides(v),
+        "match", describe_match(v));
 }
 
 void report_write(viewer* v, bool last)

@@ -9,17 +9,15 @@
 #include <stdio.h>
 #include <string.h>
 
-/// What the file calls an axis: inside, y is up.
-static const char* axis_name(const viewer* v, int axis)
+int section_file_axis(const viewer* v, int axis)
 {
-    static const char* const names[2][3] = {{"X", "Y", "Z"}, {"X", "Z", "Y"}};
-    return names[v->scene->directory->up == 'z'][axis];
+    return axis == 0 || v->scene->directory->up != 'z' ? axis : 3 - axis;
 }
 
-/// The axes in the order of the file's names.
-static int axis_in_order(const viewer* v, int place)
+static const char* axis_name(const viewer* v, int axis)
 {
-    return place == 0 || v->scene->directory->up != 'z' ? place : 3 - place;
+    static const char* const names[3] = {"X", "Y", "Z"};
+    return names[section_file_axis(v, axis)];
 }
 
 static double* axis_of(stp_vec3d* p, int axis)
@@ -96,12 +94,12 @@ static void add_plane(viewer* v, stp_vec3d point, stp_vec3d normal)
 static void show_box(viewer* v, const stp_boxd* scene)
 {
     section_state* s = &v->section;
-    gui_check("Section box", &s->has_box, "Only what lies in a box is shown (K)");
+    gui_check("Section box", &s->has_box, "Show only what is inside a box (K)");
     if (!s->has_box) {
         return;
     }
     for (int place = 0; place < 3; ++place) {
-        int axis = axis_in_order(v, place);
+        int axis = section_file_axis(v, place);
         stp_boxd whole = *scene;
         double low = *axis_of(&whole.min, axis), high = *axis_of(&whole.max, axis);
         double size = high > low ? high - low : 1.0;
@@ -110,22 +108,22 @@ static void show_box(viewer* v, const stp_boxd* scene)
         char from[32], to[32];
         snprintf(from, sizeof(from), "%s from", axis_name(v, axis));
         snprintf(to, sizeof(to), "%s to", axis_name(v, axis));
-        if (gui_slider(from, &begin, 0.0f, 100.0f, "%.1f %%", "Where the box begins")) {
+        if (gui_slider(from, &begin, 0.0f, 100.0f, "%.1f %%", "Lower side of the box")) {
             *axis_of(&s->box.min, axis) = low + 0.01 * (double)fminf(begin, end - 0.1f) * size;
         }
-        if (gui_slider(to, &end, 0.0f, 100.0f, "%.1f %%", "Where the box ends")) {
+        if (gui_slider(to, &end, 0.0f, 100.0f, "%.1f %%", "Upper side of the box")) {
             *axis_of(&s->box.max, axis) = low + 0.01 * (double)fmaxf(end, begin + 0.1f) * size;
         }
     }
     stp_boxd chosen;
     bool any = v->explorer != NULL && explorer_chosen_box(v->explorer, &chosen);
     gui_disable(!any);
-    if (gui_wide_button("Around the part", 2, "The box of the chosen part")) {
+    if (gui_wide_button("Fit to part", 2, "Fit the box to the selected part")) {
         s->box = chosen;
     }
     gui_enable();
     gui_same_line();
-    if (gui_wide_button("Whole scene", 2, "The box of everything")) {
+    if (gui_wide_button("Fit to all", 2, "Fit the box to the whole model")) {
         s->box = *scene;
     }
 }
@@ -136,16 +134,17 @@ static void show_plane(viewer* v, int index, double reach)
     char text[48];
     snprintf(text, sizeof(text), "Plane %d", index + 1);
     gui_push_id(index);
-    gui_check(text, &p->on, "Cut away what lies beyond the plane");
+    gui_check(text, &p->on, "Cut away everything beyond the plane");
     gui_same_line();
-    if (gui_button("Turn", "Cut away the other side")) {
+    if (gui_button("Flip", "Cut away the other side")) {
         p->flipped = !p->flipped;
     }
     gui_same_line();
-    bool goes = gui_button("Remove", "Forget this plane");
+    bool goes = gui_button("Remove", "Delete this plane");
     measure_print(v, (double)p->offset, text, sizeof(text));
     float offset = p->offset;
-    if (gui_slider("Move", &offset, -(float)reach, (float)reach, text, "Along its normal")) {
+    if (gui_slider("Position", &offset, -(float)reach, (float)reach, text,
+                   "Position along its normal")) {
         p->offset = offset;
     }
     gui_pop_id();
@@ -161,7 +160,7 @@ void page_section(viewer* v)
     section_state* s = &v->section;
     stp_boxd scene = camera_scene_box(v);
     if (v->scene == NULL || stp_boxd_is_empty(scene)) {
-        gui_faint("Nothing to cut yet");
+        gui_faint("Open a model first");
         return;
     }
     show_box(v, &scene);
@@ -172,18 +171,17 @@ void page_section(viewer* v)
     stp_vec3d size = stp_subd(scene.max, scene.min);
     gui_disable(s->plane_count >= SECTION_PLANES);
     for (int place = 0; place < 3; ++place) {
-        int axis = axis_in_order(v, place);
+        int axis = section_file_axis(v, place);
         stp_vec3d normal = {axis == 0, axis == 1, axis == 2};
         if (place > 0) {
             gui_same_line();
         }
         if (gui_wide_button(axis_name(v, axis), 3,
-                            "A plane across this axis, through the middle")) {
+                            "Add a plane across this axis, through the middle")) {
             add_plane(v, middle, normal);
         }
     }
-    if (gui_wide_button("On the last clicked surface", 1,
-                        "A plane that lies on the surface that was clicked last") &&
+    if (gui_wide_button("On the clicked surface", 1, "Add a plane on the surface clicked last") &&
         v->has_picked) {
         add_plane(v, v->picked.position, v->picked.normal);
     }
@@ -192,7 +190,7 @@ void page_section(viewer* v)
     for (int i = 0; i < s->plane_count; ++i) {
         show_plane(v, i, reach);
     }
-    if (s->plane_count > 0 && gui_wide_button("Remove all", 1, "Forget all planes")) {
+    if (s->plane_count > 0 && gui_wide_button("Remove all", 1, "Delete all planes")) {
         s->plane_count = 0;
     }
 }

@@ -30,6 +30,8 @@ static const field fields[] = {
     {"method", FIELD_INT, PLACE(method), 0, METHOD_COUNT - 1},
     {"filter", FIELD_INT, PLACE(filter), 0, STP_FILTER_EWA},
     {"light", FIELD_INT, PLACE(light), 0, 1},
+    {"unit", FIELD_INT, PLACE(unit), 0, UNIT_COUNT - 1},
+    {"guides", FIELD_BOOL, PLACE(guides), 0, 0},
     {"fovea", FIELD_BOOL, PLACE(fovea), 0, 0},
     {"fovea_factor", FIELD_FLOAT, PLACE(fovea_factor), 1, 8},
     {"eye_dome", FIELD_FLOAT, PLACE(eye_dome), 0, 4},
@@ -46,7 +48,8 @@ enum { FIELD_COUNT = sizeof(fields) / sizeof(fields[0]) };
 viewer_settings viewer_settings_default(void)
 {
     return (viewer_settings){.parts = true,
-                             .page = PAGE_STATISTICS,
+                             .page = PAGE_NONE,
+                             .guides = true,
                              .adapts = true,
                              .budget_ms = 33.0f,
                              .splat_size = 1.0f,

@@ -8,6 +8,9 @@
 
 enum { BACKEND_AUTO, BACKEND_PROCESSOR, BACKEND_OPENGL, BACKEND_COUNT };
 
+/// Units in which lengths are shown.
+enum { UNIT_FILE, UNIT_MM, UNIT_CM, UNIT_M, UNIT_IN, UNIT_FT, UNIT_COUNT };
+
 typedef enum viewer_page {
     PAGE_NONE,
     PAGE_STATISTICS,
@@ -27,6 +30,8 @@ typedef struct viewer_settings {
     int samples; ///< a side, at rest
     int method;  ///< stp_policy; beyond it: original geometry only
     int filter, light;
+    int unit;    ///< UNIT_*
+    bool guides; ///< view cube and scale bar
     bool fovea;
     float fovea_factor;
     float eye_dome,

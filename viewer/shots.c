@@ -93,8 +93,7 @@ void shot_begin(viewer* v)
 {
     if (v->scene == NULL || v->shot != NULL) {
         viewer_say(v, false, "%s",
-                   v->shot != NULL ? "A picture is being saved already"
-                                   : "Nothing to take a picture of yet");
+                   v->shot != NULL ? "A picture is already being saved" : "Open a model first");
         return;
     }
     shot* s = calloc(1, sizeof(*s));
@@ -121,7 +120,7 @@ void shot_begin(viewer* v)
     if (pthread_create(&s->thread, NULL, run, s) != 0) {
         free(s->shown.things);
         free(s);
-        viewer_say(v, true, "there is no thread to save the picture");
+        viewer_say(v, true, "cannot start a thread to save the picture");
         return;
     }
     v->shot = s;

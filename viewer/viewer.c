@@ -125,7 +125,7 @@ static void take_scene(viewer* v)
         v->shown_file_number = number;
         camera_begin(v);
         if (stp_boxd_is_empty(v->scene->bounds)) {
-            viewer_say(v, false, "%s: there is nothing in it to draw", v->file);
+            viewer_say(v, false, "%s: there is nothing to draw in it", v->file);
         }
     }
     if (v->news.complete && scene->serial == v->news.serial) {
@@ -339,7 +339,7 @@ int viewer_run(const viewer_options* options)
     }
     input_begin();
     if (options->backend == BACKEND_OPENGL && !v->window.has_worker) {
-        viewer_say(v, false, "OpenGL 4.5 is not to be had here: the processor draws");
+        viewer_say(v, false, "OpenGL 4.5 is not available; using the CPU renderer");
     }
     viewer_redraw(v);
     while (!v->quits) {

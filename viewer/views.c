@@ -39,9 +39,9 @@ static void keep(viewer* v)
 {
     if (v->views_path != NULL &&
         stp_viewpoints_write(v->context, v->views_path, &v->views) == STP_OK) {
-        viewer_say(v, false, "Kept in %s", v->views_path);
+        viewer_say(v, false, "Saved to %s", v->views_path);
     } else if (v->views_path == NULL) {
-        viewer_say(v, false, "Viewpoints of this scene last until the window is closed");
+        viewer_say(v, false, "Viewpoints of this scene last until the window closes");
     }
 }
 
@@ -155,7 +155,7 @@ void views_save(viewer* v)
         keep(v);
         if (left_out > 0) {
             viewer_say(v, false,
-                       "Shown as usual in it, for their paths are too long or not UTF-8: %zu parts",
+                       "Saved as visible, because their paths are too long or not UTF-8: %zu parts",
                        left_out);
         }
     }
@@ -238,7 +238,7 @@ static void show_saved(viewer* v)
             go_to(v, p);
         }
         gui_same_line();
-        goes = gui_button("Remove", "Forget this viewpoint");
+        goes = gui_button("Remove", "Delete this viewpoint");
         if (p->note != NULL) {
             gui_faint_paragraph("%s", p->note);
         }
@@ -258,7 +258,7 @@ static void show_cameras(viewer* v)
         return;
     }
     gui_space();
-    gui_text("Cameras of the file");
+    gui_text("Cameras in the file");
     gui_list_begin("cameras", 110.0f * v->window.scale);
     for (uint32_t i = 0; i < d->view_count; ++i) {
         const stp_store_view* stored = &d->views[i];
@@ -282,22 +282,23 @@ static void show_pictures(viewer* v)
 {
     viewer_settings* s = &v->settings;
     gui_text("Pictures");
-    gui_whole_number("Width", &s->shot_width, 16, 16384, "Pixels of a saved picture");
-    gui_whole_number("Height", &s->shot_height, 16, 16384, "Pixels of a saved picture");
-    gui_whole_number("Samples##shot", &s->shot_samples, 1, 8, "Samples a side of each pixel");
-    gui_check("Without background", &v->shot_clear, "Transparent where nothing is");
-    if (gui_wide_button("Save picture", 1, "Into the folder of pictures (F12)")) {
+    gui_whole_number("Width", &s->shot_width, 16, 16384, "Size of saved pictures in pixels");
+    gui_whole_number("Height", &s->shot_height, 16, 16384, "Size of saved pictures in pixels");
+    gui_whole_number("Antialiasing##shot", &s->shot_samples, 1, 8,
+                     "Samples per pixel, in each direction");
+    gui_check("Transparent background", &v->shot_clear, "Transparent where the model is not");
+    if (gui_wide_button("Save picture", 1, "Save a PNG into the pictures folder (F12)")) {
         shot_begin(v);
     }
     gui_space();
     gui_text("Flights");
-    if (gui_wide_button(v->record.on ? "End" : "Record", 2,
-                        "Keep where the camera goes, for stipple fly (R)")) {
+    if (gui_wide_button(v->record.on ? "Stop" : "Record", 2,
+                        "Record the camera's movement, for stipple fly (R)")) {
         record_switch(v);
     }
     gui_same_line();
     gui_disable(v->record.count < 2 || v->record.on);
-    if (gui_wide_button(v->record.plays ? "Stop" : "Play", 2, "The last recorded flight")) {
+    if (gui_wide_button(v->record.plays ? "Stop" : "Play", 2, "Play the last recorded flight")) {
         record_play(v);
     }
     gui_enable();
@@ -306,7 +307,7 @@ static void show_pictures(viewer* v)
 void page_views(viewer* v)
 {
     if (v->scene == NULL) {
-        gui_faint("Nothing to look at yet");
+        gui_faint("Open a model first");
         return;
     }
     gui_text("Viewpoints");
@@ -315,13 +316,13 @@ void page_views(viewer* v)
     char name[128];
     name_view(v, name, sizeof(name));
     gui_input("Name", name, v->view_name, sizeof(v->view_name), NULL);
-    gui_input("Note", "what is to be seen", v->view_note, sizeof(v->view_note), NULL);
+    gui_input("Note", "optional text", v->view_note, sizeof(v->view_note), NULL);
     gui_disable(!v->has_picked);
-    gui_check("Pin the note to the clicked point", &v->view_pins,
-              "The note is shown in the picture, where was clicked last");
+    gui_check("Pin note to the clicked point", &v->view_pins,
+              "Show the note in the picture, at the point clicked last");
     gui_enable();
     if (gui_wide_button("Save viewpoint", 1,
-                        "Camera, sections, and what is hidden, in a file beside the model (V)")) {
+                        "Save camera, sections and hidden parts in a file beside the model (V)")) {
         views_save(v);
     }
     show_cameras(v);

@@ -38,7 +38,7 @@ typedef struct window_desc {
     float scale;   ///< of text; 0: the display's
 } window_desc;
 
-/// @return false where there is no window to be had: the reason is in `reason`
+/// @return false where no window can be made: the reason is in `reason`
 bool window_create(window* w, const window_desc* desc, char* reason, size_t reason_size);
 void window_destroy(window* w);
 /// Takes in the window's size. @return whether it changed

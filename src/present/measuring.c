@@ -51,6 +51,17 @@ stp_vec3d stp_measure_coordinates(const stp_measuring* measuring, stp_vec3d p)
     return measuring->up == 'z' ? (stp_vec3d){p.x, -p.z, p.y} : p;
 }
 
+static double shown_metres(const stp_measuring* m)
+{
+    return m->unit_metres > 0.0 && m->shown_metres > 0.0 ? m->shown_metres : m->unit_metres;
+}
+
+double stp_measure_factor(const stp_measuring* m)
+{
+    double shown = shown_metres(m);
+    return shown > 0.0 && shown != m->unit_metres ? m->unit_metres / shown : 1.0;
+}
+
 const char* stp_measure_unit(const stp_measuring* measuring)
 {
     static const struct {
@@ -59,8 +70,9 @@ const char* stp_measure_unit(const stp_measuring* measuring)
     } units[] = {{1.0, "m"},     {0.001, "mm"},    {0.01, "cm"},
                  {1000.0, "km"}, {0.0254, "in"},   {0.3048, "ft"},
                  {0.9144, "yd"}, {1609.344, "mi"}, {1200.0 / 3937.0, "us-ft"}};
+    double shown = shown_metres(measuring);
     for (size_t i = 0; i < sizeof(units) / sizeof(units[0]); ++i) {
-        if (fabs(measuring->unit_metres - units[i].metres) <= 1e-9 * units[i].metres) {
+        if (fabs(shown - units[i].metres) <= 1e-9 * units[i].metres) {
             return units[i].name;
         }
     }
@@ -72,6 +84,7 @@ void stp_measure_text(const stp_measuring* measuring, double length, int digits,
 {
     digits = digits < 1 ? 1 : digits > 17 ? 17 : digits;
     const char* unit = stp_measure_unit(measuring);
+    length *= stp_measure_factor(measuring);
     if (size > 0) {
         snprintf(text, size, "%.*g%s%s", digits, length, unit[0] != '\0' ? " " : "", unit);
     }

@@ -8,7 +8,9 @@
 /// How a scene's numbers are read: the unit of the file, and the axis that it has upwards (inside, y is up).
 typedef struct stp_measuring {
     double unit_metres; ///< 0: unknown
-    char up;            ///< 'x', 'y' or 'z'
+    /// Metres of the unit that lengths are shown in; 0, or where the file's is unknown: the file's own.
+    double shown_metres;
+    char up; ///< 'x', 'y' or 'z'
 } stp_measuring;
 
 typedef struct stp_distance {
@@ -29,7 +31,10 @@ double stp_measure_area(const stp_vec3d* points, size_t count, double* circumfer
 /// A point's coordinates as the file had them: its up axis is undone. The inverse of what importing does.
 stp_vec3d stp_measure_coordinates(const stp_measuring* measuring, stp_vec3d point);
 
-/// "m", "mm", "cm", "km", "in", "ft", "yd", "mi", "us-ft"; "" where the unit is none of these or unknown.
+/// Factor from lengths of the file to lengths in the unit that is shown.
+double stp_measure_factor(const stp_measuring* measuring);
+
+/// Name of the unit that is shown: "m", "mm", "cm", "km", "in", "ft", "yd", "mi", "us-ft"; "" where the unit is none of these or unknown.
 const char* stp_measure_unit(const stp_measuring* measuring);
 
 /// "12.345 m": a length with its unit, `digits` significant digits (1 to 17), cut to `size` bytes.

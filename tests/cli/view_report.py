@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""view_report.py REPORT CONDITION: whether a condition holds of what `stipple view --report` wrote; exit 1 where not.
+"""view_report.py REPORT CONDITION [rests]: whether a condition holds of what `stipple view --report` wrote; exit 1 where
+not. With `rests`: exit 2 where it does not and the viewer rests, so that nothing will change by itself.
 Without a condition: the camera as options of `stipple render`."""
 import json
 import math
@@ -38,4 +39,6 @@ if len(sys.argv) == 2:
         print(f"--ortho={camera['ortho_height']!r}", end=" ")
     print(f"--fov={camera['fov']!r} --size={picture['width']}x{picture['height']}")
     sys.exit(0)
-sys.exit(not eval(sys.argv[2]))
+if eval(sys.argv[2]):
+    sys.exit(0)
+sys.exit(2 if len(sys.argv) > 3 and r["rests"] else 1)

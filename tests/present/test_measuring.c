@@ -78,3 +78,20 @@ void test_measures_in_units_and_axes_of_the_file(test_state* test)
     stp_measure_text(&z_up, 1234.5678, 6, text, 5);
     CHECK(strcmp(text, "1234") == 0);
 }
+
+void test_measures_in_the_unit_that_is_shown(test_state* test)
+{
+    char text[64];
+    stp_measuring feet = {.unit_metres = 0.001, .shown_metres = 0.3048, .up = 'y'};
+    CHECK(strcmp(stp_measure_unit(&feet), "ft") == 0);
+    CHECK(is_near(stp_measure_factor(&feet), 0.001 / 0.3048));
+    stp_measure_text(&feet, 304.8, 6, text, sizeof(text));
+    CHECK(strcmp(text, "1 ft") == 0);
+    // a file without a unit keeps its numbers
+    stp_measuring unknown = {.shown_metres = 0.3048, .up = 'y'};
+    CHECK(stp_measure_factor(&unknown) == 1.0 && stp_measure_unit(&unknown)[0] == 0);
+    stp_measuring same = {.unit_metres = 0.0254, .shown_metres = 0.0254, .up = 'y'};
+    CHECK(stp_measure_factor(&same) == 1.0 && strcmp(stp_measure_unit(&same), "in") == 0);
+    stp_measuring own = {.unit_metres = 0.01, .up = 'y'};
+    CHECK(stp_measure_factor(&own) == 1.0 && strcmp(stp_measure_unit(&own), "cm") == 0);
+}

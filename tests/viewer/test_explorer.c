@@ -63,6 +63,11 @@ void test_viewer_explorer_finds_names(test_state* test)
         found = found || explorer_is_same(&e->found[i].item, &e->rows[1].item);
     }
     CHECK(found);
+    // a row of what was found: its own name first, what it belongs to beside it
+    char above[128], top[128];
+    snprintf(top, sizeof(top), "%s", explorer_label(e, &e->rows[0].item, &row));
+    CHECK(strcmp(explorer_path_above(e, &e->found[0].item, above, sizeof(above)), top) == 0);
+    CHECK(strcmp(explorer_path_above(e, &e->rows[0].item, above, sizeof(above)), "") == 0);
     explorer_search(e, "there is nothing of this name");
     while (explorer_works(e)) {
         (void)explorer_step(e);
@@ -186,5 +191,25 @@ void test_viewer_explorer_follows_a_scene_that_grows(test_state* test)
         (void)explorer_step(e);
     }
     CHECK(e->row_count == 1 && !e->rows[0].open);
+    close_boxes(e, path);
+}
+
+void test_viewer_part_materials_are_found(test_state* test)
+{
+    char path[64];
+    explorer* e = open_boxes(path);
+    CHECK(e != NULL && e->row_count > 1);
+    const stp_store_directory* d = stp_store_get_directory(e->store);
+    part_materials one = part_materials_find(e->store, e->rows[1].item.node);
+    CHECK(one.count == 1 && !one.more && one.materials[0] < d->material_count);
+    part_materials all = part_materials_find(e->store, d->root);
+    CHECK(all.count >= one.count && all.count <= PART_MATERIALS_MOST);
+    CHECK(all.more == (d->material_count > PART_MATERIALS_MOST));
+    for (uint32_t i = 0; i < all.count; ++i) {
+        for (uint32_t k = 0; k < i; ++k) {
+            CHECK(all.materials[i] != all.materials[k]);
+        }
+    }
+    CHECK_EQUAL(0, part_materials_find(e->store, STP_STORE_NONE).count);
     close_boxes(e, path);
 }

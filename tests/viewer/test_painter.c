@@ -168,7 +168,7 @@ void test_viewer_painter_draws_on_where_opengl_is_lost(test_state* test)
         CHECK(!picture->gl && picture->texture == 0 && picture->figures.covered_pixels > 100);
         CHECK(painter_get_message(p, message, sizeof(message), &is_error) == (i == 0));
     }
-    CHECK(!is_error && strstr(message, "the processor draws") != NULL);
+    CHECK(!is_error && strstr(message, "using the CPU renderer") != NULL);
     painter_destroy(p);
     unlink(path);
 }

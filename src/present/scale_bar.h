@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// The length of a scale bar: a round number that fits into the room there is.
+#pragma once
+
+typedef struct stp_scale_bar {
+    double length; ///< 1, 2 or 5 times a power of ten; 0: no bar
+    double pixels; ///< its width
+} stp_scale_bar;
+
+/// The longest bar of at most `most_pixels`, where a pixel is `pixel` units wide. No bar where either is not above 0 and
+/// finite.
+stp_scale_bar stp_scale_bar_make(double pixel, double most_pixels);

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+//
+// The cube in a corner of the picture that shows the camera's direction: where its sides are drawn and which one a click
+// hits. Pure arithmetic: no window.
+//
+// Coordinates are relative to the cube's centre, in half edges, x to the right and y down. Each side has a handle at the end
+// of its axis, so those turned away from the viewer can be clicked too, where neither the cube nor a nearer handle covers
+// them. Then two clicks do: a click on the opposite side, and another one once the camera looks straight at that.
+#pragma once
+
+#include "present/navigate.h"
+
+enum { STP_VIEW_CUBE_SIDES = 6 };
+
+/// How far from the centre things of the cube reach, handles included.
+#define STP_VIEW_CUBE_REACH 2.9
+#define STP_VIEW_CUBE_HANDLE 0.42 ///< radius of a handle
+
+typedef struct stp_view_cube_side {
+    const char* view; ///< standard view that looks at this side: "front", "left", ...
+    int axis;         ///< 0..2 of the scene (y up)
+    bool positive;    ///< the side in the axis' direction
+    double facing;    ///< cosine between its normal and the direction to the viewer
+    bool visible;     ///< its face is drawn and can be clicked
+    bool
+        has_handle; ///< its handle is drawn and can be clicked; before the faces where `facing` is positive
+    double center[2];     ///< of the face
+    double corners[4][2]; ///< of the face, in order around it
+    double handle[2];     ///< centre of the handle
+} stp_view_cube_side;
+
+typedef struct stp_view_cube {
+    stp_view_cube_side sides[STP_VIEW_CUBE_SIDES];
+} stp_view_cube;
+
+void stp_view_cube_make(const stp_navigator_axes* axes, stp_view_cube* cube);
+
+/// The side at a place: what is drawn last is hit first. @return its index; -1 where there is none
+int stp_view_cube_hit(const stp_view_cube* cube, double x, double y);
+
+/// The view that a click on a side asks for: the side's, or the opposite one where the camera looks straight at that side.
+const char* stp_view_cube_target(const stp_view_cube* cube, int side);

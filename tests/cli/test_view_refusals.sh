@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# stipple view without a display, and with wrong arguments.
+# Arguments: executable, scratch folder.
+set -u
+stipple=$1
+scratch=$2
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+export XDG_CACHE_HOME=$PWD/cache XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state SDL_VIDEODRIVER=x11
+
+env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER "$stipple" view > out 2> err
+[ $? -eq 1 ] || fail "no display: another exit code than 1"
+grep -q '^stipple: there is no display' err || fail "no display: $(cat err)"
+[ "$(wc -l < err)" -eq 1 ] && [ ! -s out ] || fail "no display: not one sentence"
+env -u WAYLAND_DISPLAY DISPLAY=:4242 "$stipple" view > out 2> err
+[ $? -eq 1 ] && grep -q '^stipple: there is no display' err || fail "a display that is none: $(cat err)"
+"$stipple" view a b > out 2> err
+[ $? -eq 2 ] || fail "two files are shown"
+[ $failures -eq 0 ]

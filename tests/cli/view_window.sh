@@ -1,0 +1,150 @@
+# shellcheck shell=bash
+# Sourced by tests of the viewer: a window under Xvfb, keys and mouse by xdotool, what --report says, pictures compared.
+# Arguments of the test: executable, scratch folder. VIEW_BACKEND=gl: OpenGL draws.
+drawn_by=${VIEW_BACKEND:-cpu}
+other_way=$([ "$drawn_by" = cpu ] && echo gl || echo cpu)
+stipple=$1
+scratch=$2
+rm -rf "$scratch"
+. "$(dirname "${BASH_SOURCE[0]}")/shared.sh"
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+export XDG_CACHE_HOME=$PWD/cache XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state LIBGL_ALWAYS_SOFTWARE=1
+export XDG_PICTURES_DIR=$PWD/pictures SDL_VIDEODRIVER=x11 SDL_AUDIODRIVER=dummy
+mkdir -p config/stipple pictures
+printf '{"shot_width": 320, "shot_height": 200, "samples": 2}' > config/stipple/viewer.json
+# drivers of others keep what they have until the process ends
+printf 'leak:libGL\nleak:libX\nleak:_dri.so\nleak:libSDL\nleak:libLLVM\nleak:libdbus\nleak:swrast\n' > leaks
+export LSAN_OPTIONS=suppressions=$PWD/leaks:print_suppressions=0
+viewer=0
+xvfb=0
+
+for program in Xvfb xdotool python3; do
+    command -v $program > /dev/null || exit 77
+done
+
+# the interpreter itself: a wrapper in front of it may take longer than all that it does here
+python=$(python3 -c 'import sys; print(sys.executable)')
+
+clean_up()
+{
+    [ "$viewer" -ne 0 ] && kill "$viewer" 2> /dev/null
+    [ "$xvfb" -ne 0 ] && kill "$xvfb" 2> /dev/null
+    wait 2> /dev/null
+}
+trap clean_up EXIT
+
+# any display number that is free; the server's memory is the screen
+mkdir screen
+exec 3> display
+Xvfb -displayfd 3 -screen 0 640x400x24 -fbdir screen -nolisten tcp > xvfb.log 2>&1 &
+xvfb=$!
+exec 3>&-
+while [ ! -s display ]; do
+    kill -0 $xvfb 2> /dev/null || { cat xvfb.log; exit 77; }
+    sleep 0.1
+done
+export DISPLAY=:$(cat display)
+
+# wait_until CONDITION: a Python expression over what the report says (r, camera, picture) and over what `keep` kept (k).
+# There is no limit to how long anything takes; but where the viewer rests for so many looks, nothing comes any more.
+wait_until()
+{
+    local rested=0
+    while true; do
+        "$python" -S -E "$here/view_report.py" report.json "$1" rests
+        case $? in
+        0) return ;;
+        2) rested=$((rested + 1)) ;;
+        *) rested=0 ;;
+        esac
+        if ! kill -0 $viewer 2> /dev/null; then
+            fail "the viewer ended before: $1: $(cat viewer.err)"
+            exit 1
+        fi
+        if [ $rested -ge 600 ]; then
+            fail "the viewer rests, and this does not come: $1: $(cat report.json)"
+            exit 1
+        fi
+        sleep 0.1
+    done
+}
+
+check()
+{
+    "$python" -S -E "$here/view_report.py" report.json "$2" || fail "$1: $(cat report.json)"
+}
+
+keep()
+{
+    cp report.json kept.json
+}
+
+# open_viewer ARGUMENTS...: until its window has the keys
+open_viewer()
+{
+    rm -f report.json
+    "$stipple" view "$@" --size 640x400 --report report.json > viewer.out 2> viewer.err &
+    viewer=$!
+    wait_until 'r["shows"] > 0'
+    until window=$(xdotool search --onlyvisible --pid $viewer 2> /dev/null | tail -1) && [ -n "$window" ]; do
+        kill -0 $viewer 2> /dev/null || exit 1
+        sleep 0.1
+    done
+    xdotool windowmove "$window" 0 0 windowfocus "$window"
+}
+
+close_viewer()
+{
+    xdotool key ctrl+q
+    wait $viewer || fail "the viewer's exit code is $?: $(cat viewer.err)"
+    viewer=0
+    [ ! -s viewer.out ] || fail "the viewer writes on stdout"
+}
+
+# search_for TEXT: as quick hands, and as on a busy machine: all keys come before the viewer looks at the first
+search_for()
+{
+    xdotool key ctrl+f
+    wait_until 'tools["types"]'
+    kill -STOP $viewer
+    xdotool key ctrl+a
+    xdotool type "$1"
+    kill -CONT $viewer
+    wait_until "tools['search'] == '$1'"
+}
+
+# shot NAME: what is on the screen
+shot()
+{
+    "$python" -S -E "$here/view_screen.py" screen/Xvfb_screen0 "$1"
+}
+
+# same A B SSIM: at least that alike
+same()
+{
+    "$stipple" compare "$1" "$2" --json > compared.json || fail "$1 and $2 cannot be compared"
+    "$python" -S -E -c 'import json, sys; sys.exit(json.load(open("compared.json"))["ssim"] < float(sys.argv[1]))' "$3" ||
+        fail "$1 and $2 are not alike: $(cat compared.json)"
+}
+
+# as_seen NAME SCENE: what stipple render makes of the camera of the report
+as_seen()
+{
+    # shellcheck disable=SC2046
+    "$stipple" render "$2" --backend cpu -o "$1" $("$python" -S -E "$here/view_report.py" report.json) --supersample 2 --splat-size 1 \
+        --background dbe0e6 -q || fail "$2 cannot be rendered"
+}
+
+other() # A B SSIM: less alike
+{
+    "$stipple" compare "$1" "$2" --json > compared.json || fail "$1 and $2 cannot be compared"
+    "$python" -S -E -c 'import json, sys; sys.exit(json.load(open("compared.json"))["ssim"] >= float(sys.argv[1]))' "$3" ||
+        fail "$1 and $2 are alike: $(cat compared.json)"
+}
+
+drag() # BUTTON X0 Y0 X1 Y1
+{
+    xdotool mousemove "$2" "$3" mousedown "$1" mousemove $((($2 + $4) / 2)) $((($3 + $5) / 2)) mousemove "$4" "$5"
+    xdotool mouseup "$1"
+}

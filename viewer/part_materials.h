@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// The materials of a part, for the panel of its properties.
+#pragma once
+
+#include "store/store.h"
+
+enum { PART_MATERIALS_MOST = 6 };
+
+typedef struct part_materials {
+    uint32_t materials
+        [PART_MATERIALS_MOST]; ///< of the store, each once, in the order of the file's parts
+    uint32_t count;
+    bool more; ///< there are others, or the part is too large to look through
+} part_materials;
+
+/// The materials below a node. Looks at a bounded number of nodes and meshes. `node` may be STP_STORE_NONE: no materials.
+part_materials part_materials_find(const stp_store* store, uint32_t node);
