@@ -5,7 +5,7 @@
 //   mkdir -p corpus && cp a few small pictures into it
 //   build/fuzz/fuzz/fuzz_image -max_len=16384 -rss_limit_mb=4096 -timeout=10 corpus
 // Seeds: /usr/share/assimp/models/*/*/*.png /usr/share/assimp/models/*/*.jpg /usr/share/assimp/models/*/*/*.jpg
-#include "import/image.h"
+#include "image/image.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size);
 
@@ -16,14 +16,14 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
     if (stp_context_create(&context, &desc) != STP_OK) {
         return 0;
     }
-    stp_texture texture = {0};
+    stp_image texture = {0};
     unsigned sum = 0;
     if (stp_image_decode(context, "fuzz", bytes, size, &texture) == STP_OK) {
         for (size_t i = 0; i < (size_t)texture.width * texture.height * 4; ++i) {
-            sum += texture.texels[i]; // all are there
+            sum += texture.pixels[i]; // all are there
         }
     }
-    stp_free(context, texture.texels);
+    stp_free(context, texture.pixels);
     stp_context_destroy(context);
     return sum == 0xFFFFFFFFu;
 }

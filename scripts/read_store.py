@@ -238,6 +238,8 @@ def block_columns(t, block):
                                   ("colors", 8 * n * (has >> 1 & 1)), ("indices", 12 * record["triangle_count"])], 16
     if block["kind"] == 2:
         return record, corners + [("colors", 4 * n * (has >> 1 & 1))], 16
+    if block["kind"] == 3 and block["encoding"] != 0:
+        return record, [("picture", block["size"])], 1
     if block["kind"] == 3:
         return record, [("texels", 4 * record["width"] * record["height"])], 16
     end = record["octave_ends"][block["octave"]]
@@ -246,11 +248,46 @@ def block_columns(t, block):
                     ("coverages", end)], 1
 
 
+def picture_size(encoding, data):
+    """Width and height as the header of a PNG, JPEG or WebP file says them."""
+    if encoding == 1:
+        need(data[:8] == b"\x89PNG\r\n\x1a\n" and data[12:16] == b"IHDR", "no PNG")
+        return struct.unpack_from(">2I", data, 16)
+    if encoding == 2:
+        need(data[:2] == b"\xff\xd8", "no JPEG")
+        at = 2
+        while data[at + 1] not in (0xC0, 0xC1, 0xC2):  # the frame's header; before it segments with lengths
+            at += 2 + struct.unpack_from(">H", data, at + 2)[0]
+        return struct.unpack_from(">2H", data, at + 5)[::-1]
+    need(data[:4] == b"RIFF" and data[8:12] == b"WEBP", "no WebP")
+    if data[12:16] == b"VP8X":
+        return tuple(1 + int.from_bytes(data[i:i + 3], "little") for i in (24, 27))
+    if data[12:16] == b"VP8L":
+        bits = struct.unpack_from("<I", data, 21)[0]
+        return 1 + (bits & 0x3FFF), 1 + (bits >> 14 & 0x3FFF)
+    return tuple(v & 0x3FFF for v in struct.unpack_from("<2H", data, 26))
+
+
+def check_textures(t):
+    """Textures that share a block name the one of an earlier texture, which is a picture file of their size."""
+    for i, texture in enumerate(t["textures"]):
+        need(texture["block"] < len(t["blocks"]), f"texture {i}: its block does not exist")
+        block = t["blocks"][texture["block"]]
+        owner = t["textures"][block["owner"]] if block["owner"] <= i else None
+        need(block["kind"] == 3 and owner is not None and owner["block"] == texture["block"], f"texture {i}: block")
+        if owner is not texture:
+            same = all(owner[k] == texture[k] for k in ("width", "height"))
+            need(same and block["encoding"] != 0, f"texture {i}: shares a block")
+            texture["columns"] = owner["columns"]
+
+
 def check_content(t, record, block, name, column, place):
     if name in ("positions", "texcoords_0", "texcoords_1") and block["kind"] <= 2:
         need(all(math.isfinite(v[0]) for v in struct.iter_unpack("<f", column)), f"{place}: {name} not finite")
     if name == "indices":
         need(all(v[0] < record["vertex_count"] for v in struct.iter_unpack("<I", column)), f"{place}: indices")
+    if name == "picture":
+        need(picture_size(block["encoding"], column) == (record["width"], record["height"]), f"{place}: picture size")
     if name == "materials":
         need(max(column, default=-1) < len(t["shadings"]), f"{place}: materials")
 
@@ -397,7 +434,7 @@ def read_blocks(data, header, t):
         radius = block["radius"]
         if block["kind"] not in KINDS:
             continue
-        need(block["encoding"] == 0 or chunked, f"{place}: encoding")
+        need(block["encoding"] == 0 or chunked or block["kind"] == 3 and block["encoding"] <= 3, f"{place}: encoding")
         need(block["owner"] < len(t[KINDS[block["kind"]]]), f"{place}: owner")
         if KINDS[block["kind"]] == "meshes":
             coded = t["meshes"][block["owner"]]["cluster_count"] != NONE
@@ -423,7 +460,9 @@ def read_blocks(data, header, t):
             at = start + size
         need(at == len(plain), f"{place}: size")
     need(end == len(data), "bytes after the last block")
-    wanted = len(t["meshes"]) + len(t["point_sets"]) + len(t["textures"]) + len(t["octaves"])
+    check_textures(t)
+    owners = len({texture["block"] for texture in t["textures"]})
+    wanted = len(t["meshes"]) + len(t["point_sets"]) + owners + len(t["octaves"])
     need(len(owned) == wanted, "a mesh, point set, texture or octave has no block")
 
 

@@ -7,6 +7,7 @@
 #include "build/draft.h"
 #include "build/meshes.h"
 #include "build/nodes.h"
+#include "build/pictures.h"
 #include "build/plan.h"
 
 #include <stdio.h>
@@ -113,6 +114,7 @@ static stp_result import_inputs(build* b)
     b->report->import_s = (imported - start) * 1e-3;
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.0);
     result = result != STP_OK ? result : stp_scene_finish(b->scene);
+    result = result != STP_OK ? result : stp_build_encode_textures(b->scene);
     result = result != STP_OK ? result : stp_build_census(b->scene, &b->census);
     if (result == STP_OK) {
         stp_build_draft_sketch(b->draft, b->scene);

@@ -126,7 +126,10 @@ static bool convert_textures(stp_build_content* c, const stp_scene* scene)
                                           .wrap_u = (uint32_t)t->wrap_u,
                                           .wrap_v = (uint32_t)t->wrap_v,
                                           .nearest = t->nearest,
-                                          .texels = t->texels};
+                                          .texels = t->texels,
+                                          .encoding = (uint32_t)t->encoding,
+                                          .encoded = t->encoded,
+                                          .encoded_size = t->encoded_size};
     }
     c->content.textures = textures;
     return textures != NULL;

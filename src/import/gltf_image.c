@@ -2,7 +2,7 @@
 // Images, samplers and textures (3.8). A texture of the scene is a picture with its wrapping, so a
 // picture used with two samplers that differ is copied; pictures are decoded in jobs.
 #include "import/gltf.h"
-#include "import/image.h"
+#include "import/surface.h"
 
 #include <string.h>
 
@@ -74,6 +74,7 @@ void stp_gltf_textures_destroy(stp_gltf_textures* textures, stp_gltf* gltf)
         for (size_t i = 0; i < stp_gltf_count(gltf, STP_GLTF_IMAGES); ++i) {
             drop_bytes(&textures->images[i], gltf->context);
             stp_free(gltf->context, textures->images[i].decoded.texels);
+            stp_free(gltf->context, textures->images[i].decoded.encoded);
         }
         stp_free(gltf->context, textures->requests);
         stp_free(gltf->context, textures->images);
@@ -260,8 +261,8 @@ static void decode_job(size_t begin, size_t end, uint32_t worker, void* user)
         size_t request = loop->first_request + i;
         if (decodes(loop->textures, request)) {
             image_state* image = &loop->textures->images[loop->textures->requests[request].image];
-            image->result = stp_image_decode_measured(loop->context, image->bytes, image->size,
-                                                      &image->info, &image->decoded);
+            image->result = stp_picture_decode_kept(loop->context, image->bytes, image->size,
+                                                    &image->info, &image->decoded);
             drop_bytes(image, loop->context);
         }
     }
@@ -310,7 +311,25 @@ static stp_result decode_images(stp_gltf_scope* scope, stp_gltf_textures* textur
     return STP_OK;
 }
 
-// The last request of a picture takes its texels, those before it a copy.
+// Gives a texture copies of its texels and encoded bytes. @return false where memory runs out
+static bool copy_picture(stp_context* context, stp_texture* texture)
+{
+    size_t size = (size_t)texture->width * texture->height * 4;
+    uint8_t* texels = stp_alloc(context, size);
+    uint8_t* encoded = stp_alloc(context, texture->encoded_size);
+    if (texels == NULL || encoded == NULL) {
+        stp_free(context, texels);
+        stp_free(context, encoded);
+        return false;
+    }
+    memcpy(texels, texture->texels, size);
+    memcpy(encoded, texture->encoded, texture->encoded_size);
+    texture->texels = texels;
+    texture->encoded = encoded;
+    return true;
+}
+
+// The last request of a picture takes its texels and bytes, those before it a copy.
 static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures,
                               texture_request* request, stp_gltf* gltf)
 {
@@ -319,15 +338,10 @@ static stp_result add_texture(stp_gltf_scope* scope, stp_gltf_textures* textures
     if (texture.width == 0) {
         return STP_OK;
     }
-    size_t size = (size_t)texture.width * texture.height * 4;
-    if (request->next != STP_NONE) {
-        texture.texels = stp_alloc(gltf->context, size);
-        if (texture.texels == NULL) {
-            return STP_ERROR_OUT_OF_MEMORY;
-        }
-        memcpy(texture.texels, image->decoded.texels, size);
-    } else {
-        image->decoded.texels = NULL;
+    if (request->next == STP_NONE) {
+        image->decoded.texels = image->decoded.encoded = NULL;
+    } else if (!copy_picture(gltf->context, &texture)) {
+        return STP_ERROR_OUT_OF_MEMORY;
     }
     texture.wrap_u = request->wrap_u;
     texture.wrap_v = request->wrap_v;

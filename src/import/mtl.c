@@ -146,6 +146,9 @@ static stp_result apply_alpha_map(mtl* m)
         return result;
     }
     stp_texture merged = scene->textures[color];
+    merged.encoded = NULL; // neither picture is the merged one
+    merged.encoded_size = 0;
+    merged.encoding = STP_TEXTURE_TEXELS;
     const stp_texture* mask = &scene->textures[alpha];
     if (mask->width != merged.width || mask->height != merged.height) {
         stp_warn(m->import->context,

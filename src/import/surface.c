@@ -2,7 +2,7 @@
 #include "import/surface.h"
 
 #include "base/color.h"
-#include "import/image.h"
+#include "image/image.h"
 #include "import/image_plain.h"
 
 #include <string.h>
@@ -65,6 +65,34 @@ void stp_pictures_destroy(stp_pictures* pictures)
     stp_lookup_destroy(&pictures->known);
 }
 
+_Static_assert((int)STP_IMAGE_PNG == (int)STP_TEXTURE_PNG &&
+                   (int)STP_IMAGE_JPEG == (int)STP_TEXTURE_JPEG &&
+                   (int)STP_IMAGE_WEBP == (int)STP_TEXTURE_WEBP,
+               "one numbering");
+
+stp_result stp_picture_decode_kept(stp_context* context, const unsigned char* bytes, size_t size,
+                                   stp_image_info* info, stp_texture* texture)
+{
+    uint8_t* kept = stp_alloc(context, size);
+    if (kept == NULL) {
+        return STP_ERROR_OUT_OF_MEMORY;
+    }
+    stp_image image;
+    stp_result result = stp_image_decode_measured(context, bytes, size, info, &image);
+    if (result != STP_OK) {
+        stp_free(context, kept);
+        return result;
+    }
+    memcpy(kept, bytes, size);
+    texture->width = image.width;
+    texture->height = image.height;
+    texture->texels = image.pixels;
+    texture->encoded = kept;
+    texture->encoded_size = size;
+    texture->encoding = (stp_texture_encoding)info->kind;
+    return STP_OK;
+}
+
 stp_result stp_picture_decode(stp_import* import, const char* place, const unsigned char* bytes,
                               size_t size, stp_texture* texture, bool* read)
 {
@@ -72,7 +100,7 @@ stp_result stp_picture_decode(stp_import* import, const char* place, const unsig
     stp_result result = stp_image_measure(bytes, size, &info);
     const char* reason = info.reason;
     if (result == STP_OK) {
-        result = stp_image_decode_measured(import->context, bytes, size, &info, texture);
+        result = stp_picture_decode_kept(import->context, bytes, size, &info, texture);
     } else if (info.kind == STP_IMAGE_UNKNOWN && size != 0) {
         result = stp_image_decode_plain(import->context, bytes, size, texture, &reason);
     }

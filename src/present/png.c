@@ -2,16 +2,13 @@
 #include "present/png.h"
 
 #include "base/file.h"
+#include "image/image.h"
 
 #include <spng.h>
-#include <string.h>
 
 #define PIXEL_LIMIT ((uint64_t)1 << 28)
 #define CHUNK_LIMIT ((size_t)1 << 24) // text, profiles and the like, which are not used
 #define DEFLATE_RATIO 1032            // most bytes that one byte of deflate can stand for
-enum {
-    COMPRESSION_LEVEL = 3
-}; // of a rendered picture: a third of level 6's time, 1.1 of its bytes
 
 static stp_result fail_codec(stp_context* context, const char* name, int code)
 {
@@ -21,65 +18,16 @@ static stp_result fail_codec(stp_context* context, const char* name, int code)
     return stp_fail(context, STP_ERROR_FORMAT, "%s: PNG: %s", name, spng_strerror(code));
 }
 
-/// Encoded bytes on their way.
-typedef struct byte_sink {
-    stp_context* context;
-    unsigned char* bytes;
-    size_t size, capacity;
-    bool out_of_memory;
-} byte_sink;
-
-static int append(spng_ctx* codec, void* user, void* source, size_t size)
-{
-    (void)codec;
-    byte_sink* sink = user;
-    unsigned char* grown =
-        stp_grow_array(sink->context, sink->bytes, &sink->capacity, sink->size + size, 1);
-    if (grown == NULL) {
-        sink->out_of_memory = true;
-        return SPNG_IO_ERROR;
-    }
-    sink->bytes = grown;
-    memcpy(sink->bytes + sink->size, source, size);
-    sink->size += size;
-    return 0;
-}
-
-static int encode(spng_ctx* codec, const stp_image* image, byte_sink* sink)
-{
-    struct spng_ihdr header = {.width = image->width,
-                               .height = image->height,
-                               .bit_depth = 8,
-                               .color_type = SPNG_COLOR_TYPE_TRUECOLOR_ALPHA};
-    size_t bytes = (size_t)image->width * image->height * 4;
-    int code = spng_set_png_stream(codec, append, sink);
-    code = code != 0 ? code : spng_set_ihdr(codec, &header);
-    code = code != 0 ? code : spng_set_option(codec, SPNG_IMG_COMPRESSION_LEVEL, COMPRESSION_LEVEL);
-    code = code != 0 ? code
-                     : spng_set_option(codec, SPNG_FILTER_CHOICE,
-                                       SPNG_FILTER_CHOICE_SUB | SPNG_FILTER_CHOICE_UP);
-    return code != 0
-               ? code
-               : spng_encode_image(codec, image->pixels, bytes, SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);
-}
-
 stp_result stp_png_encode(stp_context* context, const stp_image* image, const char* name,
                           unsigned char** bytes, size_t* size)
 {
-    spng_ctx* codec = spng_ctx_new(SPNG_CTX_ENCODER);
-    if (codec == NULL) {
+    stp_result result = stp_image_encode_png(context, image, STP_IMAGE_FAST, bytes, size);
+    if (result == STP_ERROR_OUT_OF_MEMORY) {
         return stp_fail_memory(context);
     }
-    byte_sink sink = {.context = context};
-    int code = encode(codec, image, &sink);
-    spng_ctx_free(codec);
-    if (code != 0) {
-        stp_free(context, sink.bytes);
-        return fail_codec(context, name, sink.out_of_memory ? SPNG_EMEM : code);
-    }
-    *bytes = sink.bytes;
-    *size = sink.size;
-    return STP_OK;
+    return result == STP_OK ? STP_OK
+                            : stp_fail(context, result, "%s: PNG: %u x %u pixels cannot be written",
+                                       name, image->width, image->height);
 }
 
 stp_result stp_png_write(stp_context* context, const stp_image* image, const char* path)

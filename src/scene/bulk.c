@@ -47,6 +47,19 @@ void stp_points_set_arrays(stp_point_set* points, const stp_bulk_array arrays[ST
     points->colors = arrays[2].bytes;
 }
 
+void stp_texture_get_arrays(const stp_texture* texture, stp_bulk_array arrays[STP_TEXTURE_ARRAYS])
+{
+    arrays[0] = array_of(texture->texels, (size_t)texture->width * texture->height, 4);
+    arrays[1] = array_of(texture->encoded, texture->encoded_size, 1);
+}
+
+void stp_texture_set_arrays(stp_texture* texture, const stp_bulk_array arrays[STP_TEXTURE_ARRAYS])
+{
+    texture->texels = arrays[0].bytes;
+    texture->encoded = arrays[1].bytes;
+    texture->encoded_size = arrays[1].size;
+}
+
 static uint64_t sum_sizes(const stp_bulk_array* arrays, size_t count)
 {
     uint64_t sum = 0;
@@ -72,7 +85,9 @@ uint64_t stp_points_bytes(const stp_point_set* points)
 
 uint64_t stp_texture_bytes(const stp_texture* texture)
 {
-    return texture->texels != NULL ? (uint64_t)texture->width * texture->height * 4 : 0;
+    stp_bulk_array arrays[STP_TEXTURE_ARRAYS];
+    stp_texture_get_arrays(texture, arrays);
+    return sum_sizes(arrays, STP_TEXTURE_ARRAYS);
 }
 
 // Frees the arrays; `bytes` of them were counted.
@@ -103,11 +118,12 @@ void stp_points_free_arrays(stp_scene* scene, stp_point_set* points)
     stp_points_set_arrays(points, arrays);
 }
 
-void stp_texture_free_texels(stp_scene* scene, stp_texture* texture)
+void stp_texture_free_arrays(stp_scene* scene, stp_texture* texture)
 {
-    stp_bulk_array array = {texture->texels, (size_t)stp_texture_bytes(texture)};
-    free_arrays(scene, &array, 1, texture->spilled);
-    texture->texels = NULL;
+    stp_bulk_array arrays[STP_TEXTURE_ARRAYS];
+    stp_texture_get_arrays(texture, arrays);
+    free_arrays(scene, arrays, STP_TEXTURE_ARRAYS, texture->spilled);
+    stp_texture_set_arrays(texture, arrays);
 }
 
 void stp_scene_use_spill(stp_scene* scene, stp_spill* spill, uint64_t above_bytes)
@@ -216,18 +232,20 @@ stp_result stp_texture_settle(stp_scene* scene, uint32_t index)
         return STP_OK;
     }
     uint32_t found = index;
-    stp_bulk_array array = {texture->texels, (size_t)stp_texture_bytes(texture)};
+    stp_bulk_array arrays[STP_TEXTURE_ARRAYS];
     texture->content = stp_texture_hash(texture);
     stp_result result =
         stp_content_table_find(scene->context, &scene->spilled, texture->content, index, &found);
     if (result == STP_OK && found != index) {
-        stp_texture_free_texels(scene, texture);
-        array.bytes = scene->textures[found].texels;
+        stp_texture_free_arrays(scene, texture);
+        stp_texture_get_arrays(&scene->textures[found], arrays);
+        texture->encoding = scene->textures[found].encoding;
     } else if (result == STP_OK) {
-        result = spill_arrays(scene, &array, 1);
+        stp_texture_get_arrays(texture, arrays);
+        result = spill_arrays(scene, arrays, STP_TEXTURE_ARRAYS);
     }
     if (result == STP_OK) {
-        texture->texels = array.bytes;
+        stp_texture_set_arrays(texture, arrays);
         texture->spilled = true;
     }
     return result;

@@ -9,13 +9,16 @@ typedef struct stp_bulk_array {
     size_t size;
 } stp_bulk_array;
 
-enum { STP_MESH_ARRAYS = 6, STP_POINT_ARRAYS = 3 };
+enum { STP_MESH_ARRAYS = 6, STP_POINT_ARRAYS = 3, STP_TEXTURE_ARRAYS = 2 };
 
 // The arrays of a thing in a fixed order, and back.
 void stp_mesh_get_arrays(const stp_mesh* mesh, stp_bulk_array arrays[STP_MESH_ARRAYS]);
 void stp_mesh_set_arrays(stp_mesh* mesh, const stp_bulk_array arrays[STP_MESH_ARRAYS]);
 void stp_points_get_arrays(const stp_point_set* points, stp_bulk_array arrays[STP_POINT_ARRAYS]);
 void stp_points_set_arrays(stp_point_set* points, const stp_bulk_array arrays[STP_POINT_ARRAYS]);
+/// Texels first, then the encoded picture.
+void stp_texture_get_arrays(const stp_texture* texture, stp_bulk_array arrays[STP_TEXTURE_ARRAYS]);
+void stp_texture_set_arrays(stp_texture* texture, const stp_bulk_array arrays[STP_TEXTURE_ARRAYS]);
 
 uint64_t stp_mesh_bytes(const stp_mesh* mesh);
 uint64_t stp_points_bytes(const stp_point_set* points);
@@ -24,7 +27,7 @@ uint64_t stp_texture_bytes(const stp_texture* texture);
 // Free the arrays where they are the scene's memory, and take them off its count.
 void stp_mesh_free_arrays(stp_scene* scene, stp_mesh* mesh);
 void stp_points_free_arrays(stp_scene* scene, stp_point_set* points);
-void stp_texture_free_texels(stp_scene* scene, stp_texture* texture);
+void stp_texture_free_arrays(stp_scene* scene, stp_texture* texture);
 
 // Count what was just added, and move it to the spill where there is too much in memory. Content that lies in
 // the spill already is not written again. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged); the

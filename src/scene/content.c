@@ -46,8 +46,9 @@ stp_hash stp_texture_hash(const stp_texture* texture)
                        (uint32_t)texture->wrap_u,
                        (uint32_t)texture->wrap_v,
                        texture->nearest};
-    stp_bulk_array texels = {texture->texels, (size_t)stp_texture_bytes(texture)};
-    return hash_arrays(head, 6, &texels, 1);
+    stp_bulk_array arrays[STP_TEXTURE_ARRAYS];
+    stp_texture_get_arrays(texture, arrays);
+    return hash_arrays(head, 6, arrays, 1); // the texels alone: how they are coded cannot be seen
 }
 
 static stp_hash hash_floats(stp_hash hash, const float* values, size_t count)

@@ -80,7 +80,7 @@ static void drop_textures(merging* m)
         if (stays(m, i, &left)) {
             scene->textures[left - 1] = scene->textures[i];
         } else {
-            stp_texture_free_texels(scene, &scene->textures[i]);
+            stp_texture_free_arrays(scene, &scene->textures[i]);
         }
     }
     scene->texture_count = left;

@@ -58,7 +58,7 @@ void stp_scene_destroy(stp_scene* scene)
         stp_points_free_arrays(scene, &scene->point_sets[i]);
     }
     for (size_t i = 0; i < scene->texture_count; ++i) {
-        stp_texture_free_texels(scene, &scene->textures[i]);
+        stp_texture_free_arrays(scene, &scene->textures[i]);
     }
     stp_content_table_destroy(context, &scene->spilled);
     void* arrays[] = {scene->meshes,  scene->point_sets, scene->materials, scene->textures,
@@ -183,7 +183,7 @@ stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture, u
     stp_texture* textures = GROW(scene, texture);
     if (textures == NULL) {
         scene->bulk_bytes += stp_texture_bytes(&added);
-        stp_texture_free_texels(scene, &added);
+        stp_texture_free_arrays(scene, &added);
         return stp_fail_memory(scene->context);
     }
     scene->textures = textures;

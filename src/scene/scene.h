@@ -55,10 +55,22 @@ typedef struct stp_material {
     stp_hash content; ///< of all that is seen of it, textures included; set by stp_scene_finish
 } stp_material;
 
+/// How a texture's `encoded` bytes are coded; the numbers of `.stip` files.
+typedef enum stp_texture_encoding {
+    STP_TEXTURE_TEXELS, ///< there are none
+    STP_TEXTURE_PNG,
+    STP_TEXTURE_JPEG,
+    STP_TEXTURE_WEBP,
+} stp_texture_encoding;
+
 typedef struct stp_texture {
     const char* name; ///< may be NULL
     uint32_t width, height;
     uint8_t* texels; ///< owned; RGBA rows, top first
+    /// The picture file that decodes to exactly these texels; owned. NULL: it came in another form, or import changed it.
+    uint8_t* encoded;
+    size_t encoded_size;
+    stp_texture_encoding encoding;
     stp_wrap wrap_u, wrap_v;
     bool nearest;     ///< magnified without interpolation
     bool spilled;     ///< its texels lie in the scene's spill file

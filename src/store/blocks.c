@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes, point sets and textures: checked when first asked for, then straight from the file.
+// Meshes and point sets (textures: pictures.c): checked when first asked for, then straight from the file.
 #include "store/internal.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -201,27 +201,6 @@ stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_p
     return STP_OK;
 }
 
-stp_result stp_store_get_texture(stp_store* store, uint32_t index, stp_store_texture* texture)
-{
-    if (index >= store->directory.texture_count) {
-        return stp_store_fail_index(store, "texture", index);
-    }
-    stp_store_texture_record* records = store->tables[STP_SECTION_TEXTURES];
-    stp_store_texture_record* record = &records[index];
-    if (!record->checked) {
-        const unsigned char* bytes = NULL;
-        stp_result result =
-            stp_store_verify_block(store, stp_store_block_at(store, record->block), &bytes);
-        if (result != STP_OK) {
-            return result;
-        }
-        record->texture.texels = bytes;
-        record->checked = true;
-    }
-    *texture = record->texture;
-    return STP_OK;
-}
-
 const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t index)
 {
     const stp_store_mesh_record* records = store->tables[STP_SECTION_MESHES];
@@ -232,12 +211,6 @@ const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, 
 {
     const stp_store_point_record* records = store->tables[STP_SECTION_POINT_SETS];
     return &records[index].points;
-}
-
-const stp_store_texture* stp_store_describe_texture(const stp_store* store, uint32_t index)
-{
-    const stp_store_texture_record* records = store->tables[STP_SECTION_TEXTURES];
-    return &records[index].texture;
 }
 
 const stp_surfels* stp_store_describe_surfels(const stp_store* store, uint32_t index)

@@ -81,6 +81,16 @@ static stp_result check_points(stp_store* store, const stp_store_block* block)
     return check_gaps(store, block, columns);
 }
 
+// Texels can be anything; a picture must decode.
+static stp_result check_texture(stp_store* store, const stp_store_block* block)
+{
+    stp_store_texture texture;
+    uint8_t* owned;
+    stp_result result = stp_store_load_texture(store, block->owner, &texture, &owned);
+    stp_free(store->context, owned);
+    return result;
+}
+
 static stp_result check_block(stp_store* store, const stp_store_block* block)
 {
     const unsigned char* bytes = NULL;
@@ -95,7 +105,9 @@ static stp_result check_block(stp_store* store, const stp_store_block* block)
         return check_points(store, block);
     case STP_BLOCK_SURFELS:
         return check_surfels(store, block);
-    default: // texels can be anything, and what a newer version adds is unknown
+    case STP_BLOCK_TEXTURE:
+        return check_texture(store, block);
+    default: // what a newer version adds is unknown
         return stp_store_verify_block(store, block, &bytes);
     }
 }

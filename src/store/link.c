@@ -3,6 +3,7 @@
 // blocks.
 #include "store/chunks.h"
 #include "store/internal.h"
+#include "store/pictures.h"
 
 static stp_result fail_format(const stp_store* store, const char* what, uint32_t index,
                               const char* fault)
@@ -209,18 +210,6 @@ static stp_result link_points(const stp_store* store, uint32_t index)
     return judge_block(store, record->block, wanted);
 }
 
-static stp_result link_texture(const stp_store* store, uint32_t index)
-{
-    const stp_store_texture_record* textures = store->tables[STP_SECTION_TEXTURES];
-    const stp_store_texture* texture = &textures[index].texture;
-    stp_store_block wanted = {
-        .kind = STP_BLOCK_TEXTURE,
-        .owner = index,
-        .size = 4 * (uint64_t)texture->width * texture->height,
-    };
-    return judge_block(store, textures[index].block, wanted);
-}
-
 stp_result stp_store_link_blocks(stp_store* store)
 {
     stp_result result = judge_blocks(store);
@@ -240,16 +229,14 @@ stp_result stp_store_link_blocks(stp_store* store)
     for (uint32_t i = 0; i < store->counts[STP_SECTION_POINT_SETS] && result == STP_OK; ++i) {
         result = link_points(store, i);
     }
-    for (uint32_t i = 0; i < store->counts[STP_SECTION_TEXTURES] && result == STP_OK; ++i) {
-        result = link_texture(store, i);
-    }
+    result = result == STP_OK ? stp_store_link_textures(store) : result;
     if (result != STP_OK) {
         return result;
     }
-    // every owner has its own blocks, so equal numbers mean that no block is nobody's
+    // every owner has its own blocks (textures that share one: the first of them), so equal numbers mean that no block is nobody's
     uint64_t owned = (uint64_t)store->counts[STP_SECTION_OCTAVES] +
                      store->counts[STP_SECTION_MESHES] + store->counts[STP_SECTION_POINT_SETS] +
-                     store->counts[STP_SECTION_TEXTURES];
+                     stp_store_count_texture_blocks(store);
     uint64_t known = 0;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_BLOCKS]; ++i) {
         uint32_t kind = stp_store_block_at(store, i)->kind;

@@ -37,9 +37,12 @@ static void add_octaves(const stp_store_block* blocks, uint32_t count, stp_store
     }
 }
 
-static stp_store_amount amount_of_texture(const stp_store_texture* texture, uint64_t bytes)
+static stp_store_amount amount_of_texture(const stp_store_texture* texture,
+                                          const stp_store_block* block)
 {
-    return (stp_store_amount){.count = (uint64_t)texture->width * texture->height, .bytes = bytes};
+    return (stp_store_amount){.count = (uint64_t)texture->width * texture->height,
+                              .bytes = block->size,
+                              .owner = block->owner};
 }
 
 stp_result stp_store_matter_of_file(const stp_store* store, stp_store_matter* matter)
@@ -67,8 +70,8 @@ stp_result stp_store_matter_of_file(const stp_store* store, stp_store_matter* ma
         };
     }
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
-        matter->textures[i] = amount_of_texture(&textures[i].texture,
-                                                stp_store_block_at(store, textures[i].block)->size);
+        matter->textures[i] =
+            amount_of_texture(&textures[i].texture, stp_store_block_at(store, textures[i].block));
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
         matter->sets[i].count = stp_store_describe_surfels(store, i)->count;
@@ -102,7 +105,7 @@ stp_result stp_store_matter_of_plan(stp_context* context, const stp_store_conten
     }
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
         matter->textures[i] =
-            amount_of_texture(&content->textures[i], plan->blocks[plan->texture_blocks[i]].size);
+            amount_of_texture(&content->textures[i], &plan->blocks[plan->texture_blocks[i]]);
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
         matter->sets[i].count = content->surfels[i].count;

@@ -10,6 +10,7 @@
 typedef struct stp_store_amount {
     uint64_t count, bytes; ///< triangles, points, texels, surfels; bytes of its blocks
     uint32_t material;     ///< of a mesh or point set
+    uint32_t owner;        ///< of a texture: the first that shares its block
 } stp_store_amount;
 
 typedef struct stp_store_matter {

@@ -2,6 +2,7 @@
 #include "store/plan.h"
 
 #include "store/columns.h"
+#include "store/pictures.h"
 
 #include <stdlib.h>
 
@@ -82,7 +83,7 @@ static float scale_radius(float radius, double scale)
 
 // Adds the blocks of all owners, in no order yet.
 static void add_blocks(const stp_store_content* content, const double* set_scales,
-                       stp_store_plan* plan)
+                       const uint32_t* texture_owners, stp_store_plan* plan)
 {
     const stp_store_directory* directory = &content->directory;
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
@@ -126,12 +127,19 @@ static void add_blocks(const stp_store_content* content, const double* set_scale
     }
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
         const stp_store_texture* texture = &content->textures[i];
+        bool is_picture = texture->encoded != NULL;
+        if (texture_owners[i] != i) {
+            continue;
+        }
         *next++ = (stp_store_block){
             .kind = STP_BLOCK_TEXTURE,
             .owner = i,
-            .size = 4 * (uint64_t)texture->width * texture->height,
+            .size =
+                is_picture ? texture->encoded_size : 4 * (uint64_t)texture->width * texture->height,
+            .encoding = is_picture ? texture->encoding : 0,
         };
     }
+    plan->block_count = (uint32_t)(next - plan->blocks);
 }
 
 // Surfels first, then textures, meshes and point sets.
@@ -196,7 +204,7 @@ static void place_blocks(uint64_t data_offset, const uint32_t* first_octaves, st
 
 static stp_result plan_blocks(stp_context* context, const stp_store_content* content,
                               uint64_t data_offset, uint32_t* first_octaves, double* set_scales,
-                              stp_store_plan* plan)
+                              uint32_t* texture_owners, stp_store_plan* plan)
 {
     const stp_store_directory* directory = &content->directory;
     uint64_t octaves = 0;
@@ -220,11 +228,15 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
         plan->texture_blocks == NULL || plan->octave_blocks == NULL) {
         return stp_fail_memory(context);
     }
-    stp_result result = measure_scales(context, directory, set_scales);
+    stp_result result = stp_store_find_texture_owners(context, content, texture_owners);
+    result = result == STP_OK ? measure_scales(context, directory, set_scales) : result;
     if (result == STP_OK) {
-        add_blocks(content, set_scales, plan);
+        add_blocks(content, set_scales, texture_owners, plan);
         qsort(plan->blocks, plan->block_count, sizeof(plan->blocks[0]), compare_blocks);
         place_blocks(data_offset, first_octaves, plan);
+        for (uint32_t i = 0; i < directory->texture_count; ++i) {
+            plan->texture_blocks[i] = plan->texture_blocks[texture_owners[i]];
+        }
     }
     return result;
 }
@@ -236,12 +248,16 @@ stp_result stp_store_plan_make(stp_context* context, const stp_store_content* co
     uint32_t set_count = content->directory.surfels_count;
     uint32_t* first_octaves = STP_NEW_ZEROED(context, uint32_t, (size_t)set_count + 1);
     double* set_scales = STP_NEW_ZEROED(context, double, (size_t)set_count + 1);
+    uint32_t* texture_owners =
+        STP_NEW_ARRAY(context, uint32_t, (size_t)content->directory.texture_count + 1);
     stp_result result = STP_OK;
-    if (first_octaves == NULL || set_scales == NULL) {
+    if (first_octaves == NULL || set_scales == NULL || texture_owners == NULL) {
         result = stp_fail_memory(context);
     } else {
-        result = plan_blocks(context, content, data_offset, first_octaves, set_scales, plan);
+        result = plan_blocks(context, content, data_offset, first_octaves, set_scales,
+                             texture_owners, plan);
     }
+    stp_free(context, texture_owners);
     stp_free(context, set_scales);
     stp_free(context, first_octaves);
     if (result != STP_OK) {

@@ -11,7 +11,7 @@ typedef struct stp_store_plan {
     // the block of each mesh, point set and texture, and of each octave of each set in turn
     uint32_t* mesh_blocks;
     uint32_t* point_blocks;
-    uint32_t* texture_blocks;
+    uint32_t* texture_blocks; ///< the same for textures that share a picture
     uint32_t* octave_blocks;
     uint64_t file_bytes;
 } stp_store_plan;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Opens a file: decodes the directory's tables and fits them together.
 #include "store/internal.h"
+#include "store/pictures.h"
 
 #include <string.h>
 
@@ -283,6 +284,7 @@ void stp_store_close(stp_store* store)
     for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
         stp_store_free_columns(context, &sets[i]);
     }
+    stp_store_release_textures(store);
     for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
         stp_free(context, store->tables[type]);
     }

@@ -46,9 +46,11 @@ typedef struct stp_store_point_record {
 } stp_store_point_record;
 
 typedef struct stp_store_texture_record {
-    stp_store_texture texture;
-    uint32_t block;
+    stp_store_texture texture; ///< `texels` is NULL until it is checked; `encoding` is the block's
+    uint32_t block;            ///< perhaps shared with earlier textures
     bool checked;
+    uint8_t*
+        decoded; ///< owned; of the first texture with this block: the picture's texels; NULL: not decoded
 } stp_store_texture_record;
 
 /// Memory of a set's columns; src/store/octaves.c.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A residency from beginning to end, and what is asked of it.
+#include "store/pictures.h"
 #include "store/residency_internal.h"
 
 #include <string.h>
@@ -45,7 +46,32 @@ uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t le
     if (stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS) {
         return stp_store_columns_bytes(stp_residency_surfels(r, thing), level) + ALLOCATION_BYTES;
     }
+    if (stp_residency_kind(r, thing) == STP_RESIDENT_TEXTURE) {
+        const stp_store_texture* texture = stp_residency_texture(r, thing);
+        return 4 * (uint64_t)texture->width * texture->height + ALLOCATION_BYTES;
+    }
     return stp_residency_block(r, thing, 0)->size + ALLOCATION_BYTES;
+}
+
+uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing)
+{
+    const stp_store_texture* texture = stp_residency_texture(r, thing);
+    const stp_store_block* block = stp_residency_block(r, thing, 0);
+    stp_image_info info = {.kind = (stp_image_kind)texture->encoding,
+                           .width = texture->width,
+                           .height = texture->height};
+    bool whole = block->offset + block->size <= r->store->file.size;
+    return stp_image_decoder_bytes(&info, r->store->file.bytes + (whole ? block->offset : 0),
+                                   whole ? (size_t)block->size : 0);
+}
+
+uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing)
+{
+    bool decodes = stp_residency_kind(r, thing) == STP_RESIDENT_TEXTURE &&
+                   stp_residency_texture(r, thing)->encoding != 0;
+    return decodes ? stp_residency_block(r, thing, 0)->size + ALLOCATION_BYTES +
+                         stp_residency_decoder_bytes(r, thing)
+                   : 0;
 }
 
 static void count_things(const stp_store* store, uint32_t firsts[STP_RESIDENT_KINDS + 1])
@@ -226,6 +252,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
     for (uint32_t i = 0; i < store->directory.surfels_count; ++i) {
         stp_store_release_surfels(store, i);
     }
+    stp_store_release_textures(store);
     store->residency = r;
     *residency = r;
     stp_residency_update(r, NULL, 0);
@@ -240,6 +267,7 @@ void stp_residency_destroy(stp_residency* r)
     stp_residency_end_threads(r);
     take_arrived(r);
     for (stp_load* load = r->queue; load != NULL; load = load->next) { // never begun
+        stp_residency_end_load(r, load);
         stp_free(r->context, load->memory);
     }
     for (uint32_t i = 0; r->things != NULL && i < r->firsts[STP_RESIDENT_KINDS]; ++i) {

@@ -19,8 +19,11 @@ typedef struct stp_load {
     uint32_t from, to;   ///< octaves before, and wanted; of others 0 and 1
     uint32_t reached;    ///< how far it came; less than `to`: the block after it is damaged
     void* memory;        ///< where it goes
-    uint64_t bytes;      ///< of it
+    uint64_t bytes;      ///< of it, and of what is needed only while it is loaded
     uint64_t read_bytes; ///< from the file
+    unsigned char*
+        picture;         ///< memory for the encoded bytes of a texture; NULL: it is read as it is
+    uint64_t transient;  ///< bytes of those, and of the decoder
     stp_surfels columns; ///< surfels: in `memory`, cut to `to`
     stp_surfels before;  ///< and the columns that are resident, of which `from` octaves are copied
     stp_clusters clusters; ///< a coded mesh, opened
@@ -92,10 +95,20 @@ static inline const stp_surfels* stp_residency_surfels(const stp_residency* r, u
     return stp_store_describe_surfels(r->store, thing - r->firsts[STP_RESIDENT_SURFELS]);
 }
 
+/// The texture of a thing that is one, as the file describes it.
+static inline const stp_store_texture* stp_residency_texture(const stp_residency* r, uint32_t thing)
+{
+    return stp_store_describe_texture(r->store, thing - r->firsts[STP_RESIDENT_TEXTURE]);
+}
+
 /// The block of a thing, or of an octave of it.
 const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave);
 /// Memory that so much of a thing takes.
 uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t level);
+/// What the decoder of a texture's picture takes, as the head of the mapped file tells.
+uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing);
+/// Memory that is needed beside it only while it is loaded: the picture file of a texture, and its decoder.
+uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing);
 /// The need of the octave after `level`.
 float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level);
 
@@ -113,6 +126,8 @@ void stp_residency_make_way(stp_residency* r);
 
 /// Memory for a planned load. @return false where there is none
 bool stp_residency_prepare(stp_residency* r, stp_load* load);
+/// Gives back what was needed only for loading.
+void stp_residency_end_load(stp_residency* r, stp_load* load);
 /// Takes in what a load brought, and makes the load spare.
 void stp_residency_take(stp_residency* r, stp_load* load);
 /// Drops a thing to `level`. Sets may be dropped further where memory for the rest cannot be had.

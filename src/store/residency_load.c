@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The threads that read: a load is taken from the queue, filled, checked, and handed back.
 #include "store/chunks.h"
+#include "store/pictures.h"
 #include "store/residency_internal.h"
 
 #include <string.h>
@@ -117,6 +118,24 @@ static bool judge_points(stp_residency* r, const stp_load* load)
     return stp_store_judge_point_data(&judge, index, &points) == STP_OK;
 }
 
+static bool decode_picture(const stp_residency* r, const stp_load* load,
+                           const stp_store_block* block)
+{
+    const stp_store_texture* texture = stp_residency_texture(r, load->thing);
+    stp_image_info info;
+    size_t size = (size_t)block->size;
+    stp_result result = stp_store_measure_picture(texture, load->picture, size, &info);
+    if (result == STP_OK) {
+        result = stp_image_decode_into(load->picture, size, &info, load->memory);
+    }
+    if (result != STP_OK) {
+        stp_warn(r->context, "%s: texture %u: %s: it stays away", r->store->path,
+                 load->thing - r->firsts[STP_RESIDENT_TEXTURE],
+                 result == STP_ERROR_OUT_OF_MEMORY ? "out of memory" : info.reason);
+    }
+    return result == STP_OK;
+}
+
 static void fill_load(stp_residency* r, stp_load* load)
 {
     load->reached = load->from;
@@ -132,7 +151,8 @@ static void fill_load(stp_residency* r, stp_load* load)
         return;
     }
     const stp_store_block* block = stp_residency_block(r, load->thing, 0);
-    bool good = read_block(r, block, load->memory);
+    bool good = read_block(r, block, load->picture != NULL ? load->picture : load->memory);
+    good = good && (load->picture == NULL || decode_picture(r, load, block));
     good = good && (kind != STP_RESIDENT_MESH || judge_mesh(r, load));
     good = good && (kind != STP_RESIDENT_POINTS || judge_points(r, load));
     load->read_bytes = good ? block->size : 0;

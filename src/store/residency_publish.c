@@ -8,6 +8,28 @@ static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t
     return &records[thing - r->firsts[STP_RESIDENT_SURFELS]];
 }
 
+/// Memory for the texels, and where they are decoded from a picture also for that and its decoder.
+static bool prepare_texture(stp_residency* r, stp_load* load)
+{
+    const stp_store_texture* texture = stp_residency_texture(r, load->thing);
+    load->memory = stp_alloc_array(r->context, (size_t)texture->width * texture->height, 4);
+    if (load->memory == NULL || texture->encoding == 0) {
+        return load->memory != NULL;
+    }
+    uint64_t size = stp_residency_block(r, load->thing, 0)->size;
+    if (stp_reserve(r->context, stp_residency_decoder_bytes(r, load->thing))) {
+        load->picture = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
+        if (load->picture != NULL) {
+            load->transient = stp_residency_transient(r, load->thing);
+            return true;
+        }
+        stp_release(r->context, stp_residency_decoder_bytes(r, load->thing));
+    }
+    stp_free(r->context, load->memory);
+    load->memory = NULL;
+    return false;
+}
+
 bool stp_residency_prepare(stp_residency* r, stp_load* load)
 {
     if (stp_residency_kind(r, load->thing) == STP_RESIDENT_SURFELS) {
@@ -16,11 +38,22 @@ bool stp_residency_prepare(stp_residency* r, stp_load* load)
         load->columns = *surfels;
         stp_store_cut_surfels(&load->columns, load->to);
         load->memory = stp_store_reserve_columns(r->context, &load->columns);
+    } else if (stp_residency_kind(r, load->thing) == STP_RESIDENT_TEXTURE) {
+        return prepare_texture(r, load);
     } else {
         uint64_t size = stp_residency_block(r, load->thing, 0)->size;
         load->memory = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
     }
     return load->memory != NULL;
+}
+
+void stp_residency_end_load(stp_residency* r, stp_load* load)
+{
+    if (load->picture != NULL) {
+        stp_free(r->context, load->picture);
+        stp_release(r->context, stp_residency_decoder_bytes(r, load->thing));
+        load->picture = NULL;
+    }
 }
 
 static void publish_mesh(const stp_residency* r, uint32_t index, void* memory,
@@ -90,6 +123,9 @@ void stp_residency_take(stp_residency* r, stp_load* load)
     stp_resident* t = &r->things[load->thing];
     t->load = NULL;
     r->under_way -= load->bytes;
+    stp_residency_end_load(r, load);
+    load->bytes -= load->transient;
+    r->bytes -= load->transient;
     r->stats.read_bytes += load->read_bytes;
     r->stats.loaded += load->reached - load->from;
     if (load->reached < load->to && !atomic_load(&r->ending)) {

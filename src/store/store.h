@@ -38,6 +38,12 @@ typedef struct stp_store_texture {
     uint32_t wrap_u, wrap_v; ///< 0 repeat, 1 clamp, 2 mirror
     uint32_t nearest;
     const uint8_t* texels; ///< RGBA, sRGB
+    /// How its block holds it: 0 texels, else a picture file: 1 PNG, 2 JPEG, 3 WebP (stp_image_kind).
+    uint32_t encoding;
+    /// For the writer alone: the picture file that decodes to the texels, which then may be NULL. NULL: the texels are
+    /// written.
+    const uint8_t* encoded;
+    size_t encoded_size;
 } stp_store_texture;
 
 typedef struct stp_store_mesh {
@@ -188,13 +194,20 @@ uint32_t stp_store_cluster_count(const stp_store* store, uint32_t index);
 /// Bytes of a mesh in the file, without the directory's.
 uint64_t stp_store_mesh_bytes(const stp_store* store, uint32_t index);
 
-// Each checks the data on first use and gives pointers into the file that live as long as the
+// Each checks the data on first use and gives pointers into the file, or to decoded texels, that live as long as the
 // store. One thread at a time. On a bad checksum or index: STP_ERROR_FORMAT, logged.
 STP_MUST_USE stp_result stp_store_get_mesh(stp_store* store, uint32_t index, stp_store_mesh* mesh);
 STP_MUST_USE stp_result stp_store_get_point_set(stp_store* store, uint32_t index,
                                                 stp_store_point_set* points);
 STP_MUST_USE stp_result stp_store_get_texture(stp_store* store, uint32_t index,
                                               stp_store_texture* texture);
+/// As stp_store_get_texture, which keeps the texels of a picture for as long as the store lives; here they are the
+/// caller's, where the store has none: `*owned` is to be freed (stp_free), or NULL.
+STP_MUST_USE stp_result stp_store_load_texture(stp_store* store, uint32_t index,
+                                               stp_store_texture* texture, uint8_t** owned);
+/// Decodes the pictures of many textures on all threads, for stp_store_get_texture to give; each index below the
+/// directory's count. What cannot be decoded is left for that call to report.
+void stp_store_decode_textures(stp_store* store, const uint32_t* textures, size_t count);
 /// The set's columns: its arrays must not be written to nor freed.
 STP_MUST_USE stp_result stp_store_get_surfels(stp_store* store, uint32_t index,
                                               stp_surfels* surfels);

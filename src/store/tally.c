@@ -133,8 +133,10 @@ static void meet_material(const tally* t, uint32_t index, stp_store_figures* fig
                            material->metallic_roughness_texture.texture,
                            material->emissive_texture.texture};
     for (int i = 0; i < 3; ++i) {
-        if (textures[i] != STP_STORE_NONE && meet(t, t->textures_met, textures[i])) {
-            figures->texture_bytes += t->matter->textures[textures[i]].bytes;
+        const stp_store_amount* texture =
+            textures[i] != STP_STORE_NONE ? &t->matter->textures[textures[i]] : NULL;
+        if (texture != NULL && meet(t, t->textures_met, texture->owner)) {
+            figures->texture_bytes += texture->bytes;
         }
     }
 }
@@ -211,7 +213,7 @@ static void sum_stored(const tally* t, stp_store_figures* figures)
         figures->point_bytes += m->point_sets[i].bytes;
     }
     for (uint32_t i = 0; i < d->texture_count; ++i) {
-        figures->texture_bytes += m->textures[i].bytes;
+        figures->texture_bytes += m->textures[i].owner == i ? m->textures[i].bytes : 0;
     }
     for (uint32_t i = 0; i < d->surfels_count; ++i) {
         figures->unique_lods += m->sets[i].count != 0;

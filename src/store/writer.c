@@ -8,6 +8,7 @@
 #include "store/clusters_layout.h"
 #include "store/internal.h"
 #include "store/matter.h"
+#include "store/pictures.h"
 #include "store/writing.h"
 
 #include <string.h>
@@ -103,6 +104,7 @@ static stp_result judge_content(const stp_store_writing* w)
     for (uint32_t i = 0; i < d->texture_count && result == STP_OK; ++i) {
         result = stp_store_judge_texture(&judge, i, &w->content->textures[i]);
     }
+    result = result == STP_OK ? stp_store_judge_pictures(&judge, w->content) : result;
     for (uint32_t i = 0; i < d->surfels_count && result == STP_OK; ++i) {
         const stp_surfels* surfels = &w->content->surfels[i];
         result = stp_store_judge_surfels(&judge, i, surfels);

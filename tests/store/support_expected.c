@@ -193,7 +193,9 @@ static json_t* expected_textures(const stp_store_content* content)
             list, json_pack("{s:I s:I s:I s:I s:I s:{s:I}}", "width", (json_int_t)t->width,
                             "height", (json_int_t)t->height, "wrap_u", (json_int_t)t->wrap_u,
                             "wrap_v", (json_int_t)t->wrap_v, "nearest", (json_int_t)t->nearest,
-                            "columns", "texels", crc(t->texels, 4 * (size_t)t->width * t->height)));
+                            "columns", t->encoded != NULL ? "picture" : "texels",
+                            t->encoded != NULL ? crc(t->encoded, t->encoded_size)
+                                               : crc(t->texels, 4 * (size_t)t->width * t->height)));
     }
     return list;
 }

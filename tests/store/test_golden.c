@@ -3,7 +3,7 @@
 // scripts/read_store.py.
 #include "support_chunks.h"
 #include "support_expected.h"
-#include "support_sample.h"
+#include "support_pictures.h"
 #include "tests.h"
 
 #include <string.h>
@@ -25,6 +25,7 @@ void test_store_writes_samples_for_another_reader(test_state* test)
         stp_arena arena = stp_arena_create(context, 1 << 16);
         sample made = sample_make(&arena, seed);
         CHECK(seed % 2 == 0 || sample_code_meshes(&arena, &made, NULL));
+        CHECK(seed % 4 != 2 || pictures_add(&arena, &made, 1));
         snprintf(path, sizeof(path), "%s-%llu.stip", name, (unsigned long long)seed);
         CHECK_EQUAL(STP_OK, stp_store_write(context, &made.content, path));
         stp_store* store = NULL; // tells how many bytes compressed data take
@@ -109,6 +110,25 @@ void test_store_opens_clusters_of_version_1_for_ever(test_state* test)
     stp_store_close(store);
     stp_arena_destroy(&arena);
     CHECK(difference == NULL);
+    CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
+    stp_context_destroy(context);
+}
+
+void test_store_opens_pictures_of_version_1_2_for_ever(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    const char* path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/pictures-1.2.stip";
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    CHECK_EQUAL(2, stp_store_format_minor(store));
+    CHECK_EQUAL(PICTURE_TEXTURES, stp_store_get_directory(store)->texture_count);
+    for (uint32_t i = 0; i < PICTURE_TEXTURES; ++i) {
+        stp_store_texture texture;
+        CHECK_EQUAL(STP_OK, stp_store_get_texture(store, i, &texture));
+        CHECK(pictures_error(&texture) <= (i == PICTURE_JPEG ? 8 : 0));
+    }
+    stp_store_close(store);
     CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
     stp_context_destroy(context);
 }

@@ -32,6 +32,7 @@ enum {
 typedef struct cpu_texture {
     stp_texture_pyramid as_color, as_data;
     bool has_color, has_data;
+    bool is_asked;    ///< to be decoded with others
     uint64_t arrival; ///< of its texels (stp_store_texture_arrival)
 } cpu_texture;
 
@@ -155,6 +156,7 @@ typedef struct cpu_renderer {
     uint8_t* eye_pixels; ///< of two eyes' pictures, one after the other
     size_t eye_pixel_count;
     cpu_texture* textures;
+    uint32_t* asked; ///< room for one index a texture
     cpu_item* items;
     size_t item_count, item_capacity;
     uint32_t piece_count;

@@ -109,6 +109,7 @@ void cpu_destroy_textures(cpu_renderer* r)
         forget_texture(r, &r->textures[i]);
     }
     stp_free(r->base.context, r->textures);
+    stp_free(r->base.context, r->asked);
 }
 
 static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
@@ -198,6 +199,34 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
     return result;
 }
 
+/// Asks for a texture's texels, once. @return how many are asked for now
+static uint32_t ask_for(cpu_renderer* r, uint32_t texture, uint32_t count)
+{
+    if (texture != STP_STORE_NONE && !r->textures[texture].is_asked) {
+        r->textures[texture].is_asked = true;
+        r->asked[count++] = texture;
+    }
+    return count;
+}
+
+/// Decodes the pictures that items from `first` on are the first to need, on all threads.
+static void decode_pictures(cpu_renderer* r, const stp_draw_list* list, size_t first)
+{
+    uint32_t count = 0;
+    for (size_t i = first; r->directory->texture_count > 1 && i < list->count; ++i) {
+        if (list->items[i].kind == STP_DRAW_MESH) {
+            const stp_store_mesh* mesh = stp_store_describe_mesh(r->store, list->items[i].index);
+            const stp_store_material* m = &r->directory->materials[mesh->material];
+            count = ask_for(r, m->base_color_texture.texture, count);
+            count = ask_for(r, m->metallic_roughness_texture.texture, count);
+            count = ask_for(r, m->emissive_texture.texture, count);
+        }
+    }
+    if (count > 1) { // one alone is decoded where it is used
+        stp_store_decode_textures(r->store, r->asked, count);
+    }
+}
+
 stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
     if (list->count > r->item_capacity) {
@@ -211,6 +240,7 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
     if (first == 0) {
         forget_old_textures(r);
     }
+    decode_pictures(r, list, first);
     for (size_t i = 0; i < first; ++i) { // the list may lie elsewhere now
         const stp_draw_item* draw = &list->items[i];
         r->items[i].draw = draw;

@@ -273,7 +273,8 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
     r->team = stp_team_create_useful(context);
     r->workers = STP_NEW_ZEROED(context, cpu_worker, r->team.threads);
     r->textures = STP_NEW_ZEROED(context, cpu_texture, (size_t)r->directory->texture_count + 1);
-    if (r->workers == NULL || r->textures == NULL) {
+    r->asked = STP_NEW_ARRAY(context, uint32_t, (size_t)r->directory->texture_count + 1);
+    if (r->workers == NULL || r->textures == NULL || r->asked == NULL) {
         destroy(&r->base);
         return stp_fail_memory(context);
     }

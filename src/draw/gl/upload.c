@@ -259,26 +259,19 @@ static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, gl
 
 _Static_assert(TEXTURE_SIZES + 3 * STP_TEXTURE_LEVELS <= TEXTURE_HEADER, "room for all levels");
 
-gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data)
+static gl_upload upload_texels(gl_renderer* r, uint32_t texture, bool data,
+                               const stp_store_texture* source)
 {
     uint32_t entry = r->things.textures + 2 * texture + (data ? 1u : 0u);
-    if (gl_pool_has(&r->pool, entry)) {
-        gl_pool_use(&r->pool, entry);
-        return GL_UPLOAD_THERE;
-    }
-    stp_store_texture source;
     stp_texture_pyramid pyramid;
-    r->failure = stp_store_get_texture(r->store, texture, &source);
-    if (r->failure == STP_OK) {
-        r->failure = stp_texture_pyramid_create(r->base.context, source.texels, source.width,
-                                                source.height, data, &pyramid);
-    }
+    r->failure = stp_texture_pyramid_create(r->base.context, source->texels, source->width,
+                                            source->height, data, &pyramid);
     if (r->failure != STP_OK) {
         return GL_UPLOAD_FAILED;
     }
-    pyramid.wrap_u = (stp_texture_wrap)source.wrap_u;
-    pyramid.wrap_v = (stp_texture_wrap)source.wrap_v;
-    pyramid.nearest = source.nearest != 0;
+    pyramid.wrap_u = (stp_texture_wrap)source->wrap_u;
+    pyramid.wrap_v = (stp_texture_wrap)source->wrap_v;
+    pyramid.nearest = source->nearest != 0;
     uint64_t words;
     uint32_t first = choose_level(r, &pyramid, &words);
     gl_upload result = gl_upload_begin(r, entry, words, true);
@@ -288,5 +281,21 @@ gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data)
         result = gl_upload_end(r, entry, &writer, true);
     }
     stp_texture_pyramid_destroy(r->base.context, &pyramid);
+    return result;
+}
+
+gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data)
+{
+    uint32_t entry = r->things.textures + 2 * texture + (data ? 1u : 0u);
+    if (gl_pool_has(&r->pool, entry)) {
+        gl_pool_use(&r->pool, entry);
+        return GL_UPLOAD_THERE;
+    }
+    stp_store_texture source;
+    uint8_t* decoded; // the texels of a picture are needed no longer than this
+    r->failure = stp_store_load_texture(r->store, texture, &source, &decoded);
+    gl_upload result =
+        r->failure == STP_OK ? upload_texels(r, texture, data, &source) : GL_UPLOAD_FAILED;
+    stp_free(r->base.context, decoded);
     return result;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "import/image.h"
+#include "image/image.h"
 
 #include <spng.h>
 #include <stdio.h>
@@ -218,32 +218,37 @@ stp_result stp_image_measure(const unsigned char* bytes, size_t size, stp_image_
     return STP_OK;
 }
 
-// Whether a JPEG picture is progressive: the decoder then holds the coefficients of all of it.
-static bool is_progressive(const unsigned char* bytes, size_t size)
+// Whether the decoder holds the coefficients of a whole JPEG picture: progressive ones, and those with several scans.
+static bool has_many_scans(const unsigned char* bytes, size_t size)
 {
     size_t at = 2;
-    while (at + 4 <= size && bytes[at] == 0xFF) {
+    unsigned components = UINT8_MAX;
+    while (at + 10 <= size && bytes[at] == 0xFF) {
         unsigned marker = bytes[at + 1];
         if (marker == 0xC2 || marker == 0xC6 || marker == 0xCA || marker == 0xCE) {
             return true;
         }
+        if (marker == 0xC0 || marker == 0xC1) { // the frame
+            components = bytes[at + 9];
+        }
         if (marker == 0xDA) { // the first scan
-            return false;
+            return bytes[at + 4] < components;
         }
         bool alone = marker == 0xFF || marker == 0x01 || (marker >= 0xD0 && marker <= 0xD9);
         at += marker == 0xFF ? 1 : alone ? 2 : 2 + ((size_t)bytes[at + 2] << 8 | bytes[at + 3]);
     }
-    return true; // not to be told: the more cautious
+    return true; // unknown: the cautious answer
 }
 
-// What the decoders allocate by themselves: rows, windows and tables, and what grows with the picture.
-static uint64_t decoder_bytes(const stp_image_info* info, const unsigned char* bytes, size_t size)
+// What decoders allocate by themselves: rows, windows and tables, and what grows with the picture.
+uint64_t stp_image_decoder_bytes(const stp_image_info* info, const unsigned char* bytes,
+                                 size_t size)
 {
     uint64_t pixels = (uint64_t)info->width * info->height;
     uint64_t rows = ((uint64_t)64 << 10) + (uint64_t)info->width * ROW_BYTES_PER_PIXEL;
     switch (info->kind) {
     case STP_IMAGE_JPEG:
-        return rows + (is_progressive(bytes, size) ? pixels * COEFFICIENT_BYTES : 0);
+        return rows + (has_many_scans(bytes, size) ? pixels * COEFFICIENT_BYTES : 0);
     case STP_IMAGE_WEBP:
         return rows + pixels * WEBP_BYTES;
     default:
@@ -251,41 +256,46 @@ static uint64_t decoder_bytes(const stp_image_info* info, const unsigned char* b
     }
 }
 
-stp_result stp_image_decode_measured(stp_context* context, const unsigned char* bytes, size_t size,
-                                     stp_image_info* info, stp_texture* texture)
+stp_result stp_image_decode_into(const unsigned char* bytes, size_t size, stp_image_info* info,
+                                 uint8_t* texels)
 {
     size_t texel_size = (size_t)info->width * info->height * 4;
-    uint64_t own_bytes = decoder_bytes(info, bytes, size);
+    switch (info->kind) {
+    case STP_IMAGE_PNG:
+        return decode_png(bytes, size, info, texels, texel_size);
+    case STP_IMAGE_JPEG:
+        return decode_jpeg(bytes, size, info, texels, texel_size);
+    default:
+        return decode_webp(bytes, size, info, texels, texel_size);
+    }
+}
+
+stp_result stp_image_decode_measured(stp_context* context, const unsigned char* bytes, size_t size,
+                                     stp_image_info* info, stp_image* image)
+{
+    uint64_t own_bytes = stp_image_decoder_bytes(info, bytes, size);
     if (!stp_reserve(context, own_bytes)) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    uint8_t* texels = stp_alloc(context, texel_size);
-    stp_result result = STP_ERROR_OUT_OF_MEMORY;
-    if (texels != NULL && info->kind == STP_IMAGE_PNG) {
-        result = decode_png(bytes, size, info, texels, texel_size);
-    } else if (texels != NULL && info->kind == STP_IMAGE_JPEG) {
-        result = decode_jpeg(bytes, size, info, texels, texel_size);
-    } else if (texels != NULL) {
-        result = decode_webp(bytes, size, info, texels, texel_size);
-    }
+    uint8_t* texels = stp_alloc(context, (size_t)info->width * info->height * 4);
+    stp_result result =
+        texels != NULL ? stp_image_decode_into(bytes, size, info, texels) : STP_ERROR_OUT_OF_MEMORY;
     stp_release(context, own_bytes);
     if (result != STP_OK) {
         stp_free(context, texels);
         return result;
     }
-    texture->width = info->width;
-    texture->height = info->height;
-    texture->texels = texels;
+    *image = (stp_image){.width = info->width, .height = info->height, .pixels = texels};
     return STP_OK;
 }
 
 stp_result stp_image_decode(stp_context* context, const char* name, const unsigned char* bytes,
-                            size_t size, stp_texture* texture)
+                            size_t size, stp_image* image)
 {
     stp_image_info info;
     stp_result result = stp_image_measure(bytes, size, &info);
     if (result == STP_OK) {
-        result = stp_image_decode_measured(context, bytes, size, &info, texture);
+        result = stp_image_decode_measured(context, bytes, size, &info, image);
     }
     if (result == STP_ERROR_OUT_OF_MEMORY) {
         return stp_fail_memory(context);

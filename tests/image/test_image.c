@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
-#include "import/image.h"
+#include "image/image.h"
 
 #include <spng.h>
 #include <string.h>
@@ -59,13 +59,13 @@ void test_image_decodes_every_png_kind(test_state* test)
         unsigned char* bytes = encode_png(2, 2, cases[i].color_type, cases[i].depth, cases[i].rows,
                                           cases[i].row_bytes, &size);
         CHECK(bytes != NULL);
-        stp_texture texture = {0};
+        stp_image texture = {0};
         CHECK_EQUAL(STP_OK, stp_image_decode(context, "a.png", bytes, size, &texture));
         CHECK_EQUAL(2, texture.width);
         CHECK_EQUAL(2, texture.height);
-        CHECK(memcmp(texture.texels, cases[i].first, 4) == 0);
-        CHECK(memcmp(texture.texels + 12, cases[i].last, 4) == 0);
-        stp_free(context, texture.texels);
+        CHECK(memcmp(texture.pixels, cases[i].first, 4) == 0);
+        CHECK(memcmp(texture.pixels + 12, cases[i].last, 4) == 0);
+        stp_free(context, texture.pixels);
         free(bytes);
     }
     stp_context_destroy(context);
@@ -86,23 +86,23 @@ void test_image_decodes_jpeg_and_webp(test_state* test)
         unsigned long size = 0;
         CHECK(tjCompress2(jpeg, rows, 16, 0, 16, formats[i], &bytes, &size, sampling[i], 95, 0) ==
               0);
-        stp_texture texture = {0};
+        stp_image texture = {0};
         CHECK_EQUAL(STP_OK, stp_image_decode(context, "a.jpg", bytes, size, &texture));
         CHECK_EQUAL(16, texture.width);
-        CHECK_EQUAL(255, texture.texels[3]);
-        CHECK(i != 0 || (abs(texture.texels[0] - 200) <= 3 && abs(texture.texels[2] - 50) <= 3));
-        CHECK(i != 2 || abs(texture.texels[0] - 200) <= 3);
-        stp_free(context, texture.texels);
+        CHECK_EQUAL(255, texture.pixels[3]);
+        CHECK(i != 0 || (abs(texture.pixels[0] - 200) <= 3 && abs(texture.pixels[2] - 50) <= 3));
+        CHECK(i != 2 || abs(texture.pixels[0] - 200) <= 3);
+        stp_free(context, texture.pixels);
         tjFree(bytes);
         tjDestroy(jpeg);
     }
     uint8_t* webp = NULL;
     size_t webp_size = WebPEncodeLosslessRGBA(rows, 16, 16, 64, &webp);
     CHECK(webp_size > 0);
-    stp_texture texture = {0};
+    stp_image texture = {0};
     CHECK_EQUAL(STP_OK, stp_image_decode(context, "a.webp", webp, webp_size, &texture));
-    CHECK(memcmp(texture.texels, rows, sizeof(rows)) == 0);
-    stp_free(context, texture.texels);
+    CHECK(memcmp(texture.pixels, rows, sizeof(rows)) == 0);
+    stp_free(context, texture.pixels);
     WebPFree(webp);
     stp_context_destroy(context);
 }
@@ -131,7 +131,7 @@ void test_image_refuses_every_truncation(test_state* test)
             unsigned char* cut = malloc(size + 1); // its own block, so that sanitizers see its end
             CHECK(cut != NULL);
             memcpy(cut, bytes[kind], size);
-            stp_texture texture = {0};
+            stp_image texture = {0};
             int errors = log.errors;
             stp_result result = stp_image_decode(context, "a", cut, size, &texture);
             CHECK(result == STP_ERROR_FORMAT || result == STP_ERROR_UNSUPPORTED);
@@ -156,10 +156,10 @@ void test_image_refuses_absurd_sizes(test_state* test)
     CHECK(bytes != NULL && size > 33);
     memcpy(bytes + 16, "\x00\x00\x40\x00\x00\x00\x40\x00", 8); // 16384 x 16384, and its checksum
     memcpy(bytes + 29, "\x8c\xa3\x4f\x58", 4);
-    stp_texture texture = {0};
+    stp_image texture = {0};
     stp_result result = stp_image_decode(context, "a.png", bytes, size, &texture);
     CHECK(result == STP_ERROR_LIMIT || result == STP_ERROR_FORMAT);
-    CHECK(texture.texels == NULL);
+    CHECK(texture.pixels == NULL);
     free(bytes);
     stp_context_destroy(context);
 }
@@ -172,11 +172,11 @@ void test_image_survives_failing_allocator(test_state* test)
     for (int n = 0;; ++n) {
         test_heap heap = TEST_HEAP(n);
         stp_context* context = test_context(&heap, 1, NULL);
-        stp_texture texture = {0};
+        stp_image texture = {0};
         stp_result result = STP_ERROR_OUT_OF_MEMORY;
         if (context != NULL) {
             result = stp_image_decode(context, "a.png", bytes, size, &texture);
-            stp_free(context, texture.texels);
+            stp_free(context, texture.pixels);
             stp_context_destroy(context);
         }
         CHECK_EQUAL(0, heap.live_bytes);
