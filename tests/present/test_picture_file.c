@@ -2,7 +2,7 @@
 #include "tests.h"
 
 #include "base/file.h"
-#include "import/image.h"
+#include "image/image.h"
 #include "present/picture_file.h"
 
 #include <stdio.h>
@@ -25,7 +25,7 @@ static void fill(unsigned char* pixels)
     }
 }
 
-static bool read_back(stp_context* context, const char* path, stp_image_kind kind, stp_texture* out)
+static bool read_back(stp_context* context, const char* path, stp_image_kind kind, stp_image* out)
 {
     stp_mapped_file file;
     stp_image_info info = {0};
@@ -47,18 +47,18 @@ void test_picture_file_is_what_its_name_says(test_state* test)
     CHECK(mkdtemp(folder) != NULL);
 
     snprintf(path, sizeof(path), "%s/a.webp", folder);
-    stp_texture webp = {0};
+    stp_image webp = {0};
     CHECK_EQUAL(STP_OK, stp_picture_write(context, &image, path));
     CHECK(read_back(context, path, STP_IMAGE_WEBP, &webp));
     for (size_t i = 0; i < sizeof(pixels); i += 4) { // what is transparent may lose its colour
-        CHECK(webp.texels[i + 3] == pixels[i + 3]);
-        CHECK(pixels[i + 3] == 0 || memcmp(webp.texels + i, pixels + i, 4) == 0);
+        CHECK(webp.pixels[i + 3] == pixels[i + 3]);
+        CHECK(pixels[i + 3] == 0 || memcmp(webp.pixels + i, pixels + i, 4) == 0);
     }
-    stp_free(context, webp.texels);
+    stp_free(context, webp.pixels);
     (void)unlink(path);
 
     snprintf(path, sizeof(path), "%s/a.JPG", folder);
-    stp_texture jpeg = {0};
+    stp_image jpeg = {0};
     CHECK_EQUAL(STP_OK, stp_picture_write(context, &image, path));
     CHECK(read_back(context, path, STP_IMAGE_JPEG, &jpeg));
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
@@ -66,10 +66,10 @@ void test_picture_file_is_what_its_name_says(test_state* test)
         for (int c = 0; c < 3 && (x < 24 || x >= 40);
              ++c) { // away from the edge between the halves
             int wanted = x < 32 ? pixels[4 * i + c] : 255;
-            CHECK(abs(jpeg.texels[4 * i + c] - wanted) <= JPEG_ERROR);
+            CHECK(abs(jpeg.pixels[4 * i + c] - wanted) <= JPEG_ERROR);
         }
     }
-    stp_free(context, jpeg.texels);
+    stp_free(context, jpeg.pixels);
     (void)unlink(path);
     (void)rmdir(folder);
     CHECK_EQUAL(live_bytes, stp_context_live_bytes(context));
