@@ -28,7 +28,7 @@
 #define MOST_CANDIDATES 1750000.0
 
 // Part of every key: to be raised when the same node and options give other surfels.
-static const char* const result_version = "stipple-surfels-4";
+static const char* const result_version = "stipple-surfels-6";
 
 // The nearest set above a node, over all ways to it, as seen in the node's own space.
 typedef struct above {
@@ -148,6 +148,15 @@ static bool has_points(const planning* p, const stp_node* node)
     return false;
 }
 
+// Whether a node of points alone is just a place for another: that one's set shows all of it.
+static bool passes_through(const planning* p, const stp_node* node, uint32_t index)
+{
+    if (node->part_count != 0 || node->edge_count != 1 || p->resting[index].triangles != 0) {
+        return false;
+    }
+    return !moves(p->scene, p->scene->edges[node->first_edge].node);
+}
+
 static bool is_worth_a_set(const planning* p, uint32_t index)
 {
     const stp_node* node = &p->scene->nodes[index];
@@ -156,6 +165,9 @@ static bool is_worth_a_set(const planning* p, uint32_t index)
     }
     if (has_points(p, node)) {
         return true; // only as surfels do points have a size
+    }
+    if (passes_through(p, node, index)) {
+        return false;
     }
     const resting* r = &p->resting[index];
     if (r->triangles <= p->desc->threshold && r->points == 0) {
@@ -230,7 +242,8 @@ static sets_below sum_below(const planning* p, const stp_node* node)
 }
 
 // Prefixes of the sets below draw a node as well as its own set does, with as many splats: its own pays where they
-// are too many to be looked at one by one, or hold much that cannot be seen from outside. The root's always does.
+// are too many to be looked at one by one, or hold much that cannot be seen from outside. Those of uppermost sets always
+// do.
 static void drop_needless(planning* p)
 {
     const stp_scene* scene = p->scene;
@@ -241,7 +254,8 @@ static void drop_needless(planning* p)
         }
         p->below[i] = sum_below(p, node);
         const sets_below* b = &p->below[i];
-        if (p->wanted[i] && i != scene->root && !moves(scene, i)) {
+        bool uppermost = !(p->above[i].spacing < HUGE_VAL);
+        if (p->wanted[i] && !uppermost && !moves(scene, i)) {
             double own = expected_surfels(p, i);
             p->wanted[i] = b->triangles < COVERED * count_shapes(p, i) ||
                            b->items * ITEM_SURFELS > own || b->surfels > THINNER * own;

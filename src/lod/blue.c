@@ -71,10 +71,18 @@ static stp_result capture_parts(blue* b, uint64_t count)
     return stp_capture_parts(b->scene, b->list.parts, b->list.part_count, &capture, &b->candidates);
 }
 
-// From the sets below the node where they are dense enough, else from its parts.
+// Whether a node is a cloud whose points themselves are candidates soon enough: sooner than views of the sets below.
+static bool is_small_cloud(const stp_scene* scene, uint32_t node)
+{
+    const stp_node* n = &scene->nodes[node];
+    return n->triangle_count == 0 && n->point_count != 0 && n->point_count <= MOST_CANDIDATES;
+}
+
+// From the points of a cloud; else from the sets below the node where they are dense enough, else from its parts.
 static stp_result make_candidates(blue* b, uint32_t node)
 {
-    stp_result result = list_sources(b, node, b->desc->sets);
+    bool from_sets = !is_small_cloud(b->scene, node);
+    stp_result result = list_sources(b, node, from_sets ? b->desc->sets : NULL);
     bool has_sets = b->list.set_count != 0, captured = false;
     b->from_points = !has_sets && b->list.triangle_count == 0 && b->list.point_count != 0;
     uint64_t count = choose_count(b);

@@ -106,6 +106,40 @@ void test_plans_make_shared_nodes_once(test_state* test)
     stp_context_destroy(context);
 }
 
+// A cloud that is placed once is one set: what places it needs none of its own.
+void test_plans_make_placed_clouds_once(test_state* test)
+{
+    for (uint32_t uses = 1; uses <= 2; ++uses) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_scene* scene = NULL;
+        CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+        float* positions = STP_NEW_ARRAY(context, float, 300);
+        CHECK(positions != NULL);
+        for (int i = 0; i < 300; ++i) {
+            positions[i] = (float)(i * 37 % 101);
+        }
+        stp_point_set points = {.point_count = 100, .positions = positions};
+        uint32_t index;
+        CHECK_EQUAL(STP_OK, stp_scene_add_point_set(scene, &points, &index));
+        for (uint32_t i = 0; i < uses; ++i) {
+            stp_object object = {.parent = STP_NONE, .transform = stp_affine_identity()};
+            object.transform.m[0][3] = 674000.0 + 1000.0 * i;
+            CHECK_EQUAL(STP_OK, stp_scene_add_object(scene, &object, NULL));
+            CHECK_EQUAL(STP_OK, stp_scene_add_part(scene, (stp_part){STP_PART_POINTS, index}));
+        }
+        CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+        stp_build_plan plan;
+        CHECK(make_plan(scene, 1000, 0, &plan));
+        CHECK_EQUAL(uses, plan.step_count); // two places: one set for both, and one of the whole
+        CHECK_EQUAL(0, plan.steps[0].surfel_count); // all points
+        CHECK(uses == 2 || plan.step_of[scene->root] == STP_NONE || scene->node_count == 1);
+        CHECK(waits_for_what_it_uses(scene, &plan));
+        stp_build_plan_destroy(context, &plan);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+    }
+}
+
 void test_plans_approximate_small_parts_in_groups(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
