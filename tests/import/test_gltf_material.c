@@ -108,7 +108,7 @@ void test_gltf_textures_are_pictures_with_samplers(test_state* test)
                   png, size);
     CHECK_EQUAL(STP_OK, run.result);
     CHECK_EQUAL(2, run.scene->texture_count); // textures 0 and 2 look alike
-    for (uint32_t i = 0; i < 2; ++i) { // as they came
+    for (uint32_t i = 0; i < 2; ++i) {        // as they came
         const stp_texture* texture = &run.scene->textures[i];
         CHECK_EQUAL(STP_TEXTURE_PNG, texture->encoding);
         CHECK(texture->encoded_size == size && memcmp(texture->encoded, png, size) == 0);
