@@ -7,6 +7,7 @@
 #include "base/clock.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,8 @@ struct painter {
     pthread_mutex_t mutex;
     pthread_cond_t changed;
     bool quits;
+    bool refines;     ///< what is being drawn makes a resting picture finer
+    atomic_bool stop; ///< abandon it: something else is wanted
     // what is wanted
     paint_request request;
     uint64_t number; ///< of the request
@@ -52,6 +55,9 @@ struct painter {
     bool gl_lost;       ///< it draws no more
     paint_scene* scene; ///< adopted and asked for
     uint64_t begun;     ///< number of the request being drawn
+    double begun_ms;    ///< when it was asked
+    uint64_t answered;  ///< number of the last request that has a picture
+    double latency_ms;  ///< from the asking to its first picture
     paint_stage stage;
     float size;         ///< of splats, of the last frame
     double expected_ms; ///< that the next frame of the same request takes
@@ -179,7 +185,8 @@ static void measure_gl(painter* p, paint_figures* figures)
     figures->work_ms = fmin(figures->frame_ms, figures->work_ms + stats.draw_ms + stats.shade_ms);
 }
 
-/// Draws one frame; *texture: that it is in, where OpenGL draws. That one may be lost by it.
+/// Draws one frame; *texture: that it is in, where OpenGL draws, which may be lost by it. @return false where there is no
+/// picture: it failed, or was abandoned
 static bool draw(painter* p, const paint_request* request, float size, bool accumulates,
                  uint32_t* texture, paint_figures* figures)
 {
@@ -205,11 +212,23 @@ static bool draw(painter* p, const paint_request* request, float size, bool accu
     return result == STP_OK && !(p->uses_gl && *texture == 0);
 }
 
+/// Abandons a refinement that is being drawn. The mutex is held. Frames of a moving camera are finished: else none would be seen
+/// while hands are faster than frames.
+static void abandon_refinement(painter* p)
+{
+    if (p->refines) {
+        atomic_store(&p->stop, true);
+    }
+}
+
 /// Draws one frame without the mutex, and makes it the one that is ready. The mutex is held before and after.
 static void paint(painter* p)
 {
     paint_request request = p->request;
     painter_picture* picture = &p->pictures[p->painting];
+    atomic_store(&p->stop, false);
+    p->refines = p->stage != STAGE_MOVES;
+    paint_scene_set_stop(p->scene, p->refines ? &p->stop : NULL);
     pthread_mutex_unlock(&p->mutex);
     paint_figures figures = {0};
     p->uses_gl = request.gl && !p->gl_lost && p->gl.functions != NULL &&
@@ -233,8 +252,10 @@ static void paint(painter* p)
         copy_depth(p, picture);
     }
     pthread_mutex_lock(&p->mutex);
+    p->refines = false;
     if (!drawn) {
-        p->stage = STAGE_DONE; // until another request
+        // until another request; what was abandoned for something else goes on after it
+        p->stage = atomic_load(&p->stop) ? STAGE_RESTS : STAGE_DONE;
         return;
     }
     p->stage = next_stage(p, &request, &figures);
@@ -247,6 +268,11 @@ static void paint(painter* p)
     picture->frame = ++p->frame;
     picture->complete = p->stage == STAGE_DONE && figures.missing == 0;
     picture->near_distance = paint_near_distance(&request.view);
+    if (p->answered != p->begun) {
+        p->answered = p->begun;
+        p->latency_ms = stp_clock_ms() - p->begun_ms;
+    }
+    figures.latency_ms = p->latency_ms;
     picture->figures = figures;
     int painted = p->painting;
     p->painting = p->ready;
@@ -329,14 +355,13 @@ static void work(painter* p)
         take_list(p);
     } else if (p->begun != p->number) {
         p->begun = p->number;
+        p->begun_ms = p->request_ms;
         p->stage = STAGE_MOVES;
         paint(p);
     } else if (p->stage != STAGE_DONE) {
-        // a frame cannot be broken off: who moves on waits for it, so it may take half as long as the camera has rested
         double since = stp_clock_ms() - p->request_ms;
-        double wanted = fmax(rest_ms, 2.0 * p->expected_ms);
-        if (since < wanted) {
-            wait_for(p, wanted - since + 1.0);
+        if (since < rest_ms) {
+            wait_for(p, rest_ms - since + 1.0);
         } else {
             paint(p);
         }
@@ -401,6 +426,7 @@ void painter_destroy(painter* p)
     }
     pthread_mutex_lock(&p->mutex);
     p->quits = true;
+    abandon_refinement(p);
     pthread_cond_signal(&p->changed);
     pthread_mutex_unlock(&p->mutex);
     pthread_join(p->thread, NULL);
@@ -423,6 +449,7 @@ void painter_open(painter* p, const char* path, uint32_t serial)
     pthread_mutex_lock(&p->mutex);
     snprintf(p->open_path, sizeof(p->open_path), "%s", path);
     p->open_serial = serial;
+    abandon_refinement(p);
     pthread_cond_signal(&p->changed);
     pthread_mutex_unlock(&p->mutex);
 }
@@ -451,6 +478,7 @@ void painter_show(painter* p, uint32_t scene, shown_list* list)
     p->has_list = true;
     p->number += 1; // another picture, whatever else is asked
     p->request_ms = stp_clock_ms();
+    abandon_refinement(p);
     *list = (shown_list){0};
     pthread_cond_signal(&p->changed);
     pthread_mutex_unlock(&p->mutex);
@@ -463,6 +491,7 @@ uint64_t painter_request(painter* p, const paint_request* request)
         p->request = *request;
         p->number += 1;
         p->request_ms = stp_clock_ms();
+        abandon_refinement(p);
         pthread_cond_signal(&p->changed);
     }
     uint64_t number = p->number;

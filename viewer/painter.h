@@ -3,7 +3,8 @@
 // Draws what the window is to show, on a thread of its own: the window never waits for a picture.
 //
 // While the camera moves, splats are as large as the budget of time asks. Once it rests they shrink step by step, and then
-// frames that are each shifted by a part of a pixel are accumulated.
+// frames that are each shifted by a part of a pixel are accumulated. A new request abandons such a refinement at once, in the
+// middle of a frame.
 #pragma once
 
 #include "explorer.h"
@@ -44,6 +45,7 @@ typedef struct paint_figures {
     float splat_size;
     uint64_t splats, triangles, fragments, covered_pixels, draw_calls, nodes;
     uint64_t live_bytes; ///< of the renderer's context
+    double latency_ms;   ///< from asking for this view to its first picture
     uint32_t samples;    ///< accumulated
     uint32_t missing;    ///< things wanted and not loaded, or not drawn yet
 } paint_figures;

@@ -80,6 +80,15 @@ bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl, stp_gl_splat
     return !s->gl_failed;
 }
 
+void paint_scene_set_stop(paint_scene* s, const atomic_bool* stop)
+{
+    for (int i = 0; i < 2; ++i) {
+        if (s->renderers[i] != NULL) {
+            stp_renderer_set_stop(s->renderers[i], stop);
+        }
+    }
+}
+
 stp_result paint_scene_show(paint_scene* s, const shown_list* list)
 {
     stp_result result = STP_OK;

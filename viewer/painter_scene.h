@@ -31,6 +31,8 @@ void paint_scene_close(paint_scene* s);
 
 /// Makes ready to draw with OpenGL, where that was not yet. @return whether it can
 bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl, stp_gl_splats splats);
+/// Abandons frames from now on where *stop becomes true (stp_renderer_set_stop); NULL: none.
+void paint_scene_set_stop(paint_scene* s, const atomic_bool* stop);
 /// What is shown from now on.
 stp_result paint_scene_show(paint_scene* s, const shown_list* list);
 

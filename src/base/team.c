@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "base/team.h"
 
+#include "base/context_internal.h"
 #include "base/processor.h"
-
-#include <stdatomic.h>
 
 stp_team stp_team_create(stp_context* context, uint32_t wanted)
 {
     uint32_t all = stp_context_thread_count(context);
-    return (stp_team){context, wanted == 0 || wanted > all ? all : wanted};
+    return (stp_team){.context = context, .threads = wanted == 0 || wanted > all ? all : wanted};
 }
 
 stp_team stp_team_create_useful(stp_context* context)
@@ -22,6 +21,7 @@ typedef struct shared_loop {
     size_t count, grain;
     stp_job job;
     void* user;
+    const atomic_bool* stopped;
 } shared_loop;
 
 // One member's share: `begin` is the member's number, whichever thread it runs on.
@@ -31,7 +31,9 @@ static void run_member(size_t begin, size_t end, uint32_t worker, void* user)
     shared_loop* loop = user;
     for (;;) {
         size_t first = atomic_fetch_add_explicit(&loop->next, loop->grain, memory_order_relaxed);
-        if (first >= loop->count) {
+        bool stopped =
+            loop->stopped != NULL && atomic_load_explicit(loop->stopped, memory_order_relaxed);
+        if (first >= loop->count || stopped) {
             return;
         }
         size_t left = loop->count - first;
@@ -43,10 +45,13 @@ static void run_member(size_t begin, size_t end, uint32_t worker, void* user)
 void stp_team_run(const stp_team* team, size_t count, size_t grain, stp_job job, void* user)
 {
     if (team->threads == stp_context_thread_count(team->context) && team->threads > 1) {
-        stp_parallel_for(team->context, count, grain, job, user);
+        stp_jobs_loop all = {
+            .count = count, .grain = grain, .job = job, .user = user, .stopped = team->stopped};
+        stp_jobs_run(team->context->jobs, &all);
         return;
     }
-    shared_loop loop = {.count = count, .grain = grain, .job = job, .user = user};
+    shared_loop loop = {
+        .count = count, .grain = grain, .job = job, .user = user, .stopped = team->stopped};
     atomic_init(&loop.next, 0);
     if (team->threads == 1 || count <= grain) {
         run_member(0, 1, 0, &loop);

@@ -4,9 +4,13 @@
 
 #include "base/context.h"
 
+#include <stdatomic.h>
+
 typedef struct stp_team {
     stp_context* context;
     uint32_t threads; ///< at least 1, at most the context's
+    /// Once true, no further piece of a loop begins. Belongs to the caller; NULL: never.
+    const atomic_bool* stopped;
 } stp_team;
 
 /// `wanted` threads of the context, at most all; 0: all.

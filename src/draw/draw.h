@@ -7,6 +7,8 @@
 
 #include <stipple/image.h>
 
+#include <stdatomic.h>
+
 typedef enum stp_filter {
     STP_FILTER_NONE, ///< a pixel shows one splat
     STP_FILTER_EWA, ///< splats of a pixel's surface are blended, weighted by how close their centres are
@@ -71,6 +73,11 @@ STP_MUST_USE stp_result stp_renderer_accumulate(stp_renderer* renderer, const st
                                                 const stp_quality* quality,
                                                 const stp_draw_style* style, stp_draw_list* list,
                                                 stp_image* image, stp_draw_stats* stats);
+
+/// From now on, drawing is abandoned soon after *stop becomes true (from any thread): it returns STP_ERROR_CANCELLED, which is not
+/// logged, and the image is undefined. The next picture is the one that it would be without. `stop` belongs to the caller;
+/// NULL: drawing is never abandoned. With a stop, OpenGL draws in portions and waits for each.
+void stp_renderer_set_stop(stp_renderer* renderer, const atomic_bool* stop);
 
 /// The nearness of each pixel of the last frame (0: background), one sample a pixel (of the last supersample),
 /// `width * height` floats owned by the renderer, of two eyes one picture after the other; nearness = 1 / depth in perspective, times near_distance.

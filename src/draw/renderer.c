@@ -29,6 +29,11 @@ stp_result stp_renderer_accumulate(stp_renderer* renderer, const stp_view* view,
     return renderer->accumulate(renderer, view, quality, style, list, image, stats);
 }
 
+void stp_renderer_set_stop(stp_renderer* renderer, const atomic_bool* stop)
+{
+    renderer->stop = stop;
+}
+
 const float* stp_renderer_depth(const stp_renderer* renderer)
 {
     return renderer->depth(renderer);

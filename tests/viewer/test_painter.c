@@ -2,11 +2,13 @@
 // The thread that draws for the window: what makes another picture, and what happens when OpenGL is lost.
 #include "tests.h"
 
+#include "base/clock.h"
 #include "present/headless.h"
 #include "viewer/painter_scene.h"
 #include "viewer/support_boxes.h"
 
 #include <GL/glcorearb.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -129,6 +131,159 @@ void test_viewer_painter_is_done_once_what_came_is_drawn(test_state* test)
     CHECK_EQUAL(STP_OK, paint_scene_draw(s, &request, 1.0f, false, false, &image, &figures));
     CHECK(memcmp(done, again, BYTES) == 0);
     paint_scene_close(s);
+    unlink(path);
+}
+
+enum { PICTURE_BYTES = 4 * 100 * 80 };
+
+/// Stops a frame after some time.
+typedef struct stopper {
+    atomic_bool stop;
+    int after_ms;
+    double stopped_ms; ///< when
+} stopper;
+
+static void* stop_later(void* user)
+{
+    stopper* s = user;
+    nanosleep(&(struct timespec){.tv_nsec = 1000000L * s->after_ms}, NULL);
+    s->stopped_ms = stp_clock_ms();
+    atomic_store(&s->stop, true);
+    return NULL;
+}
+
+/// Draws with or without a stop at once. @return the result
+static stp_result draw_scene(paint_scene* s, const paint_request* request, bool accumulates,
+                             bool gl, uint8_t* pixels)
+{
+    paint_figures figures;
+    stp_image image = {100, 80, pixels};
+    return paint_scene_draw(s, request, 1.0f, accumulates, gl, &image, &figures);
+}
+
+/// Frames that are abandoned end soon, and leave no trace in those that follow.
+static void abandon_frames(test_state* test, paint_scene* s, const paint_request* request, bool gl)
+{
+    static uint8_t wanted[PICTURE_BYTES], got[PICTURE_BYTES];
+    paint_request long_one = *request;
+    paint_scene_set_stop(s, NULL);
+    CHECK_EQUAL(STP_OK, draw_scene(s, request, false, gl, wanted));
+    long_one.style.supersample = gl ? 8 : 64;
+    double start = stp_clock_ms();
+    if (gl) {
+        CHECK_EQUAL(STP_OK, draw_scene(s, &long_one, false, gl, got));
+    }
+    double whole_ms = gl ? stp_clock_ms() - start : 0.0;
+    for (int i = 0; i < 6; ++i) {
+        stopper stopping = {.after_ms = 3 * i * i};
+        pthread_t thread;
+        atomic_init(&stopping.stop, i == 0);
+        paint_scene_set_stop(s, &stopping.stop);
+        CHECK(pthread_create(&thread, NULL, stop_later, &stopping) == 0);
+        stp_result result = STP_OK;
+        for (int k = 0; k < 4096 && result == STP_OK; ++k) { // or one long frame
+            result = i % 2 == 1 ? draw_scene(s, request, true, gl, got)
+                                : draw_scene(s, &long_one, false, gl, got);
+        }
+        CHECK_EQUAL(STP_ERROR_CANCELLED, result);
+        double ended = stp_clock_ms();
+        pthread_join(thread, NULL);
+        CHECK(!gl || ended - stopping.stopped_ms < fmax(0.5 * whole_ms, 200.0));
+        atomic_store(&stopping.stop, false);
+        CHECK_EQUAL(STP_OK, draw_scene(s, request, false, gl, got));
+        CHECK(memcmp(wanted, got, PICTURE_BYTES) == 0);
+        paint_scene_set_stop(s, NULL);
+    }
+}
+
+static const stp_draw_style abandoned_styles[] = {
+    {.background = true},
+    {.ambient_occlusion = 0.04f, .eye_dome = 1.0f},
+    {.filter = STP_FILTER_EWA},
+};
+enum { ABANDONED_STYLES = sizeof(abandoned_styles) / sizeof(abandoned_styles[0]) };
+
+void test_viewer_painter_abandons_frames_of_the_processor(test_state* test)
+{
+    char path[64];
+    CHECK(boxes_build("painter", path));
+    paint_scene_desc desc = {.thread_count = 2, .log = say_nothing};
+    paint_scene* s = paint_scene_open(&desc, path, 1);
+    CHECK(s != NULL);
+    paint_request request = ask(false);
+    request.samples = 64;
+    for (int i = 0; i < ABANDONED_STYLES; ++i) {
+        request.style = abandoned_styles[i];
+        abandon_frames(test, s, &request, false);
+    }
+    paint_scene_close(s);
+    unlink(path);
+}
+
+void test_viewer_painter_abandons_frames_of_opengl(test_state* test)
+{
+    char path[64];
+    stp_headless headless;
+    if (!begin_gl(&headless)) {
+        SKIP("there is no OpenGL");
+    }
+    CHECK(boxes_build("painter", path));
+    paint_scene_desc desc = {.thread_count = 2, .log = say_nothing};
+    stp_draw_gl_desc gl = {.get_proc_address = stp_headless_get_proc_address, .user = &headless};
+    paint_scene* s = paint_scene_open(&desc, path, 1);
+    CHECK(s != NULL && paint_scene_use_gl(s, &gl, STP_GL_SPLATS_POINTS));
+    paint_request request = ask(true);
+    request.samples = 64;
+    for (int i = 0; i < ABANDONED_STYLES; ++i) {
+        request.style = abandoned_styles[i];
+        abandon_frames(test, s, &request, true);
+    }
+    paint_scene_close(s);
+    end_gl(&headless);
+    unlink(path);
+}
+
+static void sleep_ms(double ms)
+{
+    double end = stp_clock_ms() + ms;
+    while (stp_clock_ms() < end) {
+        rest();
+    }
+}
+
+/// Whenever a hand moves again after a rest, its picture does not wait for the one that is being refined.
+void test_viewer_painter_answers_while_it_refines(test_state* test)
+{
+    char path[64];
+    CHECK(boxes_build("painter", path));
+    painter_desc desc = {.thread_count = 1, .wake = do_nothing};
+    painter* p = painter_create(&desc);
+    CHECK(p != NULL);
+    painter_open(p, path, 1);
+    CHECK(adopt(p)->serial == 1);
+    double slow_ms = 0.0, worst_ms = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        paint_request slow = ask(false), quick = ask(false);
+        const painter_picture* picture;
+        slow.style.supersample = 24; // what refines is as slow as the first picture
+        slow.budget_ms = 500.0;
+        slow.view.eye.x += 0.01 * i;
+        uint64_t number = painter_request(p, &slow);
+        while ((picture = painter_take(p)) == NULL || picture->number != number) {
+            rest();
+        }
+        slow_ms = picture->figures.frame_ms;
+        sleep_ms((0.2 + 0.45 * i) * slow_ms);
+        quick.view.eye.y += 0.01 * (i + 1);
+        number = painter_request(p, &quick);
+        double asked = stp_clock_ms();
+        while ((picture = painter_take(p)) == NULL || picture->number != number) {
+            rest();
+        }
+        worst_ms = fmax(worst_ms, stp_clock_ms() - asked);
+    }
+    CHECK(worst_ms < 0.3 * slow_ms);
+    painter_destroy(p);
     unlink(path);
 }
 

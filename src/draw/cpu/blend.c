@@ -100,7 +100,7 @@ stp_result cpu_find_visible(cpu_renderer* r)
     if (result == STP_OK) {
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_rows, r);
     }
-    return result;
+    return result == STP_OK && cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
 }
 
 typedef struct splat_lighter {
@@ -260,7 +260,9 @@ stp_result cpu_blend_splats(cpu_renderer* r)
 {
     r->blend.stage = CPU_BLEND_PLANES;
     stp_result result = cpu_draw_items(r, 0);
-    find_windows(r);
+    if (result == STP_OK) {
+        find_windows(r);
+    }
     r->blend.stage = CPU_BLEND_SPLATS;
     result = result == STP_OK ? cpu_draw_items(r, 0) : result;
     r->blend.stage = CPU_BLEND_NONE;

@@ -362,3 +362,9 @@ typedef struct cpu_light {
     stp_vec3 toward; ///< unit, to the light
     stp_vec3 up;     ///< unit
 } cpu_light;
+
+/// Whether the caller abandons the picture (stp_renderer_set_stop).
+static inline bool cpu_is_stopped(const cpu_renderer* r)
+{
+    return stp_renderer_is_stopped(&r->base);
+}

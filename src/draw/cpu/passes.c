@@ -90,7 +90,7 @@ static stp_result select_rejected(cpu_renderer* r, size_t first)
         look_through(r, i);
         stp_team_run(&r->team, r->height, CPU_BAND_ROWS, find_depths, r);
         double start = stp_clock_ms();
-        result = make_pyramid(r);
+        result = cpu_is_stopped(r) ? STP_ERROR_CANCELLED : make_pyramid(r);
         passes->select_ms += stp_clock_ms() - start;
     }
     double start = stp_clock_ms();
@@ -142,12 +142,13 @@ static stp_result finish_picture(cpu_renderer* r)
     }
     cpu_begin_shading(r);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
+    result = cpu_is_stopped(r) ? STP_ERROR_CANCELLED : STP_OK;
     if (blends) {
         r->occluding = NULL;
-        result = cpu_blend_splats(r);
+        result = result == STP_OK ? cpu_blend_splats(r) : result;
     } else if (planes) {
         r->occluding = NULL;
-        result = cpu_find_plane_depths(r);
+        result = result == STP_OK ? cpu_find_plane_depths(r) : result;
     }
     if (result == STP_OK && cpu_has_effects(r->style)) {
         result = cpu_apply_effects(r);
@@ -194,6 +195,7 @@ static stp_result draw_sample(cpu_renderer* r, const stp_draw_list* list, uint32
     r->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
     r->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
     stp_result result = passes != NULL && !passes->selected ? cpu_select_sample(r) : STP_OK;
+    result = result == STP_OK && cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
     double start = stp_clock_ms(), select_ms = passes != NULL ? passes->select_ms : 0.0;
     result = result == STP_OK ? draw_first_pass(r, list) : result;
     size_t first = r->item_count;
@@ -274,7 +276,7 @@ stp_result cpu_draw_accumulated(cpu_renderer* r, const stp_draw_list* list, uint
     }
     r->style = style;
     double start = stp_clock_ms();
-    if (r->accumulation.frames > 0) {
+    if (r->accumulation.frames > 0 && result == STP_OK) {
         show_frames(r);
     }
     stats->shade_ms += stp_clock_ms() - start;

@@ -201,7 +201,7 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
     worker->drew = true;
     const cpu_item* item = find_item(r, (uint32_t)begin);
-    for (uint32_t piece = (uint32_t)begin; piece < end; ++piece) {
+    for (uint32_t piece = (uint32_t)begin; piece < end && !cpu_is_stopped(r); ++piece) {
         const cpu_item* last = r->items + r->item_count - 1;
         while (item < last && item[1].first_piece <= piece) {
             item += 1;
@@ -230,5 +230,5 @@ stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece)
             return stp_fail_memory(r->base.context);
         }
     }
-    return STP_OK;
+    return cpu_is_stopped(r) ? STP_ERROR_CANCELLED : STP_OK;
 }

@@ -164,6 +164,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
                         SUPERSAMPLE_LIMIT);
     }
     bool summed = end - first == all && (all == 1 || !works_on_bytes(style));
+    r->team.stopped = r->base.stop;
     stp_result result = begin_frame(r, view, list, style, image, first, summed);
     if (result == STP_OK) {
         result = summed ? cpu_draw_summed(r, list, side, stats)
@@ -171,6 +172,10 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
     }
     if (result == STP_OK && r->eye_count > 1) {
         cpu_join_eyes(r, image);
+    }
+    result = result == STP_OK && cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
+    if (result == STP_ERROR_CANCELLED) {
+        r->accumulation.frames = 0; // sums may be incomplete
     }
     stats->splats = r->eye_count * list->splat_count;
     stats->triangles = r->eye_count * list->triangle_count;

@@ -166,9 +166,9 @@ stp_result gl_filter_pass_blend(gl_renderer* r)
     gl->Enable(GL_BLEND);
     gl->BlendEquation(GL_FUNC_ADD);
     gl->BlendFunc(GL_ONE, GL_ONE);
-    gl_splat_pass_points(r, &source, pass->blend);
+    result = gl_splat_pass_points(r, &source, pass->blend);
     gl_set_visible_state(r);
-    return STP_OK;
+    return result;
 }
 
 /// The buffer's pixels to where shading and other passes look for them.
@@ -207,13 +207,15 @@ stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
         gl->Disable(GL_DEPTH_TEST);
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, pass->pixels);
         gl_splat_pass_begin(r);
-        gl_splat_pass_points(r, &source, pass->tolerant);
+        result = gl_splat_pass_points(r, &source, pass->tolerant);
         gl_set_visible_state(r);
-        gl_splat_pass_large(r);
-        merge_tolerant(r);
+        if (result == STP_OK) {
+            gl_splat_pass_large(r);
+            merge_tolerant(r);
+        }
         gl_bind_frame(r);
     }
-    return STP_OK;
+    return result;
 }
 
 void gl_filter_pass_bind(gl_renderer* r)

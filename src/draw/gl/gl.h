@@ -74,6 +74,7 @@
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
     X(PFNGLMAPNAMEDBUFFERRANGEPROC, MapNamedBufferRange)                                           \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                       \
+    X(PFNGLMULTIDRAWARRAYSINDIRECTPROC, MultiDrawArraysIndirect)                                   \
     X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                                             \
     X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                                             \
     X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERPROC, NamedFramebufferDrawBuffer)                             \

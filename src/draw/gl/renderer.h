@@ -180,7 +180,8 @@ STP_MUST_USE stp_result gl_splat_pass_create(gl_renderer* r);
 void gl_splat_pass_destroy(gl_renderer* r);
 /// Before a way of drawing splats: no large ones are noted yet.
 void gl_splat_pass_begin(gl_renderer* r);
-void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, GLuint program);
+STP_MUST_USE stp_result gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source,
+                                             GLuint program);
 /// What was noted as too large.
 void gl_splat_pass_large(gl_renderer* r);
 /// The viewport and state that splats and triangles are drawn with, and the view's framebuffer.
@@ -188,7 +189,15 @@ void gl_set_visible_state(gl_renderer* r);
 
 STP_MUST_USE stp_result gl_triangle_pass_create(gl_renderer* r);
 void gl_triangle_pass_destroy(gl_renderer* r);
-void gl_triangle_pass_draw(gl_renderer* r);
+STP_MUST_USE stp_result gl_triangle_pass_draw(gl_renderer* r);
+
+// portions.c
+/// Draws the commands of a kind, which lie at `offset` of the bound buffer. @return STP_OK, or STP_ERROR_CANCELLED (not logged)
+/// where the picture is abandoned (stp_renderer_set_stop)
+STP_MUST_USE stp_result gl_portion_draw(gl_renderer* r, GLenum mode, const gl_commands* commands,
+                                        GLintptr offset, GLintptr count_offset);
+/// Waits for what was drawn so far, where the picture may be abandoned. @return as gl_portion_draw
+STP_MUST_USE stp_result gl_portion_wait(gl_renderer* r);
 
 STP_MUST_USE stp_result gl_shade_pass_create(gl_renderer* r);
 void gl_shade_pass_destroy(gl_renderer* r);

@@ -131,8 +131,8 @@ void gl_set_visible_state(gl_renderer* r)
 /// What commands say, of triangles and splats that are not large.
 static stp_result draw_commands(gl_renderer* r, bool late)
 {
-    gl_triangle_pass_draw(r);
-    return gl_splat_choice_draw(r, late);
+    stp_result result = gl_triangle_pass_draw(r);
+    return result == STP_OK ? gl_splat_choice_draw(r, late) : result;
 }
 
 /// What the picture before does not hide, and then what of the rest this one does not hide. The first picture is drawn in
@@ -154,6 +154,7 @@ static stp_result draw_passes(gl_renderer* r)
     }
     if (result == STP_OK) {
         gl_splat_choice_draw_large(r);
+        result = gl_portion_wait(r);
     }
     return result;
 }
@@ -170,8 +171,8 @@ static stp_result draw_visible(gl_renderer* r)
     gl->ClearNamedFramebufferuiv(t->framebuffer, GL_COLOR, 0, nothing);
     gl->ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, &far);
     if (r->style->filter == STP_FILTER_BLEND) {
-        gl_triangle_pass_draw(r);
-        return gl_filter_pass_draw_tolerant(r);
+        stp_result result = gl_triangle_pass_draw(r);
+        return result == STP_OK ? gl_filter_pass_draw_tolerant(r) : result;
     }
     stp_result result = draw_passes(r);
     if (result == STP_OK && r->style->filter == STP_FILTER_EWA) {
@@ -198,8 +199,10 @@ void gl_leave_state(const gl_renderer* r)
 static stp_result shade(gl_renderer* r, const gl_sample* sample)
 {
     stp_result result = gl_shade_pass_draw(r, sample->sums);
+    result = result == STP_OK ? gl_portion_wait(r) : result;
     if (result == STP_OK && !sample->sums) {
         result = gl_effect_pass_draw(r);
+        result = result == STP_OK ? gl_portion_wait(r) : result;
     }
     if (result == STP_OK && sample->bare) {
         result = gl_shade_pass_add(r);

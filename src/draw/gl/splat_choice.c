@@ -127,7 +127,7 @@ static stp_result draw_way(gl_renderer* r, stp_gl_splats way, const gl_splat_sou
 {
     stp_result result = STP_OK;
     if (way == STP_GL_SPLATS_POINTS) {
-        gl_splat_pass_points(r, source, r->splats.points);
+        result = gl_splat_pass_points(r, source, r->splats.points);
     } else {
         result = gl_raster_pass_draw(r, source, way == STP_GL_SPLATS_COMPUTE64);
         gl_set_visible_state(r);

@@ -52,7 +52,7 @@ void gl_splat_pass_begin(gl_renderer* r)
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LARGE, r->splats.large_buffer);
 }
 
-void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, GLuint program)
+stp_result gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, GLuint program)
 {
     const stp_gl* gl = &r->gl;
     gl->Enable(GL_PROGRAM_POINT_SIZE);
@@ -60,10 +60,17 @@ void gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, GLuint 
     gl->UseProgram(program);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, source->buffer);
     gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, source->buffer);
-    gl->MultiDrawArraysIndirectCount(GL_POINTS, (const void*)source->offset, source->count_offset,
-                                     (GLsizei)source->count, 0);
+    stp_result result = STP_OK;
+    const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
+    if (source->buffer == r->frame.ring.buffer) {
+        result = gl_portion_draw(r, GL_POINTS, commands, source->offset, source->count_offset);
+    } else { // made for measuring
+        gl->MultiDrawArraysIndirectCount(GL_POINTS, (const void*)source->offset,
+                                         source->count_offset, (GLsizei)source->count, 0);
+        r->draw_calls += 1;
+    }
     gl->Disable(GL_PROGRAM_POINT_SIZE);
-    r->draw_calls += 1;
+    return result;
 }
 
 void gl_splat_pass_large(gl_renderer* r)

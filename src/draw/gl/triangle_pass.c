@@ -29,22 +29,22 @@ void gl_triangle_pass_destroy(gl_renderer* r)
     *pass = (gl_triangle_pass){0};
 }
 
-static void draw(gl_renderer* r, GLuint program, const gl_commands* commands)
+static stp_result draw(gl_renderer* r, GLuint program, const gl_commands* commands)
 {
-    if (commands->count > 0) {
-        r->gl.UseProgram(program);
-        r->gl.MultiDrawArraysIndirectCount(GL_TRIANGLES, (const void*)commands->offset,
-                                           commands->count_offset, (GLsizei)commands->count, 0);
-        r->draw_calls += 1;
+    if (commands->count == 0) {
+        return STP_OK;
     }
+    r->gl.UseProgram(program);
+    return gl_portion_draw(r, GL_TRIANGLES, commands, commands->offset, commands->count_offset);
 }
 
-void gl_triangle_pass_draw(gl_renderer* r)
+stp_result gl_triangle_pass_draw(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     gl->BindVertexArray(r->triangles.vertex_array);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
     gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
-    draw(r, r->triangles.plain, &r->frame.commands[GL_COMMANDS_TRIANGLES]);
-    draw(r, r->triangles.keep, &r->frame.commands[GL_COMMANDS_KEEP]);
+    stp_result result = draw(r, r->triangles.plain, &r->frame.commands[GL_COMMANDS_TRIANGLES]);
+    return result == STP_OK ? draw(r, r->triangles.keep, &r->frame.commands[GL_COMMANDS_KEEP])
+                            : result;
 }
