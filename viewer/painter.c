@@ -246,7 +246,7 @@ static void paint(painter* p)
     }
     if (drawn) {
         p->size = size;
-        if (!accumulates) {
+        if (!p->refines) { // what refines has a size and costs of its own, and is drawn while nobody waits
             learn(p, &request, &figures);
         }
         copy_depth(p, picture);

@@ -25,6 +25,8 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
     1.5 // and grow by no more: at a size too large by far a frame may take no less than at a good one, and stay there
 #define SURE 0.05   // scatter beyond which they shrink the more slowly:
 #define SLOWEST 0.4 // a view that empties suddenly fills as suddenly. The least part of that pace
+#define MOST_EXPONENT                                                                              \
+    2.5 // a frame's time grows by no more than this power as splats shrink: time left over may be used at once
 #define FIRST_SPLAT_EXPONENT 2.0    // what covers the screen
 #define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
 #define FIRST_TRIANGLE_EXPONENT 1.0
@@ -251,6 +253,31 @@ static void learn_trend(stp_budget* b, const stp_frame_cost* cost,
     b->trend += TREND_FOLLOWS * (middle_of(b->growth) - b->trend);
 }
 
+// Factor on the size of the last frame below which the next one may be late. Sizes shrink slowly, as the model may be wrong; but
+// where each of the last frames took little of the goal, what is left of it bounds the factor. (Not one frame alone: a view
+// that empties suddenly fills as suddenly.)
+static double find_finest(stp_budget* b, double milliseconds, double goal)
+{
+    b->times[b->frames % STP_BUDGET_RATIOS] = milliseconds;
+    uint64_t known = b->frames + 1 < STP_BUDGET_RATIOS ? b->frames + 1 : STP_BUDGET_RATIOS;
+    double slowest = 0.0;
+    for (uint64_t i = 0; i < known; ++i) {
+        slowest = fmax(slowest, b->times[i]);
+    }
+    double steady = pow(FASTEST_FINER, clamp_number(SURE / b->scatter, SLOWEST, 1.0));
+    return known < STP_BUDGET_RATIOS ? steady
+                                     : fmin(steady, pow(slowest / goal, 1.0 / MOST_EXPONENT));
+}
+
+// Factor on the size of the last frame that sizes may grow by. A model that is still wrong from a slow spell must not make splats
+// larger while frames are in time.
+static double find_coarsest(const stp_budget* b, double milliseconds)
+{
+    double expected = milliseconds * exp(fmax(b->trend, 0.0));
+    double late = OVERSHOOT * (1.0 + SIGMAS * fmin(b->scatter, MOST_SCATTER)) * expected;
+    return clamp_number(late / b->budget_ms, 1.0, FASTEST_COARSER);
+}
+
 static void predict(stp_budget* b, const stp_frame_cost* cost)
 {
     double terms[STP_BUDGET_TERMS];
@@ -260,13 +287,13 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     settle_speed(b);
     learn_exponents(b, cost);
     b->last = *cost;
-    b->frames += 1;
     double scatter = b->scatter < MOST_SCATTER ? b->scatter : MOST_SCATTER;
     double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // mean deviations to sigmas
     double goal = b->budget_ms * fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
-    double finer = pow(FASTEST_FINER, clamp_number(SURE / b->scatter, SLOWEST, 1.0));
+    double finer = find_finest(b, cost->milliseconds, goal);
+    b->frames += 1;
     double size = fmax(solve_size(b, goal), (double)cost->splat_size * finer);
-    size = fmin(size, (double)cost->splat_size * FASTEST_COARSER);
+    size = fmin(size, (double)cost->splat_size * find_coarsest(b, cost->milliseconds));
     b->splat_size = clamp_size(size, (double)STP_SPLAT_SIZE_COARSEST);
 }
 

@@ -37,6 +37,7 @@ typedef struct stp_budget {
     float sizes[STP_BUDGET_AVERAGED];
     float splat_size;
     stp_frame_cost last;
+    double times[STP_BUDGET_RATIOS]; ///< milliseconds of the last frames
     // The model: milliseconds a unit of each term, and how far they are known.
     double price[STP_BUDGET_TERMS];
     double covariance[STP_BUDGET_TERMS][STP_BUDGET_TERMS];

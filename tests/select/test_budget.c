@@ -346,3 +346,56 @@ void test_budget_prediction_stays_right_after_a_cold_frame(test_state* test)
         CHECK(fabs((double)(found[i] / found[0]) - 1.0) < 0.1);
     }
 }
+
+/// Frames until a steady view uses most of the budget again, after some that were slowed down by something else.
+static int frames_to_recover(double slower, int slow_frames)
+{
+    machine m = {.splats = 12.0, .triangles = 1.0, .swing = 0.0, .noise = 0.02, .slow = 1.0};
+    stp_budget budget;
+    int frame = 0;
+    stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+    for (; frame < 60; ++frame) {
+        stp_frame_cost cost = run_frame(&m, frame, stp_budget_splat_size(&budget));
+        stp_budget_learn(&budget, &cost);
+    }
+    for (int i = 0; i < slow_frames; ++i, ++frame) { // another program, a file being read
+        stp_frame_cost cost = run_frame(&m, frame, stp_budget_splat_size(&budget));
+        cost.milliseconds *= slower;
+        stp_budget_learn(&budget, &cost);
+    }
+    int first = frame;
+    double used = 0.0;
+    while (used < 0.6 && frame < first + 200) {
+        stp_frame_cost cost = run_frame(&m, frame++, stp_budget_splat_size(&budget));
+        stp_budget_learn(&budget, &cost);
+        used = cost.milliseconds / 33.0;
+    }
+    return frame - first;
+}
+
+void test_budget_prediction_uses_the_time_that_comes_back(test_state* test)
+{
+    CHECK(frames_to_recover(4.0, 10) <= 12);
+    CHECK(frames_to_recover(8.0, 30) <= 16);
+    CHECK(frames_to_recover(3.0, 3) <= 10);
+}
+
+/// The first frames of a view: a size between what is known of no machine and what the budget allows.
+void test_budget_prediction_uses_the_time_at_the_start(test_state* test)
+{
+    static const double splats[] = {0.5, 2.0, 12.0, 40.0};
+    for (size_t i = 0; i < sizeof(splats) / sizeof(splats[0]); ++i) {
+        machine m = {
+            .splats = splats[i], .triangles = 0.2, .swing = 0.0, .noise = 0.02, .slow = 1.0};
+        stp_budget budget;
+        stp_frame_cost cost = {0};
+        stp_budget_init(&budget, STP_CONTROLLER_PREDICT, 33.0);
+        for (int frame = 0; frame < 12; ++frame) {
+            cost = run_frame(&m, frame, stp_budget_splat_size(&budget));
+            cost.milliseconds *= frame == 0 ? 5.0 : 1.0; // nothing is in memory yet
+            stp_budget_learn(&budget, &cost);
+        }
+        CHECK(cost.milliseconds > 0.6 * 33.0 || cost.splat_size < 1.05f);
+        CHECK(cost.milliseconds < 1.2 * 33.0);
+    }
+}

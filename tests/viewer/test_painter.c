@@ -251,6 +251,38 @@ static void sleep_ms(double ms)
     }
 }
 
+/// A hand that rests while its picture becomes fine goes on with the size that the budget had found.
+void test_viewer_painter_keeps_the_budget_while_it_refines(test_state* test)
+{
+    char path[64];
+    CHECK(boxes_build("painter", path));
+    painter_desc desc = {.thread_count = 1, .wake = do_nothing};
+    painter* p = painter_create(&desc);
+    CHECK(p != NULL);
+    painter_open(p, path, 1);
+    (void)adopt(p);
+    paint_request request = ask(false);
+    const painter_picture* picture;
+    float size = 0.0f;
+    request.style.supersample = 6;
+    request.budget_ms = 4.0; // too little for any size
+    for (int i = 0; i < 8; ++i) {
+        request.view.eye.x += 0.01;
+        uint64_t number = painter_request(p, &request);
+        while ((picture = painter_take(p)) == NULL || picture->number != number) {
+            rest();
+        }
+        size = i < 7 ? picture->figures.splat_size : size;
+        if (i == 6) {
+            picture = wait_for(p, number);
+            CHECK(picture->figures.splat_size < 1.05f);
+        }
+    }
+    CHECK(size > 2.0f && picture->figures.splat_size > 0.8f * size);
+    painter_destroy(p);
+    unlink(path);
+}
+
 /// Whenever a hand moves again after a rest, its picture does not wait for the one that is being refined.
 void test_viewer_painter_answers_while_it_refines(test_state* test)
 {
