@@ -107,6 +107,8 @@ typedef struct gui_row {
 
 /// A line of a tree, with an eye that says whether it is shown. @return GUI_ROW_*
 int gui_tree_row(const gui_row* row);
+/// A line of a list, of such a height too: a name and something dimmed at the right. @return GUI_ROW_CLICKED, GUI_ROW_DOUBLE
+int gui_list_row(const char* label, const char* detail, bool selected);
 /// Of a long list of rows of one height only those in sight are to be said: begins with the first, ends with the last.
 void gui_rows_begin(int count, int* first, int* last);
 void gui_rows_end(int count, int last);

@@ -258,6 +258,39 @@ static void show_end(ImDrawList* list, ImVec2 at, float room, ImU32 color, const
     list->AddText(at, color, text);
 }
 
+int gui_list_row(const char* label, const char* detail, bool selected)
+{
+    gui_need_letters(label);
+    gui_need_letters(detail);
+    ImVec2 start = ImGui::GetCursorScreenPos();
+    float width = ImGui::GetContentRegionAvail().x, line = row_height();
+    bool pressed = ImGui::InvisibleButton("row", ImVec2(width > 1.0f ? width : 1.0f, line));
+    bool hovered = ImGui::IsItemHovered();
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    ImVec2 end = ImVec2(start.x + width, start.y + line);
+    if (selected || hovered) {
+        list->AddRectFilled(start, end,
+                            ImGui::GetColorU32(selected ? ImGuiCol_Header : ImGuiCol_HeaderHovered),
+                            3.0f * gui_scale);
+    }
+    float y = start.y + 0.5f * (line - ImGui::GetTextLineHeight()), pad = 6.0f * gui_scale;
+    float name_end = start.x + pad + ImGui::CalcTextSize(label).x + 2.0f * pad;
+    float room = end.x - pad - name_end, wanted = ImGui::CalcTextSize(detail).x;
+    list->PushClipRect(start, end, true);
+    list->AddText(ImVec2(start.x + pad, y), ImGui::GetColorU32(ImGuiCol_Text), label);
+    if (room > 0.0f) {
+        float used = wanted < room ? wanted : room;
+        show_end(list, ImVec2(end.x - pad - used, y), room,
+                 ImGui::GetColorU32(ImGuiCol_TextDisabled), detail);
+    }
+    list->PopClipRect();
+    if (hovered && wanted > room) {
+        ImGui::SetTooltip("%s\n%s", label, detail);
+    }
+    bool twice = hovered && ImGui::IsMouseDoubleClicked(0);
+    return (pressed ? GUI_ROW_CLICKED : 0) | (twice ? GUI_ROW_DOUBLE : 0);
+}
+
 int gui_tree_row(const gui_row* row)
 {
     int result = 0;

@@ -66,6 +66,8 @@ static void drag_on(viewer* v, float x, float y)
         stp_navigator_orbit(&v->camera, dx, dy);
     } else if (in->drag == DRAG_PAN) {
         stp_navigator_pan(&v->camera, dx, dy, in->pan_depth);
+    } else if (in->drag == DRAG_SECTION) {
+        section_drag(v, x - (float)dx, y - (float)dy, x, y);
     } else if (in->drag == DRAG_LOOK) {
         double angle = look_a_picture / (double)v->camera.height;
         stp_navigator_look(&v->camera, dx * angle, dy * angle);
@@ -133,10 +135,12 @@ static void take_mouse(viewer* v, const SDL_Event* e)
             return;
         }
         if (in->button == 0 && v->scene != NULL && is_on_picture(v, x, y)) {
+            bool grabs = e->button.button == SDL_BUTTON_LEFT && section_grab(v, x, y);
             in->button = e->button.button;
             in->start_x = in->last_x = x;
             in->start_y = in->last_y = y;
-            in->moved = false;
+            in->moved = grabs;
+            in->drag = grabs ? DRAG_SECTION : DRAG_NONE;
             SDL_CaptureMouse(SDL_TRUE);
         }
     } else if (e->type == SDL_MOUSEMOTION && in->button != 0) {
@@ -249,6 +253,11 @@ static void take_key(viewer* v, SDL_Keycode key, bool control)
 {
     if (control) {
         v->quits = v->quits || key == SDLK_q;
+        if (key == SDLK_o) {
+            start_show_dialog(v, true);
+        } else if (key >= SDLK_1 && key <= SDLK_9) {
+            (void)start_open_recent(v, (size_t)(key - SDLK_1));
+        }
         if (key == SDLK_f) {
             v->settings.parts = false;
             panels_switch_parts(v);
@@ -315,7 +324,9 @@ static void take_button(viewer* v, Uint8 button)
 void input_take(viewer* v, const SDL_Event* e)
 {
     bool control = e->type == SDL_KEYDOWN && (e->key.keysym.mod & KMOD_CTRL) != 0;
-    if (e->type == SDL_KEYDOWN && e->key.repeat == 0 && (control || !gui_wants_keys())) {
+    if (e->type == SDL_KEYDOWN && e->key.keysym.sym == SDLK_ESCAPE && start_has_dialog(v)) {
+        start_show_dialog(v, false);
+    } else if (e->type == SDL_KEYDOWN && e->key.repeat == 0 && (control || !gui_wants_keys())) {
         take_key(v, e->key.keysym.sym, control);
     } else if (e->type == SDL_CONTROLLERBUTTONDOWN) {
         take_button(v, e->cbutton.button);

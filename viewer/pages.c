@@ -129,6 +129,10 @@ static void show_look(viewer* v)
                 "Darkens corners and crevices; the reach is in percent of the picture's height");
     show_effect("Eye-dome lighting", "Strength", &s->eye_dome, 1.0f, 0.05f, 4.0f, "%.2f",
                 "Darkens edges in front of something farther away; good for point clouds");
+    if (v->scene != NULL && v->scene->directory->point_set_count > 0) {
+        gui_log_slider("Point size", &s->point_scale, 0.25f, 4.0f, "%.2f x",
+                       "Size of points, relative to what closes the gaps between them");
+    }
     gui_color("Background", s->background, "Colour behind the model");
     gui_check("View cube and scale bar", &s->guides,
               "Click a side of the cube to look at it; Tab hides everything but the picture");

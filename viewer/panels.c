@@ -41,7 +41,7 @@ static const shortcut key_shortcuts[] = {
     {"1 3 7 9", "front, right, top, iso view"},
     {"5", "perspective or parallel projection"},
     {"X I G U", "hide, isolate, ghost, show all"},
-    {"K", "section box"},
+    {"K", "section box; drag its handles"},
     {"M, Backspace", "measure, undo the last point"},
     {"V", "save a viewpoint"},
     {"R", "record a flight"},
@@ -51,6 +51,7 @@ static const shortcut key_shortcuts[] = {
     {"F2 to F6", "panels on the right"},
     {"Tab", "hide or show all panels"},
     {"F11", "full screen"},
+    {"Ctrl+O, Ctrl+1", "open a file, the most recent file"},
     {"H, Escape", "this help, back"},
     {"Ctrl+Q", "quit"},
 };
@@ -67,14 +68,14 @@ static float status_height(const viewer* v)
 
 static bool has_page(const viewer* v)
 {
-    return v->shows_panels && v->settings.page != PAGE_NONE;
+    return v->shows_panels && v->settings.page != PAGE_NONE && v->file[0] != 0;
 }
 
 /// Where there is no room for both panels, the one on the right is shown.
 static bool has_parts(const viewer* v)
 {
     bool room = (float)v->window.width > 2.0f * (parts_width + page_width) * v->window.scale;
-    return v->shows_panels && v->settings.parts && (room || !has_page(v));
+    return v->shows_panels && v->settings.parts && v->file[0] != 0 && (room || !has_page(v));
 }
 
 void panels_switch_parts(viewer* v)
@@ -128,6 +129,10 @@ static void show_panel_list(viewer* v)
 
 static void show_panel_buttons(viewer* v)
 {
+    if (gui_button("Open", "Open a model (Ctrl+O)")) {
+        start_show_dialog(v, true);
+    }
+    gui_same_line();
     if (gui_toggle("Parts", has_parts(v), "The tree of parts (P)")) {
         panels_switch_parts(v);
     }
@@ -147,7 +152,7 @@ static void show_bar(viewer* v)
 {
     float scale = v->window.scale, whole = (float)v->window.width;
     const char* name = v->file[0] != 0 ? file_name(v) : "Stipple";
-    float width = gui_text_width("Parts") + 24.0f * scale;
+    float width = gui_text_width("Parts") + gui_text_width("Open") + 48.0f * scale;
     for (int i = 0; i < PAGES; ++i) {
         width += gui_text_width(pages[i].label) + 24.0f * scale;
     }
@@ -229,7 +234,7 @@ static void show_status(viewer* v)
                   v->picture->image.height, f->frame_ms, (double)f->splat_size,
                   v->picture->complete ? "" : "   refining...");
     } else {
-        gui_faint("Drop a model or a .stip file onto the window");
+        gui_faint("Drop a model or a .stip file onto the window, or press Ctrl+O");
     }
     show_place(v);
     gui_panel_end();
@@ -270,9 +275,9 @@ static void show_waiting(viewer* v)
         gui_space();
         gui_paragraph("%s", error);
         gui_space();
-        gui_faint("Drop another file onto the window");
-    } else if (v->file[0] == 0) {
-        gui_text("Drop a model or a .stip file onto the window");
+        if (gui_wide_button("Open...", 1, "Choose another file (Ctrl+O)")) {
+            start_show_dialog(v, true);
+        }
     } else if (v->scene != NULL && v->shown_file_number == v->file_number &&
                stp_boxd_is_empty(v->scene->bounds)) {
         gui_text("There is nothing to draw in %s", file_name(v));
@@ -312,8 +317,12 @@ void panels_show(viewer* v)
                        (float)v->window.height - top - status_height(v));
         }
     }
-    if (v->shows_help) {
+    if (start_has_dialog(v)) {
+        start_dialog(v);
+    } else if (v->shows_help) {
         show_help(v);
+    } else if (v->file[0] == 0) {
+        start_show(v);
     } else if (!has_picture || stp_boxd_is_empty(v->scene->bounds)) {
         show_waiting(v);
     }

@@ -31,6 +31,14 @@ void section_begin(viewer* v); ///< of a new scene
 void page_section(viewer* v);
 /// What is cut away of the scene now.
 stp_sections section_make(const viewer* v);
+// section_drag.c
+/// Takes hold of the handle at a place of the window. @return false where there is none
+bool section_grab(viewer* v, float x, float y);
+/// Moves what is held as the hand moves.
+void section_drag(viewer* v, float from_x, float from_y, float to_x, float to_y);
+/// Where the handle of a plane (from 0 on; then the sides of the box) is in the window. @return false where it is not shown
+bool section_handle(const viewer* v, int index, float* x, float* y);
+void section_drag_overlay(const viewer* v, const stp_navigator* n);
 void section_overlay(const viewer* v, const stp_navigator* n);
 /// The file's number of an axis of the scene (0..2), and back: inside, y is up.
 int section_file_axis(const viewer* v, int axis);

@@ -87,6 +87,34 @@ static json_t* describe_guides(const viewer* v)
                      "pixels", bar.pixels, "unit", stp_measure_unit(&m));
 }
 
+/// The start page, its dialog, and the recent files.
+static json_t* describe_start(const viewer* v)
+{
+    json_t* recent = json_array();
+    const recent_files* files = start_recent(v->start);
+    for (size_t i = 0; recent != NULL && i < files->count; ++i) {
+        json_array_append_new(recent, describe_json_text(files->paths[i]));
+    }
+    return json_pack("{s:b, s:b, s:o}", "shown", (int)(v->file[0] == 0), "dialog",
+                     (int)start_has_dialog(v), "recent", recent);
+}
+
+/// Where the handles of the section's planes and box are, and how far planes were moved.
+static json_t* describe_handles(const viewer* v)
+{
+    json_t* handles = json_array();
+    const section_state* s = &v->section;
+    for (int i = 0; handles != NULL && i < s->plane_count + 6; ++i) {
+        float x, y;
+        if (section_handle(v, i, &x, &y)) {
+            double offset = i < s->plane_count ? (double)s->planes[i].offset : 0.0;
+            json_array_append_new(handles, json_pack("{s:[f, f], s:f}", "place", (double)x,
+                                                     (double)y, "offset", offset));
+        }
+    }
+    return handles;
+}
+
 /// The first match of the search, as its row shows it.
 static json_t* describe_match(const viewer* v)
 {
@@ -109,7 +137,8 @@ static json_t* describe(const viewer* v)
                                                        "section", "measure",    "views"};
     return json_pack(
         "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:s, s:o, s:o, s:o, "
-        "s:o, s:o}",
+        "s:o, "
+        "s:o, s:o, s:o}",
         "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
         (json_int_t)v->news.serial, "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete",
         (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
@@ -119,7 +148,7 @@ static json_t* describe(const viewer* v)
         describe_json_text(v->messages[0].text), "hint",
         messages_why_empty(v) != NULL ? messages_why_empty(v) : "", "camera", describe_camera(v),
         "picture", describe_picture(v), "tools", describe_tools(v), "guides", describe_guides(v),
-        "match", describe_match(v));
+        "match", describe_match(v), "start", describe_start(v), "handles", describe_handles(v));
 }
 
 void report_write(viewer* v, bool last)

@@ -45,6 +45,9 @@ paint_request request_make(const viewer* v)
         .budget_ms = s->adapts && !original ? (double)s->budget_ms : 0.0,
         .samples = (uint32_t)s->samples,
     };
+    if (v->scene->directory->point_set_count > 0 && s->point_scale != 1.0f) {
+        request.style.splat_scale = s->point_scale;
+    }
     stp_navigator_give(&v->camera, &request.view);
     request.view.sections = section_make(v);
     request.gl = viewer_uses_gl(v);

@@ -200,4 +200,5 @@ void section_overlay(const viewer* v, const stp_navigator* n)
     if (v->section.has_box && v->settings.page == PAGE_SECTION) {
         overlay_box(v, n, &v->section.box, 0xE6A040FF, 1.5f);
     }
+    section_drag_overlay(v, n);
 }

@@ -31,6 +31,7 @@ static const field fields[] = {
     {"filter", FIELD_INT, PLACE(filter), 0, STP_FILTER_EWA},
     {"light", FIELD_INT, PLACE(light), 0, 1},
     {"unit", FIELD_INT, PLACE(unit), 0, UNIT_COUNT - 1},
+    {"point_scale", FIELD_FLOAT, PLACE(point_scale), 0.25, 4},
     {"guides", FIELD_BOOL, PLACE(guides), 0, 0},
     {"fovea", FIELD_BOOL, PLACE(fovea), 0, 0},
     {"fovea_factor", FIELD_FLOAT, PLACE(fovea_factor), 1, 8},
@@ -49,6 +50,7 @@ viewer_settings viewer_settings_default(void)
 {
     return (viewer_settings){.parts = true,
                              .page = PAGE_NONE,
+                             .point_scale = 1.0f,
                              .guides = true,
                              .adapts = true,
                              .budget_ms = 33.0f,

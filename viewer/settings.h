@@ -30,8 +30,9 @@ typedef struct viewer_settings {
     int samples; ///< a side, at rest
     int method;  ///< stp_policy; beyond it: original geometry only
     int filter, light;
-    int unit;    ///< UNIT_*
-    bool guides; ///< view cube and scale bar
+    int unit;          ///< UNIT_*
+    float point_scale; ///< times the usual size of points, in scenes that have some
+    bool guides;       ///< view cube and scale bar
     bool fovea;
     float fovea_factor;
     float eye_dome,

@@ -5,6 +5,7 @@
 #include "explorer.h"
 #include "loader.h"
 #include "painter.h"
+#include "start.h"
 #include "viewer.h"
 #include "window.h"
 
@@ -28,7 +29,7 @@ typedef struct viewer_message {
 } viewer_message;
 
 /// What a pressed mouse button does.
-typedef enum drag_kind { DRAG_NONE, DRAG_ORBIT, DRAG_PAN, DRAG_LOOK } drag_kind;
+typedef enum drag_kind { DRAG_NONE, DRAG_ORBIT, DRAG_PAN, DRAG_LOOK, DRAG_SECTION } drag_kind;
 
 typedef struct input_state {
     drag_kind drag;
@@ -110,6 +111,8 @@ typedef struct viewer {
     bool has_picked; ///< something was clicked since the scene came
     stp_pick picked;
     section_state section;
+    int section_grabbed; ///< what is dragged (section_drag.c)
+    start_page* start;
     measure_state measure;
     stp_viewpoints views;
     stp_viewpoints carried; ///< what was hidden in the same file's coarser scene

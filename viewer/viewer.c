@@ -123,6 +123,7 @@ static void take_scene(viewer* v)
     explore(v, same_file);
     if (!same_file) {
         v->shown_file_number = number;
+        start_opened(v->start, v->file);
         camera_begin(v);
         if (stp_boxd_is_empty(v->scene->bounds)) {
             viewer_say(v, false, "%s: there is nothing to draw in it", v->file);
@@ -292,6 +293,10 @@ static bool start(viewer* v)
     if (stp_context_create(&v->context, &context) != STP_OK) {
         return false;
     }
+    v->start = start_create();
+    if (v->start == NULL) {
+        return false;
+    }
     v->loader = loader_create(&loading);
     v->painter = painter_create(&painting);
     return v->loader != NULL && v->painter != NULL;
@@ -354,6 +359,7 @@ int viewer_run(const viewer_options* options)
     painter_destroy(v->painter);
     loader_destroy(v->loader);
     explorer_destroy(v->explorer);
+    start_destroy(v->start);
     if (v->context != NULL) {
         views_end(v);
         stp_context_destroy(v->context);

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// Recent files and folders of the start page.
+#include "tests.h"
+
+#include "viewer/folder.h"
+#include "viewer/recent.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static recent_files list;
+
+void test_viewer_recent_files_are_bounded_and_newest_first(test_state* test)
+{
+    char path[64];
+    list = (recent_files){0};
+    for (int i = 0; i < 3 * RECENT_MOST; ++i) {
+        snprintf(path, sizeof(path), "/models/%d.glb", i);
+        recent_add(&list, path);
+        CHECK(list.count <= RECENT_MOST && strcmp(list.paths[0], path) == 0);
+    }
+    CHECK_EQUAL(RECENT_MOST, list.count);
+    recent_add(&list, "/models/25.glb"); // again: it moves to the front
+    CHECK(list.count == RECENT_MOST && strcmp(list.paths[0], "/models/25.glb") == 0);
+    CHECK(strcmp(list.paths[1], "/models/29.glb") == 0);
+    recent_remove(&list, "/models/29.glb");
+    CHECK(list.count == RECENT_MOST - 1 && strcmp(list.paths[1], "/models/28.glb") == 0);
+    size_t before = list.count;
+    recent_add(&list, "relative.glb");
+    recent_add(&list, "/with\nline.glb");
+    CHECK_EQUAL(before, list.count);
+}
+
+void test_viewer_recent_files_are_kept(test_state* test)
+{
+    char folder_path[64], file[128];
+    snprintf(folder_path, sizeof(folder_path), "/tmp/stp_recent_%ld", (long)getpid());
+    setenv("XDG_STATE_HOME", folder_path, 1);
+    recent_load(&list); // there is none yet
+    CHECK_EQUAL(0, list.count);
+    recent_add(&list, "/a/first.glb");
+    recent_add(&list, "/b/se cond \xe9.glb");
+    recent_save(&list);
+    list = (recent_files){0};
+    recent_load(&list);
+    CHECK(list.count == 2 && strcmp(list.paths[0], "/b/se cond \xe9.glb") == 0);
+    CHECK(strcmp(list.paths[1], "/a/first.glb") == 0);
+    unsetenv("XDG_STATE_HOME");
+    snprintf(file, sizeof(file), "%s/stipple/recent", folder_path);
+    CHECK(unlink(file) == 0);
+    snprintf(file, sizeof(file), "%s/stipple", folder_path);
+    CHECK(rmdir(file) == 0 && rmdir(folder_path) == 0);
+}
+
+void test_viewer_recent_files_pass_over_what_is_no_path(test_state* test)
+{
+    static char text[4 * 65536];
+    list = (recent_files){0};
+    memset(text, '/', sizeof(text) - 1); // one path that is too long
+    recent_parse(&list, text);
+    CHECK_EQUAL(0, list.count);
+    recent_parse(&list, "\n\nnonsense\n/a\n{\"b\": 1}\n/a\n/b");
+    CHECK(list.count == 2 && strcmp(list.paths[0], "/a") == 0 && strcmp(list.paths[1], "/b") == 0);
+}
+
+static void touch(const char* path)
+{
+    FILE* file = fopen(path, "wb");
+    if (file != NULL) {
+        fputs("12345", file);
+        fclose(file);
+    }
+}
+
+void test_viewer_folders_list_folders_then_models(test_state* test)
+{
+    static const char* const names[] = {"b.GLB", "a.stip", "notes.txt", ".hidden.obj"};
+    char top[64], path[PATH_MAX];
+    folder_list f = {0};
+    snprintf(top, sizeof(top), "/tmp/stp_folder_%ld", (long)getpid());
+    CHECK(mkdir(top, 0700) == 0);
+    snprintf(path, sizeof(path), "%s/Sub", top);
+    CHECK(mkdir(path, 0700) == 0);
+    for (int i = 0; i < 4; ++i) {
+        snprintf(path, sizeof(path), "%s/%s", top, names[i]);
+        touch(path);
+    }
+    CHECK(folder_read(&f, top, false));
+    CHECK(f.count == 3 && f.entries[0].is_folder && strcmp(f.entries[0].name, "Sub") == 0);
+    CHECK(strcmp(f.entries[1].name, "a.stip") == 0 && f.entries[1].bytes == 5);
+    CHECK(strcmp(f.entries[2].name, "b.GLB") == 0);
+    CHECK(folder_read(&f, top, true) && f.count == 4);
+    // a folder that is none leaves the list as it was
+    CHECK(!folder_read(&f, "/nowhere/there", false) && f.count == 4);
+    CHECK(folder_join(&f, "Sub", path) && strstr(path, "/Sub") != NULL);
+    CHECK(folder_read(&f, path, false) && f.count == 0);
+    CHECK(folder_join(&f, "..", path) && folder_read(&f, path, false) && f.count == 3);
+    for (int i = 0; i < 4; ++i) {
+        snprintf(path, sizeof(path), "%s/%s", top, names[i]);
+        unlink(path);
+    }
+    snprintf(path, sizeof(path), "%s/Sub", top);
+    CHECK(rmdir(path) == 0 && rmdir(top) == 0);
+    CHECK(folder_read(&f, "/", false) && folder_join(&f, "..", path) && strcmp(path, "/") == 0);
+    folder_destroy(&f);
+}

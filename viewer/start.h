@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// The start page of a window without a file, and the dialog that opens one.
+#pragma once
+
+#include "folder.h"
+#include "recent.h"
+
+typedef struct start_page start_page;
+struct viewer;
+
+/// With the list of recent files. @return NULL where memory runs out
+start_page* start_create(void);
+void start_destroy(start_page* s);
+/// A file was opened and can be shown: it becomes the most recent one.
+void start_opened(start_page* s, const char* path);
+const recent_files* start_recent(const start_page* s);
+
+/// Shows or hides the dialog.
+void start_show_dialog(struct viewer* v, bool shown);
+bool start_has_dialog(const struct viewer* v);
+/// Opens a recent file; one that is gone leaves the list. @return false where the list has no such entry
+bool start_open_recent(struct viewer* v, size_t index);
+
+// Of a frame of the window.
+void start_dialog(struct viewer* v);
+void start_show(struct viewer* v);
