@@ -210,7 +210,7 @@ static stp_result compare_view(backends_bench* b, const char* name)
     stp_view view = {.width = b->processor.width, .height = b->processor.height};
     stp_quality quality = {.splat_size = 1.0f, .reference = true};
     frame_figures figures;
-    if (!tool_find_view(b->store, name, &view)) {
+    if (!tool_find_view(b->store, name, NULL, &view)) {
         return STP_OK;
     }
     view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;

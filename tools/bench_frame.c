@@ -153,7 +153,7 @@ static void list_views(frame_bench* b)
     }
     for (uint32_t i = 0; i < count; ++i) {
         stp_view view = {.width = b->image.width, .height = b->image.height};
-        if (tool_find_view(b->store, names[i], &view)) {
+        if (tool_find_view(b->store, names[i], NULL, &view)) {
             view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;
             b->names[b->view_count] = names[i];
             b->views[b->view_count++] = view;

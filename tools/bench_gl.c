@@ -179,7 +179,7 @@ static stp_result measure_size(gl_bench* b, const picture_size* size)
     }
     for (uint32_t v = 0; v < b->view_count; ++v) {
         stp_view view = {.width = size->width, .height = size->height};
-        if (!tool_find_view(b->store, b->names[v], &view)) {
+        if (!tool_find_view(b->store, b->names[v], NULL, &view)) {
             continue;
         }
         view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;
@@ -242,7 +242,7 @@ static void report_selection(gl_bench* b, const picture_size* size)
     for (uint32_t v = 0; v < b->view_count; ++v) {
         stp_view view = {.width = size->width, .height = size->height};
         gl_select_times t;
-        if (!tool_find_view(b->store, b->names[v], &view)) {
+        if (!tool_find_view(b->store, b->names[v], NULL, &view)) {
             continue;
         }
         view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;

@@ -10,10 +10,18 @@
 #include "tool.h"
 #include "view_list.h"
 
+#include "base/clock.h"
+#include "present/camera.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPEATS = 9 };
+enum {
+    REPEATS = 9,
+    STILL_SAMPLES = 16, ///< frames of a picture where no option asks for a quality
+    SUM_BYTES = 16,     ///< of a pixel, while frames are accumulated
+    SUMS_IN_MEMORY = 16,
+};
 static const double repeat_ms = 3000.0; // no more repeats once they have taken this long
 static const double slow_ms =
     2000.0; // what takes so long is repeated once, if that can be any faster
@@ -77,7 +85,8 @@ static const option* options(void)
          .argument = "N",
          .words = "1..4096",
          .help = "the mean of N frames, each shifted by a part of a pixel, as a viewer shows when "
-                 "it rests; of n x n they are --supersample n",
+                 "it rests; of n x n they are --supersample n; default 16 where no option asks for "
+                 "a quality, else 1",
          .value = &args.accumulate},
         {.name = "once",
          .help = "time a single frame after the first, which does not know yet what is hidden",
@@ -108,13 +117,31 @@ typedef struct session {
     json_t* picked; ///< NULL: was not asked for
     stp_quality quality;
     frame_figures figures;
+    double picture_ms; ///< of all frames that the picture is the mean of
 } session;
+
+/// How many frames the picture is the mean of; 1: it is a single frame. Where memory is limited to a few times what sums
+/// of frames take, scene data needs it more.
+static uint32_t frames_of_picture(const session* s)
+{
+    bool still = draw_options_leave_quality(&args.draw) && !args.once;
+    uint64_t sums = (uint64_t)s->view.width * s->view.height * SUM_BYTES;
+    bool has_room = args.draw.memory == 0 || SUMS_IN_MEMORY * sums <= args.draw.memory;
+    return args.accumulate > 0 ? (uint32_t)args.accumulate : still && has_room ? STILL_SAMPLES : 1;
+}
+
+/// Samples a pixel.
+static uint32_t samples_of_picture(const session* s)
+{
+    uint32_t side = (uint32_t)args.draw.supersample;
+    return side > 1 ? side * side : frames_of_picture(s);
+}
 
 /// A view of the scene, or one kept beside it, with what is hidden there. @return the exit code, with the message printed
 static int find_view(session* s, const char* path, const char* name)
 {
     stp_view* view = &s->view;
-    if (tool_find_view(s->drawing.store, name, view)) {
+    if (tool_find_view(s->drawing.store, name, NULL, view)) {
         return 0;
     }
     stp_viewpoints viewpoints = {0};
@@ -137,6 +164,32 @@ static int find_view(session* s, const char* path, const char* name)
     return code;
 }
 
+/// Applies the camera's own options to a view; a standard one fits what is shown, as --up turns it.
+static void place_eye(session* s, bool is_standard)
+{
+    stp_view* view = &s->view;
+    stp_boxd box = stp_visible_bounds(s->drawing.store, s->quality.visibility);
+    if (args.has_up) {
+        view->up = vector_of(args.up);
+    }
+    if (is_standard && !stp_boxd_is_empty(box)) {
+        stp_camera_fit(view, &box);
+    }
+    if (!args.has_eye && !args.has_target) {
+        return;
+    }
+    if (args.has_eye) {
+        view->eye = vector_of(args.eye);
+    }
+    if (args.has_target) {
+        view->target = vector_of(args.target);
+    } else if (is_standard && !stp_boxd_is_empty(box)) {
+        view->target = stp_scaled(stp_addd(box.min, box.max), 0.5);
+    }
+    view->up = args.has_up ? view->up : (stp_vec3d){0, 1, 0};
+    view->ortho_height = args.ortho;
+}
+
 /// @return the exit code, with the message printed
 static int choose_view(session* s, const char* path)
 {
@@ -144,23 +197,16 @@ static int choose_view(session* s, const char* path)
     *view = draw_options_view(&args.draw);
     view->ortho_height = args.ortho;
     view->eye_distance = draw_options_eye_distance(&args.draw, s->drawing.store);
-    int code = find_view(s, path, args.view != NULL ? args.view : "iso");
+    const char* name = args.view != NULL ? args.view : "iso";
+    int code = find_view(s, path, name);
+    code = code == 0 ? scene_show_apply(&s->drawing.show, &args.draw.show, view) : code;
     if (code != 0) {
         return code;
     }
-    if (args.has_eye || args.has_target) {
-        view->eye = args.has_eye ? vector_of(args.eye) : view->eye;
-        view->target = args.has_target ? vector_of(args.target) : view->target;
-        view->up = (stp_vec3d){0, 1, 0};
-        view->ortho_height = args.ortho;
-    }
-    if (args.has_up) {
-        view->up = vector_of(args.up);
-    }
-    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
-    code = scene_show_apply(&s->drawing.show, &args.draw.show, view);
     s->quality.visibility = s->drawing.show.visibility;
-    return code;
+    place_eye(s, tool_is_standard_view(s->drawing.store, name));
+    view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
+    return 0;
 }
 
 static int compare_figures(const void* a, const void* b)
@@ -196,12 +242,15 @@ static stp_result draw_frames(session* s)
     }
     qsort(frames, count, sizeof(frames[0]), compare_figures);
     s->figures = frames[count / 2];
-    uint64_t accumulated = args.accumulate > 1 ? args.accumulate : 0; // of one, that is the mean
-    for (uint64_t i = 0; result == STP_OK && i < accumulated; ++i) {
+    s->picture_ms = s->figures.frame_ms;
+    uint32_t frames_wanted = frames_of_picture(s);
+    double start = stp_clock_ms();
+    for (uint32_t i = 0; result == STP_OK && frames_wanted > 1 && i < frames_wanted; ++i) {
         result = tool_is_interrupted() ? STP_ERROR_CANCELLED
                                        : frame_accumulate(&s->drawing.maker, &s->view, &s->quality,
-                                                          (uint32_t)args.accumulate, &s->image);
+                                                          frames_wanted, &s->image);
     }
+    s->picture_ms = frames_wanted > 1 ? stp_clock_ms() - start : s->picture_ms;
     return result;
 }
 
@@ -213,8 +262,14 @@ static json_t* describe(const session* s, json_t* picked)
     json_t* object = drawing_describe(d, &s->view);
     json_t* bytes = json_integer((json_int_t)resident);
     json_t* figures = frame_describe(&s->figures);
-    if (json_object_set_new(object, "resident_bytes", bytes) != 0 || figures == NULL ||
-        json_object_update(object, figures) != 0) {
+    json_t* samples = json_integer((json_int_t)samples_of_picture(s));
+    json_t* frames = json_integer((json_int_t)frames_of_picture(s));
+    bool described = json_object_set_new(object, "resident_bytes", bytes) == 0;
+    described = json_object_set_new(object, "samples", samples) == 0 && described;
+    described = json_object_set_new(object, "accumulated_frames", frames) == 0 && described;
+    described = json_object_set_new(object, "picture_ms", json_real(s->picture_ms)) == 0 &&
+                described;
+    if (!described || figures == NULL || json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);
         json_decref(picked);
@@ -368,6 +423,12 @@ const command command_render = {
         "without surfels, which takes a tenth of the time, and drawn as triangles; so it is for "
         "--reference. More than 134 million triangles, all instances counted, always get surfels.\n"
         "\n"
+        "Where no option asks for a quality (--splat-size, --splats, --splat-scale, --budget-ms, "
+        "--policy, --fovea, --reference, --supersample, --accumulate, --once), the picture is the "
+        "mean of 16 frames, each shifted by a part of a pixel: edges are smooth (unless --memory leaves "
+        "little room). To compare two "
+        "pictures, ask for the same number of samples in both.\n"
+        "\n"
         "--budget-ms draws the view until the size of splats has settled that lets a frame take so "
         "long, and keeps "
         "the last picture.\n"
@@ -394,13 +455,15 @@ const command command_render = {
         "--pick looks at original triangles and points, however coarse the picture is.\n"
         "\n"
         "The picture is transparent where nothing was drawn. --json prints what was drawn and how "
-        "long it took: frame_ms is the median of repeated frames, without opening the file; where "
+        "long it took: frame_ms is the median of repeated single frames, without opening the file, "
+        "and so are the counts; samples (a pixel), accumulated_frames and picture_ms (the time all "
+        "of them took) are of the picture that was written; where "
         "that takes two seconds or more, and with --once, it is the second frame's, and that of "
         "--reference the first's.",
     .examples =
         "Draw a picture, as finely as its size asks for:\n"
         "$ stipple render plant.stip -o plant.png\n"
-        "From the front, on white, antialiased, as JPEG:\n"
+        "From the front, on white, with 2 x 2 samples a pixel, as JPEG:\n"
         "$ stipple render plant.stip -o plant.jpg --view front --background white --supersample 2\n"
         "As fine as a frame of 33 ms allows, with its figures:\n"
         "$ stipple render plant.stip -o plant.png --budget-ms 33 --json\n"

@@ -329,10 +329,21 @@ double draw_options_eye_distance(const draw_options* o, const stp_store* store)
     return !o->stereo ? 0.0 : unit > 0.0 ? metres / unit : metres;
 }
 
+static bool asks_for_splats(const draw_options* o)
+{
+    return o->has_splat_size || o->has_splats || o->has_budget || o->splat_scale > 0.0 ||
+           o->fovea != NULL || o->policy != STP_POLICY_INSERTION;
+}
+
+bool draw_options_leave_quality(const draw_options* o)
+{
+    return !asks_for_splats(o) && !o->reference && o->supersample == 0;
+}
+
 /// Who asks for nothing of splats gets a picture soon.
 scene_use draw_options_use(const draw_options* o)
 {
-    bool splats = o->has_splat_size || o->has_splats || o->has_budget || o->splat_scale > 0.0 ||
-                  o->fovea != NULL || o->policy != STP_POLICY_INSERTION;
-    return o->reference ? SCENE_FOR_ORIGINALS : splats ? SCENE_FOR_SPLATS : SCENE_FOR_A_PICTURE;
+    return o->reference         ? SCENE_FOR_ORIGINALS
+           : asks_for_splats(o) ? SCENE_FOR_SPLATS
+                                : SCENE_FOR_A_PICTURE;
 }

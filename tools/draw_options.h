@@ -54,5 +54,8 @@ stp_view draw_options_view(const draw_options* options);
 /// The distance between the eyes in the units of a scene; 0: one eye.
 double draw_options_eye_distance(const draw_options* options, const stp_store* store);
 
+/// Whether no option says how finely to draw: neither how splats are chosen nor how many samples a pixel has.
+bool draw_options_leave_quality(const draw_options* options);
+
 /// What a scene must hold for these options.
 scene_use draw_options_use(const draw_options* options);

@@ -360,20 +360,34 @@ stp_result tool_import_scene(stp_context* context, const char* path, stp_scene**
     return result;
 }
 
-bool tool_find_view(const stp_store* store, const char* name, stp_view* view)
+static const stp_store_view* find_stored_view(const stp_store* store, const char* name)
 {
     const stp_store_directory* directory = stp_store_get_directory(store);
     for (uint32_t i = 0; i < directory->view_count; ++i) {
         const stp_store_view* stored = &directory->views[i];
         if (stored->name != NULL && strcmp(stored->name, name) == 0) {
-            view->eye = stored->eye;
-            view->target = stored->target;
-            view->up = stored->up;
-            view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : stored->fov_degrees;
-            return true;
+            return stored;
         }
     }
-    stp_boxd box = directory->root != STP_STORE_NONE ? directory->nodes[directory->root].bounds
-                                                     : stp_boxd_empty();
+    return NULL;
+}
+
+bool tool_is_standard_view(const stp_store* store, const char* name)
+{
+    return find_stored_view(store, name) == NULL && stp_camera_is_standard(name);
+}
+
+bool tool_find_view(const stp_store* store, const char* name, const stp_visibility* visibility,
+                    stp_view* view)
+{
+    const stp_store_view* stored = find_stored_view(store, name);
+    if (stored != NULL) {
+        view->eye = stored->eye;
+        view->target = stored->target;
+        view->up = stored->up;
+        view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : stored->fov_degrees;
+        return true;
+    }
+    stp_boxd box = stp_visible_bounds(store, visibility);
     return stp_camera_frame(name, &box, view);
 }

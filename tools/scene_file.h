@@ -5,6 +5,7 @@
 #include "command.h"
 
 #include "scene/scene.h"
+#include "select/visibility.h"
 #include "store/store.h"
 
 #include <stipple/view.h>
@@ -56,6 +57,10 @@ STP_MUST_USE stp_result tool_import_scene(stp_context* context, const char* path
                                           stp_scene** scene);
 
 /// Sets eye, target and up (and the angle, where the view is a camera with one and `view->fov_degrees` is 0) to
-/// a view of the file or a standard one. width, height, fov and ortho_height are read.
-/// @return false where there is no view of that name
-bool tool_find_view(const stp_store* store, const char* name, stp_view* view);
+/// a view of the file or a standard one. Standard views fit what is drawn: `visibility` (NULL: everything) and the view's
+/// sections say of what; width, height, fov, eye_distance and ortho_height are read. @return false if no view has that name
+bool tool_find_view(const stp_store* store, const char* name, const stp_visibility* visibility,
+                    stp_view* view);
+
+/// Whether a name means a standard view, not one of the file.
+bool tool_is_standard_view(const stp_store* store, const char* name);

@@ -23,7 +23,7 @@ void camera_begin(viewer* v)
     const char* name = v->options.view;
     if (name != NULL) {
         stp_view view = {.width = v->camera.width, .height = v->camera.height};
-        if (tool_find_view(v->scene->store, name, &view)) {
+        if (tool_find_view(v->scene->store, name, NULL, &view)) {
             stp_navigator_take(&v->camera, &view);
         } else if (!views_begin_at(v, name)) {
             viewer_say(v, true, "there is no view named %s", name);
@@ -141,11 +141,24 @@ void camera_step(viewer* v, double seconds)
     }
 }
 
+/// The box of all that is drawn; of the whole scene where nothing is.
+static stp_boxd shown_box(const viewer* v)
+{
+    stp_boxd box = v->explorer != NULL
+                       ? stp_visible_bounds(v->scene->store, v->explorer->visibility)
+                       : camera_scene_box(v);
+    return stp_boxd_is_empty(box) ? camera_scene_box(v) : box;
+}
+
 void camera_face(viewer* v, const char* name)
 {
-    stp_boxd box = camera_scene_box(v);
+    if (v->scene == NULL) {
+        return;
+    }
+    stp_boxd box = shown_box(v);
+    stp_sections sections = section_make(v);
     stp_navigator to = v->camera;
-    if (v->scene != NULL && stp_navigator_face(&to, name, &box)) {
+    if (stp_navigator_face(&to, name, &box, &sections)) {
         camera_glide(v, &to);
     }
 }
@@ -156,9 +169,10 @@ void camera_frame(viewer* v)
     stp_navigator to = v->camera;
     if (v->scene != NULL) {
         if (v->explorer == NULL || !explorer_chosen_box(v->explorer, &box)) {
-            box = camera_scene_box(v);
+            box = shown_box(v);
         }
-        stp_navigator_frame(&to, &box);
+        stp_sections sections = section_make(v);
+        stp_navigator_frame(&to, &box, &sections);
         camera_glide(v, &to);
     }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Standard views look along a fixed direction, from just far enough to see the whole box, whose middle is
-// the middle of the picture.
+// Standard views look along a fixed direction, from the place that stp_camera_fit chooses.
 //
 // "d0".."d25" are for judging approximations from where they were not captured: the capture looks from the
 // corners of a cube, and from its faces and edges for what the corners miss. Directions to these 26 cut the sphere
@@ -43,8 +42,6 @@ static const standard_view views[] = {
 };
 enum { VIEW_COUNT = sizeof(views) / sizeof(views[0]) };
 
-static const double filled = 0.94; // share of the picture that the box may reach
-
 const char* const* stp_camera_names(void)
 {
     static const char* const names[] = {
@@ -65,41 +62,29 @@ static const standard_view* find(const char* name)
     return NULL;
 }
 
+/// A standard view of a direction, not yet at its place.
+static void face(const standard_view* standard, stp_view* view)
+{
+    stp_vec3d toward = stp_normalized(standard->toward);
+    stp_vec3d right = stp_normalized(stp_crossd(standard->up, toward));
+    view->eye = toward;
+    view->target = (stp_vec3d){0};
+    view->up = stp_crossd(toward, right);
+}
+
 bool stp_camera_frame(const char* name, const stp_boxd* box, stp_view* view)
 {
     const standard_view* standard = find(name);
     if (standard == NULL) {
         return false;
     }
-    stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
-    stp_boxd b = stp_boxd_is_empty(*box) ? unit : *box;
-    stp_vec3d center = stp_scaled(stp_addd(b.min, b.max), 0.5);
-    stp_vec3d half = stp_scaled(stp_subd(b.max, b.min), 0.5);
-    stp_vec3d toward = stp_normalized(standard->toward);
-    stp_vec3d right = stp_normalized(stp_crossd(standard->up, toward));
-    stp_vec3d up = stp_crossd(toward, right);
     view->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : 60.0;
-    double aspect = (double)view->width / (double)view->height;
-    aspect = view->eye_distance > 0.0 ? 0.5 * aspect : aspect; // each eye's half
-    double slope_y = filled * tan(view->fov_degrees * (STP_PI / 360.0)), slope_x = slope_y * aspect;
-    // The middle of the box is the middle of the picture; each corner must be within the picture's four planes
-    // through the eye: |x| <= slope (D - z) at distance D, z towards the eye.
-    double distance = 0.0, height = 0.0;
-    for (int corner = 0; corner < 8; ++corner) {
-        stp_vec3d p = {(corner & 1) != 0 ? half.x : -half.x, (corner & 2) != 0 ? half.y : -half.y,
-                       (corner & 4) != 0 ? half.z : -half.z};
-        double x = stp_dotd(right, p), y = stp_dotd(up, p), z = stp_dotd(toward, p);
-        distance = fmax(distance, z + fmax(fabs(x) / slope_x, fabs(y) / slope_y));
-        height = fmax(height, 2.0 * fmax(fabs(y), fabs(x) / aspect) / filled);
-    }
-    distance = distance > 0.0 ? distance : 1.0; // a single point
-    if (view->ortho_height > 0.0) {
-        view->ortho_height = height > 0.0 ? height : 1.0;
-        distance = 2.0 * sqrt(stp_dotd(half, half));
-        distance = distance > 0.0 ? distance : 1.0;
-    }
-    view->eye = stp_addd(center, stp_scaled(toward, distance));
-    view->target = center;
-    view->up = up;
+    face(standard, view);
+    stp_camera_fit(view, box);
     return true;
+}
+
+bool stp_camera_is_standard(const char* name)
+{
+    return find(name) != NULL;
 }

@@ -7,7 +7,6 @@ static const double quarter = 0.5 * STP_PI;
 static const double reaches_a_second = 0.6; // of flight
 static const double seeing_seconds = 0.35;  // until most of a new distance is taken in
 static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
-static const double framed = 0.94; // share of the picture that a box may reach
 static const double alike = 3.0;   // depths within such a factor are about the same
 
 static double clamp(double x, double low, double high)
@@ -67,7 +66,7 @@ void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width,
                          .reach = size,
                          .width = width > 0 ? width : 1,
                          .height = height > 0 ? height : 1};
-    (void)stp_navigator_face(n, "iso", &box);
+    (void)stp_navigator_face(n, "iso", &box, NULL);
 }
 
 void stp_navigator_take(stp_navigator* n, const stp_view* view)
@@ -242,36 +241,34 @@ void stp_navigator_change_speed(stp_navigator* n, double steps)
     n->speed = clamp(n->speed * pow(speed_step, steps), speed_least, speed_most);
 }
 
-void stp_navigator_frame(stp_navigator* n, const stp_boxd* box)
+void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections)
 {
     if (stp_boxd_is_empty(*box)) {
         return;
     }
     stp_navigator_axes axes = stp_navigator_get_axes(n);
-    stp_vec3d center = stp_scaled(stp_addd(box->min, box->max), 0.5);
-    stp_vec3d half = stp_scaled(stp_subd(box->max, box->min), 0.5);
-    double aspect = (double)n->width / (double)n->height;
-    double slope_y = framed * slope_of(n), slope_x = slope_y * aspect;
-    double distance = 0.0, height = 0.0;
-    for (int corner = 0; corner < 8; ++corner) {
-        stp_vec3d p = {(corner & 1) != 0 ? half.x : -half.x, (corner & 2) != 0 ? half.y : -half.y,
-                       (corner & 4) != 0 ? half.z : -half.z};
-        p = along(&axes, p);
-        distance = fmax(distance, p.z + fmax(fabs(p.x) / slope_x, fabs(p.y) / slope_y));
-        height = fmax(height, 2.0 * fmax(fabs(p.y), fabs(p.x) / aspect) / framed);
-    }
+    stp_view view = {.eye = axes.back,
+                     .up = axes.up,
+                     .width = n->width,
+                     .height = n->height,
+                     .fov_degrees = n->fov_degrees,
+                     .ortho_height = n->ortho_height};
+    view.sections = sections != NULL ? *sections : view.sections;
+    stp_camera_fit(&view, box);
+    double distance = length_of(stp_subd(view.eye, view.target));
     if (n->ortho_height > 0.0) {
-        n->ortho_height = clamp(height, n->least_reach, n->most_reach);
+        n->ortho_height = clamp(view.ortho_height, n->least_reach, n->most_reach);
         distance = 0.5 * n->ortho_height / slope_of(n);
     }
     distance = clamp(distance, n->least_reach, n->most_reach);
-    n->eye = stp_addd(center, stp_scaled(axes.back, distance));
+    n->eye = stp_addd(view.target, stp_scaled(axes.back, distance));
     n->reach = distance;
-    n->pivot = center;
+    n->pivot = stp_scaled(stp_addd(box->min, box->max), 0.5);
     n->pivot_chosen = false;
 }
 
-bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box)
+bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
+                        const stp_sections* sections)
 {
     // directions of standard views do not depend on the box
     stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
@@ -284,7 +281,7 @@ bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box)
     n->azimuth = facing.azimuth;
     n->elevation = facing.elevation;
     n->roll = facing.roll;
-    stp_navigator_frame(n, stp_boxd_is_empty(*box) ? &unit : box);
+    stp_navigator_frame(n, stp_boxd_is_empty(*box) ? &unit : box, sections);
     return true;
 }
 

@@ -66,10 +66,12 @@ void stp_navigator_fly(stp_navigator* n, const double move[3], double seconds, d
 void stp_navigator_see(stp_navigator* n, double distance, double seconds);
 void stp_navigator_change_speed(stp_navigator* n, double steps);
 
-/// Looks at a box from where the camera looks from, from just so far that all of it is seen. The pivot is its middle.
-void stp_navigator_frame(stp_navigator* n, const stp_boxd* box);
-/// Turns to a standard view ("front", "iso", ...) of a box. @return false where there is none of that name
-bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box);
+/// Moves, without turning, to where what `sections` (NULL: none) leave of a box fits the picture (stp_camera_fit). The
+/// pivot becomes the middle of the box.
+void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections);
+/// Turns to a standard view ("front", "iso", ...) and frames the box. @return false if no standard view has that name
+bool stp_navigator_face(stp_navigator* n, const char* name, const stp_boxd* box,
+                        const stp_sections* sections);
 /// Between perspective and parallel projection: what is at the pivot's depth keeps its size.
 void stp_navigator_switch_projection(stp_navigator* n);
 

@@ -48,6 +48,10 @@ void stp_visibility_reset(stp_visibility* visibility, stp_show show);
 STP_MUST_USE stp_result stp_visibility_set(stp_visibility* visibility, const stp_placed_node* thing,
                                            stp_show show);
 
+/// The box, in scene space, of all that is drawn, ghosts too; of the whole scene where `visibility` is NULL. Empty where
+/// nothing is drawn. Sections do not count.
+stp_boxd stp_visible_bounds(const stp_store* store, const stp_visibility* visibility);
+
 /// A number that changes with every change: what was made with another one is old.
 uint64_t stp_visibility_version(const stp_visibility* visibility);
 

@@ -16,9 +16,11 @@ python3 - << 'END' || fail "figures or picture"
 import json, struct
 figures = json.load(open("a.json"))
 expected = """backend device width height splat_size frame_ms select_ms draw_ms shade_ms splats fragments clusters
-truncated file_bytes whole_bytes triangles nodes draw_calls resident_bytes covered_pixels""".split()
+truncated file_bytes whole_bytes triangles nodes draw_calls resident_bytes covered_pixels samples
+accumulated_frames picture_ms""".split()
 assert sorted(figures) == sorted(expected), figures
 assert (figures["backend"], figures["width"], figures["height"]) == ("cpu", 80, 60)
+assert (figures["samples"], figures["accumulated_frames"]) == (16, 16), figures
 data = open("a.png", "rb").read()
 assert data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", data[16:24]) == (80, 60)
 END
@@ -38,7 +40,13 @@ cmp -s effects.png iso.png && fail "effects change nothing"
 "$stipple" render "$file" -o effects2.png --size 48x48 --eye-dome 1 --ambient-occlusion 6 --supersample 2 --threads 1 || fail "effects, again"
 cmp -s effects.png effects2.png || fail "four accumulated frames are not --supersample 2"
 "$stipple" render "$file" -o one.png --size 32x32 --accumulate 1 || fail "one frame"
-cmp -s one.png iso.png || fail "one accumulated frame is not the picture"
+"$stipple" render "$file" -o size1.png --size 32x32 --splat-size 1 --json > size1.json || fail "size 1"
+cmp -s one.png size1.png || fail "one accumulated frame is not the picture"
+grep -q '"samples": 1,' size1.json || fail "--splat-size has more than a sample a pixel: $(cat size1.json)"
+# without an option for quality, a picture is smooth
+"$stipple" render "$file" -o sixteen.png --size 32x32 --splat-size 1 --supersample 4 --json > sixteen.json || fail "16 samples"
+cmp -s sixteen.png iso.png || fail "a still is not the mean of 16 samples"
+grep -q '"samples": 16,' sixteen.json || fail "--supersample 4 is 16 samples: $(cat sixteen.json)"
 for processor in baseline avx2; do
     STP_PROCESSOR=$processor "$stipple" render "$file" -o p.png --size 48x48 --eye-dome --ambient-occlusion=6 --supersample 2 || fail "effects, $processor"
     cmp -s p.png effects.png || fail "$processor changes effects"

@@ -53,6 +53,43 @@ expect()
     [ "$got" = "$wanted" ] || fail "$*: $got pixels are covered, not $wanted"
 }
 
+# filled WIDTH HEIGHT ARGUMENTS...: what is covered, in hundredths of the picture's width and height
+filled()
+{
+    local wanted="$1 $2"
+    shift 2
+    show street.stip -o fitted.png --splat-size 1 "$@" 2> err || fail "$*: $(cat err)"
+    python3 - "$wanted" << 'END' || fail "$*: covers otherwise"
+import struct, sys, zlib
+data, at, parts = open("fitted.png", "rb").read(), 8, b""
+while at < len(data):
+    size, kind = struct.unpack(">I4s", data[at:at + 8])
+    if kind == b"IHDR":
+        width, height = struct.unpack(">II", data[at + 8:at + 16])
+    parts += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+    at += 12 + size
+raw, columns, rows, before = zlib.decompress(parts), set(), set(), bytearray(4 * width)
+for y in range(height):
+    kind, row = raw[(4 * width + 1) * y], bytearray(raw[(4 * width + 1) * y + 1:(4 * width + 1) * (y + 1)])
+    for i in range(4 * width):
+        left, up, corner = (row[i - 4], before[i], before[i - 4]) if i >= 4 else (0, before[i], 0)
+        paeth = min((abs(up - corner), 0, left), (abs(left - corner), 1, up), (abs(left + up - 2 * corner), 2, corner))[2]
+        row[i] = (row[i] + (0, left, up, (left + up) // 2, paeth)[kind]) & 255
+    columns |= {x for x in range(width) if row[4 * x + 3]}
+    rows |= {y} if any(row[3::4]) else set()
+    before = row
+got = (max(columns) + 1 - min(columns)) * 100 / width, (max(rows) + 1 - min(rows)) * 100 / height
+assert all(abs(g - float(w)) <= 1.5 for g, w in zip(got, sys.argv[1].split())), (got, sys.argv[1])
+END
+}
+
+# standard views fit what is shown, with margins of 4 %
+filled 92 92 --view front --isolate wall --size 100x100
+filled 46 92 --view front --isolate wall --size 200x100
+filled 46 92 --view front --isolate wall --section x:0 --size 100x100
+filled 92 92 --view front --isolate wall --section-box 0,0,-1,1,1,1 --size 100x100 --ortho 1
+filled 92 46 --view front --isolate wall --size 100x200 --fov 20
+
 expect 1200                          # three squares of 20 x 20
 expect 800 --hide wall
 expect 400 --isolate wall

@@ -213,13 +213,13 @@ void test_navigate_frames_boxes_from_any_direction(test_state* test)
         stp_navigator n = any_camera(&rng, places[i % PLACES]);
         stp_boxd box = box_at(places[i % PLACES]);
         double azimuth = n.azimuth, most;
-        stp_navigator_frame(&n, &box);
+        stp_navigator_frame(&n, &box, NULL);
         CHECK(n.azimuth == azimuth && shows_box(&n, &box, &most) && most > 0.9);
         CHECK(distance(n.pivot, places[i % PLACES]) < 1e-6);
     }
     stp_navigator n = any_camera(&rng, places[0]), before = n;
     stp_boxd none = stp_boxd_empty();
-    stp_navigator_frame(&n, &none);
+    stp_navigator_frame(&n, &none, NULL);
     CHECK(distance(n.eye, before.eye) == 0.0);
 }
 
@@ -229,21 +229,21 @@ void test_navigate_faces_standard_views(test_state* test)
     stp_boxd box = box_at(places[1]);
     stp_navigator_init(&n, &box, 640, 400);
     stp_navigator_axes axes;
-    CHECK(stp_navigator_face(&n, "front", &box));
+    CHECK(stp_navigator_face(&n, "front", &box, NULL));
     axes = stp_navigator_get_axes(&n);
     CHECK(distance(axes.back, (stp_vec3d){0, 0, 1}) < 1e-9);
     CHECK(distance(axes.up, (stp_vec3d){0, 1, 0}) < 1e-9);
-    CHECK(stp_navigator_face(&n, "right", &box));
+    CHECK(stp_navigator_face(&n, "right", &box, NULL));
     CHECK(distance(stp_navigator_get_axes(&n).back, (stp_vec3d){1, 0, 0}) < 1e-9);
-    CHECK(stp_navigator_face(&n, "top", &box));
+    CHECK(stp_navigator_face(&n, "top", &box, NULL));
     axes = stp_navigator_get_axes(&n);
     CHECK(distance(axes.back, (stp_vec3d){0, 1, 0}) < 1e-9);
     CHECK(distance(axes.up, (stp_vec3d){0, 0, -1}) < 1e-9);
-    CHECK(stp_navigator_face(&n, "bottom", &box));
+    CHECK(stp_navigator_face(&n, "bottom", &box, NULL));
     axes = stp_navigator_get_axes(&n);
     CHECK(distance(axes.up, (stp_vec3d){0, 0, 1}) < 1e-9);
     double azimuth = n.azimuth;
-    CHECK(!stp_navigator_face(&n, "inside", &box) && n.azimuth == azimuth);
+    CHECK(!stp_navigator_face(&n, "inside", &box, NULL) && n.azimuth == azimuth);
 }
 
 void test_navigate_projections_show_the_pivot_alike(test_state* test)
