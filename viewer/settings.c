@@ -57,6 +57,7 @@ viewer_settings viewer_settings_default(void)
                              .splat_size = 1.0f,
                              .samples = 4,
                              .fovea_factor = 2.0f,
+                             .ambient_occlusion = 3.0f,
                              .background = {0.86f, 0.88f, 0.90f},
                              .shot_width = 3840,
                              .shot_height = 2160,

@@ -6,6 +6,7 @@
 #include "base/processor.h"
 #include "base/rng.h"
 #include "draw/cpu/shade.h"
+#include "draw/shaders/light_constants.h"
 
 #include <string.h>
 
@@ -50,7 +51,10 @@ static void make_tables(tables* t, dice* rng)
         t->encode[i] = stp_linear_to_srgb8(((float)i + 0.5f) / (float)CPU_ENCODE_SIZE);
     }
     t->scene = (cpu_shade_scene){.encode = t->encode,
-                                 .light = {.toward = {-0.45f, 0.65f, 0.62f}, .up = {0, 1, 0}},
+                                 .light = {.key = {-0.45f, 0.65f, 0.62f},
+                                           .up = {0, 1, 0},
+                                           .left_box = {-0.6f, 0.64f, 0.48f},
+                                           .right_box = {0.8f, 0.0f, 0.6f}},
                                  .start = {-0.3f, 0.2f, 0.9f},
                                  .across = {0.001f, 0, 0.0001f},
                                  .down = {0, -0.002f, 0.0001f}};
@@ -72,34 +76,78 @@ static stp_vec3 unit_or_zero(stp_vec3 v)
     return square > 0.0f ? stp_scale(v, 1.0f / sqrtf(square)) : (stp_vec3){0};
 }
 
-/// The same lane in plain C.
-static void light_one(const cpu_shade_scene* scene, const cpu_shade_surface* s, float x, float y,
-                      float out[3])
+static float smooth(float x)
 {
-    const cpu_shade_material* m = &s->material;
-    stp_vec3 n = unit_or_zero((stp_vec3){s->normal[0], s->normal[1], s->normal[2]});
+    x = stp_min(stp_max(x, 0.0f), 1.0f);
+    return x * x * (3.0f - 2.0f * x);
+}
+
+static void mirror_one(const stp_lighting* light, stp_vec3 r, float rough, float out[3])
+{
+    static const float horizon[3] = {MIRROR_HORIZON_R, MIRROR_HORIZON_G, MIRROR_HORIZON_B};
+    static const float ground[3] = {MIRROR_GROUND_R, MIRROR_GROUND_G, MIRROR_GROUND_B};
+    float sharp = 1.0f / (MIRROR_BLUR + MIRROR_BLUR_ROUGH * rough), height = stp_dot(r, light->up);
+    float above = smooth(height * sharp + 0.5f);
+    float fade = 1.0f - (1.0f - MIRROR_ZENITH) * stp_max(height, 0.0f);
+    float left = smooth((stp_dot(r, light->left_box) - MIRROR_LEFT_EDGE) * sharp + 0.5f);
+    float right = smooth((stp_dot(r, light->right_box) - MIRROR_RIGHT_EDGE) * sharp + 0.5f);
+    float boxes = (MIRROR_BOX_LEFT * left + MIRROR_BOX_RIGHT * right) *
+                  (1.0f - MIRROR_ROUGH_BOX * rough);
+    for (int k = 0; k < 3; ++k) {
+        out[k] = ground[k] + (horizon[k] * fade - ground[k]) * above + boxes;
+    }
+}
+
+/// The key light's highlight.
+static float gloss_one(const stp_lighting* light, stp_vec3 eye, float toward, float facing,
+                       const cpu_shade_material* m)
+{
+    float square = 2.0f + 2.0f * stp_dot(eye, light->key);
+    float along = stp_max(toward + facing, 0.0f);
+    float squared = square > 0.0f ? along * along / square : 0.0f;
+    float d = squared * (m->a2 - 1.0f) + 1.0f;
+    return stp_max(toward, 0.0f) * stp_min(m->a2 / (d * d) * m->gloss, LIGHT_GLOSS_MOST) *
+           (1.0f - m->rough);
+}
+
+static stp_vec3 find_eye(const cpu_shade_scene* scene, float x, float y)
+{
     stp_vec3 eye = scene->start;
     if (!scene->parallel) {
         eye = stp_add(eye, stp_scale(scene->across, x));
         eye = unit_or_zero(stp_add(eye, stp_scale(scene->down, y)));
     }
-    float facing = stp_dot(n, eye);
+    return eye;
+}
+
+/// The same lane in plain C.
+static void light_one(const cpu_shade_scene* scene, const cpu_shade_surface* s, float x, float y,
+                      float out[3])
+{
+    static const float sky[3] = {LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B};
+    static const float ground[3] = {LIGHT_GROUND_R, LIGHT_GROUND_G, LIGHT_GROUND_B};
+    static const float key[3] = {LIGHT_KEY_R, LIGHT_KEY_G, LIGHT_KEY_B};
+    const cpu_shade_material* m = &s->material;
+    stp_vec3 n = unit_or_zero((stp_vec3){s->normal[0], s->normal[1], s->normal[2]});
+    stp_vec3 eye = find_eye(scene, x, y);
+    float facing = stp_dot(n, eye), mirrored[3];
     if (facing < 0.0f) {
         n = stp_scale(n, -1.0f);
         facing = -facing;
     }
-    float lambert = stp_max(stp_dot(n, scene->light.toward), 0.0f);
+    mirror_one(&scene->light, stp_sub(stp_scale(n, 2.0f * facing), eye), m->rough, mirrored);
+    float toward = stp_dot(n, scene->light.key), lambert = stp_max(toward, 0.0f);
+    float gloss = gloss_one(&scene->light, eye, toward, facing, m);
     float height = 0.5f + 0.5f * stp_dot(n, scene->light.up);
-    float diffuse = CPU_LIGHT_GROUND + (CPU_LIGHT_SKY - CPU_LIGHT_GROUND) * height +
-                    CPU_LIGHT_KEY * lambert + CPU_LIGHT_FILL * facing;
-    float square = 2.0f + 2.0f * stp_dot(eye, scene->light.toward);
-    float along = stp_max(stp_dot(n, scene->light.toward) + facing, 0.0f);
-    float squared = square > 0.0f ? along * along / square : 0.0f;
-    float d = squared * (m->a2 - 1.0f) + 1.0f;
-    float gloss = lambert * stp_min(m->a2 / (d * d) * m->gloss, 2.0f);
+    float aside = 1.0f - facing, polish = 1.0f - m->rough, square = aside * aside;
+    float edge = square * square * aside * polish * polish * LIGHT_GRAZING;
     for (int k = 0; k < 3; ++k) {
-        float mirror = 0.04f + (s->color[k] - 0.04f) * m->metallic;
-        out[k] = s->color[k] * m->kept * diffuse + mirror * (gloss + 0.5f * m->metallic * diffuse) +
+        float diffuse = ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert +
+                        LIGHT_FILL * facing * facing;
+        float front = LIGHT_DIELECTRIC + (s->color[k] - LIGHT_DIELECTRIC) * m->metallic;
+        float mirror = front + (1.0f - front) * edge;
+        float seen = mirrored[k] + (diffuse - mirrored[k]) * m->rough;
+        out[k] = s->color[k] * (1.0f - m->metallic) * diffuse + mirror * seen + front * gloss +
                  m->emissive[k];
         out[k] = m->unlit > 0.0f ? s->color[k] + m->emissive[k] : out[k];
     }

@@ -351,18 +351,6 @@ typedef struct cpu_cluster_range {
 bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_range* range,
                        const stp_raster_target* target, cpu_worker* worker);
 
-// One light, and a sky that is lighter than the ground: enough to read shapes and materials anywhere, with nothing to
-// set up. Metals keep half of their diffuse colour, since there is nothing for them to mirror.
-#define CPU_LIGHT_SKY 0.28f
-#define CPU_LIGHT_GROUND 0.12f
-#define CPU_LIGHT_KEY 0.62f
-#define CPU_LIGHT_FILL 0.08f
-
-typedef struct cpu_light {
-    stp_vec3 toward; ///< unit, to the light
-    stp_vec3 up;     ///< unit
-} cpu_light;
-
 /// Whether the caller abandons the picture (stp_renderer_set_stop).
 static inline bool cpu_is_stopped(const cpu_renderer* r)
 {

@@ -39,18 +39,6 @@ static void write_pixel(const cpu_renderer* r, const float color[3], float cover
     }
 }
 
-static cpu_light make_light(const cpu_renderer* r)
-{
-    const stp_view_frame* f = &r->frame;
-    stp_vec3d up = stp_scaled(f->down, -1.0), back = stp_scaled(f->forward, -1.0);
-    stp_vec3d toward = back;
-    if (!r->style->headlight) { // above the viewer's left shoulder
-        toward = stp_addd(stp_scaled(f->right, -0.45), stp_scaled(up, 0.65));
-        toward = stp_normalized(stp_addd(toward, stp_scaled(back, 0.62)));
-    }
-    return (cpu_light){.toward = stp_to_float(toward), .up = stp_to_float(up)};
-}
-
 /// What the direction to the eye is made of, for a tile: (forward + right u + down v) turned round.
 static void place_eye(const cpu_renderer* r, uint32_t x, uint32_t y, cpu_shade_scene* scene)
 {
@@ -69,7 +57,7 @@ static void place_eye(const cpu_renderer* r, uint32_t x, uint32_t y, cpu_shade_s
 
 cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r)
 {
-    cpu_shade_scene scene = {.encode = r->encode, .light = make_light(r)};
+    cpu_shade_scene scene = {.encode = r->encode, .light = stp_lighting_make(&r->frame, r->style->headlight)};
     place_eye(r, 0, 0, &scene);
     return scene;
 }

@@ -13,6 +13,7 @@
 #pragma once
 
 #include "draw/cpu/cpu.h"
+#include "draw/lighting.h"
 
 enum {
     SHADE_WIDTH = 64,           ///< pixels of a tile's row
@@ -32,7 +33,10 @@ enum {
 
 /// What light needs of a material, worked out once a store.
 struct cpu_shade_material {
-    float metallic, kept, a2, gloss, emissive[3];
+    float metallic;
+    float rough;     ///< 0: as polished as anything is drawn, 1: not at all
+    float a2, gloss; ///< shape and size of the key light's highlight
+    float emissive[3];
     float unlit; ///< 1 or 0
 };
 
@@ -64,7 +68,7 @@ struct cpu_shade_item {
 /// Light, and where it is seen from.
 typedef struct cpu_shade_scene {
     const uint8_t* encode; ///< three bytes longer than its size
-    cpu_light light;
+    stp_lighting light;
     /// Towards the eye from (x, y) of a tile: start + across x + down y, not of unit length.
     stp_vec3 start, across, down;
     bool parallel; ///< towards the eye: start

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "draw/cpu/shade.h"
+#include "draw/shaders/light_constants.h"
 
 #include <string.h>
 
@@ -76,33 +77,82 @@ static inline void direct_to_eye(const cpu_shade_scene* s, lanes_float x, lanes_
     }
 }
 
-/// Highlight of rough surfaces: the distribution of Trowbridge and Reitz, bounded. What is seen has its front towards the
-/// eye.
-static inline void light_lanes(const cpu_light* light, const lanes_float eye[3], lanes_float n[3],
-                               const lanes_float color[3], const lanes_float material[8],
-                               lanes_float out[3])
+/// From 0 to 1 while x goes from 0 to 1, smoothly.
+static inline lanes_float smooth(lanes_float x)
 {
-    lanes_float metallic = material[0], kept = material[1], a2 = material[2];
+    x = least(most(x, spread(0.0f)), spread(1.0f));
+    return x * x * (3.0f - 2.0f * x);
+}
+
+/// What is mirrored in a direction: sky or ground, with a horizon between them, and two soft boxes; blurred on rough
+/// surfaces.
+static inline void mirror_lanes(const stp_lighting* light, const lanes_float r[3],
+                                lanes_float rough, lanes_float out[3])
+{
+    static const float horizon[3] = {MIRROR_HORIZON_R, MIRROR_HORIZON_G, MIRROR_HORIZON_B};
+    static const float ground[3] = {MIRROR_GROUND_R, MIRROR_GROUND_G, MIRROR_GROUND_B};
+    lanes_float width = MIRROR_BLUR + MIRROR_BLUR_ROUGH * rough, sharp = 1.0f / width;
+    lanes_float height = dot_with(r, light->up);
+    lanes_float above = smooth(height * sharp + 0.5f);
+    lanes_float fade = 1.0f - (1.0f - MIRROR_ZENITH) * most(height, spread(0.0f));
+    lanes_float left = dot_with(r, light->left_box) - MIRROR_LEFT_EDGE;
+    lanes_float right = dot_with(r, light->right_box) - MIRROR_RIGHT_EDGE;
+    lanes_float boxes = (MIRROR_BOX_LEFT * smooth(left * sharp + 0.5f) +
+                         MIRROR_BOX_RIGHT * smooth(right * sharp + 0.5f)) *
+                        (1.0f - MIRROR_ROUGH_BOX * rough);
+    for (int k = 0; k < 3; ++k) {
+        out[k] = ground[k] + (horizon[k] * fade - ground[k]) * above + boxes;
+    }
+}
+
+/// The key light's highlight: the distribution of Trowbridge and Reitz, bounded.
+static inline lanes_float gloss_lanes(const stp_lighting* light, const lanes_float eye[3],
+                                      lanes_float toward, lanes_float facing,
+                                      const lanes_float material[8])
+{
+    lanes_float a2 = material[2];
+    // of the vector halfway between light and eye, which are of unit length: its square is 2 + 2 light . eye
+    lanes_float square = 2.0f + 2.0f * dot_with(eye, light->key);
+    lanes_float along = most(toward + facing, spread(0.0f));
+    lanes_float squared = lanes_select(square > 0.0f, along * along / square, spread(0.0f));
+    lanes_float d = squared * (a2 - 1.0f) + 1.0f;
+    lanes_float bounded = least(a2 / (d * d) * material[3], spread(LIGHT_GLOSS_MOST));
+    return most(toward, spread(0.0f)) * bounded * (1.0f - material[1]);
+}
+
+/// Light from key, sky and ground, and what surfaces mirror. What is seen has its front towards the eye. A surface that is
+/// not polished at all mirrors as much light as falls on it.
+static inline void light_lanes(const stp_lighting* light, const lanes_float eye[3],
+                               lanes_float n[3], const lanes_float color[3],
+                               const lanes_float material[8], lanes_float out[3])
+{
+    static const float sky[3] = {LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B};
+    static const float ground[3] = {LIGHT_GROUND_R, LIGHT_GROUND_G, LIGHT_GROUND_B};
+    static const float key[3] = {LIGHT_KEY_R, LIGHT_KEY_G, LIGHT_KEY_B};
+    lanes_float metallic = material[0], rough = material[1], r[3], mirrored[3];
     lanes_float facing = dot(n, eye);
     lanes_int turned = facing < 0.0f;
     for (int k = 0; k < 3; ++k) {
         n[k] = lanes_select(turned, n[k] * -1.0f, n[k]);
     }
     facing = lanes_select(turned, -facing, facing);
-    lanes_float toward = dot_with(n, light->toward), lambert = most(toward, spread(0.0f));
-    lanes_float height = 0.5f + 0.5f * dot_with(n, light->up);
-    lanes_float diffuse = CPU_LIGHT_GROUND + (CPU_LIGHT_SKY - CPU_LIGHT_GROUND) * height +
-                          CPU_LIGHT_KEY * lambert + CPU_LIGHT_FILL * facing;
-    // of the vector halfway between light and eye, which are of unit length: its square is 2 + 2 light . eye
-    lanes_float square = 2.0f + 2.0f * dot_with(eye, light->toward);
-    lanes_float along = most(toward + facing, spread(0.0f));
-    lanes_float squared = lanes_select(square > 0.0f, along * along / square, spread(0.0f));
-    lanes_float d = squared * (a2 - 1.0f) + 1.0f;
-    lanes_float gloss = lambert * least(a2 / (d * d) * material[3], spread(2.0f));
+    for (int k = 0; k < 3; ++k) {
+        r[k] = 2.0f * facing * n[k] - eye[k];
+    }
+    mirror_lanes(light, r, rough, mirrored);
+    lanes_float toward = dot_with(n, light->key), lambert = most(toward, spread(0.0f));
+    lanes_float gloss = gloss_lanes(light, eye, toward, facing, material);
+    lanes_float height = 0.5f + 0.5f * dot_with(n, light->up), fill = LIGHT_FILL * facing * facing;
+    lanes_float aside = 1.0f - facing, polish = 1.0f - rough, square = aside * aside;
+    lanes_float edge = square * square * aside * polish * polish * LIGHT_GRAZING;
     lanes_int unlit = material[7] > 0.0f;
     for (int k = 0; k < 3; ++k) {
-        lanes_float mirror = 0.04f + (color[k] - 0.04f) * metallic;
-        lanes_float lit = color[k] * kept * diffuse + mirror * (gloss + 0.5f * metallic * diffuse) +
+        lanes_float diffuse =
+            ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert + fill;
+        lanes_float front = LIGHT_DIELECTRIC + (color[k] - LIGHT_DIELECTRIC) * metallic;
+        lanes_float mirror = front + (1.0f - front) * edge;
+        lanes_float seen = mirrored[k] + (diffuse - mirrored[k]) * rough;
+        lanes_float lit = color[k] * (1.0f - metallic) * diffuse + mirror * seen + front * gloss +
                           material[4 + k];
         out[k] = lanes_select(unlit, color[k] + material[4 + k], lit);
     }

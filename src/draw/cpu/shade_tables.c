@@ -10,7 +10,7 @@ cpu_shade_material cpu_make_shade_material(float metallic, float roughness, cons
     float a = stp_max(roughness, 0.25f);
     float a2 = a * a * a * a;
     return (cpu_shade_material){.metallic = metallic,
-                                .kept = 1.0f - 0.5f * metallic,
+                                .rough = (a - 0.25f) * (1.0f / 0.75f),
                                 .a2 = a2,
                                 .gloss = 1.0f / (4.0f * a2 + 0.2f),
                                 .emissive = {emissive[0], emissive[1], emissive[2]},

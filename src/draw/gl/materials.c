@@ -12,7 +12,7 @@ static light_material_block make_light(float metallic, float roughness, const fl
     float a = stp_max(roughness, 0.25f);
     float a2 = a * a * a * a;
     return (light_material_block){
-        .surface = {metallic, 1.0f - 0.5f * metallic, a2, 1.0f / (4.0f * a2 + 0.2f)},
+        .surface = {metallic, (a - 0.25f) * (1.0f / 0.75f), a2, 1.0f / (4.0f * a2 + 0.2f)},
         .emissive = {emissive[0], emissive[1], emissive[2],
                      (flags & STP_SHADING_UNLIT) != 0 ? 1.0f : 0.0f}};
 }

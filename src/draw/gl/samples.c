@@ -3,6 +3,7 @@
 #include "base/color.h"
 #include "base/context.h"
 #include "draw/gl/renderer.h"
+#include "draw/lighting.h"
 #include "select/eyes.h"
 
 enum { POINT_MARGIN = 64 };
@@ -23,15 +24,13 @@ static void set_vec3(vec4 out, stp_vec3d v)
     out[2] = (float)v.z;
 }
 
-/// Light from above the viewer's left shoulder, or from the eye (src/draw/cpu/shade.c).
-static stp_vec3d toward_light(const stp_view_frame* f, bool headlight)
+static void set_light(const gl_renderer* r, const stp_view_frame* f, view_block* view)
 {
-    stp_vec3d up = stp_scaled(f->down, -1.0), back = stp_scaled(f->forward, -1.0);
-    if (headlight) {
-        return back;
-    }
-    stp_vec3d toward = stp_addd(stp_scaled(f->right, -0.45), stp_scaled(up, 0.65));
-    return stp_normalized(stp_addd(toward, stp_scaled(back, 0.62)));
+    stp_lighting light = stp_lighting_make(f, r->style->headlight);
+    set_vec3(view->light, stp_to_double(light.key));
+    set_vec3(view->up, stp_to_double(light.up));
+    set_vec3(view->left_box, stp_to_double(light.left_box));
+    set_vec3(view->right_box, stp_to_double(light.right_box));
 }
 
 /// What is the same for all pixels: towards the eye, (forward + right u + down v) turned round.
@@ -97,8 +96,7 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
     view.screen[0] = (float)(f->center_x + p->shift_x);
     view.screen[1] = (float)(f->center_y + p->shift_y);
     view.screen[2] = (float)(1.0 / f->scale);
-    set_vec3(view.light, toward_light(f, r->style->headlight));
-    set_vec3(view.up, stp_scaled(f->down, -1.0));
+    set_light(r, f, &view);
     set_eye(p, &view);
     set_cuts(p, &r->view->sections, &view);
     gl_occlusion_pass_set_view(r, &view);

@@ -1,6 +1,6 @@
 // The mean of samples that were summed.
 #include "interface.h"
-#include "lib_light.glsl"
+#include "lib_srgb.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 layout(rgba8, binding = IMAGE_PICTURE) uniform writeonly image2D picture;

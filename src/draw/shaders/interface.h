@@ -145,7 +145,7 @@ struct chunk_block {
 
 // What light needs of a material.
 struct light_material_block {
-    vec4 surface;  // metallic, share of diffuse light kept, a^2, gloss
+    vec4 surface;  // metallic, rough, a^2, gloss
     vec4 emissive; // and whether it is unlit
 };
 
@@ -159,8 +159,9 @@ struct material_block {
 
 struct view_block {
     vec4 size;  // width, height, 1 / width of the viewport, 1 / height of the viewport
-    vec4 light; // towards it
-    vec4 up;
+    vec4 light; // towards the key light
+    vec4 up;    // of the scene
+    vec4 left_box, right_box; // towards soft boxes
     vec4 eye_start, eye_across,
         eye_down; // towards the eye from a pixel, not of unit length; across and down 0 in parallel
     vec4 background; // linear, and whether it is drawn
@@ -226,5 +227,5 @@ _Static_assert(sizeof(item_block) == 352, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
-_Static_assert(sizeof(view_block) == 512, "layout of the view");
+_Static_assert(sizeof(view_block) == 544, "layout of the view");
 #endif

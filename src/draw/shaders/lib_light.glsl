@@ -1,15 +1,17 @@
 // Light, as src/draw/cpu/shade_lanes.h.
+#include "light_constants.h"
+#include "lib_item.glsl"
 #include "lib_srgb.glsl"
 
 struct surface_light {
-    vec4 surface;  // metallic, share of diffuse light kept, a^2, gloss
+    vec4 surface;  // metallic, rough, a^2, gloss
     vec4 emissive; // and whether it is unlit
 };
 
 surface_light make_light(float metallic, float roughness, vec4 emissive)
 {
     float a = max(roughness, 0.25), a2 = a * a * a * a;
-    return surface_light(vec4(metallic, 1.0 - 0.5 * metallic, a2, 1.0 / (4.0 * a2 + 0.2)), emissive);
+    return surface_light(vec4(metallic, (a - 0.25) * (1.0 / 0.75), a2, 1.0 / (4.0 * a2 + 0.2)), emissive);
 }
 
 vec3 unit(vec3 v)
@@ -18,20 +20,48 @@ vec3 unit(vec3 v)
     return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
 }
 
-vec3 light_surface(vec3 color, vec3 normal, vec3 eye, vec3 toward_light, vec3 up, surface_light m)
+vec3 smooth_step(vec3 x)
 {
+    x = clamp(x, 0.0, 1.0);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+// What is mirrored in a direction.
+vec3 mirror_light(vec3 r, float rough)
+{
+    const vec3 horizon = vec3(MIRROR_HORIZON_R, MIRROR_HORIZON_G, MIRROR_HORIZON_B);
+    const vec3 ground = vec3(MIRROR_GROUND_R, MIRROR_GROUND_G, MIRROR_GROUND_B);
+    float sharp = 1.0 / (MIRROR_BLUR + MIRROR_BLUR_ROUGH * rough), height = dot(r, view.up.xyz);
+    vec3 along = vec3(height, dot(r, view.left_box.xyz) - MIRROR_LEFT_EDGE,
+                      dot(r, view.right_box.xyz) - MIRROR_RIGHT_EDGE);
+    vec3 there = smooth_step(along * sharp + 0.5);
+    float fade = 1.0 - (1.0 - MIRROR_ZENITH) * max(height, 0.0);
+    float boxes = (MIRROR_BOX_LEFT * there.y + MIRROR_BOX_RIGHT * there.z) * (1.0 - MIRROR_ROUGH_BOX * rough);
+    return mix(ground, horizon * fade, there.x) + boxes;
+}
+
+vec3 light_surface(vec3 color, vec3 normal, vec3 eye, surface_light m)
+{
+    const vec3 sky = vec3(LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B);
+    const vec3 ground = vec3(LIGHT_GROUND_R, LIGHT_GROUND_G, LIGHT_GROUND_B);
+    const vec3 key = vec3(LIGHT_KEY_R, LIGHT_KEY_G, LIGHT_KEY_B);
+    float metallic = m.surface.x, rough = m.surface.y;
     vec3 n = unit(normal);
     float facing = dot(n, eye);
     n = facing < 0.0 ? -n : n;
     facing = abs(facing);
-    float toward = dot(n, toward_light), lambert = max(toward, 0.0);
-    float height = 0.5 + 0.5 * dot(n, up);
-    float diffuse = 0.12 + (0.28 - 0.12) * height + 0.62 * lambert + 0.08 * facing;
-    float square = 2.0 + 2.0 * dot(eye, toward_light), along = max(toward + facing, 0.0);
+    vec3 mirrored = mirror_light(2.0 * facing * n - eye, rough);
+    float toward = dot(n, view.light.xyz), lambert = max(toward, 0.0);
+    float square = 2.0 + 2.0 * dot(eye, view.light.xyz), along = max(toward + facing, 0.0);
     float squared = square > 0.0 ? along * along / square : 0.0;
     float d = squared * (m.surface.z - 1.0) + 1.0;
-    float gloss = lambert * min(m.surface.z / (d * d) * m.surface.w, 2.0);
-    vec3 mirror = 0.04 + (color - 0.04) * m.surface.x;
-    vec3 lit = color * m.surface.y * diffuse + mirror * (gloss + 0.5 * m.surface.x * diffuse) + m.emissive.xyz;
+    float gloss = lambert * min(m.surface.z / (d * d) * m.surface.w, LIGHT_GLOSS_MOST) * (1.0 - rough);
+    float height = 0.5 + 0.5 * dot(n, view.up.xyz), aside = 1.0 - facing, polish = 1.0 - rough;
+    vec3 diffuse = ground + (sky - ground) * height + key * lambert + LIGHT_FILL * facing * facing;
+    vec3 front = LIGHT_DIELECTRIC + (color - LIGHT_DIELECTRIC) * metallic;
+    float aside2 = aside * aside;
+    vec3 mirror = front + (1.0 - front) * (aside2 * aside2 * aside * polish * polish * LIGHT_GRAZING);
+    vec3 seen = mirrored + (diffuse - mirrored) * rough;
+    vec3 lit = color * (1.0 - metallic) * diffuse + mirror * seen + front * gloss + m.emissive.xyz;
     return m.emissive.w > 0.0 ? color + m.emissive.xyz : lit;
 }

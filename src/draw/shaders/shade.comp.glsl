@@ -25,7 +25,7 @@ vec3 shade(ivec2 pixel, uint id, float nearness, out float depth)
         return blended.rgb / blended.a;
     }
     surface s = find_surface(item, id, pixel, depth);
-    return light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), view.light.xyz, view.up.xyz, s.light);
+    return light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), s.light);
 }
 
 void main()
