@@ -44,9 +44,9 @@ cmp -s effects.png effects2.png || fail "four accumulated frames are not --super
 cmp -s one.png size1.png || fail "one accumulated frame is not the picture"
 grep -q '"samples": 1,' size1.json || fail "--splat-size has more than a sample a pixel: $(cat size1.json)"
 # without an option for quality, a picture is smooth
-"$stipple" render "$file" -o sixteen.png --size 32x32 --splat-size 1 --supersample 4 --json > sixteen.json || fail "16 samples"
+"$stipple" render "$file" -o sixteen.png --size 32x32 --splat-size 1 --accumulate 16 --json > sixteen.json || fail "16 samples"
 cmp -s sixteen.png iso.png || fail "a still is not the mean of 16 samples"
-grep -q '"samples": 16,' sixteen.json || fail "--supersample 4 is 16 samples: $(cat sixteen.json)"
+grep -q '"samples": 16,' sixteen.json || fail "--accumulate 16 is not 16 samples: $(cat sixteen.json)"
 for processor in baseline avx2; do
     STP_PROCESSOR=$processor "$stipple" render "$file" -o p.png --size 48x48 --eye-dome --ambient-occlusion=6 --supersample 2 || fail "effects, $processor"
     cmp -s p.png effects.png || fail "$processor changes effects"
@@ -75,13 +75,13 @@ export XDG_CACHE_HOME=$PWD/cache
 rm -rf cache
 "$stipple" render ball.obj -o ball.png --size 64x64 -q || fail "a model"
 [ "$(ls cache/stipple | wc -l)" -eq 1 ] || fail "the cache holds $(ls cache/stipple)"
-"$stipple" render ball.obj -o plain.png --size 48x48 --splat-size 6 -q || fail "no filter"
-"$stipple" render ball.obj -o blended.png --size 48x48 --splat-size 6 --filter ewa -q || fail "filter"
-"$stipple" render ball.obj -o p.png --size 48x48 --splat-size 6 --filter ewa --threads 1 -q || fail "filter, one thread"
+"$stipple" render ball.obj -o plain.png --size 48x48 --splat-size 12 -q || fail "no filter"
+"$stipple" render ball.obj -o blended.png --size 48x48 --splat-size 12 --filter ewa -q || fail "filter"
+"$stipple" render ball.obj -o p.png --size 48x48 --splat-size 12 --filter ewa --threads 1 -q || fail "filter, one thread"
 cmp -s p.png blended.png || fail "threads change the filter"
 cmp -s plain.png blended.png && fail "the filter changes nothing"
 for processor in baseline avx2; do
-    STP_PROCESSOR=$processor "$stipple" render ball.obj -o p.png --size 48x48 --splat-size 6 --filter ewa -q || fail "filter, $processor"
+    STP_PROCESSOR=$processor "$stipple" render ball.obj -o p.png --size 48x48 --splat-size 12 --filter ewa -q || fail "filter, $processor"
     cmp -s p.png blended.png || fail "$processor changes the filter"
 done
 "$stipple" render ball.obj -o again.png --size 64x64 -v 2> err || fail "a model again"

@@ -186,7 +186,7 @@ END
 echo '{"keys": [{"t": 0, "eye": [0, 0, 9], "target": [0, 0, 0]}, {"t": 0.05, "eye": [0, 0, 8], "target": [0, 0, 0]}]}' > f.json
 "$stipple" fly street.stip --backend cpu --path f.json -o frames/ --size 60x40 --frames 2 --hide wall --section x:0 -q > /dev/null 2> err ||
     fail "fly: $(cat err)"
-show street.stip -o f.png --size 60x40 --eye 0,0,9 --target 0,0,0 --hide wall --section x:0 || fail "first frame"
+show street.stip -o f.png --accumulate 1 --size 60x40 --eye 0,0,9 --target 0,0,0 --hide wall --section x:0 || fail "first frame"
 cmp -s f.png "$(find frames -name '*.png' | sort | head -n 1)" || fail "fly shows something else than render"
 
 refused 2 "no object named" render street.stip -o r.png --size 32x32 --hide attic
