@@ -38,7 +38,7 @@ void test_view_cube_shows_the_side_that_is_looked_at(test_state* test)
     for (int i = 0; i < STP_VIEW_CUBE_SIDES; ++i) {
         stp_navigator n;
         stp_navigator_init(&n, &box, 100, 100);
-        CHECK(stp_navigator_face(&n, names[i], &box));
+        CHECK(stp_navigator_face(&n, names[i], &box, NULL));
         stp_navigator_axes axes = stp_navigator_get_axes(&n);
         stp_view_cube cube;
         stp_view_cube_make(&axes, &cube);
