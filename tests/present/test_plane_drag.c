@@ -30,7 +30,7 @@ void test_planes_follow_the_hand(test_state* test)
     for (int i = 0; i < 8; ++i) {
         stp_navigator n;
         stp_navigator_init(&n, &box, 800, 600);
-        CHECK(stp_navigator_face(&n, views[i / 2], &box));
+        CHECK(stp_navigator_face(&n, views[i / 2], &box, NULL));
         if (i % 2 == 1) {
             stp_navigator_switch_projection(&n);
         }
