@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: MIT
+#include "lod/point_normals_kernel.h"
+
+void stp_sum_neighbours_portable(const stp_grid* grid, float radius, size_t begin, size_t end,
+                                 float (*out)[STP_NORMAL_SUMS])
+{
+    sum_neighbours(grid, radius, begin, end, out);
+}
