@@ -10,9 +10,9 @@
 #include <sys/stat.h>
 
 const char folder_formats[] =
-    "Stipple (.stip), glTF 2.0 (.gltf, .glb), Wavefront (.obj), PLY, STL, point clouds (.ply), and "
-    "what "
-    "assimp reads: FBX, COLLADA (.dae), 3DS, Blender, IFC, DXF, X3D, OFF, LWO, AC3D, 3MF and more";
+    "Stipple (.stip), glTF 2.0 (.gltf, .glb), OBJ, PLY (meshes and point clouds), STL; through "
+    "assimp "
+    "also FBX, COLLADA (.dae), 3DS, 3MF, IFC, X3D, Blender, DXF and others";
 
 static const char* const suffixes[] = {
     "stip", "gltf", "glb", "obj",  "ply", "stl",  "fbx", "dae", "3ds", "blend", "ifc", "dxf", "x3d",

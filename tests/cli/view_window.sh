@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # Sourced by tests of the viewer: a window under Xvfb, keys and mouse by xdotool, what --report says, pictures compared.
-# Arguments of the test: executable, scratch folder. VIEW_BACKEND=gl: OpenGL draws.
+# Arguments of the test: executable, scratch folder. VIEW_BACKEND=gl: OpenGL draws. VIEW_SIZE: of the window.
 drawn_by=${VIEW_BACKEND:-cpu}
 other_way=$([ "$drawn_by" = cpu ] && echo gl || echo cpu)
 stipple=$1
@@ -37,7 +37,7 @@ trap clean_up EXIT
 # any display number that is free; the server's memory is the screen
 mkdir screen
 exec 3> display
-Xvfb -displayfd 3 -screen 0 640x400x24 -fbdir screen -nolisten tcp > xvfb.log 2>&1 &
+Xvfb -displayfd 3 -screen 0 "${VIEW_SIZE:-640x400}x24" -fbdir screen -nolisten tcp > xvfb.log 2>&1 &
 xvfb=$!
 exec 3>&-
 while [ ! -s display ]; do
@@ -84,7 +84,7 @@ keep()
 open_viewer()
 {
     rm -f report.json
-    "$stipple" view "$@" --size 640x400 --report report.json > viewer.out 2> viewer.err &
+    "$stipple" view "$@" --size "${VIEW_SIZE:-640x400}" --report report.json > viewer.out 2> viewer.err &
     viewer=$!
     wait_until 'r["shows"] > 0'
     until window=$(xdotool search --onlyvisible --pid $viewer 2> /dev/null | tail -1) && [ -n "$window" ]; do
