@@ -15,11 +15,15 @@ void test_viewer_settings_are_kept(test_state* test)
     s.background[1] = 0.25f;
     s.samples = 7;
     s.backend = BACKEND_OPENGL;
+    s.unit = UNIT_FT;
+    s.point_scale = 2.5f;
+    s.guides = false;
     char* text = viewer_settings_print(&s);
     CHECK(text != NULL);
     CHECK(viewer_settings_parse(&again, text));
     CHECK(again.budget_ms == 12.5f && again.page == PAGE_MEASURE && !again.adapts && again.fovea);
     CHECK(again.background[1] == 0.25f && again.samples == 7 && again.backend == BACKEND_OPENGL);
+    CHECK(again.unit == UNIT_FT && again.point_scale == 2.5f && !again.guides);
     CHECK(again.parts == s.parts && again.splat_size == s.splat_size);
     free(text);
 }
