@@ -7,6 +7,7 @@
 #include <string.h>
 
 enum { LIGHT_SUN, LIGHT_HEAD };
+enum { CAPS_ON, CAPS_OFF };
 
 static size_t copy_options(option* table, size_t used, const option* from)
 {
@@ -101,6 +102,13 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .help = "darken what its surroundings enclose, within so many hundredths of the picture's "
                  "height; default 4",
          .value = &o->ambient_occlusion},
+        {.name = "caps",
+         .type = OPTION_CHOICE,
+         .argument = "on|off",
+         .words = "on|off",
+         .help = "fill solids where sections cut them; surfaces that are not closed stay open; "
+                 "default on",
+         .value = &o->caps},
         {0},
     };
     return copy_options(table, used, list);
@@ -308,7 +316,8 @@ stp_draw_style draw_options_style(const draw_options* o)
                             .filter = (stp_filter)o->filter,
                             .eye_dome = (float)o->eye_dome,
                             .ambient_occlusion = (float)(0.01 * o->ambient_occlusion),
-                            .ghost = (float)o->show.ghost_share};
+                            .ghost = (float)o->show.ghost_share,
+                            .caps = o->caps == CAPS_ON};
     if (style.background) {
         memcpy(style.background_color, o->background, sizeof(o->background));
     }

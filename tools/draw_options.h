@@ -30,6 +30,7 @@ typedef struct draw_options {
     bool has_background;
     int filter;
     double eye_dome, ambient_occlusion;
+    int caps; ///< CAPS_ON, CAPS_OFF
     show_options show;
     uint64_t threads, memory;
     bool json;

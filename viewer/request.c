@@ -36,6 +36,7 @@ paint_request request_make(const viewer* v)
                   .background_color = {to_byte(s->background[0]), to_byte(s->background[1]),
                                        to_byte(s->background[2])},
                   .filter = (stp_filter)s->filter,
+                  .caps = s->caps,
                   .eye_dome = s->eye_dome,
                   .ambient_occlusion = 0.01f * s->ambient_occlusion},
         .quality = {.splat_size = s->splat_size,

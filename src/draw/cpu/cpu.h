@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "base/team.h"
 #include "draw/bounding.h"
+#include "draw/caps.h"
 #include "draw/renderer.h"
 #include "draw/resting.h"
 #include "raster/splats_blend.h"
@@ -166,6 +167,7 @@ typedef struct cpu_renderer {
     cpu_effects effects;
     cpu_accumulation accumulation;
     cpu_blend blend;
+    stp_caps* caps; ///< NULL until a style wants them
     float decode[256];                   ///< sRGB bytes to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3]; ///< read four at a time
     cpu_shade_material* shade_materials; ///< see cpu_make_shade_materials
@@ -180,6 +182,7 @@ typedef struct cpu_renderer {
     uint32_t eye_count;
     const stp_draw_style* style;
     const stp_sections* sections;
+    const stp_visibility* visibility; ///< NULL: all is shown
     // the eye that is drawn (cpu_look_through)
     cpu_eye* eye;
     stp_view_frame frame;

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "draw/cpu/accumulate.h"
 #include "draw/cpu/blend.h"
+#include "draw/cpu/caps.h"
 #include "draw/cpu/effects.h"
 #include "draw/placement.h"
 
@@ -149,6 +150,9 @@ static stp_result finish_picture(cpu_renderer* r)
     } else if (planes) {
         r->occluding = NULL;
         result = result == STP_OK ? cpu_find_plane_depths(r) : result;
+    }
+    if (result == STP_OK && cpu_has_caps(r)) {
+        result = cpu_put_caps(r);
     }
     if (result == STP_OK && cpu_has_effects(r->style)) {
         result = cpu_apply_effects(r);

@@ -29,6 +29,7 @@ static void destroy(stp_renderer* renderer)
     cpu_destroy_effects(r);
     cpu_destroy_accumulation(r);
     cpu_destroy_blend(r);
+    stp_caps_destroy(r->caps);
     stp_free(context, r->workers);
     stp_free(context, r->depths);
     stp_free(context, r->all_sums);
@@ -122,9 +123,10 @@ static stp_result place_eyes(cpu_renderer* r, const stp_view* view, stp_image* i
 }
 
 /// Whether something is done with the bytes of each sample.
-static bool works_on_bytes(const stp_draw_style* style)
+static bool works_on_bytes(const stp_draw_style* style, const stp_view* view)
 {
-    return cpu_has_effects(style) || cpu_has_filter(style);
+    bool caps = style->caps && view->sections.count > 0;
+    return cpu_has_effects(style) || cpu_has_filter(style) || caps;
 }
 
 static stp_result begin_frame(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
@@ -163,7 +165,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
                         "style: at most %d x %d samples a pixel", SUPERSAMPLE_LIMIT,
                         SUPERSAMPLE_LIMIT);
     }
-    bool summed = end - first == all && (all == 1 || !works_on_bytes(style));
+    bool summed = end - first == all && (all == 1 || !works_on_bytes(style, view));
     r->team.stopped = r->base.stop;
     stp_result result = begin_frame(r, view, list, style, image, first, summed);
     if (result == STP_OK) {
@@ -197,7 +199,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
     cpu_renderer* r = (cpu_renderer*)renderer;
     stp_result result = draw_part(r, view, list, style, image, 0, side * side, stats);
-    if (side > 1 && works_on_bytes(style)) {
+    if (side > 1 && works_on_bytes(style, view)) {
         r->accumulation.frames = 0; // its sums were used
     }
     return result;
@@ -228,12 +230,14 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
         return result;
     }
     cpu_continue_accumulation(r, view, list, &finer);
+    r->visibility = quality->visibility;
     uint32_t first = r->accumulation.frames;
     uint32_t all = finer.supersample * finer.supersample, end = first < all ? first + 1 : all;
     r->two_passes = may_occlude(view, quality, style) ? &passes : NULL;
     double select_ms = stp_clock_ms() - start;
     result = draw_part(r, view, list, &finer, image, first, end, stats);
     r->two_passes = NULL;
+    r->visibility = NULL;
     stats->select_ms = select_ms + passes.select_ms;
     return result;
 }
@@ -250,12 +254,14 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
                              .hides_nodes = occludes && !cpu_has_filter(style)};
     *stats = (stp_draw_stats){0};
     r->two_passes = &passes;
+    r->visibility = quality->visibility;
     stp_result result = cpu_select_sample(r);
     r->two_passes = occludes ? &passes : NULL;
     if (result == STP_OK) {
         result = draw(renderer, view, list, style, image, stats);
     }
     r->two_passes = NULL;
+    r->visibility = NULL;
     stats->select_ms = passes.select_ms;
     return result;
 }

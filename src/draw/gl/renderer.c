@@ -37,6 +37,7 @@ static void destroy(stp_renderer* renderer)
         gl_target_destroy(r);
         gl_frame_destroy(r);
         gl_effect_pass_destroy(r);
+        gl_cap_pass_destroy(r);
         gl_pool_destroy(&r->pool);
         const GLuint buffers[] = {r->light_materials, r->materials};
         r->gl.DeleteBuffers(2, buffers);
@@ -155,9 +156,10 @@ static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool 
 }
 
 /// Whether something is done with the bytes of each sample.
-static bool works_on_bytes(const stp_draw_style* style)
+static bool works_on_bytes(const stp_draw_style* style, const stp_view* view)
 {
-    return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f;
+    bool caps = style->caps && view->sections.count > 0;
+    return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f || caps;
 }
 
 static stp_result draw_range(gl_renderer* r, const stp_view* view, const stp_draw_list* list,
@@ -188,7 +190,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     gl_renderer* r = (gl_renderer*)renderer;
     uint32_t side = style->supersample > 1 ? style->supersample : 1;
     side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
-    bool bytes = side > 1 && works_on_bytes(style);
+    bool bytes = side > 1 && works_on_bytes(style, view);
     gl_sample_range range = {
         .side = side, .end = side * side, .sums = side > 1, .bytes = bytes, .scattered = bytes};
     r->accumulation.frames = 0; // its picture is drawn over, and its sums may be used or made anew
@@ -205,9 +207,11 @@ static stp_result draw_selected(stp_renderer* renderer, const stp_view* view,
     double start = stp_clock_ms();
     stp_result result = stp_select(renderer->context, r->store, view, &whole, list);
     double select_ms = stp_clock_ms() - start;
+    r->visibility = quality->visibility;
     if (result == STP_OK) {
         result = draw(renderer, view, list, style, image, stats);
     }
+    r->visibility = NULL;
     stats->select_ms = select_ms;
     return result;
 }
@@ -261,7 +265,9 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
                              .sums = true,
                              .bytes = true,
                              .scattered = true};
+    r->visibility = quality->visibility;
     result = draw_range(r, view, list, &finer, &range, image, stats);
+    r->visibility = NULL;
     stats->select_ms = select_ms;
     a->frames = result == STP_OK ? range.end : 0;
     a->width = r->target.full_width;

@@ -11,6 +11,7 @@
 // and are made anew where that changes.
 #pragma once
 
+#include "draw/gl/cap_pass.h"
 #include "draw/gl/effect_pass.h"
 #include "draw/gl/filter_pass.h"
 #include "draw/gl/gl.h"
@@ -155,6 +156,7 @@ struct gl_renderer {
     gl_triangle_pass triangles;
     gl_shade_pass shade;
     gl_effect_pass effects;
+    gl_cap_pass cap_pass;
     gl_timer timer;
     gl_target target;
     gl_frame frame;
@@ -166,6 +168,7 @@ struct gl_renderer {
     stp_placement placement;
     uint32_t eye;
     const stp_view* view; ///< of all eyes
+    const stp_visibility* visibility; ///< NULL: all is shown
     const stp_draw_style* style;
     const stp_draw_list* list;
     stp_result failure;              ///< why an upload failed

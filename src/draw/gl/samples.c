@@ -199,7 +199,8 @@ static stp_result shade(gl_renderer* r, const gl_sample* sample)
     stp_result result = gl_shade_pass_draw(r, sample->sums);
     result = result == STP_OK ? gl_portion_wait(r) : result;
     if (result == STP_OK && !sample->sums) {
-        result = gl_effect_pass_draw(r);
+        result = gl_cap_pass_draw(r);
+        result = result == STP_OK ? gl_effect_pass_draw(r) : result;
         result = result == STP_OK ? gl_portion_wait(r) : result;
     }
     if (result == STP_OK && sample->bare) {

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+//
+// A surface is closed where its border is empty. Each directed edge adds a random number of the edge, or subtracts it where
+// it runs the other way; the sum is zero where all edges cancel, and for an open surface only by a chance of 2^-64. So nothing
+// has to be remembered of edges, and sums of pieces are the sum of the whole.
+#include "draw/cap_solid.h"
+
+#include "base/context.h"
+#include "base/hash.h"
+#include "base/math.h"
+#include "base/rng.h"
+#include "store/clusters.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { NOT_ASKED = 2 };
+
+/// Meshes that may be pieces of one.
+typedef struct piece {
+    uint64_t key; ///< of name and material
+    uint32_t mesh;
+} piece;
+
+typedef struct border {
+    uint64_t sum;
+    double volume; ///< six times, with its sign
+} border;
+
+struct stp_cap_solids {
+    stp_context* context;
+    stp_store* store;
+    uint32_t mesh_count;
+    int8_t* sides; ///< NOT_ASKED: not known yet
+    piece* pieces; ///< sorted by key
+};
+
+static int compare_pieces(const void* a, const void* b)
+{
+    const piece *x = a, *y = b;
+    return x->key != y->key ? (x->key > y->key) - (x->key < y->key)
+                            : (x->mesh > y->mesh) - (x->mesh < y->mesh);
+}
+
+static uint64_t key_of(const stp_store_mesh* mesh)
+{
+    uint64_t key = stp_rng_hash(7, mesh->material);
+    for (const char* c = mesh->name; c != NULL && *c != '\0'; ++c) {
+        key = stp_rng_hash(key, (uint64_t)(unsigned char)*c);
+    }
+    return key;
+}
+
+stp_result stp_cap_solids_create(stp_context* context, stp_store* store, stp_cap_solids** solids)
+{
+    uint32_t count = stp_store_get_directory(store)->mesh_count;
+    stp_cap_solids* s = STP_NEW_ZEROED(context, stp_cap_solids, 1);
+    *solids = NULL;
+    if (s == NULL) {
+        return stp_fail_memory(context);
+    }
+    *s = (stp_cap_solids){.context = context, .store = store, .mesh_count = count};
+    s->sides = STP_NEW_ARRAY(context, int8_t, (size_t)count + 1);
+    s->pieces = STP_NEW_ARRAY(context, piece, (size_t)count + 1);
+    if (s->sides == NULL || s->pieces == NULL) {
+        stp_cap_solids_destroy(s);
+        return stp_fail_memory(context);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        s->sides[i] = NOT_ASKED;
+        s->pieces[i] = (piece){key_of(stp_store_describe_mesh(store, i)), i};
+    }
+    qsort(s->pieces, count, sizeof(piece), compare_pieces);
+    *solids = s;
+    return STP_OK;
+}
+
+void stp_cap_solids_destroy(stp_cap_solids* solids)
+{
+    if (solids != NULL) {
+        stp_free(solids->context, solids->sides);
+        stp_free(solids->context, solids->pieces);
+        stp_free(solids->context, solids);
+    }
+}
+
+static stp_result visit_clusters(stp_store* store, uint32_t mesh, const stp_cap_visitor* visitor)
+{
+    stp_clusters clusters;
+    stp_result result = stp_store_get_clusters(store, mesh, &clusters);
+    float positions[3 * STP_CLUSTER_VERTICES];
+    for (uint32_t i = 0; result == STP_OK && i < clusters.cluster_count; ++i) {
+        stp_box box = stp_clusters_bounds(&clusters, i);
+        if (visitor->wants != NULL && !visitor->wants(visitor->user, &box)) {
+            continue;
+        }
+        stp_cluster cluster;
+        stp_clusters_get(&clusters, i, &cluster);
+        stp_cluster_positions(&clusters, &cluster, positions);
+        for (uint32_t t = 0; t < cluster.triangle_count && result == STP_OK; ++t) {
+            uint32_t c[3];
+            stp_cluster_corners(&cluster, t, c);
+            const float* const corners[3] = {positions + 3 * (size_t)c[0],
+                                             positions + 3 * (size_t)c[1],
+                                             positions + 3 * (size_t)c[2]};
+            result = visitor->take(visitor->user, corners);
+        }
+    }
+    return result;
+}
+
+static stp_result visit_columns(stp_store* store, uint32_t mesh, const stp_cap_visitor* visitor)
+{
+    stp_store_mesh columns;
+    stp_result result = stp_store_get_mesh(store, mesh, &columns);
+    for (size_t i = 0; result == STP_OK && i < columns.triangle_count; ++i) {
+        const float* corners[3];
+        for (size_t k = 0; k < 3; ++k) {
+            corners[k] = columns.positions + 3 * (size_t)columns.indices[3 * i + k];
+        }
+        result = visitor->take(visitor->user,
+                               (const float* const[3]){corners[0], corners[1], corners[2]});
+    }
+    return result;
+}
+
+stp_result stp_cap_visit(stp_store* store, uint32_t mesh, const stp_cap_visitor* visitor)
+{
+    return stp_store_is_clustered(store, mesh) ? visit_clusters(store, mesh, visitor)
+                                               : visit_columns(store, mesh, visitor);
+}
+
+static uint64_t hash_corner(const float* p)
+{
+    uint64_t hash = 11;
+    for (int k = 0; k < 3; ++k) {
+        float x = p[k] + 0.0f; // -0 is 0
+        uint32_t bits;
+        memcpy(&bits, &x, sizeof(bits));
+        hash = stp_rng_hash(hash, bits);
+    }
+    return hash;
+}
+
+static stp_result add_triangle(void* user, const float* const corners[3])
+{
+    border* b = user;
+    uint64_t hash[3];
+    stp_vec3d p[3];
+    for (int k = 0; k < 3; ++k) {
+        hash[k] = hash_corner(corners[k]);
+        p[k] = (stp_vec3d){(double)corners[k][0], (double)corners[k][1], (double)corners[k][2]};
+    }
+    for (int k = 0; k < 3; ++k) {
+        uint64_t from = hash[k], to = hash[(k + 1) % 3];
+        uint64_t number = stp_rng_hash(from + to, from ^ to);
+        b->sum += from < to ? number : from > to ? (uint64_t)0 - number : 0;
+    }
+    b->volume += stp_dotd(p[0], stp_crossd(p[1], p[2]));
+    return STP_OK;
+}
+
+static int side_of(const border* b)
+{
+    return b->sum != 0 || b->volume == 0.0 ? 0 : b->volume > 0.0 ? 1 : -1;
+}
+
+/// The first piece of a key; mesh_count where there is none.
+static uint32_t find_pieces(const stp_cap_solids* s, uint64_t key)
+{
+    uint32_t low = 0, high = s->mesh_count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (s->pieces[middle].key < key) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+/// Judges a mesh that is open by itself, with all that may be pieces of the same.
+static stp_result judge_pieces(stp_cap_solids* s, uint32_t mesh)
+{
+    uint64_t key = key_of(stp_store_describe_mesh(s->store, mesh));
+    uint32_t first = find_pieces(s, key);
+    border whole = {0};
+    stp_cap_visitor visitor = {.take = add_triangle, .user = &whole};
+    stp_result result = STP_OK;
+    for (uint32_t i = first; i < s->mesh_count && s->pieces[i].key == key && result == STP_OK;
+         ++i) {
+        result = stp_cap_visit(s->store, s->pieces[i].mesh, &visitor);
+    }
+    for (uint32_t i = first; i < s->mesh_count && s->pieces[i].key == key && result == STP_OK;
+         ++i) {
+        int8_t* side = &s->sides[s->pieces[i].mesh];
+        *side = *side == 1 || *side == -1 ? *side : (int8_t)side_of(&whole);
+    }
+    return result;
+}
+
+stp_result stp_cap_solids_side(stp_cap_solids* s, uint32_t mesh, int* side)
+{
+    stp_result result = STP_OK;
+    if (s->sides[mesh] == NOT_ASKED) {
+        border own = {0};
+        stp_cap_visitor visitor = {.take = add_triangle, .user = &own};
+        result = stp_cap_visit(s->store, mesh, &visitor);
+        if (result == STP_OK && side_of(&own) != 0) {
+            s->sides[mesh] = (int8_t)side_of(&own);
+        } else if (result == STP_OK) {
+            result = judge_pieces(s, mesh);
+        }
+    }
+    *side = result == STP_OK ? s->sides[mesh] : 0;
+    return result;
+}
