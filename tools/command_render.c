@@ -267,8 +267,8 @@ static json_t* describe(const session* s, json_t* picked)
     bool described = json_object_set_new(object, "resident_bytes", bytes) == 0;
     described = json_object_set_new(object, "samples", samples) == 0 && described;
     described = json_object_set_new(object, "accumulated_frames", frames) == 0 && described;
-    described = json_object_set_new(object, "picture_ms", json_real(s->picture_ms)) == 0 &&
-                described;
+    described =
+        json_object_set_new(object, "picture_ms", json_real(s->picture_ms)) == 0 && described;
     if (!described || figures == NULL || json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);
@@ -425,7 +425,8 @@ const command command_render = {
         "\n"
         "Where no option asks for a quality (--splat-size, --splats, --splat-scale, --budget-ms, "
         "--policy, --fovea, --reference, --supersample, --accumulate, --once), the picture is the "
-        "mean of 16 frames, each shifted by a part of a pixel: edges are smooth (unless --memory leaves "
+        "mean of 16 frames, each shifted by a part of a pixel: edges are smooth (unless --memory "
+        "leaves "
         "little room). To compare two "
         "pictures, ask for the same number of samples in both.\n"
         "\n"

@@ -33,7 +33,7 @@ typedef struct viewer_settings {
     int unit;          ///< UNIT_*
     float point_scale; ///< times the usual size of points, in scenes that have some
     bool guides;       ///< view cube and scale bar
-    bool caps; ///< solids that sections cut are filled
+    bool caps;         ///< solids that sections cut are filled
     bool fovea;
     float fovea_factor;
     float eye_dome,

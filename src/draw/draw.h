@@ -26,7 +26,7 @@ typedef struct stp_draw_style {
     float eye_dome;          ///< strength of eye-dome lighting; 0: none
     float ambient_occlusion; ///< reach of ambient occlusion, in heights of the picture; 0: none
     float ghost; ///< the part of a ghost's pixels that is drawn, above 0 to 1; 0: a fifth
-    bool caps; ///< closed solids that the view's sections cut are filled (draw/caps.h)
+    bool caps;   ///< closed solids that the view's sections cut are filled (draw/caps.h)
     /// Pixels that show a splat have the depth of its plane there, without the offset of its rim. CPU, without a filter.
     bool plane_depth;
 } stp_draw_style;

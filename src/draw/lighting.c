@@ -7,8 +7,7 @@ static stp_vec3 direction(const stp_view_frame* f, const float along[3])
 {
     stp_vec3d sum = stp_scaled(f->right, (double)along[0]);
     sum = stp_subd(sum, stp_scaled(f->down, (double)along[1]));
-    return stp_to_float(
-        stp_normalized(stp_subd(sum, stp_scaled(f->forward, (double)along[2]))));
+    return stp_to_float(stp_normalized(stp_subd(sum, stp_scaled(f->forward, (double)along[2]))));
 }
 
 stp_lighting stp_lighting_make(const stp_view_frame* frame, bool headlight)

@@ -19,7 +19,8 @@ enum {
     BISECTIONS = 60,
 };
 
-#define NEAREST 2e-4 // of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
+#define NEAREST                                                                                    \
+    2e-4 // of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
 
 /// In the camera's axes, from the middle of the box.
 typedef struct corner_set {
@@ -90,8 +91,8 @@ static bool meet(const plane* a, const plane* b, const plane* c, stp_vec3d* poin
 
 static void add_corner(corner_set* set, const camera_axes* axes, stp_vec3d p)
 {
-    set->points[set->count++] = (stp_vec3d){stp_dotd(axes->right, p), stp_dotd(axes->up, p),
-                                            stp_dotd(axes->back, p)};
+    set->points[set->count++] =
+        (stp_vec3d){stp_dotd(axes->right, p), stp_dotd(axes->up, p), stp_dotd(axes->back, p)};
 }
 
 /// The corners of what the planes leave.

@@ -7,7 +7,7 @@ static const double quarter = 0.5 * STP_PI;
 static const double reaches_a_second = 0.6; // of flight
 static const double seeing_seconds = 0.35;  // until most of a new distance is taken in
 static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
-static const double alike = 3.0;   // depths within such a factor are about the same
+static const double alike = 3.0; // depths within such a factor are about the same
 
 static double clamp(double x, double low, double high)
 {

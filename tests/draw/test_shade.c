@@ -91,8 +91,8 @@ static void mirror_one(const stp_lighting* light, stp_vec3 r, float rough, float
     float fade = 1.0f - (1.0f - MIRROR_ZENITH) * stp_max(height, 0.0f);
     float left = smooth((stp_dot(r, light->left_box) - MIRROR_LEFT_EDGE) * sharp + 0.5f);
     float right = smooth((stp_dot(r, light->right_box) - MIRROR_RIGHT_EDGE) * sharp + 0.5f);
-    float boxes = (MIRROR_BOX_LEFT * left + MIRROR_BOX_RIGHT * right) *
-                  (1.0f - MIRROR_ROUGH_BOX * rough);
+    float boxes =
+        (MIRROR_BOX_LEFT * left + MIRROR_BOX_RIGHT * right) * (1.0f - MIRROR_ROUGH_BOX * rough);
     for (int k = 0; k < 3; ++k) {
         out[k] = ground[k] + (horizon[k] * fade - ground[k]) * above + boxes;
     }

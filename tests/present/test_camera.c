@@ -159,9 +159,9 @@ void test_camera_fits_what_sections_leave(test_state* test)
         for (uint64_t k = 0; k < 1 + i % 8; ++k) {
             stp_vec3d normal = random_vector(stp_rng_hash(i, 20 + k), -1.0, 1.0);
             double reach = 0.3 * (fabs(normal.x) * size.x + fabs(normal.z) * size.z);
-            stp_vec3d at = stp_addd(
-                middle, stp_scaled(normal, reach * random_in(i, 40 + k, 0.0, 1.0) /
-                                               stp_dotd(normal, normal)));
+            stp_vec3d at =
+                stp_addd(middle, stp_scaled(normal, reach * random_in(i, 40 + k, 0.0, 1.0) /
+                                                        stp_dotd(normal, normal)));
             CHECK(stp_sections_add_plane(&view.sections, at, normal));
         }
         CHECK(stp_camera_frame("iso", &box, &view) && stp_view_frame_make(&view, &frame));

@@ -167,7 +167,7 @@ typedef struct cpu_renderer {
     cpu_effects effects;
     cpu_accumulation accumulation;
     cpu_blend blend;
-    stp_caps* caps; ///< NULL until a style wants them
+    stp_caps* caps;                      ///< NULL until a style wants them
     float decode[256];                   ///< sRGB bytes to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3]; ///< read four at a time
     cpu_shade_material* shade_materials; ///< see cpu_make_shade_materials

@@ -57,7 +57,8 @@ static void place_eye(const cpu_renderer* r, uint32_t x, uint32_t y, cpu_shade_s
 
 cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r)
 {
-    cpu_shade_scene scene = {.encode = r->encode, .light = stp_lighting_make(&r->frame, r->style->headlight)};
+    cpu_shade_scene scene = {.encode = r->encode,
+                             .light = stp_lighting_make(&r->frame, r->style->headlight)};
     place_eye(r, 0, 0, &scene);
     return scene;
 }

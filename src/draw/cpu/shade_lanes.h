@@ -147,8 +147,7 @@ static inline void light_lanes(const stp_lighting* light, const lanes_float eye[
     lanes_float edge = square * square * aside * polish * polish * LIGHT_GRAZING;
     lanes_int unlit = material[7] > 0.0f;
     for (int k = 0; k < 3; ++k) {
-        lanes_float diffuse =
-            ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert + fill;
+        lanes_float diffuse = ground[k] + (sky[k] - ground[k]) * height + key[k] * lambert + fill;
         lanes_float front = LIGHT_DIELECTRIC + (color[k] - LIGHT_DIELECTRIC) * metallic;
         lanes_float mirror = front + (1.0f - front) * edge;
         lanes_float seen = mirrored[k] + (diffuse - mirrored[k]) * rough;

@@ -167,7 +167,7 @@ struct gl_renderer {
     // this picture
     stp_placement placement;
     uint32_t eye;
-    const stp_view* view; ///< of all eyes
+    const stp_view* view;             ///< of all eyes
     const stp_visibility* visibility; ///< NULL: all is shown
     const stp_draw_style* style;
     const stp_draw_list* list;

@@ -28,9 +28,10 @@
 #define MIRROR_BOX_RIGHT 0.45f
 #define MIRROR_LEFT_EDGE 0.80f // cosines from the middle of a box to its edge
 #define MIRROR_RIGHT_EDGE 0.88f
-#define MIRROR_BLUR 0.10f // width of edges, in cosines, where the surface is polished
+#define MIRROR_BLUR 0.10f      // width of edges, in cosines, where the surface is polished
 #define MIRROR_BLUR_ROUGH 1.5f // and added to it where it is rough
-#define MIRROR_ROUGH_BOX 0.7f // share of a box's light that is lost to where it is not, on rough surfaces
+#define MIRROR_ROUGH_BOX                                                                           \
+    0.7f // share of a box's light that is lost to where it is not, on rough surfaces
 
 #define LIGHT_DIELECTRIC 0.04f // reflectance from in front
 #define LIGHT_GRAZING 0.5f     // added to it towards the edge of a polished surface
