@@ -164,7 +164,7 @@ def flight(size, width, lane, tall):
     alley = width + lane / 2 if size[0] > width else -lane / 2
     keys = [(0, [middle[0] + 0.45 * across, 0.32 * across, middle[2] + 0.62 * across], middle),
             (3, [middle[0] - 0.2 * across, 0.2 * across, middle[2] + 0.6 * across], middle),
-            (6, [alley, 5 * tall, size[2] * 1.1], [alley, 2 * tall, 0.5 * size[2]]),
+            (6, [alley, 8 * tall, size[2] * 1.12], [alley, 0, 0.62 * size[2]]),
             (9, [alley, 1.6 * tall, 0.7 * size[2]], [alley, 1.6 * tall, 0.2 * size[2]]),
             (12, [alley, 2.5 * tall, 0.45 * size[2]], [alley - width / 2, 1.5 * tall, 0.3 * size[2]])]
     return {"fov": 60, "fps": 30,

@@ -1,0 +1,72 @@
+#!/usr/bin/env bash
+# Every command of the sh blocks of README.md and docs/hello.md runs as printed, in order, in a scratch folder; pictures
+# of other options are other pictures. Arguments: executable, scratch folder, source folder.
+set -u
+stipple=$1
+scratch=$2
+source=$3
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+model=/usr/share/assimp/models/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb
+[ -e $model ] && command -v python3 > /dev/null || exit 77
+mkdir -p "$scratch"
+export XDG_CACHE_HOME=$scratch/cache XDG_CONFIG_HOME=$scratch/config LIBGL_ALWAYS_SOFTWARE=1
+
+# What a document's blocks are run by: each command on its own, in the shell of those before it. Not run are what builds
+# and tests this very program (they have tests of their own, and must exist), and what needs a display that is not here.
+cat > "$scratch/run.py" << 'END'
+import re, shlex, subprocess, sys
+document, out = sys.argv[1:]
+blocks = re.findall(r"^```sh\n(.*?)^```", open(document).read(), re.M | re.S)
+commands = [line for block in blocks for line in block.splitlines() if line.strip() and not line.startswith("#")]
+assert len(commands) >= 5, f"{document} has {len(commands)} commands"
+assert all(not c.endswith("\\") for c in commands), "commands stand on one line, to be copied"
+with open(out, "w") as script:
+    script.write("set -u\n")
+    for command in commands:
+        words = shlex.split(command, comments=True)
+        if words[0] in ("make", "scripts/demo", "scripts/test"):
+            script.write(f"test -e {'Makefile' if words[0] == 'make' else words[0]}")
+        elif words[:2] == ["stipple", "view"]:
+            script.write(f"look {' '.join(shlex.quote(w) for w in words[2:])}")
+        else:
+            script.write(command)
+        script.write(f"\ncode=$?; [ $code -eq 0 ] || {{ echo {shlex.quote(command)}: exit $code >&2; exit 1; }}\n")
+END
+look() # a window opens, and stays open until it is closed
+{
+    command -v xvfb-run > /dev/null || { test -e "$1"; return; }
+    SDL_AUDIODRIVER=dummy timeout 20 xvfb-run -a stipple view "$@"
+    [ $? -eq 124 ]
+}
+export -f look
+
+for document in README.md docs/hello.md; do
+    folder=$scratch/$(basename $document .md)
+    mkdir -p "$folder/bin"
+    ln -s "$stipple" "$folder/bin/stipple"
+    ln -s "$source/scripts" "$folder/scripts"
+    cp "$source/Makefile" "$folder"
+    cp $model "$folder/plant.glb" # a reader's own model
+    cp "$source/scenes/flights/one-mesh.json" "$folder/flight.json"
+    python3 "$scratch/run.py" "$source/$document" "$folder/run.sh" || { fail "$document has no commands"; continue; }
+    (cd "$folder" && PATH=$folder/bin:$PATH bash run.sh > out 2> err) || fail "$document: $(tail -n 3 "$folder/err")"
+    pictures=$(find "$folder" -maxdepth 1 -name '*.png' -o -maxdepth 1 -name '*.jpg' | sort)
+    [ "$(echo "$pictures" | wc -l)" -ge 2 ] || fail "$document draws no pictures"
+    # shellcheck disable=SC2086
+    twins=$(sha256sum $pictures | sort | awk '$1 == last { print before, $2 } { last = $1; before = $2 }')
+    [ -z "$twins" ] || fail "$document: these pictures are one: $twins"
+done
+
+# the walk shows splats: few, many and dots are drawn of splats alone, and look less and more like the triangles
+cd "$scratch/hello" || exit 1
+for options in "--splats 1000" "--splats 20000" "--splats 2000 --splat-scale 0.3"; do
+    # shellcheck disable=SC2086
+    "$stipple" render engine.stip -o figures.png --size 640x480 --once --json $options > figures.json
+    python3 -c "import json; f = json.load(open('figures.json')); assert f['splats'] > 0 and f['triangles'] == 0, f" ||
+        fail "$options draws triangles"
+done
+ssim() { "$stipple" compare "$1" truth.png --json | python3 -c "import json, sys; print(json.load(sys.stdin)['ssim'])"; }
+python3 -c "import sys; few, many, dots = map(float, sys.argv[1:]); assert dots < many and few < many, sys.argv" \
+    "$(ssim few.png)" "$(ssim many.png)" "$(ssim dots.png)" || fail "more splats are not more alike"
+exit $((failures > 0))
