@@ -186,7 +186,7 @@ static void place_eye(session* s, bool is_standard)
     } else if (is_standard && !stp_boxd_is_empty(box)) {
         view->target = stp_scaled(stp_addd(box.min, box.max), 0.5);
     }
-    view->up = args.has_up ? view->up : (stp_vec3d){0, 1, 0};
+    view->up = args.has_up ? vector_of(args.up) : (stp_vec3d){0, 1, 0}; // as it was before the fit
     view->ortho_height = args.ortho;
 }
 

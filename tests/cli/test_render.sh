@@ -174,6 +174,10 @@ refused 2 "written over" render same.stip -o link.stip
 cmp -s "$file" same.stip || fail "render wrote over its scene"
 refused 2 "ortho" render "$file" -o a.png --ortho -5
 refused 2 "ortho" render "$file" -o a.png --ortho 0
+# an up that is given is the same as where it is the default: fitting a standard view leaves it alone
+"$stipple" render "$file" -o default_up.png --eye 3,2,5 --target 0,0,0 --size 32x24 -q || fail "no picture from an eye"
+"$stipple" render "$file" -o given_up.png --eye 3,2,5 --target 0,0,0 --up 0,1,0 --size 32x24 -q || fail "no picture with an up"
+cmp -s default_up.png given_up.png || fail "--up 0,1,0 turns the picture"
 head -c 100 "$file" > short.stip
 refused 1 "short.stip" render short.stip -o a.png
 refused 1 "no/folder" render "$file" -o no/folder/a.png

@@ -39,7 +39,7 @@ wait_until 'r["rests"] and near(camera["up"][2], -1)'
 xdotool key 3
 wait_until 'r["rests"] and near(camera["eye"][2], 0) and camera["eye"][0] > 1'
 xdotool key 9
-wait_until 'r["rests"] and near(camera["eye"][0] / camera["eye"][1], 1.25)'
+wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
 
 # orbit: the distance to the pivot stays; the picture is another
 keep
@@ -73,7 +73,7 @@ for key in w s a d q e; do
     wait_until 'r["rests"]'
 done
 xdotool key 9
-wait_until 'r["rests"] and near(camera["eye"][0] / camera["eye"][1], 1.25)'
+wait_until 'r["rests"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
 # a click on a surface chooses the part and the pivot; Escape chooses nothing
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
@@ -104,7 +104,7 @@ print(round(x), round(y))' $side)
 done
 check "a click on the cube chooses nothing" 'tools["chosen"] == ""'
 xdotool key Tab Home 9
-wait_until 'r["rests"] and not r["panels"] and near(camera["eye"][0] / camera["eye"][1], 1.25)'
+wait_until 'r["rests"] and not r["panels"] and near((camera["eye"][0] - camera["target"][0]) / (camera["eye"][1] - camera["target"][1]), 1.25)'
 xdotool mousemove 320 200 click 1
 wait_until 'r["rests"] and camera["pivot_chosen"] and tools["chosen"] != ""'
 keep
