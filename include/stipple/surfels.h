@@ -14,6 +14,8 @@
 
 #include <stipple/types.h>
 
+#include <stdbool.h>
+
 enum {
     STP_PREFIX_TABLE_SIZE = 64, ///< most breakpoints of a prefix table
     STP_OCTAVE_LIMIT = 24,      ///< most octaves of a surfel set
@@ -38,8 +40,10 @@ typedef struct stp_surfels {
     uint8_t* materials;  ///< index of a shading
     uint32_t octave_count;
     uint32_t octave_ends[STP_OCTAVE_LIMIT]; ///< ascending; the last is `count`
-    uint8_t* colors;    ///< 3 an entry, sRGB; sum of octave_ends entries, octave 0 first
-    uint8_t* coverages; ///< 1 an entry, same layout; 255: the surfel's disk is all surface
+    uint8_t* colors; ///< 3 an entry, sRGB; sum of octave_ends entries, octave 0 first
+    uint8_t*
+        coverages; ///< 1 an entry, same layout: which part of the disk is drawn (src/base/coverage.h); 255: all of it
+    bool plain_coverages; ///< coverages are shares of 255 instead: of files before version 1.2
     stp_prefix_table table;
     float
         candidate_radius; ///< half the diagonal of a capture pixel: how far surface may lie from a candidate

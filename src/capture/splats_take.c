@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which surfels of sets a capture saw, and their candidates.
 #include "base/color.h"
+#include "base/coverage.h"
 #include "base/octahedral.h"
 #include "capture/splats.h"
 
@@ -228,9 +229,14 @@ typedef struct resolve_sets {
     uint64_t* starts; ///< candidate of the first surfel seen, of each piece
 } resolve_sets;
 
-// @return the chance with which a pixel of its disk is drawn
-static float find_colour(const stp_surfels* s, const stp_set_look* look, uint32_t surfel,
-                         uint8_t rgba[4])
+// What is drawn of a disk.
+typedef struct drawn_part {
+    float area; ///< of the disk's, or its mean with holes
+    bool has_holes;
+} drawn_part;
+
+static drawn_part find_colour(const stp_surfels* s, const stp_set_look* look, uint32_t surfel,
+                              uint8_t rgba[4])
 {
     const uint8_t* own = s->colors + 3 * (look->first + surfel);
     const uint8_t* before = s->colors + 3 * (look->first_before + surfel);
@@ -242,16 +248,20 @@ static float find_colour(const stp_surfels* s, const stp_set_look* look, uint32_
             rgba[k] = stp_linear_to_srgb8(from + (to - from) * share);
         }
     }
-    // disks overlap, so a code says less than the fraction that they cover together (pyramid.c)
-    float chance = (float)s->coverages[look->first + surfel] / 255.0f;
+    uint8_t code = s->coverages[look->first + surfel];
+    float chance = stp_coverage_area(code), solid = code >= STP_COVERAGE_HALVES ? 1.0f : 0.0f;
     if (share < 1.0f) {
-        float other = (float)s->coverages[look->first_before + surfel] / 255.0f;
+        uint8_t before_code = s->coverages[look->first_before + surfel];
+        float other = stp_coverage_area(before_code);
         chance = other + (chance - other) * share;
+        solid *= before_code >= STP_COVERAGE_HALVES ? 1.0f : share;
     }
+    // disks overlap, so a share says less than the fraction that they cover together; what is cut has no holes
     float fraction = 1.0f - (1.0f - chance) * (1.0f - chance);
+    fraction += (1.0f - fraction) * solid;
     float scaled = fraction * 255.0f + 0.5f;
     rgba[3] = scaled < 1.0f ? 1 : (uint8_t)scaled;
-    return chance;
+    return (drawn_part){chance, solid < 1.0f};
 }
 
 // The set that a surfel belongs to, at or after `set`.
@@ -290,8 +300,9 @@ static void write_candidate(stp_candidates* out, size_t to, const stp_set_placin
     stp_vec3 normal = stp_to_float(stp_set_normal(placing, surfel));
     memcpy(out->positions + 3 * to, &at, sizeof(at));
     memcpy(out->normals + 3 * to, &normal, sizeof(normal));
-    float chance = find_colour(placing->surfels, look, surfel, out->colors + 4 * to);
-    double own = stp_share_of_chance((double)chance) * area.disk;
+    drawn_part drawn = find_colour(placing->surfels, look, surfel, out->colors + 4 * to);
+    double own = drawn.has_holes ? stp_share_of_chance((double)drawn.area) * area.disk
+                                 : (double)drawn.area * area.whole;
     out->set_areas[to - out->count] = (float)(own < area.whole ? own : area.whole);
     out->materials[to] = placing->surfels->materials[surfel];
 }

@@ -206,7 +206,7 @@ static stp_disk_query make_query(const stp_disk_search* s, uint32_t surfel)
                             .set_weight = s->set_weight,
                             .fractions = s->fractions,
                             .stencil = s->stencil,
-                            .until_solid = s->until_solid};
+                            .until_full = s->until_full};
     if (s->set_count != 0) {
         query.first_of_sets = s->sample_count - s->set_count;
     }

@@ -25,7 +25,7 @@ typedef struct stp_disk {
     uint64_t cells;     ///< of the stencil
     uint64_t fractions; ///< sum over the samples
     uint32_t count;     ///< of samples
-    bool solid;         ///< where asked to stop at that, count and sum mean nothing
+    bool full;          ///< where asked to stop at that, count and sum mean nothing
 } stp_disk;
 
 /// For each surfel the samples in its disk.
@@ -43,7 +43,7 @@ typedef struct stp_disk_search {
     uint32_t count;            ///< of `visit`
     float radius;              ///< of the disks
     bool two_sided;            ///< normals do not tell sides apart
-    bool until_solid;          ///< stop where a disk is known to be solid
+    bool until_full;           ///< stop where a disk is known to be full
     const stp_stencil* stencil;
     stp_disk* disks; ///< result: of each surfel visited, by its index
 } stp_disk_search;

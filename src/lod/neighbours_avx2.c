@@ -249,16 +249,6 @@ static inline uint64_t join_cells(__m256 u, __m256 v, __m256 footprint, __m256 n
     return (uint64_t)_mm_cvtsi128_si64(half) | (uint64_t)_mm_extract_epi64(half, 1);
 }
 
-static inline bool is_solid(const stp_stencil* stencil, uint64_t cells)
-{
-    __m256i all = _mm256_set1_epi64x((long long)cells), full = _mm256_setzero_si256();
-    for (int i = 0; i < 8; i += 4) {
-        __m256i sectors = _mm256_loadu_si256((const __m256i*)(stencil->sectors + i));
-        full = _mm256_or_si256(full, _mm256_cmpeq_epi64(_mm256_and_si256(all, sectors), sectors));
-    }
-    return _mm256_testz_si256(full, full) == 0;
-}
-
 static inline void add_fractions(const stp_grid* samples, uint32_t at, uint32_t near,
                                  const uint16_t* fractions, stp_disk* disk)
 {
@@ -315,8 +305,8 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
                              join_cells(dot(offset, across), dot(offset, along), footprint, near);
             if ((cells & ~disk->cells) != 0) {
                 disk->cells |= cells;
-                disk->solid = is_solid(query->stencil, disk->cells);
-                if (disk->solid && query->until_solid) {
+                disk->full = stp_stencil_is_full(query->stencil, disk->cells);
+                if (disk->full && query->until_full) {
                     return true;
                 }
             }

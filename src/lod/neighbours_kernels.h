@@ -40,7 +40,7 @@ typedef struct stp_disk_query {
     uint32_t set_weight;
     const uint16_t* fractions; ///< by index, or NULL
     const stp_stencil* stencil;
-    bool until_solid;
+    bool until_full;
 } stp_disk_query;
 
 typedef struct stp_near_kernels {
@@ -51,7 +51,7 @@ typedef struct stp_near_kernels {
     void (*find_nearest)(const stp_grid* surfels, const stp_near_ranges* ranges,
                          const stp_grid* samples, uint32_t begin, uint32_t end, stp_near_rule rule,
                          uint32_t* nearest);
-    /// Adds the samples that are in a disk to what was found there. @return whether it is known to be solid, and
+    /// Adds the samples that are in a disk to what was found there. @return whether it is known to be full, and
     /// needs no further look
     bool (*scan_disk)(const stp_grid* samples, const stp_near_ranges* ranges,
                       const stp_disk_query* query, stp_disk* disk);

@@ -67,9 +67,9 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
                              query->stencil->disk;
             if ((cells & ~disk->cells) != 0) {
                 disk->cells |= cells;
-                disk->solid = stp_stencil_is_solid(query->stencil, disk->cells);
+                disk->full = stp_stencil_is_full(query->stencil, disk->cells);
             }
-            if (disk->solid && query->until_solid) {
+            if (disk->full && query->until_full) {
                 return true;
             }
         }

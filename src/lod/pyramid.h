@@ -3,6 +3,7 @@
 // pyramid_coverage.c (how much of each disk is surface), pyramid_chance.c (with what chance its pixels are drawn).
 #pragma once
 
+#include "base/coverage.h"
 #include "lod/finish.h"
 #include "lod/neighbours.h"
 #include "lod/stencil.h"
@@ -14,7 +15,7 @@ typedef struct stp_pyramid_entry {
     uint16_t fraction; ///< how much of the disk is surface, opacity included, 65535 is 1
     float area;        ///< of the surface nearest to it, in STP_AREA_UNITS
     float toward[3];   ///< the same, times its normals: vectors, summed
-    uint8_t coverage;  ///< result: the chance with which a pixel is drawn, 255 is 1
+    uint8_t coverage;  ///< result: what is drawn of the disk (base/coverage.h)
 } stp_pyramid_entry;
 
 typedef struct stp_pyramid_sum {
@@ -47,11 +48,18 @@ static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint
                                             : areas->captured;
 }
 
+/// What codes of coverage show of a disk.
+typedef struct stp_cut_table {
+    uint64_t cells[256]; ///< of the stencil
+    float areas[256];    ///< of the disk's area, 0 to 1
+} stp_cut_table;
+
 typedef struct stp_pyramid {
     stp_context* context;
     const stp_pyramid_input* input;
     stp_surfels* surfels;
     stp_stencil stencil;
+    stp_cut_table cuts;
     uint32_t linear[256];
     stp_candidate_areas areas;
     stp_pyramid_entry* octaves[STP_OCTAVE_LIMIT]; ///< entries of each octave, in one array
@@ -89,19 +97,42 @@ void stp_pyramid_cover_finest(stp_pyramid* p, uint32_t octave, const stp_octave_
 /// The same of another octave; finer ones are done.
 STP_MUST_USE stp_result stp_pyramid_cover_coarser(stp_pyramid* p, uint32_t octave,
                                                   const stp_octave_plan* plan);
-/// For each surfel how much surface there is in the fullest quarter of its disk.
-typedef struct stp_sector_search {
-    const stp_pyramid* pyramid;
-    const stp_grid* samples;          ///< cells as wide as `radius`, or wider
-    const stp_pyramid_entry* entries; ///< of the samples, by index; NULL: samples are candidates
-    uint32_t stride;                  ///< each stands for so many of its kind
-    const uint32_t* visit;            ///< surfels
-    size_t count;
-    float radius;   ///< of the disks
-    float* fullest; ///< result: of each surfel visited, in STP_AREA_UNITS
-} stp_sector_search;
+enum {
+    STP_VIEWS_TOLD = 8
+}; ///< directions of a capture that are told apart, where there are so many
 
-void stp_sector_search_run(stp_context* context, stp_sector_search* search);
+/// What is found in the cylinder over a surfel's disk. Lengths are over the disk's radius.
+typedef struct stp_surroundings {
+    uint64_t cells; ///< of the stencil, on the disk's axes (stp_disk_axes_of)
+    float area;   ///< of what faces as the surfel does, as seen along its normal, in STP_AREA_UNITS
+    float total;  ///< area of all that is there
+    float others; ///< the part of `area` that is not of the views below
+    /// Of each direction of the capture, how much its pixels cover of the disk as seen from there, 0 to about 1: the share
+    /// of its rays that meet anything. All 0 where candidates do not tell.
+    float views[STP_VIEWS_TOLD];
+    float reach[STP_CUT_DIRECTIONS]; ///< how far anything lies in each direction; -1: nothing
+} stp_surroundings;
+
+typedef struct stp_surroundings_search {
+    const stp_pyramid* pyramid;
+    const stp_grid* samples; ///< candidates; cells as wide as `radius`, or wider
+    uint32_t stride;         ///< each stands for so many
+    float footprint;         ///< half the side of the square that one stands for, over the radius
+    const uint32_t* visit;   ///< surfels
+    size_t count;
+    float radius;                   ///< of the disks
+    stp_surroundings* found;        ///< result: of each surfel visited
+    const uint32_t* view_starts;    ///< candidates of each direction, or NULL
+    stp_vec3 views[STP_VIEWS_TOLD]; ///< filled in: the directions
+    float pixel;                    ///< filled in: of the capture, over the disk's area
+    float across[STP_CUT_DIRECTIONS / 2], along[STP_CUT_DIRECTIONS / 2]; ///< filled in
+} stp_surroundings_search;
+
+void stp_surroundings_search_run(stp_context* context, stp_surroundings_search* search);
+
+void stp_cut_table_make(const stp_stencil* stencil, stp_cut_table* table);
+/// The code of the smallest part of a disk that holds all that was found, but for `slack` beside it (parts of the radius).
+uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found, float slack);
 
 /// Fills the coverages of an octave, from fractions and areas.
 STP_MUST_USE stp_result stp_pyramid_choose_chances(stp_pyramid* p, uint32_t octave,

@@ -1,29 +1,49 @@
 // SPDX-License-Identifier: MIT
 //
-// The chance with which a disk's pixel is drawn. Disks of a surface overlap and hide what lies behind: they are drawn
-// whole. Disks of what is thin or small stand far over it: of theirs only so many pixels are drawn as the surface
-// nearest to the surfel would cover, so that wires, lattices and far trees keep their area, however large the disks.
-// How much surface is nearest to each surfel is counted with the colours: pixels of the capture that belong to it.
+// What is drawn of each disk. Disks of a surface overlap and hide what lies behind: they are drawn whole. A disk that stands
+// over the border of what is there, over a beam or a wire, is cut along it. Disks over what is scattered are drawn with so
+// many pixels as the surface nearest to the surfel would cover, so that leaves, lattices and far trees keep their area,
+// however large the disks. How much that is, is counted with the colours: pixels of the capture that belong to it.
 #include "lod/pyramid.h"
 
-// Of the surface that is nearest to surfels of whole surfaces, disks that stand alone have less than the first part;
-// those with more than the second are drawn whole: surface that half of the views do not see has so much.
-#define THIN 0.3
+// Of the surface that is nearest to surfels of whole surfaces, disks that are known to be full have more than this.
 #define WHOLE 0.5
-// Of the finest octave less, and its sectors are not looked at: a dozen candidates in a disk do not tell a wire from a border.
-#define THIN_OF_FINEST 0.08
-#define WHOLE_OF_FINEST 0.18
+// Of the cells of what is drawn of a disk, those that must be hit: below the first part it has holes, from the second on none.
+#define OPEN_CELLS 0.6
+#define FULL_CELLS 0.8
+// The same of the rays through there that meet anything.
+#define OPEN_AREA 0.5
+#define FULL_AREA 0.57
+// Of the finest octave, where a dozen candidates lie in a disk.
+#define OPEN_AREA_OF_FINEST 0.05
+#define FULL_AREA_OF_FINEST 0.12
+// The mean cosine of all that lies in there to the surfel's normal, as far as it faces it: a quarter among leaves, a half
+// where both sides of a plate are seen.
+#define OPEN_FACING 0.25
+#define FULL_FACING 0.35
+// Where it is more, surfaces lie as the disk does, and their corners fill less of what is drawn.
+#define OPEN_CORNER 0.3
+#define FULL_CORNER 0.34
+#define OPEN_CORNER_CELLS 0.5
+#define FULL_CORNER_CELLS 0.53
+// And less still where they are all one smooth surface.
+#define OPEN_SMOOTH 0.6
+#define FULL_SMOOTH 0.8
+#define OPEN_SMOOTH_CELLS 0.35
+#define FULL_SMOOTH_CELLS 0.42
+// The same of strips of less area than this, in which few candidates lie.
+#define NARROW 0.3
+#define OPEN_NARROW_CELLS 0.2
+#define FULL_NARROW_CELLS 0.4
 // Surface that on the mean faces away by more than this cosine is something else: the ground below a tree.
 #define LEAST_FACING 0.3
-// No surfel of a whole surface has less, even at a corner: another lies as far away as the disks reach.
-#define CORNER 0.1
-// Disks whose fullest quarter has more than the first part are no wires; with more than the second they are whole.
-#define THIN_QUARTER 0.55
-#define WHOLE_QUARTER 0.7
-// Sectors are looked at in surfels of so many octaves further down: about forty lie in a disk.
-#define SAMPLE_OCTAVES 2u
-// Even where surfels lie closer, disks are looked at as if they reached so many pixels.
-#define LEAST_REACH 0.5f
+// Candidates that are looked at in a disk.
+#define DISK_SAMPLES 128.0
+#define MOST_STRIDE 4096.0
+// Spacings in the radius of a disk of points, below which they are too few to cut it along.
+#define LEAST_SPACINGS 3.0
+// How far beside the part that is drawn a candidate may lie, parts of the radius.
+#define SLACK 0.04f
 
 // A blended surface is captured in half its pixels.
 #define BLENDED 2.0
@@ -77,41 +97,43 @@ static double own_part(double cosine)
     return part * part * part * part;
 }
 
-static uint8_t encode(double chance)
-{
-    int code = (int)(chance * 255.0 + 0.5);
-    return (uint8_t)(code < 1 ? 1 : code > 255 ? 255 : code);
-}
-
-// What an octave's chances are chosen by. Lengths are in scene units, areas in STP_AREA_UNITS.
+// What an octave's coverages are chosen by. Lengths are in scene units, areas in STP_AREA_UNITS.
 typedef struct chooser {
     stp_pyramid* p;
     uint32_t octave;
     stp_pyramid_entry* entries;
-    uint32_t stride;          ///< of the candidates that are looked at
-    float reach, disk_radius; ///< to what the prefix covers; of the disks
-    double disk, whole;       ///< areas: of a disk; nearest to a surfel of a whole surface
+    float disk_radius;
+    double pixels;      ///< of the capture, in the disks' radius
+    uint32_t stride;    ///< of the candidates that are looked at
+    float margin;       ///< how far beyond them surface may reach, over the disks' radius
+    double disk, whole; ///< areas: of a disk; nearest to a surfel of a whole surface
 } chooser;
 
 static chooser make_chooser(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
 {
-    float pixel = (float)p->input->finish->candidates->pixel_size;
-    float reach = stp_max(plan->radius, LEAST_REACH * pixel);
-    double pixels = (double)(reach / pixel), disk = (double)(plan->disk_radius / pixel);
+    double pixel = p->input->finish->candidates->pixel_size;
+    double reach = (double)plan->radius / pixel, disk = (double)plan->disk_radius / pixel;
+    reach = reach > 0.5 ? reach : 0.5;
+    // of eight views four see a surface, so there are two candidates a pixel; one of points
+    double density = p->input->finish->candidates->direction_count != 0 ? 2.0 : 1.0;
+    double stride = ceil(density * STP_PI * disk * disk / DISK_SAMPLES);
+    stride = stride > 1.0 ? stride : 1.0;
+    stride = stride < MOST_STRIDE ? stride : MOST_STRIDE;
     return (chooser){
         .p = p,
         .octave = octave,
         .entries = p->octaves[octave],
-        .reach = reach,
         .disk_radius = plan->disk_radius,
-        .stride = plan->stride,
+        .pixels = disk,
+        .stride = (uint32_t)stride,
+        .margin = (float)((density > 1.0 ? 0.25 : 0.5) * sqrt(stride / density) / disk),
         .disk = STP_PI * disk * disk * STP_AREA_UNITS,
-        .whole = STP_WHOLE_SHARE * STP_PI * pixels * pixels * STP_AREA_UNITS,
+        .whole = STP_WHOLE_SHARE * STP_PI * reach * reach * STP_AREA_UNITS,
     };
 }
 
-// A coverage between that of a disk that is whole, and that of one that stands over what is thin. `solid`: 0..1
-static uint8_t choose(const chooser* c, uint32_t surfel, double solid)
+// The share of a disk's pixels where it is drawn with holes. `hit`: the part of it that rays along its normal hit.
+static double thin_share(const chooser* c, uint32_t surfel, double hit)
 {
     const stp_pyramid_entry* e = &c->entries[surfel];
     double whole = overlapping_chance(e->fraction);
@@ -119,118 +141,137 @@ static uint8_t choose(const chooser* c, uint32_t surfel, double solid)
     double alpha =
         c->p->input->finish->candidates->set_count != 0 ? 1.0 : (double)e->alpha / 65535.0;
     double thin = stp_chance_of_share((double)e->area * own / c->disk) * alpha;
-    thin = thin < whole ? thin : whole;
-    return encode(whole * solid + thin * (1.0 - solid));
+    // disks that overlap hide each other's pixels: so many more are drawn that together they cover the area
+    double covered = hit < 0.9 ? hit : 0.9;
+    thin *= covered > 0.01 ? -log(1.0 - covered) / covered : 1.0;
+    return thin < whole ? thin : whole;
 }
 
-// Chooses by what is nearest to each surfel. @return how many are in doubt; they are listed, along the curve
-static size_t choose_by_area(const chooser* c, uint32_t* doubtful)
+static bool is_opaque(const stp_pyramid_entry* e)
+{
+    return e->alpha >= 65000;
+}
+
+// Disks that are known to be whole. @return how many are not; they are listed, along the curve
+static size_t choose_whole(const chooser* c, uint32_t* doubtful)
 {
     size_t count = 0;
-    bool finest = c->octave + 1 == c->p->surfels->octave_count;
-    double low = finest ? THIN_OF_FINEST : THIN, high = finest ? WHOLE_OF_FINEST : WHOLE;
     for (uint32_t at = 0; at < c->p->visit_count; ++at) {
         uint32_t i = c->p->visit[at];
         stp_pyramid_entry* e = &c->entries[i];
         double cosine = facing(c->p, e, i);
-        double share = (double)e->area * cosine * cosine / c->whole;
-        e->coverage = choose(c, i, ramp(share, low, high));
-        bool lower = e->coverage < encode(overlapping_chance(e->fraction));
-        if (!finest && lower && (double)e->area >= CORNER * c->whole) {
+        bool enough = (double)e->area * cosine * cosine >= WHOLE * c->whole;
+        e->coverage = STP_COVERAGE_WHOLE;
+        if (!is_opaque(e) || !enough ||
+            !stp_stencil_is_full(&c->p->stencil, c->p->disks[i].cells)) {
             doubtful[count++] = i;
         }
     }
     return count;
 }
 
-static void choose_by_sectors(const chooser* c, const stp_sector_search* search)
+// The share of rays through a disk that meet anything, of the view that sees most of it: what is hidden from others is no
+// less solid, and a lattice finer than the pixels is as open from all.
+static double ray_share(const chooser* c, const stp_surroundings* found)
 {
-    double pixels = (double)search->radius / c->p->input->finish->candidates->pixel_size;
-    double quarter = 0.25 * STP_PI * pixels * pixels * STP_AREA_UNITS;
-    for (size_t i = 0; i < search->count; ++i) {
-        uint32_t surfel = search->visit[i];
-        uint8_t coverage = choose(
-            c, surfel, ramp((double)search->fullest[i] / quarter, THIN_QUARTER, WHOLE_QUARTER));
-        uint8_t* before = &c->entries[surfel].coverage;
-        *before = coverage > *before ? coverage : *before;
+    float most = 0.0f;
+    for (int k = 0; k < STP_VIEWS_TOLD; ++k) {
+        most = stp_max(most, found->views[k]);
     }
+    return (double)most + (double)found->others / c->disk;
 }
 
-static void run_search(const chooser* c, stp_sector_search* search, const stp_grid* samples)
+// What is drawn of one disk, from what lies around it.
+static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings* found)
 {
-    search->samples = samples;
-    search->radius = stp_min(search->radius, samples->cell);
-    stp_sector_search_run(c->p->context, search);
+    const stp_cut_table* table = &c->p->cuts;
+    const stp_pyramid_entry* e = &c->entries[surfel];
+    bool finest = c->octave + 1 == c->p->surfels->octave_count;
+    uint8_t code = stp_cut_choose(table, found, SLACK - c->margin);
+    double cells = (double)__builtin_popcountll(found->cells & table->cells[code]) /
+                   (double)__builtin_popcountll(table->cells[code]);
+    bool corner = stp_stencil_is_solid(&c->p->stencil, found->cells);
+    double hit = (double)__builtin_popcountll(found->cells & c->p->stencil.disk) /
+                 (double)__builtin_popcountll(c->p->stencil.disk);
+    hit = hit < (double)table->areas[code] ? hit : (double)table->areas[code];
+    double area = ray_share(c, found) / hit;
+    if (c->p->input->finish->candidates->direction_count == 0) { // points: no holes, and no pixels
+        return cells >= FULL_CELLS && c->pixels >= LEAST_SPACINGS ? code : STP_COVERAGE_WHOLE;
+    }
+    double agreement = (double)(found->area / found->total);
+    double facing_part = ramp(agreement, OPEN_FACING, FULL_FACING);
+    double solid = fmax(corner ? facing_part : 0.0, ramp(cells, OPEN_CELLS, FULL_CELLS));
+    if ((double)table->areas[code] < NARROW) { // few samples lie in there
+        solid = fmax(solid, ramp(cells, OPEN_NARROW_CELLS, FULL_NARROW_CELLS));
+    }
+    solid = fmax(solid, ramp(agreement, OPEN_CORNER, FULL_CORNER) *
+                            ramp(cells, OPEN_CORNER_CELLS, FULL_CORNER_CELLS));
+    solid = fmax(solid, ramp(agreement, OPEN_SMOOTH, FULL_SMOOTH) *
+                            ramp(cells, OPEN_SMOOTH_CELLS, FULL_SMOOTH_CELLS));
+    solid *= finest ? ramp(area, OPEN_AREA_OF_FINEST, FULL_AREA_OF_FINEST)
+                    : ramp(area, OPEN_AREA, FULL_AREA);
+    if (solid >= 1.0 && is_opaque(e)) {
+        return code;
+    }
+    double share = is_opaque(e) ? (double)table->areas[code] : (double)e->alpha / 65535.0;
+    share = 1.0 - sqrt(1.0 - (share < 1.0 ? share : 1.0));
+    return stp_coverage_of_share(
+        share * solid + thin_share(c, surfel, (double)found->area / c->disk) * (1.0 - solid));
 }
 
-// The last octave but one has no octave of surfels dense enough: candidates tell.
-static stp_result look_at_candidates(const chooser* c, stp_sector_search* search)
+static stp_result look_around(const chooser* c, const uint32_t* doubtful, size_t count,
+                              stp_surroundings* found)
 {
     stp_pyramid* p = c->p;
-    search->radius = c->disk_radius;
-    stp_grid samples;
+    stp_surroundings_search search = {.pyramid = p,
+                                      .stride = c->stride,
+                                      .visit = doubtful,
+                                      .count = count,
+                                      .radius = c->disk_radius,
+                                      .found = found};
+    // few samples, or points, which do not lie in rows: their squares are twice as wide, so that they close up
+    bool wide = c->stride == 1 || p->input->finish->candidates->direction_count == 0;
+    float spacing = sqrtf((float)c->stride) / (float)c->pixels;
+    search.footprint = stp_min((wide ? 0.75f : 0.5f) * spacing, 0.5f);
+    stp_grid grid;
     stp_result result =
-        stp_grid_thin(p->context, &p->candidates, c->stride, c->disk_radius * 1.001f, &samples);
+        stp_grid_thin(p->context, &p->candidates, search.stride, c->disk_radius * 1.001f, &grid);
     if (result == STP_OK) {
-        search->stride = c->stride;
-        run_search(c, search, &samples);
-        stp_grid_destroy(p->context, &samples);
+        search.samples = &grid;
+        stp_surroundings_search_run(p->context, &search);
+        stp_grid_destroy(p->context, &grid);
     }
     return result;
 }
 
-static stp_result look_at_surfels(const chooser* c, stp_sector_search* search, uint32_t finer)
+static stp_result choose_all(const chooser* c, uint32_t* doubtful)
 {
-    stp_pyramid* p = c->p;
-    stp_grid samples;
+    size_t count = choose_whole(c, doubtful);
+    if (count == 0) {
+        return STP_OK;
+    }
+    stp_context* context = c->p->context;
+    stp_surroundings* found = STP_NEW_ARRAY(context, stp_surroundings, count);
     stp_result result =
-        stp_grid_create(p->context, p->input->positions, p->input->normals,
-                        p->surfels->octave_ends[finer], c->reach * 1.001f, 0.0f, &samples);
-    if (result == STP_OK) {
-        search->entries = p->octaves[finer];
-        search->radius = c->reach;
-        run_search(c, search, &samples);
-        stp_grid_destroy(p->context, &samples);
+        found != NULL ? look_around(c, doubtful, count, found) : stp_fail_memory(context);
+    for (size_t i = 0; result == STP_OK && i < count; ++i) {
+        c->entries[doubtful[i]].coverage = choose(c, doubtful[i], &found[i]);
     }
-    return result;
-}
-
-static stp_result look_at_sectors(const chooser* c, stp_sector_search* search)
-{
-    uint32_t finer = c->octave + SAMPLE_OCTAVES;
-    return finer < c->p->surfels->octave_count ? look_at_surfels(c, search, finer)
-                                               : look_at_candidates(c, search);
-}
-
-static stp_result choose_all(const chooser* c, uint32_t* doubtful, float* fullest)
-{
-    stp_sector_search search = {
-        .pyramid = c->p, .stride = 1, .visit = doubtful, .fullest = fullest};
-    search.count = choose_by_area(c, doubtful);
-    stp_result result = search.count != 0 ? look_at_sectors(c, &search) : STP_OK;
-    if (result == STP_OK) {
-        choose_by_sectors(c, &search);
-    }
+    stp_free(context, found);
     return result;
 }
 
 stp_result stp_pyramid_choose_chances(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
 {
-    const stp_candidates* candidates = p->input->finish->candidates;
-    uint32_t count = p->surfels->octave_ends[octave];
-    if (candidates->direction_count == 0 || !(candidates->pixel_size > 0.0)) { // points: no pixels
-        for (uint32_t i = 0; i < count; ++i) {
-            stp_pyramid_entry* e = &p->octaves[octave][i];
-            e->coverage = encode(overlapping_chance(e->fraction));
+    if (!(p->input->finish->candidates->pixel_size > 0.0)) { // points that are all in one place
+        for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
+            p->octaves[octave][i].coverage = STP_COVERAGE_WHOLE;
         }
         return STP_OK;
     }
     chooser c = make_chooser(p, octave, plan);
-    uint32_t* doubtful = STP_NEW_ARRAY(p->context, uint32_t, count);
-    float* fullest = STP_NEW_ARRAY(p->context, float, count);
-    stp_result result = doubtful != NULL && fullest != NULL ? choose_all(&c, doubtful, fullest)
-                                                            : stp_fail_memory(p->context);
-    stp_free(p->context, fullest);
+    uint32_t* doubtful = STP_NEW_ARRAY(p->context, uint32_t, p->surfels->octave_ends[octave]);
+    stp_result result = doubtful != NULL ? choose_all(&c, doubtful) : stp_fail_memory(p->context);
     stp_free(p->context, doubtful);
     return result;
 }

@@ -192,7 +192,7 @@ static void look_at_candidates(stp_pyramid* p, uint32_t octave, const stp_octave
     search.set_count = c->set_count;
     search.set_footprint = set_footprint(p, plan);
     search.set_weight = SET_WEIGHT;
-    search.until_solid = true;
+    search.until_full = true;
     stp_disk_search_run(p->context, &search);
     cover_captured(p, octave, disk_pixels(p, search.radius), plan->stride);
 }

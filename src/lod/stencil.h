@@ -50,5 +50,11 @@ static inline bool stp_stencil_is_solid(const stp_stencil* stencil, uint64_t cel
     return solid;
 }
 
+/// Whether all cells of the disk are set, but for two that samples may have missed.
+static inline bool stp_stencil_is_full(const stp_stencil* stencil, uint64_t cells)
+{
+    return __builtin_popcountll(stencil->disk & ~cells) <= 2;
+}
+
 /// The fraction of the disk that is surface, 0..1; exactly 1 where it is solid.
 float stp_stencil_fraction(const stp_stencil* stencil, uint64_t cells);

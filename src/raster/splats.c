@@ -155,6 +155,7 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
                 load_normals_scalar(frame, first, count, &batch);
             }
             shape_batch(frame, &batch);
+            cut_batch(frame, &batch);
             box_batch(&batch);
             sort_batch(frame, &batch);
         }

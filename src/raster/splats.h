@@ -31,10 +31,13 @@ typedef struct stp_raster_splats {
     /// How far a disk seen from behind lies behind its plane, in radii: it may fill a hole, but does
     /// not hide what faces the viewer.
     float back_depth;
-    /// NULL, or 1 a splat: the part of the disk that is drawn. Down to a quarter (64) it has holes (hashed), below its
-    /// radius is halved once or more while it leaves about a pixel, so that what is left is no thinner and lies where the splat does.
+    /// NULL, or 1 a splat: what is drawn of the disk (base/coverage.h). Down to a quarter (64 of 255) a share makes holes
+    /// (hashed), below the radius is halved once or more while it leaves about a pixel, so that what is left is no thinner
+    /// and lies where the splat does.
     const uint8_t* coverages;
-    /// Those of another octave for splats below low_count, which count for low_share of 256; 0: none.
+    bool plain_coverages; ///< shares of 255 instead
+    /// Those of another octave for splats below low_count, which count for low_share of 256; 0: none. Shares are mixed; where
+    /// either cuts the disk, one of both is taken, by a hash of the index.
     const uint8_t* low_coverages;
     uint32_t low_count, low_share;
     float share;   ///< of the fragments that are drawn, of ghosts; 0: all

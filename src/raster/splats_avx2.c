@@ -92,6 +92,16 @@ static inline __m256i evaluate(const stp_splat_frame* f, const splat_batch* t, i
     return _mm256_castps_si256(_mm256_cmp_ps(value, limit, _CMP_LE_OQ));
 }
 
+/// Of the fragments inside disk `i`, those in the part of it that is drawn.
+static inline __m256i keep_cut(const splat_batch* t, int i, __m256 u, __m256 v, __m256i inside)
+{
+    __m256 at = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(t->ex[i]), u),
+                              _mm256_mul_ps(_mm256_set1_ps(t->ey[i]), v));
+    __m256 kept = _mm256_and_ps(_mm256_cmp_ps(at, _mm256_set1_ps(t->low[i]), _CMP_GE_OQ),
+                                _mm256_cmp_ps(at, _mm256_set1_ps(t->high[i]), _CMP_LE_OQ));
+    return _mm256_and_si256(inside, _mm256_castps_si256(kept));
+}
+
 /// Puts four pixels where `inside` (32-bit masks) holds. Depth bits always begin with a set bit, so
 /// the signed comparison orders pixels as the unsigned one would, empty ones included.
 static inline void store_four(uint64_t* pixel, __m128i bits, __m128i inside, __m256i id)
@@ -119,6 +129,9 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
         __m256 v = _mm256_add_ps(_mm256_set1_ps(t->v0[i]), rows);
         __m256i bits;
         __m256i inside = evaluate(f, t, i, u, v, &bits);
+        if ((t->cuts >> i & 1u) != 0) {
+            inside = keep_cut(t, i, u, v, inside);
+        }
         if (coverage < 255) {
             __m256i dx = _mm256_add_epi32(_mm256_cvttps_epi32(columns),
                                           _mm256_set1_epi32(t->x0[i] - t->cx[i]));
@@ -153,6 +166,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
         box.x1 = left + 8;
     }
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
+    bool is_cut = (t->cuts >> i & 1u) != 0;
     __m256i id = _mm256_set1_epi64x((long long)(f->first_id + index));
     uint64_t fragments = 0;
     for (int32_t y = box.y0; y < box.y1; ++y) {
@@ -166,6 +180,9 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
             __m256i at = _mm256_add_epi32(_mm256_set1_epi32(x), steps);
             inside = _mm256_and_si256(inside, _mm256_cmpgt_epi32(at, before));
             inside = _mm256_and_si256(inside, _mm256_cmpgt_epi32(after, at));
+            if (is_cut) {
+                inside = keep_cut(t, i, u, v, inside);
+            }
             if (coverage < 255) {
                 __m256i dx = _mm256_add_epi32(_mm256_set1_epi32(x - t->cx[i]), steps);
                 __m256i dy = _mm256_set1_epi32(y - t->cy[i]);

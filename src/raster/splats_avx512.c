@@ -78,6 +78,15 @@ static inline __mmask16 evaluate(const stp_splat_frame* f, const splat_batch* t,
     return _mm512_cmp_ps_mask(value, limit, _CMP_LE_OQ);
 }
 
+/// Of the fragments in a mask, those in the part of disk `i` that is drawn.
+static inline uint32_t keep_cut(const splat_batch* t, int i, __m512 u, __m512 v, uint32_t mask)
+{
+    __m512 at = _mm512_add_ps(_mm512_mul_ps(_mm512_set1_ps(t->ex[i]), u),
+                              _mm512_mul_ps(_mm512_set1_ps(t->ey[i]), v));
+    return mask & _mm512_cmp_ps_mask(at, _mm512_set1_ps(t->low[i]), _CMP_GE_OQ) &
+           _mm512_cmp_ps_mask(at, _mm512_set1_ps(t->high[i]), _CMP_LE_OQ);
+}
+
 /// A disk within 4 x 4 pixels, all of them in the target.
 static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
@@ -89,6 +98,9 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
     __m512i bits;
     uint32_t mask = evaluate(f, t, i, u, v, &bits);
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
+    if ((t->cuts >> i & 1u) != 0) {
+        mask = keep_cut(t, i, u, v, mask);
+    }
     if (coverage < 255) {
         __m512i dx =
             _mm512_add_epi32(_mm512_cvttps_epi32(columns), _mm512_set1_epi32(t->x0[i] - t->cx[i]));
@@ -132,6 +144,7 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
     const __m512i rows = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     uint32_t columns = (1u << (box.x1 - box.x0)) - 1u;
+    bool is_cut = (t->cuts >> i & 1u) != 0;
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
     __m512i column = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->x0[i]), steps);
     __m512 u = _mm512_add_ps(_mm512_set1_ps(t->u0[i]), _mm512_cvtepi32_ps(column));
@@ -143,6 +156,9 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
         __m512i bits;
         uint32_t mask = evaluate(f, t, i, u, v, &bits);
         mask &= y + 1 < box.y1 ? columns | columns << 8 : columns;
+        if (is_cut) {
+            mask = keep_cut(t, i, u, v, mask);
+        }
         if (coverage < 255) {
             __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(box.x0 - t->cx[i]), steps);
             __m512i dy = _mm512_add_epi32(_mm512_set1_epi32(y - t->cy[i]), rows);
@@ -166,6 +182,7 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
     if (box.x1 - box.x0 <= 8) {
         return draw_eight(f, t, i, index, box);
     }
+    bool is_cut = (t->cuts >> i & 1u) != 0;
     uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
     __m512i id = _mm512_set1_epi64((long long)(f->first_id + index));
     uint64_t fragments = 0;
@@ -178,6 +195,9 @@ static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i,
             __m512i bits;
             uint32_t mask = evaluate(f, t, i, u, v, &bits);
             mask &= box.x1 - x < 16 ? (1u << (box.x1 - x)) - 1u : 0xFFFFu;
+            if (is_cut) {
+                mask = keep_cut(t, i, u, v, mask);
+            }
             if (coverage < 255) {
                 __m512i dx = _mm512_add_epi32(_mm512_set1_epi32(x - t->cx[i]), steps);
                 mask &=

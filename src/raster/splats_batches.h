@@ -29,6 +29,7 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint
             load_normals_scalar(f, first, count, t);
         }
         shape_batch(f, t);
+        cut_batch(f, t);
         box_batch(t);
         sort_batch(f, t);
         uint32_t smalls = lanes_of(t, SPLAT_SMALL);

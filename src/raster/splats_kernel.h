@@ -13,7 +13,10 @@
 // depth.
 #pragma once
 
+#include "base/coverage.h"
 #include "raster/splats.h"
+
+#include <string.h>
 
 enum {
     SPLAT_BATCH = 16,
@@ -62,8 +65,12 @@ typedef struct stp_splat_frame {
 typedef struct splat_batch {
     float px[SPLAT_BATCH], py[SPLAT_BATCH], pz[SPLAT_BATCH]; ///< grid or object position
     int32_t part[SPLAT_BATCH];                               ///< of the disk that is drawn, of 255
-    int32_t halvings[SPLAT_BATCH];          ///< of the radius: what is wanted, then what was done
-    float size[SPLAT_BATCH];                ///< of 1, to which that makes the radius
+    int32_t halvings[SPLAT_BATCH]; ///< of the radius: what is wanted, then what was done
+    float size[SPLAT_BATCH];       ///< of 1, to which that makes the radius
+    uint32_t cuts;                 ///< a bit for each lane whose disk is cut
+    uint8_t code[SPLAT_BATCH];     ///< of those
+    float ex[SPLAT_BATCH], ey[SPLAT_BATCH], low[SPLAT_BATCH],
+        high[SPLAT_BATCH];                  ///< of those: low <= ex * u + ey * v <= high
     float nu[SPLAT_BATCH], nv[SPLAT_BATCH]; ///< octahedral normal
     float sx[SPLAT_BATCH], sy[SPLAT_BATCH], nearness[SPLAT_BATCH], radius[SPLAT_BATCH];
     int32_t kind[SPLAT_BATCH], large[SPLAT_BATCH];
@@ -113,15 +120,35 @@ static inline uint32_t splat_halvings(uint32_t coverage)
     return (uint32_t)(coverage < 64) + (uint32_t)(coverage < 16) + (uint32_t)(coverage < 4);
 }
 
-/// The part of a splat's disk that is drawn, between those of two octaves; of 255.
+static inline uint8_t splat_code(const stp_raster_splats* splats, uint8_t code)
+{
+    return splats->plain_coverages ? stp_coverage_of_plain[code] : code;
+}
+
+/// What is drawn of a splat's disk, between those of two octaves: a share of 255, or, above SPLAT_CUT, a code that cuts.
+#define SPLAT_CUT 256u
 static inline uint32_t splat_part(const stp_raster_splats* splats, uint32_t index)
 {
-    uint32_t part = splats->coverages != NULL ? splats->coverages[index] : 255u;
-    if (index < splats->low_count) {
-        uint32_t low = splats->low_coverages[index], share = splats->low_share;
-        part = (low * share + part * (256u - share) + 128u) >> 8;
+    if (splats->coverages == NULL) {
+        return 255u;
     }
-    return part;
+    uint8_t own = splat_code(splats, splats->coverages[index]);
+    if (index < splats->low_count) {
+        uint8_t low = splat_code(splats, splats->low_coverages[index]);
+        uint32_t share = splats->low_share;
+        if (!stp_coverage_cuts(own) && !stp_coverage_cuts(low)) {
+            uint32_t part = stp_coverage_share(own), other = stp_coverage_share(low);
+            return (other * share + part * (256u - share) + 128u) >> 8;
+        }
+        own = (index * 0x9E3779B1u + 0x7F4A7C15u) >> 24 < share ? low : own;
+    }
+    return stp_coverage_cuts(own) ? SPLAT_CUT + own : stp_coverage_share(own);
+}
+
+/// The part of its centre's pixel that is drawn of a splat that is cut, of 255.
+static inline uint32_t splat_cut_share(uint32_t part)
+{
+    return (uint32_t)(stp_coverage_area((uint8_t)(part - SPLAT_CUT)) * 255.0f + 0.5f);
 }
 
 /// The part of a splat's pixels that is drawn, once its radius was halved so often; of 255.
@@ -203,6 +230,14 @@ static inline void halve_radius(const stp_splat_frame* f, uint32_t index, int i,
     t->halvings[i] = done;
 }
 
+/// Whether sixteen disks are all drawn whole.
+static inline bool are_whole(const uint8_t* coverages)
+{
+    uint64_t halves[2];
+    memcpy(halves, coverages, sizeof(halves));
+    return (halves[0] & halves[1]) == UINT64_MAX;
+}
+
 /// How much of splats `first` and after is drawn, and of what size they are. Their positions are there.
 static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t count,
                               splat_batch* t)
@@ -211,14 +246,24 @@ static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t
     if (splats->coverages == NULL) {
         return; // all is as in an empty batch
     }
-    if (first < splats->low_count) {
-        for (uint32_t i = 0; i < count; ++i) {
-            t->part[i] = (int32_t)splat_part(splats, first + i);
+    t->cuts = 0;
+    if (count == SPLAT_BATCH && first >= splats->low_count &&
+        are_whole(splats->coverages + first)) {
+        for (int i = 0; i < SPLAT_BATCH; ++i) {
+            t->part[i] = 255;
+            t->halvings[i] = 0;
+            t->size[i] = 1.0f;
         }
-    } else {
-        for (uint32_t i = 0; i < count; ++i) {
-            t->part[i] = splats->coverages[first + i];
+        return;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t part = splat_part(splats, first + i);
+        if (part > SPLAT_CUT) {
+            t->cuts |= 1u << i;
+            t->code[i] = (uint8_t)(part - SPLAT_CUT);
+            part = 255;
         }
+        t->part[i] = (int32_t)part;
     }
     int32_t any = 0;
     for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {
@@ -355,6 +400,52 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
+/// The lines along which one disk is cut, on the screen; to first order about its centre.
+static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
+{
+    float u = t->nu[i], v = t->nv[i];
+    stp_disk_cut cut = stp_coverage_cut(t->code[i]);
+    stp_disk_axes axes = stp_disk_axes_of(u, v);
+    stp_vec3 d = {cut.across * axes.x.x + cut.along * axes.y.x,
+                  cut.across * axes.x.y + cut.along * axes.y.y,
+                  cut.across * axes.x.z + cut.along * axes.y.z};
+    stp_vec3 n = stp_octahedral_unfold(u, v);
+    float ax = (t->sx[i] - f->center_x) * f->inverse_scale;
+    float ay = (t->sy[i] - f->center_y) * f->inverse_scale;
+    float nx = (f->turn[0][0] * n.x + f->turn[0][1] * n.y) + f->turn[0][2] * n.z;
+    float ny = (f->turn[1][0] * n.x + f->turn[1][1] * n.y) + f->turn[1][2] * n.z;
+    float nz = (f->turn[2][0] * n.x + f->turn[2][1] * n.y) + f->turn[2][2] * n.z;
+    float dx = (f->turn[0][0] * d.x + f->turn[0][1] * d.y) + f->turn[0][2] * d.z;
+    float dy = (f->turn[1][0] * d.x + f->turn[1][1] * d.y) + f->turn[1][2] * d.z;
+    float dz = (f->turn[2][0] * d.x + f->turn[2][1] * d.y) + f->turn[2][2] * d.z;
+    float D = (nx * ax + ny * ay) + nz;
+    float least = ((nx * nx + ny * ny) + nz * nz) * 1e-6f;
+    D = D * D < least ? (D < 0.0f ? -sqrtf(least) : sqrtf(least)) : D;
+    float slide = ((dx * ax + dy * ay) + dz) / D, inverse = 1.0f / t->radius[i];
+    t->ex[i] = (dx - slide * nx) * inverse;
+    t->ey[i] = (dy - slide * ny) * inverse;
+    t->low[i] = cut.low;
+    t->high[i] = cut.high;
+}
+
+/// Before centres are moved into whole numbers' range: after shape_batch.
+static inline void cut_batch(const stp_splat_frame* f, splat_batch* t)
+{
+    for (uint32_t cuts = t->cuts; cuts != 0; cuts &= cuts - 1) {
+        int i = __builtin_ctz(cuts);
+        if (t->kind[i] == SPLAT_DISK) {
+            cut_disk(f, t, i);
+        }
+    }
+}
+
+/// Whether a fragment at (u, v) from its splat's centre is in the part of the disk that is drawn.
+static inline bool splat_is_cut_away(const splat_batch* t, int i, float u, float v)
+{
+    float at = t->ex[i] * u + t->ey[i] * v;
+    return (t->cuts >> i & 1u) != 0 && !(at >= t->low[i] && at <= t->high[i]);
+}
+
 /// Boxes from centres and extents (held in u0, v0), with the centre's pixel, so that none is empty.
 static inline void box_batch(splat_batch* restrict t)
 {
@@ -450,7 +541,9 @@ static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_ba
         uint64_t* row = f->target->pixels + (size_t)y * f->target->stride;
         for (int32_t x = box.x0; x < box.x1; ++x) {
             float nearness;
-            if (!disk_fragment(f, t, i, x - t->x0[i], y - t->y0[i], &nearness)) {
+            float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
+            if (!disk_fragment(f, t, i, x - t->x0[i], y - t->y0[i], &nearness) ||
+                splat_is_cut_away(t, i, u, v)) {
                 continue;
             }
             if (coverage < 255 &&
@@ -467,7 +560,9 @@ static inline uint64_t draw_disk_scalar(const stp_splat_frame* f, const splat_ba
 static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
 {
-    uint32_t coverage = splat_coverage(f->splats, (uint32_t)t->part[i], t->halvings[i]);
+    bool cut = (t->cuts >> i & 1u) != 0;
+    uint32_t part = cut ? splat_cut_share(SPLAT_CUT + t->code[i]) : (uint32_t)t->part[i];
+    uint32_t coverage = splat_coverage(f->splats, part, t->halvings[i]);
     if (coverage < 255 && !splat_has_fragment(coverage, f->seed + index, 0, 0)) {
         return 0;
     }

@@ -6,6 +6,7 @@
 
 typedef struct large_disk {
     double center[3], normal[3], radius; ///< in view units
+    double unit;                         ///< of the object's, in the view's
     double right, down;                  ///< of the gaze's pixel
     double scale;                        ///< pixels per unit of x/z, or per unit
     double nearness;                     ///< times 1/z, or of z = 0
@@ -13,6 +14,8 @@ typedef struct large_disk {
     double rim, behind; ///< how far the rim, and the whole disk, lie behind its plane
     double left, top;   ///< parallel: pixel of x = 0, y = 0
     bool parallel;
+    double across[3], low, high; ///< of one that is cut, over its radius
+    bool is_cut;
 } large_disk;
 
 static double row_dot(const float row[4], const double p[3])
@@ -32,6 +35,23 @@ static void object_position(const stp_raster_splats* splats, uint32_t index, dou
     }
 }
 
+/// The lines along which a disk is cut.
+static void cut_large(const stp_splat_frame* frame, uint32_t index, uint8_t code, large_disk* disk)
+{
+    const int8_t* normal = frame->splats->normals + 2 * (size_t)index;
+    stp_disk_cut cut = stp_coverage_cut(code);
+    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
+    double d[3] = {(double)(cut.across * axes.x.x + cut.along * axes.y.x),
+                   (double)(cut.across * axes.x.y + cut.along * axes.y.y),
+                   (double)(cut.across * axes.x.z + cut.along * axes.y.z)};
+    for (int k = 0; k < 3; ++k) {
+        disk->across[k] = row_dot(frame->camera->view[k], d) / disk->radius / disk->unit;
+    }
+    disk->is_cut = true;
+    disk->low = (double)cut.low;
+    disk->high = (double)cut.high;
+}
+
 static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_t halvings)
 {
     const stp_raster_camera* camera = frame->camera;
@@ -43,7 +63,8 @@ static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_
         vz[k] = (double)camera->view[2][k];
     }
     double square = vz[0] * vz[0] + vz[1] * vz[1] + vz[2] * vz[2];
-    disk.radius = (double)frame->splats->radius * sqrt(square);
+    disk.unit = sqrt(square);
+    disk.radius = (double)frame->splats->radius * disk.unit;
     disk.radius = ldexp(disk.radius, -halvings);
     if (frame->splats->normals != NULL) {
         const int8_t* code = frame->splats->normals + 2 * (size_t)index;
@@ -101,14 +122,16 @@ static bool meet(const large_disk* disk, double x, double y, double* nearness)
         point[1] = t * dy;
         point[2] = t;
     }
-    double square = 0.0;
+    double square = 0.0, across = 0.0;
     for (int k = 0; k < 3; ++k) {
         square += (point[k] - c[k]) * (point[k] - c[k]);
+        across += (point[k] - c[k]) * disk->across[k];
     }
+    bool kept = !disk->is_cut || (across >= disk->low && across <= disk->high);
     double limit = disk->radius * disk->radius;
     double z = point[2] + disk->behind + disk->rim * (square / limit);
     *nearness = disk->parallel ? disk->nearness + disk->slope * (z - c[2]) : disk->nearness / z;
-    return square <= limit;
+    return square <= limit && kept;
 }
 
 /// First and last + 1 pixel that the disk's ball may touch along one axis, within [low, high).
@@ -166,9 +189,14 @@ static void center_pixel(const large_disk* disk, double* x, double* y)
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
 {
     uint32_t part = splat_part(frame->splats, index);
+    uint32_t cut = part > SPLAT_CUT ? part - SPLAT_CUT : 0;
+    part = cut != 0 ? 255 : part;
     int32_t halvings =
         (int32_t)splat_halvings(part); // large as it is, what is left is never too little
     large_disk disk = make_disk(frame, index, halvings);
+    if (cut != 0 && frame->splats->normals != NULL) {
+        cut_large(frame, index, (uint8_t)cut, &disk);
+    }
     splat_box box = disk_box(frame, &disk);
     uint32_t coverage = splat_coverage(frame->splats, part, halvings);
     double limit = (double)frame->nearness_limit, center_x, center_y;

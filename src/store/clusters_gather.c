@@ -329,6 +329,22 @@ static uint32_t find_in_part(const uint32_t* sources, uint32_t known, uint32_t v
     return i;
 }
 
+/// How many vertices the triangles of a part have, as the input numbers them; at most STP_CLUSTER_VERTICES + 1.
+static uint32_t count_sources(const cluster_maker* m, const uint64_t* triangles, uint32_t count)
+{
+    uint32_t sources[STP_CLUSTER_VERTICES], known = 0;
+    for (uint32_t i = 0; i < 3 * count; ++i) {
+        uint32_t vertex = m->mesh->indices[3 * (size_t)(uint32_t)triangles[i / 3] + i % 3];
+        if (find_in_part(sources, known, vertex) == known) {
+            if (known == STP_CLUSTER_VERTICES) {
+                return known + 1;
+            }
+            sources[known++] = vertex;
+        }
+    }
+    return known;
+}
+
 /// @return whether its own plane lights it
 static bool add_part_triangle(cluster_maker* m, uint32_t triangle, uint32_t first,
                               uint32_t* sources)
@@ -364,6 +380,10 @@ bool cluster_maker_take_parts(cluster_maker* m, const uint64_t* triangles, uint3
     bool plain = true;
     for (uint32_t i = 0; i < count;) {
         uint32_t sources[STP_CLUSTER_VERTICES], first = m->vertex_count, end = i + part;
+        // two parts in one place may lie mixed along the curve
+        if (count_sources(m, triangles + i, part) != m->group) {
+            return false;
+        }
         for (; i < end; ++i) {
             plain = add_part_triangle(m, (uint32_t)triangles[i], first, sources) && plain;
         }

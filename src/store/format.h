@@ -13,6 +13,7 @@
 enum {
     STP_STORE_MAJOR = 1,
     STP_STORE_MINOR = 2,
+    STP_STORE_MINOR_COVERAGES = 2, ///< from which on coverages are codes (base/coverage.h)
     STP_STORE_MAGIC_BYTES = 8,
     STP_STORE_HEADER_BYTES = 128,
     STP_STORE_SECTION_BYTES = 40,

@@ -107,6 +107,7 @@ static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_
         *breakpoint_end > store->counts[STP_SECTION_BREAKPOINTS]) {
         return fail_format(store, "surfel set", index, "its octaves or breakpoints are not there");
     }
+    surfels->plain_coverages = store->minor < STP_STORE_MINOR_COVERAGES;
     for (uint32_t i = 0; i < surfels->octave_count; ++i) {
         surfels->octave_ends[i] = octaves[set->first_octave + i].end;
     }

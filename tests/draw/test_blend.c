@@ -2,6 +2,7 @@
 // Splats that overlap are blended within a surface, and not beyond it.
 #include "tests.h"
 
+#include "base/coverage.h"
 #include "base/rng.h"
 #include "draw/support_picture.h"
 
@@ -127,7 +128,7 @@ static void make_rich(made_picture* p)
     made_picture_add(p, -0.9, (stp_vec3d){0.5, 0.2, 0.3}, blue);
     made_picture_add(p, 0.1, (stp_vec3d){-1, 0.5, 0.7}, NULL);
     make_noisy(p);
-    memset(p->scene.surfels[1].coverages, 120, p->scene.surfels[1].count);
+    memset(p->scene.surfels[1].coverages, STP_COVERAGE_CHANCES - 7, p->scene.surfels[1].count);
     p->scene.shadings[0].flags = 0;
     p->quality.splat_size = 4;
     p->style.filter = STP_FILTER_EWA;

@@ -2,6 +2,7 @@
 // Holes and hashed alpha belong to what is drawn, not to a place in the list.
 #include "tests.h"
 
+#include "base/coverage.h"
 #include "draw/support_picture.h"
 
 #include <string.h>
@@ -39,7 +40,7 @@ void test_dither_does_not_depend_on_what_else_is_drawn(test_state* test)
         static uint8_t both[BYTES];
         made_picture p;
         CHECK(made_picture_begin(&p, NULL, 1));
-        make_pair(&p, variant == 1 ? grey : NULL, 128);
+        make_pair(&p, variant == 1 ? grey : NULL, stp_coverage_of_share(0.5));
         CHECK_EQUAL(STP_OK, made_picture_open(&p));
         CHECK_EQUAL(STP_OK, made_picture_draw(&p));
         CHECK((variant == 1) == (p.stats.splats > 0));
@@ -85,7 +86,7 @@ void test_dither_of_samples_differs(test_state* test)
 {
     made_picture p;
     CHECK(made_picture_begin(&p, NULL, 1));
-    make_pair(&p, grey, 64);
+    make_pair(&p, grey, stp_coverage_of_share(0.27));
     p.style.supersample = 4;
     CHECK_EQUAL(STP_OK, made_picture_open(&p));
     CHECK_EQUAL(STP_OK, made_picture_draw(&p));
@@ -97,7 +98,7 @@ void test_dither_of_samples_differs(test_state* test)
             levels[alpha] += 1;
         }
     }
-    CHECK(levels[0] + levels[255] < inner / 10);
+    CHECK(levels[0] + levels[255] < inner / 6);
     made_picture_end(&p);
 }
 

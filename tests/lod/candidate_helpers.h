@@ -3,6 +3,7 @@
 // directions, as a capture would give them, and a plain farthest-first order.
 #pragma once
 
+#include "base/coverage.h"
 #include "base/rng.h"
 #include "lod/finish.h"
 
@@ -140,4 +141,25 @@ static inline size_t octave_start(const stp_surfels* s, uint32_t octave)
         start += s->octave_ends[i];
     }
     return start;
+}
+
+/// The chance with which a disk is drawn at a place, `offset` from its centre over its radius. `entry`: of its octave.
+static inline double drawn_chance(const stp_surfels* s, size_t entry, uint32_t surfel,
+                                  stp_vec3 offset)
+{
+    uint8_t code = s->coverages[entry];
+    if (!stp_coverage_cuts(code)) {
+        return stp_coverage_share(code) / 255.0;
+    }
+    stp_disk_cut cut = stp_coverage_cut(code);
+    stp_disk_axes axes = stp_disk_axes_of((float)s->normals[2 * (size_t)surfel],
+                                          (float)s->normals[2 * (size_t)surfel + 1]);
+    float at = cut.across * stp_dot(axes.x, offset) + cut.along * stp_dot(axes.y, offset);
+    return at >= cut.low && at <= cut.high ? 1.0 : 0.0;
+}
+
+/// Whether a disk has no holes.
+static inline bool is_without_holes(uint8_t code)
+{
+    return code >= STP_COVERAGE_CHANCES;
 }

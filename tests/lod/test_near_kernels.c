@@ -46,10 +46,10 @@ static uint32_t compare_nearest(const stp_grid* grid, const stp_near_ranges* ran
     return near;
 }
 
-static bool are_equal(const stp_disk* a, const stp_disk* b, bool until_solid)
+static bool are_equal(const stp_disk* a, const stp_disk* b, bool until_full)
 {
-    return a->solid == b->solid &&
-           ((a->solid && until_solid) ||
+    return a->full == b->full &&
+           ((a->full && until_full) ||
             (a->cells == b->cells && a->count == b->count && a->fractions == b->fractions));
 }
 
@@ -70,12 +70,12 @@ static uint32_t compare_disks(const stp_grid* grid, const stp_near_ranges* range
         query.nx = grid->nx[at], query.ny = grid->ny[at], query.nz = grid->nz[at];
         query.first_of_sets = at % 2 == 0 ? 300 : UINT32_MAX;
         query.fractions = at % 3 == 0 ? fractions : NULL;
-        query.until_solid = at % 5 == 0;
+        query.until_full = at % 5 == 0;
         query.footprint = at % 7 == 0 ? 0.6f : 0.05f;
         stp_disk a = {0}, b = {0};
-        bool solid = stp_near_kernels_portable.scan_disk(grid, ranges, &query, &a);
-        if (solid != stp_near_kernels_avx2.scan_disk(grid, ranges, &query, &b) ||
-            !are_equal(&a, &b, query.until_solid)) {
+        bool full = stp_near_kernels_portable.scan_disk(grid, ranges, &query, &a);
+        if (full != stp_near_kernels_avx2.scan_disk(grid, ranges, &query, &b) ||
+            !are_equal(&a, &b, query.until_full)) {
             return UINT32_MAX;
         }
         hit += a.count != 0;

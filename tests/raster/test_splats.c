@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
+#include "base/coverage.h"
 #include "base/octahedral.h"
 #include "base/processor.h"
 #include "base/rng.h"
@@ -277,21 +278,22 @@ void test_splats_bands_and_ranges_join_without_a_seam(test_state* test)
 void test_splats_coverage_is_the_share_of_fragments(test_state* test)
 {
     static splat_scene s;
-    const int levels[] = {0, 64, 128, 200, 255};
+    const double levels[] = {0.0, 0.25, 0.5, 0.8, 1.0};
     const double radii[] = {0.0004, 0.02, 0.06};
     for (int k = 0; k < 3; ++k) {
         uint64_t full = 0;
         for (int level = 4; level >= 0; --level) {
             make_scene(&s, 9, radii[k]);
             place_camera(&s, 0.3, 3.0, 60.0, false, false);
-            memset(s.coverages, levels[level], sizeof(s.coverages));
+            uint8_t code = stp_coverage_of_share(levels[level]);
+            memset(s.coverages, code, sizeof(s.coverages));
             s.splats.coverages = s.coverages;
             uint64_t fragments =
                 stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
             full = level == 4 ? fragments : full;
-            double expected = (double)full * levels[level] / 255.0;
+            double expected = (double)full * (double)stp_coverage_area(code);
             CHECK(fabs((double)fragments - expected) <=
-                  3.0 * sqrt((double)full) * (level % 4 == 0 ? 0 : 1));
+                  3.0 * sqrt((double)full) * (level == 4 ? 0 : 1));
         }
     }
 }
@@ -308,11 +310,11 @@ void test_splats_coverage_goes_from_octave_to_octave(test_state* test)
         make_scene(&s, 400 + (uint64_t)round, round < 5 ? 0.02 : 0.2);
         place_camera(&s, 0.5 * round, 2.5, 60.0, round % 4 == 3, false);
         for (uint32_t i = 0; i < SPLATS; ++i) {
-            low[i] = (uint8_t)(s.coverages[i] / 9 + i % 50);
-            between[i] =
-                i < low_count
-                    ? (uint8_t)((low[i] * share + s.coverages[i] * (256 - share) + 128) / 256)
-                    : s.coverages[i];
+            // a share and a cut: by the hash one of both
+            s.coverages[i] = (uint8_t)(s.coverages[i] % STP_COVERAGE_CHANCES);
+            low[i] = (uint8_t)(STP_COVERAGE_HALVES + (s.coverages[i] * 7 + i) % 216);
+            bool takes_low = i < low_count && (i * 0x9E3779B1u + 0x7F4A7C15u) >> 24 < share;
+            between[i] = takes_low ? low[i] : s.coverages[i];
         }
         s.splats.coverages = s.coverages;
         s.splats.low_coverages = low;
@@ -346,7 +348,7 @@ static void find_columns(const splat_scene* s, int32_t* left, int32_t* right)
 void test_splats_of_which_little_is_drawn_are_smaller(test_state* test)
 {
     static splat_scene s;
-    const int levels[] = {2, 3, 5, 15, 20, 63}, halvings[] = {3, 3, 2, 2, 1, 1};
+    const int levels[] = {2, 3, 5, 15, 21, 63}, halvings[] = {3, 3, 2, 2, 1, 1};
     const double focal = 40.0;
     for (int level = 0; level < 6; ++level) {
         double area = 0.0, drawn = 0.0, most = 0.0;
@@ -357,6 +359,7 @@ void test_splats_of_which_little_is_drawn_are_smaller(test_state* test)
             clear(&s);
             memset(s.coverages, 255, sizeof(s.coverages));
             s.splats.coverages = s.coverages;
+            s.splats.plain_coverages = true;
             s.splats.begin = i;
             s.splats.end = i + 1;
             uint64_t whole = stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);

@@ -85,6 +85,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.step = item->surfels.step;
         splats.coverages = item->coverages;
         splats.low_coverages = item->low_coverages;
+        splats.plain_coverages = item->surfels.plain_coverages;
         splats.low_share = (uint32_t)(256.0f * (1.0f - item->blend) + 0.5f);
         splats.low_count = item->coverages != NULL && splats.low_share > 0 ? item->low_count : 0;
         splats.rim_depth = RIM_DEPTH;

@@ -3,6 +3,7 @@
 #include "draw/gl/upload.h"
 
 #include "base/context.h"
+#include "base/coverage.h"
 #include "raster/texture.h"
 
 static uint32_t point_chunks(const stp_store_point_set* points)
@@ -138,8 +139,10 @@ static void write_colors(const stp_surfels* surfels, uint64_t begin, uint32_t co
 {
     for (uint64_t i = begin; i < begin + count; ++i) {
         const uint8_t* c = surfels->colors + 3 * i;
-        uint32_t coverage = surfels->coverages != NULL ? surfels->coverages[i] : 255u;
-        gl_write(w, (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 | coverage << 24);
+        uint8_t coverage = surfels->coverages != NULL ? surfels->coverages[i] : STP_COVERAGE_WHOLE;
+        coverage = surfels->plain_coverages ? stp_coverage_of_plain[coverage] : coverage;
+        gl_write(w, (uint32_t)c[0] | (uint32_t)c[1] << 8 | (uint32_t)c[2] << 16 |
+                        (uint32_t)coverage << 24);
     }
 }
 

@@ -12,6 +12,7 @@ flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec4 color;  // linear, and the radius in pixels
 flat out vec4 ray;    // where the gaze meets the screen, 1 / scale, and whether it is a splat of one pixel
+flat out vec4 cut;
 flat out vec2 slope;  // of the item: change of nearness a pixel
 #ifdef LEAVES
 flat out vec2 depths;
@@ -30,12 +31,13 @@ void main()
     center = s.center;
     conic = s.conic;
     conic2 = s.conic2;
+    cut = s.cut;
 #ifdef LEAVES
     depths = s.depths;
 #endif
     ray = vec4(item.center_x, item.center_y, item.inverse_scale, shape == SHAPE_PIXEL ? 1.0 : 0.0);
     slope = vec2(item.slope_factor, item.slope_constant);
-    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, splat.halvings));
+    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, splat.halvings, shape == SHAPE_PIXEL));
     color = vec4(0.0);
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // no pixel
     gl_PointSize = 1.0;

@@ -8,7 +8,15 @@ flat in vec4 middle;
 flat in vec4 normal;
 flat in vec4 depths;
 flat in vec4 screen;
+flat in vec3 across;
+flat in vec2 range;
 flat in uvec3 hashed;
+
+bool is_kept(vec3 from)
+{
+    float at = dot(across, from);
+    return at >= range.x && at <= range.y;
+}
 
 bool meet_parallel(out float nearness, out ivec2 center)
 {
@@ -17,7 +25,7 @@ bool meet_parallel(out float nearness, out ivec2 center)
     float square = dot(at, at) + z * z;
     center = ivec2(floor(middle.xy));
     nearness = depths.x + depths.y * (z + depths.z + depths.w * (square / limit));
-    return square <= limit;
+    return square <= limit && is_kept(vec3(at, z));
 }
 
 bool meet_perspective(out float nearness, out ivec2 center)
@@ -28,7 +36,7 @@ bool meet_perspective(out float nearness, out ivec2 center)
     float square = dot(from, from);
     center = middle.z > 0.0 ? ivec2(floor(screen.xy + middle.xy / (middle.z * screen.z))) : ivec2(-1);
     nearness = depths.x / (t + depths.z + depths.w * (square / limit));
-    return t > 0.0 && square <= limit;
+    return t > 0.0 && square <= limit && is_kept(from);
 }
 
 void main()

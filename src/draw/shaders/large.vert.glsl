@@ -10,6 +10,8 @@ flat out vec4 middle;  // perspective: the centre in the view, in units of W, an
 flat out vec4 normal;  // in the view, and its side turned to the eye
 flat out vec4 depths;  // nearness (of W = 1, or of the centre), its slope, behind, rim
 flat out vec4 screen;  // where the gaze meets it, 1 / scale, greatest nearness
+flat out vec3 across;  // the direction across the lines along which it is cut, over the radius
+flat out vec2 range;   // and what is drawn along it
 flat out uvec3 hashed; // as of points
 
 // What a ball may touch along one axis.
@@ -27,6 +29,8 @@ void main()
     uint number = uint(gl_InstanceID);
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     middle = normal = depths = screen = vec4(0.0);
+    across = vec3(0.0);
+    range = vec2(-1.0, 1.0);
     hashed = uvec3(0u);
     if (number >= uint(LARGE_MOST)) {
         return;
@@ -35,9 +39,9 @@ void main()
     item_block item = items[record.item];
     uint local = large_places[number].y, index = record.first + local;
     splat_place splat = place_splat(record, item, local);
-    uint halvings = splat_halvings(splat_part(item, index)); // large as it is, nothing is halved to too little
+    uint halvings = splat_halvings(splat.part); // large as it is, nothing is halved to too little
     float size = item.radius_px / float(1u << halvings);
-    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, halvings));
+    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, halvings, false));
     bool facing = (item.flags & ITEM_FACING) != 0u, parallel = view.parallel != 0u;
     vec2 gaze = vec2(item.center_x, item.center_y);
     vec2 low, high;
@@ -59,6 +63,11 @@ void main()
         vec2 x = reach(middle.x, z, radius), y = reach(middle.y, z, radius);
         low = gaze + vec2(x.x, y.x) / inverse - 1.0;
         high = gaze + vec2(x.y, y.y) / inverse + 1.0;
+    }
+    if (splat.part > SPLAT_CUT && !facing) {
+        vec4 cut = coverage_cut(splat.part - SPLAT_CUT);
+        across = turn_vector(item, cut_direction(splat.code, cut)) / middle.w;
+        range = cut.zw;
     }
     screen = vec4(gaze, item.inverse_scale, item.nearness_limit);
     low = clamp(low, vec2(-1.0), view.size.xy + 1.0);

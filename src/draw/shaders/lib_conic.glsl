@@ -12,6 +12,7 @@ struct splat_shape {
     vec4 conic2; // q, limit, slope of nearness
     vec2 depths; // loss of nearness towards the rim, and the greatest nearness
     vec2 extent; // pixels from the centre
+    vec4 cut;    // lines: x * u + y * v within z and w, (u, v) from the centre
 };
 
 // All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
@@ -20,7 +21,7 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     precise float w = splat.w, inverse = 1.0 / w;
     precise vec2 screen = splat.position.xy * inverse;
     precise float nearness = splat.position.z * inverse, radius = splat.radius;
-    s = splat_shape(vec4(0.0), vec4(0.0), vec4(0.0), vec2(0.0), vec2(0.0));
+    s = splat_shape(vec4(0.0), vec4(0.0), vec4(0.0), vec2(0.0), vec2(0.0), vec4(0.0, 0.0, -1.0, 1.0));
     if (!is_wanted(record, item, splat)) {
         return SHAPE_NONE;
     }
@@ -65,6 +66,13 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     s.conic2 = vec4(pq.y, limit, slopes);
     s.center = vec4(screen, moved, abs(slope) * grow);
     s.depths = vec2(item.rim_depth * depth / limit, item.nearness_limit);
+    if (splat.part > SPLAT_CUT && !facing) {
+        vec4 cut = coverage_cut(splat.part - SPLAT_CUT);
+        precise vec3 d = turn_vector(item, cut_direction(splat.code, cut));
+        precise float slide = ((d.x * a.x + d.y * a.y) + d.z) / D;
+        precise vec2 lines = (d.xy - slide * n.xy) * (1.0 / radius);
+        s.cut = vec4(lines, cut.zw);
+    }
     return SHAPE_DISK;
 }
 

@@ -1,7 +1,7 @@
 // A pixel of a disk: in where the ray through its middle meets the plane within the radius.
 #include "lib_hash.glsl"
 
-bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, uvec3 hashed, ivec2 pixel, out float nearness)
+bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, vec4 cut, uvec3 hashed, ivec2 pixel, out float nearness)
 {
     ivec2 place = pixel - ivec2(floor(center.xy));
     precise vec2 at = (vec2(pixel) + 0.5) - center.xy;
@@ -9,5 +9,6 @@ bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, uvec3 hashed, 
     precise float change = clamp(conic2.z * at.x + conic2.w * at.y, -center.w, center.w);
     precise float near = (center.z + change) - min(value, conic2.y) * depths.x;
     nearness = min(max(near, 1e-30), depths.y);
-    return value <= conic2.y && (hashed.z >= 255u || has_fragment(hashed.z, hashed.y, place));
+    precise float across = cut.x * at.x + cut.y * at.y;
+    return value <= conic2.y && across >= cut.z && across <= cut.w && (hashed.z >= 255u || has_fragment(hashed.z, hashed.y, place));
 }

@@ -53,7 +53,7 @@ ivec4 clip_box(const splat_shape s)
 void draw_pixel(const splat_shape s, uvec3 hashed, ivec2 pixel)
 {
     float nearness;
-    if (has_pixel(s.center, s.conic, s.conic2, s.depths, hashed, pixel, nearness)) {
+    if (has_pixel(s.center, s.conic, s.conic2, s.depths, s.cut, hashed, pixel, nearness)) {
         store(pixel, nearness, hashed.x);
     }
 }
@@ -92,7 +92,7 @@ bool draw_alone(uint number, const record_block record, const item_block item, u
         }
         return false;
     }
-    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, splat.halvings));
+    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, splat.halvings, shape == SHAPE_PIXEL));
     if (shape == SHAPE_PIXEL) {
         draw_pixel(s, hashed, ivec2(floor(s.center.xy)));
         return false;
@@ -119,7 +119,7 @@ void draw_together(const record_block record, const item_block item, uint local)
     uint index = record.first + local;
     splat_place splat = place_splat(record, item, local);
     shape_splat(record, item, splat, s);
-    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, splat.halvings));
+    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, splat.halvings, false));
     ivec4 box = clip_box(s);
     ivec2 size = box.zw - box.xy + 1;
     for (int at = int(gl_LocalInvocationIndex); at < size.x * size.y; at += RASTER_GROUP) {

@@ -8,6 +8,7 @@ flat out vec4 center;  // as splat_shape
 flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec2 depths;
+flat out vec4 cut;
 flat out uvec3 hashed; // id, what holes are hashed from, coverage
 
 void main()
@@ -23,7 +24,8 @@ void main()
     conic = s.conic;
     conic2 = s.conic2;
     depths = s.depths;
-    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, index, splat.halvings));
+    cut = s.cut;
+    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, splat.halvings, shape == SHAPE_PIXEL));
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // no pixel
     gl_PointSize = 1.0;
     if (shape == SHAPE_LARGE) {

@@ -18,6 +18,7 @@ flat in vec4 conic;
 flat in vec4 conic2;
 flat in vec4 color;
 flat in vec4 ray;
+flat in vec4 cut;
 flat in vec2 slope;
 flat in vec2 depths;
 flat in uvec3 hashed;
@@ -67,10 +68,11 @@ uint blend(uint at, const fragment f, uint slopes)
     return front ? f.slopes : slopes;
 }
 
-bool is_in(ivec2 pixel, float value)
+bool is_in(ivec2 pixel, vec2 at, float value)
 {
+    float across = cut.x * at.x + cut.y * at.y;
     ivec2 place = pixel - ivec2(floor(center.xy));
-    return value <= conic2.y &&
+    return value <= conic2.y && across >= cut.z && across <= cut.w &&
            (hashed.z >= 255u || has_fragment(hashed.z, hashed.y, place));
 }
 
@@ -90,7 +92,7 @@ void main()
     f.direction = (vec2(pixel) - ray.xy) * ray.z;
     float weight = blend_weight(tiny ? BLEND_TINY : 1.0 - max(value, 0.0) / conic2.y);
     f.sum = vec4(weight * color.rgb, weight);
-    bool drawn = !gl_HelperInvocation && all(lessThan(pixel, ivec2(view.size.xy))) && is_in(pixel, value) &&
+    bool drawn = !gl_HelperInvocation && all(lessThan(pixel, ivec2(view.size.xy))) && is_in(pixel, at, value) &&
                  f.plane + f.fuzzy > texelFetch(triangles, pixel, 0).r; // merging compares keys
     uint place = uint(pixel.y) * uint(view.size.x) + uint(pixel.x);
 #ifdef INTERLOCK

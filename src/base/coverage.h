@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+//
+// What is drawn of a surfel's disk, in one byte: all of it, a share of its pixels, or what lies between two parallel
+// lines. A disk over the border of a plate, over a wire or a beam is cut along it, so it neither stands over nor leaves a
+// gap; a disk over what is scattered, such as leaves, has holes.
+#pragma once
+
+#include "base/math.h"
+
+enum {
+    STP_COVERAGE_CHANCES = 39, ///< codes below: a share of the pixels
+    STP_COVERAGE_HALVES =
+        39, ///< from here on: one line, 24 directions of 15 degrees, three distances
+    STP_COVERAGE_STRIPS =
+        111, ///< from here on: two lines, 12 directions, twelve pairs of distances
+    STP_COVERAGE_WHOLE = 255,
+    STP_CUT_DIRECTIONS = 24,
+    STP_CUT_HALF_OFFSETS = 3,
+    STP_CUT_STRIP_OFFSETS = 12,
+};
+
+/// The part of a disk of radius 1 that is drawn: low <= across * x + along * y <= high.
+typedef struct stp_disk_cut {
+    float across, along; ///< direction, of unit length
+    float low, high;
+} stp_disk_cut;
+
+/// Whether the code cuts a disk.
+static inline bool stp_coverage_cuts(uint8_t code)
+{
+    return code >= STP_COVERAGE_HALVES && code < STP_COVERAGE_WHOLE;
+}
+
+/// The shares of a disk's pixels that codes below STP_COVERAGE_CHANCES stand for, of 255.
+extern const uint8_t stp_coverage_shares[STP_COVERAGE_CHANCES];
+
+/// Codes of plain shares of 255, which files before version 1.2 hold.
+extern const uint8_t stp_coverage_of_plain[256];
+
+/// The share of a disk's pixels that is drawn, of 255; 255 of disks that are cut.
+static inline uint8_t stp_coverage_share(uint8_t code)
+{
+    return code < STP_COVERAGE_CHANCES ? stp_coverage_shares[code] : 255;
+}
+
+/// The part of a disk's area that is drawn, 0 to 1.
+float stp_coverage_area(uint8_t code);
+
+/// Of a code that cuts.
+stp_disk_cut stp_coverage_cut(uint8_t code);
+/// The code that draws a share of a disk's pixels, 0 to 1: never none.
+uint8_t stp_coverage_of_share(double share);
+
+/// The axes x and y of a disk's plane, of unit length, from the octahedral code of its normal (whole numbers, -127 to 127).
+typedef struct stp_disk_axes {
+    stp_vec3 x, y;
+} stp_disk_axes;
+
+/// The normal that an octahedral code stands for, of any length.
+static inline stp_vec3 stp_octahedral_unfold(float u, float v)
+{
+    float z = (127.0f - fabsf(u)) - fabsf(v);
+    float fold = z < 0.0f ? -z : 0.0f;
+    return (stp_vec3){u + (u >= 0.0f ? -fold : fold), v + (v >= 0.0f ? -fold : fold), z};
+}
+
+// After Duff et al. Building an Orthonormal Basis, Revisited. 2017.
+static inline stp_disk_axes stp_disk_axes_of(float u, float v)
+{
+    stp_vec3 n = stp_octahedral_unfold(u, v);
+    float inverse = 1.0f / sqrtf((n.x * n.x + n.y * n.y) + n.z * n.z);
+    float nx = n.x * inverse, ny = n.y * inverse, nz = n.z * inverse;
+    float side = nz < 0.0f ? -1.0f : 1.0f;
+    float a = -1.0f / (side + nz), b = (nx * ny) * a;
+    return (stp_disk_axes){{1.0f + (side * (nx * nx)) * a, side * b, -(side * nx)},
+                           {b, side + (ny * ny) * a, -ny}};
+}

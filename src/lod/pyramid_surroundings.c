@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+//
+// What a disk has to hide, and along which lines it may be cut. All candidates in the disk's cylinder count, of whatever
+// surface: a ray that goes through the disk and meets any of them shows no background, so a plate with studs is as solid as
+// a bare one, though each of its layers alone is full of holes. What lies far behind the disk is another thing.
+#include "base/octahedral.h"
+#include "lod/pyramid.h"
+
+#define GRAIN 64
+// Parts of the radius: how far behind the disk, and how far before it, candidates count.
+#define BEHIND 0.6f
+#define BEFORE 1.0f
+#define LEAST_VIEW_FACING 0.3f // cosine: flatter views tell little of a disk
+
+// One surfel's disk. Lengths are over its radius.
+typedef struct disk {
+    stp_vec3 place, normal;
+    stp_vec3 x, y; ///< axes, over the radius
+    float known;   ///< square of the least reach, once there is one on all sides
+    stp_surroundings found;
+} disk;
+
+static disk make_disk(const stp_surroundings_search* s, uint32_t surfel)
+{
+    const float* at = s->pyramid->input->positions + 3 * (size_t)surfel;
+    const float* n = s->pyramid->input->normals + 3 * (size_t)surfel;
+    int8_t code[2];
+    stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, code);
+    stp_disk_axes axes = stp_disk_axes_of((float)code[0], (float)code[1]);
+    disk d = {.place = {at[0], at[1], at[2]},
+              .normal = stp_octahedral_decode(code[0], code[1]),
+              .x = stp_scale(axes.x, 1.0f / s->radius),
+              .y = stp_scale(axes.y, 1.0f / s->radius)};
+    for (int k = 0; k < STP_CUT_DIRECTIONS; ++k) {
+        d.found.reach[k] = -1.0f;
+    }
+    return d;
+}
+
+static void extend_reach(const stp_surroundings_search* s, disk* d, float u, float v)
+{
+    float* forth = d->found.reach;
+    float* back = forth + STP_CUT_DIRECTIONS / 2;
+    float least = 1.0f;
+    for (int k = 0; k < STP_CUT_DIRECTIONS / 2; ++k) {
+        float at = s->across[k] * u + s->along[k] * v;
+        forth[k] = forth[k] > at ? forth[k] : at;
+        back[k] = back[k] > -at ? back[k] : -at;
+        float less = forth[k] < back[k] ? forth[k] : back[k];
+        least = least < less ? least : less;
+    }
+    d->known = least > 0.0f ? least * least : 0.0f;
+}
+
+static uint32_t find_view(const uint32_t starts[STP_VIEWS_TOLD + 1], uint32_t index)
+{
+    uint32_t view = 0;
+    for (uint32_t k = 1; k < STP_VIEWS_TOLD; ++k) {
+        view += index >= starts[k];
+    }
+    return view;
+}
+
+static void add_candidate(const stp_surroundings_search* s, disk* d, uint32_t i, float u, float v)
+{
+    const stp_grid* g = s->samples;
+    d->found.cells |= stp_stencil_cells(u, v, s->footprint);
+    float agreement = d->normal.x * g->nx[i] + d->normal.y * g->ny[i] + d->normal.z * g->nz[i];
+    agreement = s->pyramid->input->finish->two_sided ? fabsf(agreement) : agreement;
+    uint32_t index = g->index[i];
+    uint8_t alpha = s->pyramid->input->finish->candidates->colors[4 * (size_t)index + 3];
+    float area = (float)stp_candidate_area(&s->pyramid->areas, index, alpha);
+    d->found.total += area;
+    area *= stp_max(agreement, 0.0f);
+    d->found.area += area;
+    if (s->view_starts != NULL && index < s->view_starts[STP_VIEWS_TOLD]) {
+        d->found.views[find_view(s->view_starts, index)] += 1.0f;
+    } else {
+        d->found.others += area;
+    }
+    if (u * u + v * v > d->known) { // else it lies within reach on all sides
+        extend_reach(s, d, u, v);
+    }
+}
+
+static void add_candidates(const stp_surroundings_search* s, disk* d, uint32_t begin, uint32_t end)
+{
+    const stp_grid* g = s->samples;
+    float behind = -BEHIND * s->radius, before = BEFORE * s->radius;
+    for (uint32_t i = begin; i < end; ++i) {
+        stp_vec3 offset = {g->x[i] - d->place.x, g->y[i] - d->place.y, g->z[i] - d->place.z};
+        float u = stp_dot(offset, d->x), v = stp_dot(offset, d->y);
+        float height = stp_dot(offset, d->normal);
+        if (u * u + v * v <= 1.0f && height >= behind && height <= before) {
+            add_candidate(s, d, i, u, v);
+        }
+    }
+}
+
+// Cells are as wide as the disk's radius or wider, so a cylinder reaches four of them on each axis at most: no two of
+// these share a bucket.
+static void look_around(const stp_surroundings_search* s, disk* d)
+{
+    const stp_grid* g = s->samples;
+    float n[3] = {fabsf(d->normal.x), fabsf(d->normal.y), fabsf(d->normal.z)};
+    float at[3] = {d->place.x, d->place.y, d->place.z}, r = s->radius;
+    int32_t low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+        float wide = r * sqrtf(stp_max(0.0f, 1.0f - n[k] * n[k])) + r * BEFORE * n[k];
+        low[k] = stp_grid_cell(g, at[k] - wide);
+        high[k] = stp_grid_cell(g, at[k] + wide);
+    }
+    for (int32_t z = low[2]; z <= high[2]; ++z) {
+        for (int32_t y = low[1]; y <= high[1]; ++y) {
+            for (int32_t x = low[0]; x <= high[0]; ++x) {
+                uint32_t bucket = stp_grid_bucket(g, x, y, z);
+                add_candidates(s, d, g->starts[bucket], g->starts[bucket + 1]);
+            }
+        }
+    }
+}
+
+static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const stp_surroundings_search* s = user;
+    for (size_t i = begin; i < end; ++i) {
+        disk d = make_disk(s, s->visit[i]);
+        look_around(s, &d);
+        d.found.area *= (float)s->stride;
+        d.found.others *= (float)s->stride;
+        for (int k = 0; k < STP_VIEWS_TOLD; ++k) {
+            float facing = fabsf(stp_dot(d.normal, s->views[k]));
+            float covered = d.found.views[k] * (float)s->stride * s->pixel / facing;
+            d.found.views[k] = facing >= LEAST_VIEW_FACING ? covered : 0.0f;
+        }
+        d.found.total = stp_max(d.found.total * (float)s->stride, 1.0f);
+        s->found[i] = d.found;
+    }
+}
+
+// Which directions saw what: where there are as many as are told apart.
+static void find_views(stp_surroundings_search* search)
+{
+    const stp_candidates* c = search->pyramid->input->finish->candidates;
+    stp_vec3d directions[STP_VIEWS_TOLD];
+    stp_capture_directions(STP_VIEWS_TOLD, directions);
+    for (int k = 0; k < STP_VIEWS_TOLD; ++k) {
+        search->views[k] = stp_to_float(directions[k]);
+    }
+    search->view_starts = c->direction_count == STP_VIEWS_TOLD ? c->view_starts : NULL;
+    double pixels = (double)search->radius / c->pixel_size;
+    search->pixel = (float)(1.0 / (STP_PI * pixels * pixels));
+}
+
+void stp_surroundings_search_run(stp_context* context, stp_surroundings_search* search)
+{
+    find_views(search);
+    for (uint32_t k = 0; k < STP_CUT_DIRECTIONS / 2; ++k) {
+        stp_disk_cut cut =
+            stp_coverage_cut((uint8_t)(STP_COVERAGE_STRIPS + k * STP_CUT_STRIP_OFFSETS));
+        search->across[k] = cut.across;
+        search->along[k] = cut.along;
+    }
+    stp_parallel_for(context, search->count, GRAIN, search_disks, search);
+}
+
+// The cells that a cut disk shows: their middles, or what a narrow strip runs through.
+static uint64_t cells_of(const stp_stencil* stencil, stp_disk_cut cut)
+{
+    uint64_t cells = 0;
+    float middle = 0.5f * (cut.low + cut.high), half = 0.5f * (cut.high - cut.low);
+    half = cut.low < -1.0f ? half : stp_max(half, 0.13f);
+    for (int i = 0; i < 64; ++i) {
+        float u = (float)(2 * (i & 7) - 7) / 8.0f, v = (float)(2 * (i >> 3) - 7) / 8.0f;
+        float at = cut.across * u + cut.along * v - middle;
+        cells |= fabsf(at) <= half ? (uint64_t)1 << i : 0;
+    }
+    return cells & stencil->disk;
+}
+
+void stp_cut_table_make(const stp_stencil* stencil, stp_cut_table* table)
+{
+    for (uint32_t code = STP_COVERAGE_HALVES; code < STP_COVERAGE_WHOLE; ++code) {
+        table->cells[code] = cells_of(stencil, stp_coverage_cut((uint8_t)code));
+        table->areas[code] = stp_coverage_area((uint8_t)code);
+    }
+    table->cells[STP_COVERAGE_WHOLE] = stencil->disk;
+    table->areas[STP_COVERAGE_WHOLE] = 1.0f;
+}
+
+// The smallest part of the disk that holds all that was found, but for `slack`, parts of the radius.
+uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found, float slack)
+{
+    uint8_t best = STP_COVERAGE_WHOLE;
+    for (uint32_t code = STP_COVERAGE_HALVES; code < STP_COVERAGE_WHOLE; ++code) {
+        if (table->areas[code] >= table->areas[best]) {
+            continue;
+        }
+        bool half = code < STP_COVERAGE_STRIPS;
+        uint32_t at = code - (uint32_t)(half ? STP_COVERAGE_HALVES : STP_COVERAGE_STRIPS);
+        uint32_t direction = at / (half ? STP_CUT_HALF_OFFSETS : STP_CUT_STRIP_OFFSETS);
+        uint32_t opposite = (direction + STP_CUT_DIRECTIONS / 2) % STP_CUT_DIRECTIONS;
+        stp_disk_cut cut = stp_coverage_cut((uint8_t)code);
+        if (found->reach[direction] <= cut.high + slack &&
+            -found->reach[opposite] >= cut.low - slack) {
+            best = (uint8_t)code;
+        }
+    }
+    return best;
+}
