@@ -76,8 +76,7 @@ static const option* options(void)
          .type = OPTION_COUNT,
          .argument = "N|auto",
          .words = "auto|1..1000000000",
-         .help = "most surfels of a node; default the lesser of 200000 and half the triangles; all "
-                 "of a "
+         .help = "most surfels of a node; default one for 8 triangles, at most 50000; all of a "
                  "point cloud",
          .value = &args.surfels},
         {.name = "threshold",

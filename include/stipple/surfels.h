@@ -19,6 +19,9 @@
 enum {
     STP_PREFIX_TABLE_SIZE = 64, ///< most breakpoints of a prefix table
     STP_OCTAVE_LIMIT = 24,      ///< most octaves of a surfel set
+    /// Triangles that are drawn rather than one splat: so many cost five times as much, and look better
+    /// (docs/notes/2026-11-proportion.md). A build makes no more surfels, a view draws no more of them.
+    STP_TRIANGLES_PER_SURFEL = 8,
 };
 
 /// How far a prefix covers: for breakpoints `count` (ascending), the coverage radius reached (not ascending):

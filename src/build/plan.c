@@ -7,23 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_SURFELS 200000u // Brandt 5.2
 // A spacing so much smaller than the next set's above is worth a set; so many times fewer triangles are, too.
 #define FINER 0.5
 #define SMALLER 256.0
 // A set that stands for others is worth it where each of them would be drawn with fewer surfels than this, or where
 // it has so many times fewer than they have (what is hidden is left out).
-#define ITEM_SURFELS 1000.0
+#define ITEM_SURFELS 250.0
 #define THINNER 16.0
 #define COVERED 0.9       // of the triangles below a node, for the sets below to stand for it
-#define FIXED_COST 2000.0 // of a step, in surfels
+#define FIXED_COST 1000.0 // of a step, in surfels
 // What making a step takes at its peak, measured with one thread and two (scripts/check_memory.py shows the sum): the
 // pictures of a capture, however few candidates come out; then columns, order and tables of each candidate. A
 // point cloud has its points as candidates, and their hierarchy.
 #define FIXED_BYTES (UINT64_C(40) << 20)
 #define CANDIDATE_BYTES 120.0
 #define POINT_BYTES 320.0
-#define CANDIDATES_PER_SURFEL 6.0
+#define CANDIDATES_PER_SURFEL 18.0
 #define LEAST_CANDIDATES 20000.0
 #define MOST_CANDIDATES 1750000.0
 
@@ -78,8 +77,7 @@ static uint32_t count_surfels(const planning* p, uint32_t index)
     if (r->triangles == 0 && p->scene->nodes[index].edge_count == 0) {
         return 0;
     }
-    uint64_t half = add(r->triangles, r->points) / 2;
-    return (uint32_t)(half < 1 ? 1 : half < MOST_SURFELS ? half : MOST_SURFELS);
+    return (uint32_t)stp_default_surfel_count(r->triangles, r->points);
 }
 
 static double count_shapes(const planning* p, uint32_t index)

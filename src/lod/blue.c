@@ -6,9 +6,9 @@
 #include "lod/finish.h"
 #include "lod/points.h"
 
-#define MOST_SURFELS 200000u // Brandt 5.2
+#define MOST_SURFELS 50000u // a quarter of Brandt 5.2: blue.h
 // Twice and four times as many candidates give pictures of the same SSIM (docs/performance.md).
-#define CANDIDATES_PER_SURFEL 4u
+#define CANDIDATES_PER_SURFEL 12u
 #define LEAST_CANDIDATES 6000u   // a small object still wants its shape
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
 #define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
@@ -37,7 +37,15 @@ static stp_result list_sources(blue* b, uint32_t node, const stp_surfels* const*
     return stp_list_sources(b->scene, node, sets, pixel, STP_SOURCE_LIMIT, &b->list);
 }
 
-// A point cloud keeps every point; surfaces follow the paper's rule.
+uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points)
+{
+    // nested uses reach the largest number
+    uint64_t shapes = triangles > UINT64_MAX - points ? UINT64_MAX : triangles + points;
+    uint64_t count = shapes / STP_TRIANGLES_PER_SURFEL;
+    return count < 1 ? 1 : count < MOST_SURFELS ? count : MOST_SURFELS;
+}
+
+// A point cloud keeps every point.
 static uint64_t choose_count(const blue* b)
 {
     if (b->desc->surfel_count != 0) {
@@ -46,8 +54,7 @@ static uint64_t choose_count(const blue* b)
     if (b->from_points) {
         return b->list.point_count;
     }
-    uint64_t half = (b->list.triangle_count + b->list.point_count) / 2;
-    return half < 1 ? 1 : half < MOST_SURFELS ? half : MOST_SURFELS;
+    return stp_default_surfel_count(b->list.triangle_count, b->list.point_count);
 }
 
 static stp_result make_point_candidates(blue* b)

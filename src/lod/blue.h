@@ -12,13 +12,17 @@
 typedef struct stp_blue_desc {
     stp_capture_desc capture;
     stp_order_desc order;
-    uint32_t
-        surfel_count; ///< most surfels; 0: the paper's rule, min(200k, half the triangles) (5.2)
+    uint32_t surfel_count; ///< most surfels; 0: stp_default_surfel_count, or all points of a cloud
     /// What everything below a node looks like already, by node of the scene: NULL or a set of count 0 where there
     /// is none. Where a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4; design.md,
     /// Capture), and the winning surfels themselves become candidates. NULL: always triangles.
     const stp_surfels* const* sets;
 } stp_blue_desc;
+
+/// The number of surfels of a node by default: one for STP_TRIANGLES_PER_SURFEL triangles and points below it, at least 1 and
+/// at most 50,000. Brandt 5.2 takes one for two, at most 200,000; the last three quarters of those are never worth drawing
+/// (docs/notes/2026-11-proportion.md).
+uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points);
 
 typedef struct stp_blue_report {
     double capture_ms, order_ms, finish_ms;

@@ -46,8 +46,6 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
     return margin * (1.0 + 1e-6);
 }
 
-#define TRIANGLES_PER_SURFEL 16 ///< what may be drawn instead, at most, for each surfel left out
-
 static double find_reach(const stp_selection* s, const stp_store_node* node)
 {
     const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
@@ -56,26 +54,40 @@ static double find_reach(const stp_selection* s, const stp_store_node* node)
                  (double)surfels->candidate_radius);
 }
 
-/// The last surfels of a set cost about what is below it costs, which looks better: a set may be used down to a multiple of the
-/// radius that it could cover to, but where that would bring many more triangles.
+/// How much sooner than its radius requires a node is opened. From one surfel for STP_TRIANGLES_PER_SURFEL triangles on, the
+/// triangles look better for their cost: a larger set is used only as far as that.
 static double find_spare(const stp_selection* s, const stp_store_node* node)
 {
-    const stp_store_directory* directory = s->directory;
     const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
-    double triangles = 1.0;
+    double triangles = (double)node->triangle_count;
+    if (!(triangles > 0.0)) {
+        return 1.0;
+    }
+    double spare = sqrt(STP_TRIANGLES_PER_SURFEL * (double)surfels->count / triangles);
+    return fmin(fmax(spare, 1.0), STP_SPARE_MOST);
+}
+
+/// Most work of the triangles and sets that are drawn where a node is opened; children come first. What moves is drawn in any
+/// case, and original points come all at once (blend.c).
+static double find_work(const stp_selection* s, const stp_select_graph* graph,
+                        const stp_store_node* node)
+{
+    double work = 0.0;
     for (uint32_t i = 0; i < node->part_count; ++i) {
-        stp_store_part part = directory->parts[node->first_part + i];
-        if (part.kind == STP_STORE_PART_MESH) {
-            triangles += (double)stp_store_describe_mesh(s->store, part.index)->triangle_count;
-        }
+        stp_store_part part = s->directory->parts[node->first_part + i];
+        bool mesh = part.kind == STP_STORE_PART_MESH;
+        work += mesh ? (double)stp_store_describe_mesh(s->store, part.index)->triangle_count : 0.0;
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
-        const stp_store_node* below =
-            &directory->nodes[directory->edges[node->first_edge + i].node];
-        triangles += below->surfels == STP_STORE_NONE ? (double)below->triangle_count : 0.0;
+        uint32_t child = s->directory->edges[node->first_edge + i].node;
+        uint32_t set = s->directory->nodes[child].surfels;
+        double own = set != STP_STORE_NONE
+                         ? STP_SPLAT_WORK * (double)stp_store_describe_surfels(s->store, set)->count
+                         : 0.0;
+        bool rests = (graph->moving[child] & STP_NODE_MOVES) == 0;
+        work += rests ? above((double)graph->works[child], own) : 0.0;
     }
-    double spare = sqrt(TRIANGLES_PER_SURFEL * (double)surfels->count / triangles);
-    return spare < 1.0 ? 1.0 : spare < STP_SPARE_MOST ? spare : STP_SPARE_MOST;
+    return work;
 }
 
 static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
@@ -93,6 +105,7 @@ static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
         bool has_set = node->surfels != STP_STORE_NONE;
         graph->reaches[i] = has_set ? find_reach(s, node) : 0.0;
         graph->spares[i] = has_set ? (float)find_spare(s, node) : 1.0f;
+        graph->works[i] = (float)fmin(find_work(s, graph, node), (double)FLT_MAX);
     }
 }
 
@@ -115,8 +128,9 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->margins = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     graph->reaches = STP_NEW_ARRAY(s->context, double, (size_t)directory->node_count + 1);
     graph->spares = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
+    graph->works = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     if (graph->moving == NULL || graph->margins == NULL || graph->reaches == NULL ||
-        graph->spares == NULL) {
+        graph->spares == NULL || graph->works == NULL) {
         return stp_fail_memory(s->context); // not found by the next call, which makes it anew
     }
     look_at_nodes(s, graph);
@@ -136,6 +150,7 @@ void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph)
         stp_free(context, graph->margins);
         stp_free(context, graph->reaches);
         stp_free(context, graph->spares);
+        stp_free(context, graph->works);
         stp_free(context, graph);
     }
 }

@@ -55,37 +55,56 @@ static double move_out(double lacks, stp_depth_range range)
     return cubed * (1.0 + part * (cubed * lacks - 1.0));
 }
 
-/// By insertion radius: as many as cover at the nearest depth, or all where they do not; opened where a radius below `reach` is
-/// wanted.
-static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp_sight* sight,
-                             double reach, bool cloud)
-{
-    const stp_surfels* surfels = use->surfels;
-    stp_depth_range range = sight->range;
-    double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn however near, with gaps
-    double suffices_from = reach / use->per_depth;
-    uint32_t count = stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near));
-    bool suffices = cloud || range.near >= suffices_from;
-    if (!suffices && s->quality->policy == STP_POLICY_SWITCH) {
-        return;
-    }
-    if (suffices) {
-        use_count(use, count, size);
-        use->switch_depth = cloud || s->quality->policy == STP_POLICY_SWITCH ? 0.0 : suffices_from;
-        return;
-    }
-    use->switch_depth = suffices_from * move_out(suffices_from / range.near, range);
-    use->extra = true;
-    if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
-        use_count(use, count, size);
-    }
-}
-
 /// The coverage radius down to which a node's own surfels are used.
 static double reach_of(const stp_selection* s, uint32_t node)
 {
     return s->graph->reaches[node] *
            fmin((double)s->graph->spares[node], stp_select_spare(s->quality));
+}
+
+/// The prefix of a set that is to be opened, with its radius, such that it and what grows in are no more work than
+/// STP_TRANSITION_WORK times the dearer of the two. A shorter prefix still covers, with larger splats.
+static void use_beside(stp_set_use* use, uint32_t count, double size, double below, double grown)
+{
+    double own = STP_SPLAT_WORK * (double)count;
+    double most = STP_TRANSITION_WORK * fmax(own, below) - grown * below;
+    if (most < own) {
+        double part = (double)count * (most / own);
+        count = part > 1.0 ? (uint32_t)part : 1;
+    }
+    use_count(use, count, size);
+}
+
+/// By insertion radius: as many as cover at the nearest depth, or all where they do not; opened where a finer
+/// radius is wanted than its surfels are used for.
+static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp_sight* sight,
+                             const stp_select_entry* at, bool cloud)
+{
+    const stp_surfels* surfels = use->surfels;
+    stp_depth_range range = sight->range;
+    double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn however near, with gaps
+    double suffices_from = reach_of(s, at->node) / use->per_depth;
+    double below = (double)s->graph->works[at->node];
+    uint32_t count = stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near));
+    bool suffices = cloud || range.near >= suffices_from;
+    if (!suffices && s->quality->policy == STP_POLICY_SWITCH) {
+        return;
+    }
+    if (cloud || (suffices && s->quality->policy == STP_POLICY_SWITCH)) {
+        use_count(use, count, size);
+        use->switch_depth = 0.0;
+        return;
+    }
+    if (suffices) {
+        use->switch_depth = suffices_from;
+        use_beside(use, count, size, below, stp_select_growth(suffices_from, range.near));
+        return;
+    }
+    use->switch_depth = suffices_from * move_out(suffices_from / range.near, range);
+    use->extra = true;
+    if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
+        use_beside(use, count, size, below, 1.0);
+    }
 }
 
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
@@ -125,7 +144,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
         use_estimate(&use, per_depth * sight->range.near, cloud);
     } else {
         use.per_depth = per_depth;
-        use_by_insertion(&use, s, sight, reach_of(s, at->node), cloud);
+        use_by_insertion(&use, s, sight, at, cloud);
     }
     return use;
 }

@@ -26,8 +26,8 @@ typedef struct stp_quality {
     stp_policy policy;
     bool reference;  ///< original triangles and points only
     stp_fovea fovea; ///< all zero: splats are of one size
-    /// What is below a node is drawn already where its own surfels could still cover so many times better than they have to:
-    /// from 1 on; 0: 2. Less where triangles would be very many.
+    /// A node is opened where its surfels could still cover so many times better than they have to, provided that
+    /// they number at least 1/STP_TRIANGLES_PER_SURFEL of its triangles there: 1 to 8; 0: 8.
     float spare;
     /// NULL, or what hides from each eye of the view: nodes behind it for all that see them are left out. See
     /// stp_select_rejected.

@@ -13,14 +13,18 @@
 /// The same in depths: where they just suffice is moved out by the third power, at least, of what they lack (prefix.c).
 #define STP_LEVELS_SHRINK (STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE)
 
-/// What stp_quality.spare is where nothing is said, and at the most.
-#define STP_SPARE_DEFAULT 2.0
+/// Cost of a splat in those of a triangle (docs/notes/2026-11-proportion.md).
+#define STP_SPLAT_WORK 1.5
+/// Most work of a node in transition, in that of the dearer of its two ways.
+#define STP_TRANSITION_WORK 1.2
+
+/// Most and default stp_quality.spare.
 #define STP_SPARE_MOST 8.0
 
 static inline double stp_select_spare(const stp_quality* quality)
 {
     double spare = (double)quality->spare;
-    return !(spare > 0.0) ? STP_SPARE_DEFAULT : fmin(fmax(spare, 1.0), STP_SPARE_MOST);
+    return !(spare > 0.0) ? STP_SPARE_MOST : fmin(fmax(spare, 1.0), STP_SPARE_MOST);
 }
 
 /// A node still to be looked at.
@@ -47,6 +51,7 @@ typedef struct stp_select_graph {
         margins; ///< how far what is drawn of a node may stick out of its box, beside pixels; node units
     double* reaches; ///< coverage radius of all surfels of its own, node units
     float* spares;   ///< times that, down to which they are used at the most
+    float* works;    ///< most work of what is drawn instead of them, in triangles
 } stp_select_graph;
 
 enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };

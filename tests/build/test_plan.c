@@ -94,9 +94,9 @@ void test_plans_make_shared_nodes_once(test_state* test)
     CHECK(make_plan(scene, 1000, 0, &plan));
     CHECK_EQUAL(2, plan.step_count); // the sheet, and all of them
     CHECK_EQUAL(1800, triangles_of(scene, &plan, 0));
-    CHECK_EQUAL(900, plan.steps[0].surfel_count); // half the triangles (Brandt 5.2)
+    CHECK_EQUAL(225, plan.steps[0].surfel_count); // one for eight triangles
     CHECK_EQUAL(900000, triangles_of(scene, &plan, 1));
-    CHECK_EQUAL(200000, plan.steps[1].surfel_count);
+    CHECK_EQUAL(50000, plan.steps[1].surfel_count);
     CHECK(plan.steps[0].height < plan.steps[1].height);
     CHECK(waits_for_what_it_uses(scene, &plan));
     CHECK(plan.steps[0].needs == 0 && plan.steps[1].needs == 1);
@@ -193,7 +193,7 @@ void test_plans_make_no_sets_of_what_only_moves(test_state* test)
         uint32_t root = plan.step_of[scene->root];
         CHECK_EQUAL(with_hall, root != STP_NONE);
         if (with_hall != 0) {
-            CHECK_EQUAL(900, plan.steps[root].surfel_count); // of the hall's 1,800 triangles
+            CHECK_EQUAL(225, plan.steps[root].surfel_count); // of the hall's 1,800 triangles
             CHECK_EQUAL(plan.steps[0].height, plan.steps[root].height); // needs no other set
         }
         stp_build_plan_destroy(context, &plan);

@@ -44,7 +44,7 @@ static stp_result approach(stp_context* context, stp_store* store, stp_policy po
     stp_draw_list list = {0};
     stp_draw_style style = {0};
     stp_draw_stats stats;
-    stp_quality quality = {.splat_size = 3, .policy = policy};
+    stp_quality quality = {.splat_size = 3, .policy = policy, .spare = 2};
     stp_result result = stp_draw_cpu_create(context, store, &renderer);
     bool first = true;
     for (double distance = 24.0; distance > 3.0 && result == STP_OK; distance *= 0.996) {

@@ -217,8 +217,8 @@ void test_fovea_thins_what_lies_at_the_border(test_state* test)
     stp_store* store = open_square(context, &scene);
     CHECK(store != NULL);
     stp_draw_list list = {0};
-    stp_quality quality = {.splat_size = 2,
-                           .fovea = {.count = 2, .zones = {{0.25f, 2}, {1.0f, 4}}}};
+    stp_quality quality = {
+        .splat_size = 2, .spare = 2, .fovea = {.count = 2, .zones = {{0.25f, 2}, {1.0f, 4}}}};
     uint32_t last = 0, first = 0;
     for (int i = 0; i <= 400;
          ++i) { // a parallel gaze: the same depth, and further and further aside
@@ -233,7 +233,7 @@ void test_fovea_thins_what_lies_at_the_border(test_state* test)
         uint32_t count = list.items[0].prefix;
         CHECK(list.splat_size == 2.0f);
         if (i == 0) {
-            stp_quality flat = {.splat_size = 2};
+            stp_quality flat = {.splat_size = 2, .spare = 2};
             first = count;
             CHECK_EQUAL(STP_OK, stp_select(context, store, &view, &flat, &list));
             CHECK_EQUAL(list.items[0].prefix, count);

@@ -108,16 +108,17 @@ void test_select_prefix_follows_the_pixel(test_state* test)
     tear_down(&f);
 }
 
-// A node is opened where its surfels could still cover twice, or as many times as is said, better than they have to; sooner only
-// where what is below brings no more than sixteen triangles a surfel.
+// A node is opened where its triangles are fewer than eight for each surfel that is needed, and at most where its surfels could
+// cover eight times, or as many times as is said, better than they have to.
 void test_select_opens_sooner_where_triangles_are_few(test_state* test)
 {
     const struct {
         uint32_t triangles; // below the node
         float spare;
         double times;
-    } cases[] = {{2, 0, 2},         {2, 1, 1},         {2, 3, 3},
-                 {6000, 0, 1.6521}, {6000, 1.5f, 1.5}, {60000, 0, 1}};
+    } cases[] = {{100, 0, 8},       {2000, 1, 1}, {200, 3, 3},
+                 {1022, 0, 2.8284}, {2046, 0, 2}, {4094, 0, 1.41421},
+                 {4094, 1.2f, 1.2}, {8190, 0, 1}, {60000, 0, 1}};
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
         fixture f;
         CHECK(set_up(&f));
@@ -129,7 +130,7 @@ void test_select_opens_sooner_where_triangles_are_few(test_state* test)
         const stp_surfels* surfels = stp_store_describe_surfels(f.store, 0);
         double least = (double)surfels->table.radius[surfels->table.size - 1] * cases[i].times;
         int own = 0, opened = 0;
-        for (double distance = 4.0; distance < 60.0; distance *= 1.03) {
+        for (double distance = 4.0; distance < 200.0; distance *= 1.02) {
             stp_view view = view_from(distance);
             stp_quality quality = {
                 .splat_size = 4, .policy = STP_POLICY_SWITCH, .spare = cases[i].spare};

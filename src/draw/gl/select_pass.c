@@ -20,7 +20,7 @@ typedef struct select_state select_state;
 typedef struct select_view select_view;
 typedef struct select_entry select_entry;
 
-_Static_assert(sizeof(select_node) == 88, "layout of nodes");
+_Static_assert(sizeof(select_node) == 96, "layout of nodes");
 _Static_assert(sizeof(select_edge) == 104, "layout of edges");
 _Static_assert(sizeof(select_part) == 40, "layout of parts");
 _Static_assert(sizeof(select_entry) == 112, "layout of entries");
@@ -57,7 +57,8 @@ static void fill_nodes(const stp_selection* s, select_node* nodes)
                             .flags = s->graph->moving[i],
                             .margin = s->graph->margins[i],
                             .reach = s->graph->reaches[i],
-                            .spare = s->graph->spares[i]};
+                            .spare = s->graph->spares[i],
+                            .work = s->graph->works[i]};
         set_vec3(to->box, from->bounds.min);
         set_vec3(to->box + 3, from->bounds.max);
         if (from->surfels != STP_STORE_NONE) {

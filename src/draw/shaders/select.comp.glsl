@@ -65,8 +65,23 @@ void use_count(uint set, uint count, double size, inout set_use use)
     use.radius = double(prefix_radius(set, count)) + share * double(sets[set].candidate_radius);
 }
 
+#define SPLAT_WORK 1.5lf      // STP_SPLAT_WORK
+#define TRANSITION_WORK 1.2lf // STP_TRANSITION_WORK
+
+// use_beside of src/select/prefix.c
+void use_beside(uint set, uint count, double size, double below, double grown, inout set_use use)
+{
+    double own = SPLAT_WORK * double(count);
+    double most = TRANSITION_WORK * max(own, below) - grown * below;
+    if (most < own) {
+        double part = double(count) * (most / own);
+        count = part > 1.0lf ? uint(part) : 1u;
+    }
+    use_count(set, count, size, use);
+}
+
 // stp_select_use_set
-set_use use_set(uint set, double reach, bool cloud, double scale, box_sight sight)
+set_use use_set(uint set, double reach, double below, bool cloud, double scale, box_sight sight)
 {
     set_use use = set_use(0u, 0.0lf, SELECT_INFINITE, false);
     double per_depth = 0.5lf * view.splat_size / view.frame.scale / scale;
@@ -76,15 +91,20 @@ set_use use_set(uint set, double reach, bool cloud, double scale, box_sight sigh
     double from = reach / per_depth;
     uint count = prefix_count(set, float(per_depth * sight.near));
     double size = cloud ? 0.0lf : view.splat_size;
-    if (cloud || sight.near >= from) {
+    if (cloud) {
         use_count(set, count, size, use);
-        use.switch_depth = cloud ? 0.0lf : from;
+        use.switch_depth = 0.0lf;
+        return use;
+    }
+    if (sight.near >= from) {
+        use.switch_depth = from;
+        use_beside(set, count, size, below, growth(from, sight.near), use);
         return use;
     }
     use.switch_depth = from * move_out(from / sight.near, sight);
     use.extra = true;
     if (sight.far * SHRINK > use.switch_depth) {
-        use_count(set, count, size, use);
+        use_beside(set, count, size, below, 1.0lf, use);
     }
     return use;
 }
@@ -291,7 +311,7 @@ void visit(select_entry at)
         return;
     }
     if (!moving_only && node.set != NO_ID) {
-        set_use use = use_set(node.set, node.reach * min(double(node.spare), view.spare), (node.flags & SELECT_CLOUD) != 0u, scale, sight);
+        set_use use = use_set(node.set, node.reach * min(double(node.spare), view.spare), double(node.work), (node.flags & SELECT_CLOUD) != 0u, scale, sight);
         if (use.count > 0u) {
             add_set(node.set, at, use, sight);
         }

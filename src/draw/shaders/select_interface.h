@@ -39,6 +39,8 @@ struct select_node {
     uint set, flags;
     float margin;
     float spare;
+    float work; // of what is drawn instead of the set, at most
+    uint select_node_spare;
 };
 
 struct select_edge {
