@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // stipple build: models in, one .stip file out.
+#include "build_sizes.h"
 #include "command.h"
 #include "describe.h"
 #include "overwrite.h"
@@ -192,7 +193,7 @@ static void print_seconds(const stp_build_report* r)
 }
 
 // Says what was written, from the file itself.
-static int print_result(stp_context* context, const stp_build_report* report)
+static int print_result(stp_context* context, const stp_build_report* report, uint64_t input_bytes)
 {
     uint64_t peak_bytes = stp_context_peak_bytes(context);
     stp_store* store = NULL;
@@ -208,6 +209,9 @@ static int print_result(stp_context* context, const stp_build_report* report)
         json_t* json = describe_json(&figures);
         (void)json_object_set_new(json, "seconds", seconds_json(report));
         (void)json_object_set_new(json, "peak_bytes", json_integer((json_int_t)peak_bytes));
+        (void)json_object_set_new(json, "input_bytes", json_integer((json_int_t)input_bytes));
+        (void)json_object_set_new(json, "triangles_alone_would_do",
+                                  json_boolean(build_sizes_needs_no_splats(&figures)));
         (void)json_object_set_new(json, "threads", json_integer(stp_context_thread_count(context)));
         (void)json_object_set_new(json, "candidates", json_integer((json_int_t)report->candidates));
         (void)json_object_set_new(json, "unchanged",
@@ -220,6 +224,7 @@ static int print_result(stp_context* context, const stp_build_report* report)
     } else if (!tool_settings_get()->quiet) {
         describe_print(args.output, &figures);
         print_seconds(report);
+        build_sizes_print(input_bytes, &figures);
     }
     describe_destroy(&figures);
     stp_store_close(store);
@@ -256,7 +261,9 @@ static int build(stp_context* context, int argc, char** argv)
     stp_build_report report;
     stp_result result = stp_build(context, &desc, &report);
     free(parameters);
-    return result == STP_OK ? print_result(context, &report) : 1;
+    return result == STP_OK
+               ? print_result(context, &report, build_sizes_input(desc.inputs, desc.input_count))
+               : 1;
 }
 
 // Suffixes of models and pictures that no .stip file should have. Others, and none, are the user's choice.

@@ -254,6 +254,16 @@ static stp_result draw_frames(session* s)
     return result;
 }
 
+/// What a picture was drawn with. Triangles alone: they are cheaper there than splats, or the scene has no splats.
+static const char* name_drawn(const frame_figures* figures)
+{
+    bool splats = figures->splats > 0, triangles = figures->triangles > 0;
+    return splats && triangles ? "splats and triangles"
+           : splats            ? "splats"
+           : triangles         ? "triangles"
+                               : "nothing";
+}
+
 /// Takes `picked` over, which may be NULL. @return NULL where memory runs out
 static json_t* describe(const session* s, json_t* picked)
 {
@@ -264,11 +274,13 @@ static json_t* describe(const session* s, json_t* picked)
     json_t* figures = frame_describe(&s->figures);
     json_t* samples = json_integer((json_int_t)samples_of_picture(s));
     json_t* frames = json_integer((json_int_t)frames_of_picture(s));
+    json_t* kinds = json_string(name_drawn(&s->figures));
     bool described = json_object_set_new(object, "resident_bytes", bytes) == 0;
     described = json_object_set_new(object, "samples", samples) == 0 && described;
     described = json_object_set_new(object, "accumulated_frames", frames) == 0 && described;
     described =
         json_object_set_new(object, "picture_ms", json_real(s->picture_ms)) == 0 && described;
+    described = json_object_set_new(object, "drawn", kinds) == 0 && described;
     if (!described || figures == NULL || json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);

@@ -51,14 +51,19 @@ done
 for key in import partition capture order finish write total; do
     [ "$(figure "d['seconds']['$key'] >= 0")" = True ] || fail "seconds lacks $key"
 done
-[ "$(figure "d['triangles'], d['surfels'], d['methods'], d['threads']")" = "(4512, 2256, ['blue'], 1)" ] \
+[ "$(figure "d['triangles'], d['surfels'], d['methods'], d['threads']")" = "(4512, 564, ['blue'], 1)" ] \
     || fail "figures: $(cat out)"
+[ "$(figure "d['input_bytes'], d['triangles_alone_would_do']")" = "($(stat -c %s ball.obj), True)" ] || fail "input: $(cat out)"
 [ "$(figure "d['file_bytes']")" = "$(stat -c %s one.stip)" ] || fail "file_bytes: $(cat out)"
 [ "$(figure "d['splat_bytes'] / d['unique_surfels'] < 15.5")" = True ] || fail "surfels are fat: $(cat out)"
 
 run 0 build ball.obj -o three.stip --threads 3 --memory 2G --progress none
 cmp -s one.stip three.stip || fail "the file depends on threads or memory"
-grep -q '^  total .* 4,512 .* 2,256 ' out || fail "no figures: $(cat out)"
+grep -q '^  total .* 4,512 .* 564 ' out || fail "no figures: $(cat out)"
+tail -n 1 out | grep -Eq '^  bytes +[0-9.]+ KB in, [0-9.]+ KB out: [0-9.]+ KB splats, [0-9.]+ KB triangles, 0 B textures$' \
+    || fail "the last line does not say where bytes went: $(cat out)"
+grep -q 'its 4,512 triangles alone would do: --threshold 4512 leaves' out || fail "a small model: $(cat out)"
+grep -q 'times the input' out && fail "too large: $(cat out)"
 STP_PROCESSOR=baseline "$stipple" build ball.obj -o base.stip --quiet > out 2> err || fail "baseline: $(cat err)"
 cmp -s one.stip base.stip || fail "the file depends on the processor"
 [ ! -s out ] || fail "--quiet prints: $(cat out)"
@@ -70,13 +75,13 @@ run 0 check one.stip
 
 run 0 info one.stip --json
 [ "$(figure "d['triangles'], d['surfels'], d['format_version'], d['parts'][0]['triangles']")" = \
-    "(4512, 2256, 1, 4512)" ] || fail "info: $(cat out)"
+    "(4512, 564, 1, 4512)" ] || fail "info: $(cat out)"
 [ "$(figure "'seconds' in d")" = False ] || fail "info has seconds"
 run 0 info ball.obj --json
 [ "$(figure "d['triangles'], d['surfels'], d['format_version'], d['sources'][0]['format']")" = \
     "(4512, 0, None, 'obj')" ] || fail "info of a model: $(cat out)"
 run 0 info one.stip
-grep -q '^  total .* 4,512 .* 2,256 ' out || fail "info: $(cat out)"
+grep -q '^  total .* 4,512 .* 564 ' out || fail "info: $(cat out)"
 
 # failures: one sentence, nothing left behind, former files untouched
 cp one.stip kept.stip

@@ -16,7 +16,7 @@ python3 - << 'END' || fail "figures or picture"
 import json, struct
 figures = json.load(open("a.json"))
 expected = """backend device width height splat_size frame_ms select_ms draw_ms shade_ms splats fragments clusters
-truncated file_bytes whole_bytes triangles nodes draw_calls resident_bytes covered_pixels samples
+truncated file_bytes whole_bytes drawn triangles nodes draw_calls resident_bytes covered_pixels samples
 accumulated_frames picture_ms""".split()
 assert sorted(figures) == sorted(expected), figures
 assert (figures["backend"], figures["width"], figures["height"]) == ("cpu", 80, 60)
@@ -89,6 +89,7 @@ grep -q "from the cache" err || fail "built twice: $(cat err)"
 cmp -s ball.png again.png || fail "the cache changes the picture"
 "$stipple" render ball.obj -o small.png --size 64x64 --splats 500 --json > small.json || fail "splats of a model"
 grep -q '"splats": 500' small.json || fail "exactly 500 splats: $(cat small.json)"
+grep -q '"drawn": "splats"' small.json || fail "what is drawn: $(cat small.json)"
 echo "v 9 9 9" >> ball.obj
 "$stipple" render ball.obj -o third.png --size 64x64 -q || fail "a changed model"
 [ "$(ls cache/stipple | wc -l)" -eq 2 ] || fail "a changed model was not built"
@@ -107,6 +108,7 @@ rm -rf cache
 sheet=scene:one-mesh,scale=0.15
 "$stipple" render ball.obj -o original.png --size 64x64 --reference --json > original.json || fail "--reference of a model"
 grep -q '"splats": 0' original.json || fail "--reference draws splats: $(cat original.json)"
+grep -q '"drawn": "triangles"' original.json || fail "what is drawn: $(cat original.json)"
 ls cache/stipple/*-originals.stip > /dev/null || fail "--reference made $(ls cache/stipple)"
 "$stipple" render ball.obj -o splats.png --size 64x64 --splats 500 --json > small.json || fail "splats after --reference"
 grep -q '"splats": 500' small.json || fail "no splats after --reference: $(cat small.json)"
