@@ -75,13 +75,14 @@ export XDG_CACHE_HOME=$PWD/cache
 rm -rf cache
 "$stipple" render ball.obj -o ball.png --size 64x64 -q || fail "a model"
 [ "$(ls cache/stipple | wc -l)" -eq 1 ] || fail "the cache holds $(ls cache/stipple)"
-"$stipple" render ball.obj -o plain.png --size 48x48 --splats 500 -q || fail "no filter"
-"$stipple" render ball.obj -o blended.png --size 48x48 --splats 500 --filter ewa -q || fail "filter"
-"$stipple" render ball.obj -o p.png --size 48x48 --splats 500 --filter ewa --threads 1 -q || fail "filter, one thread"
+"$stipple" build ball.obj -o fine.stip --surfels 1000 -q || fail "many surfels" # enough to overlap in a pixel
+"$stipple" render fine.stip -o plain.png --size 48x48 --splats 500 -q || fail "no filter"
+"$stipple" render fine.stip -o blended.png --size 48x48 --splats 500 --filter ewa -q || fail "filter"
+"$stipple" render fine.stip -o p.png --size 48x48 --splats 500 --filter ewa --threads 1 -q || fail "filter, one thread"
 cmp -s p.png blended.png || fail "threads change the filter"
 cmp -s plain.png blended.png && fail "the filter changes nothing"
 for processor in baseline avx2; do
-    STP_PROCESSOR=$processor "$stipple" render ball.obj -o p.png --size 48x48 --splats 500 --filter ewa -q || fail "filter, $processor"
+    STP_PROCESSOR=$processor "$stipple" render fine.stip -o p.png --size 48x48 --splats 500 --filter ewa -q || fail "filter, $processor"
     cmp -s p.png blended.png || fail "$processor changes the filter"
 done
 "$stipple" render ball.obj -o again.png --size 64x64 -v 2> err || fail "a model again"
