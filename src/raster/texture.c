@@ -143,6 +143,7 @@ stp_result stp_texture_pyramid_create(stp_context* context, const uint8_t* rgba,
 void stp_texture_pyramid_destroy(stp_context* context, stp_texture_pyramid* pyramid)
 {
     stp_free(context, pyramid->owned);
+    stp_free(context, pyramid->cutoffs);
     *pyramid = (stp_texture_pyramid){0};
 }
 
@@ -234,7 +235,12 @@ static float sample_alpha(const stp_texture_pyramid* pyramid, uint32_t level, st
 
 float stp_texture_sample_alpha(const stp_texture_pyramid* pyramid, stp_vec2 uv)
 {
-    return sample_alpha(pyramid, 0, uv, pyramid->nearest);
+    return stp_texture_sample_alpha_at(pyramid, uv, 0);
+}
+
+float stp_texture_sample_alpha_at(const stp_texture_pyramid* pyramid, stp_vec2 uv, uint32_t level)
+{
+    return sample_alpha(pyramid, level, uv, level == 0 && pyramid->nearest);
 }
 
 float stp_texture_sample_alpha_of(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint)
@@ -243,7 +249,7 @@ float stp_texture_sample_alpha_of(const stp_texture_pyramid* pyramid, stp_vec2 u
     for (; level < last && footprint >= 1.5f; footprint *= 0.5f) {
         level += 1;
     }
-    return sample_alpha(pyramid, level, uv, level == 0 && pyramid->nearest);
+    return stp_texture_sample_alpha_at(pyramid, uv, level);
 }
 
 void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint,

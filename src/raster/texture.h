@@ -23,6 +23,9 @@ typedef struct stp_texture_pyramid {
     stp_texture_wrap wrap_u, wrap_v;
     bool nearest;
     bool linear; ///< bytes are linear values, not sRGB
+    /// NULL, or what alpha is compared with instead of a cutoff, for each level (raster/cutout.h); owned.
+    float* cutoffs;
+    uint32_t cutoff_levels; ///< levels that have them; smaller ones are not tested
 } stp_texture_pyramid;
 
 /// Makes the levels. Colour is averaged weighted by alpha, so that cut-out borders do not bleed.
@@ -38,5 +41,7 @@ void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float f
 
 /// The alpha alone, at level 0.
 float stp_texture_sample_alpha(const stp_texture_pyramid* pyramid, stp_vec2 uv);
-/// Alpha alone at a footprint, from the level nearest to it: for the many fragments of cut-outs.
+/// The alpha alone at a level; between texels, but for level 0 of what is read from the nearest texel.
+float stp_texture_sample_alpha_at(const stp_texture_pyramid* pyramid, stp_vec2 uv, uint32_t level);
+/// The same from the level nearest to a footprint.
 float stp_texture_sample_alpha_of(const stp_texture_pyramid* pyramid, stp_vec2 uv, float footprint);

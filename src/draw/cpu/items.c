@@ -2,6 +2,7 @@
 // Draw items made ready: data and textures looked up, matrices from item to screen.
 #include "draw/cpu/cpu.h"
 #include "draw/placement.h"
+#include "raster/cutout.h"
 
 #include <string.h>
 
@@ -135,6 +136,10 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
     const stp_store_material* material = &r->directory->materials[known->material];
     item->material = material;
     result = find_texture(r, &material->base_color_texture, false, &item->base_color);
+    if (result == STP_OK && item->base_color != NULL && material->alpha == STP_STORE_MASK) {
+        result = stp_cutout_prepare(r->base.context,
+                                    &r->textures[material->base_color_texture.texture].as_color);
+    }
     if (result == STP_OK) {
         result =
             find_texture(r, &material->metallic_roughness_texture, true, &item->metallic_roughness);

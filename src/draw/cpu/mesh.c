@@ -2,6 +2,7 @@
 // What a triangle looks like at a point: texture coordinates, colours, and whether it is there at all.
 #include "base/rng.h"
 #include "draw/cpu/cpu.h"
+#include "raster/cutout.h"
 
 enum { GHOST_SEED = 0x6057 }; // other pixels than those that an alpha leaves out
 
@@ -149,22 +150,21 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
     if (material->alpha == STP_STORE_OPAQUE) {
         return true;
     }
-    float alpha = material->base_color[3], footprint = 0.0f;
-    if (item->base_color != NULL) {
-        float depth = weight[0] * memory->w[0] + weight[1] * memory->w[1] +
-                      weight[2] * memory->w[2]; // W is 1 everywhere in parallel projection
-        footprint = memory->density * depth / (item->camera.pixel_scale * item->scale);
-        stp_vec2 uv = cpu_mesh_uv(corners, &material->base_color_texture, weight);
-        alpha *= stp_texture_sample_alpha_of(item->base_color, uv, footprint);
-    }
+    float own = material->base_color[3];
     if (corners->has_color) {
-        alpha *= vertex_color(corners, weight, 3);
+        own *= vertex_color(corners, weight, 3);
     }
-    if (material->alpha == STP_STORE_BLEND) {
-        return alpha >= 1.0f || alpha > noise(seed, x, y);
+    bool masked = material->alpha == STP_STORE_MASK;
+    if (item->base_color == NULL) {
+        return masked ? own >= material->alpha_cutoff : own >= 1.0f || own > noise(seed, x, y);
     }
-    // a cut-out averaged over many texels is no longer there or not: its alpha says how much of it is
-    float fade = stp_clamp((footprint - 1.5f) / 2.5f, 0.0f, 1.0f);
-    float cutoff = material->alpha_cutoff;
-    return alpha >= (fade > 0.0f ? cutoff + (noise(seed, x, y) - cutoff) * fade : cutoff);
+    float depth = weight[0] * memory->w[0] + weight[1] * memory->w[1] +
+                  weight[2] * memory->w[2]; // W is 1 everywhere in parallel projection
+    float footprint = memory->density * depth / (item->camera.pixel_scale * item->scale);
+    stp_vec2 uv = cpu_mesh_uv(corners, &material->base_color_texture, weight);
+    if (masked) {
+        return stp_cutout_keeps(item->base_color, uv, footprint, own, material->alpha_cutoff);
+    }
+    float alpha = own * stp_texture_sample_alpha_of(item->base_color, uv, footprint);
+    return alpha >= 1.0f || alpha > noise(seed, x, y);
 }

@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/coverage.h"
+#include "raster/cutout.h"
 #include "raster/texture.h"
 
 static uint32_t point_chunks(const stp_store_point_set* points)
@@ -219,6 +220,13 @@ gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, b
     return gl_upload_end(r, entry, &writer, true);
 }
 
+/// Words of the cutoffs of levels from `first` on.
+static uint64_t count_cutoffs(const stp_texture_pyramid* pyramid, uint32_t first)
+{
+    uint32_t count = pyramid->cutoff_levels;
+    return first < count ? (uint64_t)(count - first) * STP_CUTOUT_STEPS : 0;
+}
+
 /// The first level that a part of the pool holds with all that follow, and their words.
 static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* pyramid,
                              uint64_t* words)
@@ -229,15 +237,20 @@ static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* py
         for (uint32_t i = first; i < pyramid->level_count; ++i) {
             *words += (uint64_t)pyramid->width[i] * pyramid->height[i];
         }
+        *words += count_cutoffs(pyramid, first);
     } while (*words > (UINT64_C(1) << r->pool.page_shift) / 2 && ++first < pyramid->level_count);
     return first < pyramid->level_count ? first : pyramid->level_count - 1;
 }
 
 static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, gl_writer* w)
 {
+    uint64_t cutoffs = count_cutoffs(pyramid, first);
     uint32_t flags =
         (pyramid->linear ? TEXTURE_LINEAR : 0u) | (pyramid->nearest ? TEXTURE_NEAREST : 0u) |
-        (uint32_t)pyramid->wrap_u * TEXTURE_WRAP_U | (uint32_t)pyramid->wrap_v * TEXTURE_WRAP_V;
+        (uint32_t)pyramid->wrap_u * TEXTURE_WRAP_U | (uint32_t)pyramid->wrap_v * TEXTURE_WRAP_V |
+        (cutoffs > 0 ? TEXTURE_CUTOUT : 0u) |
+        (uint32_t)(cutoffs / STP_CUTOUT_STEPS) << TEXTURE_CUTOFF_SHIFT |
+        (first > 0 ? TEXTURE_REDUCED : 0u);
     uint32_t place = TEXTURE_HEADER, count = pyramid->level_count - first;
     gl_write(w, flags);
     gl_write(w, count);
@@ -258,9 +271,25 @@ static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, gl
             gl_write(w, word);
         }
     }
+    for (uint64_t k = 0; k < cutoffs; ++k) {
+        gl_write_float(w, pyramid->cutoffs[(uint64_t)first * STP_CUTOUT_STEPS + k]);
+    }
 }
 
+_Static_assert(STP_CUTOUT_STEPS == TEXTURE_CUTOFFS, "as shaders have it");
 _Static_assert(TEXTURE_SIZES + 3 * STP_TEXTURE_LEVELS <= TEXTURE_HEADER, "room for all levels");
+
+/// Whether the alpha of a texture cuts something out.
+static bool is_cut_out(const gl_renderer* r, uint32_t texture)
+{
+    for (uint32_t i = 0; i < r->directory->material_count; ++i) {
+        const stp_store_material* m = &r->directory->materials[i];
+        if (m->alpha == STP_STORE_MASK && m->base_color_texture.texture == texture) {
+            return true;
+        }
+    }
+    return false;
+}
 
 static gl_upload upload_texels(gl_renderer* r, uint32_t texture, bool data,
                                const stp_store_texture* source)
@@ -275,6 +304,13 @@ static gl_upload upload_texels(gl_renderer* r, uint32_t texture, bool data,
     pyramid.wrap_u = (stp_texture_wrap)source->wrap_u;
     pyramid.wrap_v = (stp_texture_wrap)source->wrap_v;
     pyramid.nearest = source->nearest != 0;
+    if (!data && is_cut_out(r, texture)) {
+        r->failure = stp_cutout_prepare(r->base.context, &pyramid);
+        if (r->failure != STP_OK) {
+            stp_texture_pyramid_destroy(r->base.context, &pyramid);
+            return GL_UPLOAD_FAILED;
+        }
+    }
     uint64_t words;
     uint32_t first = choose_level(r, &pyramid, &words);
     gl_upload result = gl_upload_begin(r, entry, words, true);

@@ -99,6 +99,10 @@
 #define TEXTURE_NEAREST 2u
 #define TEXTURE_WRAP_U 4u // times 0 repeat, 1 clamp, 2 mirror
 #define TEXTURE_WRAP_V 16u
+#define TEXTURE_CUTOUT 64u // after the texels, TEXTURE_CUTOFFS floats for each level that has them
+#define TEXTURE_REDUCED 128u // level 0 is not that of the picture
+#define TEXTURE_CUTOFFS 256
+#define TEXTURE_CUTOFF_SHIFT 8 // from this bit of the flags on: levels that have cutoffs
 
 #ifdef __STDC_VERSION__
 typedef float vec4[4];

@@ -83,20 +83,53 @@ vec4 sample_texture(uint texture, vec2 uv, float footprint)
     return min(vec4(color, sum.weighted.a), vec4(1.0));
 }
 
-// Alpha alone, from the level nearest to the footprint.
-float sample_alpha(uint texture, vec2 uv, float footprint)
+// Alpha alone, of one level.
+float sample_alpha_at(uint texture, vec2 uv, uint level)
 {
-    uint flags = fetch(texture + TEXTURE_FLAGS), last = fetch(texture + TEXTURE_LEVELS) - 1u;
-    uint level = 0u;
-    for (; level < last && footprint >= 1.5; footprint *= 0.5) {
-        level += 1u;
-    }
+    uint flags = fetch(texture + TEXTURE_FLAGS);
     texel_square s = find_square(texture, level, uv, level == 0u && (flags & TEXTURE_NEAREST) != 0u);
     uint above = s.texels + uint(s.y.x) * s.width, below = s.texels + uint(s.y.y) * s.width;
     vec4 alpha = vec4(fetch(above + uint(s.x.x)) >> 24, fetch(above + uint(s.x.y)) >> 24,
                       fetch(below + uint(s.x.x)) >> 24, fetch(below + uint(s.x.y)) >> 24);
     vec2 rows = mix(alpha.xz, alpha.yw, s.share.x);
     return mix(rows.x, rows.y, s.share.y) / 255.0;
+}
+
+// The same from the level nearest to the footprint.
+float sample_alpha(uint texture, vec2 uv, float footprint)
+{
+    uint last = fetch(texture + TEXTURE_LEVELS) - 1u, level = 0u;
+    for (; level < last && footprint >= 1.5; footprint *= 0.5) {
+        level += 1u;
+    }
+    return sample_alpha_at(texture, uv, level);
+}
+
+// Whether a fragment of a cut-out is there (src/raster/cutout.c). own: alpha of material and vertices.
+bool keeps_cutout(uint texture, vec2 uv, float footprint, float own, float cutoff)
+{
+    uint flags = fetch(texture + TEXTURE_FLAGS), count = fetch(texture + TEXTURE_LEVELS), level = 0u;
+    bool tested = (flags & TEXTURE_CUTOUT) != 0u;
+    uint end = flags >> TEXTURE_CUTOFF_SHIFT;
+    for (; level + 1u < end && footprint >= 1.5; footprint *= 0.5) {
+        level += 1u;
+    }
+    float alpha = sample_alpha_at(texture, uv, level);
+    if (!tested || (level == 0u && (flags & TEXTURE_REDUCED) == 0u)) {
+        return own * alpha >= cutoff;
+    }
+    if (!(cutoff > 0.0)) {
+        return true;
+    }
+    float step = cutoff / own * 255.0;
+    if (!(step <= 255.0)) {
+        return false;
+    }
+    uint below = min(uint(step), uint(TEXTURE_CUTOFFS) - 2u);
+    uint last = texture + TEXTURE_SIZES + 3u * (count - 1u);
+    uint table = texture + fetch(last + 2u) + fetch(last) * fetch(last + 1u) + uint(TEXTURE_CUTOFFS) * level + below;
+    float low = fetch_float(table), high = fetch_float(table + 1u);
+    return alpha >= low + (high - low) * (step - float(below));
 }
 
 // How a material reads its n-th texture (0 base colour, 1 metallic and roughness, 2 emissive).

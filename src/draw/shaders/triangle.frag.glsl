@@ -29,24 +29,24 @@ bool is_there(ivec2 pixel)
     }
     triangle_place t = find_triangle(item.address, record.address, triangle_of.y);
     vec3 share = vec3(1.0 - weight.x - weight.y, weight);
-    float alpha = material.base_color.a, footprint = 0.0;
+    float own = material.base_color.a, cutoff = material.numbers.z;
+    if ((item.flags & ITEM_HAS_COLORS) != 0u) {
+        own *= share.x * corner_color(t, t.corner.x).a + share.y * corner_color(t, t.corner.y).a +
+               share.z * corner_color(t, t.corner.z).a;
+    }
+    bool masked = uint(material.numbers.w) == ALPHA_MASK;
 #ifdef TEXTURES
     if (item.base_color != NO_ADDRESS) {
         float depth = 1.0 / gl_FragCoord.w;
-        footprint = find_density(t, item.material, 0u, item.base_color) * depth * item.footprint;
-        alpha *= sample_alpha(item.base_color, find_uv(t, item.material, 0u, share), footprint);
+        float footprint = find_density(t, item.material, 0u, item.base_color) * depth * item.footprint;
+        vec2 uv = find_uv(t, item.material, 0u, share);
+        if (masked) {
+            return keeps_cutout(item.base_color, uv, footprint, own, cutoff);
+        }
+        own *= sample_alpha(item.base_color, uv, footprint);
     }
 #endif
-    if ((item.flags & ITEM_HAS_COLORS) != 0u) {
-        alpha *= share.x * corner_color(t, t.corner.x).a + share.y * corner_color(t, t.corner.y).a +
-                 share.z * corner_color(t, t.corner.z).a;
-    }
-    if (uint(material.numbers.w) == ALPHA_BLEND) {
-        return alpha >= 1.0 || alpha > noise(seed, pixel);
-    }
-    // a cut-out averaged over many texels is no longer there or not: its alpha says how much of it is
-    float fade = clamp((footprint - 1.5) / 2.5, 0.0, 1.0), cutoff = material.numbers.z;
-    return alpha >= (fade > 0.0 ? cutoff + (noise(seed, pixel) - cutoff) * fade : cutoff);
+    return masked ? own >= cutoff : own >= 1.0 || own > noise(seed, pixel);
 }
 #endif
 
