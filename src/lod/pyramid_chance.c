@@ -42,6 +42,10 @@
 #define MOST_STRIDE 4096.0
 // Spacings in the radius of a disk of points, below which they are too few to cut it along.
 #define LEAST_SPACINGS 3.0
+// Mean opacity from which surface counts as opaque. Opacities of children are averaged level by level: border disks that
+// are drawn with a few holes must not open the whole surface above them.
+#define OPAQUE 0.99
+#define OPAQUE_OF_SETS 0.8
 // How far beside the part that is drawn a candidate may lie, parts of the radius.
 #define SLACK 0.04f
 
@@ -147,9 +151,10 @@ static double thin_share(const chooser* c, uint32_t surfel, double hit)
     return thin < whole ? thin : whole;
 }
 
-static bool is_opaque(const stp_pyramid_entry* e)
+static bool is_opaque(const chooser* c, const stp_pyramid_entry* e)
 {
-    return e->alpha >= 65000;
+    bool of_sets = c->p->input->finish->candidates->set_count != 0;
+    return (double)e->alpha >= (of_sets ? OPAQUE_OF_SETS : OPAQUE) * 65535.0;
 }
 
 // Disks that are known to be whole. @return how many are not; they are listed, along the curve
@@ -162,7 +167,7 @@ static size_t choose_whole(const chooser* c, uint32_t* doubtful)
         double cosine = facing(c->p, e, i);
         bool enough = (double)e->area * cosine * cosine >= WHOLE * c->whole;
         e->coverage = STP_COVERAGE_WHOLE;
-        if (!is_opaque(e) || !enough ||
+        if (!is_opaque(c, e) || !enough ||
             !stp_stencil_is_full(&c->p->stencil, c->p->disks[i].cells)) {
             doubtful[count++] = i;
         }
@@ -210,10 +215,10 @@ static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings*
                             ramp(cells, OPEN_SMOOTH_CELLS, FULL_SMOOTH_CELLS));
     solid *= finest ? ramp(area, OPEN_AREA_OF_FINEST, FULL_AREA_OF_FINEST)
                     : ramp(area, OPEN_AREA, FULL_AREA);
-    if (solid >= 1.0 && is_opaque(e)) {
+    if (solid >= 1.0 && is_opaque(c, e)) {
         return code;
     }
-    double share = is_opaque(e) ? (double)table->areas[code] : (double)e->alpha / 65535.0;
+    double share = is_opaque(c, e) ? (double)table->areas[code] : (double)e->alpha / 65535.0;
     share = 1.0 - sqrt(1.0 - (share < 1.0 ? share : 1.0));
     return stp_coverage_of_share(
         share * solid + thin_share(c, surfel, (double)found->area / c->disk) * (1.0 - solid));
