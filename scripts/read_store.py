@@ -182,7 +182,7 @@ def check_graph(header, t):
         for use in ("base_color_texture", "metallic_roughness_texture", "emissive_texture"):
             check_reference(material[use][0], counts["textures"], f"material {i}: {use}")
             need(material[use][1] <= 1, f"material {i}: texcoord")
-    need(counts["shadings"] <= 256 and all(s["flags"] <= 3 for s in t["shadings"]), "shadings")
+    need(counts["shadings"] <= 256 and all(s["flags"] <= 7 for s in t["shadings"]), "shadings")
     for i, texture in enumerate(t["textures"]):
         need(0 < texture["width"] <= 65536 and 0 < texture["height"] <= 65536, f"texture {i}: size")
         need(texture["wrap_u"] <= 2 and texture["wrap_v"] <= 2 and texture["nearest"] <= 1, f"texture {i}: wrap")

@@ -164,7 +164,7 @@ static void list_views(frame_bench* b)
 // Under a limit of memory each flight finds loaded what all of them begin with.
 static stp_result renew_maker(frame_bench* b)
 {
-    stp_draw_style style = {0};
+    stp_draw_style style = {.transparency = STP_TRANSPARENCY_PATTERN};
     frame_maker_destroy(&b->maker);
     stp_result result = frame_maker_create(b->context, b->store, &style, &b->maker);
     return result == STP_OK && b->options->memory > 0 ? frame_maker_stream(&b->maker) : result;

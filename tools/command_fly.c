@@ -209,6 +209,7 @@ static int run(int argc, char** argv)
         return code;
     }
     session s = {0};
+    args.draw.in_motion = true;
     if (!drawing_begin(&s.drawing, &args.draw)) {
         return 1;
     }

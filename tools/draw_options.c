@@ -8,6 +8,7 @@
 
 enum { LIGHT_SUN, LIGHT_HEAD };
 enum { CAPS_ON, CAPS_OFF };
+enum { TRANSPARENCY_AUTO, TRANSPARENCY_LAYERS, TRANSPARENCY_PATTERN };
 
 static size_t copy_options(option* table, size_t used, const option* from)
 {
@@ -87,6 +88,15 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
                  "filters do), or show the nearest; blend: in one pass, less exactly, where OpenGL "
                  "draws; default none",
          .value = &o->filter},
+        {.name = "transparency",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "auto|layers|pattern",
+         .help =
+             "draw transparent surfaces in layers, sorted and without noise, or as a pattern of "
+             "pixels, in one pass; default auto: layers, but a pattern with --budget-ms and in "
+             "flights",
+         .value = &o->transparency},
         {.name = "eye-dome",
          .type = OPTION_NUMBER,
          .argument = "[STRENGTH]",
@@ -309,6 +319,9 @@ stp_quality draw_options_quality(const draw_options* o)
 
 stp_draw_style draw_options_style(const draw_options* o)
 {
+    bool moves = o->has_budget || o->in_motion;
+    bool pattern =
+        o->transparency == TRANSPARENCY_AUTO ? moves : o->transparency == TRANSPARENCY_PATTERN;
     stp_draw_style style = {.splat_scale = (float)o->splat_scale,
                             .supersample = (uint32_t)o->supersample,
                             .headlight = o->light == LIGHT_HEAD,
@@ -316,6 +329,8 @@ stp_draw_style draw_options_style(const draw_options* o)
                             .filter = (stp_filter)o->filter,
                             .eye_dome = (float)o->eye_dome,
                             .ambient_occlusion = (float)(0.01 * o->ambient_occlusion),
+                            .transparency =
+                                pattern ? STP_TRANSPARENCY_PATTERN : STP_TRANSPARENCY_LAYERS,
                             .ghost = (float)o->show.ghost_share,
                             .caps = o->caps == CAPS_ON};
     if (style.background) {

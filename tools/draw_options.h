@@ -29,6 +29,8 @@ typedef struct draw_options {
     uint8_t background[3];
     bool has_background;
     int filter;
+    int transparency; ///< TRANSPARENCY_*
+    bool in_motion;   ///< set by the command: frames follow each other
     double eye_dome, ambient_occlusion;
     int caps; ///< CAPS_ON, CAPS_OFF
     show_options show;

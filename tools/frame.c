@@ -175,7 +175,8 @@ stp_result frame_draw(frame_maker* maker, const stp_view* view, const stp_qualit
                                .covered_pixels = stats->covered_pixels,
                                .extra_splats = eyes * maker->list.extra_splats,
                                .nodes = maker->list.node_count,
-                               .draw_calls = stats->draw_calls};
+                               .draw_calls = stats->draw_calls,
+                               .layers = stats->layers};
     for (size_t i = 0; i < maker->list.count; ++i) {
         figures->clusters += maker->list.items[i].kind == STP_DRAW_MESH ? eyes : 0;
     }
@@ -275,13 +276,14 @@ bool frame_maker_create_image(frame_maker* maker, uint32_t width, uint32_t heigh
 
 json_t* frame_describe(const frame_figures* f)
 {
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "splat_size",
-                     (double)f->splat_size, "frame_ms", f->frame_ms, "select_ms", f->select_ms,
-                     "draw_ms", f->draw_ms, "shade_ms", f->shade_ms, "splats",
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}",
+                     "splat_size", (double)f->splat_size, "frame_ms", f->frame_ms, "select_ms",
+                     f->select_ms, "draw_ms", f->draw_ms, "shade_ms", f->shade_ms, "splats",
                      (json_int_t)f->splats, "fragments", (json_int_t)f->fragments, "clusters",
                      (json_int_t)f->clusters, "triangles", (json_int_t)f->triangles, "nodes",
                      (json_int_t)f->nodes, "draw_calls", (json_int_t)f->draw_calls,
-                     "covered_pixels", (json_int_t)f->covered_pixels);
+                     "covered_pixels", (json_int_t)f->covered_pixels, "layers",
+                     (json_int_t)f->layers);
 }
 
 void frame_read_device(const frame_maker* maker, char* name, size_t size)

@@ -15,6 +15,7 @@ typedef struct frame_figures {
     uint64_t splats, triangles, fragments, covered_pixels;
     uint64_t extra_splats; ///< drawn while levels blend
     uint64_t clusters, nodes, draw_calls;
+    uint32_t layers;  ///< of transparent surfaces
     uint32_t missing; ///< things the view wants that were not, or not wholly, loaded
 } frame_figures;
 

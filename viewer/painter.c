@@ -132,6 +132,9 @@ static paint_stage next_stage(painter* p, const paint_request* request,
         return p->expected_ms < finest_ms ? STAGE_RESTS : STAGE_DONE;
     }
     bool accumulates = request->samples > 1 && figures->frame_ms < patience_ms;
+    if (!accumulates && p->stage == STAGE_MOVES && p->scene->transparent) {
+        return STAGE_RESTS; // once more, with layers
+    }
     return accumulates ? STAGE_ACCUMULATES : STAGE_DONE;
 }
 
@@ -231,6 +234,8 @@ static void paint(painter* p)
     paint_scene_set_stop(p->scene, p->refines ? &p->stop : NULL);
     pthread_mutex_unlock(&p->mutex);
     paint_figures figures = {0};
+    request.style.transparency =
+        p->stage == STAGE_MOVES ? STP_TRANSPARENCY_PATTERN : STP_TRANSPARENCY_LAYERS;
     p->uses_gl = request.gl && !p->gl_lost && p->gl.functions != NULL &&
                  paint_scene_use_gl(p->scene, &p->gl_desc, p->desc.gl_splats);
     learn(p, &request, NULL);

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "draw/resting.h"
+#include "draw/transparency.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,6 +43,7 @@ paint_scene* paint_scene_open(const paint_scene_desc* desc, const char* path, ui
     s->shown = (painter_scene){.serial = serial, .store = s->store, .directory = directory};
     s->shown.bounds = directory->root != STP_STORE_NONE ? directory->nodes[directory->root].bounds
                                                         : stp_boxd_empty();
+    s->transparent = stp_transparency_of_scene(directory);
     snprintf(s->shown.path, sizeof(s->shown.path), "%s", path);
     return s;
 }

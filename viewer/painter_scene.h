@@ -10,6 +10,7 @@ typedef struct paint_scene {
     stp_store* store;
     stp_renderer* renderers[2]; ///< the processor's, and OpenGL's once it was wanted
     bool gl_failed;             ///< OpenGL cannot draw it
+    bool transparent;           ///< it has transparent surfaces
     stp_visibility* visibility; ///< NULL: all is shown
     stp_residency* residency;   ///< NULL: the file is used as it is mapped
     stp_draw_list list;

@@ -55,7 +55,12 @@ typedef struct stp_surfels {
     uint32_t paper_count; ///< p_m
 } stp_surfels;
 
-enum { STP_SHADING_UNLIT = 1, STP_SHADING_DOUBLE_SIDED = 2 };
+enum {
+    STP_SHADING_UNLIT = 1,
+    STP_SHADING_DOUBLE_SIDED = 2,
+    STP_SHADING_TRANSPARENT =
+        4, ///< of a blended material: coverage is opacity, not holes; since format 1.2
+};
 
 /// What a surfel's material byte stands for; at most 256 in a file.
 typedef struct stp_shading {

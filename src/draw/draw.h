@@ -15,6 +15,13 @@ typedef enum stp_filter {
     STP_FILTER_BLEND, ///< the same in one pass: what is about as near as what was drawn before (OpenGL; else as EWA)
 } stp_filter;
 
+/// How transparent surfaces are drawn.
+typedef enum stp_transparency {
+    STP_TRANSPARENCY_LAYERS, ///< sorted and composited: a picture without noise
+    /// As a pattern of pixels that stays from frame to frame, in one pass: for motion, and where memory is short.
+    STP_TRANSPARENCY_PATTERN,
+} stp_transparency;
+
 typedef struct stp_draw_style {
     float splat_scale;    ///< times the radius of every splat; default 1
     uint32_t supersample; ///< n x n samples a pixel; default 1
@@ -25,6 +32,7 @@ typedef struct stp_draw_style {
     stp_filter filter;
     float eye_dome;          ///< strength of eye-dome lighting; 0: none
     float ambient_occlusion; ///< reach of ambient occlusion, in heights of the picture; 0: none
+    stp_transparency transparency;
     float ghost; ///< the part of a ghost's pixels that is drawn, above 0 to 1; 0: a fifth
     bool caps;   ///< closed solids that the view's sections cut are filled (draw/caps.h)
     /// Pixels that show a splat have the depth of its plane there, without the offset of its rim. CPU, without a filter.
@@ -37,6 +45,7 @@ typedef struct stp_draw_stats {
     uint64_t splats, triangles, fragments, covered_pixels;
     uint32_t draw_calls; ///< items drawn
     uint32_t samples;    ///< of each pixel
+    uint32_t layers;     ///< of transparent surfaces, the most in a pixel of the last sample
 } stp_draw_stats;
 
 typedef struct stp_renderer stp_renderer;

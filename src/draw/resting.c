@@ -74,7 +74,7 @@ bool stp_resting_is_same_style(const stp_draw_style* a, const stp_draw_style* b)
            memcmp(a->background_color, b->background_color, sizeof(a->background_color)) == 0 &&
            a->filter == b->filter && a->eye_dome == b->eye_dome &&
            a->ambient_occlusion == b->ambient_occlusion && a->caps == b->caps &&
-           a->ghost == b->ghost;
+           a->ghost == b->ghost && a->transparency == b->transparency;
 }
 
 bool stp_resting_continues(stp_resting* resting, const stp_view* view, const stp_draw_list* list,

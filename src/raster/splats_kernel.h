@@ -59,6 +59,8 @@ typedef struct stp_splat_frame {
     float occluder[3][4];  ///< rows of the occluder's matrix after the position grid
     float occluder_radius; ///< projected radius times its W
     uint32_t seed;         ///< added to a splat's index where holes are hashed
+    const struct stp_glass_splats*
+        glass; ///< NULL, or how transparent splats are drawn (splats_glass.c)
 } stp_splat_frame;
 
 /// Sixteen splats. Lanes that are not drawn hold whatever they hold.
@@ -97,6 +99,9 @@ void stp_splats_ask_frame(stp_splat_frame* frame, const stp_raster_splats* splat
 
 /// Draws splat `index` with every pixel's ray in double precision.
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index);
+/// Draws a fragment of a transparent splat of `frame->glass`. @return whether it is there
+bool stp_glass_store(const stp_splat_frame* frame, uint32_t index, int32_t x, int32_t y,
+                     float nearness);
 bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* target,
                            uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
                            const stp_raster_splats* splats, uint32_t first_id);

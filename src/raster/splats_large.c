@@ -212,6 +212,10 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
             if (!in || !(nearness > 0.0) || nearness > limit) {
                 continue;
             }
+            if (frame->glass != NULL) {
+                fragments += stp_glass_store(frame, index, x, y, (float)nearness);
+                continue;
+            }
             if (coverage < 255 &&
                 !splat_has_fragment(coverage, frame->seed + index, x - whole_x, y - whole_y)) {
                 continue;

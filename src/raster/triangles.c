@@ -84,16 +84,19 @@ void stp_raster_weights(const stp_raster_matrix* matrix, const float* a, const f
     weights_at((const double(*)[3])corner, (double)pixel_x, (double)pixel_y, weight1, weight2);
 }
 
-static void draw_fragment(const kept_triangle* kept, uint64_t* place, float nearness, int32_t x,
-                          int32_t y)
+static void draw_fragment(const kept_triangle* kept, const stp_triangle_window* window,
+                          float nearness, int32_t x, int32_t y)
 {
+    const stp_raster_mesh* mesh = kept->mesh;
     uint64_t pixel = stp_raster_pixel(nearness, kept->id);
-    if (pixel >= *place) {
+    uint64_t* place = stp_triangle_row(window, y) + x;
+    if ((mesh->layer != NULL &&
+         !stp_layer_has(mesh->layer, (size_t)(place - window->pixels), pixel)) ||
+        pixel >= *place) {
         return;
     }
     float weight1, weight2;
     weights_at(kept->corner, (double)x + 0.5, (double)y + 0.5, &weight1, &weight2);
-    const stp_raster_mesh* mesh = kept->mesh;
     if (mesh->keep(mesh->keep_user, kept->triangle, weight1, weight2, (uint32_t)x, (uint32_t)y)) {
         *place = pixel;
     }
@@ -119,7 +122,6 @@ static void draw_kept(const stp_triangle_window* window, const stp_screen_vertex
             stp_triangle_edge_narrow(&edges[k], row, &first, &last);
         }
         double row_nearness = stp_triangle_plane_row(&plane, row);
-        uint64_t* pixels = stp_triangle_row(window, row);
         for (int32_t x = (int32_t)first; x <= last; ++x) {
             float nearness;
             if (setup.small) {
@@ -129,7 +131,7 @@ static void draw_kept(const stp_triangle_window* window, const stp_screen_vertex
             } else {
                 nearness = stp_triangle_plane_at(&plane, row_nearness, x, setup.low, setup.high);
             }
-            draw_fragment(kept, pixels + x, nearness, x, row);
+            draw_fragment(kept, window, nearness, x, row);
         }
         *window->fragments += last < first ? 0 : (uint64_t)(last - first) + 1;
     }

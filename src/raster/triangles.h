@@ -6,7 +6,7 @@
 #pragma once
 
 #include "base/arena.h"
-#include "raster/target.h"
+#include "raster/layer.h"
 
 /// Whether a fragment is there, for alpha masks: barycentric weights are perspective-correct. Asked
 /// only where the fragment would be seen; `x` and `y` are its column and row.
@@ -23,6 +23,7 @@ typedef struct stp_raster_mesh {
     stp_raster_keep keep; ///< NULL: every fragment is there
     const void* keep_user;
     uint64_t* fragments; ///< NULL, or a count to which those that lie within triangles are added
+    const stp_raster_layer* layer; ///< NULL, or what fragments must lie between; only with `keep`
 } stp_raster_mesh;
 
 /// Draws triangles; triangle t gets the id first_id + t. Clipped to the near plane and to rows

@@ -107,7 +107,7 @@ static stp_result judge_materials(const stp_store_judge* judge,
                         judge->path, directory->shading_count, STP_STORE_SHADING_LIMIT);
     }
     for (uint32_t i = 0; i < directory->shading_count; ++i) {
-        if (directory->shadings[i].flags > 3) {
+        if (directory->shadings[i].flags > 7) {
             return stp_fail(judge->context, judge->failure,
                             "%s: shading %u: flags %#x are not of this version", judge->path, i,
                             directory->shadings[i].flags);

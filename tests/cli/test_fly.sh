@@ -61,7 +61,7 @@ def load(name):
     for frame in f["per_frame"]:
         assert ("popping" in frame) == (f["popping"] is not None) and frame.pop("popping", 0) >= 0
         assert sorted(frame) == sorted("""t frame_ms select_ms draw_ms shade_ms splat_size splats extra_splats fragments
-            clusters triangles nodes draw_calls covered_pixels""".split()), frame
+            clusters triangles nodes draw_calls covered_pixels layers""".split()), frame
         assert 0 < frame["select_ms"] + frame["draw_ms"] + frame["shade_ms"] <= frame["frame_ms"] + 1e-6, frame
     for key in "frame_ms", "splats", "triangles", "splat_size":
         values = sorted(frame[key] for frame in f["per_frame"])

@@ -125,6 +125,7 @@ void test_accumulation_begins_anew_when_something_changes(test_state* test)
     }
     made_picture other = p; // a supersampled picture in between takes nothing away
     other.style.supersample = 2;
+    other.style.transparency = STP_TRANSPARENCY_PATTERN; // layers need the sums
     static uint8_t pixels[SIDE * SIDE * 4];
     other.image.pixels = pixels;
     other.list = (stp_draw_list){0};

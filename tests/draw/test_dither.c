@@ -69,6 +69,7 @@ void test_dither_of_instances_differs(test_state* test)
     CHECK(made_picture_begin(&p, NULL, 1));
     p.view.fov_degrees = 0;
     p.view.ortho_height = 4;
+    p.style.transparency = STP_TRANSPARENCY_PATTERN;
     p.scene.materials[0].alpha = STP_STORE_BLEND;
     p.scene.materials[0].base_color[3] = 0.5f;
     made_picture_add(&p, 0.0, (stp_vec3d){0, 0, 0}, NULL);

@@ -272,7 +272,12 @@ void test_draw_cpu_masks_and_blends(test_state* test)
     f.scene.materials[0].alpha = STP_STORE_BLEND;
     f.scene.materials[0].base_color[3] = 0.25f;
     CHECK_EQUAL(STP_OK, draw(&f));
-    CHECK(f.stats.covered_pixels > 200 && f.stats.covered_pixels < 312); // a quarter of 1,024
+    CHECK_EQUAL(1024, f.stats.covered_pixels); // a layer
+    CHECK_EQUAL(64, pixel(&f, 30, 30)[3]);
+    f.style.transparency = STP_TRANSPARENCY_PATTERN;
+    CHECK_EQUAL(STP_OK, draw(&f));
+    CHECK(f.stats.covered_pixels > 248 &&
+          f.stats.covered_pixels < 264); // a quarter of 1,024, evenly
     f.style.supersample = 8;
     CHECK_EQUAL(STP_OK, draw(&f));
     int sum = 0;

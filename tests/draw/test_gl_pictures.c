@@ -228,6 +228,7 @@ void test_gl_pictures_of_all_kinds_for_two_eyes_take_no_more_calls(test_state* t
     }
     m.picture.view.eye_distance = 0.3;
     m.picture.quality.splat_size = 3;
+    m.picture.style.transparency = STP_TRANSPARENCY_PATTERN;
     for (int i = 0; i < 3; ++i) {
         m.picture.style.filter = filters[i];
         if (filters[i] != STP_FILTER_BLEND) { // which the processor does not draw

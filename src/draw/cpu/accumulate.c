@@ -50,11 +50,11 @@ static void add_rows(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         const uint8_t* in = r->image->pixels + 4 * at;
         uint32_t* sum = a->sums + 4 * at;
-        uint32_t there = in[3] > 0;
+        uint32_t alpha = in[3]; // below 255 where only what is transparent covers the pixel
         for (int k = 0; k < 3; ++k) {
-            sum[k] = (a->frames > 0 ? sum[k] : 0) + there * a->linear[in[k]];
+            sum[k] = (a->frames > 0 ? sum[k] : 0) + (alpha * a->linear[in[k]] + 127) / 255;
         }
-        sum[3] = (a->frames > 0 ? sum[3] : 0) + there;
+        sum[3] = (a->frames > 0 ? sum[3] : 0) + alpha;
     }
 }
 
@@ -72,8 +72,8 @@ static void show_rows(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         const uint32_t* sum = r->accumulation.sums + 4 * at;
         uint8_t* out = r->image->pixels + 4 * at;
-        float coverage = (float)sum[3] * whole;
-        float share = sum[3] > 0 ? 1.0f / ((float)sum[3] * (float)LINEAR_FULL) : 0.0f;
+        float covering = (float)sum[3] / 255.0f, coverage = covering * whole;
+        float share = sum[3] > 0 ? 1.0f / (covering * (float)LINEAR_FULL) : 0.0f;
         covered += sum[3] > 0;
         for (int k = 0; k < 3; ++k) {
             float linear = (float)sum[k] * share;

@@ -17,6 +17,7 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch*
     if (b->triangle_count == 0) {
         return true;
     }
+    const stp_raster_layer layer = cpu_make_layer(r, worker);
     stp_raster_mesh mesh = {.positions = b->positions,
                             .vertex_count = b->vertex_count,
                             .indices = b->indices,
@@ -27,6 +28,7 @@ static bool draw_batch(const cpu_renderer* r, const cpu_item* item, const batch*
         keep->first_triangle = b->first_triangle;
         mesh.keep = cpu_keep_fragment;
         mesh.keep_user = keep;
+        mesh.layer = r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL;
     }
     return stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
                                 item->camera.nearness_limit, &mesh,

@@ -14,6 +14,8 @@
 #include "draw/caps.h"
 #include "draw/renderer.h"
 #include "draw/resting.h"
+#include "draw/transparency.h"
+#include "raster/layer.h"
 #include "raster/splats_blend.h"
 #include "raster/texture.h"
 #include "raster/triangles.h"
@@ -65,6 +67,8 @@ typedef struct cpu_item {
     bool reads_texcoords[2];
     stp_store_point_set points;
     const stp_store_material* material;
+    stp_mesh_glass glass; ///< of meshes
+    float cells;          ///< of a transparent mesh, in an item unit (raster/blue_noise.h)
     const stp_texture_pyramid* base_color;
     const stp_texture_pyramid* metallic_roughness;
     const stp_texture_pyramid* emissive;
@@ -85,6 +89,8 @@ typedef struct cpu_worker {
     cpu_shade_memory* shading; ///< what was shaded lately
     stp_arena scratch;
     uint64_t fragments, covered;
+    uint64_t layer_found,
+        layer_pixels; ///< of the layer that is drawn: fragments of a piece; pixels shaded
     bool drew, failed;
 } cpu_worker;
 
@@ -134,6 +140,25 @@ typedef struct cpu_blend {
     enum { CPU_BLEND_NONE, CPU_BLEND_PLANES, CPU_BLEND_SPLATS } stage;
 } cpu_blend;
 
+/// Layers of transparent surfaces (layers.h).
+typedef struct cpu_layers {
+    bool possible, of_splats; ///< whether the scene has such surfaces, and splats of them
+    bool told;                ///< that there is no memory
+    uint8_t of_shading[256];  ///< whether splats of a shading are transparent
+    enum {
+        CPU_LAYERS_NONE,   ///< transparent surfaces are drawn with the others, by thresholds
+        CPU_LAYERS_OPAQUE, ///< what is opaque is drawn
+        CPU_LAYERS_PEEL,   ///< a layer is drawn
+    } stage;
+    uint32_t count; ///< passes of the last picture
+    size_t capacity;
+    uint64_t *nearer, *farther; ///< see stp_raster_layer
+    float* splats_below;
+    float* light; ///< 4 a pixel: linear colour of the layers so far, and how much gets through them
+    uint8_t* alive; ///< of each piece: whether it may still have something to draw
+    size_t alive_capacity;
+} cpu_layers;
+
 /// The sum of frames that were each shifted by a part of a pixel (accumulate.h).
 typedef struct cpu_accumulation {
     uint32_t* sums; ///< of the eye that is drawn, 4 a pixel: linear colour and frames that cover it
@@ -167,7 +192,8 @@ typedef struct cpu_renderer {
     cpu_effects effects;
     cpu_accumulation accumulation;
     cpu_blend blend;
-    stp_caps* caps;                      ///< NULL until a style wants them
+    stp_caps* caps; ///< NULL until a style wants them
+    cpu_layers layers;
     float decode[256];                   ///< sRGB bytes to linear
     uint8_t encode[CPU_ENCODE_SIZE + 3]; ///< read four at a time
     cpu_shade_material* shade_materials; ///< see cpu_make_shade_materials
@@ -211,6 +237,20 @@ STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* 
 /// Makes matrices of items from `first` on for the eye that is drawn; of all items where those before are of another eye.
 void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first);
 void cpu_destroy_textures(cpu_renderer* r);
+
+/// Draws a piece. @return whether some of it was hidden
+bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool late,
+                    const stp_raster_target* target, cpu_worker* worker);
+/// The item that a piece belongs to.
+const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece);
+/// What a worker's fragments of the layer that is drawn must lie between.
+static inline stp_raster_layer cpu_make_layer(const cpu_renderer* r, cpu_worker* worker)
+{
+    return (stp_raster_layer){.nearer = r->layers.nearer,
+                              .farther = r->layers.farther,
+                              .splats_below = r->layers.splats_below,
+                              .found = &worker->layer_found};
+}
 
 /// Draws all items into the workers' buffers, from a piece on; of those before, what was hidden so far from the eye.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
@@ -287,6 +327,7 @@ void cpu_read_from_cluster(const cpu_item* item, const stp_cluster* cluster, uin
 typedef struct cpu_keep_memory {
     uint32_t triangle; ///< UINT32_MAX: none yet
     float w[3], density;
+    uint32_t pattern; ///< key of its thresholds
     cpu_reader reader;
 } cpu_keep_memory;
 

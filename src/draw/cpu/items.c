@@ -147,6 +147,9 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
     if (result == STP_OK) {
         result = find_texture(r, &material->emissive_texture, false, &item->emissive);
     }
+    bool colors = item->mesh.colors != NULL || (item->clusters.present & STP_COLUMN_COLORS) != 0;
+    item->glass = stp_transparency_of_mesh(material, item->base_color != NULL || colors);
+    item->cells = stp_transparency_cells(box);
     const stp_store_texture_use* uses[] = {&material->base_color_texture,
                                            &material->metallic_roughness_texture,
                                            &material->emissive_texture};

@@ -2,6 +2,7 @@
 // What a triangle looks like at a point: texture coordinates, colours, and whether it is there at all.
 #include "base/rng.h"
 #include "draw/cpu/cpu.h"
+#include "raster/blue_noise.h"
 #include "raster/cutout.h"
 
 enum { GHOST_SEED = 0x6057 }; // other pixels than those that an alpha leaves out
@@ -93,6 +94,20 @@ static float noise(uint64_t seed, uint32_t x, uint32_t y)
     return (float)(bits >> 40) * (1.0f / 16777216.0f);
 }
 
+/// The key of the thresholds of a triangle: which way it faces, and where it lies that way.
+static uint32_t find_pattern(const cpu_item* item, const cpu_triangle* triangle)
+{
+    const float *a = triangle->position[0], *b = triangle->position[1], *c = triangle->position[2];
+    stp_vec3 across = stp_cross((stp_vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]},
+                                (stp_vec3){c[0] - a[0], c[1] - a[1], c[2] - a[2]});
+    float x = fabsf(across.x), y = fabsf(across.y), z = fabsf(across.z);
+    uint32_t axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    float along = axis == 0 ? across.x : axis == 1 ? across.y : across.z;
+    float middle = (a[axis] + b[axis] + c[axis]) * (1.0f / 3.0f);
+    float cell = floorf(stp_clamp(middle * item->cells, -STP_GLASS_CELLS, STP_GLASS_CELLS));
+    return stp_blue_noise_key(item->seed, 2 * axis + (along < 0.0f ? 1 : 0), (int32_t)cell);
+}
+
 static void remember_triangle(const cpu_keep* keep, uint32_t index)
 {
     const cpu_item* item = keep->item;
@@ -104,6 +119,7 @@ static void remember_triangle(const cpu_keep* keep, uint32_t index)
         const float* p = triangle->position[k];
         memory->w[k] = w[0] * p[0] + w[1] * p[1] + w[2] * p[2] + w[3];
     }
+    memory->pattern = find_pattern(item, triangle);
     memory->density = 0.0f;
     if (item->base_color != NULL) {
         memory->density =
@@ -126,6 +142,21 @@ static bool is_cut(const cpu_keep* keep, const cpu_triangle* triangle, const flo
         }
     }
     return false;
+}
+
+/// Whether a fragment of a blended material is there.
+static bool keeps_alpha(const cpu_keep* keep, float alpha, uint32_t x, uint32_t y)
+{
+    const cpu_renderer* r = keep->renderer;
+    switch (r->layers.stage) {
+    case CPU_LAYERS_OPAQUE:
+        return alpha >= STP_ALPHA_OPAQUE_FROM;
+    case CPU_LAYERS_PEEL:
+        return alpha >= STP_ALPHA_LEAST && alpha < STP_ALPHA_OPAQUE_FROM;
+    default:
+        return alpha >= STP_ALPHA_OPAQUE_FROM ||
+               alpha > stp_blue_noise_threshold(keep->memory->pattern, x, y, r->pattern);
+    }
 }
 
 bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float weight2,
@@ -156,7 +187,7 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
     }
     bool masked = material->alpha == STP_STORE_MASK;
     if (item->base_color == NULL) {
-        return masked ? own >= material->alpha_cutoff : own >= 1.0f || own > noise(seed, x, y);
+        return masked ? own >= material->alpha_cutoff : keeps_alpha(keep, own, x, y);
     }
     float depth = weight[0] * memory->w[0] + weight[1] * memory->w[1] +
                   weight[2] * memory->w[2]; // W is 1 everywhere in parallel projection
@@ -166,5 +197,5 @@ bool cpu_keep_fragment(const void* user, uint32_t triangle, float weight1, float
         return stp_cutout_keeps(item->base_color, uv, footprint, own, material->alpha_cutoff);
     }
     float alpha = own * stp_texture_sample_alpha_of(item->base_color, uv, footprint);
-    return alpha >= 1.0f || alpha > noise(seed, x, y);
+    return keeps_alpha(keep, alpha, x, y);
 }

@@ -6,6 +6,7 @@
 #include "draw/cpu/blend.h"
 #include "draw/cpu/caps.h"
 #include "draw/cpu/effects.h"
+#include "draw/cpu/layers.h"
 #include "draw/placement.h"
 
 #include <string.h>
@@ -141,6 +142,10 @@ static stp_result finish_picture(cpu_renderer* r)
     if (result != STP_OK) {
         return result;
     }
+    bool layered = r->layers.stage != CPU_LAYERS_NONE;
+    if (layered) {
+        cpu_keep_opaque(r);
+    }
     cpu_begin_shading(r);
     stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
     result = cpu_is_stopped(r) ? STP_ERROR_CANCELLED : STP_OK;
@@ -160,7 +165,7 @@ static stp_result finish_picture(cpu_renderer* r)
     if (result == STP_OK && r->two_passes != NULL && !r->eye->made) {
         result = make_pyramid(r);
     }
-    return result;
+    return result == STP_OK && layered ? cpu_draw_layers(r) : result;
 }
 
 /// Draws what the first pass left, and shades, eye by eye; the last one's items are placed already.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Items drawn in pieces, by whichever worker is free, each into its own buffer.
 #include "draw/cpu/blend.h"
+#include "draw/cpu/layers.h"
 
-/// The item that a piece belongs to: the last that begins at or before it.
-static const cpu_item* find_item(const cpu_renderer* r, uint32_t piece)
+/// The last that begins at or before it.
+const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
 {
     size_t low = 0, high = r->item_count;
     while (high - low > 1) {
@@ -40,24 +41,28 @@ typedef struct piece_loop {
     uint32_t first_new; ///< of those before, only what was hidden
 } piece_loop;
 
-/// @return fragments
-static uint64_t draw_range(const cpu_renderer* r, const cpu_item* item,
-                           const stp_raster_splats* splats, const stp_raster_target* target)
+typedef void (*range_drawer)(const cpu_renderer* r, const cpu_item* item,
+                             const stp_raster_splats* splats, const stp_raster_target* target,
+                             cpu_worker* worker);
+
+static void draw_range(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats,
+                       const stp_raster_target* target, cpu_worker* worker)
 {
     if (r->blend.stage != CPU_BLEND_NONE) {
         cpu_blend_range(r, item, splats);
-        return 0;
+        return;
     }
-    return stp_raster_draw_splats(target, 0, r->height, &item->camera, splats, item->first_id);
+    worker->fragments +=
+        stp_raster_draw_splats(target, 0, r->height, &item->camera, splats, item->first_id);
 }
 
 /// Splats of a piece in the runs that they belong to.
 static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
-                      const stp_raster_target* target, cpu_worker* worker)
+                      const stp_raster_target* target, cpu_worker* worker, range_drawer draw)
 {
     uint32_t begin = splats->begin, end = splats->end, run = 0;
     if (item->runs == NULL) {
-        worker->fragments += draw_range(r, item, splats, target);
+        draw(r, item, splats, target, worker);
         return;
     }
     while (run + 1 < item->draw->run_count && item->runs[run].end <= begin) {
@@ -68,7 +73,26 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
         splats->end = at = item->runs[run].end < end ? item->runs[run].end : end;
         splats->nearest = item->runs[run].nearest;
         splats->farthest = item->runs[run].farthest;
-        worker->fragments += draw_range(r, item, splats, target);
+        draw(r, item, splats, target, worker);
+    }
+}
+
+/// Surfels of which some may be transparent: these are not asked whether they are hidden.
+static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats, bool late,
+                      const stp_raster_target* target, cpu_worker* worker)
+{
+    stp_raster_splats opaque = *splats, glass = *splats;
+    if (r->layers.stage != CPU_LAYERS_PEEL) {
+        cpu_pick_glass(r, item, false, &opaque, worker);
+        draw_runs(r, item, &opaque, target, worker, draw_range);
+    }
+    if (r->layers.stage == CPU_LAYERS_OPAQUE || r->blend.stage != CPU_BLEND_NONE || late) {
+        return;
+    }
+    glass.hidden = NULL;
+    glass.occluder = NULL;
+    if (cpu_pick_glass(r, item, true, &glass, worker) > 0) {
+        draw_runs(r, item, &glass, target, worker, cpu_draw_glass);
     }
 }
 
@@ -105,11 +129,13 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.occluder = NULL;
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
-    if ((item->draw->sections == 0 && !item->draw->ghost) ||
-        cpu_cut_splats(r, item, &splats, worker)) {
-        draw_runs(r, item, &splats, target, worker);
-    } else {
+    bool cut = item->draw->sections != 0 || item->draw->ghost;
+    if (cut && !cpu_cut_splats(r, item, &splats, worker)) {
         worker->failed = true;
+    } else if (item->kind == STP_DRAW_SURFELS && r->layers.of_splats) {
+        draw_both(r, item, &splats, late, target, worker);
+    } else {
+        draw_runs(r, item, &splats, target, worker, draw_range);
     }
     stp_arena_rewind(&worker->scratch, mark);
 }
@@ -118,6 +144,7 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
                            const stp_raster_target* target, cpu_worker* worker)
 {
     cpu_keep_memory memory = {.triangle = UINT32_MAX};
+    const stp_raster_layer layer = cpu_make_layer(r, worker);
     cpu_cuts cuts;
     cpu_find_cuts(r, item, &cuts);
     cpu_keep keep = {.renderer = r,
@@ -135,6 +162,7 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
     if (keep.cut_mask != 0 || cpu_item_needs_keep(item)) {
         mesh.keep = cpu_keep_fragment;
         mesh.keep_user = &keep;
+        mesh.layer = r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL;
     }
     stp_box box = item->mesh.bounds;
     stp_bounding bounding = cpu_bound(r, item);
@@ -158,14 +186,16 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
     worker->failed = worker->failed || result != STP_OK;
 }
 
-/// Draws a piece. @return whether some of it was hidden
-static bool draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool late,
-                       const stp_raster_target* target, cpu_worker* worker)
+bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool late,
+                    const stp_raster_target* target, cpu_worker* worker)
 {
     uint32_t size = item->piece_units;
     uint32_t from = (piece - item->first_piece) * size;
     uint32_t to = item->unit_count - from < size ? item->unit_count : from + size;
     if (r->blend.stage != CPU_BLEND_NONE && item->kind == STP_DRAW_MESH) {
+        return false;
+    }
+    if (r->layers.stage == CPU_LAYERS_OPAQUE && item->glass == STP_GLASS_ALL) {
         return false;
     }
     if (item->clusters.bytes != NULL) {
@@ -201,7 +231,7 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
     stp_raster_target target = {
         .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
     worker->drew = true;
-    const cpu_item* item = find_item(r, (uint32_t)begin);
+    const cpu_item* item = cpu_item_of_piece(r, (uint32_t)begin);
     for (uint32_t piece = (uint32_t)begin; piece < end && !cpu_is_stopped(r); ++piece) {
         const cpu_item* last = r->items + r->item_count - 1;
         while (item < last && item[1].first_piece <= piece) {
@@ -209,7 +239,7 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
         }
         bool late = piece < loop->first_new;
         if (!late || r->eye->late_pieces[piece] != 0) {
-            r->eye->late_pieces[piece] = draw_piece(r, item, piece, late, &target, worker);
+            r->eye->late_pieces[piece] = cpu_draw_piece(r, item, piece, late, &target, worker);
         }
     }
 }

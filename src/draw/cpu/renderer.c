@@ -5,8 +5,11 @@
 #include "draw/cpu/accumulate.h"
 #include "draw/cpu/blend.h"
 #include "draw/cpu/effects.h"
+#include "draw/cpu/layers.h"
 #include "draw/cpu/passes.h"
 #include "draw/placement.h"
+
+#include <string.h>
 
 enum { SUPERSAMPLE_LIMIT = 64, SCRATCH_BLOCK = 1 << 20 };
 
@@ -30,6 +33,8 @@ static void destroy(stp_renderer* renderer)
     cpu_destroy_accumulation(r);
     cpu_destroy_blend(r);
     stp_caps_destroy(r->caps);
+    cpu_destroy_layers(r);
+    stp_free(context, r->layers.alive);
     stp_free(context, r->workers);
     stp_free(context, r->depths);
     stp_free(context, r->all_sums);
@@ -123,10 +128,10 @@ static stp_result place_eyes(cpu_renderer* r, const stp_view* view, stp_image* i
 }
 
 /// Whether something is done with the bytes of each sample.
-static bool works_on_bytes(const stp_draw_style* style, const stp_view* view)
+static bool works_on_bytes(const cpu_renderer* r, const stp_draw_style* style, const stp_view* view)
 {
     bool caps = style->caps && view->sections.count > 0;
-    return cpu_has_effects(style) || cpu_has_filter(style) || caps;
+    return cpu_has_effects(style) || cpu_has_filter(style) || caps || cpu_wants_layers(r, style);
 }
 
 static stp_result begin_frame(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
@@ -145,6 +150,9 @@ static stp_result begin_frame(cpu_renderer* r, const stp_view* view, const stp_d
     result = result == STP_OK && !summed ? cpu_make_accumulation(r, first) : result;
     for (uint32_t i = 0; i < r->eye_count && r->eye_count > 1 && result == STP_OK; ++i) {
         r->eyes[i].picture.pixels = r->eye_pixels + 4 * (size_t)i * r->width * r->height;
+    }
+    if (result == STP_OK) {
+        cpu_begin_layers(r);
     }
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         r->workers[i].fragments = r->workers[i].covered = 0;
@@ -165,7 +173,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
                         "style: at most %d x %d samples a pixel", SUPERSAMPLE_LIMIT,
                         SUPERSAMPLE_LIMIT);
     }
-    bool summed = end - first == all && (all == 1 || !works_on_bytes(style, view));
+    bool summed = end - first == all && (all == 1 || !works_on_bytes(r, style, view));
     r->team.stopped = r->base.stop;
     stp_result result = begin_frame(r, view, list, style, image, first, summed);
     if (result == STP_OK) {
@@ -183,6 +191,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
     stats->triangles = r->eye_count * list->triangle_count;
     stats->draw_calls = r->eye_count * (uint32_t)list->count;
     stats->samples = summed ? all : r->accumulation.frames;
+    stats->layers = r->layers.stage != CPU_LAYERS_NONE ? r->layers.count : 0;
     for (uint32_t i = 0; i < r->team.threads; ++i) {
         stats->fragments += r->workers[i].fragments / (end > first ? end - first : 1);
         stats->covered_pixels += r->workers[i].covered;
@@ -199,7 +208,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
     cpu_renderer* r = (cpu_renderer*)renderer;
     stp_result result = draw_part(r, view, list, style, image, 0, side * side, stats);
-    if (side > 1 && works_on_bytes(style, view)) {
+    if (side > 1 && works_on_bytes(r, style, view)) {
         r->accumulation.frames = 0; // its sums were used
     }
     return result;
@@ -281,6 +290,9 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
                              .depth = get_depth};
     r->store = store;
     r->directory = stp_store_get_directory(store);
+    r->layers.possible = stp_transparency_of_scene(r->directory);
+    stp_transparency_of_shadings(r->directory, r->layers.of_shading);
+    r->layers.of_splats = memchr(r->layers.of_shading, 1, sizeof(r->layers.of_shading)) != NULL;
     r->team = stp_team_create_useful(context);
     r->workers = STP_NEW_ZEROED(context, cpu_worker, r->team.threads);
     r->textures = STP_NEW_ZEROED(context, cpu_texture, (size_t)r->directory->texture_count + 1);

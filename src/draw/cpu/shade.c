@@ -2,6 +2,8 @@
 // From the visibility buffer to colours, tile by tile.
 #include "draw/cpu/shade.h"
 
+#include "draw/cpu/layers.h"
+
 #include <string.h>
 
 /// What one band of the picture needs to know, and where it is.
@@ -196,6 +198,10 @@ static void spread_row(const shader* s, const cpu_shade_tile* tile, uint32_t row
 
 static void write_tile(const shader* s, const cpu_shade_tile* tile)
 {
+    if (s->r->layers.stage == CPU_LAYERS_PEEL) {
+        cpu_take_layer(s->r, s->worker, tile);
+        return;
+    }
     for (uint32_t row = 0; row < tile->height; ++row) {
         spread_row(s, tile, row);
         if (s->r->sample_count > 1) {
@@ -209,6 +215,9 @@ static void write_tile(const shader* s, const cpu_shade_tile* tile)
 static void write_nothing(const shader* s, const cpu_shade_tile* tile)
 {
     cpu_renderer* r = s->r;
+    if (r->layers.stage == CPU_LAYERS_PEEL) {
+        return;
+    }
     for (uint32_t row = 0; row < tile->height; ++row) {
         size_t at = (size_t)(tile->y + row) * r->width + tile->x;
         memset(r->depth + at, 0, tile->width * sizeof(float));
@@ -249,7 +258,7 @@ static shader make_shader(cpu_renderer* r, cpu_worker* worker)
     for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {
         memory->lanes.bytes[SHADE_EMPTY_LANE + i] = s.empty;
     }
-    memory->lanes.wants_linear = r->sample_count > 1;
+    memory->lanes.wants_linear = r->sample_count > 1 || r->layers.stage == CPU_LAYERS_PEEL;
     return s;
 }
 

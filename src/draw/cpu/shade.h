@@ -42,7 +42,7 @@ struct cpu_shade_material {
 
 /// What light falls on: sixteen floats, of which those that are the fourth of four are not looked at.
 typedef struct cpu_shade_surface {
-    float color[4];  ///< linear
+    float color[4];  ///< linear, and opacity
     float normal[4]; ///< scene space, of any length; zero: none
     cpu_shade_material material;
 } cpu_shade_surface;

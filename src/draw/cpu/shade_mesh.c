@@ -200,9 +200,9 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
     make_lines(r, item, triangle, mixed->line);
     for (int k = 0; k < 3; ++k) {
         const float* color = triangle->color[k];
-        mixed->color[k] = (four){base[0], base[1], base[2], 0.0f};
+        mixed->color[k] = (four){base[0], base[1], base[2], base[3]};
         if (triangle->has_color) {
-            mixed->color[k] *= (four){color[0], color[1], color[2], 0.0f};
+            mixed->color[k] *= (four){color[0], color[1], color[2], color[3]};
         }
         if (triangle->has_normal) {
             mixed->normal[k] = turn_to_unit(shade, triangle->normal[k]);
@@ -249,7 +249,7 @@ static void make_flat(const cpu_renderer* r, const cpu_item* item, const cpu_sha
     four turned = turn(shade, normal);
     memcpy(surface->normal, &turned, sizeof(turned));
     surface->material = r->shade_materials[shade->material];
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 4; ++k) {
         float factor = vertex_color != NULL ? vertex_color[k] : 1.0f;
         surface->color[k] = item->material->base_color[k] * factor;
     }

@@ -2,7 +2,9 @@
 //
 // What ids look like: each is looked up once and remembered, by its worker, until another id needs its place. Places that
 // a tile wants twice are lengthened by places of that tile alone.
+#include "draw/cpu/layers.h"
 #include "draw/cpu/shade.h"
+#include "raster/splats_glass.h"
 
 #include <string.h>
 
@@ -61,6 +63,21 @@ static void turn_code(const cpu_shade_item* item, const int8_t* code, float out[
     turn(item, u, v, z, out);
 }
 
+/// How opaque a transparent surfel is.
+static float cpu_find_opacity(const cpu_renderer* r, const cpu_shade_item* shade, uint32_t index)
+{
+    const cpu_item* item = &r->items[shade - r->shade_items];
+    float opacity = 1.0f;
+    if (item->coverages != NULL) {
+        opacity = stp_glass_opacity(cpu_coverage_share(item, item->coverages[index]));
+        if (index < shade->low_count) {
+            float before = stp_glass_opacity(cpu_coverage_share(item, item->low_coverages[index]));
+            opacity = before + (opacity - before) * item->blend;
+        }
+    }
+    return item->draw->ghost ? opacity * cpu_ghost_share(r) : opacity;
+}
+
 static void make_surfel(const cpu_renderer* r, const cpu_shade_item* item, uint32_t index,
                         cpu_shade_surface* surface)
 {
@@ -77,6 +94,9 @@ static void make_surfel(const cpu_renderer* r, const cpu_shade_item* item, uint3
     }
     turn_code(item, item->normals + 2 * (size_t)index, surface->normal);
     surface->material = r->shade_materials[item->materials[index]];
+    if (r->layers.stage == CPU_LAYERS_PEEL) {
+        surface->color[3] = cpu_find_opacity(r, item, index);
+    }
 }
 
 static void make_point(const cpu_renderer* r, uint32_t slot, uint32_t index,

@@ -4,6 +4,7 @@
 #include "base/context.h"
 #include "draw/bounding.h"
 #include "draw/gl/upload.h"
+#include "draw/transparency.h"
 #include "store/format.h"
 
 static stp_bounding bound(const gl_renderer* r, const item_block* item)
@@ -30,16 +31,38 @@ static bool needs_keep(const gl_renderer* r, const item_block* item, uint32_t pr
            material->base_color[3] < least;
 }
 
-static bool add_cluster(gl_renderer* r, uint32_t index, gl_command_kind kind, uint32_t cluster,
+/// Which commands draw the clusters of a mesh.
+typedef struct cluster_kinds {
+    gl_command_kind kind;
+    bool again; ///< also for layers
+} cluster_kinds;
+
+static cluster_kinds choose_kinds(const gl_renderer* r, const item_block* item, uint32_t present)
+{
+    cluster_kinds kinds = {.kind = GL_COMMANDS_TRIANGLES};
+    const stp_store_material* material = &r->directory->materials[item->material];
+    bool varies = item->base_color != NO_ADDRESS || (present & STP_COLUMN_COLORS) != 0;
+    stp_mesh_glass glass = stp_transparency_of_mesh(material, varies);
+    if (r->layer_pass.active && glass == STP_GLASS_ALL) {
+        kinds.kind = GL_COMMANDS_GLASS_TRIANGLES;
+    } else if (needs_keep(r, item, present)) {
+        kinds.kind = GL_COMMANDS_KEEP;
+        kinds.again = r->layer_pass.active && glass == STP_GLASS_SOME;
+    }
+    return kinds;
+}
+
+static bool add_cluster(gl_renderer* r, uint32_t index, cluster_kinds kinds, uint32_t cluster,
                         uint32_t triangles, float share)
 {
-    record_block* record = gl_frame_add_command(r, kind, 3 * triangles);
+    record_block* record = gl_frame_add_command(r, kinds.kind, 3 * triangles);
     if (record != NULL) {
         record->item = index;
         record->address = r->frame.items[index].address + CLUSTER_WORDS * cluster;
         record->share = share;
     }
-    return record != NULL;
+    return record != NULL &&
+           (!kinds.again || gl_frame_repeat_command(r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
 }
 
 /// A mesh of columns: all of it, or nothing.
@@ -51,7 +74,7 @@ static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* me
     item->flags |= mesh->colors != NULL ? ITEM_HAS_COLORS : 0u;
     item->cluster_count =
         (mesh->triangle_count + UPLOAD_CLUSTER_TRIANGLES - 1) / UPLOAD_CLUSTER_TRIANGLES;
-    gl_command_kind kind = needs_keep(r, item, present) ? GL_COMMANDS_KEEP : GL_COMMANDS_TRIANGLES;
+    cluster_kinds kind = choose_kinds(r, item, present);
     stp_bounding bounding = bound(r, item);
     float share = stp_draw_share(draw, stp_bounding_least_depth(&bounding, mesh->bounds));
     for (uint32_t i = 0; i < item->cluster_count && share > 0.0f; ++i) {
@@ -81,8 +104,7 @@ stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
     bool colors = (clusters.present & STP_COLUMN_COLORS) != 0;
     item->flags |= colors ? ITEM_HAS_COLORS : 0u;
     item->cluster_count = clusters.cluster_count;
-    gl_command_kind kind =
-        needs_keep(r, item, clusters.present) ? GL_COMMANDS_KEEP : GL_COMMANDS_TRIANGLES;
+    cluster_kinds kind = choose_kinds(r, item, clusters.present);
     stp_bounding bounding = bound(r, item);
     for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
         stp_box box = stp_clusters_bounds(&clusters, i);

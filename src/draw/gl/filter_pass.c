@@ -210,7 +210,7 @@ stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
         result = gl_splat_pass_points(r, &source, pass->tolerant);
         gl_set_visible_state(r);
         if (result == STP_OK) {
-            gl_splat_pass_large(r);
+            gl_splat_pass_large(r, r->splats.large);
             merge_tolerant(r);
         }
         gl_bind_frame(r);

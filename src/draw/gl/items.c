@@ -4,34 +4,53 @@
 #include "base/prefix_table.h"
 #include "draw/gl/cull.h"
 #include "draw/gl/upload.h"
+#include "draw/transparency.h"
 #include "raster/splats_kernel.h"
 
 // As the processor's (src/draw/cpu/raster.c).
 #define RIM_DEPTH 4.0f
 #define BACK_DEPTH 2.0f
 
-record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_t count)
+static struct gl_command* add_command(gl_renderer* r, gl_command_kind kind)
 {
-    gl_frame* f = &r->frame;
-    gl_commands* c = &f->commands[kind];
-    stp_context* context = r->base.context;
+    gl_commands* c = &r->frame.commands[kind];
     if (c->count == c->capacity) {
-        struct gl_command* commands =
-            stp_grow_array(context, c->commands, &c->capacity, c->count + 1, sizeof(*commands));
+        struct gl_command* commands = stp_grow_array(r->base.context, c->commands, &c->capacity,
+                                                     c->count + 1, sizeof(*commands));
         if (commands == NULL) {
             return NULL;
         }
         c->commands = commands;
     }
+    return &c->commands[c->count++];
+}
+
+bool gl_frame_repeat_command(gl_renderer* r, gl_command_kind kind, uint32_t count)
+{
+    struct gl_command* command = add_command(r, kind);
+    if (command != NULL) {
+        *command = (struct gl_command){count, 1, 0, (uint32_t)r->frame.record_count - 1};
+    }
+    return command != NULL;
+}
+
+record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_t count)
+{
+    gl_frame* f = &r->frame;
+    struct gl_command* command = add_command(r, kind);
+    if (command == NULL) {
+        return NULL;
+    }
     if (f->record_count == f->record_capacity) {
-        record_block* records = stp_grow_array(context, f->records, &f->record_capacity,
+        record_block* records = stp_grow_array(r->base.context, f->records, &f->record_capacity,
                                                f->record_count + 1, sizeof(*records));
         if (records == NULL) {
+            r->frame.commands[kind].count -= 1;
             return NULL;
         }
         f->records = records;
     }
-    c->commands[c->count++] = (struct gl_command){count, 1, 0, (uint32_t)f->record_count};
+    *command = (struct gl_command){count, 1, 0, (uint32_t)f->record_count};
     record_block* record = &f->records[f->record_count++];
     *record = (record_block){.share = 1.0f, .nearest = -HUGE_VALF, .farthest = HUGE_VALF};
     return record;
@@ -73,6 +92,10 @@ static bool add_splats(gl_renderer* r, uint32_t index, const chunk_block* chunk,
         record->item = index;
         record->first = at;
         record->address = chunk->address + words * (at - chunk->begin);
+        if (draw->kind == STP_DRAW_SURFELS && r->layer_pass.active && r->layer_pass.of_splats &&
+            !gl_frame_repeat_command(r, GL_COMMANDS_GLASS_SPLATS, to - at)) {
+            return false;
+        }
         if (runs != NULL && (runs[run].nearest != 0.0f || runs[run].farthest != 0.0f)) {
             record->nearest = runs[run].nearest;
             record->farthest = runs[run].farthest;
@@ -328,6 +351,7 @@ static void place_item(gl_renderer* r, uint32_t index, uint32_t pattern)
     item->near_shift = where.near_shift;
     item->nearness_limit = where.camera.nearness_limit;
     item->footprint = 1.0f / (where.camera.pixel_scale * where.scale);
+    item->glass_radius = placed->radius * where.scale;
     item->cut_slack = item->kind == KIND_SURFELS ? 0.5f * placed->step * where.scale : 0.0f;
     item->seed = stp_placement_seed(placed->draw) + pattern * 0x9E3779B1u;
     if (item->kind != KIND_MESH) {
@@ -370,6 +394,7 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
         break;
     }
     stp_box box = stp_store_describe_mesh(r->store, draw->index)->bounds;
+    item->glass_cells = stp_transparency_cells(box);
     placed->offset[0] = item->offset[0] = 0.5f * (box.min.x + box.max.x);
     placed->offset[1] = item->offset[1] = 0.5f * (box.min.y + box.max.y);
     placed->offset[2] = item->offset[2] = 0.5f * (box.min.z + box.max.z);

@@ -109,7 +109,7 @@ stp_result gl_occlusion_pass_cull(gl_renderer* r, bool late)
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, pass->counters);
     gl->UseProgram(pass->cull);
     gl->Uniform1ui(1, late ? 1 : 0);
-    for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
+    for (int i = 0; i < GL_COMMANDS_CULLED; ++i) {
         const gl_commands* c = &r->frame.commands[i];
         if (c->count > 0) {
             gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, BINDING_OCCLUDED_COMMANDS,

@@ -23,6 +23,7 @@ static void destroy_programs(gl_renderer* r)
         gl_occlusion_pass_destroy(r);
         gl_triangle_pass_destroy(r);
         gl_shade_pass_destroy(r);
+        gl_layer_pass_destroy_programs(r);
     }
     r->program_pages = 0;
 }
@@ -38,6 +39,7 @@ static void destroy(stp_renderer* renderer)
         gl_frame_destroy(r);
         gl_effect_pass_destroy(r);
         gl_cap_pass_destroy(r);
+        gl_layer_pass_destroy(r);
         gl_pool_destroy(&r->pool);
         const GLuint buffers[] = {r->light_materials, r->materials};
         r->gl.DeleteBuffers(2, buffers);
@@ -152,14 +154,16 @@ static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool 
     stats->splats = eyes * r->list->splat_count;
     stats->triangles = eyes * r->list->triangle_count;
     stats->draw_calls = r->draw_calls;
+    stats->layers = r->layer_pass.active ? r->layer_pass.count : 0;
     stats->samples = samples;
 }
 
 /// Whether something is done with the bytes of each sample.
-static bool works_on_bytes(const stp_draw_style* style, const stp_view* view)
+static bool works_on_bytes(const gl_renderer* r, const stp_draw_style* style, const stp_view* view)
 {
     bool caps = style->caps && view->sections.count > 0;
-    return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f || caps;
+    bool layers = r->layer_pass.possible && style->transparency == STP_TRANSPARENCY_LAYERS;
+    return style->eye_dome > 0.0f || style->ambient_occlusion > 0.0f || caps || layers;
 }
 
 static stp_result draw_range(gl_renderer* r, const stp_view* view, const stp_draw_list* list,
@@ -190,7 +194,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     gl_renderer* r = (gl_renderer*)renderer;
     uint32_t side = style->supersample > 1 ? style->supersample : 1;
     side = side <= SUPERSAMPLE_LIMIT ? side : SUPERSAMPLE_LIMIT + 1;
-    bool bytes = side > 1 && works_on_bytes(style, view);
+    bool bytes = side > 1 && works_on_bytes(r, style, view);
     gl_sample_range range = {
         .side = side, .end = side * side, .sums = side > 1, .bytes = bytes, .scattered = bytes};
     r->accumulation.frames = 0; // its picture is drawn over, and its sums may be used or made anew
@@ -367,6 +371,7 @@ stp_result stp_draw_gl_create(stp_context* context, stp_store* store, const stp_
     if (result == STP_OK) {
         gl_timer_create(&r->gl, &r->timer);
         result = gl_materials_create(r);
+        result = result == STP_OK ? gl_layer_pass_create(r) : result;
     }
     if (result == STP_OK) {
         result = check(r);

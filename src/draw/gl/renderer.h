@@ -15,6 +15,7 @@
 #include "draw/gl/effect_pass.h"
 #include "draw/gl/filter_pass.h"
 #include "draw/gl/gl.h"
+#include "draw/gl/layer_pass.h"
 #include "draw/gl/occlusion_pass.h"
 #include "draw/gl/pool.h"
 #include "draw/gl/program.h"
@@ -67,7 +68,10 @@ typedef struct gl_commands {
 typedef enum gl_command_kind {
     GL_COMMANDS_SPLATS,
     GL_COMMANDS_TRIANGLES,
-    GL_COMMANDS_KEEP, ///< triangles whose fragments are looked at
+    GL_COMMANDS_KEEP,                              ///< triangles whose fragments are looked at
+    GL_COMMANDS_CULLED,                            ///< those above may be hidden
+    GL_COMMANDS_GLASS_SPLATS = GL_COMMANDS_CULLED, ///< for layers: what may be transparent
+    GL_COMMANDS_GLASS_TRIANGLES,
     GL_COMMAND_KINDS
 } gl_command_kind;
 
@@ -157,6 +161,7 @@ struct gl_renderer {
     gl_shade_pass shade;
     gl_effect_pass effects;
     gl_cap_pass cap_pass;
+    gl_layer_pass layer_pass;
     gl_timer timer;
     gl_target target;
     gl_frame frame;
@@ -186,7 +191,7 @@ void gl_splat_pass_begin(gl_renderer* r);
 STP_MUST_USE stp_result gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source,
                                              GLuint program);
 /// What was noted as too large.
-void gl_splat_pass_large(gl_renderer* r);
+void gl_splat_pass_large(gl_renderer* r, GLuint program);
 /// The viewport and state that splats and triangles are drawn with, and the view's framebuffer.
 void gl_set_visible_state(gl_renderer* r);
 
@@ -234,6 +239,8 @@ STP_MUST_USE stp_result gl_frame_send(gl_renderer* r, const view_block* view);
 void gl_frame_destroy(gl_renderer* r);
 /// Room for one more command of a kind and a record for it. @return the record; NULL where memory runs out
 record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_t count);
+/// Another command for the last record. @return false where memory runs out
+bool gl_frame_repeat_command(gl_renderer* r, gl_command_kind kind, uint32_t count);
 
 /// Samples of a picture that are drawn, each by itself.
 typedef struct gl_sample_range {

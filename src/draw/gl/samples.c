@@ -91,6 +91,7 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
         .point_extent = r->point_extent,
         .filtered = (uint32_t)r->style->filter,
         .ghost = ghost,
+        .glass = r->layer_pass.active ? GLASS_LAYERS : GLASS_PATTERN,
         .ghost_seed = GHOST_SEED,
         .ghost_splats = stp_placement_ghost_part(ghost)};
     view.screen[0] = (float)(f->center_x + p->shift_x);
@@ -104,6 +105,9 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
         view.background[k] = stp_srgb8_to_linear(r->style->background_color[k]);
     }
     view.background[3] = r->style->background ? 1.0f : 0.0f;
+    for (uint32_t i = 0; i < SHADINGS; ++i) {
+        view.glass_shadings[i / 128][i / 32 % 4] |= (uint32_t)r->layer_pass.of_shading[i] << i % 32;
+    }
     return view;
 }
 
@@ -203,6 +207,9 @@ static stp_result shade(gl_renderer* r, const gl_sample* sample)
         result = result == STP_OK ? gl_effect_pass_draw(r) : result;
         result = result == STP_OK ? gl_portion_wait(r) : result;
     }
+    if (result == STP_OK && r->layer_pass.active) {
+        result = gl_layer_pass_draw(r);
+    }
     if (result == STP_OK && sample->bare) {
         result = gl_shade_pass_add(r);
     }
@@ -244,6 +251,7 @@ stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* rang
         return stp_fail(r->base.context, STP_ERROR_ARGUMENT, "view: it has no second eye");
     }
     stp_placement_make(&r->placement, r->directory, r->list);
+    gl_layer_pass_begin(r);
     stp_result result = gl_frame_make(r);
     result = result == STP_OK ? gl_make_programs(r) : result;
     if (result == STP_OK && eye == 0 && range->first < range->end) { // else the picture stays

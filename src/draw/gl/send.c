@@ -36,13 +36,14 @@ static uint64_t measure(const gl_frame* f)
                             f->chunk_count * sizeof(*f->chunks),
                             f->lookup_count * sizeof(*f->lookup),
                             sizeof(view_block),
-                            f->commands[0].count * sizeof(*f->commands[0].commands),
-                            f->commands[1].count * sizeof(*f->commands[1].commands),
-                            f->commands[2].count * sizeof(*f->commands[2].commands),
                             GL_COMMAND_KINDS * sizeof(uint32_t)};
     uint64_t total = 0;
     for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); ++i) {
         total += round_up(sizes[i] > 0 ? sizes[i] : 1);
+    }
+    for (int i = 0; i < GL_COMMAND_KINDS; ++i) {
+        size_t size = f->commands[i].count * sizeof(*f->commands[i].commands);
+        total += round_up(size > 0 ? size : 1);
     }
     return total;
 }
@@ -111,4 +112,5 @@ void gl_bind_frame(gl_renderer* r)
                         sizeof(view_block));
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LIGHT_MATERIALS, r->light_materials);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_MATERIALS, r->materials);
+    gl->BindBufferBase(GL_UNIFORM_BUFFER, BINDING_NOISE, r->layer_pass.noise);
 }

@@ -329,7 +329,7 @@ stp_result gl_splat_choice_draw(gl_renderer* r, bool late)
 void gl_splat_choice_draw_large(gl_renderer* r)
 {
     if (r->splat_choice.source.count > 0) {
-        gl_splat_pass_large(r);
+        gl_splat_pass_large(r, r->splats.large);
         gl_bind_frame(r);
     }
 }

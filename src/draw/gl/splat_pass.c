@@ -8,8 +8,9 @@
 
 const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, size_t size)
 {
-    snprintf(text, size, "#define PAGE_COUNT %u\n#define PAGE_SHIFT %u\n%s%s", r->program_pages,
-             r->pool.page_shift, r->directory->texture_count > 0 ? "#define TEXTURES\n" : "", more);
+    snprintf(text, size, "#define PAGE_COUNT %u\n#define PAGE_SHIFT %u\n%s%s%s", r->program_pages,
+             r->pool.page_shift, r->directory->texture_count > 0 ? "#define TEXTURES\n" : "",
+             r->layer_pass.of_splats ? "#define GLASS\n" : "", more);
     return text;
 }
 
@@ -73,12 +74,12 @@ stp_result gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, G
     return result;
 }
 
-void gl_splat_pass_large(gl_renderer* r)
+void gl_splat_pass_large(gl_renderer* r, GLuint program)
 {
     const stp_gl* gl = &r->gl;
     gl->MemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
     gl->BindVertexArray(r->splats.vertex_array);
-    gl->UseProgram(r->splats.large);
+    gl->UseProgram(program);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->splats.large_buffer);
     gl->DrawArraysIndirect(GL_TRIANGLE_STRIP, NULL);
     r->draw_calls += 1;

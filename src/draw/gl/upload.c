@@ -5,7 +5,6 @@
 #include "base/context.h"
 #include "base/coverage.h"
 #include "raster/cutout.h"
-#include "raster/texture.h"
 
 static uint32_t point_chunks(const stp_store_point_set* points)
 {

@@ -15,7 +15,7 @@ void main()
     }
     pixel.x += int(view.picture_x);
     vec4 color = imageLoad(picture, pixel);
-    vec4 sum = color.a > 0.0 ? vec4(to_linear(color.rgb), 1.0) : vec4(0.0);
+    vec4 sum = color.a > 0.0 ? vec4(to_linear(color.rgb) * color.a, color.a) : vec4(0.0);
     if (view.sample_number > 0u) {
         sum += imageLoad(sums, pixel);
     }

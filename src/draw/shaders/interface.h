@@ -23,6 +23,7 @@
 // Uniform buffers.
 #define BINDING_VIEW 0
 #define BINDING_EFFECTS 1
+#define BINDING_NOISE 2 // blue noise: two ranks a word
 // Texture units and image units.
 #define UNIT_IDS 0
 #define UNIT_NEARNESS 1
@@ -30,11 +31,16 @@
 #define UNIT_BLOCKS 3 // how near at least all pixels of a block are
 #define UNIT_PLANES 4
 #define UNIT_BLENDED 5
+#define UNIT_BEFORE_IDS 6 // of the layer before
+#define UNIT_BEFORE_NEARNESS 7
+#define UNIT_BELOW 8
 #define IMAGE_PICTURE 0
 #define IMAGE_DEPTH 1
 #define IMAGE_SUMS 2
 #define IMAGE_PLANE 3
 #define IMAGE_PLANES 4
+#define IMAGE_LIGHT 5 // colour of the layers so far, and how much gets through them
+#define IMAGE_BELOW 6
 
 #define GROUP_SIDE 8 // of a compute group over pixels
 #define LOCK_TRIES 65536
@@ -76,6 +82,19 @@
 #define ALPHA_MASK 1u
 #define ALPHA_BLEND 2u
 
+// How transparent surfaces are drawn: by thresholds; or not at all, since layers follow.
+#define GLASS_PATTERN 0u
+#define GLASS_LAYERS 1u
+#define NOISE_SIDE 64
+#define GLASS_RIM_DEPTH 1.0
+#define GLASS_BACK_DEPTH 0.5
+#define GLASS_THICKNESS 3.0
+#define GLASS_CELL_SHIFT 10
+#define GLASS_CELLS 64.0
+#define ALPHA_OPAQUE_FROM (254.5 / 255.0)
+#define ALPHA_LEAST (0.5 / 255.0)
+#define LAYERS_CLEAR (1.0 / 1024.0)
+
 // A cluster of triangles, at the beginning of its mesh: words. Places are counted from the mesh's address.
 #define CLUSTER_WORDS 16
 #define CLUSTER_FIRST_TRIANGLE 0
@@ -106,6 +125,7 @@
 
 #ifdef __STDC_VERSION__
 typedef float vec4[4];
+typedef uint32_t uvec4[4];
 typedef uint32_t uint;
 #endif
 
@@ -118,7 +138,7 @@ struct item_block {
     vec4 offset;                                        // of meshes
     float radius_px, center_x, center_y, inverse_scale; // see src/raster/splats_kernel.h
     float slope_factor, slope_constant, rim_depth, back_depth;
-    float near_w, far_w, item_spare2, nearness_limit;
+    float near_w, far_w, glass_cells, nearness_limit; // cells of a transparent mesh in a unit
     float near_factor, near_shift; // true nearness = factor * that of the buffer + shift
     float footprint;               // pixels at depth 1 of an item unit
     float blend;                   // share of `colors` below low_count
@@ -126,9 +146,10 @@ struct item_block {
     uint count, material, first_chunk, chunk_count;
     uint colors, low_colors, low_count, address; // addresses; of meshes, of their clusters
     uint cluster_count, base_color, metallic_roughness, emissive; // addresses of textures
-    uint sections;   // bits of the view's cuts that may go through it
-    float cut_slack; // of splats: scene units that rounding may have moved them beyond a cut
-    uint item_spare0, item_spare1;
+    uint sections;      // bits of the view's cuts that may go through it
+    float cut_slack;    // of splats: scene units that rounding may have moved them beyond a cut
+    float glass_radius; // of splats, scene units
+    uint item_spare0;
     vec4 box_low, box_high; // of splats that are drawn, as the rows take them
 };
 
@@ -182,8 +203,10 @@ struct view_block {
     uint filtered; // a FILTER
     uint
         ghost_seed; // a constant that must not be one: Mesa 22.3 folds products of constants wrongly
-    uint spare0, spare1, spare2;
-    vec4 screen; // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
+    uint glass;     // a GLASS
+    uint spare1, spare2;
+    uvec4 glass_shadings[2]; // a bit for each shading that is transparent
+    vec4 screen;             // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
     vec4 cuts
         [SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
     vec4 earlier[4];      // from X, Y, true N, W to those of the picture whose depths are known
@@ -231,5 +254,5 @@ _Static_assert(sizeof(item_block) == 352, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
-_Static_assert(sizeof(view_block) == 544, "layout of the view");
+_Static_assert(sizeof(view_block) == 576, "layout of the view");
 #endif

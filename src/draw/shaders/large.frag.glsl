@@ -1,6 +1,7 @@
 // A pixel of a large disk: where its ray meets the plane.
-#include "lib_hash.glsl"
+#include "lib_holes.glsl"
 #include "lib_item.glsl"
+#include "lib_layer.glsl"
 
 layout(location = 0) out uint id;
 
@@ -48,9 +49,14 @@ void main()
     if (!met || !(nearness > 0.0) || nearness > screen.w) {
         discard;
     }
-    if (hashed.z < 255u && !has_fragment(hashed.z, hashed.y, pixel - center)) {
+    if (!is_drawn(hashed, pixel, pixel - center)) {
         discard;
     }
+#ifdef LAYER
+    if (!is_splat_between(pixel, nearness, hashed.x)) {
+        discard;
+    }
+#endif
     gl_FragDepth = nearness;
     id = hashed.x;
 }

@@ -39,9 +39,11 @@ void main()
     item_block item = items[record.item];
     uint local = large_places[number].y, index = record.first + local;
     splat_place splat = place_splat(record, item, local);
-    uint halvings = splat_halvings(splat.part); // large as it is, nothing is halved to too little
+    uint halvings = splat.glass ? 0u : splat_halvings(splat.part); // large as it is, nothing is halved to too little
     float size = item.radius_px / float(1u << halvings);
-    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, halvings, false));
+    hashed = splat_hash(record, item, local, splat, halvings, false);
+    float back_depth = splat.glass ? GLASS_BACK_DEPTH : item.back_depth;
+    float rim_depth = splat.glass ? GLASS_RIM_DEPTH : item.rim_depth;
     bool facing = (item.flags & ITEM_FACING) != 0u, parallel = view.parallel != 0u;
     vec2 gaze = vec2(item.center_x, item.center_y);
     vec2 low, high;
@@ -49,8 +51,8 @@ void main()
         float radius = splat.radius;
         middle = vec4(splat.position.xy, 0.0, radius);
         normal.xyz = facing ? vec3(0.0, 0.0, 1.0) : turn_normal(item, splat.code);
-        float behind = !facing && normal.z > 0.0 ? item.back_depth * radius : 0.0;
-        depths = vec4(splat.position.z, -item.slope_constant, behind, item.rim_depth * radius);
+        float behind = !facing && normal.z > 0.0 ? back_depth * radius : 0.0;
+        depths = vec4(splat.position.z, -item.slope_constant, behind, rim_depth * radius);
         low = middle.xy - radius - 1.0;
         high = middle.xy + radius + 1.0;
     } else {
@@ -58,13 +60,13 @@ void main()
         float radius = size * inverse;
         middle = vec4((splat.position.xy - gaze * z) * inverse, z, radius);
         normal.xyz = facing ? middle.xyz : turn_normal(item, splat.code);
-        float behind = !facing && dot(normal.xyz, middle.xyz) > 0.0 ? item.back_depth * radius : 0.0;
-        depths = vec4(splat.position.z, 0.0, behind, item.rim_depth * radius);
+        float behind = !facing && dot(normal.xyz, middle.xyz) > 0.0 ? back_depth * radius : 0.0;
+        depths = vec4(splat.position.z, 0.0, behind, rim_depth * radius);
         vec2 x = reach(middle.x, z, radius), y = reach(middle.y, z, radius);
         low = gaze + vec2(x.x, y.x) / inverse - 1.0;
         high = gaze + vec2(x.y, y.y) / inverse + 1.0;
     }
-    if (splat.part > SPLAT_CUT && !facing) {
+    if (splat.part > SPLAT_CUT && !facing && !splat.glass) {
         vec4 cut = coverage_cut(splat.part - SPLAT_CUT);
         across = turn_vector(item, cut_direction(splat.code, cut)) / middle.w;
         range = cut.zw;

@@ -61,12 +61,14 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     if (!(max(s.extent.x, s.extent.y) < view.point_extent)) {
         return SHAPE_LARGE;
     }
-    precise float moved = nearness - (!facing && D > 0.0 ? item.back_depth : 0.0) * depth;
+    float back_depth = splat.glass ? GLASS_BACK_DEPTH : item.back_depth;
+    float rim_depth = splat.glass ? GLASS_RIM_DEPTH : item.rim_depth;
+    precise float moved = nearness - (!facing && D > 0.0 ? back_depth : 0.0) * depth;
     s.conic = vec4(conic_a, conic_b, conic_c, pq.x);
     s.conic2 = vec4(pq.y, limit, slopes);
     s.center = vec4(screen, moved, abs(slope) * grow);
-    s.depths = vec2(item.rim_depth * depth / limit, item.nearness_limit);
-    if (splat.part > SPLAT_CUT && !facing) {
+    s.depths = vec2(rim_depth * depth / limit, item.nearness_limit);
+    if (splat.part > SPLAT_CUT && !facing && !splat.glass) {
         vec4 cut = coverage_cut(splat.part - SPLAT_CUT);
         precise vec3 d = turn_vector(item, cut_direction(splat.code, cut));
         precise float slide = ((d.x * a.x + d.y * a.y) + d.z) / D;

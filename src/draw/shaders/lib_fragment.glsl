@@ -1,5 +1,5 @@
 // A pixel of a disk: in where the ray through its middle meets the plane within the radius.
-#include "lib_hash.glsl"
+#include "lib_holes.glsl"
 
 bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, vec4 cut, uvec3 hashed, ivec2 pixel, out float nearness)
 {
@@ -10,5 +10,5 @@ bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, vec4 cut, uvec
     precise float near = (center.z + change) - min(value, conic2.y) * depths.x;
     nearness = min(max(near, 1e-30), depths.y);
     precise float across = cut.x * at.x + cut.y * at.y;
-    return value <= conic2.y && across >= cut.z && across <= cut.w && (hashed.z >= 255u || has_fragment(hashed.z, hashed.y, place));
+    return value <= conic2.y && across >= cut.z && across <= cut.w && is_drawn(hashed, pixel, place);
 }

@@ -1,5 +1,7 @@
 // A splat on the screen: src/raster/splats_kernel.h, where the conic is explained.
-#include "lib_item.glsl"
+#include "lib_chunk.glsl"
+#include "lib_coverage.glsl"
+#include "lib_glass.glsl"
 
 struct splat_place {
     vec3 position; // X, Y (pixels, times W), N
@@ -8,58 +10,8 @@ struct splat_place {
     float radius;  // pixels
     uint halvings; // of the radius
     uint part;     // what is drawn of the disk: see splat_part
+    bool glass;    // transparent
 };
-
-// Codes of coverage: src/base/coverage.h.
-#define COVERAGE_CHANCES 39u
-#define COVERAGE_HALVES 39u
-#define COVERAGE_STRIPS 111u
-#define COVERAGE_WHOLE 255u
-
-const uint coverage_shares[39] = uint[39](1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 10u, 11u, 12u, 13u, 15u, 17u, 19u, 21u, 23u, 26u,
-                                          29u, 32u, 36u, 40u, 45u, 50u, 56u, 63u, 70u, 78u, 87u, 97u, 109u, 122u, 137u,
-                                          153u, 171u, 191u, 214u, 240u);
-const float cut_cosines[7] = float[7](1.0, 0.96592583, 0.86602540, 0.70710678, 0.5, 0.25881905, 0.0);
-const float half_offsets[3] = float[3](0.08, 0.35, 0.65);
-const float half_areas[3] = float[3](0.55088, 0.71818, 0.88246);
-const vec2 strip_offsets[12] = vec2[12](vec2(-0.05, 0.05), vec2(-0.05, 0.15), vec2(-0.15, 0.05), vec2(-0.15, 0.15),
-                                        vec2(-0.05, 0.35), vec2(-0.35, 0.05), vec2(-0.35, 0.15), vec2(-0.15, 0.35),
-                                        vec2(-0.35, 0.35), vec2(-0.15, 0.65), vec2(-0.65, 0.15), vec2(-0.5, 0.5));
-const float strip_areas[12] = float[12](0.06364, 0.12695, 0.12695, 0.19027, 0.25, 0.25, 0.31331, 0.31331, 0.43636, 0.4776,
-                                        0.4776, 0.609);
-
-bool coverage_cuts(uint code)
-{
-    return code >= COVERAGE_HALVES && code < COVERAGE_WHOLE;
-}
-
-uint coverage_share(uint code)
-{
-    return code < COVERAGE_CHANCES ? coverage_shares[code] : 255u;
-}
-
-float cut_cosine(uint direction)
-{
-    uint turned = direction % 24u;
-    turned = turned > 12u ? 24u - turned : turned;
-    return turned > 6u ? -cut_cosines[12u - turned] : cut_cosines[turned];
-}
-
-// Of a code that cuts: the direction across the lines, and between which distances is drawn.
-vec4 coverage_cut(uint code)
-{
-    bool is_half = code < COVERAGE_STRIPS;
-    uint at = code - (is_half ? COVERAGE_HALVES : COVERAGE_STRIPS), offsets = is_half ? 3u : 12u;
-    uint direction = at / offsets, offset = at % offsets;
-    vec2 range = is_half ? vec2(-2.0, half_offsets[offset % 3u]) : strip_offsets[offset];
-    return vec4(cut_cosine(direction), cut_cosine(direction + 18u), range);
-}
-
-// Of a code that cuts: the part of the disk's area.
-float cut_area(uint code)
-{
-    return code < COVERAGE_STRIPS ? half_areas[(code - COVERAGE_HALVES) % 3u] : strip_areas[(code - COVERAGE_STRIPS) % 12u];
-}
 
 // All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
 float along(vec4 row, vec3 p)
@@ -106,10 +58,23 @@ uint splat_halvings(uint coverage)
     return uint(coverage < 64u) + uint(coverage < 16u) + uint(coverage < 4u);
 }
 
+// Whether a surfel is of a transparent surface.
+bool is_glass(const item_block item, uint index)
+{
+#ifdef GLASS
+    if (item.kind == KIND_SURFELS && coverage_share(fetch(item.colors + index) >> 24) < 255u) {
+        uint shading = find_shading(item, index);
+        return (view.glass_shadings[shading >> 7][(shading >> 5) & 3u] >> (shading & 31u) & 1u) != 0u;
+    }
+#endif
+    return false;
+}
+
 splat_place place_splat(const record_block record, const item_block item, uint local)
 {
     splat_place splat;
     vec3 p;
+    splat.glass = is_glass(item, record.first + local);
     splat.code = vec2(0.0);
     if (item.kind == KIND_SURFELS) {
         uint low = fetch(record.address + 2u * local), high = fetch(record.address + 2u * local + 1u);
@@ -124,7 +89,7 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse;
     uint index = record.first + local;
     splat.part = splat_part(item, index);
-    uint wanted = splat_halvings(splat.part);
+    uint wanted = splat.glass ? 0u : splat_halvings(splat.part);
     float least = 1.5 + float(index * 0x9E3779B1u >> 24) * (1.5 / 256.0); // as splat_least: not all shrink at one depth
     splat.halvings = 0u;
     while (splat.halvings < wanted && radius >= least) {
@@ -137,6 +102,15 @@ splat_place place_splat(const record_block record, const item_block item, uint l
 
 bool is_wanted(const record_block record, const item_block item, const splat_place splat)
 {
+#ifdef LAYER
+    if (!splat.glass) {
+        return false;
+    }
+#elif defined(GLASS)
+    if (splat.glass && view.glass == GLASS_LAYERS) {
+        return false;
+    }
+#endif
     return splat.w >= record.nearest && splat.w <= record.farthest &&
            !(item.sections != 0u && is_cut(item, to_view(item, vec4(splat.position, splat.w))));
 }
@@ -168,4 +142,26 @@ uint splat_coverage(const item_block item, uint part, uint halvings, bool single
     }
     uint coverage = part << 2u * halvings;
     return (item.flags & ITEM_GHOST) != 0u ? uint(float(coverage) * view.ghost_splats + 0.5) : coverage;
+}
+
+// What says of a fragment whether it is there: id, what is hashed, coverage or opacity. `single`: as for splat_coverage.
+uvec3 splat_hash(const record_block record, const item_block item, uint local, const splat_place splat, uint halvings,
+                 bool single)
+{
+    uint index = record.first + local, id = item.first_id + index;
+#ifdef LAYER
+    return uvec3(id, 0u, 255u);
+#elif defined(GLASS)
+    if (splat.glass) {
+        uint low = fetch(record.address + 2u * local), high = fetch(record.address + 2u * local + 1u);
+        int code = int(high);
+        vec3 n = abs(decode_octahedral(vec2(float(bitfieldExtract(code, 16, 8)), float(bitfieldExtract(code, 24, 8))), 127.0));
+        uint axis = n.x >= n.y && n.x >= n.z ? 0u : n.y >= n.z ? 1u : 2u;
+        uint place = axis == 0u ? low & 0xFFFFu : axis == 1u ? low >> 16 : high & 0xFFFFu;
+        float opacity = glass_opacity(min(splat.part, 255u)) * ((item.flags & ITEM_GHOST) != 0u ? view.ghost : 1.0);
+        uint key = find_glass_key(item.seed - view.pattern * 0x9E3779B1u, axis, int(place >> GLASS_CELL_SHIFT));
+        return uvec3(id, key, GLASS_HASHED | uint(opacity * 65535.0 + 0.5));
+    }
+#endif
+    return uvec3(id, item.seed + index, splat_coverage(item, splat.part, halvings, single));
 }

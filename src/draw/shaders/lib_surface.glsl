@@ -1,14 +1,19 @@
 // What an id looks like: src/draw/cpu/shade_surfaces.c and shade_mesh.c.
 #include "lib_texture.glsl"
+#include "lib_chunk.glsl"
 #include "lib_light.glsl"
+#include "lib_coverage.glsl"
+#include "lib_glass.glsl"
 
-layout(std430, binding = BINDING_CHUNKS) readonly buffer Chunks { chunk_block chunks[]; };
 layout(std430, binding = BINDING_LOOKUP) readonly buffer Lookup { uint id_starts[ID_TABLE + 2]; uint first_ids[]; };
 layout(std430, binding = BINDING_LIGHT_MATERIALS) readonly buffer LightMaterials { light_material_block light_materials[]; };
 
 struct surface {
     vec3 color, normal; // linear; scene space, of any length
     surface_light light;
+#ifdef LAYER
+    float opacity;
+#endif
 };
 
 uint find_item(uint id)
@@ -23,21 +28,6 @@ uint find_item(uint id)
         }
     }
     return low;
-}
-
-// The chunk that holds a splat: the last that begins at or before it.
-chunk_block find_chunk(const item_block item, uint index)
-{
-    uint low = item.first_chunk, high = low + item.chunk_count;
-    while (high - low > 1u) { // no load in the condition: llvmpipe then takes wrong lanes' chunks
-        uint middle = low + (high - low) / 2u;
-        if (chunks[middle].begin <= index) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return chunks[low];
 }
 
 surface_light known_light(uint material)
@@ -64,6 +54,14 @@ surface find_surfel(const item_block item, uint index)
         s.color = low + (s.color - low) * item.blend;
     }
     s.light = known_light(fetch(materials_at + local / 4u) >> (8u * (local & 3u)) & 255u);
+#ifdef LAYER
+    s.opacity = glass_opacity(coverage_share(fetch(item.colors + index) >> 24));
+    if (index < item.low_count) {
+        float low = glass_opacity(coverage_share(fetch(item.low_colors + index) >> 24));
+        s.opacity = low + (s.opacity - low) * item.blend;
+    }
+    s.opacity *= (item.flags & ITEM_GHOST) != 0u ? view.ghost : 1.0;
+#endif
     return s;
 }
 
@@ -87,6 +85,9 @@ surface find_point(const item_block item, uint index)
     }
     s.light = known_light(uint(SHADINGS) + item.material);
     s.light.emissive.w = lit ? s.light.emissive.w : 1.0;
+#ifdef LAYER
+    s.opacity = 1.0;
+#endif
     return s;
 }
 
@@ -152,9 +153,12 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
     s.light = known_light(uint(SHADINGS) + item.material);
     float depth = view.parallel != 0u ? 1.0 : view.nearness_scale / nearness;
     float size = depth * item.footprint;
+    float opacity = materials[item.material].base_color.a;
     if ((item.flags & ITEM_HAS_COLORS) != 0u) {
-        s.color *= weight.x * corner_color(t, t.corner.x).rgb + weight.y * corner_color(t, t.corner.y).rgb +
-                   weight.z * corner_color(t, t.corner.z).rgb;
+        vec4 color = weight.x * corner_color(t, t.corner.x) + weight.y * corner_color(t, t.corner.y) +
+                     weight.z * corner_color(t, t.corner.z);
+        s.color *= color.rgb;
+        opacity *= color.a;
     }
 #ifdef TEXTURES
     uint textures[3] = uint[3](item.base_color, item.metallic_roughness, item.emissive);
@@ -166,6 +170,7 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
                                     find_density(t, item.material, n, textures[n]) * size);
         if (n == 0u) {
             s.color *= texel.rgb;
+            opacity *= texel.a;
         } else if (n == 1u) {
             vec4 numbers = materials[item.material].numbers;
             s.light = make_light(numbers.x * texel.z, numbers.y * texel.y, s.light.emissive);
@@ -173,6 +178,9 @@ surface find_triangle_surface(const item_block item, uint index, ivec2 pixel, fl
             s.light.emissive.rgb *= texel.rgb;
         }
     }
+#endif
+#ifdef LAYER
+    s.opacity = opacity;
 #endif
     return s;
 }

@@ -92,7 +92,7 @@ bool draw_alone(uint number, const record_block record, const item_block item, u
         }
         return false;
     }
-    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, splat.halvings, shape == SHAPE_PIXEL));
+    uvec3 hashed = splat_hash(record, item, local, splat, splat.halvings, shape == SHAPE_PIXEL);
     if (shape == SHAPE_PIXEL) {
         draw_pixel(s, hashed, ivec2(floor(s.center.xy)));
         return false;
@@ -119,7 +119,7 @@ void draw_together(const record_block record, const item_block item, uint local)
     uint index = record.first + local;
     splat_place splat = place_splat(record, item, local);
     shape_splat(record, item, splat, s);
-    uvec3 hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, splat.halvings, false));
+    uvec3 hashed = splat_hash(record, item, local, splat, splat.halvings, false);
     ivec4 box = clip_box(s);
     ivec2 size = box.zw - box.xy + 1;
     for (int at = int(gl_LocalInvocationIndex); at < size.x * size.y; at += RASTER_GROUP) {

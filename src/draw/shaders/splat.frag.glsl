@@ -1,6 +1,7 @@
 // A pixel of a disk drawn as a point.
 #extension GL_ARB_conservative_depth : enable
 #include "lib_fragment.glsl"
+#include "lib_layer.glsl"
 
 layout(depth_less) out float gl_FragDepth;
 layout(location = 0) out uint id;
@@ -18,6 +19,11 @@ void main()
     if (!has_pixel(center, conic, conic2, depths, cut, hashed, ivec2(gl_FragCoord.xy), nearness)) {
         discard;
     }
+#ifdef LAYER
+    if (!is_splat_between(ivec2(gl_FragCoord.xy), nearness, hashed.x)) {
+        discard;
+    }
+#endif
     gl_FragDepth = nearness;
     id = hashed.x;
 }

@@ -16,7 +16,7 @@ void main()
     uint number = uint(gl_BaseInstanceARB);
     record_block record = records[number];
     item_block item = items[record.item];
-    uint local = uint(gl_VertexID), index = record.first + local;
+    uint local = uint(gl_VertexID);
     splat_place splat = place_splat(record, item, local);
     splat_shape s;
     uint shape = shape_splat(record, item, splat, s);
@@ -25,7 +25,7 @@ void main()
     conic2 = s.conic2;
     depths = s.depths;
     cut = s.cut;
-    hashed = uvec3(item.first_id + index, item.seed + index, splat_coverage(item, splat.part, splat.halvings, shape == SHAPE_PIXEL));
+    hashed = splat_hash(record, item, local, splat, splat.halvings, shape == SHAPE_PIXEL);
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // no pixel
     gl_PointSize = 1.0;
     if (shape == SHAPE_LARGE) {

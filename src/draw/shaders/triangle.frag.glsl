@@ -1,8 +1,7 @@
 // A pixel of a triangle; of a cut-out or transparent one (KEEP) where its material says so, as src/draw/cpu/mesh.c.
-#ifdef KEEP
-#include "lib_hash.glsl"
+#include "lib_glass.glsl"
+#include "lib_layer.glsl"
 #include "lib_texture.glsl"
-#endif
 
 layout(location = 0) out uint id;
 
@@ -11,6 +10,33 @@ flat in uint triangle_id;
 flat in uvec2 triangle_of;
 in vec2 weight;
 in vec3 place;
+
+// The key of the thresholds of a triangle: which way it faces, and where it lies that way.
+uint find_pattern(const item_block item, const triangle_place t)
+{
+    vec3 a = corner_position(t, t.corner.x) - item.offset.xyz, b = corner_position(t, t.corner.y) - item.offset.xyz;
+    vec3 c = corner_position(t, t.corner.z) - item.offset.xyz;
+    precise vec3 turned = cross(b - a, c - a), middles = (a + b + c) * (1.0 / 3.0);
+    vec3 size = abs(turned);
+    uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+    float along = axis == 0u ? turned.x : axis == 1u ? turned.y : turned.z;
+    float middle = axis == 0u ? middles.x : axis == 1u ? middles.y : middles.z;
+    float cell = floor(clamp(middle * item.glass_cells, -GLASS_CELLS, GLASS_CELLS));
+    return find_glass_key(item.seed - view.pattern * 0x9E3779B1u, 2u * axis + (along < 0.0 ? 1u : 0u), int(cell));
+}
+
+// Whether a fragment of a blended material is there.
+bool keeps_alpha(const item_block item, const triangle_place t, float alpha, ivec2 pixel)
+{
+#ifdef LAYER
+    return alpha >= ALPHA_LEAST && alpha < ALPHA_OPAQUE_FROM;
+#else
+    if (alpha >= ALPHA_OPAQUE_FROM || view.glass == GLASS_LAYERS) {
+        return alpha >= ALPHA_OPAQUE_FROM;
+    }
+    return alpha > find_threshold(find_pattern(item, t), pixel, view.pattern);
+#endif
+}
 
 bool is_there(ivec2 pixel)
 {
@@ -46,7 +72,7 @@ bool is_there(ivec2 pixel)
         own *= sample_alpha(item.base_color, uv, footprint);
     }
 #endif
-    return masked ? own >= cutoff : own >= 1.0 || own > noise(seed, pixel);
+    return masked ? own >= cutoff : keeps_alpha(item, t, own, pixel);
 }
 #endif
 
@@ -56,6 +82,12 @@ void main()
     if (!is_there(ivec2(gl_FragCoord.xy))) {
         discard;
     }
+#endif
+#ifdef LAYER
+    if (!is_between(ivec2(gl_FragCoord.xy), gl_FragCoord.z, triangle_id)) {
+        discard;
+    }
+    gl_FragDepth = gl_FragCoord.z;
 #endif
     id = triangle_id;
 }

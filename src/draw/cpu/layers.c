@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: MIT
+#include "draw/cpu/layers.h"
+
+#include "draw/transparency.h"
+#include "raster/splats_glass.h"
+
+#include <string.h>
+
+bool cpu_wants_layers(const cpu_renderer* r, const stp_draw_style* style)
+{
+    return r->layers.possible && style->transparency == STP_TRANSPARENCY_LAYERS;
+}
+
+static bool make_room(cpu_renderer* r)
+{
+    cpu_layers* l = &r->layers;
+    stp_context* context = r->base.context;
+    size_t needed = (size_t)r->width * r->height;
+    if (needed > l->capacity) {
+        cpu_destroy_layers(r);
+        l->nearer = STP_NEW_ARRAY(context, uint64_t, needed);
+        l->farther = STP_NEW_ARRAY(context, uint64_t, needed);
+        l->splats_below = STP_NEW_ARRAY(context, float, needed);
+        l->light = STP_NEW_ARRAY(context, float, 4 * needed);
+        if (l->nearer == NULL || l->farther == NULL || l->splats_below == NULL ||
+            l->light == NULL) {
+            cpu_destroy_layers(r);
+            return false;
+        }
+        l->capacity = needed;
+    }
+    return true;
+}
+
+void cpu_begin_layers(cpu_renderer* r)
+{
+    cpu_layers* l = &r->layers;
+    l->stage = CPU_LAYERS_NONE;
+    if (!cpu_wants_layers(r, r->style)) {
+        return;
+    }
+    if (make_room(r)) {
+        l->stage = CPU_LAYERS_OPAQUE;
+    } else if (!l->told) {
+        l->told = true;
+        stp_warn(r->base.context,
+                 "the memory limit leaves no room for layers of transparent surfaces in a picture "
+                 "of %ux%u: "
+                 "they are drawn as a pattern of pixels",
+                 r->width, r->height);
+    }
+}
+
+static void keep_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_layers* l = &r->layers;
+    (void)worker;
+    for (size_t at = begin * r->width; at < end * r->width; ++at) {
+        uint64_t pixel = STP_RASTER_EMPTY;
+        for (uint32_t k = 0; k < r->team.threads; ++k) {
+            uint64_t other = r->workers[k].drew ? r->workers[k].pixels[at] : STP_RASTER_EMPTY;
+            pixel = other < pixel ? other : pixel;
+        }
+        l->farther[at] = pixel;
+        l->nearer[at] = 0;
+        l->splats_below[at] = FLT_MAX;
+        l->light[4 * at] = l->light[4 * at + 1] = l->light[4 * at + 2] = 0.0f;
+        l->light[4 * at + 3] = 1.0f;
+    }
+}
+
+void cpu_keep_opaque(cpu_renderer* r)
+{
+    stp_team_run(&r->team, r->height, CPU_BAND_ROWS, keep_rows, r);
+}
+
+/// Whether an item may have transparent parts.
+static bool may_have(const cpu_renderer* r, const cpu_item* item)
+{
+    return item->kind == STP_DRAW_MESH ? item->glass != STP_GLASS_NONE
+                                       : item->kind == STP_DRAW_SURFELS && r->layers.of_splats;
+}
+
+/// A bit for each piece that may have something to draw.
+static stp_result list_pieces(cpu_renderer* r, bool* any)
+{
+    cpu_layers* l = &r->layers;
+    void* alive = l->alive;
+    stp_result result =
+        cpu_grow(r->base.context, &alive, &l->alive_capacity, r->piece_count, sizeof(*l->alive));
+    l->alive = alive;
+    *any = false;
+    for (size_t i = 0; i < r->item_count && result == STP_OK; ++i) {
+        uint32_t end = i + 1 < r->item_count ? r->items[i + 1].first_piece : r->piece_count;
+        bool may = may_have(r, &r->items[i]);
+        *any = *any || may;
+        memset(l->alive + r->items[i].first_piece, may, end - r->items[i].first_piece);
+    }
+    return result;
+}
+
+static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_worker* worker = &r->workers[index];
+    stp_raster_target target = {
+        .width = r->width, .height = r->height, .stride = r->width, .pixels = worker->pixels};
+    const cpu_item* item = cpu_item_of_piece(r, (uint32_t)begin);
+    for (uint32_t piece = (uint32_t)begin; piece < end; ++piece) {
+        const cpu_item* last = r->items + r->item_count - 1;
+        while (item < last && item[1].first_piece <= piece) {
+            item += 1;
+        }
+        if (r->layers.alive[piece] != 0) {
+            worker->drew = true;
+            worker->layer_found = 0;
+            cpu_draw_piece(r, item, piece, false, &target, worker);
+            r->layers.alive[piece] =
+                worker->layer_found > 0; // what is behind shrinks with each pass
+        }
+    }
+}
+
+static void shade_bands(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
+}
+
+/// The nearness from which on splats belong to the surface of a splat.
+static float find_below(const cpu_renderer* r, const cpu_item* item, float nearness)
+{
+    double thickness = (double)STP_GLASS_THICKNESS * (double)item->radius * (double)item->scale;
+    double scale = r->nearness_scale;
+    return (float)(r->frame.parallel ? (double)nearness + scale * thickness
+                                     : scale / (scale / (double)nearness + thickness));
+}
+
+/// Composites one pixel of a layer.
+static void add_pixel(cpu_layers* l, size_t at, const float color[3], float alpha)
+{
+    float* light = l->light + 4 * at;
+    float share = light[3] * stp_clamp(alpha, 0.0f, 1.0f);
+    for (int c = 0; c < 3; ++c) {
+        light[c] += share * stp_clamp(color[c], 0.0f, 1.0f);
+    }
+    light[3] -= share;
+}
+
+void cpu_take_layer(cpu_renderer* r, cpu_worker* worker, const cpu_shade_tile* tile)
+{
+    cpu_layers* l = &r->layers;
+    const cpu_shade_memory* memory = worker->shading;
+    const cpu_shade_lanes* lanes = &memory->lanes;
+    for (uint32_t row = 0; row < tile->height; ++row) {
+        const cpu_shade_merged* merged = &tile->rows[row];
+        size_t first = (size_t)(tile->y + row) * r->width + tile->x;
+        for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
+            const cpu_shade_run* run = &tile->runs[i];
+            if (run->surface == SHADE_EMPTY) {
+                continue;
+            }
+            const cpu_item* item = &r->items[memory->item[run->surface]];
+            bool splat = item->kind != STP_DRAW_MESH;
+            for (uint32_t k = 0; k < run->length && run->x + k < tile->width; ++k) {
+                uint32_t x = run->x + k, lane = run->lane + (run->flat ? k / SHADE_REACH : k);
+                const float color[3] = {lanes->linear[0][lane], lanes->linear[1][lane],
+                                        lanes->linear[2][lane]};
+                size_t at = first + x;
+                add_pixel(l, at, color, memory->surfaces[lanes->surface[lane]].color[3]);
+                l->nearer[at] = stp_raster_pixel(merged->nearness[x], merged->ids[x + 1]);
+                if (splat) {
+                    l->splats_below[at] = find_below(r, item, merged->nearness[x]);
+                }
+                if (l->light[4 * at + 3] < STP_LAYERS_CLEAR) {
+                    l->nearer[at] = STP_RASTER_EMPTY;
+                }
+                worker->layer_pixels += 1;
+            }
+        }
+    }
+}
+
+/// Pixels of a layer that was drawn.
+static uint64_t count_pixels(cpu_renderer* r)
+{
+    uint64_t pixels = 0;
+    for (uint32_t i = 0; i < r->team.threads; ++i) {
+        pixels += r->workers[i].layer_pixels;
+        r->workers[i].layer_pixels = 0;
+        r->workers[i].drew = false;
+    }
+    return pixels;
+}
+
+/// Puts the layers in front of the picture.
+static void compose_rows(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    cpu_renderer* r = user;
+    uint64_t covered = 0;
+    for (size_t at = begin * r->width; at < end * r->width; ++at) {
+        const float* light = r->layers.light + 4 * at;
+        uint8_t* out = r->image->pixels + 4 * at;
+        if (light[3] >= 1.0f) {
+            continue;
+        }
+        float behind = (float)out[3] * (1.0f / 255.0f), clear = light[3] * behind;
+        float coverage = 1.0f - light[3] + clear, whole = 1.0f / coverage;
+        for (int c = 0; c < 3; ++c) {
+            float linear = (light[c] + clear * r->decode[out[c]]) * whole;
+            int place = (int)(linear * (float)CPU_ENCODE_SIZE);
+            out[c] = r->encode[place < CPU_ENCODE_SIZE ? place : CPU_ENCODE_SIZE - 1];
+        }
+        covered += out[3] == 0;
+        out[3] = (uint8_t)(coverage * 255.0f + 0.5f);
+        if (out[3] == 0) {
+            memset(out, 0, 4);
+        }
+    }
+    r->workers[worker].covered += covered;
+}
+
+stp_result cpu_draw_layers(cpu_renderer* r)
+{
+    cpu_layers* l = &r->layers;
+    bool any;
+    stp_result result = list_pieces(r, &any);
+    l->stage = CPU_LAYERS_PEEL;
+    r->occluding = NULL;
+    count_pixels(r);
+    for (l->count = 0; any && l->count < STP_LAYERS_MOST && result == STP_OK; ++l->count) {
+        size_t grain = r->piece_count / ((size_t)r->team.threads * 64);
+        stp_team_run(&r->team, r->piece_count, grain > 0 ? grain : 1, draw_pieces, r);
+        for (uint32_t i = 0; i < r->team.threads; ++i) {
+            if (r->workers[i].failed) {
+                result = stp_fail_memory(r->base.context);
+            }
+        }
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, shade_bands, r);
+        any = count_pixels(r) > 0;
+        result = result == STP_OK && cpu_is_stopped(r) ? STP_ERROR_CANCELLED : result;
+    }
+    l->count -= l->count > 0 && !any; // the last pass found none
+    if (l->count > 0 && result == STP_OK) {
+        stp_team_run(&r->team, r->height, CPU_BAND_ROWS, compose_rows, r);
+    }
+    l->stage = CPU_LAYERS_OPAQUE;
+    return result;
+}
+
+void cpu_destroy_layers(cpu_renderer* r)
+{
+    cpu_layers* l = &r->layers;
+    stp_context* context = r->base.context;
+    stp_free(context, l->nearer);
+    stp_free(context, l->farther);
+    stp_free(context, l->splats_below);
+    stp_free(context, l->light);
+    l->nearer = l->farther = NULL;
+    l->splats_below = l->light = NULL;
+    l->capacity = 0;
+}
+
+uint32_t cpu_pick_glass(const cpu_renderer* r, const cpu_item* item, bool transparent,
+                        stp_raster_splats* splats, cpu_worker* worker)
+{
+    uint32_t others = 0, left = 0;
+    size_t words = ((size_t)splats->end + 15) / 16;
+    uint16_t* bits = stp_arena_alloc(&worker->scratch, words * sizeof(*bits));
+    if (bits == NULL) {
+        worker->failed = true;
+        return 0;
+    }
+    const uint8_t *materials = item->surfels.materials, *coverages = item->coverages;
+    for (uint32_t first = splats->begin; first < splats->end; first += 16) {
+        uint32_t count = splats->end - first < 16 ? splats->end - first : 16, glass = 0;
+        for (uint32_t i = 0; i < count; ++i) {
+            uint32_t is = r->layers.of_shading[materials[first + i]] != 0;
+            glass |= (is & (uint32_t)(coverages != NULL &&
+                                      cpu_coverage_share(item, coverages[first + i]) < 255))
+                     << i;
+        }
+        uint32_t wanted = splats->wanted != NULL ? splats->wanted[first / 16] : 0xFFFFu;
+        wanted &= (1u << count) - 1u;
+        uint32_t kept = wanted & (transparent ? glass : ~glass);
+        bits[first / 16] = (uint16_t)kept;
+        left += (uint32_t)__builtin_popcount(kept);
+        others |= wanted & ~kept;
+    }
+    if (others != 0) {
+        splats->wanted = bits;
+    }
+    return left;
+}
+
+void cpu_draw_glass(const cpu_renderer* r, const cpu_item* item, const stp_raster_splats* splats,
+                    const stp_raster_target* target, cpu_worker* worker)
+{
+    const stp_raster_layer layer = cpu_make_layer(r, worker);
+    const stp_raster_glass glass = {.layer = r->layers.stage == CPU_LAYERS_PEEL ? &layer : NULL,
+                                    .seed = item->seed,
+                                    .sample = r->pattern,
+                                    .share = item->draw->ghost ? cpu_ghost_share(r) : 1.0f};
+    worker->fragments +=
+        stp_raster_draw_glass(target, &item->camera, splats, item->first_id, &glass);
+}

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+#include "draw/gl/layer_pass.h"
+
+#include "draw/gl/renderer.h"
+#include "draw/transparency.h"
+#include "raster/blue_noise.h"
+#include "raster/splats_glass.h"
+
+#include <string.h>
+
+_Static_assert(STP_BLUE_NOISE_SIDE == NOISE_SIDE, "as shaders have it");
+_Static_assert(STP_GLASS_CELL_SHIFT == GLASS_CELL_SHIFT, "as shaders have it");
+
+stp_result gl_layer_pass_create(gl_renderer* r)
+{
+    gl_layer_pass* pass = &r->layer_pass;
+    pass->possible = stp_transparency_of_scene(r->directory);
+    stp_transparency_of_shadings(r->directory, pass->of_shading);
+    pass->of_splats = memchr(pass->of_shading, 1, sizeof(pass->of_shading)) != NULL;
+    r->gl.CreateBuffers(1, &pass->noise);
+    r->gl.NamedBufferStorage(pass->noise, NOISE_SIDE * NOISE_SIDE * sizeof(uint16_t),
+                             stp_blue_noise, 0);
+    r->gl.ObjectLabel(GL_BUFFER, pass->noise, -1, "blue noise");
+    return STP_OK;
+}
+
+void gl_layer_pass_destroy_programs(gl_renderer* r)
+{
+    gl_layer_pass* pass = &r->layer_pass;
+    GLuint* programs[] = {&pass->triangles, &pass->points, &pass->large, &pass->take,
+                          &pass->compose};
+    for (size_t i = 0; i < sizeof(programs) / sizeof(programs[0]); ++i) {
+        r->gl.DeleteProgram(*programs[i]);
+        *programs[i] = 0;
+    }
+}
+
+static void destroy_textures(gl_renderer* r)
+{
+    gl_layer_pass* pass = &r->layer_pass;
+    for (int i = 0; i < 2; ++i) {
+        const GLuint textures[] = {pass->layers[i].ids, pass->layers[i].nearness};
+        r->gl.DeleteFramebuffers(1, &pass->layers[i].framebuffer);
+        r->gl.DeleteTextures(2, textures);
+    }
+    const GLuint textures[] = {pass->light, pass->below};
+    r->gl.DeleteTextures(2, textures);
+    memset(pass->layers, 0, sizeof(pass->layers));
+    pass->light = pass->below = 0;
+    pass->width = pass->height = 0;
+}
+
+void gl_layer_pass_destroy(gl_renderer* r)
+{
+    gl_layer_pass_destroy_programs(r);
+    destroy_textures(r);
+    r->gl.DeleteBuffers(1, &r->layer_pass.noise);
+    r->layer_pass.noise = 0;
+}
+
+/// @return whether there is memory for them
+static bool make_textures(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl_layer_pass* pass = &r->layer_pass;
+    uint32_t width = r->target.width, height = r->target.height;
+    if (pass->width == width && pass->height == height) {
+        return true;
+    }
+    destroy_textures(r);
+    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the textures'
+    }
+    bool complete = true;
+    for (int i = 0; i < 2; ++i) {
+        pass->layers[i].ids = gl_make_texture(gl, GL_R32UI, width, height, "layer ids");
+        pass->layers[i].nearness =
+            gl_make_texture(gl, GL_DEPTH_COMPONENT32F, width, height, "layer nearness");
+        GLuint framebuffer;
+        gl->CreateFramebuffers(1, &framebuffer);
+        gl->NamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, pass->layers[i].ids, 0);
+        gl->NamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, pass->layers[i].nearness, 0);
+        gl->NamedFramebufferDrawBuffer(framebuffer, GL_COLOR_ATTACHMENT0);
+        complete = complete && gl->CheckNamedFramebufferStatus(framebuffer, GL_DRAW_FRAMEBUFFER) ==
+                                   GL_FRAMEBUFFER_COMPLETE;
+        pass->layers[i].framebuffer = framebuffer;
+    }
+    pass->light = gl_make_texture(gl, GL_RGBA32F, width, height, "layers");
+    pass->below = gl_make_texture(gl, GL_R32F, width, height, "layer surfaces");
+    if (gl->GetError() != GL_NO_ERROR || !complete) {
+        destroy_textures(r);
+        return false;
+    }
+    pass->width = width;
+    pass->height = height;
+    return true;
+}
+
+void gl_layer_pass_begin(gl_renderer* r)
+{
+    gl_layer_pass* pass = &r->layer_pass;
+    bool wanted = pass->possible && r->style->transparency == STP_TRANSPARENCY_LAYERS;
+    pass->active = wanted && make_textures(r);
+    if (wanted && !pass->active && !pass->told) {
+        pass->told = true;
+        stp_warn(r->base.context,
+                 "gl: there is no graphics memory for layers of transparent surfaces in a picture "
+                 "of %ux%u: they are drawn as a pattern of pixels",
+                 r->target.width, r->target.height);
+    }
+}
+
+static stp_result make_programs(gl_renderer* r)
+{
+    gl_layer_pass* pass = &r->layer_pass;
+    stp_context* context = r->base.context;
+    char keep[256], layer[256];
+    gl_page_defines(r, "#define KEEP\n#define LAYER\n", keep, sizeof(keep));
+    gl_page_defines(r, "#define LAYER\n", layer, sizeof(layer));
+    const struct {
+        GLuint* program;
+        const char *vertex, *fragment, *defines;
+    } programs[] = {{&pass->triangles, "triangle.vert.glsl", "triangle.frag.glsl", keep},
+                    {&pass->points, "splat.vert.glsl", "splat.frag.glsl", layer},
+                    {&pass->large, "large.vert.glsl", "large.frag.glsl", layer},
+                    {&pass->take, "layer.comp.glsl", NULL, layer},
+                    {&pass->compose, "compose.comp.glsl", NULL, NULL}};
+    stp_result result = STP_OK;
+    for (size_t i = 0; i < sizeof(programs) / sizeof(programs[0]) && result == STP_OK; ++i) {
+        bool of_splats =
+            programs[i].program == &pass->points || programs[i].program == &pass->large;
+        if (*programs[i].program != 0 || (of_splats && !pass->of_splats)) {
+            continue;
+        }
+        result = programs[i].fragment != NULL
+                     ? gl_program_create(context, &r->gl, programs[i].vertex, programs[i].fragment,
+                                         programs[i].defines, programs[i].program)
+                     : gl_program_create_compute(context, &r->gl, programs[i].vertex,
+                                                 programs[i].defines, programs[i].program);
+    }
+    return result;
+}
+
+static void dispatch(gl_renderer* r, GLuint program)
+{
+    const gl_target* t = &r->target;
+    r->gl.UseProgram(program);
+    r->gl.DispatchCompute((t->width + GROUP_SIDE - 1) / GROUP_SIDE,
+                          (t->height + GROUP_SIDE - 1) / GROUP_SIDE, 1);
+    r->dispatches += 1;
+}
+
+/// Draws one layer; `before` is the other one.
+static stp_result draw_layer(gl_renderer* r, int number)
+{
+    const stp_gl* gl = &r->gl;
+    gl_layer_pass* pass = &r->layer_pass;
+    const GLuint nothing[4] = {NO_ID, NO_ID, NO_ID, NO_ID};
+    const GLfloat far = 0.0f;
+    GLuint framebuffer = pass->layers[number].framebuffer;
+    gl_set_visible_state(r);
+    gl_bind_frame(r);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    gl->ClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, nothing);
+    gl->ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far);
+    gl->BindTextureUnit(UNIT_IDS, r->target.ids);
+    gl->BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
+    gl->BindTextureUnit(UNIT_BEFORE_IDS, pass->layers[1 - number].ids);
+    gl->BindTextureUnit(UNIT_BEFORE_NEARNESS, pass->layers[1 - number].nearness);
+    gl->BindTextureUnit(UNIT_BELOW, pass->below);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
+    gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
+    const gl_commands* triangles = &r->frame.commands[GL_COMMANDS_GLASS_TRIANGLES];
+    stp_result result = STP_OK;
+    if (triangles->count > 0) {
+        gl->BindVertexArray(r->triangles.vertex_array);
+        gl->UseProgram(pass->triangles);
+        result =
+            gl_portion_draw(r, GL_TRIANGLES, triangles, triangles->offset, triangles->count_offset);
+    }
+    const gl_commands* splats = &r->frame.commands[GL_COMMANDS_GLASS_SPLATS];
+    if (splats->count > 0 && result == STP_OK) {
+        gl_splat_pass_begin(r);
+        gl->Enable(GL_PROGRAM_POINT_SIZE);
+        gl->BindVertexArray(r->splats.vertex_array);
+        gl->UseProgram(pass->points);
+        result = gl_portion_draw(r, GL_POINTS, splats, splats->offset, splats->count_offset);
+        gl->Disable(GL_PROGRAM_POINT_SIZE);
+        gl_splat_pass_large(r, pass->large);
+    }
+    return result;
+}
+
+/// Composites it. @return its pixels
+static uint32_t take_layer(gl_renderer* r, int number)
+{
+    const stp_gl* gl = &r->gl;
+    gl_layer_pass* pass = &r->layer_pass;
+    uint32_t counts[2] = {0};
+    gl->GetNamedBufferSubData(r->shade.counters, sizeof(uint32_t), sizeof(uint32_t), &counts[0]);
+    gl_bind_frame(r);
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_COUNTERS, r->shade.counters);
+    gl->BindTextureUnit(UNIT_IDS, pass->layers[number].ids);
+    gl->BindTextureUnit(UNIT_NEARNESS, pass->layers[number].nearness);
+    gl->BindImageTexture(IMAGE_LIGHT, pass->light, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    gl->BindImageTexture(IMAGE_BELOW, pass->below, 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+    dispatch(r, pass->take);
+    gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                      GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl->GetNamedBufferSubData(r->shade.counters, sizeof(uint32_t), sizeof(uint32_t), &counts[1]);
+    return counts[1] - counts[0];
+}
+
+stp_result gl_layer_pass_draw(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    gl_layer_pass* pass = &r->layer_pass;
+    pass->count = 0;
+    if (r->frame.commands[GL_COMMANDS_GLASS_TRIANGLES].count == 0 &&
+        r->frame.commands[GL_COMMANDS_GLASS_SPLATS].count == 0) {
+        return STP_OK;
+    }
+    stp_result result = make_programs(r);
+    if (result != STP_OK) {
+        return result;
+    }
+    const GLfloat clear[4] = {0.0f, 0.0f, 0.0f, 1.0f}, all = 2.0f, near = 1.0f;
+    const GLuint first[4] = {0};
+    gl->ClearTexImage(pass->light, 0, GL_RGBA, GL_FLOAT, clear);
+    gl->ClearTexImage(pass->below, 0, GL_RED, GL_FLOAT, &all);
+    gl->ClearNamedFramebufferuiv(pass->layers[1].framebuffer, GL_COLOR, 0, first);
+    gl->ClearNamedFramebufferfv(pass->layers[1].framebuffer, GL_DEPTH, 0, &near);
+    uint32_t pixels = 1;
+    for (; pixels > 0 && pass->count < STP_LAYERS_MOST; ++pass->count) {
+        result = draw_layer(r, (int)(pass->count & 1));
+        if (result != STP_OK) {
+            return result;
+        }
+        pixels = take_layer(r, (int)(pass->count & 1));
+    }
+    pass->count -= pixels == 0; // the last pass found none
+    gl->BindImageTexture(IMAGE_PICTURE, r->target.picture, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8);
+    dispatch(r, pass->compose);
+    gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                      GL_TEXTURE_UPDATE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    return STP_OK;
+}
