@@ -3,8 +3,7 @@
 #include "base/prefix_table.h"
 #include "select/select_internal.h"
 
-/// Whether the surfels are all that is in a node: points have no size but theirs.
-static bool is_cloud(const stp_store_node* node, const stp_surfels* surfels)
+bool stp_select_is_complete(const stp_store_node* node, const stp_surfels* surfels)
 {
     return node->triangle_count == 0 && surfels->count >= node->point_count;
 }
@@ -116,7 +115,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
     if (surfels->count == 0) {
         return use;
     }
-    bool cloud = is_cloud(node, surfels);
+    bool cloud = stp_select_is_complete(node, surfels);
     uint64_t wanted = s->quality->splat_count, made = s->list->splat_count;
     if (wanted > 0) {
         // what moves has a set of its own: together they are as many as was asked for

@@ -118,6 +118,10 @@ void stp_select_cover(const stp_selection* s, const stp_surfels* surfels, const 
 STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                              const stp_sight* sight, stp_set_use* use);
 
+/// Whether a set holds all points of a node without triangles: such a node is never opened, since points have no size of their
+/// own. A cloud with points in one place is not complete: its set has one of them.
+bool stp_select_is_complete(const stp_store_node* node, const stp_surfels* surfels);
+
 /// What to do with the surfels of a node (which has some).
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
                                const stp_sight* sight);

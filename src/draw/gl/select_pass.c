@@ -63,7 +63,7 @@ static void fill_nodes(const stp_selection* s, select_node* nodes)
         set_vec3(to->box + 3, from->bounds.max);
         if (from->surfels != STP_STORE_NONE) {
             const stp_surfels* surfels = stp_store_describe_surfels(s->store, from->surfels);
-            bool cloud = from->triangle_count == 0 && surfels->count >= from->point_count;
+            bool cloud = stp_select_is_complete(from, surfels);
             to->set = from->surfels;
             to->flags |= cloud ? SELECT_CLOUD : 0u;
         }
