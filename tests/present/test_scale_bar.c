@@ -21,7 +21,7 @@ void test_scale_bars_are_round_and_fit(test_state* test)
 
 void test_scale_bars_of_no_picture(test_state* test)
 {
-    static const double bad[] = {0.0, -1.0, NAN, INFINITY};
+    static const double bad[] = {0.0, -1.0, (double)NAN, (double)INFINITY};
     for (int i = 0; i < 4; ++i) {
         CHECK(stp_scale_bar_make(bad[i], 100.0).length == 0.0);
         CHECK(stp_scale_bar_make(1.0, bad[i]).length == 0.0);
