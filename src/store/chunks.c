@@ -310,7 +310,7 @@ const char* stp_store_read_chunks(const stp_store_block_source* source,
             fault = read_chunk(&at, span, chunk, &offset, &decompressor, places);
             measure(span, chunk_begin(span, chunk), stp_store_chunk_end(span, chunk), sizes);
             for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
-                places[i] += places[i] != NULL ? sizes[i] : 0;
+                places[i] = places[i] != NULL ? places[i] + sizes[i] : NULL;
             }
         }
     }
