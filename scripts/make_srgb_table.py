@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints src/base/color_table.h: the sRGB curve of each byte, and the linear value halfway between bytes."""
+"""Prints src/base/color_table.h: the sRGB curve of each byte, the linear value halfway between bytes, and where to begin."""
 
 
 def linear(value):
@@ -20,3 +20,11 @@ print("static const float srgb_decoded[256] = {\n" + rows(decoded) + "\n};\n")
 print("// A linear value at or above srgb_threshold[i] encodes to i + 1 or more.")
 print("static const float srgb_threshold[255] = {\n"
       + rows([(decoded[i] + decoded[i + 1]) / 2 for i in range(255)]) + "\n};")
+
+thresholds = [(decoded[i] + decoded[i + 1]) / 2 for i in range(255)]
+starts = [max(0, sum(t <= (i / 255) ** 2 for t in thresholds) - 1) for i in range(256)]
+print("\n// At most the byte of linear values whose square root is from i / 255 on.")
+print("static const uint8_t srgb_start[256] = {")
+for i in range(0, 256, 16):
+    print("    " + ", ".join(map(str, starts[i:i + 16])) + ",")
+print("};")

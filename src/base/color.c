@@ -3,6 +3,8 @@
 
 #include "base/color_table.h"
 
+#include <math.h>
+
 float stp_srgb8_to_linear(uint8_t value)
 {
     return srgb_decoded[value];
@@ -10,10 +12,16 @@ float stp_srgb8_to_linear(uint8_t value)
 
 uint8_t stp_linear_to_srgb8(float linear)
 {
-    uint32_t reached =
-        0; // how many thresholds are at or below `linear`: found bit by bit, without branches
-    for (uint32_t step = 128; step != 0; step /= 2) {
-        reached += linear >= srgb_threshold[reached + step - 1] ? step : 0;
+    if (!(linear > 0.0f)) {
+        return 0;
+    }
+    if (linear >= 1.0f) {
+        return 255;
+    }
+    // how many thresholds are at or below `linear`: the square root is near enough to begin at
+    uint32_t reached = srgb_start[(uint32_t)(sqrtf(linear) * 255.0f)];
+    while (reached < 255 && linear >= srgb_threshold[reached]) {
+        reached += 1;
     }
     return (uint8_t)reached;
 }

@@ -220,6 +220,15 @@ static inline void stp_affine_normal_matrix(const stp_affine* a, double out[3][3
     }
 }
 
+/// The map to a space whose zero lies at `origin` of the one mapped to.
+static inline stp_affine stp_affine_shifted(stp_affine a, stp_vec3d origin)
+{
+    a.m[0][3] -= origin.x;
+    a.m[1][3] -= origin.y;
+    a.m[2][3] -= origin.z;
+    return a;
+}
+
 /// The box that holds the transformed box.
 static inline stp_boxd stp_affine_box(const stp_affine* a, stp_boxd box)
 {

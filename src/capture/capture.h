@@ -97,6 +97,11 @@ static inline uint32_t stp_first_of_sets(const stp_candidates* candidates)
 STP_MUST_USE stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* parts,
                                           size_t part_count, const stp_capture_desc* desc,
                                           stp_candidates* candidates);
+/// Adds all surfels of sets, hidden or not, to candidates whose columns have room for them: of a cloud, where every point
+/// may be seen. `origin` is there, `set_areas` is not.
+/// @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_candidates_add_sets(stp_context* context, const stp_placed_set* sets,
+                                                size_t set_count, stp_candidates* candidates);
 /// Captures parts and sets into the same pictures. The pixels that a disk wins yield its surfel, once however many
 /// they are, and never the place of the pixel: surfaces do not grow. A surfel that won none, because its neighbours
 /// did, is taken too where nothing stands before its centre. With sets, the desc must give the pixel's size.

@@ -67,11 +67,7 @@ typedef struct stp_capture_job {
 /// From a part's own space to the captured space minus its centre.
 static inline stp_affine stp_capture_placement(const stp_capture_job* job, size_t part)
 {
-    stp_affine placement = job->parts[part].transform;
-    placement.m[0][3] -= job->centre.x;
-    placement.m[1][3] -= job->centre.y;
-    placement.m[2][3] -= job->centre.z;
-    return placement;
+    return stp_affine_shifted(job->parts[part].transform, job->centre);
 }
 
 static inline uint64_t stp_capture_part_primitives(const stp_capture_job* job)

@@ -56,9 +56,5 @@ stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t surfel);
 /// From a set's own space to the captured space minus its centre.
 static inline stp_affine stp_capture_set_placement(const stp_capture_job* job, size_t set)
 {
-    stp_affine placement = job->sets[set].transform;
-    placement.m[0][3] -= job->centre.x;
-    placement.m[1][3] -= job->centre.y;
-    placement.m[2][3] -= job->centre.z;
-    return placement;
+    return stp_affine_shifted(job->sets[set].transform, job->centre);
 }

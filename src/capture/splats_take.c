@@ -337,6 +337,18 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
+// How far apart the surfels of sets lie, and what they stand for.
+static void note_radii(const stp_placed_set* sets, size_t count, stp_candidates* candidates)
+{
+    for (size_t i = 0; i < count; ++i) {
+        float radius = (float)((double)sets[i].radius * stp_affine_stretch(&sets[i].transform));
+        candidates->set_radius = stp_max(candidates->set_radius, radius);
+    }
+    double reach = (double)candidates->set_radius;
+    candidates->surface_radius =
+        candidates->surface_radius > reach ? candidates->surface_radius : reach;
+}
+
 stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* candidates)
 {
     stp_context* context = job->scene->context;
@@ -362,13 +374,56 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
     stp_free(context, r.starts);
     candidates->set_count = (uint32_t)(sum - candidates->count);
     candidates->count = (uint32_t)sum;
-    for (size_t i = 0; candidates->set_count != 0 && i < job->set_count; ++i) {
-        const stp_placed_set* set = &job->sets[i];
-        float radius = (float)((double)set->radius * stp_affine_stretch(&set->transform));
-        candidates->set_radius = stp_max(candidates->set_radius, radius);
+    if (candidates->set_count != 0) {
+        note_radii(job->sets, job->set_count, candidates);
     }
-    double reach = (double)candidates->set_radius;
-    candidates->surface_radius =
-        candidates->surface_radius > reach ? candidates->surface_radius : reach;
+    return STP_OK;
+}
+
+typedef struct place_sets {
+    const stp_placed_set* sets;
+    stp_candidates* out;
+    const size_t* starts; ///< candidate of the first surfel of each
+} place_sets;
+
+static void place_whole_sets(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const place_sets* p = user;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_placed_set* set = &p->sets[i];
+        stp_affine placement = stp_affine_shifted(set->transform, p->out->origin);
+        stp_set_placing placing = stp_set_placing_make(set->surfels, &placement);
+        stp_set_look look = stp_set_look_at(set->surfels, set->prefix);
+        set_area area = find_area(set);
+        for (uint32_t k = 0; k < set->prefix; ++k) {
+            write_candidate(p->out, p->starts[i] + k, &placing, &look, k, area);
+        }
+    }
+}
+
+stp_result stp_candidates_add_sets(stp_context* context, const stp_placed_set* sets,
+                                   size_t set_count, stp_candidates* candidates)
+{
+    size_t* starts = STP_NEW_ARRAY(context, size_t, set_count + 1);
+    if (starts == NULL) {
+        return stp_fail_memory(context);
+    }
+    size_t end = candidates->count;
+    for (size_t i = 0; i < set_count; ++i) {
+        starts[i] = end;
+        end += sets[i].prefix;
+    }
+    candidates->set_areas = STP_NEW_ARRAY(context, float, end - candidates->count + 1);
+    if (candidates->set_areas == NULL) {
+        stp_free(context, starts);
+        return stp_fail_memory(context);
+    }
+    place_sets p = {sets, candidates, starts};
+    stp_parallel_for(context, set_count, 1, place_whole_sets, &p);
+    stp_free(context, starts);
+    candidates->set_count = (uint32_t)(end - candidates->count);
+    candidates->count = (uint32_t)end;
+    note_radii(sets, set_count, candidates);
     return STP_OK;
 }

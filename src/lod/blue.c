@@ -57,16 +57,6 @@ static uint64_t choose_count(const blue* b)
     return stp_default_surfel_count(b->list.triangle_count, b->list.point_count);
 }
 
-static stp_result make_point_candidates(blue* b)
-{
-    bool has_normals;
-    stp_result result = stp_candidates_from_points(b->scene, b->list.parts, b->list.part_count,
-                                                   &b->candidates, &has_normals);
-    b->two_sided = !has_normals;
-    b->order_desc.metric = has_normals ? b->order_desc.metric : STP_METRIC_EUCLIDEAN;
-    return result;
-}
-
 static stp_result capture_parts(blue* b, uint64_t count)
 {
     stp_capture_desc capture = b->desc->capture;
@@ -78,28 +68,50 @@ static stp_result capture_parts(blue* b, uint64_t count)
     return stp_capture_parts(b->scene, b->list.parts, b->list.part_count, &capture, &b->candidates);
 }
 
-// Whether a node is a cloud whose points themselves are candidates soon enough: sooner than views of the sets below.
-static bool is_small_cloud(const stp_scene* scene, uint32_t node)
+// Whether all that stands still below a node are points.
+static bool is_cloud(const stp_scene* scene, uint32_t node)
 {
-    const stp_node* n = &scene->nodes[node];
-    return n->triangle_count == 0 && n->point_count != 0 && n->point_count <= MOST_CANDIDATES;
+    return node != STP_NONE && scene->nodes[node].triangle_count == 0 &&
+           scene->nodes[node].point_count != 0;
 }
 
-// From the points of a cloud; else from the sets below the node where they are dense enough, else from its parts.
+// From the sets below, which have all points, as densely as is wanted; else from the points themselves.
+static stp_result make_cloud_candidates(blue* b, uint32_t node)
+{
+    stp_result result = list_sources(b, node, NULL);
+    if (result != STP_OK) {
+        return result;
+    }
+    b->from_points = true;
+    b->two_sided = !stp_sources_have_normals(b->scene, &b->list);
+    b->order_desc.metric = b->two_sided ? STP_METRIC_EUCLIDEAN : b->order_desc.metric;
+    uint64_t count = choose_count(b), points = b->list.point_count;
+    if (b->desc->sets != NULL && count < points) {
+        result = stp_list_cloud(b->scene, node, b->desc, count, &b->list);
+    }
+    if (result == STP_OK) {
+        result = stp_candidates_of_cloud(b->scene, &b->list, !b->two_sided, &b->candidates);
+    }
+    b->wanted = (uint32_t)(count < b->candidates.count ? count : b->candidates.count);
+    return result;
+}
+
+// From the sets below the node where they are dense enough, else from its parts.
 static stp_result make_candidates(blue* b, uint32_t node)
 {
-    bool from_sets = !is_small_cloud(b->scene, node);
-    stp_result result = list_sources(b, node, from_sets ? b->desc->sets : NULL);
-    bool has_sets = b->list.set_count != 0, captured = false;
-    b->from_points = !has_sets && b->list.triangle_count == 0 && b->list.point_count != 0;
-    uint64_t count = choose_count(b);
     b->order_desc = b->desc->order;
-    if (result == STP_OK && has_sets) {
+    if (is_cloud(b->scene, node)) {
+        return make_cloud_candidates(b, node);
+    }
+    stp_result result = list_sources(b, node, b->desc->sets);
+    bool captured = false;
+    uint64_t count = choose_count(b);
+    if (result == STP_OK && b->list.set_count != 0) {
         result = stp_capture_children(b->scene, node, b->desc, count, &b->candidates, &captured);
         result = result == STP_OK && !captured ? list_sources(b, node, NULL) : result;
     }
     if (result == STP_OK && !captured && b->list.part_count != 0) {
-        result = b->from_points ? make_point_candidates(b) : capture_parts(b, count);
+        result = capture_parts(b, count);
     }
     b->wanted = (uint32_t)(count < b->candidates.count ? count : b->candidates.count);
     return result;

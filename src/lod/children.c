@@ -188,3 +188,21 @@ stp_result stp_capture_children(const stp_scene* scene, uint32_t node, const stp
     stp_source_list_destroy(scene->context, &c.list);
     return result;
 }
+
+// A cloud's own points are no pixels: where sets are opened down to them, finer pixels list no more.
+stp_result stp_list_cloud(const stp_scene* scene, uint32_t node, const stp_blue_desc* desc,
+                          uint64_t surfel_count, stp_source_list* list)
+{
+    children c = {.scene = scene,
+                  .node = node,
+                  .desc = desc,
+                  .surfel_count = (double)surfel_count,
+                  .seen = 1.0};
+    stp_result result = list_at(&c, stp_coarse_pixel(scene, node));
+    if (result == STP_OK && c.list.set_count != 0) {
+        result = find_pixel(&c, wanted(&c, WANTED_EACH));
+    }
+    stp_source_list_destroy(scene->context, list);
+    *list = c.list;
+    return result;
+}

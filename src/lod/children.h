@@ -20,3 +20,9 @@ double stp_coarse_pixel(const stp_scene* scene, uint32_t node);
 STP_MUST_USE stp_result stp_capture_children(const stp_scene* scene, uint32_t node,
                                              const stp_blue_desc* desc, uint64_t surfel_count,
                                              stp_candidates* candidates, bool* captured);
+
+/// Lists the sources of a cloud at the pixel that gives about five candidates for each of `surfel_count` surfels, or as many
+/// as there are. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_list_cloud(const stp_scene* scene, uint32_t node,
+                                       const stp_blue_desc* desc, uint64_t surfel_count,
+                                       stp_source_list* list);

@@ -22,6 +22,7 @@ typedef struct normal_search {
     float radius;
     stp_sum_neighbours* sum_neighbours;
     stp_candidates* candidates;
+    uint32_t point_count; ///< surfels of sets come after them
 } normal_search;
 
 /// A symmetric matrix.
@@ -93,7 +94,10 @@ static void estimate_normals(size_t begin, size_t end, uint32_t worker, void* us
                 normal = flattest_direction(sums[at - first]);
                 normal = stp_dot(normal, normal) > 0.0f ? normal : (stp_vec3){0, 1, 0};
             }
-            memcpy(s->candidates->normals + 3 * (size_t)grid->index[at], &normal, sizeof(normal));
+            if (grid->index[at] < s->point_count) {
+                memcpy(s->candidates->normals + 3 * (size_t)grid->index[at], &normal,
+                       sizeof(normal));
+            }
         }
     }
 }
@@ -111,7 +115,8 @@ static stp_sum_neighbours* choose_kernel(void)
 stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
                                       float radius)
 {
-    if (!(radius > 0.0f)) {
+    uint32_t point_count = stp_first_of_sets(candidates);
+    if (!(radius > 0.0f) || point_count == 0) {
         return STP_OK;
     }
     stp_grid grid;
@@ -122,7 +127,8 @@ stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* cand
         normal_search search = {.grid = &grid,
                                 .radius = grid.cell / 2.002f,
                                 .sum_neighbours = choose_kernel(),
-                                .candidates = candidates};
+                                .candidates = candidates,
+                                .point_count = point_count};
         stp_parallel_for(context, candidates->count, GRAIN, estimate_normals, &search);
         stp_grid_destroy(context, &grid);
     }

@@ -58,55 +58,92 @@ static void place_set(placing* p)
     p->first += set->point_count;
 }
 
-static stp_result count_points(const stp_scene* scene, const stp_placed_part* parts,
-                               size_t part_count, stp_candidates* candidates, bool* has_normals)
+bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* list)
 {
-    uint64_t count = 0;
+    for (size_t i = 0; i < list->part_count; ++i) {
+        if (scene->point_sets[list->parts[i].part.index].normals == NULL) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// The box of a set's prefix, or of more of it: its grid.
+static stp_boxd box_of_set(const stp_placed_set* set)
+{
+    double step = (double)set->surfels->step;
     stp_boxd box = stp_boxd_empty();
-    *has_normals = true;
-    for (size_t i = 0; i < part_count; ++i) {
-        const stp_point_set* set = &scene->point_sets[parts[i].part.index];
+    stp_vec3d origin = stp_to_double(set->surfels->origin);
+    for (uint32_t i = 0; i < set->prefix; ++i) {
+        const uint16_t* at = set->surfels->positions + 3 * (size_t)i;
+        stp_boxd_add(&box,
+                     (stp_vec3d){origin.x + step * (double)at[0], origin.y + step * (double)at[1],
+                                 origin.z + step * (double)at[2]});
+    }
+    return stp_affine_box(&set->transform, box);
+}
+
+static stp_result count_points(const stp_scene* scene, const stp_source_list* list, uint64_t* count,
+                               stp_vec3d* middle)
+{
+    stp_boxd box = stp_boxd_empty();
+    *count = 0;
+    for (size_t i = 0; i < list->part_count; ++i) {
+        const stp_placed_part* part = &list->parts[i];
+        const stp_point_set* set = &scene->point_sets[part->part.index];
         stp_boxd local = {stp_to_double(set->bounds.min), stp_to_double(set->bounds.max)};
-        stp_boxd placed = stp_affine_box(&parts[i].transform, local);
+        stp_boxd placed = stp_affine_box(&part->transform, local);
         stp_boxd_add(&box, placed.min);
         stp_boxd_add(&box, placed.max);
-        count += set->point_count;
-        *has_normals = *has_normals && set->normals != NULL;
+        *count += set->point_count;
     }
-    if (count >= STP_NONE) {
+    for (size_t i = 0; i < list->set_count; ++i) {
+        stp_boxd placed = box_of_set(&list->sets[i]);
+        stp_boxd_add(&box, placed.min);
+        stp_boxd_add(&box, placed.max);
+        *count += list->sets[i].prefix;
+    }
+    if (*count >= STP_NONE) {
         return stp_fail(scene->context, STP_ERROR_LIMIT,
                         "the scene has %llu points, more than one set of surfels can hold",
-                        (unsigned long long)count);
+                        (unsigned long long)*count);
     }
-    candidates->count = (uint32_t)count;
-    candidates->origin = stp_scaled(stp_addd(box.min, box.max), 0.5);
+    *middle = stp_scaled(stp_addd(box.min, box.max), 0.5);
     return STP_OK;
 }
 
-stp_result stp_candidates_from_points(const stp_scene* scene, const stp_placed_part* parts,
-                                      size_t part_count, stp_candidates* candidates,
-                                      bool* has_normals)
+static stp_result allocate(stp_context* context, size_t count, stp_candidates* candidates)
 {
-    stp_context* context = scene->context;
-    *candidates = (stp_candidates){0};
-    stp_result result = count_points(scene, parts, part_count, candidates, has_normals);
-    if (result != STP_OK) {
-        return result;
-    }
-    size_t count = candidates->count;
     candidates->positions = STP_NEW_ARRAY(context, float, 3 * count);
     candidates->normals = STP_NEW_ARRAY(context, float, 3 * count);
     candidates->colors = STP_NEW_ARRAY(context, uint8_t, 4 * count);
     candidates->materials = STP_NEW_ARRAY(context, uint32_t, count);
-    if (candidates->positions == NULL || candidates->normals == NULL ||
-        candidates->colors == NULL || candidates->materials == NULL) {
-        stp_candidates_destroy(context, candidates);
-        return stp_fail_memory(context);
+    bool made = candidates->positions != NULL && candidates->normals != NULL &&
+                candidates->colors != NULL && candidates->materials != NULL;
+    return made ? STP_OK : stp_fail_memory(context);
+}
+
+stp_result stp_candidates_of_cloud(const stp_scene* scene, const stp_source_list* list,
+                                   bool has_normals, stp_candidates* candidates)
+{
+    *candidates = (stp_candidates){0};
+    uint64_t count;
+    stp_result result = count_points(scene, list, &count, &candidates->origin);
+    if (result != STP_OK || count == 0) {
+        return result;
     }
-    placing p = {.scene = scene, .candidates = candidates, .has_normals = *has_normals};
-    for (size_t i = 0; i < part_count; ++i) {
-        p.part = &parts[i];
+    result = allocate(scene->context, (size_t)count, candidates);
+    placing p = {.scene = scene, .candidates = candidates, .has_normals = has_normals};
+    for (size_t i = 0; result == STP_OK && i < list->part_count; ++i) {
+        p.part = &list->parts[i];
         place_set(&p);
     }
-    return STP_OK;
+    candidates->count = (uint32_t)p.first;
+    if (result == STP_OK && list->set_count != 0) {
+        result = stp_candidates_add_sets(scene->context, list->sets, list->set_count, candidates);
+    }
+    if (result != STP_OK) {
+        stp_candidates_destroy(scene->context, candidates);
+    }
+    return result;
 }

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Candidates straight from point sets: a point cloud needs no capture, and loses no point.
+// Candidates of a point cloud, which needs no capture: its points, or the surfels that stand for them.
 #pragma once
 
-#include "capture/capture.h"
+#include "lod/sources.h"
 
-/// Makes every point of the placed point sets a candidate. `has_normals` tells whether all sets have
-/// normals; where one has none, those of all points are to be estimated.
+/// Makes every point of a list's point sets, and every surfel of its surfel sets, a candidate, hidden or not.
+/// @param has_normals  normals are taken from the point sets; else they are left (0, 1, 0), to be estimated
 /// `pixel_size` is left 0. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged)
-STP_MUST_USE stp_result stp_candidates_from_points(const stp_scene* scene,
-                                                   const stp_placed_part* parts, size_t part_count,
-                                                   stp_candidates* candidates, bool* has_normals);
+STP_MUST_USE stp_result stp_candidates_of_cloud(const stp_scene* scene, const stp_source_list* list,
+                                                bool has_normals, stp_candidates* candidates);
 
-/// Gives every candidate the normal of the points within `radius` of it, facing up rather than down; where they
-/// are too few, straight up. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Whether all point sets of a list have normals.
+bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* list);
+
+/// Gives candidates that are points the normal of the candidates within `radius` of them, facing up rather than down; where
+/// they are too few, straight up. Surfels of sets keep theirs.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
                                                    float radius);

@@ -14,7 +14,8 @@
 #include <string.h>
 
 #define LINEAR_ONE 1048576.0f // linear light as whole numbers: 1 is 2^20
-#define AHEAD 24u             // samples that memory is asked for in advance
+#define GRAIN 16384
+#define AHEAD 24u // samples that memory is asked for in advance
 
 // What is added to a surfel's sum.
 typedef struct sample {
@@ -127,6 +128,36 @@ static void find_nearest(stp_pyramid* p, const stp_octave_plan* plan, const stp_
     stp_nearest_search_run(p->context, &search);
 }
 
+typedef struct copying {
+    stp_pyramid* p;
+    stp_pyramid_entry* entries;
+} copying;
+
+static void copy_candidates(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const copying* c = user;
+    for (size_t i = begin; i < end; ++i) {
+        if (i + AHEAD < end) {
+            __builtin_prefetch(c->p->input->finish->candidates->colors +
+                               4 * (size_t)c->p->input->finish->order[i + AHEAD]);
+        }
+        c->entries[i] = single_entry(c->p, NULL, (uint32_t)i);
+    }
+}
+
+// The finest octave where every candidate was chosen: each surfel has its own colour.
+static stp_result copy_finest(stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
+{
+    copying c = {p, p->octaves[octave]};
+    stp_parallel_for(p->context, p->surfels->count, GRAIN, copy_candidates, &c);
+    const stp_candidates* points = p->input->finish->candidates;
+    stp_result result = stp_grid_create_uncrowded(p->context, points->positions, points->normals,
+                                                  points->count, plan->cell, &p->candidates);
+    plan->cell = p->candidates.cell;
+    return result;
+}
+
 // The finest octave: colours of candidates.
 static stp_result make_finest(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan,
                               const stp_grid* surfels)
@@ -138,7 +169,6 @@ static stp_result make_finest(stp_pyramid* p, uint32_t octave, const stp_octave_
         find_nearest(p, plan, surfels, &p->candidates);
         add_candidates(p, &p->candidates);
         average_octave(p, octave, NULL, 255);
-        stp_pyramid_cover_finest(p, octave, plan);
     }
     return result;
 }
@@ -158,45 +188,54 @@ static stp_result make_coarser(stp_pyramid* p, uint32_t octave, const stp_octave
     add_surfels(p, &samples, p->octaves[octave + 1]);
     average_octave(p, octave, p->octaves[octave + 1], 65535);
     stp_grid_destroy(p->context, &samples);
-    return stp_pyramid_cover_coarser(p, octave, plan);
+    return STP_OK;
+}
+
+// The colours of an octave.
+static stp_result color_octave(stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
+{
+    bool finest = octave + 1 == p->surfels->octave_count;
+    if (finest && p->input->finish->candidates->count == p->surfels->count) {
+        return copy_finest(p, octave, plan);
+    }
+    uint32_t count = p->surfels->octave_ends[octave];
+    memset(p->sums, 0, count * sizeof(*p->sums));
+    stp_grid surfels;
+    stp_result result = stp_grid_create_uncrowded(p->context, p->input->positions,
+                                                  p->input->normals, count, plan->cell, &surfels);
+    if (result != STP_OK) {
+        return result;
+    }
+    plan->cell = surfels.cell;
+    plan->radius = stp_min(plan->radius, plan->cell * 0.4995f);
+    result =
+        finest ? make_finest(p, octave, plan, &surfels) : make_coarser(p, octave, plan, &surfels);
+    stp_grid_destroy(p->context, &surfels);
+    return result;
 }
 
 static stp_result make_octave(stp_pyramid* p, uint32_t octave)
 {
-    uint32_t count = p->surfels->octave_ends[octave];
-    memset(p->sums, 0, count * sizeof(*p->sums));
     stp_octave_plan plan;
     stp_pyramid_plan_octave(p, octave, &plan);
-    stp_grid surfels;
-    stp_result result = stp_grid_create_uncrowded(p->context, p->input->positions,
-                                                  p->input->normals, count, plan.cell, &surfels);
-    if (result != STP_OK) {
-        return result;
-    }
-    plan.cell = surfels.cell;
-    plan.radius = stp_min(plan.radius, plan.cell * 0.4995f);
-    bool finest = octave + 1 == p->surfels->octave_count;
-    result =
-        finest ? make_finest(p, octave, &plan, &surfels) : make_coarser(p, octave, &plan, &surfels);
-    stp_grid_destroy(p->context, &surfels);
+    stp_result result = color_octave(p, octave, &plan);
     if (result == STP_OK) {
-        result = stp_pyramid_choose_chances(p, octave, &plan);
+        result = stp_pyramid_cover(p, octave, &plan);
     }
-    return result;
+    return result == STP_OK ? stp_pyramid_choose_chances(p, octave, &plan) : result;
 }
 
-static void write_octaves(stp_pyramid* p)
+static void write_entries(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    size_t at = 0;
-    for (uint32_t octave = 0; octave < p->surfels->octave_count; ++octave) {
-        for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i, ++at) {
-            const stp_pyramid_entry* e = &p->octaves[octave][i];
-            for (int k = 0; k < 3; ++k) {
-                p->surfels->colors[3 * at + (size_t)k] =
-                    stp_linear_to_srgb8((float)e->color[k] / LINEAR_ONE);
-            }
-            p->surfels->coverages[at] = e->coverage;
+    (void)worker;
+    const stp_pyramid* p = user;
+    for (size_t at = begin; at < end; ++at) { // octaves follow each other, there as here
+        const stp_pyramid_entry* e = &p->entries[at];
+        for (int k = 0; k < 3; ++k) {
+            p->surfels->colors[3 * at + (size_t)k] =
+                stp_linear_to_srgb8((float)e->color[k] / LINEAR_ONE);
         }
+        p->surfels->coverages[at] = e->coverage;
     }
 }
 
@@ -207,6 +246,7 @@ static stp_result allocate_pyramid(stp_pyramid* p)
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         total += s->octave_ends[i];
     }
+    p->entry_count = total;
     p->entries = STP_NEW_ARRAY(p->context, stp_pyramid_entry, total);
     p->fraction_column = STP_NEW_ARRAY(p->context, uint16_t, total);
     p->sums = STP_NEW_ARRAY(p->context, stp_pyramid_sum, count);
@@ -248,10 +288,6 @@ stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input
         p.linear[i] = (uint32_t)(stp_srgb8_to_linear((uint8_t)i) * LINEAR_ONE + 0.5f);
     }
     stp_result result = allocate_pyramid(&p);
-    if (result == STP_OK) {
-        result = stp_sort_spatially(context, input->positions, surfels->count, p.visit);
-        p.visit_count = surfels->count;
-    }
     for (uint32_t octave = surfels->octave_count; result == STP_OK && octave > 0; --octave) {
         uint32_t done = surfels->octave_count - octave;
         result = stp_progress(context, "finish", (double)done / (double)surfels->octave_count);
@@ -260,7 +296,7 @@ stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input
         }
     }
     if (result == STP_OK) {
-        write_octaves(&p);
+        stp_parallel_for(context, p.entry_count, GRAIN, write_entries, &p);
     }
     free_pyramid(&p);
     return result;

@@ -65,6 +65,7 @@ typedef struct stp_pyramid {
     stp_pyramid_entry* octaves[STP_OCTAVE_LIMIT]; ///< entries of each octave, in one array
     uint16_t* fractions[STP_OCTAVE_LIMIT];        ///< the same fractions, as columns for searches
     stp_pyramid_entry* entries;
+    size_t entry_count; ///< of all octaves
     uint16_t* fraction_column;
     stp_pyramid_sum* sums;
     stp_grid candidates; ///< all, in cells made for the finest octave
@@ -89,14 +90,19 @@ static inline uint16_t stp_pyramid_fraction(double value)
     return (uint16_t)(value * 65535.0 + 0.5);
 }
 
+/// Spacings in the radius of a disk of points, below which they are too few to tell where their surface ends.
+#define STP_LEAST_SPACINGS 3.0
+
+/// Whether all disks of an octave are drawn whole, whatever lies around them: those of a cloud that reach few points, or of
+/// points that are all in one place.
+bool stp_pyramid_is_whole(const stp_pyramid* p, const stp_octave_plan* plan);
+
 /// How an octave is made: what samples its disks, and the cells to look in.
 void stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_plan* plan);
 
-/// Fills the fractions of the finest octave, whose entries have their opacities. `p->candidates` is there.
-void stp_pyramid_cover_finest(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan);
-/// The same of another octave; finer ones are done.
-STP_MUST_USE stp_result stp_pyramid_cover_coarser(stp_pyramid* p, uint32_t octave,
-                                                  const stp_octave_plan* plan);
+/// Fills the fractions of an octave, whose entries have their opacities; finer ones are done. `p->candidates` is there.
+STP_MUST_USE stp_result stp_pyramid_cover(stp_pyramid* p, uint32_t octave,
+                                          const stp_octave_plan* plan);
 enum {
     STP_VIEWS_TOLD = 8
 }; ///< directions of a capture that are told apart, where there are so many

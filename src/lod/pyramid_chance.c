@@ -40,8 +40,6 @@
 // Candidates that are looked at in a disk.
 #define DISK_SAMPLES 128.0
 #define MOST_STRIDE 4096.0
-// Spacings in the radius of a disk of points, below which they are too few to cut it along.
-#define LEAST_SPACINGS 3.0
 // Mean opacity from which surface counts as opaque. Opacities of children are averaged level by level: border disks that
 // are drawn with a few holes must not open the whole surface above them.
 #define OPAQUE 0.99
@@ -111,6 +109,7 @@ typedef struct chooser {
     uint32_t stride;    ///< of the candidates that are looked at
     float margin;       ///< how far beyond them surface may reach, over the disks' radius
     double disk, whole; ///< areas: of a disk; nearest to a surfel of a whole surface
+    bool is_cloud;
 } chooser;
 
 static chooser make_chooser(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
@@ -133,6 +132,7 @@ static chooser make_chooser(stp_pyramid* p, uint32_t octave, const stp_octave_pl
         .margin = (float)((density > 1.0 ? 0.25 : 0.5) * sqrt(stride / density) / disk),
         .disk = STP_PI * disk * disk * STP_AREA_UNITS,
         .whole = STP_WHOLE_SHARE * STP_PI * reach * reach * STP_AREA_UNITS,
+        .is_cloud = p->input->finish->candidates->direction_count == 0,
     };
 }
 
@@ -157,18 +157,21 @@ static bool is_opaque(const chooser* c, const stp_pyramid_entry* e)
     return (double)e->alpha >= (of_sets ? OPAQUE_OF_SETS : OPAQUE) * 65535.0;
 }
 
-// Disks that are known to be whole. @return how many are not; they are listed, along the curve
+// Disks that are known to be whole: of a cloud, those with points all over; of surface, only where enough of it faces as
+// the surfel does, and is opaque. @return how many are not; they are listed, along the curve
 static size_t choose_whole(const chooser* c, uint32_t* doubtful)
 {
     size_t count = 0;
     for (uint32_t at = 0; at < c->p->visit_count; ++at) {
         uint32_t i = c->p->visit[at];
         stp_pyramid_entry* e = &c->entries[i];
-        double cosine = facing(c->p, e, i);
-        bool enough = (double)e->area * cosine * cosine >= WHOLE * c->whole;
+        bool full = stp_stencil_is_full(&c->p->stencil, c->p->disks[i].cells);
+        if (full && !c->is_cloud) {
+            double cosine = facing(c->p, e, i);
+            full = is_opaque(c, e) && (double)e->area * cosine * cosine >= WHOLE * c->whole;
+        }
         e->coverage = STP_COVERAGE_WHOLE;
-        if (!is_opaque(c, e) || !enough ||
-            !stp_stencil_is_full(&c->p->stencil, c->p->disks[i].cells)) {
+        if (!full) {
             doubtful[count++] = i;
         }
     }
@@ -200,8 +203,8 @@ static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings*
                  (double)__builtin_popcountll(c->p->stencil.disk);
     hit = hit < (double)table->areas[code] ? hit : (double)table->areas[code];
     double area = ray_share(c, found) / hit;
-    if (c->p->input->finish->candidates->direction_count == 0) { // points: no holes, and no pixels
-        return cells >= FULL_CELLS && c->pixels >= LEAST_SPACINGS ? code : STP_COVERAGE_WHOLE;
+    if (c->is_cloud) { // no holes, and no pixels
+        return cells >= FULL_CELLS ? code : STP_COVERAGE_WHOLE;
     }
     double agreement = (double)(found->area / found->total);
     double facing_part = ramp(agreement, OPEN_FACING, FULL_FACING);
@@ -235,7 +238,7 @@ static stp_result look_around(const chooser* c, const uint32_t* doubtful, size_t
                                       .radius = c->disk_radius,
                                       .found = found};
     // few samples, or points, which do not lie in rows: their squares are twice as wide, so that they close up
-    bool wide = c->stride == 1 || p->input->finish->candidates->direction_count == 0;
+    bool wide = c->stride == 1 || c->is_cloud;
     float spacing = sqrtf((float)c->stride) / (float)c->pixels;
     search.footprint = stp_min((wide ? 0.75f : 0.5f) * spacing, 0.5f);
     stp_grid grid;
@@ -266,9 +269,16 @@ static stp_result choose_all(const chooser* c, uint32_t* doubtful)
     return result;
 }
 
+bool stp_pyramid_is_whole(const stp_pyramid* p, const stp_octave_plan* plan)
+{
+    const stp_candidates* c = p->input->finish->candidates;
+    double spacings = (double)plan->disk_radius / c->pixel_size;
+    return !(c->pixel_size > 0.0) || (c->direction_count == 0 && spacings < STP_LEAST_SPACINGS);
+}
+
 stp_result stp_pyramid_choose_chances(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
 {
-    if (!(p->input->finish->candidates->pixel_size > 0.0)) { // points that are all in one place
+    if (stp_pyramid_is_whole(p, plan)) {
         for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
             p->octaves[octave][i].coverage = STP_COVERAGE_WHOLE;
         }

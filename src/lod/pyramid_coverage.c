@@ -141,7 +141,7 @@ static void cover_sampled(stp_pyramid* p, uint32_t octave)
 }
 
 // Lists the surfels of a prefix along the curve, from those of a longer one.
-static uint32_t list_prefix(stp_pyramid* p, uint32_t count)
+static void list_prefix(stp_pyramid* p, uint32_t count)
 {
     uint32_t listed = 0;
     for (uint32_t i = 0; i < p->visit_count; ++i) {
@@ -150,7 +150,6 @@ static uint32_t list_prefix(stp_pyramid* p, uint32_t count)
         listed += surfel < count;
     }
     p->visit_count = listed;
-    return listed;
 }
 
 static stp_disk_search begin_disk_search(stp_pyramid* p, uint32_t octave,
@@ -161,7 +160,7 @@ static stp_disk_search begin_disk_search(stp_pyramid* p, uint32_t octave,
         .positions = p->input->positions,
         .normals = p->input->normals,
         .visit = p->visit,
-        .count = list_prefix(p, p->surfels->octave_ends[octave]),
+        .count = p->surfels->octave_ends[octave],
         .radius = stp_min(plan->disk_radius, MOST_CELLS * samples->cell),
         .two_sided = p->input->finish->two_sided,
         .stencil = &p->stencil,
@@ -227,13 +226,38 @@ static stp_result look_at_dense_surfels(stp_pyramid* p, uint32_t octave,
     return result;
 }
 
-void stp_pyramid_cover_finest(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
+// Lists the octave's surfels along the curve. No finer one was listed, or it holds these.
+static stp_result list_surfels(stp_pyramid* p, uint32_t count)
 {
-    look_at_candidates(p, octave, plan, &p->candidates);
+    if (p->visit_count != 0) {
+        list_prefix(p, count);
+        return STP_OK;
+    }
+    p->visit_count = count;
+    return stp_sort_spatially(p->context, p->input->positions, count, p->visit);
 }
 
-stp_result stp_pyramid_cover_coarser(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
+static void cover_wholly(stp_pyramid* p, uint32_t octave)
 {
+    for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
+        set_fraction(p, octave, i, opacity(&p->octaves[octave][i]));
+    }
+}
+
+stp_result stp_pyramid_cover(stp_pyramid* p, uint32_t octave, const stp_octave_plan* plan)
+{
+    if (stp_pyramid_is_whole(p, plan)) {
+        cover_wholly(p, octave);
+        return STP_OK;
+    }
+    stp_result result = list_surfels(p, p->surfels->octave_ends[octave]);
+    if (result != STP_OK) {
+        return result;
+    }
+    if (octave + 1 == p->surfels->octave_count) {
+        look_at_candidates(p, octave, plan, &p->candidates);
+        return STP_OK;
+    }
     return plan->dense_count != 0 ? look_at_dense_surfels(p, octave, plan)
                                   : look_at_some_candidates(p, octave, plan);
 }

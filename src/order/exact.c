@@ -23,6 +23,7 @@ enum {
     PUSH_SIZE = 2048, // chosen points told to the tree at a time
     AHEAD = 12,       // points whose memory is asked for before it is needed
     TASK_COUNT = 32,  // least number of subtrees that threads share
+    TOGETHER = 64, // chosen points, near each other, whose box is compared with a subtree's first
 };
 
 static const float front_ratio = 0.81f; // (0.9 r)^2 / r^2
@@ -51,6 +52,7 @@ typedef struct greedy {
     uint32_t task_level;                 // the subtrees below the branches of this level are tasks
     uint32_t* task_counts;               // points collected by each
     uint32_t first_chosen, chosen_count; // of this phase
+    stp_box* boxes;                      // of each TOGETHER of them; for threads only
     float floor;
 } greedy;
 
@@ -248,33 +250,73 @@ static bool reaches(const stp_chosen* p, const stp_branch* branch, uint32_t chil
     return box_distance(branch, child, (stp_vec3){p->x, p->y, p->z}) < branch->gap[child];
 }
 
+static void find_boxes(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    greedy* g = user;
+    for (size_t k = begin; k < end; ++k) {
+        uint32_t first = (uint32_t)k * TOGETHER, last = first + TOGETHER;
+        last = last < g->chosen_count ? last : g->chosen_count;
+        stp_box box = stp_box_empty();
+        for (uint32_t i = first; i < last; ++i) {
+            const stp_chosen* p = &g->chosen[g->first_chosen + i];
+            stp_box_add(&box, (stp_vec3){p->x, p->y, p->z});
+        }
+        g->boxes[k] = box;
+    }
+}
+
+// Whether any point of a box may change anything in a child's box: differences and squares round alike, so none that
+// does by itself is missed.
+static bool box_reaches(const stp_box* box, const stp_branch* branch, uint32_t child)
+{
+    float x = stp_max(
+        0.0f, stp_max(branch->low_x[child] - box->max.x, box->min.x - branch->high_x[child]));
+    float y = stp_max(
+        0.0f, stp_max(branch->low_y[child] - box->max.y, box->min.y - branch->high_y[child]));
+    float z = stp_max(
+        0.0f, stp_max(branch->low_z[child] - box->max.z, box->min.z - branch->high_z[child]));
+    return (x * x + y * y) + z * z < branch->gap[child];
+}
+
 // Tells one subtree about the phase's points, a list at a time.
+static void push_into(greedy* g, uint32_t task, uint32_t* list)
+{
+    uint32_t level = g->task_level, child = task % STP_BRANCH_SIZE, count = 0;
+    const stp_branch* above =
+        level + 1 < g->tree.level_count ? &g->tree.levels[level + 1][task / STP_BRANCH_SIZE] : NULL;
+    for (uint32_t i = 0; i < g->chosen_count; i += TOGETHER) {
+        if (above != NULL && !box_reaches(&g->boxes[i / TOGETHER], above, child)) {
+            continue;
+        }
+        uint32_t last = i + TOGETHER < g->chosen_count ? i + TOGETHER : g->chosen_count;
+        for (uint32_t k = g->first_chosen + i; k < g->first_chosen + last; ++k) {
+            if (above == NULL || reaches(&g->chosen[k], above, child)) {
+                list[count++] = k;
+            }
+        }
+        if (count > PUSH_SIZE - TOGETHER) {
+            g->kernels->push(&g->tree, level, task, g->chosen, list, count, list + PUSH_SIZE);
+            count = 0;
+        }
+    }
+    if (count != 0) {
+        g->kernels->push(&g->tree, level, task, g->chosen, list, count, list + PUSH_SIZE);
+    }
+}
+
 static void run_push(size_t begin, size_t end, uint32_t worker, void* user)
 {
     greedy* g = user;
-    uint32_t level = g->task_level;
-    uint32_t* list = g->scratch + g->scratch_stride * worker;
     for (size_t task = begin; task < end; ++task) {
-        const stp_branch* above = level + 1 < g->tree.level_count
-                                      ? &g->tree.levels[level + 1][task / STP_BRANCH_SIZE]
-                                      : NULL;
-        uint32_t last = g->first_chosen + g->chosen_count, count = 0;
-        for (uint32_t i = g->first_chosen; i < last; ++i) {
-            if (above == NULL || reaches(&g->chosen[i], above, (uint32_t)task % STP_BRANCH_SIZE)) {
-                list[count++] = i;
-            }
-            if (count == PUSH_SIZE || (i + 1 == last && count != 0)) {
-                g->kernels->push(&g->tree, level, (uint32_t)task, g->chosen, list, count,
-                                 list + PUSH_SIZE);
-                count = 0;
-            }
-        }
+        push_into(g, (uint32_t)task, g->scratch + g->scratch_stride * worker);
     }
 }
 
 static void push_chosen(greedy* g)
 {
     if (g->team.threads > 1) {
+        stp_team_run(&g->team, (g->chosen_count + TOGETHER - 1) / TOGETHER, 16, find_boxes, g);
         stp_team_run(&g->team, g->tree.level_sizes[g->task_level], 1, run_push, g);
         return;
     }
@@ -377,8 +419,9 @@ static stp_result greedy_create(greedy* g)
     g->chosen = STP_NEW_ARRAY(context, stp_chosen, g->output->wanted);
     g->scratch = STP_NEW_ARRAY(context, uint32_t, g->scratch_stride * g->team.threads);
     g->task_counts = STP_NEW_ARRAY(context, uint32_t, g->tree.level_sizes[g->task_level]);
+    g->boxes = STP_NEW_ARRAY(context, stp_box, g->output->wanted / TOGETHER + 1);
     if (g->ids == NULL || g->positions == NULL || g->chosen == NULL || g->scratch == NULL ||
-        g->task_counts == NULL) {
+        g->task_counts == NULL || g->boxes == NULL) {
         return stp_fail_memory(context);
     }
     result = stp_points_sort(g->points, &g->team, &g->tree, g->ids);
@@ -399,6 +442,7 @@ static void greedy_destroy(greedy* g)
     stp_free(context, g->chosen);
     stp_free(context, g->scratch);
     stp_free(context, g->task_counts);
+    stp_free(context, g->boxes);
 }
 
 // Phase after phase until enough are chosen or no gap is left, and the final radius after that.
