@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "canvas.h"
 
+#include "base/file.h"
 #include "base/math.h"
 
 #include <math.h>
@@ -25,13 +26,8 @@ static const char* const font_paths[] = {
 
 static bool load_font(struct canvas_font* font, const char* path)
 {
-    FILE* file = fopen(path, "rb");
-    if (file == NULL) {
-        return false;
-    }
     font->bytes = malloc(FONT_BYTES_MOST);
-    size_t size = font->bytes != NULL ? fread(font->bytes, 1, FONT_BYTES_MOST, file) : 0;
-    (void)fclose(file);
+    size_t size = font->bytes != NULL ? stp_file_peek(path, font->bytes, FONT_BYTES_MOST) : 0;
     font->loaded =
         size > 0 && size < FONT_BYTES_MOST && stbtt_InitFont(&font->info, font->bytes, 0);
     if (!font->loaded) {

@@ -6,6 +6,7 @@
 #include "find_report.h"
 #include "scene_file.h"
 
+#include "base/file.h"
 #include "build/census.h"
 #include "build/content.h"
 
@@ -100,11 +101,7 @@ static bool is_store(const char* path)
 {
     static const unsigned char magic[8] = {0x89, 'S', 'T', 'P', '\r', '\n', 0x1a, '\n'};
     unsigned char bytes[8] = {0};
-    FILE* file = fopen(path, "rb");
-    bool same = file != NULL && fread(bytes, 1, 8, file) == 8 && memcmp(bytes, magic, 8) == 0;
-    if (file != NULL) {
-        fclose(file);
-    }
+    bool same = stp_file_peek(path, bytes, 8) == 8 && memcmp(bytes, magic, 8) == 0;
     size_t length = strlen(path);
     return same || (length > 5 && strcmp(path + length - 5, ".stip") == 0);
 }

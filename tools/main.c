@@ -100,6 +100,7 @@ static void end_without_file(int number)
 int main(int argc, char** argv)
 {
     (void)signal(SIGPIPE, SIG_IGN); // a reader that goes away is a failed write, with a message
+    (void)signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow further
     (void)signal(SIGBUS, end_without_file);
     int first = 1;
     while (first < argc && argv[first][0] == '-') {

@@ -3,6 +3,8 @@
 
 #include "tool.h"
 
+#include "base/file.h"
+
 #include <dirent.h>
 #include <limits.h>
 #include <stdlib.h>
@@ -32,18 +34,14 @@ static bool folder_of(const char* path, char folder[PATH_MAX])
 
 static bool file_contains(const char* path, const char* name)
 {
-    FILE* file = fopen(path, "rb");
-    char* bytes = file != NULL ? malloc(SEARCHED_BYTES) : NULL;
-    size_t size = bytes != NULL ? fread(bytes, 1, SEARCHED_BYTES, file) : 0;
+    char* bytes = malloc(SEARCHED_BYTES);
+    size_t size = bytes != NULL ? stp_file_peek(path, bytes, SEARCHED_BYTES) : 0;
     size_t length = strlen(name);
     bool found = false;
     for (size_t at = 0; !found && at + length <= size; ++at) {
         found = bytes[at] == name[0] && memcmp(bytes + at, name, length) == 0;
     }
     free(bytes);
-    if (file != NULL) {
-        (void)fclose(file);
-    }
     return found;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "scene_file.h"
 
+#include "neighbours.h"
+
 #include "base/file.h"
 #include "base/hash.h"
 #include "build/build.h"
@@ -8,7 +10,6 @@
 #include "present/camera.h"
 #include "scenes/scenes.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -19,7 +20,7 @@
 #include <unistd.h>
 
 // Part of the name of what is cached: to be raised when builds of the same input become different.
-static const char* const cache_version = "stipple-" STP_VERSION "-6";
+static const char* const cache_version = "stipple-" STP_VERSION "-7";
 static const char* const parameters =
     "{\"method\":\"blue\",\"metric\":\"side\",\"order\":\"exact\",\"threshold\":1000}";
 
@@ -28,7 +29,6 @@ static const char* const parameters =
 static const uint64_t quick_surfels = UINT64_C(100000), quick_triangles = UINT64_C(1) << 27;
 
 enum {
-    SEARCHED_BYTES = 1 << 24, ///< of a model, for names of other files
     SCENE_USES = 3,
 };
 
@@ -62,53 +62,6 @@ static bool make_folders(char* path)
     return mkdir(path, 0777) == 0 || errno == EEXIST;
 }
 
-static bool contains(const stp_mapped_file* file, const char* text)
-{
-    size_t length = strlen(text), size = file->size < SEARCHED_BYTES ? file->size : SEARCHED_BYTES;
-    const unsigned char* at = file->bytes;
-    const unsigned char* end = at + size;
-    while (size >= length && (at = memchr(at, text[0], (size_t)(end - at))) != NULL) {
-        if ((size_t)(end - at) < length) {
-            return false;
-        }
-        if (memcmp(at, text, length) == 0) {
-            return true;
-        }
-        at += 1;
-    }
-    return false;
-}
-
-/// Some models name files beside them (buffers, pictures, materials): the hash takes in the names, sizes and times
-/// of those. The order in which the folder lists them does not matter.
-static void hash_neighbours(const char* path, const stp_mapped_file* file, stp_hash* hash)
-{
-    char folder[PATH_MAX];
-    const char* slash = strrchr(path, '/');
-    snprintf(folder, sizeof(folder), "%.*s", slash != NULL ? (int)(slash - path) : 1,
-             slash != NULL ? path : ".");
-    DIR* listing = opendir(folder);
-    stp_hash sum = {0};
-    for (struct dirent* entry; listing != NULL && (entry = readdir(listing)) != NULL;) {
-        char full[PATH_MAX + 260];
-        struct stat status;
-        snprintf(full, sizeof(full), "%s/%s", folder, entry->d_name);
-        if (strlen(entry->d_name) > 2 && contains(file, entry->d_name) &&
-            stat(full, &status) == 0) {
-            int64_t numbers[3] = {(int64_t)status.st_size, (int64_t)status.st_mtim.tv_sec,
-                                  (int64_t)status.st_mtim.tv_nsec};
-            stp_hash one = stp_hash_bytes((stp_hash){0}, entry->d_name, strlen(entry->d_name));
-            one = stp_hash_bytes(one, numbers, sizeof(numbers));
-            sum.low += one.low;
-            sum.high += one.high;
-        }
-    }
-    if (listing != NULL) {
-        closedir(listing);
-    }
-    *hash = stp_hash_bytes(*hash, &sum, sizeof(sum));
-}
-
 /// What a model is, for the cache: its bytes, and those of files that it names.
 static void hash_model(const char* path, const stp_mapped_file* file, stp_hash* hash)
 {
@@ -119,8 +72,16 @@ static void hash_model(const char* path, const stp_mapped_file* file, stp_hash* 
     }
     const char* dot = strrchr(name, '.');
     if (dot != NULL && (strcmp(dot, ".gltf") == 0 || strcmp(dot, ".obj") == 0)) {
-        hash_neighbours(path, file, hash);
+        neighbours_hash(path, file, hash);
     }
+}
+
+/// Whether a folder where anybody may have made it is this user's alone.
+static bool is_own_folder(const char* path)
+{
+    struct stat status;
+    return lstat(path, &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid() &&
+           (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
 /// The folder of built models. @return false, with the message logged
@@ -129,16 +90,25 @@ static bool cache_folder(stp_context* context, char* folder, size_t size)
     const char* cache = getenv("XDG_CACHE_HOME");
     const char* home = getenv("HOME");
     int length;
+    bool is_shared = false;
     if (cache != NULL && cache[0] == '/') {
         length = snprintf(folder, size, "%s/stipple", cache);
     } else if (home != NULL && home[0] == '/') {
         length = snprintf(folder, size, "%s/.cache/stipple", home);
     } else {
         length = snprintf(folder, size, "/tmp/stipple-%ld", (long)getuid());
+        is_shared = true;
     }
     if (length < 0 || (size_t)length >= size || !make_folders(folder)) {
         (void)stp_fail(context, STP_ERROR_IO, "%s: the folder for built models cannot be made: %s",
                        folder, strerror(errno));
+        return false;
+    }
+    if (is_shared && !is_own_folder(folder)) {
+        (void)stp_fail(context, STP_ERROR_IO,
+                       "%s: the folder for built models belongs to somebody else, or others may "
+                       "write there; set HOME or XDG_CACHE_HOME",
+                       folder);
         return false;
     }
     return true;

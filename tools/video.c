@@ -33,6 +33,7 @@ static int spawn_ffmpeg(char* const arguments[], int input, pid_t* child)
     sigset_t usual;
     sigemptyset(&usual);
     sigaddset(&usual, SIGPIPE); // ignored here
+    sigaddset(&usual, SIGXFSZ);
     int problem = posix_spawn_file_actions_init(&actions);
     if (problem != 0) {
         return problem;
@@ -59,18 +60,10 @@ static bool create_unfinished(video* v)
         return false;
     }
     stp_file_remove_stale(v->context, v->path);
-    int length =
-        snprintf(v->unfinished, sizeof(v->unfinished), "%s.tmp-%ld-0", v->path, (long)getpid());
-    if (length < 0 || (size_t)length >= sizeof(v->unfinished)) {
-        tool_error("%s: the name is too long", v->path);
-        return false;
-    }
-    int file = open(v->unfinished, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (file < 0) {
+    if (!stp_file_create_beside(v->path, v->unfinished, sizeof(v->unfinished))) {
         tool_error("%s: cannot be written: %s", v->path, strerror(errno));
         return false;
     }
-    close(file);
     return true;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "recent.h"
 
+#include "base/file.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,16 +81,12 @@ void recent_load(recent_files* recent)
 {
     char path[PATH_MAX];
     *recent = (recent_files){0};
-    FILE* file = find_file(path) ? fopen(path, "rb") : NULL;
-    char* text = file != NULL ? malloc(TEXT_MOST + 1) : NULL;
+    char* text = find_file(path) ? malloc(TEXT_MOST + 1) : NULL;
     if (text != NULL) {
-        text[fread(text, 1, TEXT_MOST, file)] = 0;
+        text[stp_file_peek(path, text, TEXT_MOST)] = 0;
         recent_parse(recent, text);
     }
     free(text);
-    if (file != NULL) {
-        fclose(file);
-    }
 }
 
 void recent_save(const recent_files* recent)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "settings.h"
 
+#include "base/file.h"
+
 #include <jansson.h>
 #include <limits.h>
 #include <stddef.h>
@@ -141,11 +143,8 @@ static bool find_file(char* path, size_t size, bool makes_folder)
 void viewer_settings_load(viewer_settings* settings)
 {
     char path[PATH_MAX], text[8192];
-    FILE* file = find_file(path, sizeof(path), false) ? fopen(path, "rb") : NULL;
-    if (file != NULL) {
-        size_t length = fread(text, 1, sizeof(text) - 1, file);
-        text[length] = 0;
-        fclose(file);
+    if (find_file(path, sizeof(path), false)) {
+        text[stp_file_peek(path, text, sizeof(text) - 1)] = 0;
         (void)viewer_settings_parse(settings, text);
     }
 }

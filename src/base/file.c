@@ -72,6 +72,19 @@ bool stp_file_read_at(int descriptor, uint64_t offset, void* bytes, size_t size)
     return true;
 }
 
+size_t stp_file_peek(const char* path, void* bytes, size_t size)
+{
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    struct stat status;
+    size_t read = 0;
+    if (descriptor >= 0 && fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
+        size = (uint64_t)status.st_size < size ? (size_t)status.st_size : size;
+        read = stp_file_read_at(descriptor, 0, bytes, size) ? size : 0;
+    }
+    stp_file_close(descriptor);
+    return read;
+}
+
 void stp_file_close(int descriptor)
 {
     if (descriptor >= 0) {
@@ -147,8 +160,31 @@ static stp_result resolve_link(stp_file_writer* writer)
     return path != NULL ? STP_OK : stp_fail_memory(writer->context);
 }
 
-// Makes a file beside the final one, of a name nobody else uses: another writer of the same path,
-// or what a killed process left behind, is not touched.
+// Another writer of the same path, or what a killed process left behind, is not touched, and no link is followed.
+// @return the descriptor; -1 where there is none
+static int open_beside(const char* path, char* temporary, size_t size)
+{
+    for (unsigned attempt = 0; attempt < MOST_ATTEMPTS; ++attempt) {
+        int length = snprintf(temporary, size, "%s.tmp-%ld-%u", path, (long)getpid(), attempt);
+        if (length < 0 || (size_t)length >= size) {
+            errno = ENAMETOOLONG;
+            return -1;
+        }
+        int descriptor = open(temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor >= 0 || errno != EEXIST) {
+            return descriptor;
+        }
+    }
+    return -1;
+}
+
+bool stp_file_create_beside(const char* path, char* temporary, size_t size)
+{
+    int descriptor = open_beside(path, temporary, size);
+    stp_file_close(descriptor);
+    return descriptor >= 0;
+}
+
 static stp_result open_temporary(stp_file_writer* writer)
 {
     size_t length = strlen(writer->path) + NAME_ROOM;
@@ -160,17 +196,8 @@ static stp_result open_temporary(stp_file_writer* writer)
     if (stat(writer->path, &status) == 0 && !S_ISREG(status.st_mode)) {
         return stp_fail(writer->context, STP_ERROR_IO, "%s: is not a regular file", writer->path);
     }
-    for (unsigned attempt = 0; attempt < MOST_ATTEMPTS; ++attempt) {
-        snprintf(writer->temporary, length, "%s.tmp-%ld-%u", writer->path, (long)getpid(), attempt);
-        writer->descriptor = open(writer->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (writer->descriptor >= 0) {
-            return STP_OK;
-        }
-        if (errno != EEXIST) {
-            break;
-        }
-    }
-    return fail_io(writer, "written");
+    writer->descriptor = open_beside(writer->path, writer->temporary, length);
+    return writer->descriptor >= 0 ? STP_OK : fail_io(writer, "written");
 }
 
 stp_result stp_file_writer_open(stp_context* context, const char* path, stp_file_writer** writer)

@@ -19,6 +19,9 @@ STP_MUST_USE stp_result stp_file_map_open(stp_context* context, const char* path
 /// Reads a part of an open file. Any thread. @return false where it has no such part, or cannot be read
 bool stp_file_read_at(int descriptor, uint64_t offset, void* bytes, size_t size);
 void stp_file_close(int descriptor);
+/// Reads the first bytes of a regular file, at most `size`. @return how many; 0 of what cannot be read, or is a folder, a
+/// device or a pipe
+size_t stp_file_peek(const char* path, void* bytes, size_t size);
 /// Says that few places of the file will be read, in no order: nothing is read ahead.
 void stp_file_expect_random(const stp_mapped_file* file);
 /// Gives back the memory that holds what has been read of the file; it stays readable, and is read again where
@@ -46,6 +49,10 @@ STP_MUST_USE stp_result stp_file_writer_commit(stp_file_writer* writer);
 STP_MUST_USE stp_result stp_file_writer_commit_passing(stp_file_writer* writer);
 /// Removes the temporary file and ends the writer. NULL is allowed.
 void stp_file_writer_abort(stp_file_writer* writer);
+
+/// Makes an empty file beside `path` of a name nobody else uses (`path`.tmp-<process>-<number>), for a child to write.
+/// @return false where it cannot be made (errno says why; ENAMETOOLONG where `size` is too small for the name)
+bool stp_file_create_beside(const char* path, char* temporary, size_t size);
 
 /// How many bytes the disk still takes beside `path`; UINT64_MAX where it does not say.
 uint64_t stp_file_room(const char* path);
