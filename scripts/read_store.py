@@ -87,18 +87,47 @@ def read_sections(data, header):
         place = f"section {i} of type {kind}"
         need(offset == align(end) and offset + size <= header["data_offset"], f"{place}: is not in its place")
         need(not any(data[end:offset]), f"{place}: bytes before it")
-        need(size == count * record_size and count < NONE and record_size > 0, f"{place}: size")
-        need(zlib.crc32(data[offset:offset + size]) == crc, f"{place}: wrong checksum")
-        need(flags <= 1, f"{place}: flags")
+        need(flags <= 3 and count < NONE and record_size > 0, f"{place}: flags, count or record_size")
+        content = data[offset:offset + size]
+        if flags & 2:
+            need(kind != 21, f"{place}: is packed")
+            content = unpack_section(content, count * record_size, 65536 // record_size * record_size, crc, place)
+        else:
+            need(zlib.crc32(content) == crc, f"{place}: wrong checksum")
+        need(len(content) == count * record_size, f"{place}: size")
         end = offset + size
         if kind in RECORDS or kind in TEXT_SECTIONS:
             need(kind not in sections, f"{place}: is there twice")
-            sections[kind] = (offset, size, count, record_size)
+            sections[kind] = (content, count, record_size)
         else:
-            need(flags == 0, f"{place}: is critical, and not known")
+            need(not flags & 1, f"{place}: is critical, and not known")
     need(header["data_offset"] == align(end) and not any(data[end:header["data_offset"]]), "data_offset")
     check_pages(data, header, sections)
     return sections
+
+
+def unpack_section(stored, length, page_bytes, crc, place):
+    """The content of a packed section, joined from its pages."""
+    need(page_bytes > 0, f"{place}: its records are longer than a page")
+    at = 8 * -(-length // page_bytes)
+    need(at <= len(stored) and zlib.crc32(stored[:at]) == crc, f"{place}: table of pages")
+    content = []
+    for i, (size, page_crc) in enumerate(struct.iter_unpack("<2I", stored[:at])):
+        page, at = stored[at:at + size], at + size
+        need(len(page) == size and zlib.crc32(page) == page_crc, f"{place}: page {i}")
+        content.append(unpack(page, min(page_bytes, length - i * page_bytes), f"{place}: page {i}"))
+    need(at == len(stored), f"{place}: bytes after the last page")
+    return b"".join(content)
+
+
+def unpack(piece, length, place):
+    """The content of a chunk or page."""
+    need(length >= len(piece) >= length // 32, f"{place}: size")
+    if len(piece) < length:
+        inflater = zlib.decompressobj(-15)
+        piece = inflater.decompress(piece, length + 1)
+        need(inflater.eof and len(piece) == length and not any(inflater.unused_data), f"{place}: compression")
+    return piece
 
 
 def check_pages(data, header, sections):
@@ -106,11 +135,11 @@ def check_pages(data, header, sections):
         return
     pages = []
     for i in range(header["section_count"]):
-        kind, _, begin, size = struct.unpack_from("<IIQQ", data, 128 + 40 * i)
+        kind, flags, begin, size = struct.unpack_from("<IIQQ", data, 128 + 40 * i)
         pages += [zlib.crc32(data[at:min(at + 16384, begin + size)]) for at in range(begin, begin + size, 16384)
-                  if kind != 21]
-    offset, _, count, record_size = sections[21]
-    need(pages == [struct.unpack_from("<I", data, offset + i * record_size)[0] for i in range(count)],
+                  if kind != 21 and not flags & 2]
+    content, count, record_size = sections[21]
+    need(pages == [struct.unpack_from("<I", content, i * record_size)[0] for i in range(count)],
          "checksums of pages")
 
 
@@ -136,18 +165,17 @@ def read_record(values, names, texts, place):
     return record
 
 
-def read_tables(data, sections):
+def read_tables(sections):
     texts = {}
     for kind, name in TEXT_SECTIONS.items():
-        offset, size, _, record_size = sections.get(kind, (0, 0, 0, 1))
-        texts[kind] = data[offset:offset + size]
-        need(record_size == 1 and (size == 0 or texts[kind][-1] == 0), f"{name}: does not end with a zero byte")
+        texts[kind], _, record_size = sections.get(kind, (b"", 0, 1))
+        need(record_size == 1 and (not texts[kind] or texts[kind][-1] == 0), f"{name}: does not end with a zero byte")
     tables = {"build": read_text(texts[16], 0) if texts[16] else None}
     for kind, (name, layout, names) in RECORDS.items():
-        offset, _, count, record_size = sections.get(kind, (0, 0, 0, 1 << 20))
+        content, count, record_size = sections.get(kind, (b"", 0, 1 << 20))
         need(record_size >= struct.calcsize("<" + layout), f"{name}: records are too short")
         text = texts[18] if name == "objects" else texts[15]
-        tables[name] = [read_record(struct.unpack_from("<" + layout, data, offset + i * record_size),
+        tables[name] = [read_record(struct.unpack_from("<" + layout, content, i * record_size),
                                     names.replace("FIGURES", FIGURES).split(),
                                     text, f"{name} {i}") for i in range(count)]
     return tables
@@ -406,11 +434,8 @@ def unpack_octave(record, block, stored, place):
         chunk, at = stored[at:at + size], at + size
         places, colors = max(0, stop - max(begin, first)), stop - begin
         length = 9 * places + 4 * colors
-        need(len(chunk) == size <= length and size >= length // 32 and zlib.crc32(chunk) == crc, f"{place}: chunk")
-        if size < length:
-            inflater = zlib.decompressobj(-15)
-            chunk = inflater.decompress(chunk, length + 1)
-            need(inflater.eof and len(chunk) == length and not any(inflater.unused_data), f"{place}: compression")
+        need(len(chunk) == size and zlib.crc32(chunk) == crc, f"{place}: chunk")
+        chunk = unpack(chunk, length, f"{place}: chunk")
         part = 0
         for name, step in (("positions", 6 * places), ("normals", 2 * places), ("materials", places), ("colors", 3 * colors),
                            ("coverages", colors)):
@@ -468,7 +493,7 @@ def read_blocks(data, header, t):
 
 def read_store(data):
     header = read_header(data)
-    tables = read_tables(data, read_sections(data, header))
+    tables = read_tables(read_sections(data, header))
     check_graph(header, tables)
     gather_sets(tables)
     read_blocks(data, header, tables)

@@ -4,15 +4,13 @@
 #include "base/bytes.h"
 #include "store/internal.h"
 
-#include <libdeflate.h>
 #include <string.h>
 
 enum {
     COLOR_BYTES = 4, ///< of a surfel's colour and coverage
     PLACE_BYTES = 9, ///< of its position, normal and material
-    COLORS_MOST = STP_STORE_CHUNK_BYTES / COLOR_BYTES,
-    SURFELS_MOST = STP_STORE_CHUNK_BYTES / (COLOR_BYTES + PLACE_BYTES),
-    LEVEL = 6, ///< of compression: docs/notes/2026-11-compression.md
+    COLORS_MOST = STP_STORE_PIECE_BYTES / COLOR_BYTES,
+    SURFELS_MOST = STP_STORE_PIECE_BYTES / (COLOR_BYTES + PLACE_BYTES),
 };
 
 stp_store_octave_span stp_store_span_of(const stp_surfels* surfels, uint32_t octave,
@@ -36,7 +34,7 @@ static uint64_t mixed_end(const stp_store_octave_span* span)
 {
     uint32_t colors = span->first % COLORS_MOST;
     return (uint64_t)span->first +
-           (STP_STORE_CHUNK_BYTES - COLOR_BYTES * colors) / (COLOR_BYTES + PLACE_BYTES);
+           (STP_STORE_PIECE_BYTES - COLOR_BYTES * colors) / (COLOR_BYTES + PLACE_BYTES);
 }
 
 uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
@@ -96,7 +94,7 @@ uint64_t stp_store_chunk_columns(const stp_store_octave_span* span, uint32_t chu
 uint64_t stp_store_chunk_table_bytes(const stp_store_octave_span* span)
 {
     uint64_t count = stp_store_chunk_count(span);
-    return count > 1 ? count * STP_STORE_CHUNK_ENTRY : 0;
+    return count > 1 ? count * STP_STORE_PIECE_ENTRY : 0;
 }
 
 static uint64_t decoded_bytes(const stp_store_octave_span* span)
@@ -111,62 +109,8 @@ bool stp_store_can_hold(const stp_store_octave_span* span, uint64_t size)
     if (span->encoding == STP_STORE_ENCODING_PLAIN) {
         return size == decoded;
     }
-    uint64_t least = decoded / STP_STORE_CHUNK_RATIO, rounded = stp_store_chunk_count(span);
+    uint64_t least = decoded / STP_STORE_PIECE_RATIO, rounded = stp_store_chunk_count(span);
     return size >= table && size - table <= decoded && size - table + rounded >= least;
-}
-
-stp_store_packer* stp_store_packer_create(void)
-{
-    return libdeflate_alloc_compressor(LEVEL);
-}
-
-void stp_store_packer_destroy(stp_store_packer* packer)
-{
-    if (packer != NULL) {
-        libdeflate_free_compressor(packer);
-    }
-}
-
-size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out)
-{
-    size_t least = size / STP_STORE_CHUNK_RATIO;
-    size_t made = packer != NULL && size > 1
-                      ? libdeflate_deflate_compress(packer, bytes, size, out, size - 1)
-                      : 0;
-    if (made == 0) {
-        memcpy(out, bytes, size);
-        return size;
-    }
-    if (made <
-        least) { // zero bytes follow: no reader needs much more memory than the file has bytes
-        memset((unsigned char*)out + made, 0, least - made);
-        made = least;
-    }
-    return made;
-}
-
-/// `decompressor` is made when first needed.
-static bool unpack(struct libdeflate_decompressor** decompressor, const unsigned char* stored,
-                   size_t stored_size, void* out, size_t size)
-{
-    size_t used = 0, made = 0;
-    if (stored_size < size / STP_STORE_CHUNK_RATIO) {
-        return false;
-    }
-    if (*decompressor == NULL) {
-        *decompressor = libdeflate_alloc_decompressor();
-    }
-    if (*decompressor == NULL ||
-        libdeflate_deflate_decompress_ex(*decompressor, stored, stored_size, out, size, &used,
-                                         &made) != LIBDEFLATE_SUCCESS) {
-        return false;
-    }
-    for (size_t i = used; i < stored_size; ++i) {
-        if (stored[i] != 0) {
-            return false;
-        }
-    }
-    return made == size;
 }
 
 const char* const stp_store_unreadable = "bytes";
@@ -204,7 +148,7 @@ static void scatter(const stp_store_column* columns, unsigned char* const* targe
 static const char* read_plain(block_reader* at, const stp_store_octave_span* span,
                               unsigned char* const* targets)
 {
-    unsigned char bytes[STP_STORE_CHUNK_BYTES];
+    unsigned char bytes[STP_STORE_PIECE_BYTES];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     const stp_store_block* block = at->source->block;
     uint32_t crc = 0;
@@ -226,7 +170,7 @@ static const char* read_plain(block_reader* at, const stp_store_octave_span* spa
 static const char* find_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
                               uint64_t* offset)
 {
-    unsigned char bytes[512 * STP_STORE_CHUNK_ENTRY];
+    unsigned char bytes[512 * STP_STORE_PIECE_ENTRY];
     const stp_store_block* block = at->source->block;
     uint64_t table = stp_store_chunk_table_bytes(span), end = table;
     uint32_t crc = 0, index = 0;
@@ -237,7 +181,7 @@ static const char* find_chunk(block_reader* at, const stp_store_octave_span* spa
             return stp_store_unreadable;
         }
         crc = stp_store_crc(crc, bytes, size);
-        for (size_t i = 0; i < size; i += STP_STORE_CHUNK_ENTRY, ++index) {
+        for (size_t i = 0; i < size; i += STP_STORE_PIECE_ENTRY, ++index) {
             *offset = index == chunk ? end : *offset;
             end += stp_read_u32(bytes + i);
         }
@@ -251,17 +195,17 @@ static const char* find_chunk(block_reader* at, const stp_store_octave_span* spa
 
 /// Reads and decodes one chunk, at `offset` of the block. @return what is wrong, or NULL
 static const char* read_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
-                              uint64_t* offset, struct libdeflate_decompressor** decompressor,
+                              uint64_t* offset, stp_store_unpacker** unpacker,
                               unsigned char* const* targets)
 {
-    unsigned char stored[STP_STORE_CHUNK_BYTES], decoded[STP_STORE_CHUNK_BYTES];
-    unsigned char entry[STP_STORE_CHUNK_ENTRY];
+    unsigned char stored[STP_STORE_PIECE_BYTES], decoded[STP_STORE_PIECE_BYTES];
+    unsigned char entry[STP_STORE_PIECE_ENTRY];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     const stp_store_block* block = at->source->block;
     uint64_t size = stp_store_chunk_columns(span, chunk, columns), stored_size = block->size;
     uint32_t crc = block->crc;
     if (stp_store_chunk_table_bytes(span) != 0) {
-        if (!read_part(at, (uint64_t)chunk * STP_STORE_CHUNK_ENTRY, entry, sizeof(entry))) {
+        if (!read_part(at, (uint64_t)chunk * STP_STORE_PIECE_ENTRY, entry, sizeof(entry))) {
             return stp_store_unreadable;
         }
         at->read_bytes -= sizeof(entry); // read before
@@ -279,7 +223,7 @@ static const char* read_chunk(block_reader* at, const stp_store_octave_span* spa
     }
     const unsigned char* bytes = stored;
     if (stored_size < size) {
-        if (!unpack(decompressor, stored, (size_t)stored_size, decoded, (size_t)size)) {
+        if (!stp_store_unpack(unpacker, stored, (size_t)stored_size, decoded, (size_t)size)) {
             return "compression of a chunk";
         }
         bytes = decoded;
@@ -294,7 +238,7 @@ const char* stp_store_read_chunks(const stp_store_block_source* source,
                                   void* const targets[STP_SURFEL_COLUMNS], uint64_t* read_bytes)
 {
     block_reader at = {.source = source};
-    struct libdeflate_decompressor* decompressor = NULL;
+    stp_store_unpacker* unpacker = NULL;
     unsigned char* places[STP_SURFEL_COLUMNS];
     uint64_t sizes[STP_SURFEL_COLUMNS], offset = 0;
     const char* fault = NULL;
@@ -307,14 +251,14 @@ const char* stp_store_read_chunks(const stp_store_block_source* source,
     } else {
         fault = find_chunk(&at, span, begin, &offset);
         for (uint32_t chunk = begin; fault == NULL && chunk < end; ++chunk) {
-            fault = read_chunk(&at, span, chunk, &offset, &decompressor, places);
+            fault = read_chunk(&at, span, chunk, &offset, &unpacker, places);
             measure(span, chunk_begin(span, chunk), stp_store_chunk_end(span, chunk), sizes);
             for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
                 places[i] = places[i] != NULL ? places[i] + sizes[i] : NULL;
             }
         }
     }
-    libdeflate_free_decompressor(decompressor);
+    stp_store_unpacker_destroy(unpacker);
     *read_bytes += at.read_bytes;
     return fault;
 }

@@ -5,15 +5,13 @@
 #pragma once
 
 #include "store/columns.h"
+#include "store/deflate.h"
 
 #include <stdbool.h>
 
 enum {
     STP_STORE_ENCODING_PLAIN = 0,
     STP_STORE_ENCODING_CHUNKS = 1,
-    STP_STORE_CHUNK_BYTES = 1 << 16, ///< most of a chunk, decoded
-    STP_STORE_CHUNK_ENTRY = 8,       ///< bytes of an entry of a chunk table
-    STP_STORE_CHUNK_RATIO = 32,      ///< no chunk is stored in less than this part of its size
 };
 
 /// An octave of a set: what its block holds.
@@ -53,12 +51,3 @@ extern const char* const stp_store_unreadable;
 const char* stp_store_read_chunks(const stp_store_block_source* source,
                                   const stp_store_octave_span* span, uint32_t begin, uint32_t end,
                                   void* const targets[STP_SURFEL_COLUMNS], uint64_t* read_bytes);
-
-/// A compressor, for one thread at a time; takes about 300 KiB.
-typedef struct libdeflate_compressor stp_store_packer;
-/// NULL where memory runs out.
-stp_store_packer* stp_store_packer_create(void);
-void stp_store_packer_destroy(stp_store_packer* packer);
-/// Compresses a chunk into `out`, which has room for `size` bytes; as it is where `packer` is NULL. @return the bytes
-/// stored, at most `size`
-size_t stp_store_pack(stp_store_packer* packer, const void* bytes, size_t size, void* out);

@@ -56,7 +56,8 @@ typedef enum stp_store_section_type {
 } stp_store_section_type;
 
 enum {
-    STP_SECTION_CRITICAL = 1 /**< a reader that does not know the section must refuse the file */
+    STP_SECTION_CRITICAL = 1, /**< a reader that does not know the section must refuse the file */
+    STP_SECTION_PACKED = 2,   /**< stored in compressed pages: store/packed.h */
 };
 
 typedef enum stp_store_block_kind {

@@ -39,10 +39,16 @@ static stp_result verify_text(stp_store* store, const char* text)
     if (text == NULL) {
         return STP_OK;
     }
-    const char* base = (const char*)store->file.bytes + section->offset;
-    for (uint64_t at = (uint64_t)(text - base); at < section->size;) {
+    const unsigned char* content = NULL;
+    stp_result found = stp_store_find_content(store, section, &content);
+    if (found != STP_OK) {
+        return found;
+    }
+    const char* base = (const char*)content;
+    uint64_t size = stp_store_content_bytes(section);
+    for (uint64_t at = (uint64_t)(text - base); at < size;) {
         uint64_t end = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES;
-        end = end < section->size ? end : section->size;
+        end = end < size ? end : size;
         stp_result result = stp_store_verify_range(store, section, at, end - at);
         if (result != STP_OK || memchr(base + at, '\0', (size_t)(end - at)) != NULL) {
             return result;
@@ -77,16 +83,18 @@ stp_result stp_store_read_head(stp_store* store)
                                      STP_SECTION_VIEWS, STP_SECTION_SOURCES};
     const stp_store_section* texts = store->known[STP_SECTION_TEXT];
     stp_store_text text = {.context = store->context};
-    if (texts != NULL) { // checked where used
-        text.stored = (const char*)store->file.bytes + texts->offset;
-        text.size = (size_t)texts->size;
-    }
     if (texts != NULL && texts->record_size != 1) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
                         "%s: texts have records of %u bytes where 1 was expected", store->path,
                         texts->record_size);
     }
     stp_result result = STP_OK;
+    if (texts != NULL) { // checked where used
+        const unsigned char* content = NULL;
+        result = stp_store_find_content(store, texts, &content);
+        text.stored = (const char*)content;
+        text.size = (size_t)stp_store_content_bytes(texts);
+    }
     for (size_t i = 0; result == STP_OK && i < sizeof(types) / sizeof(types[0]); ++i) {
         result = stp_store_read_table(store, types[i], &text);
     }
@@ -114,7 +122,9 @@ stp_result stp_store_check_head(stp_store* store)
         const stp_store_section* section = &store->sections[i];
         uint64_t first =
             section->size < STP_STORE_PAGE_BYTES ? section->size : STP_STORE_PAGE_BYTES;
-        if (section->type != STP_SECTION_PAGES) {
+        if (stp_store_is_packed(section)) {
+            result = stp_store_check_packed(store, section, 1);
+        } else if (section->type != STP_SECTION_PAGES) {
             result = stp_store_verify_range(store, section, 0, first);
         }
     }

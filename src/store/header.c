@@ -116,15 +116,21 @@ static const char* find_section_fault(const stp_store* store, const stp_store_se
     if (!are_zero(store->file.bytes, end, section->offset)) {
         return "has bytes before it that are not zero";
     }
-    if (section->record_size == 0 || section->size % section->record_size != 0 ||
-        section->size / section->record_size != section->count) {
+    if ((section->flags & ~(uint32_t)(STP_SECTION_CRITICAL | STP_SECTION_PACKED)) != 0) {
+        return "has flags that are not of this version";
+    }
+    if (section->record_size == 0 ||
+        !(stp_store_is_packed(section)
+              ? stp_store_can_pack(section)
+              : section->size % section->record_size == 0 &&
+                    section->size / section->record_size == section->count)) {
         return "is not of the size that its records need";
     }
     if (table->record_size > section->record_size || section->count >= STP_STORE_NONE) {
         return "has records that are too short, or too many";
     }
-    if ((section->flags & ~(uint32_t)STP_SECTION_CRITICAL) != 0) {
-        return "has flags that are not of this version";
+    if (section->type == STP_SECTION_PAGES && stp_store_is_packed(section)) {
+        return "is packed, where checksums of pages cannot be";
     }
     if (section->type < STP_SECTION_END && store->known[section->type] != NULL) {
         return "is there twice";

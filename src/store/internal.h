@@ -4,8 +4,17 @@
 
 #include "base/file.h"
 #include "store/columns.h"
+#include "store/packed.h"
 #include "store/records.h"
 #include "store/validate.h"
+
+/// What was read of a packed section.
+typedef struct stp_store_packed {
+    uint64_t* offsets; ///< of its pages in the file, and the end of the last; NULL: not read yet
+    unsigned char*
+        content;   ///< where pages are decoded to as they are asked for; NULL: none was yet
+    uint8_t* here; ///< a bit for each page of `content`
+} stp_store_packed;
 
 struct stp_store {
     stp_context* context;
@@ -22,7 +31,9 @@ struct stp_store {
     uint32_t minor;       ///< version
     uint32_t section_count;
     stp_store_section sections[STP_STORE_SECTION_LIMIT];
-    const stp_store_section* known[STP_SECTION_END]; ///< by type; NULL: the file has none
+    stp_store_packed packed[STP_STORE_SECTION_LIMIT]; ///< by section
+    stp_store_unpacker* unpacker;                     ///< made when first needed
+    const stp_store_section* known[STP_SECTION_END];  ///< by type; NULL: the file has none
 
     void* tables[STP_SECTION_END]; ///< decoded records, by section type
     uint32_t counts[STP_SECTION_END];
@@ -30,7 +41,7 @@ struct stp_store {
     stp_store_summary summary; ///< its parts are the table's
     bool objects_ready;
     bool partial;           ///< opened for its summary: the graph and what hangs on it was not read
-    uint8_t* pages_checked; ///< a bit for each page of the directory
+    uint8_t* pages_checked; ///< a bit for each page of the sections that are not packed
     bool page_table_checked;
     uint64_t bytes_checked;           ///< of the directory
     struct stp_store_key_table* keys; ///< made when first asked for
@@ -68,6 +79,26 @@ STP_MUST_USE stp_result stp_store_check_head(stp_store* store);
 /// whole section.
 STP_MUST_USE stp_result stp_store_verify_range(stp_store* store, const stp_store_section* section,
                                                uint64_t offset, uint64_t size);
+/// Where the records of a section begin. Of a packed one, pages are there once stp_store_verify_range asked for them.
+STP_MUST_USE stp_result stp_store_find_content(stp_store* store, const stp_store_section* section,
+                                               const unsigned char** content);
+
+// Packed sections.
+/// Checks the table of pages, once; before any of its pages is read.
+STP_MUST_USE stp_result stp_store_open_packed(stp_store* store, const stp_store_section* section);
+/// Bytes of a page, decoded.
+size_t stp_store_page_size(const stp_store_section* section, uint64_t page);
+/// Checks and decodes a page into `out`.
+STP_MUST_USE stp_result stp_store_read_page(stp_store* store, const stp_store_section* section,
+                                            uint64_t page, void* out);
+/// Checks the table and at most so many pages, and keeps nothing.
+STP_MUST_USE stp_result stp_store_check_packed(stp_store* store, const stp_store_section* section,
+                                               uint64_t pages);
+/// Decodes the pages that hold some bytes of the content, once each.
+STP_MUST_USE stp_result stp_store_unpack_range(stp_store* store, const stp_store_section* section,
+                                               uint64_t offset, uint64_t size);
+void stp_store_free_packed(stp_store* store);
+
 /// Checks the table of the pages' checksums itself, once.
 STP_MUST_USE stp_result stp_store_verify_page_table(stp_store* store);
 

@@ -10,11 +10,16 @@ static stp_result verify_text(stp_store* store, const stp_store_section* section
     if (text == NULL) {
         return STP_OK;
     }
-    const char* first = (const char*)store->file.bytes + section->offset;
-    uint64_t at = (uint64_t)(text - first);
-    for (; at < section->size; at = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES) {
+    const unsigned char* content = NULL;
+    stp_result found = stp_store_find_content(store, section, &content);
+    if (found != STP_OK) {
+        return found;
+    }
+    const char* first = (const char*)content;
+    uint64_t at = (uint64_t)(text - first), whole = stp_store_content_bytes(section);
+    for (; at < whole; at = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES) {
         uint64_t end = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES;
-        end = end < section->size ? end : section->size;
+        end = end < whole ? end : whole;
         stp_result result = stp_store_verify_range(store, section, at, end - at);
         if (result != STP_OK || memchr(first + at, 0, (size_t)(end - at)) != NULL) {
             return result;
@@ -40,12 +45,18 @@ static stp_result read_record(stp_store* store, uint32_t index, stp_store_object
     if (result != STP_OK) {
         return result;
     }
+    const unsigned char *records = NULL, *stored = NULL;
     stp_store_text text = {.context = store->context};
-    if (texts != NULL && texts->record_size == 1) {
-        text.stored = (const char*)store->file.bytes + texts->offset;
-        text.size = (size_t)texts->size;
+    result = stp_store_find_content(store, section, &records);
+    if (result == STP_OK && texts != NULL && texts->record_size == 1) {
+        result = stp_store_find_content(store, texts, &stored);
+        text.stored = (const char*)stored;
+        text.size = (size_t)stp_store_content_bytes(texts);
     }
-    stp_store_codec codec = {.input = store->file.bytes + section->offset + offset, .text = &text};
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_store_codec codec = {.input = records + offset, .text = &text};
     table->code(&codec, object);
     const char* fault = codec.fault;
     if (fault == NULL && object->parent != STP_STORE_NONE && object->parent >= index) {

@@ -3,11 +3,11 @@
 
 #include "store/internal.h"
 
-void stp_store_page_sums_begin(stp_store_page_sums* sums, uint32_t type)
+void stp_store_page_sums_begin(stp_store_page_sums* sums, uint32_t type, bool packed)
 {
     sums->first_pages[type] = sums->count;
     sums->filled = STP_STORE_PAGE_BYTES; // the first byte opens a page
-    sums->open = type != STP_SECTION_PAGES;
+    sums->open = type != STP_SECTION_PAGES && !packed;
 }
 
 stp_result stp_store_page_sums_add(stp_store_page_sums* sums, const void* bytes, size_t size)

@@ -14,8 +14,8 @@ typedef struct stp_store_page_sums {
     size_t first_pages[STP_SECTION_END]; ///< of each section written
 } stp_store_page_sums;
 
-/// A section begins. Its bytes follow; the section of checksums itself has none.
-void stp_store_page_sums_begin(stp_store_page_sums* sums, uint32_t type);
+/// A section begins. Its bytes follow; the section of checksums itself has none, nor have packed ones.
+void stp_store_page_sums_begin(stp_store_page_sums* sums, uint32_t type, bool packed);
 /// Bytes of the section that is open; of others nothing is kept. @return STP_OK, OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_store_page_sums_add(stp_store_page_sums* sums, const void* bytes,
                                                 size_t size);

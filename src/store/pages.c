@@ -6,7 +6,7 @@
 
 static uint64_t page_count_of(const stp_store_section* section)
 {
-    return section->type == STP_SECTION_PAGES
+    return section->type == STP_SECTION_PAGES || stp_store_is_packed(section)
                ? 0
                : (section->size + STP_STORE_PAGE_BYTES - 1) / STP_STORE_PAGE_BYTES;
 }
@@ -45,6 +45,9 @@ static void mark(stp_store* store, uint64_t bit)
 stp_result stp_store_verify_section(stp_store* store, const stp_store_section* section)
 {
     const unsigned char* bytes = store->file.bytes + section->offset;
+    if (stp_store_is_packed(section)) {
+        return stp_store_check_packed(store, section, UINT64_MAX);
+    }
     store->bytes_checked += section->size;
     if (stp_store_crc(0, bytes, (size_t)section->size) != section->crc) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
@@ -106,6 +109,9 @@ static stp_result verify_page(stp_store* store, const stp_store_section* section
 stp_result stp_store_verify_range(stp_store* store, const stp_store_section* section,
                                   uint64_t offset, uint64_t size)
 {
+    if (stp_store_is_packed(section)) {
+        return stp_store_unpack_range(store, section, offset, size);
+    }
     stp_result result = make_marks(store);
     if (result != STP_OK || size == 0) {
         return result;

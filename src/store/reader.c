@@ -12,17 +12,60 @@ stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* 
     if (section == NULL || section->size == 0) {
         return STP_OK;
     }
-    stp_result result = stp_store_verify_section(store, section);
+    const unsigned char* content = NULL;
+    stp_result result = stp_store_find_content(store, section, &content);
+    if (result == STP_OK) {
+        result = stp_store_is_packed(section)
+                     ? stp_store_unpack_range(store, section, 0, stp_store_content_bytes(section))
+                     : stp_store_verify_section(store, section);
+    }
     if (result != STP_OK) {
         return result;
     }
-    text->stored = (const char*)store->file.bytes + section->offset;
-    text->size = (size_t)section->size;
+    text->stored = (const char*)content;
+    text->size = (size_t)stp_store_content_bytes(section);
     if (section->record_size != 1 || text->stored[text->size - 1] != '\0') {
         return stp_fail(store->context, STP_ERROR_FORMAT,
                         "%s: the texts of type %u do not end with a zero byte", store->path, type);
     }
     return STP_OK;
+}
+
+// Decodes records [first, first + count) from their bytes.
+static stp_result decode_records(stp_store* store, const stp_store_section* section,
+                                 stp_store_text* text, const unsigned char* bytes, uint32_t first,
+                                 uint32_t count)
+{
+    const stp_store_table* table = stp_store_table_of(section->type);
+    char* elements = store->tables[section->type];
+    for (uint32_t i = first; i < first + count; ++i, bytes += section->record_size) {
+        stp_store_codec codec = {.input = bytes, .text = text};
+        table->code(&codec, elements + i * table->element_size);
+        if (codec.fault != NULL) {
+            return stp_fail(store->context, STP_ERROR_FORMAT, "%s: %s %u %s", store->path,
+                            table->name, i, codec.fault);
+        }
+    }
+    return STP_OK;
+}
+
+// Page after page.
+static stp_result decode_packed(stp_store* store, const stp_store_section* section,
+                                stp_store_text* text)
+{
+    unsigned char content[STP_STORE_PIECE_BYTES];
+    uint64_t pages = stp_store_packed_page_count(section);
+    uint32_t records = STP_STORE_PIECE_BYTES / section->record_size;
+    stp_result result = stp_store_open_packed(store, section);
+    for (uint64_t page = 0; page < pages && result == STP_OK; ++page) {
+        size_t size = stp_store_page_size(section, page);
+        result = stp_store_read_page(store, section, page, content);
+        if (result == STP_OK) {
+            result = decode_records(store, section, text, content, (uint32_t)page * records,
+                                    (uint32_t)(size / section->record_size));
+        }
+    }
+    return result;
 }
 
 stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text* text)
@@ -32,7 +75,8 @@ stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text*
     if (section == NULL || section->count == 0) {
         return STP_OK;
     }
-    stp_result result = stp_store_verify_section(store, section);
+    bool packed = stp_store_is_packed(section);
+    stp_result result = packed ? STP_OK : stp_store_verify_section(store, section);
     if (result != STP_OK) {
         return result;
     }
@@ -42,18 +86,9 @@ stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text*
     }
     store->tables[type] = elements;
     store->counts[type] = (uint32_t)section->count;
-    for (uint32_t i = 0; i < store->counts[type]; ++i) {
-        stp_store_codec codec = {
-            .input = store->file.bytes + section->offset + (uint64_t)i * section->record_size,
-            .text = text,
-        };
-        table->code(&codec, elements + i * table->element_size);
-        if (codec.fault != NULL) {
-            return stp_fail(store->context, STP_ERROR_FORMAT, "%s: %s %u %s", store->path,
-                            table->name, i, codec.fault);
-        }
-    }
-    return STP_OK;
+    return packed ? decode_packed(store, section, text)
+                  : decode_records(store, section, text, store->file.bytes + section->offset, 0,
+                                   store->counts[type]);
 }
 
 static stp_result read_build(stp_store* store)
@@ -289,6 +324,7 @@ void stp_store_close(stp_store* store)
         stp_free(context, store->tables[type]);
     }
     stp_store_free_keys(store);
+    stp_store_free_packed(store);
     stp_free(context, store->pages_checked);
     if (store->mapped) {
         store->file.size = store->mapped_bytes;

@@ -15,6 +15,9 @@
 
 stp_result stp_store_emit(stp_store_writing* w, const void* bytes, size_t size)
 {
+    if (w->packing != NULL) {
+        return stp_store_packing_add(w->packing, bytes, size);
+    }
     w->crc = stp_store_crc(w->crc, bytes, size);
     stp_result result = stp_store_page_sums_add(&w->sums, bytes, size);
     return result == STP_OK ? stp_file_writer_append(w->file, bytes, size) : result;
@@ -189,6 +192,7 @@ stp_result stp_store_write(stp_context* context, const stp_store_content* conten
     if (result == STP_OK) {
         result = write_all(&w);
     }
+    stp_store_packing_destroy(&w);
     stp_file_writer_abort(w.file);
     stp_store_plan_destroy(context, &w.plan);
     stp_free(context, w.text.bytes);

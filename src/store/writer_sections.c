@@ -18,9 +18,21 @@ static const uint8_t section_order[] = {
     STP_SECTION_OBJECT_TEXT, STP_SECTION_KEYS,        STP_SECTION_PAGES,
 };
 
-enum { SECTION_LIMIT = sizeof(section_order) };
+enum {
+    SECTION_LIMIT = sizeof(section_order),
+    LEAST_PACKED = 256, ///< bytes of a section that is packed
+};
 
 _Static_assert(sizeof(section_order) <= STP_SECTION_END, "each type of section is written once");
+
+// Packed are sections that are not patched, large enough, and compress: keys are hashes. A file that is soon read once
+// and forgotten is left as it is.
+static bool is_to_be_packed(const stp_store_writing* w, uint32_t type, uint64_t bytes)
+{
+    bool patched = type == STP_SECTION_SUMMARY || type == STP_SECTION_SCENE_PARTS ||
+                   type == STP_SECTION_BLOCKS || type == STP_SECTION_PAGES;
+    return !patched && type != STP_SECTION_KEYS && bytes >= LEAST_PACKED && !w->content->passing;
+}
 
 // Where the section will lie, and its size, are known beforehand; texts' are not, and come last of
 // theirs.
@@ -28,16 +40,21 @@ static stp_result begin_section(stp_store_writing* w, uint32_t type, uint64_t co
 {
     stp_result result = stp_store_pad(w);
     uint32_t record_size = stp_store_table_of(type)->record_size;
+    bool packed = is_to_be_packed(w, type, count * record_size);
     w->crc = 0;
-    stp_store_page_sums_begin(&w->sums, type);
+    stp_store_page_sums_begin(&w->sums, type, packed);
     w->sections[type] = (stp_store_section){
         .type = type,
-        .flags = type == STP_SECTION_CLUSTERS ? STP_SECTION_CRITICAL : 0,
+        .flags = (type == STP_SECTION_CLUSTERS ? STP_SECTION_CRITICAL : 0u) |
+                 (packed ? STP_SECTION_PACKED : 0u),
         .offset = stp_file_writer_size(w->file),
         .size = count * record_size,
         .count = count,
         .record_size = record_size,
     };
+    if (result == STP_OK && packed) {
+        result = stp_store_packing_begin(w, &w->sections[type]);
+    }
     return result;
 }
 
@@ -46,6 +63,10 @@ static stp_result end_section(stp_store_writing* w, uint32_t type, stp_result re
     stp_store_section* section = &w->sections[type];
     section->crc = w->crc;
     w->sums.open = false;
+    if (w->packing != NULL) {
+        result = result == STP_OK ? stp_store_packing_end(w->packing) : result;
+        stp_store_packing_destroy(w);
+    }
     assert(result != STP_OK || stp_file_writer_size(w->file) == section->offset + section->size);
     return result;
 }

@@ -9,6 +9,9 @@
 #include "store/records.h"
 #include "store/writer.h"
 
+/// A packed section while it is written.
+typedef struct stp_store_packing stp_store_packing;
+
 typedef struct stp_store_writing {
     stp_context* context;
     const stp_store_content* content;
@@ -22,6 +25,7 @@ typedef struct stp_store_writing {
     stp_store_summary summary;
     uint32_t crc; ///< of the section or block being written
     stp_store_page_sums sums;
+    stp_store_packing* packing; ///< of the section being written; NULL: it is not packed
 } stp_store_writing;
 
 /// Chunks of octaves that wait to be compressed together.
@@ -34,6 +38,14 @@ void stp_store_batch_destroy(stp_store_batch* batch);
 STP_MUST_USE stp_result stp_store_batch_add(stp_store_batch* batch, uint32_t block);
 /// Writes what waits.
 STP_MUST_USE stp_result stp_store_batch_flush(stp_store_batch* batch);
+
+/// Begins a packed section at the end of the file, whose type and records are known: `w->packing`.
+STP_MUST_USE stp_result stp_store_packing_begin(stp_store_writing* w, stp_store_section* section);
+STP_MUST_USE stp_result stp_store_packing_add(stp_store_packing* packing, const void* bytes,
+                                              size_t size);
+/// Writes what is left, and the table of pages; size and checksum of the section are set.
+STP_MUST_USE stp_result stp_store_packing_end(stp_store_packing* packing);
+void stp_store_packing_destroy(stp_store_writing* w);
 
 /// Appends bytes of the section or block being written: `crc` and the pages' checksums take them in.
 STP_MUST_USE stp_result stp_store_emit(stp_store_writing* w, const void* bytes, size_t size);

@@ -61,7 +61,7 @@ grep -q 'ends after' err || fail "fault: $(cat err)"
 python3 - << 'END'
 import random
 random.seed(1)
-names = [f"part {i} {random.random()}" for i in range(2500)]
+names = [f"part {i} {random.random()}" for i in range(7000)]
 with open("many.obj", "w") as f:
     f.write("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
     for i, name in enumerate(names):

@@ -14,6 +14,8 @@ cp "$source"/tests/golden/store/v1/sample-1.1.json "$folder/golden-1.1.json"
 STP_STORE_SAMPLE="$folder/sample" "$tests" store_writes_chunks_for_another_reader >> "$folder/log"
 cp "$source"/tests/golden/store/v1/sample-1.2.stip "$folder/golden-1.2.stip"
 cp "$source"/tests/golden/store/v1/sample-1.2.json "$folder/golden-1.2.json"
+cp "$source"/tests/golden/store/v1/packed-1.2.stip "$folder/packed.stip"
+cp "$source"/tests/golden/store/v1/packed-1.2.json "$folder/packed.json"
 cp "$source"/tests/golden/store/v1/clusters-1.1.stip "$folder/clusters.stip"
 cp "$source"/tests/golden/store/v1/clusters-1.1.json "$folder/clusters.json"
 cp "$source"/tests/golden/store/v1/pictures-1.2.stip "$folder/pictures.stip"
@@ -23,7 +25,7 @@ for file in "$folder"/*.stip; do
     python3 "$source/scripts/read_store.py" "$file" --expect "${file%.stip}.json" > "${file%.stip}.out"
     count=$((count + 1))
 done
-test "$count" -ge 13
+test "$count" -ge 14
 # it must be able to fail: one byte wrong in the middle of the last file
 size=$(stat -c %s "$file")
 byte=$(od -An -tu1 -j $((size / 2)) -N 1 "$file")

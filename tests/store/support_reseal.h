@@ -4,6 +4,7 @@
 
 #include "base/bytes.h"
 #include "store/format.h"
+#include "store/packed.h"
 
 #include <zlib.h>
 
@@ -61,7 +62,37 @@ static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t off
     }
 }
 
-// The checksums of the pages of all sections, in the section at `offset`.
+static inline stp_store_section reseal_section(const unsigned char* entry)
+{
+    return (stp_store_section){
+        .type = stp_read_u32(entry),
+        .flags = stp_read_u32(entry + 4),
+        .offset = stp_read_u64(entry + 8),
+        .size = stp_read_u64(entry + 16),
+        .count = stp_read_u64(entry + 24),
+        .record_size = stp_read_u32(entry + 32),
+    };
+}
+
+// The checksums of a packed section's pages. @return that of their table
+static inline uint32_t reseal_packed(unsigned char* bytes, size_t size,
+                                     const stp_store_section* section)
+{
+    if (section->record_size == 0 || section->offset > size ||
+        section->size > size - section->offset || !stp_store_can_pack(section)) {
+        return 0;
+    }
+    uint64_t table = stp_store_packed_table_bytes(section), at = section->offset + table;
+    for (uint64_t i = 0; i < table; i += STP_STORE_PIECE_ENTRY) {
+        unsigned char* entry = bytes + section->offset + i;
+        uint32_t page = stp_read_u32(entry);
+        stp_write_u32(entry + 4, reseal_crc(bytes, size, at, page));
+        at += page;
+    }
+    return reseal_crc(bytes, size, section->offset, table);
+}
+
+// The checksums of the pages of all sections that are not packed, in the section at `offset`.
 static inline void reseal_pages(unsigned char* bytes, size_t size, uint64_t table, uint64_t offset,
                                 uint64_t length, uint32_t record_size)
 {
@@ -72,7 +103,9 @@ static inline void reseal_pages(unsigned char* bytes, size_t size, uint64_t tabl
     for (uint64_t at = 0; at < table && STP_STORE_HEADER_BYTES + at + 40 <= size; at += 40) {
         const unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + at;
         uint64_t begin = stp_read_u64(entry + 8), left = stp_read_u64(entry + 16);
-        if (stp_read_u32(entry) == STP_SECTION_PAGES || begin > size || left > size - begin) {
+        if (stp_read_u32(entry) == STP_SECTION_PAGES ||
+            (stp_read_u32(entry + 4) & STP_SECTION_PACKED) != 0 || begin > size ||
+            left > size - begin) {
             continue;
         }
         while (left != 0 && (page + 1) * record_size <= length) {
@@ -108,7 +141,10 @@ static inline void reseal(unsigned char* bytes, size_t size)
             if (pass == 0 && stp_read_u32(entry) == STP_SECTION_PAGES) {
                 reseal_pages(bytes, size, table, offset, length, stp_read_u32(entry + 32));
             } else if (pass == 1) {
-                stp_write_u32(entry + 36, reseal_crc(bytes, size, offset, length));
+                stp_store_section section = reseal_section(entry);
+                stp_write_u32(entry + 36, stp_store_is_packed(&section)
+                                              ? reseal_packed(bytes, size, &section)
+                                              : reseal_crc(bytes, size, offset, length));
             }
         }
     }

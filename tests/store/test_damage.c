@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.2.stip"
+#define GOLDEN_PACKED STP_TEST_SOURCE_DIR "/tests/golden/store/v1/packed-1.2.stip"
 #define GOLDEN_1_0 STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip"
 
 static const stp_store_open_desc whole = {0};
@@ -28,10 +29,10 @@ static stp_result verdict(stp_context* context, const unsigned char* bytes, size
     return result;
 }
 
-void test_store_refuses_every_truncation(test_state* test)
+static void check_truncations(test_state* test, const char* path)
 {
     size_t size = 0;
-    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    unsigned char* bytes = sample_read_file(path, &size);
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(bytes != NULL && context != NULL);
@@ -51,10 +52,16 @@ void test_store_refuses_every_truncation(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_store_refuses_every_changed_byte(test_state* test)
+void test_store_refuses_every_truncation(test_state* test)
+{
+    check_truncations(test, GOLDEN);
+    check_truncations(test, GOLDEN_PACKED);
+}
+
+static void check_changed_bytes(test_state* test, const char* path)
 {
     size_t size = 0;
-    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    unsigned char* bytes = sample_read_file(path, &size);
     test_log log = {.errors = 0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(bytes != NULL && context != NULL);
@@ -74,6 +81,12 @@ void test_store_refuses_every_changed_byte(test_state* test)
     }
     free(bytes);
     stp_context_destroy(context);
+}
+
+void test_store_refuses_every_changed_byte(test_state* test)
+{
+    check_changed_bytes(test, GOLDEN);
+    check_changed_bytes(test, GOLDEN_PACKED);
 }
 
 void test_store_says_what_is_wrong(test_state* test)
@@ -158,12 +171,12 @@ void test_store_opens_newer_minor_versions(test_state* test)
 // Every 32-bit word of header, section table and tables, replaced by numbers that lead astray, with
 // all checksums made right: whatever the verdict, nothing is read beyond the end and memory stays
 // bounded.
-void test_store_survives_forged_numbers(test_state* test)
+static void check_forged_numbers(test_state* test, const char* path)
 {
     static const uint32_t forged[] = {0,          1,       0x7FFFFFFF, 0xFFFFFFFE,
                                       0xFFFFFFFF, 0x10000, 0x7F800000};
     size_t size = 0;
-    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    unsigned char* bytes = sample_read_file(path, &size);
     CHECK(bytes != NULL);
     void* copy = NULL;
     CHECK(posix_memalign(&copy, 64, size) == 0);
@@ -186,10 +199,16 @@ void test_store_survives_forged_numbers(test_state* test)
     stp_context_destroy(context);
 }
 
-void test_store_reads_every_prefix_that_holds_the_directory(test_state* test)
+void test_store_survives_forged_numbers(test_state* test)
+{
+    check_forged_numbers(test, GOLDEN);
+    check_forged_numbers(test, GOLDEN_PACKED);
+}
+
+static void check_prefixes(test_state* test, const char* path)
 {
     size_t size = 0;
-    unsigned char* bytes = sample_read_file(GOLDEN, &size);
+    unsigned char* bytes = sample_read_file(path, &size);
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(bytes != NULL && context != NULL);
     stp_store* full = NULL;
@@ -237,6 +256,12 @@ void test_store_reads_every_prefix_that_holds_the_directory(test_state* test)
     stp_store_close(full);
     free(bytes);
     stp_context_destroy(context);
+}
+
+void test_store_reads_every_prefix_that_holds_the_directory(test_state* test)
+{
+    check_prefixes(test, GOLDEN);
+    check_prefixes(test, GOLDEN_PACKED);
 }
 
 // A scene of one mesh whose block has a gap: positions 0 to 11, nothing, indices 16 to 27.

@@ -73,8 +73,10 @@ void test_store_opens_version_1_for_ever(test_state* test)
     CHECK(context != NULL);
     const char* const paths[] = {STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample.stip",
                                  STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.1.stip",
-                                 STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.2.stip"};
-    for (uint32_t minor = 0; minor < 3; ++minor) {
+                                 STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.2.stip",
+                                 STP_TEST_SOURCE_DIR "/tests/golden/store/v1/packed-1.2.stip"};
+    for (uint32_t i = 0; i < 4; ++i) {
+        uint32_t minor = i < 2 ? i : 2;
         stp_arena arena = stp_arena_create(context, 1 << 16);
         sample made = sample_make(&arena, GOLDEN_SEED);
         if (minor == 0) { // had neither keys nor a summary
@@ -82,14 +84,14 @@ void test_store_opens_version_1_for_ever(test_state* test)
             made.content.census = NULL;
         }
         stp_store* store = NULL;
-        CHECK_EQUAL(STP_OK, stp_store_open(context, paths[minor], &store));
+        CHECK_EQUAL(STP_OK, stp_store_open(context, paths[i], &store));
         CHECK_EQUAL(minor, stp_store_format_minor(store));
         CHECK_EQUAL(minor >= 1, stp_store_get_summary(store) != NULL);
         const char* difference = sample_difference(&made.content, store);
         stp_store_close(store);
         stp_arena_destroy(&arena);
         CHECK(difference == NULL);
-        CHECK_EQUAL(STP_OK, stp_store_check(context, paths[minor], false));
+        CHECK_EQUAL(STP_OK, stp_store_check(context, paths[i], false));
     }
     stp_context_destroy(context);
 }
@@ -147,7 +149,7 @@ void test_store_writes_the_same_bytes_as_ever(test_state* test)
     sample made = sample_make(&arena, GOLDEN_SEED);
     stp_result written = stp_store_write(context, &made.content, path);
     size_t golden_size = 0, size = 0;
-    const char* golden_path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/sample-1.2.stip";
+    const char* golden_path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/packed-1.2.stip";
     if (getenv("STP_WRITE_GOLDEN") != NULL) {
         written = stp_store_write(context, &made.content, golden_path);
     }

@@ -19,8 +19,9 @@ static void temporary_path(char path[256], const char* name)
              (long)getpid());
 }
 
-// A scene of many nodes, objects, materials with long names, two views, a source, and one texture.
-static bool write_large(stp_context* context, const char* path)
+// A scene of many nodes, objects, materials with long names, two views, a source, and one texture. With `packed` its
+// directory is, as far as that helps.
+static bool write_large(stp_context* context, const char* path, bool packed)
 {
     stp_arena arena = stp_arena_create(context, 1 << 20);
     stp_store_node* nodes = STP_ARENA_ARRAY(&arena, stp_store_node, NODES);
@@ -71,7 +72,8 @@ static bool write_large(stp_context* context, const char* path)
                                                .sources = &source,
                                                .up = 'z',
                                                .build_json = "{\"method\": \"blue\"}"},
-                                 .textures = &texture};
+                                 .textures = &texture,
+                                 .passing = !packed};
     nodes[0].edge_count = 0;
     bool written = stp_store_write(context, &content, path) == STP_OK;
     stp_arena_destroy(&arena);
@@ -150,7 +152,7 @@ void test_store_describes_10_gb_from_less_than_1_mb(test_state* test)
     temporary_path(path, "huge");
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
-    CHECK(write_large(context, path));
+    CHECK(write_large(context, path, false));
     uint64_t size = grow_file(path);
     if (size == 0) {
         unlink(path);
@@ -220,14 +222,21 @@ static int count_missed(stp_context* context, unsigned char* bytes, size_t size,
     return missed;
 }
 
-void test_store_quick_check_keeps_its_promise(test_state* test)
+// Pages of a packed section.
+static uint64_t packed_pages(const unsigned char* entry)
+{
+    stp_store_section section = reseal_section(entry);
+    return stp_store_packed_page_count(&section);
+}
+
+static void check_promise(test_state* test, bool pack)
 {
     char path[256];
     temporary_path(path, "promise");
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL);
-    CHECK(write_large(context, path));
+    CHECK(write_large(context, path, pack));
     size_t size = 0;
     unsigned char* bytes = sample_read_file(path, &size);
     unlink(path);
@@ -247,13 +256,17 @@ void test_store_quick_check_keeps_its_promise(test_state* test)
                                     1 + length / 40));
     }
     // of the others the first page, and the bytes before them
-    int large = 0;
+    int large = 0, packed = 0;
     for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
         const unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + 40 * (size_t)i;
         uint64_t offset = stp_read_u64(entry + 8), length = stp_read_u64(entry + 16);
         uint64_t page = length < STP_STORE_PAGE_BYTES ? length : STP_STORE_PAGE_BYTES;
-        CHECK_EQUAL(0, count_missed(context, bytes, size, offset, page, 4099));
-        if (length > STP_STORE_PAGE_BYTES && stp_read_u32(entry) != STP_SECTION_PAGES) {
+        if ((stp_read_u32(entry + 4) & STP_SECTION_PACKED) != 0) { // the table of pages, and a page
+            packed += 1;
+            page = stp_read_u32(bytes + offset) + STP_STORE_PIECE_ENTRY * packed_pages(entry);
+        }
+        CHECK_EQUAL(0, count_missed(context, bytes, size, offset, page, 1 + page / 40));
+        if (length > page && stp_read_u32(entry) != STP_SECTION_PAGES) {
             bytes[offset + length - 1] ^= 1; // beyond the promise, not beyond a check of all
             large += check_quickly(context, bytes, size) == STP_OK;
             stp_store* store = NULL;
@@ -268,11 +281,13 @@ void test_store_quick_check_keeps_its_promise(test_state* test)
             bytes[offset + length - 1] ^= 1;
         }
     }
-    CHECK(large >= 5);
+    CHECK(large >= 5 && (pack ? packed >= 5 : packed == 0));
     // a file that ends early
     CHECK_EQUAL(STP_ERROR_TRUNCATED, check_quickly(context, bytes, size - 1));
     // texts that views and sources use, on their pages
-    uint64_t texts = stp_read_u64(find_section(bytes, STP_SECTION_TEXT) + 8);
+    const unsigned char* text = find_section(bytes, STP_SECTION_TEXT);
+    uint64_t texts =
+        stp_read_u64(text + 8) + (pack ? STP_STORE_PIECE_ENTRY * packed_pages(text) : 0);
     log.errors = 0;
     bytes[texts + 3] ^= 1;
     CHECK_EQUAL(STP_ERROR_FORMAT, check_quickly(context, bytes, size));
@@ -280,6 +295,12 @@ void test_store_quick_check_keeps_its_promise(test_state* test)
     CHECK(strstr(log.text, "checksum of page 0 of the section of type 15") != NULL);
     free(bytes);
     stp_context_destroy(context);
+}
+
+void test_store_quick_check_keeps_its_promise(test_state* test)
+{
+    check_promise(test, false);
+    check_promise(test, true);
 }
 
 // A summary that tells other figures than the file holds, with right checksums.
