@@ -15,7 +15,7 @@ STP_STORE_SAMPLE="$folder/sample" "$tests" store_writes_chunks_for_another_reade
 cp "$source"/tests/golden/store/v1/sample-1.2.stip "$folder/golden-1.2.stip"
 cp "$source"/tests/golden/store/v1/sample-1.2.json "$folder/golden-1.2.json"
 cp "$source"/tests/golden/store/v1/packed-1.2.stip "$folder/packed.stip"
-cp "$source"/tests/golden/store/v1/packed-1.2.json "$folder/packed.json"
+cp "$source"/tests/golden/store/v1/sample-1.2.json "$folder/packed.json"
 cp "$source"/tests/golden/store/v1/clusters-1.1.stip "$folder/clusters.stip"
 cp "$source"/tests/golden/store/v1/clusters-1.1.json "$folder/clusters.json"
 cp "$source"/tests/golden/store/v1/pictures-1.2.stip "$folder/pictures.stip"
