@@ -42,10 +42,12 @@ static stp_text fail(parser* p, stp_text at, const char* error)
     return NULL;
 }
 
-// Whether the line goes on after its end: its last character is a backslash.
+// Whether the line goes on after its end: its last character that is no blank is a backslash.
 static bool is_continued(stp_text line, stp_text end)
 {
-    end -= end > line && end[-1] == '\r';
+    while (end > line && stp_is_blank(end[-1])) {
+        --end;
+    }
     return end > line && end[-1] == '\\';
 }
 
