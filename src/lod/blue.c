@@ -13,6 +13,7 @@
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
 #define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
 #define NORMAL_SPACINGS 2.5f     // how far around a point its normal is taken from
+#define LEAST_EXTENT 0x1p-60     // scene units; squares of distances within less are no floats
 
 typedef struct blue {
     const stp_scene* scene;
@@ -164,6 +165,13 @@ static stp_result finish(blue* b, const uint8_t* shading_of_material, stp_surfel
                                 : STP_OK;
 }
 
+static bool is_measurable(const stp_scene* scene, uint32_t node)
+{
+    stp_boxd box = scene->nodes[node].bounds;
+    stp_vec3d size = stp_subd(box.max, box.min);
+    return size.x >= LEAST_EXTENT || size.y >= LEAST_EXTENT || size.z >= LEAST_EXTENT;
+}
+
 static stp_result make(blue* b, uint32_t node, const uint8_t* shading_of_material,
                        stp_surfels* surfels, stp_blue_report* report)
 {
@@ -193,6 +201,9 @@ stp_result stp_blue_make(const stp_scene* scene, uint32_t node, const uint8_t* s
     report = report != NULL ? report : &unwanted;
     *report = (stp_blue_report){0};
     *surfels = (stp_surfels){0};
+    if (!is_cloud(scene, node) && !is_measurable(scene, node)) {
+        return STP_OK;
+    }
     blue b = {.scene = scene, .desc = desc};
     stp_result result = make(&b, node, shading_of_material, surfels, report);
     stp_free(scene->context, b.radii);

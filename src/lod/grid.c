@@ -9,6 +9,7 @@
 // A bucket may hold this many points, on average over the points; exact orders stay far below.
 #define MOST_IN_BUCKET 200.0
 #define MOST_HALVINGS 32
+#define LEAST_CELL 0x1p-100f // its inverse is a float
 #define GRAIN 32768
 #define AHEAD 24 // points that memory is asked for in advance
 
@@ -144,6 +145,7 @@ static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, fl
                             float offset, uint32_t halvings)
 {
     stp_grid* grid = f->grid;
+    cell = cell > LEAST_CELL ? cell : LEAST_CELL;
     count = count / f->stride + (count % f->stride != 0);
     *grid = (stp_grid){.count = count,
                        .cell = cell,
@@ -157,7 +159,8 @@ static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, fl
         stp_grid_destroy(context, grid);
         return stp_fail_memory(context);
     }
-    while (count_points(context, f) > MOST_IN_BUCKET * (double)count && halvings > 0) {
+    while (count_points(context, f) > MOST_IN_BUCKET * (double)count && halvings > 0 &&
+           grid->cell > LEAST_CELL) {
         halvings -= 1;
         grid->cell *= 0.5f;
         grid->inverse_cell = 1.0f / grid->cell;

@@ -190,3 +190,21 @@ void test_appearance_goes_up(test_state* test)
     hierarchy_destroy(&h);
     stp_context_destroy(context);
 }
+
+void test_what_is_smaller_than_floats_measure_gets_no_surfels(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    const double scales[] = {1e-44, 1e-42, 1e-38, 1e-30, 1e-19, 1e-15, 1e-6};
+    for (int i = 0; i < 7; ++i) {
+        hierarchy h;
+        uint32_t root;
+        stp_affine copy = scale_and_move(scales[i], scales[i], scales[i], 0, 0, 0);
+        CHECK(context != NULL && hierarchy_begin(context, &h, true, 8));
+        CHECK(add_copies(&h, h.shape, &copy, 1, false, &root) && hierarchy_finish(&h));
+        uint32_t node = h.scene->objects[root].node;
+        CHECK_EQUAL(STP_OK, hierarchy_make(&h, node, 500, 4500, NULL));
+        CHECK(scales[i] < 1e-18 ? h.made[node].count == 0 : h.made[node].count > 400);
+        hierarchy_destroy(&h);
+    }
+    stp_context_destroy(context);
+}
