@@ -81,14 +81,37 @@ static double clamp_resolution(double resolution, double most)
     return resolution < most ? resolution : most;
 }
 
-/// The pixel size at which an area gives the wanted pixels; resolutions are whole numbers.
-static double choose_pixel_size(double area, uint64_t wanted, double widest, double* resolution)
+/// What a number of candidates is sought within.
+typedef struct frame {
+    double widest;   ///< longer side of the widest view, in scene units
+    double most;     ///< resolution
+    double outlines; ///< of the box in all views: what can be covered at most, in square units
+    uint64_t wanted; ///< candidates
+} frame;
+
+static frame make_frame(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
+                        uint64_t wanted)
 {
-    double finest = widest / (double)RESOLUTION_AUTO_MOST;
-    double pixel_size = area > 0.0 ? sqrt(area / (double)wanted) : finest;
-    *resolution = clamp_resolution(widest / pixel_size, (double)RESOLUTION_AUTO_MOST);
+    frame f = {.wanted = wanted};
+    double area;
+    f.widest = stp_capture_widest(job, directions, count, &area);
+    double affordable =
+        area > 0.0 ? f.widest * sqrt(STP_CAPTURE_MOST_PIXELS_EACH * (double)wanted / area) : 0.0;
+    f.most = clamp_resolution(affordable, (double)RESOLUTION_AUTO_MOST);
+    for (uint32_t i = 0; i < count; ++i) {
+        f.outlines += outline_area(job, directions[i]);
+    }
+    return f;
+}
+
+/// The pixel size at which an area gives the wanted pixels; resolutions are whole numbers.
+static double choose_pixel_size(const frame* f, double area, double* resolution)
+{
+    double finest = f->widest / f->most;
+    double pixel_size = area > 0.0 ? sqrt(area / (double)f->wanted) : finest;
+    *resolution = clamp_resolution(f->widest / pixel_size, f->most);
     *resolution = (double)(uint32_t)(*resolution + 0.5);
-    return widest / *resolution;
+    return f->widest / *resolution;
 }
 
 static bool is_point(const stp_capture_job* job)
@@ -100,14 +123,13 @@ static bool is_point(const stp_capture_job* job)
 /// Draws the first view at a resolution guessed from the box, and estimates how much of all views is covered,
 /// in square units.
 static stp_result probe_area(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
-                             uint64_t wanted, double widest, double outlines, double* resolution,
-                             double* area)
+                             const frame* f, double* resolution, double* area)
 {
-    double pixel_size = choose_pixel_size(outlines * PROBE_COVERED, wanted, widest, resolution);
+    double pixel_size = choose_pixel_size(f, f->outlines * PROBE_COVERED, resolution);
     stp_capture_set_views(job, directions, count, pixel_size);
     stp_result result = stp_capture_draw(job, 0, 1);
     double first = outline_area(job, directions[0]);
-    double share = first > 0.0 ? outlines / first : (double)count;
+    double share = first > 0.0 ? f->outlines / first : (double)count;
     *area = (double)job->covered_pixels * share * pixel_size * pixel_size;
     return result;
 }
@@ -116,21 +138,17 @@ static stp_result probe_area(stp_capture_job* job, const stp_vec3d* directions, 
 static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                               uint64_t wanted, double* resolution)
 {
-    double area = 0.0, before = 0.0, widest = stp_capture_widest(job, directions, count);
-    double outlines = 0.0;
-    for (uint32_t i = 0; i < count; ++i) {
-        outlines += outline_area(job, directions[i]);
-    }
-    stp_result result =
-        probe_area(job, directions, count, wanted, widest, outlines, resolution, &area);
-    double probed = area * (*resolution / widest) * (*resolution / widest);
+    frame f = make_frame(job, directions, count, wanted);
+    double area = 0.0, before = 0.0;
+    stp_result result = probe_area(job, directions, count, &f, resolution, &area);
+    double probed = area * (*resolution / f.widest) * (*resolution / f.widest);
     uint32_t drawn = probed > PROBE_LEAST * (double)wanted && probed < PROBE_MOST * (double)wanted;
     for (int attempt = 0; result == STP_OK && attempt < ATTEMPTS; ++attempt) {
-        double pixel_size = widest / *resolution;
-        bool sparse = area < outlines / EMPTIEST;
+        double pixel_size = f.widest / *resolution;
+        bool sparse = area < f.outlines / EMPTIEST;
         if (drawn == 0) {
-            area = sparse ? outlines / EMPTIEST : area;
-            pixel_size = choose_pixel_size(area, wanted, widest, resolution);
+            area = sparse ? f.outlines / EMPTIEST : area;
+            pixel_size = choose_pixel_size(&f, area, resolution);
             stp_capture_drop_bands(job);
             stp_capture_set_views(job, directions, count, pixel_size);
         }
@@ -139,8 +157,7 @@ static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions,
         // thin parts may have slipped through the probe: then what was drawn is the better probe
         double got = (double)job->covered_pixels;
         area = got * pixel_size * pixel_size;
-        bool capped =
-            (sparse || *resolution >= (double)RESOLUTION_AUTO_MOST) && got < (double)wanted;
+        bool capped = (sparse || *resolution >= floor(f.most)) && got < (double)wanted;
         bool near_enough = got > 0.5 * (double)wanted && got < 2.0 * (double)wanted;
         bool no_more = attempt > 0 && got < (double)wanted && got < 1.5 * before; // points run out
         if (capped || near_enough || no_more || got < 16.0) {
@@ -164,7 +181,7 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
         return stp_fail_memory(context);
     }
     stp_capture_directions(count, directions);
-    double widest = stp_capture_widest(job, directions, count), resolution = 1.0;
+    double area, widest = stp_capture_widest(job, directions, count, &area), resolution = 1.0;
     stp_result result = STP_OK;
     if (!(widest > 0.0)) { // everything in one point
         stp_capture_set_views(job, directions, count, 1.0);

@@ -13,6 +13,10 @@
 
 #include <stipple/surfels.h>
 
+/// Pixels drawn for a candidate that is wanted, at most, where the resolution is chosen by the number of
+/// candidates: of what lies far apart most pixels are empty, and cost must follow content.
+#define STP_CAPTURE_MOST_PIXELS_EACH 1024.0
+
 /// Mip levels of a scene's base colour textures. Making them takes as long as a small capture:
 /// whoever captures many nodes of one scene makes them once.
 typedef struct stp_capture_textures stp_capture_textures;

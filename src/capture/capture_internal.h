@@ -84,8 +84,9 @@ static inline uint64_t stp_capture_primitive_count(const stp_capture_job* job)
 void stp_capture_set_views(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                            double pixel_size);
 
-/// The longer side of the widest view, in scene units.
-double stp_capture_widest(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count);
+/// The longer side of the widest view, in scene units; `area`: of all views together.
+double stp_capture_widest(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
+                          double* area);
 
 /// Draws parts [begin, end) into a buffer of the band's rows; ids count from the first one's first primitive.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (not logged)

@@ -169,6 +169,23 @@ static bool reaches_band(const stp_capture_job* job, const stp_capture_band* ban
     return middle + reach >= (double)band->row_begin && middle - reach <= (double)band->row_end;
 }
 
+// The first pixel from `at` on that something was drawn to, or `count`. Most pixels of a wide view may be empty.
+static size_t next_drawn(const stp_raster_target* target, size_t at, size_t count)
+{
+    _Static_assert(STP_RASTER_EMPTY == UINT64_MAX, "empty pixels are joined by and");
+    const uint64_t* p = target->pixels;
+    for (; at + 8 <= count; at += 8) {
+        uint64_t half = p[at] & p[at + 1] & p[at + 2] & p[at + 3];
+        if ((half & p[at + 4] & p[at + 5] & p[at + 6] & p[at + 7]) != STP_RASTER_EMPTY) {
+            break;
+        }
+    }
+    while (at < count && p[at] == STP_RASTER_EMPTY) {
+        ++at;
+    }
+    return at;
+}
+
 // Surfels won pixels: they are candidates. Where a disk covers no centre of a pixel, or its neighbours won all of
 // them, its own centre is looked at.
 void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band* band,
@@ -179,9 +196,9 @@ void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band
     }
     uint64_t first = stp_capture_part_primitives(job);
     size_t count = (size_t)target->height * target->width;
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = next_drawn(target, 0, count); i < count; i = next_drawn(target, i + 1, count)) {
         uint64_t primitive = primitives != NULL ? primitives[i] : stp_raster_id(target->pixels[i]);
-        if (target->pixels[i] != STP_RASTER_EMPTY && primitive >= first) {
+        if (primitive >= first) {
             mark_seen(job, primitive - first);
         }
     }
@@ -196,9 +213,10 @@ void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band
             }
         }
     }
-    for (size_t i = 0; i < count; ++i) { // what is left are the pixels of parts
+    // what is left are the pixels of parts
+    for (size_t i = next_drawn(target, 0, count); i < count; i = next_drawn(target, i + 1, count)) {
         uint64_t primitive = primitives != NULL ? primitives[i] : stp_raster_id(target->pixels[i]);
-        if (target->pixels[i] != STP_RASTER_EMPTY && primitive >= first) {
+        if (primitive >= first) {
             target->pixels[i] = STP_RASTER_EMPTY;
         }
     }

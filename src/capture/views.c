@@ -16,15 +16,18 @@ static double extent_along(const stp_capture_job* job, stp_vec3d axis)
     return 2.0 * (fabs(axis.x) * h.x + fabs(axis.y) * h.y + fabs(axis.z) * h.z);
 }
 
-double stp_capture_widest(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count)
+double stp_capture_widest(const stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
+                          double* area)
 {
     double widest = 0.0;
+    *area = 0.0;
     for (uint32_t i = 0; i < count; ++i) {
         stp_vec3d right, down;
         view_axes(directions[i], &right, &down);
         double width = extent_along(job, right), height = extent_along(job, down);
         widest = width > widest ? width : widest;
         widest = height > widest ? height : widest;
+        *area += width * height;
     }
     return widest;
 }

@@ -8,6 +8,7 @@
 #define PROBE_CANDIDATES 30000.0
 #define COARSE_RESOLUTION 8.0
 #define MOST_RESOLUTION 16384.0
+#define VIEWS 8.0 // about
 #define TOO_MANY_TRIANGLES UINT64_C(8000000)
 #define LEAST_SHARE 0.02 // of candidates from sets, below which triangles are captured as ever
 #define NEAR_ENOUGH 1.1
@@ -58,11 +59,19 @@ static double wanted(const children* c, double each)
     return count < most ? count : most;
 }
 
+// The finest pixel of pictures so wide for so many candidates. The cost of a picture must follow its content.
+static double finest_pixel(double widest, double candidates)
+{
+    double affordable = sqrt(STP_CAPTURE_MOST_PIXELS_EACH / VIEWS * candidates);
+    return widest / (affordable < MOST_RESOLUTION ? affordable : MOST_RESOLUTION);
+}
+
 // Looks for the pixel at which so many candidates come out, and lists its sources. Candidates grow with the square of
 // the resolution, or less where sets have no more surfels.
 static stp_result find_pixel(children* c, double goal)
 {
     stp_result result = STP_OK;
+    double finest = finest_pixel(stp_coarse_pixel(c->scene, c->node) * COARSE_RESOLUTION, goal);
     for (int i = 0; i < TRIES && result == STP_OK; ++i) {
         double ratio = estimate(c) * c->seen / goal;
         if (!(ratio > 0.0) || (ratio < NEAR_ENOUGH && ratio > 1.0 / NEAR_ENOUGH)) {
@@ -70,7 +79,10 @@ static stp_result find_pixel(children* c, double goal)
         }
         double factor = sqrt(ratio);
         factor = factor > 64.0 ? 64.0 : factor < 1.0 / 64.0 ? 1.0 / 64.0 : factor;
-        result = list_at(c, c->pixel * factor);
+        if (factor < 1.0 && c->pixel <= finest) {
+            break;
+        }
+        result = list_at(c, c->pixel * factor > finest ? c->pixel * factor : finest);
     }
     return result;
 }
@@ -159,7 +171,7 @@ static stp_result capture(children* c, stp_candidates* candidates, bool* capture
         return result;
     }
     uint32_t resolution = c->desc->capture.resolution;
-    double finest = widest / MOST_RESOLUTION;
+    double finest = finest_pixel(widest, wanted(c, WANTED_EACH));
     if (resolution != 0) {
         result = list_at(c, widest / (double)resolution);
     } else {

@@ -455,6 +455,26 @@ static uint64_t hash_candidates(const stp_candidates* c)
     return stp_hash_bytes(hash, c->materials, n * 4).low;
 }
 
+void test_capture_costs_what_is_there(test_state* test)
+{
+    // two spheres a million apart: no picture is so fine that all but a few of its pixels are empty
+    stp_context* context = test_context(NULL, 1, NULL);
+    test_scene t = scene_over(context);
+    uint32_t sphere;
+    CHECK(add_sphere(&t, 8, true, 0, &sphere));
+    place(&t, STP_PART_MESH, sphere, scaled_and_moved(1, 1, 1, 0, 0, 0));
+    place(&t, STP_PART_MESH, sphere, scaled_and_moved(1, 1, 1, 1e6, 1e6, 3e5));
+    for (uint64_t wanted = 1500; wanted <= 6000; wanted *= 4) {
+        stp_candidates c;
+        CHECK_EQUAL(STP_OK, capture(&t, wanted, 0, &c));
+        double pixels = (double)c.resolution * (double)c.resolution * c.direction_count;
+        CHECK(pixels < 8.0 * STP_CAPTURE_MOST_PIXELS_EACH * (double)wanted);
+        stp_candidates_destroy(context, &c);
+    }
+    stp_scene_destroy(t.scene);
+    stp_context_destroy(context);
+}
+
 void test_capture_is_the_same_for_any_thread_count(test_state* test)
 {
     stp_candidates first = {0};

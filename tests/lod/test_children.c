@@ -3,6 +3,7 @@
 
 #include "base/coverage.h"
 #include "base/hash.h"
+#include "lod/children.h"
 #include "lod/hierarchy_helpers.h"
 
 // A row of spheres over a plate of triangles that has no set of its own: sets and triangles in one picture.
@@ -206,5 +207,26 @@ void test_what_is_smaller_than_floats_measure_gets_no_surfels(test_state* test)
         CHECK(scales[i] < 1e-18 ? h.made[node].count == 0 : h.made[node].count > 400);
         hierarchy_destroy(&h);
     }
+    stp_context_destroy(context);
+}
+
+void test_pictures_of_far_apart_sets_cost_what_is_there(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    hierarchy h;
+    uint32_t root;
+    stp_affine copies[2] = {stp_affine_identity(), scale_and_move(1, 1, 1, 1e6, 1e6, 3e5)};
+    CHECK(context != NULL && hierarchy_begin(context, &h, true, 8));
+    CHECK(add_copies(&h, h.shape, copies, 2, false, &root) && hierarchy_finish(&h));
+    uint32_t child = h.scene->objects[h.shape].node, node = h.scene->objects[root].node;
+    CHECK_EQUAL(STP_OK, hierarchy_make(&h, child, 500, 6000, NULL));
+    stp_blue_desc desc = {.capture = {.wanted_candidates = 3000}, .sets = h.sets};
+    stp_candidates c = {0};
+    bool captured;
+    CHECK_EQUAL(STP_OK, stp_capture_children(h.scene, node, &desc, 100, &c, &captured));
+    double pixels = (double)c.resolution * (double)c.resolution * c.direction_count;
+    CHECK(captured && pixels < 2.0 * STP_CAPTURE_MOST_PIXELS_EACH * 3000.0);
+    stp_candidates_destroy(context, &c);
+    hierarchy_destroy(&h);
     stp_context_destroy(context);
 }
