@@ -70,5 +70,8 @@ void stp_candidates_destroy(stp_context* context, stp_candidates* candidates)
     stp_free(context, candidates->materials);
     stp_free(context, candidates->view_starts);
     stp_free(context, candidates->set_areas);
+    for (uint32_t i = 0; i < candidates->silhouette_count; ++i) {
+        stp_free(context, candidates->silhouettes[i].words);
+    }
     *candidates = (stp_candidates){0};
 }

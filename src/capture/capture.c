@@ -274,6 +274,27 @@ static stp_result find_textures(stp_capture_job* job, const stp_capture_desc* de
     return result;
 }
 
+static void hand_over_silhouettes(stp_capture_job* job, stp_candidates* candidates)
+{
+    for (uint32_t v = 0; v < job->view_count && v < STP_SILHOUETTES; ++v) {
+        stp_capture_view* view = &job->views[v];
+        if (view->silhouette == NULL) {
+            break;
+        }
+        candidates->silhouettes[candidates->silhouette_count++] =
+            (stp_silhouette){.toward = view->toward,
+                             .right = view->right,
+                             .down = view->down,
+                             .shift_x = view->shift_x,
+                             .shift_y = view->shift_y,
+                             .width = view->width,
+                             .height = view->height,
+                             .words = view->silhouette};
+        view->silhouette = NULL;
+    }
+    job->keeps_silhouettes = false; // what fills in is drawn with views of its own
+}
+
 // Numbers everything, and finds the box of all. @return whether there is anything, through `empty`
 static stp_result begin_job(stp_capture_job* job, bool* empty)
 {
@@ -324,7 +345,9 @@ stp_result stp_capture_all_in_passes(const stp_scene* scene, const stp_capture_s
     result = result == STP_OK ? begin_job(&job, &empty) : result;
     if (result == STP_OK && !empty) {
         candidates->origin = job.centre;
+        job.keeps_silhouettes = true;
         result = draw_views(&job, desc, candidates);
+        hand_over_silhouettes(&job, candidates);
         drawn = stp_clock_ms();
         result = result == STP_OK ? stp_progress(context, "capture", 0.5) : result;
         result = result == STP_OK ? find_textures(&job, desc, &own) : result;

@@ -9,6 +9,7 @@
 // captured too; their alpha is recorded. Each point of a point set is one pixel.
 #pragma once
 
+#include "capture/silhouettes.h"
 #include "scene/scene.h"
 
 #include <stipple/surfels.h>
@@ -69,6 +70,8 @@ typedef struct stp_candidates {
     double surface_radius; ///< how far surface that was seen may lie from a candidate; 0: half a
                            ///< pixel's diagonal
     uint32_t resolution, direction_count;
+    stp_silhouette silhouettes[STP_SILHOUETTES]; ///< of the first directions
+    uint32_t silhouette_count;                   ///< 0: none were kept
     uint32_t filled; ///< captured candidates, before those of sets, that the directions missed
     uint64_t covered_pixels, triangle_views; ///< for reports
     double raster_ms, resolve_ms;

@@ -27,6 +27,7 @@ typedef struct stp_capture_view {
     double shift_x, shift_y;
     stp_vec3d depth; ///< nearness = depth . p + 1.5, between 1.1 and 1.9
     uint32_t width, height;
+    uint32_t* silhouette; ///< a bit a pixel (silhouettes.h), or NULL
 } stp_capture_view;
 
 /// Rows of a view, and the covered pixels found there.
@@ -60,6 +61,7 @@ typedef struct stp_capture_job {
     size_t band_count;
     stp_capture_band* bands;
     uint64_t covered_pixels;
+    bool keeps_silhouettes;               ///< of the first views
     uint64_t room;                        ///< candidates that the columns have room for
     const struct stp_fill_map* stand_ins; ///< pixels that it knows are not kept; NULL: all are
 } stp_capture_job;

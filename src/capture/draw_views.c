@@ -8,6 +8,8 @@
 
 /// A band's buffer takes at most this; taller pictures are drawn in more bands.
 #define BAND_BYTES ((uint64_t)32 << 20)
+/// Silhouettes that together take more are not kept.
+#define SILHOUETTE_BYTES ((uint64_t)64 << 20)
 
 enum { GROUP = 8 /**< pixels looked at together */ };
 
@@ -130,6 +132,20 @@ static size_t count_covered(const uint64_t* pixels, size_t pixel_count)
     return count;
 }
 
+/// Notes which pixels of a band show anything.
+static void mark_silhouette(const stp_capture_view* view, const stp_capture_band* band,
+                            const uint64_t* pixels)
+{
+    uint32_t stride = stp_silhouette_stride(view->width);
+    for (uint32_t row = band->row_begin; row < band->row_end; ++row) {
+        const uint64_t* from = pixels + (size_t)(row - band->row_begin) * view->width;
+        uint32_t* words = view->silhouette + (size_t)row * stride;
+        for (uint32_t x = 0; x < view->width; ++x) {
+            words[x / 32] |= (uint32_t)(from[x] != STP_RASTER_EMPTY) << (x % 32);
+        }
+    }
+}
+
 /// Keeps what is covered of a band.
 static stp_result squeeze(stp_context* context, const draw_worker* worker, bool passes,
                           size_t first, size_t pixel_count, stp_capture_band* band)
@@ -197,6 +213,9 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
         };
         stp_result result = state->passes ? draw_in_passes(job, band, &target, pixel_count, worker)
                                           : draw_at_once(job, band, &target, pixel_count, worker);
+        if (result == STP_OK && view->silhouette != NULL) {
+            mark_silhouette(view, band, target.pixels);
+        }
         if (result == STP_OK) {
             stp_capture_take_surfels(job, band, &target, state->passes ? worker->primitives : NULL);
             if (job->stand_ins != NULL) {
@@ -255,6 +274,31 @@ void stp_capture_drop_bands(stp_capture_job* job)
     job->bands = NULL;
     job->band_count = 0;
     job->covered_pixels = 0;
+    for (uint32_t v = 0; job->keeps_silhouettes && v < job->view_count; ++v) {
+        stp_free(context, job->views[v].silhouette);
+        job->views[v].silhouette = NULL;
+    }
+}
+
+/// Room for the silhouettes of views [begin, end), where all together are not too large.
+static stp_result make_silhouettes(const stp_capture_job* job, uint32_t begin, uint32_t end)
+{
+    uint64_t bytes = 0;
+    for (uint32_t v = 0; v < job->view_count && v < STP_SILHOUETTES; ++v) {
+        bytes += 4 * (uint64_t)stp_silhouette_stride(job->views[v].width) * job->views[v].height;
+    }
+    if (!job->keeps_silhouettes || bytes > SILHOUETTE_BYTES) {
+        return STP_OK;
+    }
+    for (uint32_t v = begin; v < end && v < STP_SILHOUETTES; ++v) {
+        stp_capture_view* view = &job->views[v];
+        size_t words = (size_t)stp_silhouette_stride(view->width) * view->height;
+        view->silhouette = STP_NEW_ZEROED(job->scene->context, uint32_t, words);
+        if (view->silhouette == NULL) {
+            return STP_ERROR_OUT_OF_MEMORY;
+        }
+    }
+    return STP_OK;
 }
 
 stp_result stp_capture_draw(stp_capture_job* job, uint32_t begin, uint32_t end)
@@ -268,7 +312,8 @@ stp_result stp_capture_draw(stp_capture_job* job, uint32_t begin, uint32_t end)
     atomic_init(&state.failed, false);
     uint32_t threads = stp_context_thread_count(context);
     state.workers = STP_NEW_ZEROED(context, draw_worker, threads);
-    if (state.workers == NULL || make_bands(job, begin, end, &state.band_pixels) != STP_OK) {
+    if (state.workers == NULL || make_silhouettes(job, begin, end) != STP_OK ||
+        make_bands(job, begin, end, &state.band_pixels) != STP_OK) {
         stp_free(context, state.workers);
         stp_capture_drop_bands(job);
         return stp_fail_memory(context);

@@ -47,6 +47,7 @@ void stp_capture_set_views(stp_capture_job* job, const stp_vec3d* directions, ui
         view->height = (uint32_t)(extent_along(job, down) / pixel_size) + 3;
         view->shift_x = (double)view->width * 0.5;
         view->shift_y = (double)view->height * 0.5;
+        view->silhouette = NULL;
         view->toward = directions[i];
         view->right = stp_scaled(right, 1.0 / pixel_size);
         view->down = stp_scaled(down, 1.0 / pixel_size);

@@ -222,7 +222,10 @@ static stp_result make_octave(stp_pyramid* p, uint32_t octave)
     if (result == STP_OK) {
         result = stp_pyramid_cover(p, octave, &plan);
     }
-    return result == STP_OK ? stp_pyramid_choose_chances(p, octave, &plan) : result;
+    if (result == STP_OK) {
+        result = stp_pyramid_choose_chances(p, octave, &plan);
+    }
+    return result == STP_OK ? stp_pyramid_close_holes(p, octave, &plan) : result;
 }
 
 static void write_entries(size_t begin, size_t end, uint32_t worker, void* user)

@@ -189,10 +189,20 @@ def cloud(path):
             file.write("%.6g %.6g %.6g\n" % p)
 
 
+def rubble():
+    """Bricks heaped at random: no surface goes on for long, and nothing shows through."""
+    mesh, draw = Mesh(), random.Random(7)
+    for _ in range(3000):
+        low = [draw.uniform(-1, 1), draw.uniform(-0.1, 0.1), draw.uniform(-1, 1)]
+        size = [draw.uniform(0.02, 0.12) for _ in range(3)]
+        mesh.box(low, [x + s for x, s in zip(low, size)], 3)
+    return mesh
+
+
 def main():
     folder = pathlib.Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    for make in (studs, wall, lattice, mast, wire, tree, house):
+    for make in (studs, wall, lattice, mast, wire, tree, house, rubble):
         make().write(folder / f"{make.__name__}.obj")
     cloud(folder / "cloud.ply")
 

@@ -94,7 +94,11 @@ void test_obj_chunks_and_threads_change_nothing(test_state* test)
             text + length, sizeof(text) - length,
             "%sv %d.5 %d %d 0.5 0.25 %g\nvt 0.%d 0.5\nf -1 -2/-1 %d \\%s\n -4/1/1\np %d\n",
             i % 37 == 0 ? "g part\nusemtl m\n" : "", i, i * i % 17, i % 5, (double)i / 300.0, i,
-            i + 1, i % 3 == 0 ? "\r" : i % 3 == 1 ? " \t" : "", -1 - i % 3);
+            i + 1,
+            i % 3 == 0   ? "\r"
+            : i % 3 == 1 ? " \t"
+                         : "",
+            -1 - i % 3);
     }
     stp_hash wanted = {0};
     for (size_t chunk = 1 << 20; chunk >= 1; chunk = chunk == 1 << 20 ? 700 : chunk / 3) {

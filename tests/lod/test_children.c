@@ -187,7 +187,8 @@ void test_appearance_goes_up(test_state* test)
         sum += stp_coverage_share(s->coverages[last + i]);
     }
     double mean = (double)sum / s->count;
-    CHECK(mean > 68.0 && mean < 80.0); // shares are an eighth apart
+    // shares are an eighth apart; where layers of spheres hide the background, disks are closed
+    CHECK(mean > 68.0 && mean < 84.0);
     hierarchy_destroy(&h);
     stp_context_destroy(context);
 }

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+//
+// Which pixels of a capture's views show anything at all. What stands before something else never lets the background
+// through, however far behind it that lies: the candidates of one disk do not tell.
+#pragma once
+
+#include "base/math.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+    STP_SILHOUETTES = 8 ///< views that are kept, the first ones of a capture
+};
+
+typedef struct stp_silhouette {
+    stp_vec3d toward; ///< unit, towards the viewer
+    stp_vec3d right,
+        down; ///< pixels in a scene unit, of positions relative to the candidates' origin
+    double shift_x, shift_y;
+    uint32_t width, height;
+    uint32_t* words; ///< a bit a pixel, each row of whole words; owned
+} stp_silhouette;
+
+static inline uint32_t stp_silhouette_stride(uint32_t width)
+{
+    return width / 32 + 1;
+}
+
+/// Whether anything is seen where a position is, from the silhouette's direction.
+static inline bool stp_silhouette_holds(const stp_silhouette* s, stp_vec3d at)
+{
+    double x = stp_dotd(s->right, at) + s->shift_x, y = stp_dotd(s->down, at) + s->shift_y;
+    if (!(x >= 0.0 && y >= 0.0 && x < (double)s->width && y < (double)s->height)) {
+        return false;
+    }
+    uint32_t column = (uint32_t)x, row = (uint32_t)y;
+    uint32_t word = s->words[(size_t)row * stp_silhouette_stride(s->width) + column / 32];
+    return (word >> (column % 32) & 1) != 0;
+}
