@@ -140,7 +140,9 @@ static void measure_spacing(blue* b)
     uint32_t count = b->finish.count;
     float half = count > 1 ? b->radii[(count + 1) / 2] : 0.0f;
     float eighth = count > 8 ? b->radii[(count + 7) / 8] * 0.35f : 0.0f;
-    double part = (double)count / (double)b->candidates.count;
+    // where nothing is left to cover, the others lie in the same places
+    bool all = !(b->finish.final_radius > 0.0f);
+    double part = all ? 1.0 : (double)count / (double)b->candidates.count;
     b->candidates.pixel_size = (double)stp_max(half, eighth) * sqrt(part);
 }
 

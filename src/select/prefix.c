@@ -5,7 +5,10 @@
 
 bool stp_select_is_complete(const stp_store_node* node, const stp_surfels* surfels)
 {
-    return node->triangle_count == 0 && surfels->count >= node->point_count;
+    // points in one place are one surfel: then all of them cover to no farther than positions are exact
+    return node->triangle_count == 0 &&
+           (surfels->count >= node->point_count ||
+            stp_prefix_table_radius(&surfels->table, surfels->count) <= surfels->step);
 }
 
 // Candidates only sample the surface, so no point of it is farther from a splat than what the prefix covers to and the
