@@ -2,13 +2,15 @@
 //
 // A surface is closed where its border is empty. Each directed edge adds a random number of the edge, or subtracts it where
 // it runs the other way; the sum is zero where all edges cancel, and for an open surface only by a chance of 2^-64. So nothing
-// has to be remembered of edges, and sums of pieces are the sum of the whole.
+// has to be remembered of edges, and sums of pieces are the sum of the whole. A surface that is open so may still be closed
+// but for cracks (cap_border.h): that is looked at second.
 #include "draw/cap_solid.h"
 
 #include "base/context.h"
 #include "base/hash.h"
 #include "base/math.h"
 #include "base/rng.h"
+#include "draw/cap_border.h"
 #include "store/clusters.h"
 
 #include <stdlib.h>
@@ -130,25 +132,13 @@ stp_result stp_cap_visit(stp_store* store, uint32_t mesh, const stp_cap_visitor*
                                                : visit_columns(store, mesh, visitor);
 }
 
-static uint64_t hash_corner(const float* p)
-{
-    uint64_t hash = 11;
-    for (int k = 0; k < 3; ++k) {
-        float x = p[k] + 0.0f; // -0 is 0
-        uint32_t bits;
-        memcpy(&bits, &x, sizeof(bits));
-        hash = stp_rng_hash(hash, bits);
-    }
-    return hash;
-}
-
 static stp_result add_triangle(void* user, const float* const corners[3])
 {
     border* b = user;
     uint64_t hash[3];
     stp_vec3d p[3];
     for (int k = 0; k < 3; ++k) {
-        hash[k] = hash_corner(corners[k]);
+        hash[k] = stp_cap_hash_corner(corners[k]);
         p[k] = (stp_vec3d){(double)corners[k][0], (double)corners[k][1], (double)corners[k][2]};
     }
     for (int k = 0; k < 3; ++k) {
@@ -180,22 +170,64 @@ static uint32_t find_pieces(const stp_cap_solids* s, uint64_t key)
     return low;
 }
 
+static stp_result add_to_border(void* user, const float* const corners[3])
+{
+    return stp_cap_border_add(user, corners);
+}
+
+/// Whether meshes together are closed but for cracks.
+static stp_result judge_cracks(const stp_cap_solids* s, const piece* pieces, uint32_t count,
+                               int* side)
+{
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        triangles += stp_store_describe_mesh(s->store, pieces[i].mesh)->triangle_count;
+    }
+    stp_cap_border* cracks = NULL;
+    stp_result result = stp_cap_border_create(s->context, triangles, &cracks);
+    stp_cap_visitor visitor = {.take = add_to_border, .user = cracks};
+    for (int round = 0; round < 2 && result == STP_OK; ++round) {
+        for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
+            result = stp_cap_visit(s->store, pieces[i].mesh, &visitor);
+        }
+        if (result == STP_OK) {
+            stp_cap_border_turn(cracks);
+        }
+    }
+    if (result == STP_OK) {
+        result = stp_cap_border_side(cracks, side);
+    }
+    stp_cap_border_destroy(cracks);
+    return result;
+}
+
 /// Judges a mesh that is open by itself, with all that may be pieces of the same.
 static stp_result judge_pieces(stp_cap_solids* s, uint32_t mesh)
 {
     uint64_t key = key_of(stp_store_describe_mesh(s->store, mesh));
-    uint32_t first = find_pieces(s, key);
+    uint32_t first = find_pieces(s, key), count = 0;
     border whole = {0};
     stp_cap_visitor visitor = {.take = add_triangle, .user = &whole};
     stp_result result = STP_OK;
-    for (uint32_t i = first; i < s->mesh_count && s->pieces[i].key == key && result == STP_OK;
-         ++i) {
-        result = stp_cap_visit(s->store, s->pieces[i].mesh, &visitor);
+    for (; first + count < s->mesh_count && s->pieces[first + count].key == key; ++count) {
+        result = result == STP_OK ? stp_cap_visit(s->store, s->pieces[first + count].mesh, &visitor)
+                                  : result;
     }
-    for (uint32_t i = first; i < s->mesh_count && s->pieces[i].key == key && result == STP_OK;
-         ++i) {
-        int8_t* side = &s->sides[s->pieces[i].mesh];
-        *side = *side == 1 || *side == -1 ? *side : (int8_t)side_of(&whole);
+    int side = side_of(&whole);
+    if (result == STP_OK && side == 0) {
+        const piece own = {key, mesh};
+        result = judge_cracks(s, &own, 1, &side);
+        if (result == STP_OK && side != 0) {
+            s->sides[mesh] = (int8_t)side;
+            return STP_OK;
+        }
+    }
+    if (result == STP_OK && side == 0 && count > 1) {
+        result = judge_cracks(s, s->pieces + first, count, &side);
+    }
+    for (uint32_t i = first; i < first + count && result == STP_OK; ++i) {
+        int8_t* known = &s->sides[s->pieces[i].mesh];
+        *known = *known == 1 || *known == -1 ? *known : (int8_t)side;
     }
     return result;
 }

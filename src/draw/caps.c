@@ -3,6 +3,7 @@
 
 #include "base/color.h"
 #include "base/context.h"
+#include "draw/cap_outline.h"
 #include "draw/cap_solid.h"
 #include "draw/lighting.h"
 #include "draw/shaders/light_constants.h"
@@ -11,19 +12,8 @@
 
 #include <string.h>
 
-enum { SEGMENTS_MOST = 1 << 22 };
 static const uint64_t visit_limit = UINT64_C(1) << 22;    // of nodes at places
 static const float base_color[3] = {0.75f, 0.30f, 0.13f}; // linear: nothing much looks like it
-
-/// A piece of an outline. Seen from the side that is cut away, solid is on its left.
-typedef struct segment {
-    float from[3], to[3]; ///< scene space, from the origin of the outlines
-} segment;
-
-typedef struct outline {
-    segment* segments;
-    size_t count, capacity;
-} outline;
 
 struct stp_caps {
     stp_context* context;
@@ -35,7 +25,7 @@ struct stp_caps {
     const stp_visibility* visibility;
     uint64_t version;
     stp_vec3d origin;
-    outline outlines[STP_SECTION_PLANES];
+    stp_cap_outline outlines[STP_SECTION_PLANES];
     // the picture
     size_t capacity; ///< places of `winding`
     float* nearness;
@@ -138,23 +128,6 @@ static void cross_edge(const cut_mesh* cut, const float* a, double da, const flo
     out[2] = (float)p.z;
 }
 
-static stp_result add_segment(stp_caps* caps, outline* o, const float from[3], const float to[3])
-{
-    if (o->count >= SEGMENTS_MOST) {
-        return STP_OK;
-    }
-    segment* segments =
-        stp_grow_array(caps->context, o->segments, &o->capacity, o->count + 1, sizeof(*segments));
-    if (segments == NULL) {
-        return stp_fail_memory(caps->context);
-    }
-    o->segments = segments;
-    memcpy(segments[o->count].from, from, sizeof(segments->from));
-    memcpy(segments[o->count].to, to, sizeof(segments->to));
-    o->count += 1;
-    return STP_OK;
-}
-
 static double beyond(const double row[4], const float* p)
 {
     return row[0] * (double)p[0] + row[1] * (double)p[1] + row[2] * (double)p[2] + row[3];
@@ -181,7 +154,8 @@ static stp_result cut_triangle(void* user, const float* const corners[3])
         }
         if (found == 2) {
             const float *from = cut->turned ? out : in, *to = cut->turned ? in : out;
-            result = add_segment(cut->caps, &cut->caps->outlines[number], from, to);
+            result =
+                stp_cap_outline_add(cut->caps->context, &cut->caps->outlines[number], from, to);
         }
     }
     return result;
@@ -297,6 +271,9 @@ stp_result stp_caps_find(stp_caps* c, const stp_sections* sections,
         uint32_t state = visibility != NULL ? stp_visibility_root(visibility) : STP_SHOW;
         walk_node(&walk, d->root, &identity, state, 0);
     }
+    for (uint32_t i = 0; i < sections->count && walk.result == STP_OK; ++i) {
+        walk.result = stp_cap_outline_close(c->context, &c->outlines[i]);
+    }
     c->known = walk.result == STP_OK;
     return walk.result;
 }
@@ -340,7 +317,8 @@ static void project(const stp_view_frame* f, stp_vec3d p, stp_vec3d other, doubl
 }
 
 /// Notes in each row where a segment crosses it: rows have one place more than the picture has columns.
-static void wind(const stp_caps* c, const stp_view_frame* f, const segment* s, int32_t* winding)
+static void wind(const stp_caps* c, const stp_view_frame* f, const stp_cap_segment* s,
+                 int32_t* winding)
 {
     const float* points[2] = {s->from, s->to};
     double least = f->parallel ? 0.0 : 1e-3 * f->near_distance, on[2][2];
@@ -433,7 +411,7 @@ static bool fill_row(const cap_fill* fill, size_t y)
 static bool fill_plane(const cap_fill* fill)
 {
     stp_caps* c = fill->caps;
-    const outline* o = &c->outlines[fill->plane];
+    const stp_cap_outline* o = &c->outlines[fill->plane];
     size_t height = (size_t)fill->frame->height, stride = (size_t)fill->frame->width + 1;
     bool any = false;
     memset(c->winding, 0, height * stride * sizeof(*c->winding));

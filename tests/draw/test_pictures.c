@@ -10,6 +10,7 @@
 #include "draw/support_store.h"
 #include "present/camera.h"
 #include "present/png.h"
+#include "select/sections.h"
 
 #include <stipple/order.h>
 
@@ -136,7 +137,7 @@ static bool make_ball_surfels(stp_context* context, ball* b, stp_surfels* s)
 }
 
 // Two balls side by side: triangles on the left, surfels on the right.
-static stp_store* open_balls(stp_context* context, ball* b)
+static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alpha)
 {
     static made_scene s;
     s = (made_scene){.material_count = 1,
@@ -153,7 +154,8 @@ static stp_store* open_balls(stp_context* context, ball* b)
     }
     s.materials[0] = made_material();
     s.materials[0].roughness = 0.4f;
-    s.materials[0].alpha = STP_STORE_MASK;
+    s.materials[0].alpha = alpha;
+    s.materials[0].base_color[3] = alpha == STP_STORE_BLEND ? 0.4f : 1.0f;
     s.materials[0].base_color_texture.texture = 0;
     s.shadings[0] = (stp_shading){.roughness = 0.4f};
     s.textures[0] = (stp_store_texture){.width = 32, .height = 32, .texels = b->texels};
@@ -259,35 +261,20 @@ static const char* draw_and_compare(stp_context* context, stp_store* store, cons
     return result == STP_OK ? compare_golden(context, name, &image) : "cannot be drawn";
 }
 
-void test_pictures_look_as_they_did(test_state* test)
+typedef struct golden {
+    const char* name;
+    stp_view view;
+    stp_quality quality;
+    stp_draw_style style;
+} golden;
+
+static const char* draw_all(const golden* cases, size_t count, stp_store_alpha alpha)
 {
     static ball b;
     stp_context* context = test_context(NULL, 2, NULL);
-    CHECK(context != NULL);
-    stp_store* store = open_balls(context, &b);
-    CHECK(store != NULL);
-    stp_view view = {.width = SIDE, .height = SIDE, .fov_degrees = 40};
-    stp_boxd box = {{-2.1, -1, -1}, {2.1, 1, 1}};
-    CHECK(stp_camera_frame("iso", &box, &view));
-    stp_view parallel = {.width = SIDE, .height = SIDE, .ortho_height = 1};
-    CHECK(stp_camera_frame("front", &box, &parallel));
-    const struct {
-        const char* name;
-        stp_view view;
-        stp_quality quality;
-        stp_draw_style style;
-    } cases[] = {
-        {"balls_splats", view, {.splat_size = 14}, {.splat_scale = 1}},
-        {"balls_dots", parallel, {.splat_size = 8}, {.splat_scale = 0.3f, .headlight = true}},
-        {"balls_blended", view, {.splat_size = 14}, {.filter = STP_FILTER_EWA}},
-        {"balls_dark", view, {.splat_size = 14}, {.eye_dome = 1, .ambient_occlusion = 0.12f}},
-        {"balls_smooth",
-         view,
-         {.reference = true},
-         {.supersample = 3, .background = true, .background_color = {40, 60, 90}}},
-    };
-    const char* wrong = NULL;
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]) && wrong == NULL; ++i) {
+    stp_store* store = context != NULL ? open_balls(context, &b, alpha) : NULL;
+    const char* wrong = store != NULL ? NULL : "cannot be opened";
+    for (size_t i = 0; i < count && wrong == NULL; ++i) {
         wrong = draw_and_compare(context, store, cases[i].name, cases[i].view, cases[i].quality,
                                  cases[i].style);
         if (wrong != NULL) {
@@ -296,5 +283,53 @@ void test_pictures_look_as_they_did(test_state* test)
     }
     stp_store_close(store);
     stp_context_destroy(context);
-    CHECK(wrong == NULL);
+    return wrong;
+}
+
+static const stp_boxd balls_box = {{-2.1, -1, -1}, {2.1, 1, 1}};
+
+void test_pictures_look_as_they_did(test_state* test)
+{
+    stp_view view = {.width = SIDE, .height = SIDE, .fov_degrees = 40};
+    CHECK(stp_camera_frame("iso", &balls_box, &view));
+    stp_view parallel = {.width = SIDE, .height = SIDE, .ortho_height = 1};
+    CHECK(stp_camera_frame("front", &balls_box, &parallel));
+    stp_view far = view; // texels smaller than pixels: cut-out shares must stay
+    for (int k = 0; k < 3; ++k) {
+        double* eye = k == 0 ? &far.eye.x : k == 1 ? &far.eye.y : &far.eye.z;
+        *eye *= 4.0;
+    }
+    const golden cases[] = {
+        {"balls_splats", view, {.splat_size = 14}, {.splat_scale = 1}},
+        {"balls_dots", parallel, {.splat_size = 8}, {.splat_scale = 0.3f, .headlight = true}},
+        {"balls_blended", view, {.splat_size = 14}, {.filter = STP_FILTER_EWA}},
+        {"balls_dark", view, {.splat_size = 14}, {.eye_dome = 1, .ambient_occlusion = 0.12f}},
+        {"balls_smooth",
+         view,
+         {.reference = true},
+         {.supersample = 3, .background = true, .background_color = {40, 60, 90}}},
+        {"balls_far", far, {.reference = true}, {.background = true}},
+    };
+    CHECK(draw_all(cases, sizeof(cases) / sizeof(cases[0]), STP_STORE_MASK) == NULL);
+}
+
+void test_pictures_of_glass_and_caps_look_as_they_did(test_state* test)
+{
+    stp_view view = {.width = SIDE, .height = SIDE, .fov_degrees = 40};
+    CHECK(stp_camera_frame("iso", &balls_box, &view));
+    stp_view cut = view;
+    stp_vec3d at = {0.2, 0.1, 0.3}, along = {0.3, 0.5, 1.0};
+    CHECK(stp_sections_add_plane(&cut.sections, at, along));
+    stp_draw_style plain = {.background = true, .background_color = {70, 70, 80}}, caps = plain;
+    stp_draw_style pattern = plain;
+    caps.caps = true;
+    pattern.transparency = STP_TRANSPARENCY_PATTERN;
+    const golden solid[] = {{"balls_open", cut, {.reference = true}, plain},
+                            {"balls_capped", cut, {.reference = true}, caps},
+                            {"balls_capped_splats", cut, {.splat_size = 8}, caps}};
+    CHECK(draw_all(solid, 3, STP_STORE_OPAQUE) == NULL);
+    const golden glass[] = {{"balls_glass", view, {.reference = true}, plain},
+                            {"balls_glass_pattern", view, {.reference = true}, pattern},
+                            {"balls_glass_cut", cut, {.reference = true}, caps}};
+    CHECK(draw_all(glass, 3, STP_STORE_BLEND) == NULL);
 }

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// The outlines of what one plane cuts, as loose segments.
+#pragma once
+
+#include "base/context.h"
+
+/// A piece of an outline. Seen from the side that is cut away, solid is on its left.
+typedef struct stp_cap_segment {
+    float from[3], to[3]; ///< scene space, from the origin of the outlines
+} stp_cap_segment;
+
+typedef struct stp_cap_outline {
+    stp_cap_segment* segments;
+    size_t count, capacity;
+} stp_cap_outline;
+
+/// What is beyond four million segments is left out. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_cap_outline_add(stp_context* context, stp_cap_outline* outline,
+                                            const float from[3], const float to[3]);
+
+/// Joins ends that meet nothing to a near one: where a plane cuts through a crack. Every way is closed then.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_cap_outline_close(stp_context* context, stp_cap_outline* outline);
