@@ -102,6 +102,26 @@ static void add_pieces(made_picture* p)
     append(add_mesh(p, 1.0, (stp_vec3d){0, 0, 0}), 1, 1.0f, 5, SIDES, false);
 }
 
+/// A box with a crack through the plane: an edge of one side has a corner more, a little beside it.
+static void add_cracked(made_picture* p)
+{
+    static const uint32_t side[3][3] = {{0, 1, 8}, {0, 8, 5}, {0, 5, 4}};
+    stp_store_mesh* mesh = add_mesh(p, 1.0, (stp_vec3d){0, 0, 0});
+    append(mesh, 0, 1.0f, 2, SIDES, false);
+    memcpy(made.positions[0][8], (const float[3]){0.98f, -1.0f, 0.1f}, sizeof(float[3]));
+    memcpy(made.indices[0] + 3 * (size_t)mesh->triangle_count, side, sizeof(side));
+    mesh->vertex_count += 1;
+    mesh->triangle_count += 3;
+}
+
+/// What is behind the cap does not show through it.
+static void add_glass(made_picture* p)
+{
+    add_box(p);
+    p->scene.materials[0].alpha = STP_STORE_BLEND;
+    p->scene.materials[0].base_color[3] = 0.5f;
+}
+
 static bool is_cap(const uint8_t* pixel)
 {
     return pixel[3] == 255 && pixel[0] > pixel[1] + 20 && pixel[1] > pixel[2] + 10;
@@ -121,9 +141,9 @@ static const struct {
     void (*add)(made_picture* p);
     int caps;
     bool middle; ///< is filled
-} cases[] = {{add_box, 1024, true},   {add_turned, 1024, true}, {add_mirrored, 1024, true},
-             {add_open, 0, false},    {add_walls, 768, false},  {add_nested, 1024, true},
-             {add_pieces, 1024, true}};
+} cases[] = {{add_box, 1024, true},    {add_turned, 1024, true},  {add_mirrored, 1024, true},
+             {add_open, 0, false},     {add_walls, 768, false},   {add_nested, 1024, true},
+             {add_pieces, 1024, true}, {add_cracked, 1024, true}, {add_glass, 1024, true}};
 enum { CASES = sizeof(cases) / sizeof(cases[0]) };
 
 static bool open_case(made_picture* p, void (*add)(made_picture* p))

@@ -79,6 +79,7 @@ static void put(gl_renderer* r, const stp_cap_picture* picture)
 
 stp_result gl_cap_pass_draw(gl_renderer* r)
 {
+    r->cap_pass.shows = false;
     if (!r->style->caps || r->view->sections.count == 0) {
         return STP_OK;
     }
@@ -97,6 +98,7 @@ stp_result gl_cap_pass_draw(gl_renderer* r)
     }
     if (result == STP_OK && picture.any) {
         put(r, &picture);
+        r->cap_pass.shows = true;
     }
     return result;
 }

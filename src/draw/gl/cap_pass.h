@@ -12,6 +12,7 @@ typedef struct gl_cap_pass {
     stp_caps* caps;
     GLuint program, nearness, pixels; ///< textures of an eye
     uint32_t width, height;           ///< of the textures
+    bool shows;                       ///< caps in the eye's picture that was shaded last
 } gl_cap_pass;
 
 void gl_cap_pass_destroy(struct gl_renderer* r);

@@ -167,6 +167,8 @@ static stp_result draw_layer(gl_renderer* r, int number)
     gl->BindTextureUnit(UNIT_BEFORE_IDS, pass->layers[1 - number].ids);
     gl->BindTextureUnit(UNIT_BEFORE_NEARNESS, pass->layers[1 - number].nearness);
     gl->BindTextureUnit(UNIT_BELOW, pass->below);
+    // without caps, what is opaque hides as much
+    gl->BindTextureUnit(UNIT_CAPS, r->cap_pass.shows ? r->cap_pass.nearness : r->target.nearness);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
     gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
     const gl_commands* triangles = &r->frame.commands[GL_COMMANDS_GLASS_TRIANGLES];

@@ -34,6 +34,7 @@
 #define UNIT_BEFORE_IDS 6 // of the layer before
 #define UNIT_BEFORE_NEARNESS 7
 #define UNIT_BELOW 8
+#define UNIT_CAPS 9 // how near caps of sections are
 #define IMAGE_PICTURE 0
 #define IMAGE_DEPTH 1
 #define IMAGE_SUMS 2
