@@ -118,7 +118,7 @@ static stp_result visit_columns(stp_store* store, uint32_t mesh, const stp_cap_v
     for (size_t i = 0; result == STP_OK && i < columns.triangle_count; ++i) {
         const float* corners[3];
         for (size_t k = 0; k < 3; ++k) {
-            corners[k] = columns.positions + 3 * (size_t)columns.indices[3 * i + k];
+            corners[k] = columns.positions + 3 * (size_t)stp_store_mesh_corner(&columns, 3 * i + k);
         }
         result = visitor->take(visitor->user,
                                (const float* const[3]){corners[0], corners[1], corners[2]});

@@ -87,7 +87,7 @@ stp_result stp_pick_find_inner(stp_pick_work* work, uint32_t mesh, uint32_t tria
     for (uint32_t i = 0; result == STP_OK && i < columns.triangle_count; ++i) {
         stp_vec3 other[3];
         for (size_t k = 0; k < 3; ++k) {
-            size_t vertex = columns.indices[3 * (size_t)i + k];
+            size_t vertex = stp_store_mesh_corner(&columns, 3 * (size_t)i + k);
             memcpy(&other[k], columns.positions + 3 * vertex, sizeof(other[k]));
         }
         if (i != triangle) {

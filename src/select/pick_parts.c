@@ -266,15 +266,16 @@ static stp_result meet_columns(stp_pick_work* work, uint32_t mesh, const ray_map
     }
     for (uint32_t i = 0; result == STP_OK && i < columns.triangle_count; ++i) {
         corner c[3];
+        uint32_t vertices[3];
         for (size_t k = 0; k < 3; ++k) {
-            c[k] = turn(map, columns.positions + 3 * (size_t)columns.indices[3 * (size_t)i + k]);
+            vertices[k] = stp_store_mesh_corner(&columns, 3 * (size_t)i + k);
+            c[k] = turn(map, columns.positions + 3 * (size_t)vertices[k]);
         }
-        test_triangle(work, &c[0], &c[1], &c[2], &source, columns.indices + 3 * (size_t)i, i,
-                      nearest);
+        test_triangle(work, &c[0], &c[1], &c[2], &source, vertices, i, nearest);
     }
     for (size_t k = 0; k < 3 && nearest->found; ++k) {
-        corners[k] =
-            read_vertex(columns.positions, columns.indices[3 * (size_t)nearest->index + k]);
+        corners[k] = read_vertex(columns.positions,
+                                 stp_store_mesh_corner(&columns, 3 * (size_t)nearest->index + k));
     }
     return result;
 }

@@ -7,6 +7,8 @@
 #include "store/clusters_layout.h"
 #include "store/clusters_unpack.h"
 
+#include <stdatomic.h>
+
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "values are used straight from the file, which is little-endian"
 #endif
@@ -196,45 +198,106 @@ static const unsigned char* get_run(stp_cluster_run* run, const clusters_channel
     return own + clusters_own_bytes(channel, count, group);
 }
 
+static const uint8_t zeros[3 * STP_CLUSTER_TRIANGLES];
+static const stp_cluster_run no_run = {.bits = zeros, .own = zeros};
+
+static void get_nothing(stp_cluster* cluster)
+{
+    *cluster = (stp_cluster){.vertex_count = 1, .indices = zeros, .period = STP_CLUSTER_TRIANGLES};
+    for (int i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
+        cluster->runs[i] = no_run;
+    }
+}
+
+/// Whether counts, widths and the place of a cluster are possible, but for its further channels.
+static bool is_entry(const stp_clusters* c, const clusters_entry* entry)
+{
+    uint64_t least = CLUSTERS_HEADER_BYTES + (uint64_t)c->cluster_count * CLUSTERS_ENTRY_BYTES;
+    uint64_t begin = 4 * (uint64_t)entry->offset;
+    bool good = begin >= least && begin <= c->size - CLUSTERS_PADDING_BYTES &&
+                entry->triangle_count >= 1 && entry->triangle_count <= STP_CLUSTER_TRIANGLES &&
+                entry->first_triangle <= c->triangle_count &&
+                entry->triangle_count <= c->triangle_count - entry->first_triangle &&
+                entry->smooth_count + entry->face_count <= entry->triangle_count &&
+                entry->normal_count <= entry->last_vertex + 1u && are_parts(entry) &&
+                clusters_index_triangles(entry) >= 1;
+    for (uint32_t k = 0; k < 3; ++k) {
+        clusters_channel channel = clusters_position_channel(entry, k);
+        good = good && is_channel(&channel, entry->group);
+    }
+    return good;
+}
+
+/// The further channels of a cluster, copied from its table.
+static void read_channels(const unsigned char* table, uint32_t count, clusters_channel* channels)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        channels[i] = clusters_read_channel(table + (size_t)CLUSTERS_CHANNEL_BYTES * i);
+    }
+    atomic_signal_fence(memory_order_seq_cst); // what was checked is used, and not read again
+}
+
+/// The runs of all channels, from `next` on. @return where they end; NULL where a channel is not possible
+static const unsigned char* get_runs(uint32_t present, const clusters_entry* entry,
+                                     const clusters_channel* further, const unsigned char* next,
+                                     stp_cluster_run runs[STP_CLUSTER_CHANNELS])
+{
+    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
+        uint32_t count = clusters_values(present, i, entry->last_vertex + 1u, entry->normal_count);
+        if (count == 0) {
+            runs[i] = no_run;
+            continue;
+        }
+        clusters_channel channel =
+            i > STP_CLUSTER_Z ? *further++ : clusters_position_channel(entry, i);
+        if (i > STP_CLUSTER_Z && !is_channel(&channel, entry->group)) {
+            return NULL;
+        }
+        next = get_run(&runs[i], &channel, count, entry->group, next);
+    }
+    return next;
+}
+
 void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster)
 {
     clusters_entry entry = clusters_read_entry(entry_at(clusters, index));
-    uint32_t vertex_count = entry.last_vertex + 1u;
+    atomic_signal_fence(memory_order_seq_cst);
+    uint64_t left = clusters->size - CLUSTERS_PADDING_BYTES - 4 * (uint64_t)entry.offset;
     uint32_t extra = count_extra(clusters->present, entry.normal_count);
+    if (!is_entry(clusters, &entry) || (uint64_t)CLUSTERS_CHANNEL_BYTES * extra > left) {
+        get_nothing(cluster);
+        return;
+    }
     const unsigned char* table = clusters->bytes + 4 * (size_t)entry.offset;
+    clusters_channel channels[STP_CLUSTER_CHANNELS];
+    read_channels(table, extra, channels);
     cluster->first_triangle = entry.first_triangle;
     cluster->triangle_count = entry.triangle_count;
-    cluster->vertex_count = vertex_count;
+    cluster->vertex_count = entry.last_vertex + 1u;
     cluster->smooth_count = entry.smooth_count;
     cluster->face_count = entry.face_count;
     cluster->normal_count = entry.normal_count;
     cluster->indices = table + (size_t)CLUSTERS_CHANNEL_BYTES * extra;
     cluster->period = clusters_index_triangles(&entry);
     cluster->stride = entry.group;
-    const unsigned char* next = cluster->indices + 3 * (size_t)cluster->period;
-    for (uint32_t i = 0; i < STP_CLUSTER_CHANNELS; ++i) {
-        uint32_t count = clusters_values(clusters->present, i, vertex_count, entry.normal_count);
-        if (count == 0) {
-            cluster->runs[i] = (stp_cluster_run){.bits = next, .own = next};
-            continue;
-        }
-        clusters_channel channel = clusters_position_channel(&entry, i <= STP_CLUSTER_Z ? i : 0);
-        if (i > STP_CLUSTER_Z) {
-            channel = clusters_read_channel(table);
-            table += CLUSTERS_CHANNEL_BYTES;
-        }
-        next = get_run(&cluster->runs[i], &channel, count, entry.group, next);
+    const unsigned char* end =
+        get_runs(clusters->present, &entry, channels,
+                 cluster->indices + 3 * (size_t)cluster->period, cluster->runs);
+    if (end == NULL || (uint64_t)(end - table) > left) {
+        get_nothing(cluster);
     }
 }
 
 void stp_cluster_indices(const stp_cluster* cluster, uint32_t first, uint32_t* indices)
 {
-    uint32_t length = 3 * cluster->period;
+    uint32_t length = 3 * cluster->period, begin = 0;
     for (uint32_t at = 0; at < 3 * cluster->triangle_count; at += length) {
+        uint32_t limit = cluster->vertex_count - begin;
         for (uint32_t i = 0; i < length; ++i) {
-            indices[at + i] = first + cluster->indices[i];
+            uint32_t index = cluster->indices[i];
+            indices[at + i] = first + begin + (index < limit ? index : 0);
         }
-        first += cluster->stride;
+        begin += cluster->stride;
     }
 }
 
@@ -258,7 +321,8 @@ uint32_t stp_clusters_find(const stp_clusters* clusters, uint32_t triangle)
             high = step < count - high ? high + step : count;
         }
     } else {
-        for (low = guess - 1; stp_clusters_first_triangle(clusters, low) > triangle; step *= 2) {
+        for (low = guess > 0 ? guess - 1 : 0;
+             low > 0 && stp_clusters_first_triangle(clusters, low) > triangle; step *= 2) {
             high = low;
             low = step < low ? low - step : 0;
         }
@@ -292,9 +356,9 @@ stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index)
     float low[3], high[3];
     for (int k = 0; k < 3; ++k) {
         low[k] = (float)entry.origin[k] * clusters->step;
-        // values wrap at 32 bits in a forged file: then the box is wrong, and nothing else
-        int64_t range = ((int64_t)1 << entry.width[k]) - 1;
-        int64_t last = (int64_t)entry.origin[k] + range * ((int64_t)1 << entry.shift);
+        // values wrap at 32 bits in a forged file, or may be any others by now: then the box is wrong, and nothing else
+        int64_t range = ((int64_t)1 << (entry.width[k] < 32 ? entry.width[k] : 32)) - 1;
+        int64_t last = (int64_t)entry.origin[k] + range * ((int64_t)1 << (entry.shift & 31));
         high[k] = (float)last * clusters->step;
     }
     return (stp_box){{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
@@ -362,7 +426,8 @@ bool stp_cluster_normals(const stp_cluster* cluster, uint32_t triangle, stp_vec3
     stp_cluster_corners(cluster, triangle, corner);
     bool smooth = triangle < cluster->smooth_count;
     for (int k = 0; k < 3; ++k) {
-        normals[k] = k == 0 || smooth ? decode_normal(cluster, corner[k]) : normals[0];
+        uint32_t vertex = corner[k] < cluster->normal_count ? corner[k] : 0;
+        normals[k] = k == 0 || smooth ? decode_normal(cluster, vertex) : normals[0];
     }
     return true;
 }

@@ -105,7 +105,9 @@ typedef struct stp_cluster {
     stp_cluster_run runs[STP_CLUSTER_CHANNELS]; ///< absent ones have no bits and are all 0
 } stp_cluster;
 
-/// `index` must be below cluster_count.
+/// `index` must be below cluster_count. What was checked as a whole is checked again, but for indices, since somebody may
+/// have written over a mapped file: a cluster that is no longer possible has one vertex and no triangles. Whatever is
+/// asked of the result below stays within the bytes and within STP_CLUSTER_*.
 void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster);
 /// A box around the cluster, without opening it; up to twice as large as it need be.
 stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index);
@@ -146,7 +148,8 @@ static inline void stp_cluster_corners(const stp_cluster* cluster, uint32_t tria
     uint32_t part = triangle / cluster->period, first = part * cluster->stride;
     const uint8_t* index = cluster->indices + 3 * (size_t)(triangle - part * cluster->period);
     for (int k = 0; k < 3; ++k) {
-        corners[k] = first + index[k];
+        uint32_t corner = first + index[k];
+        corners[k] = corner < cluster->vertex_count ? corner : 0;
     }
 }
 

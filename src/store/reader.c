@@ -22,8 +22,18 @@ stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* 
     if (result != STP_OK) {
         return result;
     }
-    text->stored = (const char*)content;
     text->size = (size_t)stp_store_content_bytes(section);
+    if (!stp_store_is_packed(
+            section)) { // a copy ends where it should, whatever is written over the file
+        if (store->tables[type] == NULL) {
+            store->tables[type] = stp_alloc(store->context, text->size);
+        }
+        if (store->tables[type] == NULL) {
+            return stp_fail_memory(store->context);
+        }
+        content = memcpy(store->tables[type], content, text->size);
+    }
+    text->stored = (const char*)content;
     if (section->record_size != 1 || text->stored[text->size - 1] != '\0') {
         return stp_fail(store->context, STP_ERROR_FORMAT,
                         "%s: the texts of type %u do not end with a zero byte", store->path, type);

@@ -3,6 +3,7 @@
 
 #include "base/prefix_table.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -88,6 +89,16 @@ void made_free_surfels(stp_context* context, stp_surfels* s)
 
 stp_store* made_open(stp_context* context, made_scene* scene)
 {
+    int file = -1;
+    stp_store* store = made_open_file(context, scene, &file);
+    if (file >= 0) {
+        close(file);
+    }
+    return store;
+}
+
+stp_store* made_open_file(stp_context* context, made_scene* scene, int* descriptor)
+{
     stp_store_content content = {
         .directory = {.node_count = scene->node_count,
                       .edge_count = scene->edge_count,
@@ -125,6 +136,7 @@ stp_store* made_open(stp_context* context, made_scene* scene)
     if (result == STP_OK) {
         result = stp_store_open(context, path, &store);
     }
+    *descriptor = open(path, O_RDWR);
     unlink(path); // an open store keeps its bytes
     return result == STP_OK ? store : NULL;
 }

@@ -38,3 +38,5 @@ void made_free_surfels(stp_context* context, stp_surfels* surfels);
 
 /// Writes and opens the scene; the last node is the root. NULL on failure.
 stp_store* made_open(stp_context* context, made_scene* scene);
+/// The same; `file` receives a descriptor of the file, to read and write, which the caller closes.
+stp_store* made_open_file(stp_context* context, made_scene* scene, int* file);

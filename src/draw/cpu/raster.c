@@ -155,7 +155,6 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
                      .cut_mask = (1u << cuts.count) - 1};
     stp_raster_mesh mesh = {.positions = item->mesh.positions,
                             .vertex_count = item->mesh.vertex_count,
-                            .indices = item->mesh.indices + 3 * (size_t)begin,
                             .triangle_count = end - begin,
                             .offset = {item->offset[0], item->offset[1], item->offset[2]},
                             .fragments = &worker->fragments};
@@ -168,17 +167,19 @@ static void draw_triangles(cpu_renderer* r, const cpu_item* item, uint32_t begin
     stp_bounding bounding = cpu_bound(r, item);
     float share = stp_draw_share(item->draw, stp_bounding_least_depth(&bounding, box));
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
-    if (share < 1.0f) {
-        size_t bytes = 3 * sizeof(uint32_t) * (size_t)(end - begin);
-        uint32_t* kept = stp_arena_alloc(&worker->scratch, bytes);
-        if (kept == NULL) {
-            worker->failed = true;
-            return;
-        }
-        memcpy(kept, mesh.indices, bytes);
-        cpu_drop_triangles(kept, begin, end - begin, share);
-        mesh.indices = kept;
+    size_t corners = 3 * (size_t)(end - begin);
+    uint32_t* kept = STP_ARENA_ARRAY(&worker->scratch, uint32_t, corners);
+    if (kept == NULL) {
+        worker->failed = true;
+        return;
     }
+    for (size_t i = 0; i < corners; ++i) {
+        kept[i] = stp_store_mesh_corner(&item->mesh, 3 * (size_t)begin + i);
+    }
+    if (share < 1.0f) {
+        cpu_drop_triangles(kept, begin, end - begin, share);
+    }
+    mesh.indices = kept;
     stp_result result = stp_raster_triangles(target, 0, r->height, &item->camera.matrix,
                                              item->camera.nearness_limit, &mesh,
                                              item->first_id + begin, &worker->scratch);

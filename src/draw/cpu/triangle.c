@@ -27,7 +27,7 @@ static void read_columns(const cpu_item* item, uint32_t index, cpu_triangle* out
     out->has_normal = mesh->normals != NULL;
     out->has_color = mesh->colors != NULL;
     for (size_t k = 0; k < 3; ++k) {
-        size_t v = mesh->indices[3 * (size_t)index + k];
+        size_t v = stp_store_mesh_corner(mesh, 3 * (size_t)index + k);
         set_position(item, mesh->positions + 3 * v, out->position[k]);
         if (out->has_normal) {
             out->normal[k] = cpu_decode_normal(mesh->normals + 2 * v);
@@ -39,7 +39,7 @@ static void read_columns(const cpu_item* item, uint32_t index, cpu_triangle* out
     for (int set = 0; set < 2; ++set) {
         out->has_texcoord[set] = item->reads_texcoords[set] && mesh->texcoords[set] != NULL;
         for (size_t k = 0; k < 3 && out->has_texcoord[set]; ++k) {
-            size_t v = mesh->indices[3 * (size_t)index + k];
+            size_t v = stp_store_mesh_corner(mesh, 3 * (size_t)index + k);
             memcpy(out->texcoord[set][k], mesh->texcoords[set] + 2 * v,
                    sizeof(out->texcoord[0][0]));
         }

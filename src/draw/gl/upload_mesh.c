@@ -130,30 +130,35 @@ static void write_cluster(const mesh_source* source, const stp_cluster* cluster,
 static void write_columns(const mesh_source* source, const cluster_shape* shape, gl_writer* w)
 {
     const stp_store_mesh* mesh = source->mesh;
-    const uint32_t* corners = mesh->indices + 3 * (size_t)shape->first_triangle;
+    size_t first = 3 * (size_t)shape->first_triangle;
     uint32_t lighting = mesh->normals != NULL ? TRIANGLE_SMOOTH : TRIANGLE_PLAIN;
     for (uint32_t i = 0; i < shape->triangles; ++i) {
         gl_write(w, 3 * i | (3 * i + 1) << 10 | (3 * i + 2) << 20 | lighting << 30);
     }
     for (uint32_t i = 0; i < shape->vertices; ++i) {
         for (size_t c = 0; c < 3; ++c) {
-            gl_write_float(w, mesh->positions[3 * (size_t)corners[i] + c]);
+            gl_write_float(w,
+                           mesh->positions[3 * (size_t)stp_store_mesh_corner(mesh, first + i) + c]);
         }
     }
     for (uint32_t i = 0; i < shape->normals; ++i) {
         uint32_t word;
-        memcpy(&word, mesh->normals + 2 * (size_t)corners[i], sizeof(word));
+        memcpy(&word, mesh->normals + 2 * (size_t)stp_store_mesh_corner(mesh, first + i),
+               sizeof(word));
         gl_write(w, word);
     }
     for (int set = 0; set < 2; ++set) {
         for (uint32_t i = 0; i < shape->vertices && source->reads[set]; ++i) {
-            gl_write_float(w, mesh->texcoords[set][2 * (size_t)corners[i]]);
-            gl_write_float(w, mesh->texcoords[set][2 * (size_t)corners[i] + 1]);
+            gl_write_float(
+                w, mesh->texcoords[set][2 * (size_t)stp_store_mesh_corner(mesh, first + i)]);
+            gl_write_float(
+                w, mesh->texcoords[set][2 * (size_t)stp_store_mesh_corner(mesh, first + i) + 1]);
         }
     }
     for (uint32_t i = 0; i < shape->vertices && source->colors; ++i) {
         uint32_t words[2];
-        memcpy(words, mesh->colors + 4 * (size_t)corners[i], sizeof(words));
+        memcpy(words, mesh->colors + 4 * (size_t)stp_store_mesh_corner(mesh, first + i),
+               sizeof(words));
         gl_write(w, words[0]);
         gl_write(w, words[1]);
     }
