@@ -47,13 +47,13 @@ picture viewer
 # a section plane with its handle
 xdotool key Escape Home F3
 wait_until 'r["page"] == "section" and tools["chosen"] == "" and r["rests"]'
-xdotool mousemove 1035 124 click 1 # the plane across X
+xdotool mousemove 1035 153 click 1 # the plane across X
 xdotool mousemove 1200 690
 wait_until 'tools["section_planes"] == 1 and r["rests"]'
 picture viewer-section
 
 # the search, and measuring in feet
-xdotool mousemove 1040 178 click 1 # the plane is off
+xdotool mousemove 1040 207 click 1 # the plane is off
 wait_until 'tools["section_planes"] == 0 and r["rests"]'
 xdotool key Home 9 F4 m
 wait_until 'tools["measures"] and r["page"] == "measure" and r["rests"]'
