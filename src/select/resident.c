@@ -156,8 +156,8 @@ static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* n
         const stp_store_node* below = &s->directory->nodes[at.node];
         stp_boxd box = stp_select_place_box(&at.transform, &below->bounds);
         stp_sight sight;
-        s->visits += 1;
-        if (!stp_select_see(s, &box, &sight)) {
+        result = stp_select_count_visit(s);
+        if (result != STP_OK || !stp_select_see(s, &box, &sight)) {
             continue;
         }
         const stp_surfels* surfels = below->surfels != STP_STORE_NONE

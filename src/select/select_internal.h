@@ -140,6 +140,8 @@ double stp_select_growth(double ceiling, double depth);
 STP_MUST_USE stp_result stp_select_find_graph(stp_selection* s);
 void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph);
 
+/// Counts a node that is looked at. @return STP_OK or STP_ERROR_LIMIT (logged)
+STP_MUST_USE stp_result stp_select_count_visit(stp_selection* s);
 STP_MUST_USE stp_result stp_select_push(stp_selection* s, const stp_select_entry* entry);
 /// Looks at all that was pushed.
 STP_MUST_USE stp_result stp_select_traverse(stp_selection* s);

@@ -2,8 +2,27 @@
 // The walk down the graph: what is seen of it, by which level.
 #include "select/select_internal.h"
 
-/// A graph of a few shared nodes can stand for more visits than anybody can wait for.
-static const uint64_t visit_limit = UINT64_C(1) << 28;
+// A graph of a few shared nodes can stand for more than anybody can wait for, or has memory for: so many visits and things
+// to draw are always allowed, and more in proportion to the graph. Views of real scenes have some 100,000.
+#define VISITS_ALWAYS (UINT64_C(1) << 21)
+#define ITEMS_ALWAYS (UINT64_C(1) << 19)
+#define EACH_RECORD UINT64_C(16)
+
+static uint64_t limit_of(const stp_selection* s, uint64_t always)
+{
+    const stp_store_directory* d = s->directory;
+    return always + EACH_RECORD * ((uint64_t)d->node_count + d->edge_count + d->part_count);
+}
+
+stp_result stp_select_count_visit(stp_selection* s)
+{
+    if (++s->visits > limit_of(s, VISITS_ALWAYS)) {
+        return stp_fail(s->context, STP_ERROR_LIMIT,
+                        "view: the scene's graph unfolds to more than %llu nodes",
+                        (unsigned long long)limit_of(s, VISITS_ALWAYS));
+    }
+    return STP_OK;
+}
 
 stp_result stp_select_push(stp_selection* s, const stp_select_entry* entry)
 {
@@ -30,6 +49,11 @@ stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id
     if (first + id_count >= UINT32_MAX) {
         return stp_fail(s->context, STP_ERROR_LIMIT,
                         "view: more than 4294967294 splats and triangles would have to be drawn");
+    }
+    if (list->count >= limit_of(s, ITEMS_ALWAYS)) {
+        return stp_fail(s->context, STP_ERROR_LIMIT,
+                        "view: more than %zu things would have to be drawn one by one",
+                        list->count);
     }
     if (list->count == list->capacity) {
         stp_draw_item* items = stp_grow_array(s->context, list->items, &list->capacity,
@@ -163,9 +187,9 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
     uint8_t moving = s->graph->moving[at->node];
-    if (++s->visits > visit_limit) {
-        return stp_fail(s->context, STP_ERROR_LIMIT,
-                        "view: the scene's graph unfolds to too many nodes");
+    stp_result counted = stp_select_count_visit(s);
+    if (counted != STP_OK) {
+        return counted;
     }
     if ((moving & STP_NODE_MOVES) != 0) { // no ancestor shows it
         at->moving_only = at->extra = false;

@@ -12,7 +12,7 @@ enum {
     TOUCHES = 2,  ///< has some part that the thing has too
 };
 
-static const uint64_t visit_limit = UINT64_C(1) << 26;
+static const uint64_t visit_limit = UINT64_C(1) << 22; // and 16 for each record of the graph
 
 typedef struct setting {
     stp_visibility* v;
@@ -186,7 +186,8 @@ stp_result stp_visibility_set(stp_visibility* v, const stp_placed_node* thing, s
                  .thing = thing,
                  .bounds = stp_affine_box(&thing->transform, d->nodes[thing->node].bounds),
                  .show = (uint32_t)show,
-                 .visits = visit_limit};
+                 .visits = visit_limit + UINT64_C(16) * ((uint64_t)d->node_count + d->edge_count +
+                                                         d->part_count)};
     s.result = mark_nodes(&s);
     if (s.result == STP_OK) {
         stp_affine identity = stp_affine_identity();
