@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "describe.h"
 
+#include "base/printable.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -168,10 +170,13 @@ const char* describe_bytes(uint64_t bytes, char out[32])
 
 void describe_text(const char* text)
 {
-    for (; text != NULL && *text != 0; ++text) {
-        unsigned char c = (unsigned char)*text;
-        putchar(c < 0x20 || c == 0x7f ? '?' : c);
+    size_t size = text != NULL ? 4 * strlen(text) + 1 : 0;
+    char* shown = size > 1 ? malloc(size) : NULL;
+    if (shown != NULL) {
+        stp_make_printable(text, shown, size);
+        fputs(shown, stdout);
     }
+    free(shown);
 }
 
 // A line below the table: total, and what is unique where that differs.

@@ -3,6 +3,8 @@
 
 #include "progress.h"
 
+#include "base/printable.h"
+
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
@@ -38,18 +40,44 @@ bool tool_has_color(FILE* stream)
            strcmp(terminal, "dumb") != 0;
 }
 
+static char* format_printable(const char* format, va_list list)
+    __attribute__((format(printf, 1, 0)));
+
+/// A message as a terminal may show it: arguments and file names are in it. NULL where memory runs out; to be freed.
+static char* format_printable(const char* format, va_list list)
+{
+    va_list again;
+    va_copy(again, list);
+    int length = vsnprintf(NULL, 0, format, again);
+    va_end(again);
+    size_t size = length > 0 ? (size_t)length + 1 : 1;
+    char *message = malloc(size), *shown = malloc(4 * size);
+    if (message != NULL && shown != NULL) {
+        message[0] = 0;
+        vsnprintf(message, size, format, list);
+        stp_make_printable(message, shown, 4 * size);
+    }
+    bool made = message != NULL && shown != NULL;
+    free(message);
+    if (!made) {
+        free(shown);
+    }
+    return made ? shown : NULL;
+}
+
 static void print_message(const char* color, const char* label, const char* format, va_list list)
     __attribute__((format(printf, 3, 0)));
 
 static void print_message(const char* color, const char* label, const char* format, va_list list)
 {
     bool colored = *label != 0 && tool_has_color(stderr);
+    char* message = format_printable(format, list);
     pthread_mutex_lock(&output_mutex);
     progress_clear(&progress);
-    fprintf(stderr, "stipple: %s%s%s", colored ? color : "", label, colored ? "\033[0m" : "");
-    vfprintf(stderr, format, list);
-    putc('\n', stderr);
+    fprintf(stderr, "stipple: %s%s%s%s\n", colored ? color : "", label, colored ? "\033[0m" : "",
+            message != NULL ? message : "out of memory");
     pthread_mutex_unlock(&output_mutex);
+    free(message);
 }
 
 static void print_text(const char* color, const char* label, const char* format, ...)

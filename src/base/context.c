@@ -2,6 +2,7 @@
 #include "base/context.h"
 
 #include "base/context_internal.h"
+#include "base/printable.h"
 #include "base/processor.h"
 
 #include <assert.h>
@@ -234,9 +235,10 @@ static void log_message(stp_context* context, stp_log_level level, const char* f
 static void log_message(stp_context* context, stp_log_level level, const char* format, va_list list)
 {
     if (context->desc.log != NULL) {
-        char message[MESSAGE_SIZE];
+        char message[MESSAGE_SIZE], shown[MESSAGE_SIZE];
         vsnprintf(message, sizeof(message), format, list);
-        context->desc.log(level, message, context->desc.log_user);
+        stp_make_printable(message, shown, sizeof(shown)); // names in files are in it
+        context->desc.log(level, shown, context->desc.log_user);
     }
 }
 

@@ -54,5 +54,36 @@ if [ ! -e "$folder" ]; then
     rmdir "$folder"
 fi
 
+# names that a terminal would obey: no control character reaches it, and no line is forged
+python3 - << 'END'
+import base64, json, struct
+evil = "\x1b]0;owned\x07\x1b[2J\nstipple: forged\r\u202e\u009b31m"
+data = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+json.dump({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}], "extensionsUsed": [evil],
+           "nodes": [{"mesh": 0, "name": evil}, {"camera": 0, "name": evil}], "meshes": [
+               {"name": evil, "primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+           "materials": [{"name": evil, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+           "textures": [{"source": 0}], "images": [{"uri": evil + ".png"}],
+           "cameras": [{"type": "perspective", "name": evil, "perspective": {"yfov": 1, "znear": 1}}],
+           "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                          "min": [0, 0, 0], "max": [1, 1, 0]}],
+           "bufferViews": [{"buffer": 0, "byteLength": 36}],
+           "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]},
+          open("evil.gltf", "w"))
+END
+evil_file=$(printf 'evil\033[31m\nstipple: forged.stip')
+"$stipple" build evil.gltf -o "$evil_file" -v > evil.out 2>&1 || fail "evil.gltf is not built: $(cat -v evil.out)"
+"$stipple" info "$evil_file" >> evil.out 2>&1 || fail "its file is not described"
+"$stipple" info "$evil_file" --find owned >> evil.out 2>&1 || fail "its names are not found"
+"$stipple" render "$evil_file" --view nothing -o box.png >> evil.out 2>&1 && fail "an unknown view is drawn"
+"$stipple" check "$evil_file" >> evil.out 2>&1 || fail "its file is not right"
+python3 - << 'END' || fail "control characters from a file are printed: $(cat -v evil.out)"
+import re
+text = open("evil.out", encoding="utf-8").read() # and all of it is UTF-8
+assert "x1b" in text
+assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e]", text)
+assert not re.search("^stipple: forged", text, re.M)
+END
+
 [ $failures -eq 0 ] && echo "ok"
 exit $((failures != 0))
