@@ -9,10 +9,10 @@
 
 #define PIXEL_LIMIT ((uint64_t)1 << 28)
 
-// No picture of more than 2^24 pixels is believed to hold more than this many in a byte: deflate
-// gives at most 1032 bytes for one, and a whole block of JPEG takes some bits at least.
-#define PIXELS_PER_BYTE_LIMIT 4096
-#define PIXELS_ALWAYS_BELIEVED ((uint64_t)1 << 24)
+// More pixels than this, 256 MiB, are believed only where there are no more than so many in a byte. An RGBA picture in one
+// colour has 258, what is drawn or photographed less than a hundred; with a palette a byte can claim thousands.
+#define PIXELS_ALWAYS_BELIEVED ((uint64_t)1 << 26)
+#define PIXELS_PER_BYTE 260
 
 // What decoders hold beside the picture, in bytes a pixel: rows that are in the making; the coefficients of a
 // progressive JPEG picture, three channels of 16 bits; the colours, or the alpha, of a whole WebP picture.
@@ -184,6 +184,11 @@ static stp_result decode_webp(const unsigned char* bytes, size_t size, stp_image
     return STP_OK;
 }
 
+bool stp_image_believes(uint64_t pixels, uint64_t bytes)
+{
+    return pixels <= PIXELS_ALWAYS_BELIEVED || pixels / PIXELS_PER_BYTE <= bytes;
+}
+
 stp_result stp_image_measure(const unsigned char* bytes, size_t size, stp_image_info* info)
 {
     *info = (stp_image_info){.kind = detect_kind(bytes, size)};
@@ -209,8 +214,7 @@ stp_result stp_image_measure(const unsigned char* bytes, size_t size, stp_image_
         return result;
     }
     uint64_t pixels = (uint64_t)info->width * info->height;
-    if (pixels > PIXEL_LIMIT ||
-        (pixels > PIXELS_ALWAYS_BELIEVED && pixels / PIXELS_PER_BYTE_LIMIT > size)) {
+    if (pixels > PIXEL_LIMIT || !stp_image_believes(pixels, size)) {
         snprintf(info->reason, sizeof(info->reason),
                  "the picture claims %u x %u pixels in %zu bytes", info->width, info->height, size);
         return STP_ERROR_LIMIT;

@@ -25,8 +25,11 @@ typedef struct stp_image_info {
     char reason[STP_IMAGE_REASON_SIZE]; ///< set where a call below fails
 } stp_image_info;
 
-/// Reads the header only. Pictures of more than 2^28 pixels, and of more than 2^24 that are also more than 4096
-/// a byte, are refused. Logs nothing.
+/// Whether so many pixels may be decoded from so many bytes, of one picture or of all pictures of a file: up to 2^26, and
+/// above no more than 260 a byte. So memory and time are in proportion to what is read.
+bool stp_image_believes(uint64_t pixels, uint64_t bytes);
+
+/// Reads the header only. Pictures of more than 2^28 pixels, and those that are not believed, are refused. Logs nothing.
 /// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_image_measure(const unsigned char* bytes, size_t size,
                                           stp_image_info* info);

@@ -6,9 +6,6 @@
 
 #include <string.h>
 
-// All pictures of a file together: at least 2^28 pixels, and more where the file is large.
-#define PIXELS_ALWAYS_ALLOWED ((uint64_t)1 << 28)
-#define PIXELS_PER_BYTE 4096
 // Decoded at once, before the scene takes them, and may move them out of memory.
 #define PIXELS_OF_BATCH ((uint64_t)1 << 24)
 #define PIXEL_BYTES 8u // with what decoders hold
@@ -283,9 +280,12 @@ static stp_result measure_images(stp_gltf_scope* scope, stp_gltf_textures* textu
             return stp_gltf_logged(scope, result);
         }
         gltf->content_bytes += image->file.size;
-        pixels += (uint64_t)image->info.width * image->info.height;
+        for (uint32_t k = image->first_request; k != STP_NONE; k = textures->requests[k].next) {
+            pixels +=
+                (uint64_t)image->info.width * image->info.height; // each has texels of its own
+        }
     }
-    if (pixels > PIXELS_ALWAYS_ALLOWED && pixels / PIXELS_PER_BYTE > gltf->content_bytes) {
+    if (!stp_image_believes(pixels, gltf->content_bytes)) {
         return stp_gltf_fail(scope, STP_ERROR_LIMIT,
                              "the pictures claim %llu pixels in a file of %zu bytes",
                              (unsigned long long)pixels, gltf->content_bytes);

@@ -28,7 +28,8 @@ typedef struct stp_import {
     uint32_t root;
     double unit_metres; ///< of the file, once its axes are set; 0: unknown
     stp_losses losses;  ///< what the importer does not keep; reported once it has read the file
-    bool alone;         ///< the bytes came from memory: no file beside it may be read
+    uint64_t picture_pixels, picture_bytes; ///< of all pictures so far
+    bool alone; ///< the bytes came from memory: no file beside it may be read
 } stp_import;
 
 typedef struct stp_importer {

@@ -99,7 +99,14 @@ stp_result stp_picture_decode(stp_import* import, const char* place, const unsig
     stp_image_info info = {0};
     stp_result result = stp_image_measure(bytes, size, &info);
     const char* reason = info.reason;
-    if (result == STP_OK) {
+    uint64_t pixels = import->picture_pixels + (uint64_t)info.width * info.height;
+    uint64_t read_bytes = import->picture_bytes + size;
+    if (result == STP_OK && !stp_image_believes(pixels, read_bytes)) {
+        reason = "the pictures of the file claim too many pixels for their bytes";
+        result = STP_ERROR_LIMIT;
+    } else if (result == STP_OK) {
+        import->picture_pixels = pixels;
+        import->picture_bytes = read_bytes;
         result = stp_picture_decode_kept(import->context, bytes, size, &info, texture);
     } else if (info.kind == STP_IMAGE_UNKNOWN && size != 0) {
         result = stp_image_decode_plain(import->context, bytes, size, texture, &reason);

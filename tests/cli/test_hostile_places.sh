@@ -54,6 +54,42 @@ if [ ! -e "$folder" ]; then
     rmdir "$folder"
 fi
 
+# pictures that claim more than they are worth: by a palette, by many copies, by many files
+python3 - << 'END'
+import base64, json, struct, zlib
+def png(side):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = zlib.compressobj(9)
+    data = b"".join(rows.compress(bytes(1 + side // 8)) for _ in range(side)) + rows.flush()
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", side, side, 1, 0, 0, 0, 0)) +
+            chunk(b"IDAT", data) + chunk(b"IEND", b""))
+open("flat.png", "wb").write(png(16384))
+small = base64.b64encode(png(8192)).decode()
+modes = [{"wrapS": s, "wrapT": t} for s in (10497, 33071) for t in (10497, 33071)]
+corners = base64.b64encode(struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) + bytes(24)).decode()
+json.dump({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+           "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": m} for m in range(4)]}],
+           "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": m}}} for m in range(4)],
+           "textures": [{"source": 0, "sampler": m} for m in range(4)], "samplers": modes,
+           "images": [{"uri": "data:image/png;base64," + small}],
+           "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+                         {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC2"}],
+           "bufferViews": [{"buffer": 0, "byteLength": 60}],
+           "buffers": [{"byteLength": 60, "uri": "data:application/octet-stream;base64," + corners}]}, open("copies.gltf", "w"))
+with open("many.obj", "w") as obj, open("many.mtl", "w") as mtl:
+    obj.write("mtllib many.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n")
+    for i in range(8):
+        open(f"p{i}.png", "wb").write(png(4096))
+        mtl.write(f"newmtl m{i}\nmap_Kd p{i}.png\n")
+        obj.write(f"usemtl m{i}\nf 1/1 2/1 3/1\n")
+END
+refused 1 "pixels" compare flat.png flat.png
+refused 1 "the pictures claim" build copies.gltf -o copies.stip
+(ulimit -v 3000000; "$stipple" build many.obj -o many.stip > many.out 2>&1) || fail "many.obj is not built: $(cat many.out)"
+grep -q "p7.png is left out: the pictures of the file claim too many pixels" many.out || fail "all pictures are decoded: $(cat many.out)"
+[ "$(grep -c 'is left out' many.out)" -eq 4 ] || fail "not four pictures are left out: $(cat many.out)"
+
 # names that a terminal would obey: no control character reaches it, and no line is forged
 python3 - << 'END'
 import base64, json, struct

@@ -164,6 +164,16 @@ void test_image_refuses_absurd_sizes(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_image_believes_in_proportion_to_bytes(test_state* test)
+{
+    const uint64_t always = UINT64_C(1) << 26;
+    CHECK(stp_image_believes(0, 0) && stp_image_believes(always, 1));
+    CHECK(!stp_image_believes(always + 260, 1) && !stp_image_believes(UINT64_MAX, 1 << 30));
+    CHECK(
+        stp_image_believes(4 * always, 4 * always / 258)); // RGBA in one colour, as deflate has it
+    CHECK(!stp_image_believes(4 * always, 65546));         // the same with a palette of two
+}
+
 void test_image_survives_failing_allocator(test_state* test)
 {
     uint8_t rows[4 * 4 * 4] = {1, 2, 3, 4};
