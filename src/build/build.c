@@ -224,6 +224,11 @@ static void release_pages(void* work)
     stp_work_release_pages(work);
 }
 
+static bool is_intact(void* work)
+{
+    return stp_work_is_intact(work);
+}
+
 static stp_result make_content(build* b)
 {
     b->surfel_keys = STP_NEW_ZEROED(b->context, stp_hash, b->plan.step_count);
@@ -242,6 +247,7 @@ static stp_result make_content(build* b)
         content->mesh_keys = b->meshes.keys;
         content->surfel_keys = b->surfel_keys;
         content->release_pages = release_pages;
+        content->is_intact = is_intact;
         content->release_user = b->work;
         content->directory.shadings = b->shadings.shadings;
         content->directory.shading_count = b->shadings.count;
@@ -261,10 +267,12 @@ static stp_result write_file(build* b)
     return result;
 }
 
-// The work directory goes once the output holds what was in it, or where there is nothing in it.
-static void close_build(build* b, bool written)
+// The work directory goes once the output holds what was in it, or where there is nothing in it; and where a result was
+// changed: others may have been made from it. @return whether one was
+static bool close_build(build* b, bool written)
 {
     stp_work_report kept = {0};
+    bool changed = b->work != NULL && !written && !stp_work_is_intact(b->work);
     if (b->work != NULL) {
         stp_work_get_report(b->work, &kept);
         b->report->work_bytes = kept.stored_bytes + kept.found_bytes;
@@ -280,8 +288,9 @@ static void close_build(build* b, bool written)
     stp_scene_destroy(b->scene);
     stp_spill_destroy(b->spill);
     stp_former_close(b->former);
-    stp_work_close(b->work, written || kept.stored + kept.found == 0);
+    stp_work_close(b->work, written || changed || kept.stored + kept.found == 0);
     stp_free(b->context, b->work_folder);
+    return changed;
 }
 
 // Triangles come first where somebody looks on: they are soon there, and all of the scene.
@@ -299,12 +308,11 @@ static stp_result make_parts(build* b)
     return result != STP_OK ? result : make_surfels(b);
 }
 
-stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build_report* report)
+// @param changed  receives whether a result was changed by somebody else after it was stored
+static stp_result build_once(stp_context* context, const stp_build_desc* desc,
+                             stp_build_report* report, bool* changed)
 {
-    stp_build_report unwanted;
-    report = report != NULL ? report : &unwanted;
     *report = (stp_build_report){0};
-    double start = stp_clock_ms();
     build b = {.context = context, .desc = desc, .report = report};
     static const stp_stage stages[] = {
         {"import", 5.0}, {"partition", 3.0}, {"surfels", 80.0}, {"clusters", 6.0}, {"write", 6.0}};
@@ -317,9 +325,30 @@ stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build
     result = result != STP_OK ? result : open_work(&b);
     result = result != STP_OK ? result : import_inputs(&b);
     result = result != STP_OK ? result : make_parts(&b);
-    result = result != STP_OK ? result : write_file(&b);
-    close_build(&b, result == STP_OK);
+    bool intact = result != STP_OK || stp_work_is_intact(b.work);
+    result = result != STP_OK || !intact ? result : write_file(&b);
+    *changed = close_build(&b, result == STP_OK && intact);
     stp_progress_plan(context, NULL, 0);
+    return *changed && result == STP_OK ? STP_ERROR_IO : result;
+}
+
+stp_result stp_build(stp_context* context, const stp_build_desc* desc, stp_build_report* report)
+{
+    stp_build_report unwanted;
+    report = report != NULL ? report : &unwanted;
+    double start = stp_clock_ms();
+    bool changed = false;
+    stp_result result = build_once(context, desc, report, &changed);
+    if (changed && result != STP_ERROR_CANCELLED) {
+        stp_warn(context, "%s.work: somebody changed results of the build: all are made again",
+                 desc->output);
+        result = build_once(context, desc, report, &changed);
+        if (changed) {
+            result =
+                stp_fail(context, STP_ERROR_IO,
+                         "%s.work: somebody keeps changing results of the build", desc->output);
+        }
+    }
     report->total_s = (stp_clock_ms() - start) * 1e-3;
     return result;
 }

@@ -213,6 +213,20 @@ const void* stp_work_find(stp_work* work, stp_hash key, size_t* size)
     return bytes;
 }
 
+bool stp_work_is_intact(stp_work* work)
+{
+    bool intact = true;
+    for (size_t i = 0; i < work->index.count && intact; ++i) {
+        const stp_work_entry* entry = &work->index.entries[i];
+        if (entry->state == STP_WORK_GOOD) {
+            stp_bytes bytes = {bytes_of(work, entry), (size_t)entry->size};
+            intact = stp_checksum(&bytes, 1) == entry->checksum;
+        }
+    }
+    stp_work_release_pages(work);
+    return intact;
+}
+
 // Begins a file with room for one result at least; it becomes the current one unless made for that one alone.
 static stp_result add_segment(stp_work* work, size_t capacity, bool alone, uint32_t* segment)
 {

@@ -24,8 +24,10 @@ struct stp_store_content {
     /// Called now and then while blocks are written: what they were read from may leave memory, if it can be read
     /// again. NULL: nothing can.
     void (*release_pages)(void* user);
-    void* release_user;
-    bool passing; ///< the file need not outlast a loss of power: nothing waits for the disk
+    /// Asked once all is written, before it becomes the file: whether what it was written from is what it was. NULL: it is.
+    bool (*is_intact)(void* user);
+    void* release_user; ///< of both
+    bool passing;       ///< the file need not outlast a loss of power: nothing waits for the disk
 };
 
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_ARGUMENT (content that no reader would

@@ -208,6 +208,74 @@ void test_builds_can_be_stopped_at_every_stage(test_state* test)
     CHECK(folder_is_gone(&w));
 }
 
+typedef struct vandal {
+    char segment[160];
+    const char* stage;
+    int times; ///< left
+    int done;
+} vandal;
+
+// Turns the last byte of a result, which the padding follows.
+static int damage_results(const stp_progress_report* report, void* user)
+{
+    vandal* v = user;
+    FILE* file =
+        v->times > 0 && strcmp(report->stage, v->stage) == 0 ? fopen(v->segment, "r+b") : NULL;
+    int last = 0;
+    long at = -1;
+    for (long i = 0; file != NULL; ++i) {
+        int byte = fgetc(file);
+        if (byte == EOF) {
+            break;
+        }
+        last = byte != 0 ? byte : last;
+        at = byte != 0 ? i : at;
+    }
+    if (at > 4096) {
+        fseek(file, at - 64, SEEK_SET);
+        last = fgetc(file);
+        fseek(file, at - 64, SEEK_SET);
+        fputc(last ^ 0x40, file);
+        v->times -= 1;
+        v->done += 1;
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return 0;
+}
+
+void test_builds_notice_results_that_somebody_changed(test_state* test)
+{
+    static const char* const stages[] = {"clusters", "write"};
+    workshop w;
+    CHECK(open_workshop(&w, 60));
+    stp_context* plain = test_context(NULL, 2, NULL);
+    CHECK_EQUAL(STP_OK, build_to(plain, &w, w.other, 0, NULL));
+    for (int i = 0; i < 4; ++i) { // once: all is made again; for ever: a sentence, and no file
+        test_log log = {0};
+        vandal v = {.stage = stages[i % 2], .times = i < 2 ? 1 : 1000000};
+        snprintf(v.segment, sizeof(v.segment), "%s.work/segment-000000", w.output);
+        stp_context_desc desc = {.thread_count = 2,
+                                 .log = test_log_message,
+                                 .log_user = &log,
+                                 .progress = damage_results,
+                                 .progress_user = &v};
+        stp_context* context = NULL;
+        CHECK_EQUAL(STP_OK, stp_context_create(&context, &desc));
+        stp_result result = build_to(context, &w, w.output, 0, NULL);
+        CHECK(v.done >= 1 && strstr(log.warning, "made again") != NULL);
+        CHECK_EQUAL(i < 2 ? STP_OK : STP_ERROR_IO, result);
+        CHECK(same_files(plain, w.output, w.other) == (i < 2));
+        CHECK(i < 2 || strstr(log.text, "keeps changing") != NULL);
+        unlink(w.output);
+        stp_context_destroy(context);
+    }
+    stp_context_destroy(plain);
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w)); // nor are results left
+}
+
 // Allocations are many; the n-th fails for n along a geometric row, and for each of the first.
 void test_builds_survive_failing_allocator(test_state* test)
 {
