@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Which file a reference names. A model may name files in its own folder and below, nothing else.
+#define _XOPEN_SOURCE 700 // realpath
 #include "import/import.h"
 
+#include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -66,6 +69,28 @@ static const char* join(const char* folder, size_t folder_length, const char* re
     return end == start ? "it names no file" : NULL;
 }
 
+// Whether a file is, links followed, in a folder (its path up to the last slash; empty: the current one) or below.
+// What does not exist is where it seems to be.
+static bool is_below(const char* path, size_t folder_length)
+{
+    char folder[PATH_MAX];
+    if (folder_length >= sizeof(folder)) {
+        return false;
+    }
+    memcpy(folder, path, folder_length);
+    folder[folder_length] = '\0';
+    char* real_folder = realpath(folder_length != 0 ? folder : ".", NULL);
+    char* real_path = realpath(path, NULL);
+    size_t length = real_folder != NULL ? strlen(real_folder) : 0;
+    bool root = length == 1;
+    bool below =
+        real_path == NULL || (length != 0 && strncmp(real_path, real_folder, length) == 0 &&
+                              (root || real_path[length] == '/'));
+    free(real_folder);
+    free(real_path);
+    return below;
+}
+
 // On STP_OK either *path or *reason is set.
 static stp_result resolve(stp_import* import, const char* reference, const char** path,
                           const char** reason)
@@ -92,6 +117,9 @@ static stp_result resolve(stp_import* import, const char* reference, const char*
         return stp_fail_memory(import->context);
     }
     *reason = join(import->path, folder_length, reference, joined);
+    if (*reason == NULL && !is_below(joined, folder_length)) {
+        *reason = "it is a link out of the folder of the file";
+    }
     *path = *reason == NULL ? joined : NULL;
     return STP_OK;
 }

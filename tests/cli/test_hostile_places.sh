@@ -90,6 +90,23 @@ refused 1 "the pictures claim" build copies.gltf -o copies.stip
 grep -q "p7.png is left out: the pictures of the file claim too many pixels" many.out || fail "all pictures are decoded: $(cat many.out)"
 [ "$(grep -c 'is left out' many.out)" -eq 4 ] || fail "not four pictures are left out: $(cat many.out)"
 
+# links beside a model: followed within its folder, also where that is reached by a link; not out of it
+mkdir -p shared/textures
+printf 'newmtl a\nKd 1 0 0\n' > secret.mtl
+cp secret.mtl shared/textures/inner.mtl
+ln -s ../secret.mtl shared/out.mtl
+ln -s textures/inner.mtl shared/in.mtl
+ln -s shared linked
+for name in in out; do
+    printf 'mtllib %s.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n' $name > shared/$name.obj
+done
+for folder in shared linked; do
+    "$stipple" build $folder/in.obj -o in.stip > link.out 2>&1 || fail "in.obj is not built"
+    ! grep -q "left out" link.out || fail "a link within the folder is refused: $(cat link.out)"
+    "$stipple" build $folder/out.obj -o in.stip > link.out 2>&1 || fail "out.obj is not built"
+    grep -q 'out.mtl" is left out: it is a link out of the folder' link.out || fail "a link is followed: $(cat link.out)"
+done
+
 # names that a terminal would obey: no control character reaches it, and no line is forged
 python3 - << 'END'
 import base64, json, struct
