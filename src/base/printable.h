@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Text from outside (names in files, file names) as it may be shown: what a terminal would obey is escaped.
+// Escapes untrusted text (names in files, file names) for display on a terminal.
 #pragma once
 
 #include <stddef.h>

@@ -267,8 +267,8 @@ static stp_result write_file(build* b)
     return result;
 }
 
-// The work directory goes once the output holds what was in it, or where there is nothing in it; and where a result was
-// changed: others may have been made from it. @return whether one was
+// Removes the work directory once the output is written, when it is empty, or when a result has changed: other results
+// may derive from it. @return whether a result has changed
 static bool close_build(build* b, bool written)
 {
     stp_work_report kept = {0};

@@ -48,7 +48,7 @@ STP_MUST_USE stp_result stp_work_store(stp_work* work, stp_hash key, const stp_w
 /// What was given out stays readable. Any thread.
 void stp_work_forget(stp_work* work, stp_hash key);
 
-/// Whether all results that were given out are still what was stored: reads all of them. While no other thread works here.
+/// Whether every result in use still matches its checksum. Reads all of them. Not thread-safe.
 bool stp_work_is_intact(stp_work* work);
 
 /// Gives back the memory that holds mapped results; they stay readable, and are read again where needed. Any thread,

@@ -81,7 +81,7 @@ static double clamp_resolution(double resolution, double most)
     return resolution < most ? resolution : most;
 }
 
-/// What a number of candidates is sought within.
+/// Bounds for choosing the resolution.
 typedef struct frame {
     double widest;   ///< longer side of the widest view, in scene units
     double most;     ///< resolution

@@ -14,8 +14,8 @@
 
 #include <stipple/surfels.h>
 
-/// Pixels drawn for a candidate that is wanted, at most, where the resolution is chosen by the number of
-/// candidates: of what lies far apart most pixels are empty, and cost must follow content.
+/// Limit on the pixels drawn per requested candidate when the resolution is automatic. Sparse scenes
+/// have mostly empty pixels; the limit keeps the cost in proportion to the content.
 #define STP_CAPTURE_MOST_PIXELS_EACH 1024.0
 
 /// Mip levels of a scene's base colour textures. Making them takes as long as a small capture:

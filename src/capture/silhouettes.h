@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Which pixels of a capture's views show anything at all. What stands before something else never lets the background
-// through, however far behind it that lies: the candidates of one disk do not tell.
+// Binary silhouettes of a capture's views: which pixels show any surface, at any depth. They tell
+// whether the background can show through a disk, which the candidates near the disk cannot.
 #pragma once
 
 #include "base/math.h"

@@ -169,7 +169,7 @@ static bool reaches_band(const stp_capture_job* job, const stp_capture_band* ban
     return middle + reach >= (double)band->row_begin && middle - reach <= (double)band->row_end;
 }
 
-// The first pixel from `at` on that something was drawn to, or `count`. Most pixels of a wide view may be empty.
+// The first covered pixel from `at` on, or `count`. Skips empty pixels eight at a time.
 static size_t next_drawn(const stp_raster_target* target, size_t at, size_t count)
 {
     _Static_assert(STP_RASTER_EMPTY == UINT64_MAX, "empty pixels are joined by and");

@@ -200,7 +200,8 @@ static void join_edges(const stp_cap_border* b, edge_end* ends, uint32_t* parent
     }
 }
 
-// Twice the area that borders enclose: each border is a sum of closed ways, so it has one area, whatever they are.
+// Twice the area that the borders enclose. A border is a sum of closed loops, so its area vector does
+// not depend on how it is split into loops.
 static double enclosed_area(const stp_cap_border* b, uint32_t* parents, stp_vec3d* areas)
 {
     double sum = 0.0;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Whether a surface is closed but for cracks. Where CAD programs triangulate two faces of one body apart, their common
-// curve has other corners on each side: no edge is used both ways, but the faces lie close together all along. Such a
-// border encloses next to no area, while that of a sheet, or of a pipe without ends, encloses what is missing.
+// Whether a surface is closed except for cracks. CAD programs triangulate the faces of a body
+// independently, so a common curve has different vertices on each side and its edges do not match. The
+// border of such a crack encloses almost no area. The border of a sheet or an open pipe encloses the
+// missing surface.
 #pragma once
 
 #include "base/context.h"
@@ -15,14 +16,15 @@ STP_MUST_USE stp_result stp_cap_border_create(stp_context* context, uint64_t tri
                                               stp_cap_border** border);
 void stp_cap_border_destroy(stp_cap_border* border); ///< NULL is fine
 
-/// Gives one triangle. All are given twice, in any order: stp_cap_border_turn is called between. Memory grows with the
-/// border, up to a limit from which on the surface counts as open. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Adds a triangle. Add all triangles twice, in any order, and call stp_cap_border_turn in between. Memory
+/// grows with the border; above a limit the surface counts as open.
+/// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cap_border_add(stp_cap_border* border, const float* const corners[3]);
 void stp_cap_border_turn(stp_cap_border* border);
 
-/// After the second time. @param side  receives 1 where the surface is closed but for cracks and faces outwards, -1 where it
-/// faces inwards, 0 where it is open. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Call after the second pass. @param side  receives 1 (closed, faces outwards), -1 (closed, faces
+/// inwards) or 0 (open). @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cap_border_side(stp_cap_border* border, int* side);
 
-/// A number of a corner's place, the same wherever its coordinates are.
+/// Hash of a position; -0 equals 0.
 uint64_t stp_cap_hash_corner(const float p[3]);

@@ -51,7 +51,7 @@ static int compare_places(const void* a, const void* b)
     return x->begins - y->begins;
 }
 
-// Leaves the ends that meet no beginning, and beginnings that meet no end; still sorted. @return their count
+// Keeps only unmatched begin and end points, still sorted. @return their count
 static size_t find_loose(place* places, size_t count)
 {
     size_t left = 0;
@@ -80,7 +80,7 @@ static double distance_squared(const place* a, const place* b)
     return sum;
 }
 
-// The nearest beginning that is not taken; `count` where there is none. Few are far apart in order: most cracks are narrow.
+// The nearest free begin point, or `count`. Searches a window of the sorted points; cracks are narrow.
 static size_t find_beginning(const place* places, size_t count, size_t end)
 {
     size_t best = count, seen = 0;

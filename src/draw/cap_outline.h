@@ -14,10 +14,11 @@ typedef struct stp_cap_outline {
     size_t count, capacity;
 } stp_cap_outline;
 
-/// What is beyond four million segments is left out. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Ignores segments beyond four million. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cap_outline_add(stp_context* context, stp_cap_outline* outline,
                                             const float from[3], const float to[3]);
 
-/// Joins ends that meet nothing to a near one: where a plane cuts through a crack. Every way is closed then.
+/// Connects loose ends, which arise where a plane cuts through a crack, to nearby ones, so that all
+/// outlines are closed.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cap_outline_close(stp_context* context, stp_cap_outline* outline);

@@ -2,8 +2,8 @@
 //
 // A surface is closed where its border is empty. Each directed edge adds a random number of the edge, or subtracts it where
 // it runs the other way; the sum is zero where all edges cancel, and for an open surface only by a chance of 2^-64. So nothing
-// has to be remembered of edges, and sums of pieces are the sum of the whole. A surface that is open so may still be closed
-// but for cracks (cap_border.h): that is looked at second.
+// has to be remembered of edges, and sums of pieces are the sum of the whole. A mesh that fails this test is tested for
+// cracks (cap_border.h).
 #include "draw/cap_solid.h"
 
 #include "base/context.h"

@@ -4,8 +4,8 @@
 // plane goes through the closed surface of a solid, it leaves closed outlines; a point of the plane is within the solid
 // where outlines wind around it. Open surfaces have no inside, so they get no cap.
 //
-//   solid       a mesh whose triangles' edges all cancel: each is used as often one way as the other; or that is closed but for
-//               cracks (cap_border.h). Of a mesh in pieces (same name and material) the edges of all pieces are taken together
+//   solid       a mesh whose edges all cancel (each is used equally often in both directions), or that is closed
+//               except for cracks (cap_border.h). Pieces of a mesh (same name and material) are tested together
 //   outlines    segments in scene space, kept while sections and visibility stay the same
 //   fill        for each pixel, how often outlines wind around the point of the plane that it shows
 //

@@ -9,8 +9,8 @@
 
 #define PIXEL_LIMIT ((uint64_t)1 << 28)
 
-// More pixels than this, 256 MiB, are believed only where there are no more than so many in a byte. An RGBA picture in one
-// colour has 258, what is drawn or photographed less than a hundred; with a palette a byte can claim thousands.
+// Above 2^26 pixels (256 MiB of RGBA), a picture must not claim more than 260 pixels per byte. A PNG of
+// one RGBA colour has 258, photographs and drawings below 100; a palette allows thousands.
 #define PIXELS_ALWAYS_BELIEVED ((uint64_t)1 << 26)
 #define PIXELS_PER_BYTE 260
 

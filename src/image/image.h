@@ -25,11 +25,12 @@ typedef struct stp_image_info {
     char reason[STP_IMAGE_REASON_SIZE]; ///< set where a call below fails
 } stp_image_info;
 
-/// Whether so many pixels may be decoded from so many bytes, of one picture or of all pictures of a file: up to 2^26, and
-/// above no more than 260 a byte. So memory and time are in proportion to what is read.
+/// Whether a claimed pixel count is plausible for a compressed size, for one picture or for all pictures
+/// of a model: up to 2^26 pixels always, above that at most 260 pixels per byte.
 bool stp_image_believes(uint64_t pixels, uint64_t bytes);
 
-/// Reads the header only. Pictures of more than 2^28 pixels, and those that are not believed, are refused. Logs nothing.
+/// Reads the header only. Refuses pictures of more than 2^28 pixels and implausible ones
+/// (stp_image_believes). Logs nothing.
 /// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_LIMIT, STP_ERROR_OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_image_measure(const unsigned char* bytes, size_t size,
                                           stp_image_info* info);

@@ -13,7 +13,7 @@
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
 #define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
 #define NORMAL_SPACINGS 2.5f     // how far around a point its normal is taken from
-#define LEAST_EXTENT 0x1p-60     // scene units; squares of distances within less are no floats
+#define LEAST_EXTENT 0x1p-60     // scene units; squared distances below it underflow
 
 typedef struct blue {
     const stp_scene* scene;
@@ -140,7 +140,7 @@ static void measure_spacing(blue* b)
     uint32_t count = b->finish.count;
     float half = count > 1 ? b->radii[(count + 1) / 2] : 0.0f;
     float eighth = count > 8 ? b->radii[(count + 7) / 8] * 0.35f : 0.0f;
-    // where nothing is left to cover, the others lie in the same places
+    // All points are covered: the candidates left over are duplicates.
     bool all = !(b->finish.final_radius > 0.0f);
     double part = all ? 1.0 : (double)count / (double)b->candidates.count;
     b->candidates.pixel_size = (double)stp_max(half, eighth) * sqrt(part);

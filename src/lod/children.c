@@ -59,7 +59,7 @@ static double wanted(const children* c, double each)
     return count < most ? count : most;
 }
 
-// The finest pixel of pictures so wide for so many candidates. The cost of a picture must follow its content.
+// The smallest pixel size that keeps a picture's cost in proportion to its candidates.
 static double finest_pixel(double widest, double candidates)
 {
     double affordable = sqrt(STP_CAPTURE_MOST_PIXELS_EACH / VIEWS * candidates);

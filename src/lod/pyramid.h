@@ -144,6 +144,6 @@ uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found
 STP_MUST_USE stp_result stp_pyramid_choose_chances(stp_pyramid* p, uint32_t octave,
                                                    const stp_octave_plan* plan);
 
-/// Closes what disks leave open of an octave whose coverages are there, where the capture saw no background.
+/// Draws disks of an octave whole where their coverages would show the background inside a silhouette.
 STP_MUST_USE stp_result stp_pyramid_close_holes(stp_pyramid* p, uint32_t octave,
                                                 const stp_octave_plan* plan);

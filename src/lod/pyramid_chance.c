@@ -69,7 +69,7 @@ stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates)
 
 static double clamp(double value)
 {
-    return value > 0.0 ? value < 1.0 ? value : 1.0 : 0.0; // 0 for what is no number
+    return value > 0.0 ? value < 1.0 ? value : 1.0 : 0.0; // NaN becomes 0
 }
 
 static double ramp(double value, double low, double high)

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// Holes are closed where they show. Disks with holes, and disks that are cut, are right one by one, but several layers of
-// them may let the background through where the model has none. So the disks of an octave are drawn from the directions
-// of the capture, beside what the capture saw. A disk that lies within the outlines, and has pixels that nothing covers,
-// is drawn whole. One with something solid behind it, as a tree before the ground, stays as it is.
+// Closes visible holes. Each partly covered disk is correct alone, but several layers of them can show
+// the background inside a solid model. The disks of an octave are drawn from the capture's directions and
+// compared with its silhouettes. A disk inside all silhouettes whose pixels stay open is drawn whole.
+// A disk with solid surface behind it, such as a tree in front of the ground, keeps its coverage.
 #include "base/octahedral.h"
 #include "lod/pyramid.h"
 
 #define RADIUS 3.0       // pixels of a disk in a picture, at least, where silhouettes have so many
 #define LEAST_FACING 0.2 // cosine: disks are not seen from flatter directions
-// Of a disk's pixels, those that may lie outside of the outlines where it is drawn whole; and from which on it is left.
+// Share of a disk's pixels outside a silhouette: up to the first it is closed, from the second on not.
 #define OUTER_FEW 0.0f
 #define OUTER_MOST 0.1f
-// The chance that nothing is drawn, the mean of a disk's pixels: what is left, and from which on it is drawn whole.
+// Mean probability that a disk's pixels stay open: up to the first it is kept, from the second on closed.
 #define OPEN_FEW 0.0f
 #define OPEN_MOST 0.01f
 #define GRAIN 4096
@@ -249,7 +249,7 @@ static float ramp(float value, float low, float high)
     return stp_clamp((value - low) / (high - low), 0.0f, 1.0f);
 }
 
-// How much a disk is to be closed, by the view that asks most for it, and the one that lets it least.
+// How far to close a disk, 0 to 1: the most open view asks for it, the most exposed view limits it.
 static float closing(const closer* c, uint32_t views, uint32_t surfel)
 {
     float outer = 0.0f, open = 0.0f;

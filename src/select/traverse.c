@@ -2,8 +2,8 @@
 // The walk down the graph: what is seen of it, by which level.
 #include "select/select_internal.h"
 
-// A graph of a few shared nodes can stand for more than anybody can wait for, or has memory for: so many visits and things
-// to draw are always allowed, and more in proportion to the graph. Views of real scenes have some 100,000.
+// A small graph of shared nodes can expand exponentially. These limits bound the time and memory of a view: a fixed
+// allowance, plus a share for each record of the graph. Views of real scenes visit about 100,000 nodes.
 #define VISITS_ALWAYS (UINT64_C(1) << 21)
 #define ITEMS_ALWAYS (UINT64_C(1) << 19)
 #define EACH_RECORD UINT64_C(16)

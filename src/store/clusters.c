@@ -234,7 +234,7 @@ static void read_channels(const unsigned char* table, uint32_t count, clusters_c
     for (uint32_t i = 0; i < count; ++i) {
         channels[i] = clusters_read_channel(table + (size_t)CLUSTERS_CHANNEL_BYTES * i);
     }
-    atomic_signal_fence(memory_order_seq_cst); // what was checked is used, and not read again
+    atomic_signal_fence(memory_order_seq_cst); // use the checked copy, never reload
 }
 
 /// The runs of all channels, from `next` on. @return where they end; NULL where a channel is not possible
@@ -356,7 +356,7 @@ stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index)
     float low[3], high[3];
     for (int k = 0; k < 3; ++k) {
         low[k] = (float)entry.origin[k] * clusters->step;
-        // values wrap at 32 bits in a forged file, or may be any others by now: then the box is wrong, and nothing else
+        // Values of a forged or overwritten file wrap at 32 bits: only the box is wrong then.
         int64_t range = ((int64_t)1 << (entry.width[k] < 32 ? entry.width[k] : 32)) - 1;
         int64_t last = (int64_t)entry.origin[k] + range * ((int64_t)1 << (entry.shift & 31));
         high[k] = (float)last * clusters->step;

@@ -105,9 +105,9 @@ typedef struct stp_cluster {
     stp_cluster_run runs[STP_CLUSTER_CHANNELS]; ///< absent ones have no bits and are all 0
 } stp_cluster;
 
-/// `index` must be below cluster_count. What was checked as a whole is checked again, but for indices, since somebody may
-/// have written over a mapped file: a cluster that is no longer possible has one vertex and no triangles. Whatever is
-/// asked of the result below stays within the bytes and within STP_CLUSTER_*.
+/// `index` must be below cluster_count. Validates everything but indices again, because a mapped file
+/// can be overwritten at any time. An invalid cluster becomes one vertex and no triangles. All functions
+/// below stay within the mapped bytes and the STP_CLUSTER_* limits.
 void stp_clusters_get(const stp_clusters* clusters, uint32_t index, stp_cluster* cluster);
 /// A box around the cluster, without opening it; up to twice as large as it need be.
 stp_box stp_clusters_bounds(const stp_clusters* clusters, uint32_t index);

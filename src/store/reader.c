@@ -23,8 +23,8 @@ stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* 
         return result;
     }
     text->size = (size_t)stp_store_content_bytes(section);
-    if (!stp_store_is_packed(
-            section)) { // a copy ends where it should, whatever is written over the file
+    if (!stp_store_is_packed(section)) {
+        // A copy keeps its final zero byte even if the mapped file is overwritten.
         if (store->tables[type] == NULL) {
             store->tables[type] = stp_alloc(store->context, text->size);
         }

@@ -58,8 +58,8 @@ typedef struct stp_store_mesh {
     bool cut; ///< a piece of a larger mesh: its borders are rounded as the whole's; not stored
 } stp_store_mesh;
 
-/// The vertex of a corner (3 a triangle), below vertex_count whatever the file holds by now: somebody may have written over
-/// what is mapped since it was checked.
+/// Vertex index of a corner (3 per triangle). Always below vertex_count: a mapped file can be
+/// overwritten after its check.
 static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t corner)
 {
     uint32_t vertex = *(const volatile uint32_t*)(mesh->indices + corner); // read once

@@ -24,7 +24,8 @@ struct stp_store_content {
     /// Called now and then while blocks are written: what they were read from may leave memory, if it can be read
     /// again. NULL: nothing can.
     void (*release_pages)(void* user);
-    /// Asked once all is written, before it becomes the file: whether what it was written from is what it was. NULL: it is.
+    /// Optional. Called after writing and before the rename: false if the source data has changed, and
+    /// the file is discarded.
     bool (*is_intact)(void* user);
     void* release_user; ///< of both
     bool passing;       ///< the file need not outlast a loss of power: nothing waits for the disk
