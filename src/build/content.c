@@ -55,6 +55,7 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
             .texcoords = {mesh->texcoords[0], mesh->texcoords[1]},
             .colors = mesh->colors,
             .indices = mesh->indices,
+            .area = mesh->area,
         };
     }
     c->content.meshes = meshes;

@@ -4,6 +4,8 @@
 #include "store/columns.h"
 #include "store/pictures.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdlib.h>
 
 const stp_coded_mesh* stp_store_coded_mesh(const stp_store_content* content, uint32_t index)
@@ -38,30 +40,65 @@ static double largest_scale(const stp_affine* transform)
     return sqrt(largest);
 }
 
-// For each set the largest scale at which the scene shows it; sets that it does not show stay at 0.
-static stp_result measure_scales(stp_context* context, const stp_store_directory* directory,
-                                 double* set_scales)
+// How the scene shows what it is made of.
+typedef struct shown {
+    double* set_scales; ///< of each set the largest scale at which it is shown; 0: it is not shown
+    double* mesh_areas; ///< of each mesh the area of all its copies, square units of the scene
+} shown;
+
+static void destroy_shown(stp_context* context, shown* s)
 {
-    double* scales = STP_NEW_ZEROED(context, double, directory->node_count);
-    if (scales == NULL && directory->node_count != 0) {
-        return stp_fail_memory(context);
+    stp_free(context, s->set_scales);
+    stp_free(context, s->mesh_areas);
+    *s = (shown){0};
+}
+
+// Of a node: the largest scale at which the scene shows it, and the sum of the squares of all its scales.
+typedef struct shown_node {
+    double scale, squares;
+} shown_node;
+
+static void add_node(const stp_store_content* content, uint32_t index, shown_node* nodes, shown* s)
+{
+    const stp_store_directory* directory = &content->directory;
+    const stp_store_node* node = &directory->nodes[index];
+    shown_node at = nodes[index];
+    for (uint32_t k = 0; k < node->edge_count; ++k) {
+        const stp_store_edge* edge = &directory->edges[node->first_edge + k];
+        shown_node* child = &nodes[edge->node];
+        double larger = largest_scale(&edge->transform);
+        child->scale = fmax(child->scale, at.scale * larger);
+        child->squares = fmin(child->squares + at.squares * larger * larger, DBL_MAX);
     }
-    if (directory->root != STP_STORE_NONE) {
-        scales[directory->root] = 1.0;
+    if (node->surfels != STP_STORE_NONE) {
+        s->set_scales[node->surfels] = fmax(s->set_scales[node->surfels], at.scale);
     }
-    for (uint32_t i = directory->node_count; i-- > 0;) { // parents before their children
-        const stp_store_node* node = &directory->nodes[i];
-        for (uint32_t k = 0; k < node->edge_count; ++k) {
-            const stp_store_edge* edge = &directory->edges[node->first_edge + k];
-            double scale = scales[i] * largest_scale(&edge->transform);
-            scales[edge->node] = scale > scales[edge->node] ? scale : scales[edge->node];
+    for (uint32_t k = 0; k < node->part_count; ++k) {
+        const stp_store_part* part = &directory->parts[node->first_part + k];
+        if (part->kind == STP_STORE_PART_MESH) {
+            double area = at.squares * content->meshes[part->index].area;
+            s->mesh_areas[part->index] = fmin(s->mesh_areas[part->index] + area, DBL_MAX);
         }
-        if (node->surfels != STP_STORE_NONE && scales[i] > set_scales[node->surfels]) {
-            set_scales[node->surfels] = scales[i];
-        }
     }
-    stp_free(context, scales);
-    return STP_OK;
+}
+
+static stp_result measure_shown(stp_context* context, const stp_store_content* content, shown* s)
+{
+    const stp_store_directory* directory = &content->directory;
+    *s = (shown){
+        .set_scales = STP_NEW_ZEROED(context, double, (size_t)directory->surfels_count + 1),
+        .mesh_areas = STP_NEW_ZEROED(context, double, (size_t)directory->mesh_count + 1),
+    };
+    shown_node* nodes = STP_NEW_ZEROED(context, shown_node, (size_t)directory->node_count + 1);
+    bool made = s->set_scales != NULL && s->mesh_areas != NULL && nodes != NULL;
+    if (made && directory->root != STP_STORE_NONE) {
+        nodes[directory->root] = (shown_node){1.0, 1.0};
+    }
+    for (uint32_t i = directory->node_count; made && i-- > 0;) { // parents before their children
+        add_node(content, i, nodes, s);
+    }
+    stp_free(context, nodes);
+    return made ? STP_OK : stp_fail_memory(context);
 }
 
 // To what the first `count` surfels cover: the last breakpoint at or before; 0 where there is no
@@ -81,65 +118,95 @@ static float scale_radius(float radius, double scale)
     return scaled < (double)FLT_MAX ? (float)scaled : FLT_MAX;
 }
 
-// Adds the blocks of all owners, in no order yet.
-static void add_blocks(const stp_store_content* content, const double* set_scales,
-                       const uint32_t* texture_owners, stp_store_plan* plan)
+// A block on its way to its place: the larger the value, the earlier among its kind.
+typedef struct valued_block {
+    stp_store_block block;
+    double value;
+} valued_block;
+
+// Surfels: the radius they cover to, so that what is coarse comes first.
+static valued_block value_octave(const stp_store_content* content, uint32_t set, uint32_t octave,
+                                 double scale)
+{
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    const stp_surfels* surfels = &content->surfels[set];
+    float radius = radius_reached(&surfels->table, surfels->octave_ends[octave]);
+    stp_store_block block = {
+        .kind = STP_BLOCK_SURFELS,
+        .owner = set,
+        .octave = octave,
+        .size = stp_store_surfel_columns(surfels, octave, columns),
+        .radius = scale_radius(radius, scale),
+    };
+    return (valued_block){block, (double)block.radius};
+}
+
+// Meshes: the area that a byte of them shows. Walls, floors and large beams come before screws.
+static valued_block value_mesh(const stp_store_content* content, uint32_t index, double area)
+{
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    const stp_store_mesh* mesh = &content->meshes[index];
+    const stp_coded_mesh* coded = stp_store_coded_mesh(content, index);
+    stp_store_block block = {.kind = STP_BLOCK_CLUSTERS, .owner = index};
+    if (coded != NULL) {
+        block.size = coded->size;
+    } else {
+        block.kind = STP_BLOCK_MESH;
+        block.size = stp_store_mesh_columns(mesh->vertex_count, mesh->triangle_count,
+                                            stp_store_mesh_present(mesh), columns);
+    }
+    return (valued_block){block, area / fmax((double)block.size, 1.0)};
+}
+
+static valued_block value_points(const stp_store_content* content, uint32_t index)
+{
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    const stp_store_point_set* points = &content->point_sets[index];
+    stp_store_block block = {
+        .kind = STP_BLOCK_POINT_SET,
+        .owner = index,
+        .size =
+            stp_store_point_columns(points->point_count, stp_store_points_present(points), columns),
+    };
+    return (valued_block){block, 0.0};
+}
+
+static valued_block value_texture(const stp_store_content* content, uint32_t index)
+{
+    const stp_store_texture* texture = &content->textures[index];
+    bool is_picture = texture->encoded != NULL;
+    stp_store_block block = {
+        .kind = STP_BLOCK_TEXTURE,
+        .owner = index,
+        .size = is_picture ? texture->encoded_size : 4 * (uint64_t)texture->width * texture->height,
+        .encoding = is_picture ? texture->encoding : 0,
+    };
+    return (valued_block){block, 0.0};
+}
+
+// Adds the blocks of all owners, in no order yet. @return how many
+static uint32_t add_blocks(const stp_store_content* content, const shown* s,
+                           const uint32_t* texture_owners, valued_block* blocks)
 {
     const stp_store_directory* directory = &content->directory;
-    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
-    stp_store_block* next = plan->blocks;
+    valued_block* next = blocks;
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
-        const stp_surfels* surfels = &content->surfels[i];
-        for (uint32_t k = 0; k < surfels->octave_count; ++k) {
-            float radius = radius_reached(&surfels->table, surfels->octave_ends[k]);
-            *next++ = (stp_store_block){
-                .kind = STP_BLOCK_SURFELS,
-                .owner = i,
-                .octave = k,
-                .size = stp_store_surfel_columns(surfels, k, columns),
-                .radius = scale_radius(radius, set_scales[i]),
-            };
+        for (uint32_t k = 0; k < content->surfels[i].octave_count; ++k) {
+            *next++ = value_octave(content, i, k, s->set_scales[i]);
         }
     }
     for (uint32_t i = 0; i < directory->mesh_count; ++i) {
-        const stp_store_mesh* mesh = &content->meshes[i];
-        const stp_coded_mesh* coded = stp_store_coded_mesh(content, i);
-        if (coded != NULL) {
-            *next++ =
-                (stp_store_block){.kind = STP_BLOCK_CLUSTERS, .owner = i, .size = coded->size};
-            continue;
-        }
-        *next++ = (stp_store_block){
-            .kind = STP_BLOCK_MESH,
-            .owner = i,
-            .size = stp_store_mesh_columns(mesh->vertex_count, mesh->triangle_count,
-                                           stp_store_mesh_present(mesh), columns),
-        };
+        *next++ = value_mesh(content, i, s->mesh_areas[i]);
     }
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
-        const stp_store_point_set* points = &content->point_sets[i];
-        *next++ = (stp_store_block){
-            .kind = STP_BLOCK_POINT_SET,
-            .owner = i,
-            .size = stp_store_point_columns(points->point_count, stp_store_points_present(points),
-                                            columns),
-        };
+        *next++ = value_points(content, i);
     }
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
-        const stp_store_texture* texture = &content->textures[i];
-        bool is_picture = texture->encoded != NULL;
-        if (texture_owners[i] != i) {
-            continue;
+        if (texture_owners[i] == i) {
+            *next++ = value_texture(content, i);
         }
-        *next++ = (stp_store_block){
-            .kind = STP_BLOCK_TEXTURE,
-            .owner = i,
-            .size =
-                is_picture ? texture->encoded_size : 4 * (uint64_t)texture->width * texture->height,
-            .encoding = is_picture ? texture->encoding : 0,
-        };
     }
-    plan->block_count = (uint32_t)(next - plan->blocks);
+    return (uint32_t)(next - blocks);
 }
 
 // Surfels first, then textures, meshes and point sets.
@@ -158,21 +225,38 @@ static int rank_of(uint32_t kind)
     }
 }
 
-// A total order: the radius reached, coarse first; then kind, octave and owner.
+// A total order: kinds, then the value, then octave and owner.
 static int compare_blocks(const void* left, const void* right)
 {
-    const stp_store_block* a = left;
-    const stp_store_block* b = right;
-    if (rank_of(a->kind) != rank_of(b->kind)) {
-        return rank_of(a->kind) < rank_of(b->kind) ? -1 : 1;
+    const valued_block* a = left;
+    const valued_block* b = right;
+    if (rank_of(a->block.kind) != rank_of(b->block.kind)) {
+        return rank_of(a->block.kind) < rank_of(b->block.kind) ? -1 : 1;
     }
-    if (a->radius > b->radius || a->radius < b->radius) {
-        return a->radius > b->radius ? -1 : 1;
+    if (a->value > b->value || a->value < b->value) {
+        return a->value > b->value ? -1 : 1;
     }
-    if (a->octave != b->octave) {
-        return a->octave < b->octave ? -1 : 1;
+    if (a->block.octave != b->block.octave) {
+        return a->block.octave < b->block.octave ? -1 : 1;
     }
-    return a->owner < b->owner ? -1 : a->owner > b->owner ? 1 : 0;
+    return a->block.owner < b->block.owner ? -1 : a->block.owner > b->block.owner ? 1 : 0;
+}
+
+// Puts the blocks of all owners into the plan, in the order of the file.
+static stp_result order_blocks(stp_context* context, const stp_store_content* content,
+                               const shown* s, const uint32_t* texture_owners, stp_store_plan* plan)
+{
+    valued_block* blocks = STP_NEW_ARRAY(context, valued_block, (size_t)plan->block_count + 1);
+    if (blocks == NULL) {
+        return stp_fail_memory(context);
+    }
+    plan->block_count = add_blocks(content, s, texture_owners, blocks);
+    qsort(blocks, plan->block_count, sizeof(blocks[0]), compare_blocks);
+    for (uint32_t i = 0; i < plan->block_count; ++i) {
+        plan->blocks[i] = blocks[i].block;
+    }
+    stp_free(context, blocks);
+    return STP_OK;
 }
 
 // Gives blocks their offsets, and owners their blocks.
@@ -203,7 +287,7 @@ static void place_blocks(uint64_t data_offset, const uint32_t* first_octaves, st
 }
 
 static stp_result plan_blocks(stp_context* context, const stp_store_content* content,
-                              uint64_t data_offset, uint32_t* first_octaves, double* set_scales,
+                              uint64_t data_offset, uint32_t* first_octaves,
                               uint32_t* texture_owners, stp_store_plan* plan)
 {
     const stp_store_directory* directory = &content->directory;
@@ -229,10 +313,11 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
         return stp_fail_memory(context);
     }
     stp_result result = stp_store_find_texture_owners(context, content, texture_owners);
-    result = result == STP_OK ? measure_scales(context, directory, set_scales) : result;
+    shown s = {0};
+    result = result == STP_OK ? measure_shown(context, content, &s) : result;
+    result = result == STP_OK ? order_blocks(context, content, &s, texture_owners, plan) : result;
+    destroy_shown(context, &s);
     if (result == STP_OK) {
-        add_blocks(content, set_scales, texture_owners, plan);
-        qsort(plan->blocks, plan->block_count, sizeof(plan->blocks[0]), compare_blocks);
         place_blocks(data_offset, first_octaves, plan);
         for (uint32_t i = 0; i < directory->texture_count; ++i) {
             plan->texture_blocks[i] = plan->texture_blocks[texture_owners[i]];
@@ -247,18 +332,15 @@ stp_result stp_store_plan_make(stp_context* context, const stp_store_content* co
     *plan = (stp_store_plan){0};
     uint32_t set_count = content->directory.surfels_count;
     uint32_t* first_octaves = STP_NEW_ZEROED(context, uint32_t, (size_t)set_count + 1);
-    double* set_scales = STP_NEW_ZEROED(context, double, (size_t)set_count + 1);
     uint32_t* texture_owners =
         STP_NEW_ARRAY(context, uint32_t, (size_t)content->directory.texture_count + 1);
     stp_result result = STP_OK;
-    if (first_octaves == NULL || set_scales == NULL || texture_owners == NULL) {
+    if (first_octaves == NULL || texture_owners == NULL) {
         result = stp_fail_memory(context);
     } else {
-        result = plan_blocks(context, content, data_offset, first_octaves, set_scales,
-                             texture_owners, plan);
+        result = plan_blocks(context, content, data_offset, first_octaves, texture_owners, plan);
     }
     stp_free(context, texture_owners);
-    stp_free(context, set_scales);
     stp_free(context, first_octaves);
     if (result != STP_OK) {
         stp_store_plan_destroy(context, plan);

@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "store/format.h"
+#include "store/plan.h"
 
 #include <dirent.h>
 #include <signal.h>
@@ -52,6 +53,56 @@ void test_store_writes_an_empty_scene(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
     unlink(path);
     CHECK_EQUAL(0, rmdir(folder));
+    stp_context_destroy(context);
+}
+
+void test_store_orders_meshes_by_shown_area(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    // a screw, a wall, a bolt that is shown at twice its size and once more at its own, and one not shown at all
+    stp_store_mesh meshes[] = {
+        {.vertex_count = 300, .triangle_count = 100, .area = 1.0},
+        {.vertex_count = 300, .triangle_count = 100, .area = 90.0},
+        {.vertex_count = 300, .triangle_count = 100, .area = 10.0},
+        {.vertex_count = 3, .triangle_count = 1, .area = 1000.0},
+        {.vertex_count = 30000, .triangle_count = 10000, .area = 300.0},
+    };
+    stp_store_part parts[] = {{STP_STORE_PART_MESH, 2},
+                              {STP_STORE_PART_MESH, 0},
+                              {STP_STORE_PART_MESH, 1},
+                              {STP_STORE_PART_MESH, 2},
+                              {STP_STORE_PART_MESH, 4}};
+    stp_store_edge edges[] = {{.node = 0, .transform = stp_affine_identity()}};
+    for (int axis = 0; axis < 3; ++axis) {
+        edges[0].transform.m[axis][axis] = 2.0;
+    }
+    stp_store_node nodes[] = {
+        {.part_count = 1, .surfels = STP_STORE_NONE},
+        {.edge_count = 1, .first_part = 1, .part_count = 4, .surfels = STP_STORE_NONE},
+    };
+    stp_store_content content = {
+        .directory = {.nodes = nodes,
+                      .node_count = 2,
+                      .edges = edges,
+                      .edge_count = 1,
+                      .parts = parts,
+                      .part_count = 5,
+                      .mesh_count = 5,
+                      .root = 1,
+                      .up = 'y'},
+        .meshes = meshes,
+    };
+    static const uint32_t in_order[] = {1, 2, 4, 0,
+                                        3}; // 90, 10 + 4 x 10, 300 for 100 times the bytes, 1, none
+    stp_store_plan plan;
+    CHECK_EQUAL(STP_OK, stp_store_plan_make(context, &content, 4096, &plan));
+    CHECK_EQUAL(5, plan.block_count);
+    for (uint32_t i = 0; i < 5; ++i) {
+        CHECK_EQUAL(in_order[i], plan.blocks[i].owner);
+        CHECK_EQUAL(i, plan.mesh_blocks[in_order[i]]);
+    }
+    stp_store_plan_destroy(context, &plan);
     stp_context_destroy(context);
 }
 
