@@ -25,6 +25,18 @@ for file in "$folder"/*.stip; do
     python3 "$source/scripts/read_store.py" "$file" --expect "${file%.stip}.json" > "${file%.stip}.out"
     count=$((count + 1))
 done
+# the first picture from ranges: golden files of all versions
+for file in "$folder"/golden*.stip "$folder"/packed.stip; do
+    python3 "$source/scripts/first_picture.py" "$file" -o "$folder/first.ppm" --size 64x48 > "$folder/first.json"
+    python3 - "$folder" "$(stat -c %s "$file")" << 'END'
+import json, sys
+folder, size = sys.argv[1], int(sys.argv[2])
+found = json.load(open(folder + "/first.json"))
+assert 0 < found["bytes"] < size / 2, found
+picture = open(folder + "/first.ppm", "rb").read()
+assert len(picture) == len(b"P6 64 48 255\n") + 3 * 64 * 48 and len(set(picture[13:])) > 3
+END
+done
 test "$count" -ge 14
 # it must be able to fail: one byte wrong in the middle of the last file
 size=$(stat -c %s "$file")
