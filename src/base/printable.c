@@ -64,3 +64,17 @@ size_t stp_make_printable(const char* text, char* out, size_t size)
     }
     return used;
 }
+
+size_t stp_utf8_whole(const char* text, size_t length)
+{
+    size_t begin = length; // of the last character
+    while (begin > 0 && length - begin < 3 && ((unsigned char)text[begin - 1] & 0xC0) == 0x80) {
+        begin -= 1;
+    }
+    if (begin == 0) {
+        return length;
+    }
+    unsigned char first = (unsigned char)text[begin - 1];
+    size_t whole = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC0 ? 2 : 1;
+    return length - begin + 1 < whole ? begin - 1 : length;
+}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Escapes untrusted text (names in files, file names) for display on a terminal.
+// Untrusted text (names in files, file names): escaped for display on a terminal, and shortened.
 #pragma once
 
 #include <stddef.h>
@@ -9,3 +9,6 @@
 /// not fit into `size` bytes with the zero at the end is left out; characters and escapes stay whole.
 /// @return the length of `out`
 size_t stp_make_printable(const char* text, char* out, size_t size);
+
+/// Bytes of the first `length` bytes of a text without what a cut there leaves of a character of UTF-8.
+size_t stp_utf8_whole(const char* text, size_t length);

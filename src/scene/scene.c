@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "base/printable.h"
 #include "scene/bulk.h"
 #include "scene/reach.h"
 
@@ -71,11 +72,16 @@ void stp_scene_destroy(stp_scene* scene)
     stp_free(context, scene);
 }
 
-// Replaces *text by a copy that the scene owns.
+// Replaces *text by a copy that the scene owns, of not more bytes than a text may have.
 static stp_result keep_text(stp_scene* scene, const char** text)
 {
     if (*text != NULL) {
-        *text = stp_arena_copy_text(&scene->text, *text, strlen(*text));
+        size_t length = strlen(*text);
+        if (length > STP_SCENE_TEXT_LIMIT) {
+            length = stp_utf8_whole(*text, STP_SCENE_TEXT_LIMIT);
+            scene->shortened += scene->shortened < UINT32_MAX ? 1 : 0;
+        }
+        *text = stp_arena_copy_text(&scene->text, *text, length);
         if (*text == NULL) {
             return stp_fail_memory(scene->context);
         }

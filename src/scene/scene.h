@@ -25,6 +25,8 @@
 #include "scene/content_table.h"
 
 #define STP_NONE UINT32_MAX
+#define STP_SCENE_TEXT_LIMIT                                                                       \
+    4064 ///< bytes of a name or id; what is longer is shortened, with a warning
 
 typedef enum stp_alpha_mode {
     STP_ALPHA_OPAQUE,
@@ -191,6 +193,7 @@ typedef struct stp_scene {
     size_t mesh_capacity, point_set_capacity, material_capacity, texture_capacity, object_capacity,
         part_capacity, instance_capacity, view_capacity, source_capacity;
     stp_damage damaged;
+    uint32_t shortened; ///< names and ids that were too long
 
     // made by stp_scene_finish
     stp_node* nodes;

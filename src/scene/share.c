@@ -260,6 +260,10 @@ stp_result stp_scene_finish(stp_scene* scene)
 {
     assert(scene->nodes == NULL && scene->root == STP_NONE && "finished already");
     stp_scene_tell_dropped(scene);
+    if (scene->shortened > 0) {
+        stp_warn(scene->context, "names of more than %d bytes are shortened (%u)",
+                 STP_SCENE_TEXT_LIMIT, scene->shortened);
+    }
     stp_result result = stp_scene_merge(scene);
     result = result != STP_OK ? result : stp_scene_distinguish_views(scene);
     if (result != STP_OK) {

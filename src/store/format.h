@@ -22,6 +22,7 @@ enum {
     STP_STORE_COLUMN_ALIGNMENT = 16,
     STP_STORE_RECORD_LIMIT = 256, ///< no record of version 1 is longer
     STP_STORE_PAGE_BYTES = 16384, ///< of a section, with a checksum of its own
+    STP_STORE_TEXT_LIMIT = 4095,  ///< bytes of a text that a record refers to
     STP_STORE_TEXTURE_LIMIT = 65536,
     STP_STORE_SHADING_LIMIT = 256,
 };

@@ -32,47 +32,23 @@ stp_result stp_store_judge_summary(stp_store* store)
     return STP_OK;
 }
 
-// Checks the pages that hold a text, up to its last byte.
-static stp_result verify_text(stp_store* store, const char* text)
-{
-    const stp_store_section* section = store->known[STP_SECTION_TEXT];
-    if (text == NULL) {
-        return STP_OK;
-    }
-    const unsigned char* content = NULL;
-    stp_result found = stp_store_find_content(store, section, &content);
-    if (found != STP_OK) {
-        return found;
-    }
-    const char* base = (const char*)content;
-    uint64_t size = stp_store_content_bytes(section);
-    for (uint64_t at = (uint64_t)(text - base); at < size;) {
-        uint64_t end = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES;
-        end = end < size ? end : size;
-        stp_result result = stp_store_verify_range(store, section, at, end - at);
-        if (result != STP_OK || memchr(base + at, '\0', (size_t)(end - at)) != NULL) {
-            return result;
-        }
-        at = end;
-    }
-    return stp_fail(store->context, STP_ERROR_FORMAT,
-                    "%s: the texts of type %u do not end with a zero byte", store->path,
-                    STP_SECTION_TEXT);
-}
-
 static stp_result verify_texts(stp_store* store)
 {
     const stp_store_directory* d = &store->directory;
+    stp_store_text uses = {.context = store->context};
     stp_result result = STP_OK;
     for (uint32_t i = 0; result == STP_OK && i < store->summary.part_count; ++i) {
-        result = verify_text(store, store->summary.parts[i].name);
+        result =
+            stp_store_verify_text(store, STP_SECTION_TEXT, &uses, store->summary.parts[i].name);
     }
     for (uint32_t i = 0; result == STP_OK && i < d->view_count; ++i) {
-        result = verify_text(store, d->views[i].name);
+        result = stp_store_verify_text(store, STP_SECTION_TEXT, &uses, d->views[i].name);
     }
     for (uint32_t i = 0; result == STP_OK && i < d->source_count; ++i) {
-        result = verify_text(store, d->sources[i].path);
-        result = result != STP_OK ? result : verify_text(store, d->sources[i].format);
+        result = stp_store_verify_text(store, STP_SECTION_TEXT, &uses, d->sources[i].path);
+        result = result != STP_OK
+                     ? result
+                     : stp_store_verify_text(store, STP_SECTION_TEXT, &uses, d->sources[i].format);
     }
     return result;
 }

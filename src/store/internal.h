@@ -66,6 +66,10 @@ STP_MUST_USE stp_result stp_store_verify_section(stp_store* store,
                                                  const stp_store_section* section);
 /// The checked texts of a section; empty where there is none.
 STP_MUST_USE stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* text);
+/// Checks the pages that a text of a section of texts lies in, and its use (stp_store_use_text). NULL is right.
+/// @return STP_OK, FORMAT, OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_store_verify_text(stp_store* store, uint32_t type, stp_store_text* uses,
+                                              const char* text);
 /// Decodes the records of a section into `tables` and `counts`.
 STP_MUST_USE stp_result stp_store_read_table(stp_store* store, uint32_t type, stp_store_text* text);
 /// Summary and scene parts, decoded already.

@@ -2,34 +2,6 @@
 // Objects read one by one where they lie in the file, page after page as they are asked for.
 #include "store/internal.h"
 
-#include <string.h>
-
-/// Checks the pages that a text lies in, up to its zero byte.
-static stp_result verify_text(stp_store* store, const stp_store_section* section, const char* text)
-{
-    if (text == NULL) {
-        return STP_OK;
-    }
-    const unsigned char* content = NULL;
-    stp_result found = stp_store_find_content(store, section, &content);
-    if (found != STP_OK) {
-        return found;
-    }
-    const char* first = (const char*)content;
-    uint64_t at = (uint64_t)(text - first), whole = stp_store_content_bytes(section);
-    for (; at < whole; at = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES) {
-        uint64_t end = (at / STP_STORE_PAGE_BYTES + 1) * STP_STORE_PAGE_BYTES;
-        end = end < whole ? end : whole;
-        stp_result result = stp_store_verify_range(store, section, at, end - at);
-        if (result != STP_OK || memchr(first + at, 0, (size_t)(end - at)) != NULL) {
-            return result;
-        }
-    }
-    return stp_fail(store->context, STP_ERROR_FORMAT,
-                    "%s: the texts of type %u do not end with a zero byte", store->path,
-                    section->type);
-}
-
 static stp_result read_record(stp_store* store, uint32_t index, stp_store_object* object)
 {
     const stp_store_section* section = store->known[STP_SECTION_OBJECTS];
@@ -80,8 +52,13 @@ stp_result stp_store_read_object_place(stp_store* store, uint32_t index, stp_sto
 
 stp_result stp_store_read_object(stp_store* store, uint32_t index, stp_store_object* object)
 {
+    stp_store_text uses = {.context = store->context};
     stp_result result = read_record(store, index, object);
-    const stp_store_section* texts = store->known[STP_SECTION_OBJECT_TEXT];
-    result = result == STP_OK ? verify_text(store, texts, object->name) : result;
-    return result == STP_OK ? verify_text(store, texts, object->id) : result;
+    if (result == STP_OK) {
+        result = stp_store_verify_text(store, STP_SECTION_OBJECT_TEXT, &uses, object->name);
+    }
+    if (result == STP_OK) {
+        result = stp_store_verify_text(store, STP_SECTION_OBJECT_TEXT, &uses, object->id);
+    }
+    return result;
 }

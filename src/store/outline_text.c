@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Names: paths, and what a text finds.
+#include "base/printable.h"
 #include "store/outline_internal.h"
 
 #include <stdio.h>
@@ -8,20 +9,6 @@
 static bool has_text(const char* text)
 {
     return text != NULL && text[0] != '\0';
-}
-
-/// Takes away what a cut left of a character of UTF-8.
-static void end_on_character(char* text, size_t length)
-{
-    size_t begin = length; // of the last character
-    while (begin > 0 && length - begin < 3 && ((unsigned char)text[begin - 1] & 0xC0) == 0x80) {
-        begin -= 1;
-    }
-    if (begin > 0) {
-        unsigned char first = (unsigned char)text[begin - 1];
-        size_t whole = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC0 ? 2 : 1;
-        text[length - begin + 1 < whole ? begin - 1 : length] = '\0';
-    }
 }
 
 stp_result stp_outline_path(stp_outline* outline, const stp_outline_item* item, char* text,
@@ -44,7 +31,7 @@ stp_result stp_outline_path(stp_outline* outline, const stp_outline_item* item, 
         used += length > 0 ? (size_t)length : 0;
     }
     if (used >= size && size > 0) {
-        end_on_character(text, size - 1);
+        text[stp_utf8_whole(text, size - 1)] = '\0';
     }
     return STP_OK;
 }

@@ -67,6 +67,10 @@ static uint32_t add_text(stp_store_codec* codec, const char* text)
 {
     stp_store_text* pool = codec->text;
     size_t length = strlen(text) + 1;
+    if (length > STP_STORE_TEXT_LIMIT + 1) {
+        note_fault(codec, "has a text of more than 4095 bytes");
+        return STP_STORE_NONE;
+    }
     if (length > STP_STORE_NONE - pool->size) {
         note_fault(codec, "has a text beyond the limit of 4 GiB in all");
         return STP_STORE_NONE;
@@ -97,6 +101,10 @@ static void code_text(stp_store_codec* codec, const char** text)
         *text = NULL;
         if (offset < codec->text->size) {
             *text = codec->text->stored + offset;
+            const char* fault = stp_store_use_text(codec->text, *text);
+            if (fault != NULL) {
+                note_fault(codec, fault);
+            }
         } else if (offset != STP_STORE_NONE) {
             note_fault(codec, "has a text that lies outside of the section of texts");
         }

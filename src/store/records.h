@@ -15,7 +15,13 @@ typedef struct stp_store_text {
     char* bytes;        ///< while writing: grown as needed
     const char* stored; ///< while reading: straight from the file
     size_t size, capacity;
+    uint64_t uses, used; ///< while reading: texts that records used, and their bytes in all
 } stp_store_text;
+
+/// Notes that a record uses the text at `at`, which lies in `text->stored`. A text of many bytes that many records
+/// share would cost time and memory out of proportion to the file.
+/// @return NULL, or what is wrong with it: it is too long, or all uses together are
+const char* stp_store_use_text(stp_store_text* text, const char* at);
 
 /// One record on its way from or to bytes.
 typedef struct stp_store_codec {

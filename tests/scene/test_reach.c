@@ -137,3 +137,23 @@ void test_scenes_out_of_reach_are_empty(test_state* test)
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
+
+void test_scenes_shorten_long_names(test_state* test)
+{
+    static char name[STP_SCENE_TEXT_LIMIT + 3];
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
+    stp_scene* scene = NULL;
+    CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
+    memset(name, 'a', STP_SCENE_TEXT_LIMIT);
+    stp_object object = {.name = name, .parent = STP_NONE, .transform = make_translation(0, 0, 0)};
+    CHECK_EQUAL(STP_OK, stp_scene_add_object(scene, &object, NULL));
+    memcpy(name + STP_SCENE_TEXT_LIMIT - 1, "\xC3\xA4", 2); // the cut would part a letter
+    CHECK_EQUAL(STP_OK, stp_scene_add_object(scene, &object, NULL));
+    CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
+    CHECK_EQUAL(STP_SCENE_TEXT_LIMIT, strlen(scene->objects[0].name));
+    CHECK_EQUAL(STP_SCENE_TEXT_LIMIT - 1, strlen(scene->objects[1].name));
+    CHECK(strstr(log.warning, "names of more than 4064 bytes are shortened (1)") != NULL);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
