@@ -147,14 +147,25 @@ static uint32_t show_below(const stp_selection* s, const stp_select_entry* at, u
                : at->shown;
 }
 
+/// Whether a part is the one before it: drawing it again would change no pixel.
+static bool is_repeated(const stp_store_part* parts, uint32_t i)
+{
+    return i > 0 && parts[i].kind == parts[i - 1].kind && parts[i].index == parts[i - 1].index;
+}
+
 static stp_result open_node(stp_selection* s, const stp_select_entry* at)
 {
     const stp_store_directory* directory = s->directory;
     const stp_store_node* node = &directory->nodes[at->node];
     stp_result result = STP_OK;
+    const stp_store_part* parts = directory->parts + node->first_part;
+    uint32_t before = STP_SHOW_NOT;
     for (uint32_t i = 0; i < node->part_count && !at->moving_only && result == STP_OK; ++i) {
-        result = add_part(s, directory->parts[node->first_part + i], at,
-                          show_below(s, at, node->edge_count + i));
+        uint32_t shown = show_below(s, at, node->edge_count + i);
+        if (!is_repeated(parts, i) || shown != before) {
+            result = add_part(s, parts[i], at, shown);
+        }
+        before = shown;
     }
     for (uint32_t i = node->edge_count; i-- > 0 && result == STP_OK;) {
         const stp_store_edge* edge = &directory->edges[node->first_edge + i];

@@ -93,3 +93,49 @@ void test_unfolding_graphs_end_with_a_sentence(test_state* test)
     stp_store_close(store);
     stp_context_destroy(context);
 }
+
+/// A node that lists one part again and again: it is drawn once.
+void test_repeated_parts_are_drawn_once(test_state* test)
+{
+    enum { PARTS = 5000 };
+    static stp_store_part parts[PARTS];
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    stp_store_mesh meshes[] = {made_square(0), made_square(0)};
+    stp_store_material material = made_material();
+    for (int i = 0; i < PARTS; ++i) {
+        parts[i] = (stp_store_part){STP_STORE_PART_MESH, i < PARTS / 2 ? 0 : 1};
+    }
+    stp_store_node node = {.part_count = PARTS,
+                           .surfels = STP_STORE_NONE,
+                           .triangle_count = 2 * PARTS,
+                           .bounds = {{-1, -1, 0}, {1, 1, 0}}};
+    stp_store_content content = {.directory = {.node_count = 1,
+                                               .part_count = PARTS,
+                                               .material_count = 1,
+                                               .mesh_count = 2,
+                                               .nodes = &node,
+                                               .parts = parts,
+                                               .materials = &material,
+                                               .root = 0,
+                                               .up = 'y',
+                                               .build_json = "{}"},
+                                 .meshes = meshes};
+    char path[] = "/tmp/stipple-repeated-XXXXXX";
+    int file = mkstemp(path);
+    stp_store* store = NULL;
+    CHECK(file >= 0 && close(file) == 0);
+    CHECK_EQUAL(STP_OK, stp_store_write(context, &content, path));
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    stp_view view = {
+        .eye = {0, 0, 4}, .up = {0, 1, 0}, .fov_degrees = 60, .width = 64, .height = 64};
+    stp_quality quality = {.splat_size = 1};
+    stp_draw_list list = {0};
+    CHECK_EQUAL(STP_OK, stp_select(context, store, &view, &quality, &list));
+    CHECK_EQUAL(2, list.count);
+    CHECK_EQUAL(4, list.triangle_count);
+    stp_draw_list_destroy(context, &list);
+    stp_store_close(store);
+    unlink(path);
+    stp_context_destroy(context);
+}

@@ -5,6 +5,7 @@
 #include "select/visibility.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /// The state of each use of a part, walked along the graph.
 static bool walk_states(const stp_store* store, const stp_visibility* v, uint32_t node,
@@ -190,6 +191,14 @@ static bool item_is_right(const shown* s, const stp_draw_item* item)
     return below->count > 0;
 }
 
+/// Whether a place may be a part that its node lists twice in a row, which is drawn once.
+static bool is_repeated(const built_places* all, uint32_t i)
+{
+    const stp_spot *a = &all->places[i - 1], *b = &all->places[i];
+    return a->part.kind == b->part.kind && a->part.index == b->part.index &&
+           memcmp(&a->transform, &b->transform, sizeof(a->transform)) == 0;
+}
+
 void test_selection_shows_what_is_visible_at_any_level(test_state* test)
 {
     shown* s = calloc(1, sizeof(*s));
@@ -218,15 +227,17 @@ void test_selection_shows_what_is_visible_at_any_level(test_state* test)
             stp_quality quality = {
                 .splat_size = 1, .reference = reference == 1, .visibility = s->visibility};
             CHECK_EQUAL(STP_OK, stp_select(s->context, s->store, &view, &quality, &s->list));
-            uint32_t drawn = 0, expected = 0;
+            uint32_t drawn = 0, expected = 0, repeated = 0;
             for (size_t i = 0; i < s->list.count; ++i) {
                 CHECK(item_is_right(s, &s->list.items[i]));
                 drawn += s->list.items[i].kind == STP_DRAW_MESH ? 1 : 0;
             }
             for (uint32_t i = 0; i < s->all->count; ++i) {
                 expected += s->expected[i] != STP_SHOW_NOT ? 1 : 0;
+                repeated += i > 0 && s->expected[i] == s->expected[i - 1] &&
+                            s->expected[i] != STP_SHOW_NOT && is_repeated(s->all, i);
             }
-            CHECK(reference == 0 || drawn == expected);
+            CHECK(reference == 0 || (drawn <= expected && drawn >= expected - repeated));
             CHECK(expected == 0 || s->list.count > 0);
         }
     }

@@ -39,7 +39,17 @@ typedef struct cpu_texture {
     uint64_t arrival; ///< of its texels (stp_store_texture_arrival)
 } cpu_texture;
 
-/// A draw item with all that its pieces and pixels need.
+/// What is drawn of a surfel set (stp_surfels), whose columns these are.
+typedef struct cpu_surfels {
+    stp_vec3 origin;
+    float step;
+    const uint16_t* positions;
+    const int8_t* normals;
+    const uint8_t* materials;
+    bool plain_coverages;
+} cpu_surfels;
+
+/// A draw item with all that its pieces and pixels need. Views of large scenes have a hundred thousand.
 typedef struct cpu_item {
     stp_draw_kind kind;
     uint32_t first_id, count;
@@ -56,7 +66,7 @@ typedef struct cpu_item {
     float radius;              ///< of splats, item space
     const stp_draw_item* draw; ///< of the list
     const stp_draw_run* runs;  ///< NULL: each splat is drawn at any depth
-    stp_surfels surfels;
+    cpu_surfels surfels;
     const uint8_t* colors;     ///< of the prefix's octave
     const uint8_t* low_colors; ///< of the octave before, for the first `low_count`
     const uint8_t *coverages, *low_coverages;

@@ -33,9 +33,8 @@ void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 }
 
 /// The colours of the octave that a prefix has, and of the octave before.
-static void choose_octave(cpu_item* item, uint32_t prefix)
+static void choose_octave(cpu_item* item, const stp_surfels* surfels, uint32_t prefix)
 {
-    const stp_surfels* surfels = &item->surfels;
     stp_octave_choice choice = stp_placement_choose_octave(surfels, prefix);
     size_t first = 0, low_first = 0;
     for (uint32_t i = 0; i < choice.octave; ++i) {
@@ -167,13 +166,20 @@ static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_i
     const stp_surfels* known = stp_store_describe_surfels(r->store, draw->index);
     uint32_t full = draw->full_prefix > draw->prefix ? draw->full_prefix : draw->prefix;
     uint32_t octaves = stp_store_octaves_for(known, full > 0 ? full : 1);
-    stp_result result =
-        stp_store_get_surfels_prefix(r->store, draw->index, octaves, &item->surfels);
-    if (result == STP_OK) {
-        item->count = draw->prefix < item->surfels.count ? draw->prefix : item->surfels.count;
-        choose_octave(item, full < item->surfels.count ? full : item->surfels.count);
+    stp_surfels got;
+    stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &got);
+    if (result != STP_OK) {
+        return result;
     }
-    return result;
+    item->surfels = (cpu_surfels){.origin = got.origin,
+                                  .step = got.step,
+                                  .positions = got.positions,
+                                  .normals = got.normals,
+                                  .materials = got.materials,
+                                  .plain_coverages = got.plain_coverages};
+    item->count = draw->prefix < got.count ? draw->prefix : got.count;
+    choose_octave(item, &got, full < got.count ? full : got.count);
+    return STP_OK;
 }
 
 static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
