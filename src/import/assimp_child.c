@@ -2,6 +2,7 @@
 //
 // The child's side: assimp's scene as a stream. Runs after fork() in a process with this one thread; what goes
 // wrong here ends the child, not the caller.
+#include "import/assimp_files.h"
 #include "import/assimp_stream.h"
 #include "import/surface.h"
 
@@ -514,9 +515,19 @@ static void put_scene(writer* w, const char* path)
     put_u32(w, STP_ASSIMP_END);
 }
 
-static void put_result(writer* w, const char* path)
+static void put_refusals(writer* w, const stp_assimp_files* files)
+{
+    put_u32(w, files->refused);
+    if (files->refused > 0) {
+        put_text(w, files->first, strlen(files->first));
+        put_text(w, files->reason, strlen(files->reason));
+    }
+}
+
+static void put_result(writer* w, const char* path, const stp_assimp_files* files)
 {
     put_u32(w, STP_ASSIMP_MAGIC);
+    put_refusals(w, files);
     if (w->scene == NULL || w->scene->mRootNode == NULL) {
         const char* reason = aiGetErrorString();
         put_u32(w, STP_ASSIMP_FAILED);
@@ -527,23 +538,22 @@ static void put_result(writer* w, const char* path)
     flush(w);
 }
 
-int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t size, int descriptor)
+int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t size, bool alone,
+                         int descriptor)
 {
     writer* w = calloc(1, sizeof(writer));
     struct aiPropertyStore* properties = aiCreatePropertyStore();
     if (w == NULL || properties == NULL) {
         return 1;
     }
+    stp_assimp_files files;
+    stp_assimp_files_begin(&files, path, bytes, size, alone);
     w->descriptor = descriptor;
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, 0);
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
     unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType |
                      aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs;
-    const char* dot = strrchr(path, '.');
-    w->scene = bytes != NULL
-                   ? aiImportFileFromMemoryWithProperties((const char*)bytes, (unsigned)size, flags,
-                                                          dot != NULL ? dot + 1 : "", properties)
-                   : aiImportFileExWithProperties(path, flags, NULL, properties);
-    put_result(w, path);
+    w->scene = aiImportFileExWithProperties(path, flags, &files.io, properties);
+    put_result(w, path, &files);
     return w->failed; // what is allocated goes with the process
 }

@@ -544,6 +544,27 @@ static stp_result fail_as_told(reader* r)
                     reason);
 }
 
+// What of the model was not read, because it lies elsewhere.
+static stp_result read_refusals(reader* r)
+{
+    uint32_t count;
+    const char *first, *reason;
+    if (!take_u32(r, &count)) {
+        return fail_stream(r, "refusals");
+    }
+    if (count == 0) {
+        return STP_OK;
+    }
+    stp_result result = take_text(r, &first);
+    result = result == STP_OK ? take_text(r, &reason) : result;
+    if (result == STP_OK) {
+        stp_warn(r->context, "%s: \"%.200s\" is left out: %.100s%s", r->import->path,
+                 first != NULL ? first : "", reason != NULL ? reason : "",
+                 count > 1 ? "; others, too" : "");
+    }
+    return result;
+}
+
 stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes, size_t size)
 {
     reader r = {.import = import,
@@ -551,12 +572,15 @@ stp_result stp_assimp_read_stream(stp_import* import, const unsigned char* bytes
                 .at = bytes,
                 .end = bytes + size,
                 .pictures = stp_pictures_create(import)};
-    uint32_t magic, kind;
-    stp_result result;
-    if (!take_u32(&r, &magic) || magic != STP_ASSIMP_MAGIC || !take_u32(&r, &kind) ||
-        (kind != STP_ASSIMP_SCENE && kind != STP_ASSIMP_FAILED)) {
+    uint32_t magic, kind = 0;
+    stp_result result = take_u32(&r, &magic) && magic == STP_ASSIMP_MAGIC
+                            ? read_refusals(&r)
+                            : fail_stream(&r, "a beginning");
+    if (result == STP_OK &&
+        (!take_u32(&r, &kind) || (kind != STP_ASSIMP_SCENE && kind != STP_ASSIMP_FAILED))) {
         result = fail_stream(&r, "a beginning");
-    } else {
+    }
+    if (result == STP_OK) {
         result = kind == STP_ASSIMP_SCENE ? read_scene(&r) : fail_as_told(&r);
     }
     stp_pictures_destroy(&r.pictures);

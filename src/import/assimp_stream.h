@@ -4,8 +4,9 @@
 // machine's own byte order. The child works on untrusted input with code we do not answer for, so what it
 // writes is checked like a file.
 //
-//   stream    magic, then either  FAILED, text
+//   stream    magic, refusals, then either  FAILED, text
 //             or  SCENE, up, unit, textures, materials, meshes, nodes, views, losses, END
+//   refusals  u32: 0, 1 or 2 (several) files that the model must not name; if any: text of the first, text why
 //   a list    u32 count, then its items; a text: u32 length (at most STP_ASSIMP_TEXT_LIMIT), bytes
 //   texture   text name, u32 width, u32 height, bytes: RGBA; height 0: a picture file of `width` bytes
 //   material  text name, stp_assimp_material, two uses (base colour, emissive)
@@ -72,7 +73,8 @@ static inline uint64_t stp_assimp_memory_limit(const stp_import* import)
 /// Says that this does not suffice. @return STP_ERROR_OUT_OF_MEMORY (logged)
 stp_result stp_assimp_fail_memory(const stp_import* import);
 
-/// What the child does: imports `path` (or the bytes, where `bytes` is not NULL, of a file called `path`) and
-/// writes the stream to `descriptor`. Uses no context: locks of other threads may be held for good in a
-/// forked process. @return the child's exit code
-int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t size, int descriptor);
+/// What the child does: imports a model, whose bytes are here, and writes the stream to `descriptor`. Reads other files
+/// that the model may name (path_rules.h), none where it is `alone`. Uses no context: locks of other threads may be held
+/// for good in a forked process. @return the child's exit code
+int stp_assimp_run_child(const char* path, const unsigned char* bytes, size_t size, bool alone,
+                         int descriptor);

@@ -10,6 +10,7 @@
 // context. The C library makes its allocator usable after fork. Should a lock of the host's be in the way
 // nevertheless, the time limit ends the child.
 #include "import/assimp_stream.h"
+#include "import/sandbox.h"
 
 #include <assimp/cimport.h>
 #include <errno.h>
@@ -17,6 +18,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -96,8 +98,17 @@ static void run_child(const helper* h, int descriptor)
         (void)dup2(null, i); // assimp's readers print
     }
     const stp_import* import = h->import;
-    int code = stp_assimp_run_child(import->path, import->alone ? import->file.bytes : NULL,
-                                    import->file.size, descriptor);
+    const char* slash = strrchr(import->path, '/');
+    size_t length = slash != NULL ? (size_t)(slash + 1 - import->path) : 0;
+    char* folder = malloc(length + 1);
+    if (folder == NULL) {
+        _exit(1);
+    }
+    memcpy(folder, import->path, length);
+    folder[length] = '\0';
+    stp_sandbox_enter(import->alone ? NULL : length > 0 ? folder : ".");
+    int code = stp_assimp_run_child(import->path, import->file.bytes, import->file.size,
+                                    import->alone, descriptor);
     _exit(code);
 }
 

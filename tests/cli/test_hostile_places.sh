@@ -107,6 +107,24 @@ for folder in shared linked; do
     grep -q 'out.mtl" is left out: it is a link out of the folder' link.out || fail "a link is followed: $(cat link.out)"
 done
 
+# what assimp reads names files like any other model: its own, no others, and none that waits
+mkdir -p assembly/parts outside
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > assembly/parts/good.obj
+cp assembly/parts/good.obj outside/secret.obj
+ln -s ../outside/secret.obj assembly/link.obj
+mkfifo assembly/pipe.obj
+triangles_of() # REFERENCE: how many a LightWave scene that names it has
+{
+    printf 'LWSC\n3\n\nLoadObjectLayer 1 %s\n' "$1" > assembly/scene.lws
+    timeout 60 "$stipple" info assembly/scene.lws --json 2> lws.err |
+        python3 -c 'import json, sys; print(json.load(sys.stdin)["triangles"])'
+}
+[ "$(triangles_of parts/good.obj)" = 1 ] || fail "a file below the model is not read: $(cat lws.err)"
+for name in ../outside/secret.obj "$PWD/outside/secret.obj" link.obj pipe.obj; do
+    [ "$(triangles_of "$name")" = 0 ] || fail "$name is read, or not left out: $(cat lws.err)"
+    [ "$name" = pipe.obj ] || grep -q "is left out: it " lws.err || fail "$name is left out in silence"
+done
+
 # names that a terminal would obey: no control character reaches it, and no line is forged
 python3 - << 'END'
 import base64, json, struct

@@ -271,6 +271,9 @@ static void make_stream(stream* s)
     double unit = 0.01;
     *s = (stream){0};
     put_u32(s, STP_ASSIMP_MAGIC);
+    put_u32(s, 2); // refusals
+    put_text(s, "../a.obj");
+    put_text(s, "it leaves the folder");
     put_u32(s, STP_ASSIMP_SCENE);
     put_u32(s, 'z');
     put(s, &unit, sizeof(unit));
@@ -343,11 +346,14 @@ void test_assimp_stream(test_state* test)
 {
     static stream s;
     make_stream(&s);
-    stp_context* context = test_context(NULL, 1, NULL);
+    test_log log = {0};
+    stp_context* context = test_context(NULL, 1, &log);
     stp_result result;
     stp_scene* scene = read_stream(context, s.bytes, s.size, &result);
     CHECK_EQUAL(STP_OK, result);
     CHECK(scene_is_sound(scene));
+    CHECK(strstr(log.warning, "\"../a.obj\" is left out: it leaves the folder; others") != NULL ||
+          log.warnings > 1);
     CHECK_EQUAL(1, scene->mesh_count);
     CHECK_EQUAL(1, scene->point_set_count);
     CHECK_EQUAL(1, scene->texture_count);
@@ -382,6 +388,7 @@ void test_assimp_stream_tells_of_too_little_memory(test_state* test)
         static stream s;
         s.size = 0;
         put_u32(&s, STP_ASSIMP_MAGIC);
+        put_u32(&s, 0);
         put_u32(&s, STP_ASSIMP_FAILED);
         put_text(&s, cases[i].reason);
         test_log log = {0};
