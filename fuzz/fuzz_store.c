@@ -45,8 +45,13 @@ static uint64_t use_directory(stp_store* store)
         total += sum_text(d->sources[i].path) + sum_text(d->sources[i].format);
     }
     for (uint32_t i = 0; i < d->node_count; ++i) {
-        total += sum(d->edges + d->nodes[i].first_edge, d->nodes[i].edge_count * sizeof(*d->edges));
-        total += sum(d->parts + d->nodes[i].first_part, d->nodes[i].part_count * sizeof(*d->parts));
+        const stp_store_node* node = &d->nodes[i];
+        if (node->edge_count > 0) { // nothing may be added to a pointer to nothing
+            total += sum(&d->edges[node->first_edge], node->edge_count * sizeof(*d->edges));
+        }
+        if (node->part_count > 0) {
+            total += sum(&d->parts[node->first_part], node->part_count * sizeof(*d->parts));
+        }
     }
     return total;
 }

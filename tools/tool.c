@@ -248,13 +248,38 @@ int tool_finish_output(int code)
     return code;
 }
 
+/// Writes a piece of JSON, in which only characters of texts lie beyond ASCII: those that a terminal would obey as \\u.
+static int write_json(const char* piece, size_t size, void* user)
+{
+    FILE* stream = user;
+    while (size > 0) {
+        uint32_t code;
+        size_t length = 0, plain = stp_find_unprintable(piece, size, &code, &length);
+        if (fwrite(piece, 1, plain, stream) != plain) {
+            return -1;
+        }
+        size_t taken = plain < size ? plain + length : plain;
+        if (plain < size && fprintf(stream, "\\u%04x", code) < 0) {
+            return -1;
+        }
+        piece += taken;
+        size -= taken;
+    }
+    return 0;
+}
+
+static int dump_json(const json_t* object, FILE* stream, size_t flags)
+{
+    return json_dump_callback(object, write_json, stream, flags);
+}
+
 int tool_print_json(json_t* object)
 {
     if (object == NULL) {
         return tool_error("out of memory");
     }
     tool_end_progress();
-    int failed = json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    int failed = dump_json(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     json_decref(object);
     failed = putc('\n', stdout) == EOF || failed != 0;
     int code = tool_finish_output(0);

@@ -65,6 +65,21 @@ size_t stp_make_printable(const char* text, char* out, size_t size)
     return used;
 }
 
+size_t stp_find_unprintable(const char* text, size_t size, uint32_t* code, size_t* length)
+{
+    size_t at = 0;
+    while (at < size) {
+        unsigned char next[5] = {0};
+        memcpy(next, text + at, size - at < 4 ? size - at : 4);
+        *length = read_character(next, code);
+        if (*length != 0 && *code >= 0x7F && !is_shown(*code)) {
+            return at;
+        }
+        at += *length != 0 ? *length : 1;
+    }
+    return size;
+}
+
 size_t stp_utf8_whole(const char* text, size_t length)
 {
     size_t begin = length; // of the last character

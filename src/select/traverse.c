@@ -148,9 +148,9 @@ static uint32_t show_below(const stp_selection* s, const stp_select_entry* at, u
 }
 
 /// Whether a part is the one before it: drawing it again would change no pixel.
-static bool is_repeated(const stp_store_part* parts, uint32_t i)
+static bool is_repeated(const stp_store_part* part, uint32_t i)
 {
-    return i > 0 && parts[i].kind == parts[i - 1].kind && parts[i].index == parts[i - 1].index;
+    return i > 0 && part[0].kind == part[-1].kind && part[0].index == part[-1].index;
 }
 
 static stp_result open_node(stp_selection* s, const stp_select_entry* at)
@@ -158,12 +158,12 @@ static stp_result open_node(stp_selection* s, const stp_select_entry* at)
     const stp_store_directory* directory = s->directory;
     const stp_store_node* node = &directory->nodes[at->node];
     stp_result result = STP_OK;
-    const stp_store_part* parts = directory->parts + node->first_part;
     uint32_t before = STP_SHOW_NOT;
     for (uint32_t i = 0; i < node->part_count && !at->moving_only && result == STP_OK; ++i) {
         uint32_t shown = show_below(s, at, node->edge_count + i);
-        if (!is_repeated(parts, i) || shown != before) {
-            result = add_part(s, parts[i], at, shown);
+        const stp_store_part* part = &directory->parts[node->first_part + i];
+        if (!is_repeated(part, i) || shown != before) {
+            result = add_part(s, *part, at, shown);
         }
         before = shown;
     }

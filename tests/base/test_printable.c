@@ -49,3 +49,17 @@ void test_printable_messages_are_one_line(test_state* test)
     CHECK(strcmp(log.text, "a\\x0astipple: forged: line 3: no \"\\x1b[2J\"") == 0);
     stp_context_destroy(context);
 }
+
+void test_printable_finds_what_json_leaves(test_state* test)
+{
+    static const char text[] = "a\n\xc3\xa4\xff\xe2\x80\xae z\xc2\x9b\x7f";
+    uint32_t code;
+    size_t length, at = stp_find_unprintable(text, sizeof(text) - 1, &code, &length);
+    CHECK(at == 5 && length == 3 && code == 0x202E);
+    at = stp_find_unprintable(text + 8, sizeof(text) - 9, &code, &length);
+    CHECK(at == 2 && length == 2 && code == 0x9B);
+    at = stp_find_unprintable(text + 12, 1, &code, &length);
+    CHECK(at == 0 && length == 1 && code == 0x7F);
+    CHECK_EQUAL(5, stp_find_unprintable(text, 5, &code, &length));
+    CHECK_EQUAL(7, stp_find_unprintable(text, 7, &code, &length)); // cut within the character
+}

@@ -150,6 +150,8 @@ END
 evil_file=$(printf 'evil\033[31m\nstipple: forged.stip')
 "$stipple" build evil.gltf -o "$evil_file" -v > evil.out 2>&1 || fail "evil.gltf is not built: $(cat -v evil.out)"
 "$stipple" info "$evil_file" >> evil.out 2>&1 || fail "its file is not described"
+"$stipple" info "$evil_file" --json > evil.json || fail "its file is not described as JSON"
+"$stipple" info "$evil_file" --json >> evil.out 2>&1 || fail "its file is not described as JSON"
 "$stipple" info "$evil_file" --find owned >> evil.out 2>&1 || fail "its names are not found"
 "$stipple" render "$evil_file" --view nothing -o box.png >> evil.out 2>&1 && fail "an unknown view is drawn"
 "$stipple" check "$evil_file" >> evil.out 2>&1 || fail "its file is not right"

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""What happens to a file, a work folder or a process while the program works with it."""
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import threading
+import time
+
+FLIGHT = str(pathlib.Path(__file__).resolve().parent.parent.parent / "scenes" / "flights" / "city-small.json")
+
+
+def overwritten_while_drawn(random, campaign, run, folder):
+    """A mapped file is overwritten in place, at the same size."""
+    victim = folder / "a.stip"
+    shutil.copy(campaign.scene, victim)
+    size = victim.stat().st_size
+    done = threading.Event()
+
+    def overwrite():
+        time.sleep(random.uniform(0.03, 0.3))  # it is open by then
+        while not done.is_set():
+            with open(victim, "r+b") as file:
+                file.seek(random.randrange(size))
+                file.write(random.randbytes(min(random.choice((1, 4, 100, 4096)), size - file.tell())))
+            time.sleep(0.001)
+
+    writer = threading.Thread(target=overwrite)
+    command = [campaign.options.stipple, "fly", str(victim), "--path", FLIGHT, "--frames", "150", "--size", "320x240",
+               "--backend", "cpu"] + (["--reference"] if random.random() < 0.5 else [])
+    writer.start()
+    result = run(command, size)
+    done.set()
+    writer.join()
+    yield command, result
+
+
+def damaged_work_folder(random, campaign, run, folder):
+    """The work folder of a build is damaged while it runs: the next build makes the right bytes, or this one does."""
+    model, output, right = "scene:city-small,scale=0.1", folder / "a.stip", folder / "right.stip"
+    stipple = campaign.options.stipple
+    subprocess.run([stipple, "build", model, "-o", str(right), "-q"], check=True)
+
+    def damage():
+        time.sleep(random.uniform(0.05, 1.0))
+        for segment in pathlib.Path(str(output) + ".work").glob("segment-*"):
+            try:
+                size = os.path.getsize(segment)
+                if random.random() < 0.3:
+                    os.truncate(segment, random.randrange(size + 1))
+                    continue
+                with open(segment, "r+b") as file:
+                    for _ in range(random.choice((1, 8, 100))):
+                        file.seek(random.randrange(max(size, 1)))
+                        file.write(random.randbytes(random.choice((1, 1, 64, 4096))))
+            except OSError:
+                pass
+
+    command = [stipple, "build", model, "-o", str(output), "-q"]
+    writer = threading.Thread(target=damage)
+    writer.start()
+    result = run(command, 1 << 20)
+    writer.join()
+    if result["fault"] is None and result["code"] != 0:
+        result = run(command, 1 << 20)
+    if result["fault"] is None and (result["code"] != 0 or output.read_bytes() != right.read_bytes()):
+        result["fault"] = "other bytes than of a build left alone"
+    yield command, result
+
+
+def killed_builds(random, campaign, run, folder):
+    """A build that is interrupted or killed leaves the former file, and what is needed to go on."""
+    stipple, output = campaign.options.stipple, folder / "a.stip"
+    output.write_bytes(campaign.scene.read_bytes())
+    former = output.read_bytes()
+    command = [stipple, "build", "scene:city-small,scale=0.1", "-o", str(output), "--fresh", "-q"]
+    process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+    time.sleep(random.uniform(0.0, 1.5))
+    process.send_signal(random.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT)))
+    process.wait()
+    kept = output.read_bytes() == former or process.returncode == 0
+    result = run([stipple, "check", str(output)])
+    if not kept and not result["fault"]:
+        result["fault"] = "the former file is gone"
+    yield command, result
+
+
+def two_builds_of_one_file(random, campaign, run, folder):
+    """Two builds write the same file: one after the other, or one refuses; what is there is whole."""
+    command = [campaign.options.stipple, "build", "scene:city-small,scale=0.05", "-o", str(folder / "a.stip"), "-q"]
+    other = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+    time.sleep(random.uniform(0.0, 0.3))
+    yield command, run(command)
+    if other.wait() not in (0, 1):
+        yield command, {"code": other.returncode, "seconds": 0.0, "megabytes": 0.0, "err": b"", "fault": f"ends with {other.returncode}"}
+    check = [campaign.options.stipple, "check", str(folder / "a.stip")]
+    result = run(check)
+    if result["code"] != 0 and not result["fault"]:
+        result["fault"] = "what two builds leave is not whole"
+    yield check, result
+
+
+RACES = (overwritten_while_drawn, damaged_work_folder, killed_builds, two_builds_of_one_file)
