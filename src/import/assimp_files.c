@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -109,6 +110,16 @@ static void note_refusal(stp_assimp_files* files, const char* reference, const c
     }
 }
 
+static void allow_time(uint64_t bytes)
+{
+    struct rlimit limits;
+    if (getrlimit(RLIMIT_CPU, &limits) == 0) {
+        rlim_t more = limits.rlim_cur + (rlim_t)stp_assimp_seconds_for(bytes);
+        limits.rlim_cur = more < limits.rlim_max ? more : limits.rlim_max;
+        (void)setrlimit(RLIMIT_CPU, &limits);
+    }
+}
+
 // A regular file, which is opened without waiting for whoever may be at the other end of something else.
 static struct aiFile* open_regular(const char* path)
 {
@@ -120,6 +131,7 @@ static struct aiFile* open_regular(const char* path)
     struct aiFile* file = NULL;
     if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
         file = make_file(NULL, (size_t)status.st_size, descriptor);
+        allow_time((uint64_t)status.st_size);
     }
     if (file == NULL) {
         close(descriptor);

@@ -6,6 +6,15 @@
 #include <assimp/cfileio.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
+
+#define STP_ASSIMP_SECONDS 30 ///< of processor time for any model, and more for its bytes
+
+/// How much longer it may take to read so many bytes. Readers are far faster, but for what takes no end.
+static inline uint64_t stp_assimp_seconds_for(uint64_t bytes)
+{
+    return bytes / 10000;
+}
 
 typedef struct stp_assimp_files {
     struct aiFileIO io; ///< what assimp is given
@@ -19,6 +28,6 @@ typedef struct stp_assimp_files {
     const char* reason; ///< "it is an absolute path"
 } stp_assimp_files;
 
-/// The model's path and bytes must outlive it; so must `files` all reading, at this address.
+/// The limit of processor time grows with each file that is opened, up to the process' hard limit. The model's path and bytes must outlive it; so must `files` all reading, at this address.
 void stp_assimp_files_begin(stp_assimp_files* files, const char* path, const unsigned char* bytes,
                             size_t size, bool alone);

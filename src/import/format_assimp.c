@@ -9,6 +9,7 @@
 // locked for good. None of ours can be: no parallel loop runs while a file is imported, and the child uses no
 // context. The C library makes its allocator usable after fork. Should a lock of the host's be in the way
 // nevertheless, the time limit ends the child.
+#include "import/assimp_files.h"
 #include "import/assimp_stream.h"
 #include "import/sandbox.h"
 
@@ -39,7 +40,9 @@ typedef struct helper {
     pid_t process;
     int descriptor; ///< where the stream comes out
     uint64_t memory_limit;
-    uint32_t seconds;
+    uint32_t seconds; ///< of wall-clock time, and of processor time at most
+    uint64_t
+        first_seconds; ///< of processor time for the model's own bytes; what it names adds to it
     double deadline;
     unsigned char* bytes;
     size_t size, capacity;
@@ -69,13 +72,20 @@ static uint64_t used_address_space(void)
     return pages * (uint64_t)sysconf(_SC_PAGESIZE);
 }
 
+// `now_most` may be raised to `most` later, by the process itself.
+static void limit_softly(int resource, uint64_t now_most, uint64_t most)
+{
+    struct rlimit old, limits = {.rlim_cur = (rlim_t)now_most, .rlim_max = (rlim_t)most};
+    if (getrlimit(resource, &old) == 0 && old.rlim_max < limits.rlim_max) {
+        limits.rlim_max = old.rlim_max;
+    }
+    limits.rlim_cur = limits.rlim_cur < limits.rlim_max ? limits.rlim_cur : limits.rlim_max;
+    (void)setrlimit(resource, &limits);
+}
+
 static void limit(int resource, uint64_t most)
 {
-    struct rlimit old, limits = {.rlim_cur = (rlim_t)most, .rlim_max = (rlim_t)most};
-    if (getrlimit(resource, &old) == 0 && old.rlim_max < limits.rlim_max) {
-        limits.rlim_cur = limits.rlim_max = old.rlim_max;
-    }
-    (void)setrlimit(resource, &limits);
+    limit_softly(resource, most, most);
 }
 
 // Never returns.
@@ -90,7 +100,7 @@ static void run_child(const helper* h, int descriptor)
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
     limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_CPU, h->seconds);
+    limit_softly(RLIMIT_CPU, h->first_seconds, h->seconds);
     limit(RLIMIT_FSIZE, 0);
     limit(RLIMIT_AS, used_address_space() + h->memory_limit);
     int null = open("/dev/null", O_RDWR);
@@ -252,7 +262,12 @@ static stp_result read_foreign(stp_import* import)
     helper h = {.import = import,
                 .context = import->context,
                 .memory_limit = stp_assimp_memory_limit(import),
-                .seconds = desc->helper_seconds != 0 ? desc->helper_seconds : DEFAULT_SECONDS};
+                .seconds = DEFAULT_SECONDS,
+                .first_seconds = STP_ASSIMP_SECONDS + stp_assimp_seconds_for(import->file.size)};
+    if (desc->helper_seconds != 0) {
+        h.seconds = desc->helper_seconds;
+        h.first_seconds = desc->helper_seconds;
+    }
     stp_result result = run_helper(&h);
     if (result == STP_OK) {
         result = stp_assimp_read_stream(import, h.bytes, h.size);

@@ -14,7 +14,8 @@ typedef struct stp_import_desc {
     double unit_metres; ///< length of one input unit: where the input does not say; 0: unknown
     uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats;
                                   ///< default 4 GiB
-    uint32_t helper_seconds;      ///< most time it may take; default 600
+    uint32_t
+        helper_seconds; ///< most time it may take; default 30, and 1 for each 10,000 bytes, up to 600
 } stp_import_desc;
 
 /// One file being read. `scene` receives; all objects of the file belong under `root`, which

@@ -113,6 +113,9 @@ static void restrict_calls(void)
     const struct scmp_arg_cmp open_reads = {1, SCMP_CMP_MASKED_EQ, writing, 0};
     const struct scmp_arg_cmp openat_reads = {2, SCMP_CMP_MASKED_EQ, writing, 0};
     const struct scmp_arg_cmp own_process = {0, SCMP_CMP_EQ, (uint64_t)getpid(), 0}; // abort()
+    const struct scmp_arg_cmp itself = {0, SCMP_CMP_EQ, 0,
+                                        0}; // soft limits may be raised to hard ones
+    failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(prlimit64), 1, itself);
     failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(open), 1, open_reads);
     failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1, openat_reads);
     failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1, own_process);
