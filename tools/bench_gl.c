@@ -47,8 +47,9 @@ typedef struct draw_way {
 } draw_way;
 
 static const draw_way ways[] = {
-    {"points", STP_GL_SPLATS_POINTS, false},       {"compute", STP_GL_SPLATS_COMPUTE, false},
-    {"compute64", STP_GL_SPLATS_COMPUTE64, false}, {"auto", STP_GL_SPLATS_AUTO, false},
+    {"points", STP_GL_SPLATS_POINTS, false},
+    {"compute", STP_GL_SPLATS_COMPUTE, false},
+    {"auto", STP_GL_SPLATS_AUTO, false},
     {"full geometry", STP_GL_SPLATS_POINTS, true},
 };
 enum { WAYS = sizeof(ways) / sizeof(ways[0]) };
@@ -125,7 +126,7 @@ static void write_row(const gl_bench* b, const picture_size* size, const char* v
 static void report(gl_bench* b, const picture_size* size, const char* view, const draw_way* w,
                    const frame_times* t)
 {
-    static const char* const used[] = {"auto", "points", "compute", "compute64"};
+    static const char* const used[] = {"auto", "points", "compute"};
     double rate =
         t->draw_ms > 0.0 && !w->reference ? (double)t->stats.splats / (t->draw_ms * 1e-3) : 0.0;
     bench_entry e = bench_result(b->results, "gl");
@@ -191,15 +192,12 @@ static stp_result measure_size(gl_bench* b, const picture_size* size)
                 continue;
             }
             double start = stp_clock_ms();
-            tool_hold_errors();
-            stp_result result = stp_draw_gl_set_splats(b->renderer, ways[w].splats);
-            bool there = result == STP_OK;
-            result = there ? measure_frames(b, &view, &ways[w], &times) : result;
-            tool_release_errors(there && result != STP_OK);
+            stp_draw_gl_set_splats(b->renderer, ways[w].splats);
+            stp_result result = measure_frames(b, &view, &ways[w], &times);
             b->geometry_ms += ways[w].reference ? stp_clock_ms() - start : 0.0;
             if (result == STP_OK) {
                 report(b, size, b->names[v], &ways[w], &times);
-            } else if (there) {
+            } else {
                 report_failure(b, size, b->names[v], &ways[w], "cannot be drawn");
             }
         }
@@ -209,12 +207,12 @@ static stp_result measure_size(gl_bench* b, const picture_size* size)
 
 static void report_device(gl_bench* b)
 {
-    static const char* const names[3] = {"points", "compute", "compute64"};
+    static const char* const names[2] = {"points", "compute"};
     stp_draw_gl_speed speed = stp_draw_gl_get_speed(b->renderer);
     bench_entry e = bench_result(b->results, "gl ways");
     bench_set_text(e.params, "device", b->headless.device);
     bench_set_number(e.figures, "copied_bytes_per_second", b->copied);
-    for (int way = 0; way < 3; ++way) {
+    for (int way = 0; way < 2; ++way) {
         if (!(speed.splat_ns[way][0] > 0.0)) {
             continue;
         }
@@ -232,38 +230,6 @@ static void report_device(gl_bench* b)
                     "drawn\n",
                     way == 0 ? "\nMeasured at start:\n\n" : "", names[way], speed.splat_ns[way][0],
                     speed.splat_ns[way][1], speed.splat_ns[way][2], speed.fixed_ns[way] * 1e-6);
-        }
-    }
-}
-
-/// Selecting by compute shaders and by the processor, at the first size.
-static void report_selection(gl_bench* b, const picture_size* size)
-{
-    for (uint32_t v = 0; v < b->view_count; ++v) {
-        stp_view view = {.width = size->width, .height = size->height};
-        gl_select_times t;
-        if (!tool_find_view(b->store, b->names[v], NULL, &view)) {
-            continue;
-        }
-        view.fov_degrees = view.fov_degrees > 0.0 ? view.fov_degrees : 60.0;
-        stp_result result = gl_measure_select(b->context, &b->headless, b->store, &view,
-                                              (float)b->options->splat_size, &t);
-        if (result != STP_OK) {
-            return; // which was said
-        }
-        bench_entry e = bench_result(b->results, "gl select");
-        bench_set_text(e.params, "view", b->names[v]);
-        bench_set_number(e.figures, "cpu_ms", t.cpu_ms);
-        bench_set_number(e.figures, "gpu_ms", t.gpu_ms);
-        bench_set_count(e.figures, "nodes", t.nodes);
-        bench_set_count(e.figures, "items", t.items);
-        bench_set_text(e.figures, "lists", t.same ? "equal" : "differ");
-        if (b->table != NULL) {
-            fprintf(b->table,
-                    "%s* view %s, %u nodes, %zu items: %.3f ms by compute shaders, %.3f ms by the "
-                    "processor%s\n",
-                    v == 0 ? "\nSelecting:\n\n" : "", b->names[v], t.nodes, t.items, t.gpu_ms,
-                    t.cpu_ms, t.same ? "" : "; the lists differ");
         }
     }
 }
@@ -303,7 +269,6 @@ static stp_result measure(gl_bench* b)
         result = measure_size(b, &all[i]);
     }
     report_device(b);
-    report_selection(b, &all[0]);
     return result;
 }
 

@@ -64,9 +64,9 @@ typedef struct option {
 #define OPTION_GL_SPLATS(where)                                                                    \
     {                                                                                              \
         .name = "gl-splats", .type = OPTION_CHOICE, .argument = "WAY",                             \
-        .words = "auto|points|compute|compute64",                                                  \
-        .help = "how OpenGL draws splats: as points, by a compute shader, or by one with 64-bit "  \
-                "atomic operations; default auto, which measures them first",                      \
+        .words = "auto|points|compute",                                                            \
+        .help = "how OpenGL draws splats: as points or by a compute shader; default auto, which "  \
+                "measures both first",                                                             \
         .value = (where)                                                                           \
     }
 /// The value is an int, for tool_progress_names.

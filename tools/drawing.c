@@ -23,7 +23,7 @@ stp_result drawing_make(drawing* d, const draw_options* options)
     stp_result result = frame_maker_create_on(d->context, d->store, &style,
                                               (frame_backend)options->backend, &d->maker);
     if (result == STP_OK) {
-        result = frame_maker_use_splats(&d->maker, options->gl_splats);
+        frame_maker_use_splats(&d->maker, options->gl_splats);
     }
     if (result == STP_OK && options->memory > 0 && !options->reference) {
         result = frame_maker_stream(&d->maker);

@@ -74,9 +74,11 @@ stp_result frame_maker_create_on(stp_context* context, stp_store* store,
     return stp_draw_cpu_create(context, store, &maker->renderer);
 }
 
-stp_result frame_maker_use_splats(frame_maker* maker, int splats)
+void frame_maker_use_splats(frame_maker* maker, int splats)
 {
-    return maker->uses_gl ? stp_draw_gl_set_splats(maker->renderer, (stp_gl_splats)splats) : STP_OK;
+    if (maker->uses_gl) {
+        stp_draw_gl_set_splats(maker->renderer, (stp_gl_splats)splats);
+    }
 }
 
 const char* frame_backend_name(const frame_maker* maker)

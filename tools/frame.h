@@ -48,8 +48,8 @@ STP_MUST_USE stp_result frame_maker_create_on(stp_context* context, stp_store* s
 STP_MUST_USE stp_result frame_maker_create_in(stp_context* context, stp_store* store,
                                               const stp_draw_style* style, frame_backend backend,
                                               const stp_headless* headless, frame_maker* maker);
-/// How OpenGL, if it is used, draws splats: an stp_gl_splats. @return STP_OK, STP_ERROR_UNSUPPORTED (logged)
-STP_MUST_USE stp_result frame_maker_use_splats(frame_maker* maker, int splats);
+/// How OpenGL, if it is used, draws splats: an stp_gl_splats.
+void frame_maker_use_splats(frame_maker* maker, int splats);
 /// "cpu" or "gl".
 const char* frame_backend_name(const frame_maker* maker);
 /// From now on bulk data is loaded under the context's limit of memory; the coarsest of it is there at once.

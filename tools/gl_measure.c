@@ -3,11 +3,9 @@
 
 #include "bench.h"
 
-#include "base/clock.h"
 #include "draw/gl/gl.h"
-#include "draw/gl/select_pass.h"
 
-enum { COPIES = 5, SELECTIONS = 7 };
+enum { COPIES = 5 };
 
 static bool load(const stp_headless* headless, stp_gl* gl)
 {
@@ -47,53 +45,4 @@ double gl_measure_copy(const stp_headless* headless, uint64_t size)
     gl.DeleteBuffers(2, buffers);
     double median = bench_median(ms, COPIES);
     return median > 0.0 ? 2e3 * (double)size / median : 0.0;
-}
-
-static stp_result select_both(stp_context* context, gl_select_pass* pass, const stp_view* view,
-                              const stp_quality* quality, gl_select_times* times)
-{
-    double cpu[SELECTIONS], gpu[SELECTIONS];
-    stp_draw_list list = {.items = NULL};
-    gl_select_counts counts = {0};
-    GLuint queries[2];
-    stp_result result = STP_OK;
-    pass->gl->CreateQueries(GL_TIMESTAMP, 2, queries);
-    for (int i = -1; i < SELECTIONS && result == STP_OK; ++i) {
-        int at = i < 0 ? 0 : i;
-        double start = stp_clock_ms();
-        result = stp_select(context, pass->store, view, quality, &list);
-        cpu[at] = stp_clock_ms() - start;
-        times->items = list.count;
-        pass->gl->QueryCounter(queries[0], GL_TIMESTAMP);
-        result = result == STP_OK ? gl_select_run(pass, view, quality) : result;
-        pass->gl->QueryCounter(queries[1], GL_TIMESTAMP);
-        gpu[at] = read_ms(pass->gl, queries);
-    }
-    pass->gl->DeleteQueries(2, queries);
-    result = result == STP_OK ? gl_select_read(pass, &list, &counts) : result;
-    times->same = result == STP_OK && list.count == times->items;
-    times->nodes = counts.visited;
-    times->cpu_ms = bench_median(cpu, SELECTIONS);
-    times->gpu_ms = bench_median(gpu, SELECTIONS);
-    stp_draw_list_destroy(context, &list);
-    return result;
-}
-
-stp_result gl_measure_select(stp_context* context, const stp_headless* headless,
-                             const stp_store* store, const stp_view* view, float splat_size,
-                             gl_select_times* times)
-{
-    const stp_quality quality = {.splat_size = splat_size};
-    gl_select_pass pass;
-    stp_gl gl;
-    *times = (gl_select_times){0};
-    if (!load(headless, &gl)) {
-        return STP_ERROR_UNSUPPORTED;
-    }
-    stp_result result = gl_select_create(context, &gl, store, &pass);
-    if (result == STP_OK) {
-        result = select_both(context, &pass, view, &quality, times);
-        gl_select_destroy(&pass);
-    }
-    return result;
 }

@@ -74,9 +74,8 @@ bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl, stp_gl_splat
 {
     if (s->renderers[1] == NULL && !s->gl_failed) {
         s->gl_failed = stp_draw_gl_create(s->context, s->store, gl, &s->renderers[1]) != STP_OK;
-        if (!s->gl_failed) { // an unsupported path is logged, and another one used
-            stp_result result = stp_draw_gl_set_splats(s->renderers[1], splats);
-            (void)result;
+        if (!s->gl_failed) {
+            stp_draw_gl_set_splats(s->renderers[1], splats);
         }
     }
     return !s->gl_failed;

@@ -49,15 +49,13 @@ void stp_draw_gl_set_upload_bytes(stp_renderer* renderer, uint64_t bytes);
 
 /// How splats are drawn; the picture is the same.
 typedef enum stp_gl_splats {
-    STP_GL_SPLATS_AUTO,      ///< whichever was measured to be fastest for what is drawn
-    STP_GL_SPLATS_POINTS,    ///< point primitives
-    STP_GL_SPLATS_COMPUTE,   ///< a compute shader, in two passes over the splats
-    STP_GL_SPLATS_COMPUTE64, ///< the same with 64-bit atomic operations, in one
+    STP_GL_SPLATS_AUTO,    ///< whichever was measured to be fastest for what is drawn
+    STP_GL_SPLATS_POINTS,  ///< point primitives
+    STP_GL_SPLATS_COMPUTE, ///< a compute shader, in two passes over the splats
 } stp_gl_splats;
 
 /// AUTO at first: then the first picture takes somewhat longer.
-/// @return STP_OK, STP_ERROR_UNSUPPORTED (the context has no 64-bit atomic operations); logged
-STP_MUST_USE stp_result stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats);
+void stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats);
 
 enum { STP_GL_SPLAT_SIZES = 3 };
 
@@ -65,7 +63,7 @@ enum { STP_GL_SPLAT_SIZES = 3 };
 typedef struct stp_draw_gl_speed {
     float sizes[STP_GL_SPLAT_SIZES]; ///< diameters, pixels
     /// By way (stp_gl_splats less 1): nanoseconds a splat of each size, and whatever is drawn. 0: there is no such way.
-    double splat_ns[3][STP_GL_SPLAT_SIZES], fixed_ns[3];
+    double splat_ns[2][STP_GL_SPLAT_SIZES], fixed_ns[2];
 } stp_draw_gl_speed;
 
 stp_draw_gl_speed stp_draw_gl_get_speed(const stp_renderer* renderer);

@@ -45,9 +45,6 @@ void test_gl_shaders_are_glsl(test_state* test)
     static const checked_shader shaders[] = {
         {"raster.comp.glsl", PAGES(1)},
         {"raster.comp.glsl", PAGES(8)},
-        {"raster.comp.glsl", "#define WIDE\n" PAGES(1)},
-        {"raster.comp.glsl", "#define WIDE\n" PAGES(8)},
-        {"merge.frag.glsl", "#define WIDE\n"},
         {"merge.frag.glsl", ""},
         {"splat.vert.glsl", PAGES(2)},
         {"splat.frag.glsl", PAGES(2)},
@@ -57,7 +54,6 @@ void test_gl_shaders_are_glsl(test_state* test)
         {"triangle.frag.glsl", "#define KEEP\n" PAGES(2)},
         {"shade.comp.glsl", PAGES(2)},
         {"screen.vert.glsl", ""},
-        {"select.comp.glsl", ""},
         {"planes.comp.glsl", PAGES(2)},
         {"blend.vert.glsl", PAGES(2)},
         {"blend.vert.glsl", "#define LEAVES\n" PAGES(2)},

@@ -50,13 +50,11 @@
     X(PFNGLDEPTHRANGEPROC, DepthRange)                                                             \
     X(PFNGLDISABLEPROC, Disable)                                                                   \
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                   \
-    X(PFNGLDISPATCHCOMPUTEINDIRECTPROC, DispatchComputeIndirect)                                   \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                             \
     X(PFNGLDRAWARRAYSINDIRECTPROC, DrawArraysIndirect)                                             \
     X(PFNGLENABLEPROC, Enable)                                                                     \
     X(PFNGLENDQUERYPROC, EndQuery)                                                                 \
     X(PFNGLFENCESYNCPROC, FenceSync)                                                               \
-    X(PFNGLFLUSHPROC, Flush)                                                                       \
     X(PFNGLGETERRORPROC, GetError)                                                                 \
     X(PFNGLGETFLOATVPROC, GetFloatv)                                                               \
     X(PFNGLGETGRAPHICSRESETSTATUSPROC, GetGraphicsResetStatus)                                     \
@@ -87,10 +85,8 @@
     X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                               \
     X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                 \
     X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                                               \
-    X(PFNGLUNIFORM1FPROC, Uniform1f)                                                               \
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                                               \
     X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                             \
-    X(PFNGLUNIFORM4FPROC, Uniform4f)                                                               \
     X(PFNGLUNIFORM4IPROC, Uniform4i)                                                               \
     X(PFNGLUNMAPNAMEDBUFFERPROC, UnmapNamedBuffer)                                                 \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                             \

@@ -11,34 +11,19 @@ uint64_t gl_raster_groups(uint64_t splats)
     return (splats + RASTER_GROUP - 1) / RASTER_GROUP;
 }
 
-bool gl_raster_has_wide(const stp_gl* gl)
-{
-    return stp_gl_has(gl, "GL_NV_shader_atomic_int64") && stp_gl_has(gl, "GL_ARB_gpu_shader_int64");
-}
-
-static stp_result create_programs(gl_renderer* r, const char* more, GLuint* raster, GLuint* merge)
-{
-    stp_context* context = r->base.context;
-    char defines[256];
-    stp_result result =
-        gl_program_create_compute(context, &r->gl, "raster.comp.glsl",
-                                  gl_page_defines(r, more, defines, sizeof(defines)), raster);
-    if (result == STP_OK) {
-        result =
-            gl_program_create(context, &r->gl, "screen.vert.glsl", "merge.frag.glsl", more, merge);
-    }
-    return result;
-}
-
 stp_result gl_raster_pass_create(gl_renderer* r)
 {
     gl_raster_pass* pass = &r->raster;
-    const stp_gl* gl = &r->gl;
+    stp_context* context = r->base.context;
+    char defines[256];
     *pass = (gl_raster_pass){0};
-    gl->CreateVertexArrays(1, &pass->vertex_array);
-    stp_result result = create_programs(r, "", &pass->narrow, &pass->merge_narrow);
-    if (result == STP_OK && gl_raster_has_wide(gl)) {
-        result = create_programs(r, "#define WIDE\n", &pass->wide, &pass->merge_wide);
+    r->gl.CreateVertexArrays(1, &pass->vertex_array);
+    stp_result result =
+        gl_program_create_compute(context, &r->gl, "raster.comp.glsl",
+                                  gl_page_defines(r, "", defines, sizeof(defines)), &pass->program);
+    if (result == STP_OK) {
+        result = gl_program_create(context, &r->gl, "screen.vert.glsl", "merge.frag.glsl", "",
+                                   &pass->merge);
     }
     return result;
 }
@@ -47,10 +32,8 @@ void gl_raster_pass_destroy(gl_renderer* r)
 {
     gl_raster_pass* pass = &r->raster;
     const stp_gl* gl = &r->gl;
-    gl->DeleteProgram(pass->narrow);
-    gl->DeleteProgram(pass->wide);
-    gl->DeleteProgram(pass->merge_narrow);
-    gl->DeleteProgram(pass->merge_wide);
+    gl->DeleteProgram(pass->program);
+    gl->DeleteProgram(pass->merge);
     gl->DeleteVertexArrays(1, &pass->vertex_array);
     gl->DeleteBuffers(1, &pass->pixels);
     *pass = (gl_raster_pass){0};
@@ -85,13 +68,13 @@ static stp_result make_pixels(gl_renderer* r)
     return STP_OK;
 }
 
-static void clear(const gl_renderer* r, bool wide)
+static void clear(const gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     const GLuint ones = UINT32_MAX, zero = 0;
     GLsizeiptr half = (GLsizeiptr)r->target.width * (GLsizeiptr)r->target.height * 4;
     gl->ClearNamedBufferSubData(r->raster.pixels, GL_R32UI, 0, half, GL_RED_INTEGER,
-                                GL_UNSIGNED_INT, wide ? &ones : &zero);
+                                GL_UNSIGNED_INT, &zero);
     gl->ClearNamedBufferSubData(r->raster.pixels, GL_R32UI, half, half, GL_RED_INTEGER,
                                 GL_UNSIGNED_INT, &ones);
 }
@@ -115,19 +98,19 @@ static void dispatch(gl_renderer* r, uint64_t groups)
     r->dispatches += 1;
 }
 
-static void merge(gl_renderer* r, GLuint program)
+static void merge(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
     const gl_target* t = &r->target;
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    gl->UseProgram(program);
+    gl->UseProgram(r->raster.merge);
     gl->BindVertexArray(r->raster.vertex_array);
     gl->Viewport(0, 0, (GLsizei)t->width, (GLsizei)t->height);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     r->draw_calls += 1;
 }
 
-stp_result gl_raster_pass_draw(gl_renderer* r, const gl_splat_source* source, bool wide)
+stp_result gl_raster_pass_draw(gl_renderer* r, const gl_splat_source* source)
 {
     const stp_gl* gl = &r->gl;
     const gl_raster_pass* pass = &r->raster;
@@ -135,17 +118,15 @@ stp_result gl_raster_pass_draw(gl_renderer* r, const gl_splat_source* source, bo
     if (result != STP_OK) {
         return result;
     }
-    clear(r, wide);
+    clear(r);
     bind(r, source);
-    gl->UseProgram(wide ? pass->wide : pass->narrow);
+    gl->UseProgram(pass->program);
     gl->Uniform1ui(0, source->count);
-    for (GLuint stage = 0; stage < (wide ? 1u : 2u); ++stage) {
-        if (!wide) {
-            gl->Uniform1ui(1, stage);
-        }
+    for (GLuint stage = 0; stage < 2; ++stage) {
+        gl->Uniform1ui(1, stage);
         dispatch(r, source->groups);
         gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
-    merge(r, wide ? pass->merge_wide : pass->merge_narrow);
+    merge(r);
     return STP_OK;
 }

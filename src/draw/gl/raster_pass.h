@@ -21,8 +21,7 @@ typedef struct gl_splat_source {
 bool gl_splat_source_find(const struct gl_renderer* r, gl_splat_source* source);
 
 typedef struct gl_raster_pass {
-    GLuint narrow, merge_narrow; ///< of two words a pixel
-    GLuint wide, merge_wide;     ///< of 64-bit words; 0: the driver has no atomics of them
+    GLuint program, merge;
     GLuint vertex_array;
     GLuint pixels;
     uint64_t bytes; ///< of `pixels`
@@ -34,10 +33,7 @@ void gl_raster_pass_destroy(struct gl_renderer* r);
 /// Draws into the visibility buffer, which the items drawn before have drawn into too; large ones are noted. Changes what
 /// gl_bind_frame has bound.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result gl_raster_pass_draw(struct gl_renderer* r, const gl_splat_source* source,
-                                            bool wide);
+STP_MUST_USE stp_result gl_raster_pass_draw(struct gl_renderer* r, const gl_splat_source* source);
 
 /// Groups that draw so many splats.
 uint64_t gl_raster_groups(uint64_t splats);
-/// Whether the context has what the 64-bit way needs.
-bool gl_raster_has_wide(const stp_gl* gl);

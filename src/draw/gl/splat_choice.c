@@ -129,7 +129,7 @@ static stp_result draw_way(gl_renderer* r, stp_gl_splats way, const gl_splat_sou
     if (way == STP_GL_SPLATS_POINTS) {
         result = gl_splat_pass_points(r, source, r->splats.points);
     } else {
-        result = gl_raster_pass_draw(r, source, way == STP_GL_SPLATS_COMPUTE64);
+        result = gl_raster_pass_draw(r, source);
         gl_set_visible_state(r);
     }
     return result;
@@ -204,11 +204,6 @@ static stp_result measure_way(gl_renderer* r, stp_gl_splats way, const made_spla
     return result;
 }
 
-static bool has_way(const gl_renderer* r, stp_gl_splats way)
-{
-    return way != STP_GL_SPLATS_COMPUTE64 || r->raster.wide != 0;
-}
-
 stp_result gl_splat_choice_measure(gl_renderer* r)
 {
     gl_splat_choice* c = &r->splat_choice;
@@ -226,11 +221,8 @@ stp_result gl_splat_choice_measure(gl_renderer* r)
     }
     gl->CreateQueries(GL_TIMESTAMP, 2, queries);
     gl_set_visible_state(r);
-    for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE64 && result == STP_OK;
-         ++way) {
-        result = has_way(r, (stp_gl_splats)way)
-                     ? measure_way(r, (stp_gl_splats)way, &splats, queries)
-                     : STP_OK;
+    for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE && result == STP_OK; ++way) {
+        result = measure_way(r, (stp_gl_splats)way, &splats, queries);
     }
     gl->DeleteQueries(2, queries);
     gl->DeleteBuffers(1, &splats.buffer);
@@ -263,10 +255,10 @@ stp_gl_splats gl_splat_choice_find(const gl_renderer* r, uint64_t splats, float 
     stp_gl_splats best = STP_GL_SPLATS_POINTS;
     double pixels = (double)r->target.width * (double)r->target.height / (double)c->pixels;
     double least = HUGE_VAL;
-    for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE64; ++way) {
+    for (int way = STP_GL_SPLATS_POINTS; way <= STP_GL_SPLATS_COMPUTE; ++way) {
         double took =
             c->fixed_ns[way - 1] * pixels + (double)splats * price(c->splat_ns[way - 1], size);
-        if (has_way(r, (stp_gl_splats)way) && took < least) {
+        if (took < least) {
             least = took;
             best = (stp_gl_splats)way;
         }
@@ -334,16 +326,9 @@ void gl_splat_choice_draw_large(gl_renderer* r)
     }
 }
 
-stp_result stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats)
+void stp_draw_gl_set_splats(stp_renderer* renderer, stp_gl_splats splats)
 {
-    gl_renderer* r = (gl_renderer*)renderer;
-    if (splats == STP_GL_SPLATS_COMPUTE64 && !gl_raster_has_wide(&r->gl)) {
-        return stp_fail(renderer->context, STP_ERROR_UNSUPPORTED,
-                        "gl: %s has no 64-bit atomic operations (GL_NV_shader_atomic_int64)",
-                        r->device);
-    }
-    r->splat_choice.wanted = splats;
-    return STP_OK;
+    ((gl_renderer*)renderer)->splat_choice.wanted = splats;
 }
 
 _Static_assert((int)SPLAT_SIZES == (int)STP_GL_SPLAT_SIZES, "sizes that are told");

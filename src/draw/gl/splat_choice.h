@@ -7,7 +7,7 @@
 
 struct gl_renderer;
 
-enum { SPLAT_WAYS = 3, SPLAT_SIZES = 3 };
+enum { SPLAT_WAYS = 2, SPLAT_SIZES = 3 };
 
 typedef struct gl_splat_choice {
     stp_gl_splats wanted;

@@ -1,7 +1,3 @@
-#ifdef WIDE
-#extension GL_ARB_gpu_shader_int64 : require
-#extension GL_NV_shader_atomic_int64 : require
-#endif
 // Splats drawn without the pipeline: each thread sets up one and draws its pixels, and all threads of a group together draw
 // those that cover many. Nearness is at least 0, so its bits are ordered as it is.
 #include "lib_pixels.glsl"
@@ -16,9 +12,7 @@ layout(std430, binding = BINDING_RASTER_COMMANDS) readonly buffer Commands { uve
 layout(std430, binding = BINDING_RASTER_GROUPS) readonly buffer Groups { uint first_groups[]; };
 
 layout(location = 0) uniform uint command_count;
-#ifndef WIDE
 layout(location = 1) uniform uint stage; // 0: nearness, 1: ids
-#endif
 
 shared uint group_command;
 shared uint crowd_count;             // splats that all threads draw together
@@ -27,21 +21,14 @@ shared uint crowd[RASTER_GROUP];
 void store(ivec2 pixel, float nearness, uint id)
 {
     uint width = uint(view.size.x), at = uint(pixel.y) * width + uint(pixel.x);
-#ifdef WIDE
-    uint64_t value = packUint2x32(uvec2(id, ~floatBitsToUint(nearness)));
-    if (value < pixels[at]) { // what was there may be nearer by now: then nothing is changed
-        atomicMin(pixels[at], value);
-    }
-#else
     uint bits = floatBitsToUint(nearness);
     if (stage == 0u) {
-        if (bits > pixels[at]) {
+        if (bits > pixels[at]) { // what was there may be nearer by now: then nothing is changed
             atomicMax(pixels[at], bits);
         }
     } else if (bits == pixels[at]) {
         atomicMin(pixels[width * uint(view.size.y) + at], id);
     }
-#endif
 }
 
 ivec4 clip_box(const splat_shape s)
@@ -57,10 +44,6 @@ void draw_pixel(const splat_shape s, uvec3 hashed, ivec2 pixel)
         store(pixel, nearness, hashed.x);
     }
 }
-
-#ifdef WIDE
-const uint stage = 0u;
-#endif
 
 // The last command whose first group is not above `group`.
 uint find_command(uint group)
