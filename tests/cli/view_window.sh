@@ -114,10 +114,18 @@ search_for()
     wait_until "tools['search'] == '$1'"
 }
 
-# shot NAME: what is on the screen
+# shot FILE: what the screen shows. What the window has said to be shown may still be on its way there: until it stays.
 shot()
 {
+    local tries
     "$python" -S -E "$here/view_screen.py" screen/Xvfb_screen0 "$1"
+    for tries in 1 2 3 4 5 6 7 8 9 10; do
+        sleep 0.1
+        mv "$1" "before-$1"
+        "$python" -S -E "$here/view_screen.py" screen/Xvfb_screen0 "$1"
+        cmp -s "before-$1" "$1" && break
+    done
+    rm -f "before-$1"
 }
 
 # same A B SSIM: at least that alike
