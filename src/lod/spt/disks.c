@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "lod/spt/disks.h"
+
+enum {
+    ROUNDS = 24, ///< of moving the centre towards the child that reaches farthest
+    SLABS = 16,  ///< directions in which widths are measured
+};
+
+// Cosine and sine of k / 16 of half a turn; constants, because libraries differ in the last bit.
+static const double slabs[SLABS][2] = {
+    {1, 0},
+    {0.98078528040323043, 0.19509032201612825},
+    {0.92387953251128674, 0.38268343236508978},
+    {0.83146961230254524, 0.55557023301960218},
+    {0.70710678118654757, 0.70710678118654746},
+    {0.55557023301960229, 0.83146961230254524},
+    {0.38268343236508984, 0.92387953251128674},
+    {0.19509032201612833, 0.98078528040323043},
+    {0, 1},
+    {-0.19509032201612819, 0.98078528040323043},
+    {-0.38268343236508973, 0.92387953251128674},
+    {-0.55557023301960196, 0.83146961230254546},
+    {-0.70710678118654746, 0.70710678118654757},
+    {-0.83146961230254535, 0.55557023301960218},
+    {-0.92387953251128674, 0.38268343236508989},
+    {-0.98078528040323043, 0.19509032201612861},
+};
+
+// Where children lie in the plane of a disk, or in space.
+typedef struct frame {
+    stp_vec3d across, along;
+} frame;
+
+static double dot(stp_vec3d a, stp_vec3d b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static double length_of(stp_vec3d a)
+{
+    return sqrt(dot(a, a));
+}
+
+// Two directions that are perpendicular to a unit normal and to each other (Duff et al. 2017).
+static frame make_frame(stp_vec3 normal)
+{
+    double x = (double)normal.x, y = (double)normal.y, z = (double)normal.z;
+    double sign = z < 0.0 ? -1.0 : 1.0, a = -1.0 / (sign + z), b = x * y * a;
+    return (frame){{1.0 + sign * x * x * a, sign * b, -sign * x}, {b, sign + y * y * a, -y}};
+}
+
+static bool is_sphere(const stp_disk* disk)
+{
+    return stp_dot(disk->normal, disk->normal) == 0.0f;
+}
+
+// What is left of an offset in the plane of a normal; all of it where the normal is zero.
+static stp_vec3d flatten(stp_vec3d offset, stp_vec3 normal)
+{
+    stp_vec3d n = stp_to_double(normal);
+    return stp_subd(offset, stp_scaled(n, dot(offset, n)));
+}
+
+// The centre of the smallest disk around two, which may be one of them.
+static stp_vec3d join_two(stp_vec3d a, double ra, stp_vec3d b, double rb)
+{
+    stp_vec3d offset = stp_subd(b, a);
+    double distance = length_of(offset);
+    if (distance + rb <= ra) {
+        return a;
+    }
+    if (distance + ra <= rb) {
+        return b;
+    }
+    return stp_addd(a, stp_scaled(offset, 0.5 + 0.5 * (rb - ra) / distance));
+}
+
+typedef struct flat_children {
+    uint32_t count;
+    stp_vec3d places[STP_DISK_CHILDREN];
+    double radii[STP_DISK_CHILDREN];
+} flat_children;
+
+// How far the children reach from a centre, and which one does.
+static double reach_from(const flat_children* f, stp_vec3d center, uint32_t* farthest)
+{
+    double most = -1.0;
+    for (uint32_t i = 0; i < f->count; ++i) {
+        double reach = length_of(stp_subd(f->places[i], center)) + f->radii[i];
+        if (reach > most) {
+            most = reach;
+            *farthest = i;
+        }
+    }
+    return most;
+}
+
+// Begins with the disk around two children that reach far, and moves it towards the one that reaches farthest by less and
+// less (Badoiu and Clarkson 2003, for disks); the best centre on the way is kept.
+static double find_enclosing(const flat_children* f, stp_vec3d* center)
+{
+    uint32_t first = 0, second = 0, farthest = 0;
+    (void)reach_from(f, (stp_vec3d){0}, &first);
+    (void)reach_from(f, f->places[first], &second);
+    stp_vec3d at = join_two(f->places[first], f->radii[first], f->places[second], f->radii[second]);
+    *center = at;
+    double best = reach_from(f, at, &farthest);
+    for (int round = 1; round <= ROUNDS; ++round) {
+        stp_vec3d offset = stp_subd(f->places[farthest], at);
+        double distance = length_of(offset);
+        double step = distance > 0.0 ? fmin(best / (distance * (double)(round + 2)), 0.5) : 0.0;
+        at = stp_addd(at, stp_scaled(offset, step));
+        double reach = reach_from(f, at, &farthest);
+        if (reach < best) {
+            best = reach;
+            *center = at;
+        }
+    }
+    return best;
+}
+
+stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32_t count)
+{
+    stp_vec3d middle = {0}, normal = {0};
+    double sum = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        double weight = (double)weights[i];
+        middle = stp_addd(middle, stp_scaled(stp_to_double(children[i].center), weight));
+        normal = stp_addd(normal, stp_scaled(stp_to_double(children[i].normal), weight));
+        sum += weight;
+    }
+    middle = stp_scaled(middle, 1.0 / sum);
+    stp_disk disk = {.normal = {(float)normal.x, (float)normal.y, (float)normal.z}};
+    // normals that cancel each other out point nowhere
+    bool turned = length_of(normal) > 1e-3 * sum;
+    disk.normal = turned ? stp_normalize(disk.normal) : (stp_vec3){0};
+    flat_children flat = {.count = count};
+    for (uint32_t i = 0; i < count; ++i) {
+        flat.places[i] = flatten(stp_subd(stp_to_double(children[i].center), middle), disk.normal);
+        flat.radii[i] = (double)children[i].radius;
+    }
+    stp_vec3d offset;
+    double radius = find_enclosing(&flat, &offset);
+    stp_vec3d center = stp_addd(middle, offset);
+    disk.center = (stp_vec3){(float)center.x, (float)center.y, (float)center.z};
+    disk.radius = (float)(radius * (1.0 + 1e-6)); // what rounding takes
+    return disk;
+}
+
+// How far a child reaches along a direction of unit length, on either side of its centre.
+static double half_width(const stp_disk* child, stp_vec3d direction)
+{
+    double turned = dot(stp_to_double(child->normal), direction);
+    double part = 1.0 - turned * turned;
+    return (double)child->radius * sqrt(fmax(part, 0.0)); // of a sphere all of its radius
+}
+
+// How much room the children take along a direction.
+static double width_along(const stp_disk* disk, const stp_disk* children, uint32_t count,
+                          stp_vec3d direction)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (uint32_t i = 0; i < count; ++i) {
+        stp_vec3d offset = stp_subd(stp_to_double(children[i].center), stp_to_double(disk->center));
+        double at = dot(offset, direction), half = half_width(&children[i], direction);
+        low = fmin(low, at - half);
+        high = fmax(high, at + half);
+    }
+    return high - low;
+}
+
+stp_disk_error stp_disk_measure(const stp_disk* disk, const stp_disk* children, uint32_t count)
+{
+    double diameter = 2.0 * (double)disk->radius;
+    if (is_sphere(disk)) {
+        return (stp_disk_error){(float)diameter, (float)diameter, (float)diameter};
+    }
+    double perpendicular = width_along(disk, children, count, stp_to_double(disk->normal));
+    frame f = make_frame(disk->normal);
+    double narrowest = HUGE_VAL;
+    for (int k = 0; k < SLABS; ++k) {
+        stp_vec3d direction =
+            stp_addd(stp_scaled(f.across, slabs[k][0]), stp_scaled(f.along, slabs[k][1]));
+        narrowest = fmin(narrowest, width_along(disk, children, count, direction));
+    }
+    double tangential = fmax(diameter - narrowest, 0.0);
+    double geometric = sqrt(perpendicular * perpendicular + tangential * tangential);
+    return (stp_disk_error){(float)perpendicular, (float)tangential, (float)geometric};
+}
