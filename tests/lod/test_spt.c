@@ -240,9 +240,9 @@ void test_spt_sequences_select_what_the_traversal_does(test_state* test)
         uint32_t count = stp_point_tree_traverse(&tree, &view, nodes);
         stp_sequence_range range =
             stp_point_sequence_range(&sequence, view.allowed, nearest, farthest);
-        uint32_t found = stp_point_sequence_select(&sequence, &tree, &view, range, sequential);
+        uint32_t found = stp_point_sequence_select(&sequence, &view, range, sequential);
         stp_sequence_range whole = {0, sequence.count};
-        CHECK_EQUAL(found, stp_point_sequence_select(&sequence, &tree, &view, whole, sequential));
+        CHECK_EQUAL(found, stp_point_sequence_select(&sequence, &view, whole, sequential));
         memset(taken, 0, tree.count);
         for (uint32_t i = 0; i < found; ++i) {
             taken[sequential[i]] = 1;

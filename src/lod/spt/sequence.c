@@ -48,14 +48,15 @@ stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* t
     *sequence = (stp_point_sequence){
         .count = tree->count,
         .nodes = STP_NEW_ARRAY(context, uint32_t, count + 1),
+        .centers = STP_NEW_ARRAY(context, stp_vec3, count + 1),
         .lowest = STP_NEW_ARRAY(context, float, count + 1),
         .highest = STP_NEW_ARRAY(context, float, count + 1),
     };
     float* highest = STP_NEW_ARRAY(context, float, count + 1);
     uint64_t* keys = STP_NEW_ARRAY(context, uint64_t, count + 1);
     uint64_t* scratch = STP_NEW_ARRAY(context, uint64_t, count + 1);
-    bool made = sequence->nodes != NULL && sequence->lowest != NULL && sequence->highest != NULL &&
-                highest != NULL && keys != NULL && scratch != NULL;
+    bool made = sequence->nodes != NULL && sequence->centers != NULL && sequence->lowest != NULL &&
+                sequence->highest != NULL && highest != NULL && keys != NULL && scratch != NULL;
     if (made) {
         find_highest(tree, most_allowed, highest);
         for (uint32_t i = 0; i < tree->count; ++i) {
@@ -65,6 +66,7 @@ stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* t
         for (uint32_t i = 0; i < tree->count; ++i) {
             uint32_t node = (uint32_t)sorted[i];
             sequence->nodes[i] = node;
+            sequence->centers[i] = tree->disks[node].center;
             sequence->lowest[i] = tree->errors[node];
             sequence->highest[i] = highest[node];
         }
@@ -82,6 +84,7 @@ stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* t
 void stp_point_sequence_destroy(stp_context* context, stp_point_sequence* sequence)
 {
     stp_free(context, sequence->nodes);
+    stp_free(context, sequence->centers);
     stp_free(context, sequence->lowest);
     stp_free(context, sequence->highest);
     *sequence = (stp_point_sequence){0};
@@ -106,18 +109,15 @@ stp_sequence_range stp_point_sequence_range(const stp_point_sequence* sequence, 
     return range;
 }
 
-uint32_t stp_point_sequence_select(const stp_point_sequence* sequence, const stp_point_tree* tree,
-                                   const stp_tree_view* view, stp_sequence_range range,
-                                   uint32_t* nodes)
+uint32_t stp_point_sequence_select(const stp_point_sequence* sequence, const stp_tree_view* view,
+                                   stp_sequence_range range, uint32_t* nodes)
 {
     uint32_t count = 0;
     for (uint32_t i = range.begin; i < range.end; ++i) {
-        uint32_t node = sequence->nodes[i];
-        double level =
-            view->allowed * distance_between(view->eye, stp_to_double(tree->disks[node].center));
-        if (level >= (double)sequence->lowest[i] && level <= (double)sequence->highest[i]) {
-            nodes[count++] = node;
-        }
+        double distance = distance_between(view->eye, stp_to_double(sequence->centers[i]));
+        double level = view->allowed * distance;
+        nodes[count] = sequence->nodes[i]; // is written over by the next where it is not selected
+        count += level >= (double)sequence->lowest[i] && level <= (double)sequence->highest[i];
     }
     return count;
 }

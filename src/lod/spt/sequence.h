@@ -12,7 +12,8 @@
 /// Nodes by falling highest level, so that a view needs a prefix of them.
 typedef struct stp_point_sequence {
     uint32_t count;
-    uint32_t* nodes; ///< of the tree
+    uint32_t* nodes;   ///< of the tree
+    stp_vec3* centers; ///< of their disks
     float *lowest, *highest;
 } stp_point_sequence;
 
@@ -33,7 +34,6 @@ stp_sequence_range stp_point_sequence_range(const stp_point_sequence* sequence, 
                                             double nearest, double farthest);
 
 /// Selects by the test of each node of the range. `view->split` is not regarded.
-/// @param nodes room for the range; in the order of the sequence. @return how many are selected
-uint32_t stp_point_sequence_select(const stp_point_sequence* sequence, const stp_point_tree* tree,
-                                   const stp_tree_view* view, stp_sequence_range range,
-                                   uint32_t* nodes);
+/// @param nodes room for the range and one more; in the order of the sequence. @return how many are selected
+uint32_t stp_point_sequence_select(const stp_point_sequence* sequence, const stp_tree_view* view,
+                                   stp_sequence_range range, uint32_t* nodes);

@@ -1,0 +1,43 @@
+#!/usr/bin/env python3
+"""Point trees and their sequences on several models: points by distance and kind of error, and what the test of each rejects.
+
+    bench/spt.py [MODEL...] [--count N] [--out FILE.json]
+
+Default: models of Debian's assimp-testmodels. Runs `stipple bench spt` on each, prints a table, and keeps the figures in
+bench/results.
+"""
+import argparse
+import pathlib
+
+import kit
+
+TESTMODELS = pathlib.Path("/usr/share/assimp/models")
+MODELS = ["glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb", "PLY/Wuson.ply", "OBJ/spider.obj", "PLY/pond.0.ply",
+          "STL/sphereWithHole.stl"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("models", nargs="*", default=[str(TESTMODELS / name) for name in MODELS])
+    parser.add_argument("--count", type=int, default=200000, help="points of a model")
+    parser.add_argument("--out", metavar="FILE.json", help="where figures are kept; default bench/results/MACHINE/DATE-spt.json")
+    options = parser.parse_args()
+    kept, rows = [], []
+    for model in options.models:
+        name = pathlib.Path(model).stem
+        results = kit.bench("spt", "--model", model, "--count", str(options.count))["results"]
+        build = next(r["figures"] for r in results if r["name"] == "spt build")
+        for result in results:
+            result["params"]["model"] = name
+            kept.append(result)
+            if result["name"] == "spt distance":
+                f = result["figures"]
+                rows.append([name, f"{build['points']:,.0f}", f"{result['params']['sizes_away']:g}", f"{f['unified']:,.0f}",
+                             f"{f['split']:,.0f}", f"{f['qsplat']:,.0f}", f"{f['looked_at']:,.0f}", f"{f['selected']:,.0f}",
+                             f"{f['rejected_percent']:.0f} %"])
+    kit.table(["model", "points", "sizes away", "unified", "split", "QSplat", "looked at", "selected", "rejected"], rows)
+    kit.keep("spt", kept, options.out)
+
+
+if __name__ == "__main__":
+    main()
