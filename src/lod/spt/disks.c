@@ -95,8 +95,10 @@ static double reach_from(const flat_children* f, stp_vec3d center, uint32_t* far
     return most;
 }
 
-// Begins with the disk around two children that reach far, and moves it towards the one that reaches farthest by less and
-// less (Badoiu and Clarkson 2003, for disks); the best centre on the way is kept.
+#define CLOSE_ENOUGH 1.005 // times the least radius that any disk around two of the children has
+
+// Begins with the disk around two children that reach far, which often holds the others. Else it is moved towards the one that
+// reaches farthest by less and less (Badoiu and Clarkson 2003, for disks); the best centre on the way is kept.
 static double find_enclosing(const flat_children* f, stp_vec3d* center)
 {
     uint32_t first = 0, second = 0, farthest = 0;
@@ -105,7 +107,9 @@ static double find_enclosing(const flat_children* f, stp_vec3d* center)
     stp_vec3d at = join_two(f->places[first], f->radii[first], f->places[second], f->radii[second]);
     *center = at;
     double best = reach_from(f, at, &farthest);
-    for (int round = 1; round <= ROUNDS; ++round) {
+    double apart = length_of(stp_subd(f->places[second], f->places[first]));
+    double least = 0.5 * (apart + f->radii[first] + f->radii[second]) * CLOSE_ENOUGH;
+    for (int round = 1; round <= ROUNDS && best > least; ++round) {
         stp_vec3d offset = stp_subd(f->places[farthest], at);
         double distance = length_of(offset);
         double step = distance > 0.0 ? fmin(best / (distance * (double)(round + 2)), 0.5) : 0.0;
