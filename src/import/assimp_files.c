@@ -110,18 +110,28 @@ static void note_refusal(stp_assimp_files* files, const char* reference, const c
     }
 }
 
-static void allow_time(uint64_t bytes)
+// More time for a file, once. What a sparse file leaves out takes none.
+static void allow_time(stp_assimp_files* files, const struct stat* status)
 {
+    uint64_t stored = (uint64_t)status->st_blocks * 512, size = (uint64_t)status->st_size;
+    uint64_t which = (uint64_t)status->st_ino ^ (uint64_t)status->st_dev << 40;
+    for (unsigned i = 0; i < files->opened_count; ++i) {
+        if (files->opened[i] == which) {
+            return;
+        }
+    }
     struct rlimit limits;
-    if (getrlimit(RLIMIT_CPU, &limits) == 0) {
-        rlim_t more = limits.rlim_cur + (rlim_t)stp_assimp_seconds_for(bytes);
+    if (files->opened_count < STP_ASSIMP_OPENED && getrlimit(RLIMIT_CPU, &limits) == 0) {
+        files->opened[files->opened_count++] = which;
+        rlim_t more =
+            limits.rlim_cur + (rlim_t)stp_assimp_seconds_for(stored < size ? stored : size);
         limits.rlim_cur = more < limits.rlim_max ? more : limits.rlim_max;
         (void)setrlimit(RLIMIT_CPU, &limits);
     }
 }
 
 // A regular file, which is opened without waiting for whoever may be at the other end of something else.
-static struct aiFile* open_regular(const char* path)
+static struct aiFile* open_regular(stp_assimp_files* files, const char* path)
 {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     struct stat status;
@@ -131,7 +141,7 @@ static struct aiFile* open_regular(const char* path)
     struct aiFile* file = NULL;
     if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
         file = make_file(NULL, (size_t)status.st_size, descriptor);
-        allow_time((uint64_t)status.st_size);
+        allow_time(files, &status);
     }
     if (file == NULL) {
         close(descriptor);
@@ -170,7 +180,7 @@ static struct aiFile* open_asked(struct aiFileIO* io, const char* path, const ch
     }
     const char* reason = files->alone ? "the model was read from memory"
                                       : stp_path_resolve(files->path, reference, resolved);
-    struct aiFile* file = reason == NULL ? open_regular(resolved) : NULL;
+    struct aiFile* file = reason == NULL ? open_regular(files, resolved) : NULL;
     struct stat status;
     if (reason != NULL && !files->alone && stat(path, &status) == 0) {
         note_refusal(files, reference, reason);

@@ -116,7 +116,7 @@ static void run_child(const helper* h, int descriptor)
     }
     memcpy(folder, import->path, length);
     folder[length] = '\0';
-    stp_sandbox_enter(import->alone ? NULL : length > 0 ? folder : ".");
+    stp_sandbox_enter(import->alone ? NULL : length > 0 ? folder : ".", descriptor);
     int code = stp_assimp_run_child(import->path, import->file.bytes, import->file.size,
                                     import->alone, descriptor);
     _exit(code);

@@ -15,7 +15,7 @@ typedef struct stp_import_desc {
     uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats;
                                   ///< default 4 GiB
     uint32_t
-        helper_seconds; ///< most time it may take; default 30, and 1 for each 10,000 bytes, up to 600
+        helper_seconds; ///< most time it may take. 0: 600 by the clock, and of processor time 30, and 1 for each 10,000 bytes that are read
 } stp_import_desc;
 
 /// One file being read. `scene` receives; all objects of the file belong under `root`, which

@@ -68,7 +68,6 @@ static const int allowed_calls[] = {
     SCMP_SYS(readlink),
     SCMP_SYS(readlinkat),
     SCMP_SYS(getcwd),
-    SCMP_SYS(fcntl),
     SCMP_SYS(mmap),
     SCMP_SYS(mmap2),
     SCMP_SYS(munmap),
@@ -96,7 +95,6 @@ static const int allowed_calls[] = {
     SCMP_SYS(exit),
     SCMP_SYS(exit_group),
     SCMP_SYS(sched_getaffinity),
-    SCMP_SYS(clock_nanosleep),
 };
 
 static void restrict_calls(void)
@@ -110,6 +108,12 @@ static void restrict_calls(void)
         failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed_calls[i], 0);
     }
     const uint64_t writing = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
+    // not those that choose who gets a signal when the pipe is written
+    static const int file_calls[] = {F_GETFD, F_SETFD, F_GETFL, F_DUPFD_CLOEXEC};
+    for (size_t i = 0; i < sizeof(file_calls) / sizeof(file_calls[0]); ++i) {
+        const struct scmp_arg_cmp is_call = {1, SCMP_CMP_EQ, (uint64_t)file_calls[i], 0};
+        failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(fcntl), 1, is_call);
+    }
     const struct scmp_arg_cmp open_reads = {1, SCMP_CMP_MASKED_EQ, writing, 0};
     const struct scmp_arg_cmp openat_reads = {2, SCMP_CMP_MASKED_EQ, writing, 0};
     const struct scmp_arg_cmp own_process = {0, SCMP_CMP_EQ, (uint64_t)getpid(), 0}; // abort()
@@ -125,8 +129,21 @@ static void restrict_calls(void)
     seccomp_release(filter);
 }
 
-void stp_sandbox_enter(const char* folder)
+static void close_range_of(unsigned first, unsigned last)
 {
+    if (first > last || syscall(SYS_close_range, first, last, 0) == 0) {
+        return;
+    }
+    long most = sysconf(_SC_OPEN_MAX);
+    for (unsigned i = first; i <= last && (long)i < most; ++i) { // a kernel before 5.9
+        close((int)i);
+    }
+}
+
+void stp_sandbox_enter(const char* folder, int kept)
+{
+    close_range_of(3, (unsigned)kept - 1);
+    close_range_of((unsigned)kept + 1, ~0u);
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) {
         return; // neither would be allowed
     }
@@ -136,9 +153,9 @@ void stp_sandbox_enter(const char* folder)
 
 #else
 
-void stp_sandbox_enter(const char* folder)
+void stp_sandbox_enter(const char* folder, int kept)
 {
-    (void)folder;
+    (void)folder, (void)kept;
 }
 
 #endif

@@ -85,8 +85,13 @@ void test_sandboxes_take_rights_away(test_state* test)
     pid_t child = fork();
     CHECK(child >= 0);
     if (child == 0) {
-        stp_sandbox_enter(folder);
-        _exit(try_all(inside, outside, restricted));
+        int kept = open("/dev/null", O_RDWR), lost = open(outside, O_RDWR);
+        stp_sandbox_enter(folder, kept);
+        int found = try_all(inside, outside, restricted);
+        found |= kept < 3 || write(kept, "", 1) != 1 ? IS_STUCK : 0;
+        found |= lost >= 0 && write(lost, "", 1) >= 0 ? WRITES : 0;
+        found |= fcntl(kept, F_SETOWN, getppid()) == 0 ? SIGNALS : 0;
+        _exit(found);
     }
     int status = 0;
     CHECK_EQUAL(child, waitpid(child, &status, 0));
