@@ -220,6 +220,18 @@ static inline void stp_affine_normal_matrix(const stp_affine* a, double out[3][3
     }
 }
 
+/// How much a transform enlarges areas: exact where it scales uniformly, else the mean over three planes.
+static inline double stp_affine_area_scale(const stp_affine* a)
+{
+    double cofactors[3][3], sum = 0.0;
+    stp_affine_normal_matrix(a, cofactors);
+    for (int c = 0; c < 3; ++c) {
+        double x = cofactors[0][c], y = cofactors[1][c], z = cofactors[2][c];
+        sum += sqrt(x * x + y * y + z * z);
+    }
+    return sum / 3.0;
+}
+
 /// The map to a space whose zero lies at `origin` of the one mapped to.
 static inline stp_affine stp_affine_shifted(stp_affine a, stp_vec3d origin)
 {

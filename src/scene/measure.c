@@ -27,18 +27,6 @@ void stp_mesh_measure(stp_mesh* mesh)
     }
 }
 
-double stp_affine_area_scale(const stp_affine* transform)
-{
-    double cofactors[3][3];
-    stp_affine_normal_matrix(transform, cofactors);
-    double sum = 0.0;
-    for (int c = 0; c < 3; ++c) {
-        stp_vec3d column = {cofactors[0][c], cofactors[1][c], cofactors[2][c]};
-        sum += sqrt(stp_dotd(column, column));
-    }
-    return sum / 3.0;
-}
-
 // Sums stop at the largest number: nested uses reach it.
 static uint64_t add(uint64_t a, uint64_t b)
 {

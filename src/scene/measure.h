@@ -10,6 +10,3 @@ void stp_mesh_measure(stp_mesh* mesh);
 
 /// Fills bounds, counts and area of a node whose children have theirs.
 void stp_node_measure(const stp_scene* scene, stp_node* node);
-
-/// How much a transform enlarges areas: exact where it scales uniformly, else the mean over three planes.
-double stp_affine_area_scale(const stp_affine* transform);

@@ -53,9 +53,9 @@ static void destroy_shown(stp_context* context, shown* s)
     *s = (shown){0};
 }
 
-// Of a node: the largest scale at which the scene shows it, and the sum of the squares of all its scales.
+// Of a node: the largest scale at which the scene shows it, and by what all its copies together enlarge areas.
 typedef struct shown_node {
-    double scale, squares;
+    double scale, areas;
 } shown_node;
 
 static void add_node(const stp_store_content* content, uint32_t index, shown_node* nodes, shown* s)
@@ -68,7 +68,8 @@ static void add_node(const stp_store_content* content, uint32_t index, shown_nod
         shown_node* child = &nodes[edge->node];
         double larger = largest_scale(&edge->transform);
         child->scale = fmax(child->scale, at.scale * larger);
-        child->squares = fmin(child->squares + at.squares * larger * larger, DBL_MAX);
+        child->areas =
+            fmin(child->areas + at.areas * stp_affine_area_scale(&edge->transform), DBL_MAX);
     }
     if (node->surfels != STP_STORE_NONE) {
         s->set_scales[node->surfels] = fmax(s->set_scales[node->surfels], at.scale);
@@ -76,7 +77,7 @@ static void add_node(const stp_store_content* content, uint32_t index, shown_nod
     for (uint32_t k = 0; k < node->part_count; ++k) {
         const stp_store_part* part = &directory->parts[node->first_part + k];
         if (part->kind == STP_STORE_PART_MESH) {
-            double area = at.squares * content->meshes[part->index].area;
+            double area = at.areas * content->meshes[part->index].area;
             s->mesh_areas[part->index] = fmin(s->mesh_areas[part->index] + area, DBL_MAX);
         }
     }

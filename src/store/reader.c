@@ -34,6 +34,7 @@ stp_result stp_store_read_text(stp_store* store, uint32_t type, stp_store_text* 
         content = memcpy(store->tables[type], content, text->size);
     }
     text->stored = (const char*)content;
+    text->checked = true;
     if (section->record_size != 1 || text->stored[text->size - 1] != '\0') {
         return stp_fail(store->context, STP_ERROR_FORMAT,
                         "%s: the texts of type %u do not end with a zero byte", store->path, type);

@@ -101,7 +101,9 @@ static void code_text(stp_store_codec* codec, const char** text)
         *text = NULL;
         if (offset < codec->text->size) {
             *text = codec->text->stored + offset;
-            const char* fault = stp_store_use_text(codec->text, *text);
+            // else whoever uses it checks it (stp_store_verify_text)
+            const char* fault =
+                codec->text->checked ? stp_store_use_text(codec->text, *text) : NULL;
             if (fault != NULL) {
                 note_fault(codec, fault);
             }

@@ -15,6 +15,7 @@ typedef struct stp_store_text {
     char* bytes;        ///< while writing: grown as needed
     const char* stored; ///< while reading: straight from the file
     size_t size, capacity;
+    bool checked;        ///< while reading: all bytes are there, and right
     uint64_t uses, used; ///< while reading: texts that records used, and their bytes in all
 } stp_store_text;
 

@@ -8,6 +8,7 @@
 #include "store/records.h"
 #include "store/writer.h"
 
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -97,7 +98,7 @@ static uint64_t count_uses(size_t length, uint64_t most)
     static char bytes[LONGEST + 1];
     memset(bytes, 'a', length);
     bytes[length] = '\0';
-    stp_store_text text = {.stored = bytes, .size = length + 1};
+    stp_store_text text = {.stored = bytes, .size = length + 1, .checked = true};
     uint64_t uses = 0;
     while (uses < most && stp_store_use_text(&text, bytes) == NULL) {
         uses += 1;
@@ -110,4 +111,42 @@ void test_store_bounds_the_use_of_texts(test_state* test)
     CHECK_EQUAL(10000000, count_uses(200, 10000000)); // names like "bolt", of any number of things
     uint64_t uses = count_uses(LONGEST, 10000000);
     CHECK(uses * LONGEST >= UINT64_C(1) << 24 && uses * LONGEST < UINT64_C(1) << 25);
+}
+
+/// Names in packed pages that are read one by one: what lies in their memory before is not looked at.
+void test_store_reads_packed_texts_one_by_one(test_state* test)
+{
+    enum { OBJECTS = 9000 };
+    static stp_store_object objects[OBJECTS];
+    static char names[OBJECTS][24];
+    char path[] = "/tmp/stp_texts_XXXXXX";
+    int file = mkstemp(path);
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(file >= 0 && close(file) == 0 && context != NULL);
+    for (uint32_t i = 0; i < OBJECTS; ++i) {
+        snprintf(names[i], sizeof(names[i]), "object number %u", i);
+        objects[i] = (stp_store_object){.name = names[i],
+                                        .parent = STP_STORE_NONE,
+                                        .node = STP_STORE_NONE,
+                                        .transform = stp_affine_identity()};
+    }
+    stp_store_content content = {.directory = {.object_count = OBJECTS,
+                                               .objects = objects,
+                                               .root = STP_STORE_NONE,
+                                               .up = 'y',
+                                               .build_json = "{}"}};
+    CHECK_EQUAL(STP_OK, stp_store_write(context, &content, path));
+    (void)mallopt(M_PERTURB, 0xA5); // memory is full of something, not of zeros
+    stp_store_open_desc desc = {.defer_objects = true};
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open_with(context, path, &desc, &store));
+    for (uint32_t i = OBJECTS; i-- > 0;) {
+        stp_store_object object;
+        CHECK_EQUAL(STP_OK, stp_store_read_object(store, i, &object));
+        CHECK(strcmp(object.name, names[i]) == 0);
+    }
+    (void)mallopt(M_PERTURB, 0);
+    stp_store_close(store);
+    unlink(path);
+    stp_context_destroy(context);
 }
