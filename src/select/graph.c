@@ -109,12 +109,27 @@ static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
     }
 }
 
+// Which parts are listed again by a node. `last` has room for each mesh and point set: the node and 1 that listed it last.
+static void find_repeated(const stp_store_directory* d, uint32_t* last, uint8_t* repeated)
+{
+    for (uint32_t i = 0; i < d->node_count; ++i) {
+        const stp_store_node* node = &d->nodes[i];
+        for (uint32_t k = node->first_part; k - node->first_part < node->part_count; ++k) {
+            const stp_store_part* part = &d->parts[k];
+            uint32_t thing = part->index + (part->kind == STP_STORE_PART_MESH ? 0 : d->mesh_count);
+            repeated[k / 8] |= (uint8_t)((last[thing] == i + 1 ? 1u : 0u) << k % 8);
+            last[thing] = i + 1;
+        }
+    }
+}
+
 stp_result stp_select_find_graph(stp_selection* s)
 {
     const stp_store_directory* directory = s->directory;
     stp_select_graph* graph = s->list->graph;
     if (graph != NULL && graph->directory == directory && graph->nodes == directory->nodes &&
         graph->node_count == directory->node_count && graph->edge_count == directory->edge_count &&
+        graph->part_count == directory->part_count &&
         graph->surfels_count == directory->surfels_count) {
         s->graph = graph;
         return STP_OK;
@@ -129,15 +144,22 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->reaches = STP_NEW_ARRAY(s->context, double, (size_t)directory->node_count + 1);
     graph->spares = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     graph->works = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
+    graph->repeated = STP_NEW_ZEROED(s->context, uint8_t, (size_t)directory->part_count / 8 + 1);
+    uint32_t* last = STP_NEW_ZEROED(s->context, uint32_t,
+                                    (size_t)directory->mesh_count + directory->point_set_count + 1);
     if (graph->moving == NULL || graph->margins == NULL || graph->reaches == NULL ||
-        graph->spares == NULL || graph->works == NULL) {
+        graph->spares == NULL || graph->works == NULL || graph->repeated == NULL || last == NULL) {
+        stp_free(s->context, last);
         return stp_fail_memory(s->context); // not found by the next call, which makes it anew
     }
     look_at_nodes(s, graph);
+    find_repeated(directory, last, graph->repeated);
+    stp_free(s->context, last);
     graph->directory = directory;
     graph->nodes = directory->nodes;
     graph->node_count = directory->node_count;
     graph->edge_count = directory->edge_count;
+    graph->part_count = directory->part_count;
     graph->surfels_count = directory->surfels_count;
     s->graph = graph;
     return STP_OK;
@@ -151,6 +173,7 @@ void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph)
         stp_free(context, graph->reaches);
         stp_free(context, graph->spares);
         stp_free(context, graph->works);
+        stp_free(context, graph->repeated);
         stp_free(context, graph);
     }
 }

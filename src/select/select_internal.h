@@ -45,13 +45,14 @@ typedef struct stp_select_entry {
 typedef struct stp_select_graph {
     const stp_store_directory* directory;
     const stp_store_node* nodes;
-    uint32_t node_count, edge_count, surfels_count;
+    uint32_t node_count, edge_count, part_count, surfels_count;
     uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
     float*
         margins; ///< how far what is drawn of a node may stick out of its box, beside pixels; node units
-    double* reaches; ///< coverage radius of all surfels of its own, node units
-    float* spares;   ///< times that, down to which they are used at the most
-    float* works;    ///< most work of what is drawn instead of them, in triangles
+    double* reaches;   ///< coverage radius of all surfels of its own, node units
+    float* spares;     ///< times that, down to which they are used at the most
+    float* works;      ///< most work of what is drawn instead of them, in triangles
+    uint8_t* repeated; ///< of each part: whether its node lists it before, too; a bit each
 } stp_select_graph;
 
 enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };

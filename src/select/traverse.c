@@ -147,25 +147,18 @@ static uint32_t show_below(const stp_selection* s, const stp_select_entry* at, u
                : at->shown;
 }
 
-/// Whether a part is the one before it: drawing it again would change no pixel.
-static bool is_repeated(const stp_store_part* part, uint32_t i)
-{
-    return i > 0 && part[0].kind == part[-1].kind && part[0].index == part[-1].index;
-}
-
 static stp_result open_node(stp_selection* s, const stp_select_entry* at)
 {
     const stp_store_directory* directory = s->directory;
     const stp_store_node* node = &directory->nodes[at->node];
     stp_result result = STP_OK;
-    uint32_t before = STP_SHOW_NOT;
+    bool mixed = stp_show_of(at->shown) == STP_SHOW_MIXED;
     for (uint32_t i = 0; i < node->part_count && !at->moving_only && result == STP_OK; ++i) {
-        uint32_t shown = show_below(s, at, node->edge_count + i);
-        const stp_store_part* part = &directory->parts[node->first_part + i];
-        if (!is_repeated(part, i) || shown != before) {
-            result = add_part(s, *part, at, shown);
+        uint32_t k = node->first_part + i;
+        bool repeated = (s->graph->repeated[k / 8] >> k % 8 & 1) != 0;
+        if (mixed || !repeated) { // drawing a part again would change no pixel
+            result = add_part(s, directory->parts[k], at, show_below(s, at, node->edge_count + i));
         }
-        before = shown;
     }
     for (uint32_t i = node->edge_count; i-- > 0 && result == STP_OK;) {
         const stp_store_edge* edge = &directory->edges[node->first_edge + i];

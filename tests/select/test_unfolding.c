@@ -104,7 +104,7 @@ void test_repeated_parts_are_drawn_once(test_state* test)
     stp_store_mesh meshes[] = {made_square(0), made_square(0)};
     stp_store_material material = made_material();
     for (int i = 0; i < PARTS; ++i) {
-        parts[i] = (stp_store_part){STP_STORE_PART_MESH, i < PARTS / 2 ? 0 : 1};
+        parts[i] = (stp_store_part){STP_STORE_PART_MESH, i < PARTS / 2 ? 0 : (uint32_t)i % 2};
     }
     stp_store_node node = {.part_count = PARTS,
                            .surfels = STP_STORE_NONE,
