@@ -56,6 +56,7 @@ class Directory:
 
     def packed_page(self, kind, page):
         _, offset, _, records, record_size, crc = self.sections[kind]
+        need(0 < record_size <= 65536, f"section {kind}: record size")
         page_bytes = 65536 // record_size * record_size
         length = records * record_size
         table = self.ranges.read(offset, 8 * -(-length // page_bytes))
@@ -107,19 +108,21 @@ def find_set(directory):
     found = directory.record("surfels", root["surfels"])
     octaves = [directory.record("octaves", found["first_octave"] + i) for i in range(found["octave_count"])]
     points = [directory.record("breakpoints", found["first_breakpoint"] + i) for i in range(found["breakpoint_count"])]
+    need(found["count"] > 0, "the root has no surfels")
+    need(octaves and octaves[-1]["end"] == found["count"], "octaves")
     found["octave_ends"] = [octave["end"] for octave in octaves]
     found["blocks"] = [octave["block"] for octave in octaves]
     found["breakpoints"] = [(point["count"], point["radius"]) for point in points]
-    need(found["count"] > 0, "the root has no surfels")
+    found["records"] = [directory.record("blocks", block) for block in found["blocks"]]
     return root, found
 
 
-def read_surfels(ranges, directory, found, count):
+def read_surfels(ranges, found, count):
     """Positions, normals and colours of the first `count` surfels, from the chunks that hold them."""
     positions, normals, last = [], [], next(k for k, end in enumerate(found["octave_ends"]) if end >= count)
     colors = b""
     for k in range(last + 1):
-        block = directory.record("blocks", found["blocks"][k])
+        block = found["records"][k]
         end, first = found["octave_ends"][k], ([0] + found["octave_ends"])[k]
         stored = ranges.read(block["offset"], block["size"])
         if block["encoding"] == 1:
@@ -184,13 +187,13 @@ def main():
             root, found = find_set(directory)
             spent = ranges.bytes
             count = min(max(options.surfels, 1), found["count"])
-            surfels = read_surfels(ranges, directory, found, count)
+            surfels = read_surfels(ranges, found, count)
             radius = next((r for n, r in reversed(found["breakpoints"]) if n <= count), found["candidate_radius"])
             box = root["bounds_min"], root["bounds_max"]
             file_bytes = file.seek(0, 2)
         with open(options.output, "wb") as output:
             output.write(b"P6 %d %d 255\n" % (width, height) + draw(box, surfels, radius, width, height))
-    except (OSError, ValueError, IndexError, KeyError, struct.error) as fault:
+    except (OSError, ValueError, IndexError, KeyError, ArithmeticError, StopIteration, struct.error) as fault:
         sys.exit(f"{options.file}: {fault}")
     print(json.dumps({"surfels": count, "bytes": ranges.bytes, "directory_bytes": spent, "ranges": ranges.ranges,
                       "file_bytes": file_bytes}))

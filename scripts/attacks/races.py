@@ -30,9 +30,11 @@ def overwritten_while_drawn(random, campaign, run, folder):
     command = [campaign.options.stipple, "fly", str(victim), "--path", FLIGHT, "--frames", "150", "--size", "320x240",
                "--backend", "cpu"] + (["--reference"] if random.random() < 0.5 else [])
     writer.start()
-    result = run(command, size)
-    done.set()
-    writer.join()
+    try:
+        result = run(command, size)
+    finally:
+        done.set()
+        writer.join()
     yield command, result
 
 
@@ -40,7 +42,7 @@ def damaged_work_folder(random, campaign, run, folder):
     """The work folder of a build is damaged while it runs: the next build makes the right bytes, or this one does."""
     model, output, right = "scene:city-small,scale=0.1", folder / "a.stip", folder / "right.stip"
     stipple = campaign.options.stipple
-    subprocess.run([stipple, "build", model, "-o", str(right), "-q"], check=True)
+    subprocess.run([stipple, "build", model, "-o", str(right), "-q"], check=True, timeout=600)
 
     def damage():
         time.sleep(random.uniform(0.05, 1.0))
@@ -78,12 +80,18 @@ def killed_builds(random, campaign, run, folder):
     process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     time.sleep(random.uniform(0.0, 1.5))
     process.send_signal(random.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT)))
-    process.wait()
-    kept = output.read_bytes() == former or process.returncode == 0
-    result = run([stipple, "check", str(output)])
-    if not kept and not result["fault"]:
-        result["fault"] = "the former file is gone"
-    yield command, result
+    process.wait(timeout=600)
+    left = output.read_bytes()
+    check = run([stipple, "check", str(output)])
+    if check["code"] != 0 and not check["fault"]:
+        check["fault"] = "what a killed build leaves is not whole"
+    yield [stipple, "check", str(output)], check
+    again = [word for word in command if word != "--fresh"]
+    result = run(again)
+    whole = output.read_bytes()
+    if not result["fault"] and (result["code"] != 0 or left not in (former, whole)):
+        result["fault"] = "neither the former file nor the new one is there, or no build can go on"
+    yield again, result
 
 
 def two_builds_of_one_file(random, campaign, run, folder):
@@ -92,8 +100,13 @@ def two_builds_of_one_file(random, campaign, run, folder):
     other = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     time.sleep(random.uniform(0.0, 0.3))
     yield command, run(command)
-    if other.wait() not in (0, 1):
-        yield command, {"code": other.returncode, "seconds": 0.0, "megabytes": 0.0, "err": b"", "fault": f"ends with {other.returncode}"}
+    try:
+        code = other.wait(timeout=120)
+    except subprocess.TimeoutExpired:
+        other.kill()
+        code = other.wait()
+    if code not in (0, 1):
+        yield command, {"code": code, "seconds": 0.0, "megabytes": 0.0, "err": b"", "fault": f"ends with {code}"}
     check = [campaign.options.stipple, "check", str(folder / "a.stip")]
     result = run(check)
     if result["code"] != 0 and not result["fault"]:

@@ -55,6 +55,11 @@ void test_spt_disks_have_the_errors_of_the_paper(test_state* test)
     error = stp_disk_measure(&disk, apart, 2);
     CHECK(stp_length(disk.normal) == 0.0f && is_near(disk.radius, 2.0, 1e-5));
     CHECK(is_near(error.geometric, 4.0, 1e-5) && error.perpendicular == error.tangential);
+    // far from the origin, where floats are coarser than the disk
+    stp_disk far[] = {{{1000000.0f, 0, 0}, up, 0}, {{1000000.0625f, 0, 0}, up, 0}};
+    disk = stp_disk_enclose(far, weights, 2);
+    CHECK(disk.radius >=
+          fmaxf(fabsf(disk.center.x - far[0].center.x), fabsf(disk.center.x - far[1].center.x)));
     // a child that lies within another
     stp_disk inner[] = {{{0, 0, 0}, up, 3}, {{1, 0, 0}, up, 1}};
     disk = stp_disk_enclose(inner, weights, 2);

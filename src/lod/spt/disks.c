@@ -99,7 +99,7 @@ static double reach_from(const flat_children* f, stp_vec3d center, uint32_t* far
 
 // Begins with the disk around two children that reach far, which often holds the others. Else it is moved towards the one that
 // reaches farthest by less and less (Badoiu and Clarkson 2003, for disks); the best centre on the way is kept.
-static double find_enclosing(const flat_children* f, stp_vec3d* center)
+static void find_enclosing(const flat_children* f, stp_vec3d* center)
 {
     uint32_t first = 0, second = 0, farthest = 0;
     (void)reach_from(f, (stp_vec3d){0}, &first);
@@ -120,7 +120,6 @@ static double find_enclosing(const flat_children* f, stp_vec3d* center)
             *center = at;
         }
     }
-    return best;
 }
 
 stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32_t count)
@@ -144,10 +143,13 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
         flat.radii[i] = (double)children[i].radius;
     }
     stp_vec3d offset;
-    double radius = find_enclosing(&flat, &offset);
+    uint32_t farthest;
+    find_enclosing(&flat, &offset);
     stp_vec3d center = stp_addd(middle, offset);
     disk.center = (stp_vec3){(float)center.x, (float)center.y, (float)center.z};
-    disk.radius = (float)(radius * (1.0 + 1e-6)); // what rounding takes
+    // far from the origin the centre is rounded by more than a disk is wide
+    offset = flatten(stp_subd(stp_to_double(disk.center), middle), disk.normal);
+    disk.radius = (float)(reach_from(&flat, offset, &farthest) * (1.0 + 1e-6));
     return disk;
 }
 
