@@ -95,8 +95,9 @@ static json_t* describe_start(const viewer* v)
     for (size_t i = 0; recent != NULL && i < files->count; ++i) {
         json_array_append_new(recent, describe_json_text(files->paths[i]));
     }
-    return json_pack("{s:b, s:b, s:o}", "shown", (int)(v->file[0] == 0), "dialog",
-                     (int)start_has_dialog(v), "recent", recent);
+    return json_pack("{s:b, s:b, s:o, s:o, s:o}", "shown", (int)(v->file[0] == 0), "dialog",
+                     (int)start_has_dialog(v), "folder", describe_json_text(start_folder(v)),
+                     "typed", describe_json_text(start_typed(v)), "recent", recent);
 }
 
 /// Where the handles of the section's planes and box are, and how far planes were moved.

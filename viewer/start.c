@@ -95,6 +95,16 @@ bool start_has_dialog(const viewer* v)
     return v->start->shown;
 }
 
+const char* start_folder(const viewer* v)
+{
+    return v->start->folder.path;
+}
+
+const char* start_typed(const viewer* v)
+{
+    return v->start->typed;
+}
+
 /// Opens a file, or goes to a folder. A path that is not absolute is below the folder shown; "~" is the home folder.
 static void take_path(viewer* v, const char* typed)
 {

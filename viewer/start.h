@@ -18,6 +18,9 @@ const recent_files* start_recent(const start_page* s);
 /// Shows or hides the dialog.
 void start_show_dialog(struct viewer* v, bool shown);
 bool start_has_dialog(const struct viewer* v);
+/// The folder that the dialog shows, and what is typed into it; "": none.
+const char* start_folder(const struct viewer* v);
+const char* start_typed(const struct viewer* v);
 /// Opens a recent file; one that is gone leaves the list. @return false where the list has no such entry
 bool start_open_recent(struct viewer* v, size_t index);
 

@@ -19,6 +19,7 @@ shot dialog.png
 other start.png dialog.png 0.99
 # what is not there is said, and the dialog stays
 xdotool type "missing.obj"
+wait_until 'r["start"]["typed"] == "missing.obj"'
 xdotool key Return
 wait_until 'r["rests"] and r["start"]["dialog"] and r["file"] == ""'
 xdotool key Escape
@@ -26,13 +27,13 @@ wait_until 'not r["start"]["dialog"] and r["start"]["shown"]'
 # a folder, then a file in it
 xdotool key ctrl+o
 wait_until 'r["start"]["dialog"] and tools["types"]'
-xdotool key ctrl+a
-xdotool type "$here_path/models"
+type_all "$here_path/models" 'r["start"]["typed"]'
 xdotool key Return
-sleep 0.5
+wait_until "r['start']['folder'] == '$here_path/models' and r['start']['typed'] == '' and not tools['types']"
 xdotool key ctrl+o # the keys go back to the field
 wait_until 'r["start"]["dialog"] and tools["types"]'
 xdotool type "corner.obj"
+wait_until 'r["start"]["typed"] == "corner.obj"'
 xdotool key Return
 wait_until "r['file'] == '$here_path/models/corner.obj' and r['loading'] == 'done' and r['rests'] and picture['complete']"
 check "the dialog is gone" 'not r["start"]["dialog"] and not r["start"]["shown"]'

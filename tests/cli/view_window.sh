@@ -107,11 +107,17 @@ search_for()
 {
     xdotool key ctrl+f
     wait_until 'tools["types"]'
+    type_all "$1" 'tools["search"]'
+}
+
+# type_all TEXT FIELD: instead of what is in the field, an expression of the report; all keys at once
+type_all()
+{
     kill -STOP $viewer
     xdotool key ctrl+a
     xdotool type "$1"
     kill -CONT $viewer
-    wait_until "tools['search'] == '$1'"
+    wait_until "$2 == '$1'"
 }
 
 # shot FILE: what the screen shows. What the window has said to be shown may still be on its way there: until it stays.
