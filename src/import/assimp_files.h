@@ -33,6 +33,7 @@ typedef struct stp_assimp_files {
     const char* reason; ///< "it is an absolute path"
 } stp_assimp_files;
 
-/// The limit of processor time grows with the first files that are opened, up to the process' hard limit. The model's path and bytes must outlive it; so must `files` all reading, at this address.
+/// The limit of processor time grows with the first files that are opened, up to the process' hard limit.
+/// The model's path and bytes must outlive it; so must `files` all reading, at this address.
 void stp_assimp_files_begin(stp_assimp_files* files, const char* path, const unsigned char* bytes,
                             size_t size, bool alone);

@@ -33,7 +33,8 @@ static bool has_scheme(const char* text)
     return *text == ':';
 }
 
-// Writes the folder and the reference without "." and "..", so that no link in between can change what ".." means; `out` has room for both and two bytes more. NULL, or the reason for a refusal.
+// Writes the folder and the reference without "." and "..", so that no link in between can change what
+// ".." means; `out` has room for both and two bytes more. NULL, or the reason for a refusal.
 static const char* join(const char* folder, size_t folder_length, const char* reference, char* out)
 {
     memcpy(out, folder, folder_length);

@@ -2,8 +2,6 @@
 // What a file says of itself in its first pages: summary, scene parts, views, sources, parameters.
 #include "store/internal.h"
 
-#include <string.h>
-
 stp_result stp_store_judge_summary(stp_store* store)
 {
     const stp_store_section* objects = store->known[STP_SECTION_OBJECTS];

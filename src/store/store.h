@@ -55,9 +55,8 @@ typedef struct stp_store_mesh {
     const float* texcoords[2]; ///< NULL, or 2 a vertex
     const uint16_t* colors;    ///< NULL, or 4 a vertex, linear, 65535 is 1
     const uint32_t* indices;   ///< 3 a triangle, each below vertex_count
-    double
-        area; ///< of its triangles, square units of its space; 0: not known; for the order of blocks, not stored
-    bool cut; ///< a piece of a larger mesh: its borders are rounded as the whole's; not stored
+    double area; ///< of its triangles, square units of its space; orders blocks; not stored
+    bool cut;    ///< a piece of a larger mesh: its borders are rounded as the whole's; not stored
 } stp_store_mesh;
 
 /// Vertex index of a corner (3 per triangle). Always below vertex_count: a mapped file can be

@@ -14,13 +14,15 @@ mkdir -p "$scratch" && cd "$scratch" || exit 1
 grep -q '^| stip | ' table && grep -q '^| race: ' table && grep -q ', 0 found$' table || fail "no table: $(cat table)"
 [ ! -e kept ] || fail "files are kept though nothing was found"
 
-"$source/scripts/attack" --minutes 0.01 --only nothing --stipple "$stipple" --keep "$PWD/kept" > table 2> err && fail "a campaign of nothing ends well"
+"$source/scripts/attack" --minutes 0.01 --only nothing --stipple "$stipple" --keep "$PWD/kept" > table 2> err &&
+    fail "a campaign of nothing ends well"
 
 # a program that crashes, one that says nothing, one that writes what a terminal obeys, and one that leaves files behind
 for wrong in 'kill -SEGV $$' 'exit 1' 'printf "stipple: \033[2J\n" >&2; exit 1' 'touch left-behind; echo "stipple: no" >&2; exit 1'; do
     printf '#!/bin/bash\n[ "$1" = info ] || exec "%s" "$@"\n%s\n' "$stipple" "$wrong" > program
     chmod +x program
-    "$source/scripts/attack" --minutes 0.02 --only stip --stipple "$PWD/program" --keep "$PWD/kept" > table 2> err && fail "$wrong is not found"
+    "$source/scripts/attack" --minutes 0.02 --only stip --stipple "$PWD/program" --keep "$PWD/kept" > table 2> err &&
+        fail "$wrong is not found"
     grep -q '^found: ' table || fail "$wrong: no finding is told: $(cat table err)"
     [ "$(find kept -name '*.txt' | wc -l)" -gt 0 ] || fail "$wrong: nothing is kept"
     rm -rf kept
