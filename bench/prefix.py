@@ -12,7 +12,7 @@ import tempfile
 
 import kit
 
-WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 640, 300, 60, 40, 110
+WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 660, 300, 60, 40, 120
 
 
 def find_models(names):
@@ -69,7 +69,7 @@ def plot(results, path):
         drawing.line(points, color, 2)
         for x, y in points:
             drawing.put(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{color}"/>')
-        x, y = LEFT + (k % 3) * 190, TOP + HEIGHT + 48 + 20 * (k // 3)
+        x, y = LEFT + (k % 2) * 290, TOP + HEIGHT + 48 + 20 * (k // 2)
         drawing.line([(x, y - 4), (x + 20, y - 4)], color, 2)
         drawing.text(x + 26, y, f"{kit.name_of(r['params']['model'])}, {r['figures']['bytes'] / 1e6:.1f} MB")
     drawing.write(path)
