@@ -109,6 +109,8 @@ def find_set(directory):
     octaves = [directory.record("octaves", found["first_octave"] + i) for i in range(found["octave_count"])]
     points = [directory.record("breakpoints", found["first_breakpoint"] + i) for i in range(found["breakpoint_count"])]
     need(found["count"] > 0, "the root has no surfels")
+    # the root's set is the first method's; files that do not say which have sets of `blue`, without options
+    found["method_columns"] = directory.record("methods", 0)["columns"] if 35 in directory.sections else 0
     need(octaves and octaves[-1]["end"] == found["count"], "octaves")
     found["octave_ends"] = [octave["end"] for octave in octaves]
     found["blocks"] = [octave["block"] for octave in octaves]
@@ -132,7 +134,8 @@ def read_surfels(ranges, found, count):
         n = end - first
         positions += struct.iter_unpack("<3H", stored[:6 * n])
         normals += struct.iter_unpack("<2b", stored[6 * n:8 * n])
-        colors = stored[9 * n:9 * n + 3 * end]
+        flat = found["method_columns"] & 4
+        colors = (colors if flat else b"") + stored[9 * n:9 * n + 3 * (n if flat else end)]
     step, origin = found["step"], found["origin"]
     places = [[o + step * v for o, v in zip(origin, position)] for position in positions[:count]]
     return places, [decode_normal(n) for n in normals[:count]], [colors[3 * i:3 * i + 3] for i in range(count)]

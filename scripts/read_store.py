@@ -44,6 +44,8 @@ RECORDS = {
     22: ("keys", "2Q", "low high"),
     17: ("objects", "4I12d", "name:text id:text parent node transform:12"),
     32: ("clusters", "I", "cluster_count"),
+    35: ("methods", "6I", "name:text id columns first_set set_count reserved"),
+    36: ("method_nodes", "I", "node"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
@@ -227,6 +229,28 @@ def check_graph(header, t):
             check_reference(thing["material"], counts["materials"], f"{name} {i}: material", False)
 
 
+def gather_methods(t):
+    """Each set gets its method's columns; sets of all methods but the first name their nodes."""
+    if not t["methods"]:
+        t["methods"] = [{"name": "blue", "id": 1, "columns": 0, "first_set": 0, "set_count": len(t["surfels"])}]
+    methods, first = t["methods"], t["methods"][0]["set_count"]
+    nodes, end = [record["node"] for record in t.pop("method_nodes")], 0
+    need(len(methods) <= 16 and len({method["id"] for method in methods}) == len(methods), "methods")
+    for i, method in enumerate(methods):
+        need(method["name"] and method["id"] > 0 and method["columns"] <= 7, f"method {i}")
+        need(method["first_set"] == end, f"method {i}: its sets do not follow those of the method before")
+        end += method["set_count"]
+        need(end <= len(t["surfels"]), f"method {i}: sets")
+        for s in t["surfels"][method["first_set"]:end]:
+            s["method_columns"] = method["columns"]
+        if i > 0:
+            method["nodes"] = nodes[method["first_set"] - first:end - first]
+            need(len(set(method["nodes"])) == method["set_count"], f"method {i}: two sets are of one node")
+            need(all(node < len(t["nodes"]) for node in method["nodes"]), f"method {i}: nodes")
+    need(end == len(t["surfels"]) and len(nodes) == end - first, "sets of no method")
+    need(all(n["surfels"] == NONE or n["surfels"] < first for n in t["nodes"]), "a node's set is not of the first method")
+
+
 def gather_sets(t):
     octave, breakpoint_ = 0, 0
     for i, s in enumerate(t["surfels"]):
@@ -272,8 +296,10 @@ def block_columns(t, block):
         return record, [("texels", 4 * record["width"] * record["height"])], 16
     end = record["octave_ends"][block["octave"]]
     n = end - ([0] + record["octave_ends"])[block["octave"]]
-    return record, [("positions", 6 * n), ("normals", 2 * n), ("materials", n), ("colors", 3 * end),
-                    ("coverages", end)], 1
+    has = record["method_columns"]
+    entries = n if has & 4 else end
+    return record, [("positions", 6 * n), ("normals", 2 * n), ("materials", n), ("colors", 3 * entries),
+                    ("coverages", entries), ("shapes", 4 * n * (has & 1)), ("ranges", 4 * n * (has >> 1 & 1))], 1
 
 
 def picture_size(encoding, data):
@@ -316,6 +342,11 @@ def check_content(t, record, block, name, column, place):
         need(all(v[0] < record["vertex_count"] for v in struct.iter_unpack("<I", column)), f"{place}: indices")
     if name == "picture":
         need(picture_size(block["encoding"], column) == (record["width"], record["height"]), f"{place}: picture size")
+    if name == "shapes":
+        need(all(v[0] & 0xFFF != 0xFFF and v[0] >> 12 & 0xFFF <= v[0] & 0xFFF for v in struct.iter_unpack("<I", column)),
+             f"{place}: shapes")
+    if name == "ranges":
+        need(all(low <= high <= 0xFF00 for low, high in struct.iter_unpack("<2H", column)), f"{place}: ranges")
     if name == "materials":
         need(max(column, default=-1) < len(t["shadings"]), f"{place}: materials")
 
@@ -409,12 +440,12 @@ def read_clusters(data, begin, end, record):
     record["columns"] = sums
 
 
-def chunk_ends(first, end):
-    """The surfels that the chunks of an octave end with: as many as 64 KiB hold, 4 bytes each and 9 more from `first` on."""
-    at = 0
+def chunk_ends(at, first, end, place_bytes):
+    """The surfels that the chunks of an octave end with, the first of which begins at `at`: as many as 64 KiB hold, 4 bytes
+    each and `place_bytes` more from `first` on."""
     while at < end:
         room = 65536 - 4 * max(0, min(at + 16384, first) - at)
-        at = at + 16384 if at + 16384 <= first else max(at, first) + room // 13
+        at = at + 16384 if at + 16384 <= first else max(at, first) + room // (4 + place_bytes)
         yield min(at, end)
 
 
@@ -422,23 +453,26 @@ def unpack_octave(record, block, stored, place):
     """The columns of a compressed octave, joined from its chunks."""
     end = record["octave_ends"][block["octave"]]
     first = ([0] + record["octave_ends"])[block["octave"]]
-    ends = list(chunk_ends(first, end))
+    has = record["method_columns"]
+    shape, level = 4 * (has & 1), 4 * (has >> 1 & 1)
+    start = first if has & 4 else 0
+    ends = list(chunk_ends(start, first, end, 9 + shape + level))
     table = [(len(stored), block["crc"])]
     at = 0
     if len(ends) > 1:
         at = 8 * len(ends)
         need(at <= len(stored) and zlib.crc32(stored[:at]) == block["crc"], f"{place}: chunk table")
         table = list(struct.iter_unpack("<2I", stored[:at]))
-    columns = {"positions": b"", "normals": b"", "materials": b"", "colors": b"", "coverages": b""}
-    for begin, stop, (size, crc) in zip([0] + ends, ends, table):
+    columns = {name: b"" for name in ("positions", "normals", "materials", "colors", "coverages", "shapes", "ranges")}
+    for begin, stop, (size, crc) in zip([start] + ends, ends, table):
         chunk, at = stored[at:at + size], at + size
         places, colors = max(0, stop - max(begin, first)), stop - begin
-        length = 9 * places + 4 * colors
+        length = (9 + shape + level) * places + 4 * colors
         need(len(chunk) == size and zlib.crc32(chunk) == crc, f"{place}: chunk")
         chunk = unpack(chunk, length, f"{place}: chunk")
         part = 0
         for name, step in (("positions", 6 * places), ("normals", 2 * places), ("materials", places), ("colors", 3 * colors),
-                           ("coverages", colors)):
+                           ("coverages", colors), ("shapes", shape * places), ("ranges", level * places)):
             columns[name] += chunk[part:part + step]
             part += step
     need(at == len(stored), f"{place}: bytes after the last chunk")
@@ -495,6 +529,7 @@ def read_store(data):
     header = read_header(data)
     tables = read_tables(read_sections(data, header))
     check_graph(header, tables)
+    gather_methods(tables)
     gather_sets(tables)
     read_blocks(data, header, tables)
     return {**header, **tables}

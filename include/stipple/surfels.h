@@ -33,6 +33,22 @@ typedef struct stp_prefix_table {
     float radius[STP_PREFIX_TABLE_SIZE];
 } stp_prefix_table;
 
+/// Ids of methods: how the splats of a set were chosen, and which of them a view draws.
+enum {
+    STP_METHOD_BLUE = 1,       ///< Progressive Blue Surfels (Brandt et al. 2019)
+    STP_METHOD_SPT = 2,        ///< Sequential Point Trees (Dachsbacher et al. 2003)
+    STP_METHOD_PSP = 3,        ///< Progressive Splatting (Wu et al. 2005)
+    STP_METHOD_STOCHASTIC = 4, ///< view-dependent Stochastic Sampling (Bhakar et al. 2004)
+};
+
+/// Optional columns of a set, and how its colours are kept.
+enum {
+    STP_SPLATS_SHAPES = 1,      ///< splats have a size of their own
+    STP_SPLATS_RANGES = 2,      ///< each splat is drawn within a range of levels
+    STP_SPLATS_FLAT_COLORS = 4, ///< one colour and coverage a splat, without a pyramid
+    STP_SPLATS_COLUMNS = 7,     ///< all that this version knows
+};
+
 /// Surfels in order. 12 bytes each (position 6, normal 2, colour 3, material 1), about 14.4 with pyramids.
 typedef struct stp_surfels {
     uint32_t count;
@@ -43,9 +59,13 @@ typedef struct stp_surfels {
     uint8_t* materials;  ///< index of a shading
     uint32_t octave_count;
     uint32_t octave_ends[STP_OCTAVE_LIMIT]; ///< ascending; the last is `count`
-    uint8_t* colors; ///< 3 an entry, sRGB; sum of octave_ends entries, octave 0 first
+    /// 3 an entry, sRGB; sum of octave_ends entries, octave 0 first. Flat ones: an entry a surfel.
+    uint8_t* colors;
     uint8_t*
         coverages; ///< 1 an entry, same layout: which part of the disk is drawn (src/base/coverage.h); 255: all of it
+    uint32_t columns;     ///< STP_SPLATS_*
+    uint32_t* shapes;     ///< NULL, or 1 a surfel (src/base/splat_shape.h)
+    uint32_t* ranges;     ///< NULL, or 1 a surfel (src/base/splat_range.h)
     bool plain_coverages; ///< coverages are shares of 255 instead: of files before version 1.2
     stp_prefix_table table;
     float

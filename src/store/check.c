@@ -5,7 +5,7 @@
 
 #define SMALL_DIRECTORY ((uint64_t)512 << 10) // so much a quick check reads whole
 
-// Of what is compressed, only the materials are kept, which are judged.
+// Of what is compressed, only what is judged is kept.
 static stp_result check_surfels(stp_store* store, const stp_store_block* block)
 {
     stp_store_octave_span span = stp_store_span_of(stp_store_describe_surfels(store, block->owner),
@@ -13,18 +13,29 @@ static stp_result check_surfels(stp_store* store, const stp_store_block* block)
     stp_store_block_source source = {.block = block, .read = stp_store_read_mapped, .user = store};
     uint32_t count = span.end - span.first;
     uint64_t read_bytes = 0;
-    unsigned char* materials = stp_alloc(store->context, count);
+    size_t room = ((size_t)count + 3) & ~(size_t)3;
+    unsigned char* materials = stp_alloc_array(store->context, room, 9);
     if (materials == NULL) {
         return stp_fail_memory(store->context);
     }
-    void* targets[STP_SURFEL_COLUMNS] = {[STP_SURFEL_MATERIALS] = materials};
+    uint32_t* options = (uint32_t*)(void*)(materials + room);
+    stp_store_surfel_data data = {
+        .count = count,
+        .materials = materials,
+        .shapes = (span.columns & STP_SPLATS_SHAPES) != 0 ? options : NULL,
+        .ranges = (span.columns & STP_SPLATS_RANGES) != 0 ? options + count : NULL,
+    };
+    void* targets[STP_SURFEL_COLUMNS] = {
+        [STP_SURFEL_MATERIALS] = materials,
+        [STP_SURFEL_SHAPES] = options,
+        [STP_SURFEL_RANGES] = options + count,
+    };
     const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
                                               targets, &read_bytes);
     stp_store_judge judge = stp_store_own_judge(store);
-    stp_result result = fault != NULL
-                            ? stp_store_fail_block(store, block, fault)
-                            : stp_store_judge_surfel_data(&judge, block->owner, materials, count,
-                                                          store->directory.shading_count);
+    stp_result result = fault != NULL ? stp_store_fail_block(store, block, fault)
+                                      : stp_store_judge_surfel_data(&judge, block->owner, &data,
+                                                                    store->directory.shading_count);
     stp_free(store->context, materials);
     return result;
 }

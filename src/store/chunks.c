@@ -7,34 +7,53 @@
 #include <string.h>
 
 enum {
-    COLOR_BYTES = 4, ///< of a surfel's colour and coverage
-    PLACE_BYTES = 9, ///< of its position, normal and material
+    COLOR_BYTES = 4,  ///< of a surfel's colour and coverage
+    PLACE_BYTES = 9,  ///< of its position, normal and material
+    OPTION_BYTES = 4, ///< of its shape, and of its range
     COLORS_MOST = STP_STORE_PIECE_BYTES / COLOR_BYTES,
-    SURFELS_MOST = STP_STORE_PIECE_BYTES / (COLOR_BYTES + PLACE_BYTES),
 };
 
 stp_store_octave_span stp_store_span_of(const stp_surfels* surfels, uint32_t octave,
                                         uint32_t encoding)
 {
+    uint32_t first = stp_store_octave_begin(surfels, octave);
     return (stp_store_octave_span){
-        .first = stp_store_octave_begin(surfels, octave),
+        .first = first,
         .end = surfels->octave_ends[octave],
+        .begin = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0 ? first : 0,
+        .columns = surfels->columns,
         .encoding = encoding,
     };
+}
+
+static uint32_t shape_bytes(const stp_store_octave_span* span)
+{
+    return (span->columns & STP_SPLATS_SHAPES) != 0 ? OPTION_BYTES : 0;
+}
+
+static uint32_t range_bytes(const stp_store_octave_span* span)
+{
+    return (span->columns & STP_SPLATS_RANGES) != 0 ? OPTION_BYTES : 0;
+}
+
+/// Of all that comes with a surfel.
+static uint32_t surfel_bytes(const stp_store_octave_span* span)
+{
+    return COLOR_BYTES + PLACE_BYTES + shape_bytes(span) + range_bytes(span);
 }
 
 /// Chunks that hold nothing but colours of surfels of former octaves.
 static uint32_t color_chunks(const stp_store_octave_span* span)
 {
-    return span->first / COLORS_MOST;
+    return (span->first - span->begin) / COLORS_MOST;
 }
 
 /// The end of the chunk after those, before it is cut to the octave: what is left of those colours, and surfels.
 static uint64_t mixed_end(const stp_store_octave_span* span)
 {
-    uint32_t colors = span->first % COLORS_MOST;
+    uint32_t colors = (span->first - span->begin) % COLORS_MOST;
     return (uint64_t)span->first +
-           (STP_STORE_PIECE_BYTES - COLOR_BYTES * colors) / (COLOR_BYTES + PLACE_BYTES);
+           (STP_STORE_PIECE_BYTES - COLOR_BYTES * colors) / surfel_bytes(span);
 }
 
 uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
@@ -44,7 +63,8 @@ uint32_t stp_store_chunk_count(const stp_store_octave_span* span)
         return 1;
     }
     uint64_t left = span->end > mixed ? span->end - mixed : 0;
-    return (uint32_t)(color_chunks(span) + 1 + (left + SURFELS_MOST - 1) / SURFELS_MOST);
+    uint64_t most = STP_STORE_PIECE_BYTES / surfel_bytes(span);
+    return (uint32_t)(color_chunks(span) + 1 + (left + most - 1) / most);
 }
 
 uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
@@ -52,16 +72,17 @@ uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk)
     uint32_t colors = color_chunks(span);
     uint64_t end = span->end;
     if (span->encoding != STP_STORE_ENCODING_PLAIN && chunk < colors) {
-        end = (chunk + 1) * (uint64_t)COLORS_MOST;
+        end = span->begin + (chunk + 1) * (uint64_t)COLORS_MOST;
     } else if (span->encoding != STP_STORE_ENCODING_PLAIN) {
-        end = mixed_end(span) + (uint64_t)(chunk - colors) * SURFELS_MOST;
+        uint32_t most = STP_STORE_PIECE_BYTES / surfel_bytes(span);
+        end = mixed_end(span) + (uint64_t)(chunk - colors) * most;
     }
     return end < span->end ? (uint32_t)end : span->end;
 }
 
 static uint32_t chunk_begin(const stp_store_octave_span* span, uint32_t chunk)
 {
-    return chunk == 0 ? 0 : stp_store_chunk_end(span, chunk - 1);
+    return chunk == 0 ? span->begin : stp_store_chunk_end(span, chunk - 1);
 }
 
 /// The sizes of the columns of some surfels. @return their sum
@@ -75,7 +96,9 @@ static uint64_t measure(const stp_store_octave_span* span, uint32_t begin, uint3
     sizes[STP_SURFEL_MATERIALS] = places;
     sizes[STP_SURFEL_COLORS] = 3 * colors;
     sizes[STP_SURFEL_COVERAGES] = colors;
-    return PLACE_BYTES * places + COLOR_BYTES * colors;
+    sizes[STP_SURFEL_SHAPES] = shape_bytes(span) * places;
+    sizes[STP_SURFEL_RANGES] = range_bytes(span) * places;
+    return (surfel_bytes(span) - COLOR_BYTES) * places + COLOR_BYTES * colors;
 }
 
 uint64_t stp_store_chunk_columns(const stp_store_octave_span* span, uint32_t chunk,
@@ -100,7 +123,7 @@ uint64_t stp_store_chunk_table_bytes(const stp_store_octave_span* span)
 static uint64_t decoded_bytes(const stp_store_octave_span* span)
 {
     uint64_t sizes[STP_SURFEL_COLUMNS];
-    return measure(span, 0, span->end, sizes);
+    return measure(span, span->begin, span->end, sizes);
 }
 
 bool stp_store_can_hold(const stp_store_octave_span* span, uint64_t size)
@@ -242,7 +265,7 @@ const char* stp_store_read_chunks(const stp_store_block_source* source,
     unsigned char* places[STP_SURFEL_COLUMNS];
     uint64_t sizes[STP_SURFEL_COLUMNS], offset = 0;
     const char* fault = NULL;
-    measure(span, 0, chunk_begin(span, begin), sizes);
+    measure(span, span->begin, chunk_begin(span, begin), sizes);
     for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
         places[i] = targets[i] != NULL ? (unsigned char*)targets[i] + sizes[i] : NULL;
     }

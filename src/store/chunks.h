@@ -16,15 +16,16 @@ enum {
 
 /// An octave of a set: what its block holds.
 typedef struct stp_store_octave_span {
-    uint32_t first,
-        end; ///< surfels that come with it; its colours are those of all surfels below `end`
+    uint32_t first, end; ///< surfels that come with it
+    uint32_t begin;      ///< its colours are those of surfels [begin, end): 0 but of flat colours
+    uint32_t columns;    ///< STP_SPLATS_*
     uint32_t encoding;
 } stp_store_octave_span;
 
 stp_store_octave_span stp_store_span_of(const stp_surfels* surfels, uint32_t octave,
                                         uint32_t encoding);
 uint32_t stp_store_chunk_count(const stp_store_octave_span* span);
-/// The end of the surfels that a chunk covers; it begins at the end of the one before, the first at 0.
+/// The end of the surfels that a chunk covers; it begins at the end of the one before, the first at span->begin.
 uint32_t stp_store_chunk_end(const stp_store_octave_span* span, uint32_t chunk);
 /// Columns of a chunk, and their bytes in all.
 uint64_t stp_store_chunk_columns(const stp_store_octave_span* span, uint32_t chunk,

@@ -47,10 +47,15 @@ uint64_t stp_store_surfel_columns(const stp_surfels* surfels, uint32_t octave,
 {
     uint64_t prefix = surfels->octave_ends[octave];
     uint64_t n = prefix - stp_store_octave_begin(surfels, octave);
+    uint64_t entries = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0 ? n : prefix;
     uint64_t sizes[STP_SURFEL_COLUMNS] = {
-        [STP_SURFEL_POSITIONS] = 6 * n,      [STP_SURFEL_NORMALS] = 2 * n,
-        [STP_SURFEL_MATERIALS] = n,          [STP_SURFEL_COLORS] = 3 * prefix,
-        [STP_SURFEL_COVERAGES] = 1 * prefix,
+        [STP_SURFEL_POSITIONS] = 6 * n,
+        [STP_SURFEL_NORMALS] = 2 * n,
+        [STP_SURFEL_MATERIALS] = n,
+        [STP_SURFEL_COLORS] = 3 * entries,
+        [STP_SURFEL_COVERAGES] = entries,
+        [STP_SURFEL_SHAPES] = (surfels->columns & STP_SPLATS_SHAPES) != 0 ? 4 * n : 0,
+        [STP_SURFEL_RANGES] = (surfels->columns & STP_SPLATS_RANGES) != 0 ? 4 * n : 0,
     };
     return place(columns, sizes, STP_SURFEL_COLUMNS, 1);
 }
@@ -58,6 +63,9 @@ uint64_t stp_store_surfel_columns(const stp_surfels* surfels, uint32_t octave,
 uint64_t stp_store_pyramid_begin(const stp_surfels* surfels, uint32_t octave)
 {
     uint64_t entries = 0;
+    if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) {
+        return stp_store_octave_begin(surfels, octave);
+    }
     for (uint32_t i = 0; i < octave; ++i) {
         entries += surfels->octave_ends[i];
     }

@@ -6,7 +6,7 @@
 
 #include <stipple/surfels.h>
 
-enum { STP_STORE_COLUMN_LIMIT = 6 };
+enum { STP_STORE_COLUMN_LIMIT = 7 };
 
 /// A column: a run of bytes within a block. Absent ones have size 0.
 typedef struct stp_store_column {
@@ -36,6 +36,8 @@ typedef enum stp_store_surfel_column {
     STP_SURFEL_MATERIALS,
     STP_SURFEL_COLORS,
     STP_SURFEL_COVERAGES,
+    STP_SURFEL_SHAPES,
+    STP_SURFEL_RANGES,
     STP_SURFEL_COLUMNS
 } stp_store_surfel_column;
 
@@ -44,7 +46,7 @@ uint64_t stp_store_mesh_columns(uint32_t vertex_count, uint32_t triangle_count, 
                                 stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
-/// Of octave `octave`: what comes in with it, and its colours and coverages of the whole prefix.
+/// Of octave `octave`: what comes in with it, and its colours and coverages: of the whole prefix, unless they are flat.
 uint64_t stp_store_surfel_columns(const stp_surfels* surfels, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 
@@ -54,6 +56,6 @@ static inline uint32_t stp_store_octave_begin(const stp_surfels* surfels, uint32
     return octave == 0 ? 0 : surfels->octave_ends[octave - 1];
 }
 
-/// Entries of the colour pyramid before octave `octave`; of the whole pyramid where it is the
-/// octave count.
+/// Entries of colours before those of octave `octave`; all of them where it is the octave count. Flat colours have one
+/// a surfel.
 uint64_t stp_store_pyramid_begin(const stp_surfels* surfels, uint32_t octave);

@@ -53,6 +53,8 @@ typedef enum stp_store_section_type {
     STP_SECTION_PAGES,
     STP_SECTION_KEYS,
     STP_SECTION_CLUSTERS = 32, ///< which meshes are coded; critical
+    STP_SECTION_METHODS = 35,  ///< methods of the file's sets; critical
+    STP_SECTION_METHOD_NODES,  ///< nodes of the sets of all methods but the first; critical
     STP_SECTION_END            ///< one more than the last known type
 } stp_store_section_type;
 

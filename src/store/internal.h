@@ -39,6 +39,8 @@ struct stp_store {
     uint32_t counts[STP_SECTION_END];
     stp_store_directory directory;
     stp_store_summary summary; ///< its parts are the table's
+    stp_store_method* methods; ///< of the directory
+    uint32_t* method_sets;     ///< of all methods but the first: by method, then by node
     bool objects_ready;
     bool partial;           ///< opened for its summary: the graph and what hangs on it was not read
     uint8_t* pages_checked; ///< a bit for each page of the sections that are not packed
@@ -140,6 +142,9 @@ void stp_store_find_point_columns(uint32_t present, const unsigned char* bytes,
                                   stp_store_point_set* points);
 const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                                     const unsigned char* bytes, stp_clusters* clusters);
+
+/// Reads which methods the sets are of, before blocks are linked. Files that do not say have sets of `blue` alone.
+STP_MUST_USE stp_result stp_store_read_methods(stp_store* store, stp_store_text* text);
 
 /// Frees the columns of a set.
 void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record);

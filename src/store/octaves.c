@@ -49,6 +49,7 @@ void stp_store_free_columns(stp_context* context, stp_store_surfels_record* reco
     record->surfels.materials = NULL;
     record->surfels.colors = NULL;
     record->surfels.coverages = NULL;
+    record->surfels.shapes = record->surfels.ranges = NULL;
 }
 
 void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* joined,
@@ -61,6 +62,8 @@ void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* j
     record->surfels.materials = columns->materials;
     record->surfels.colors = columns->colors;
     record->surfels.coverages = columns->coverages;
+    record->surfels.shapes = columns->shapes;
+    record->surfels.ranges = columns->ranges;
 }
 
 void stp_store_release_surfels(stp_store* store, uint32_t index)
@@ -82,6 +85,8 @@ static void measure_columns(const stp_surfels* surfels, uint32_t octave_count,
     sizes[STP_SURFEL_MATERIALS] = n;
     sizes[STP_SURFEL_COLORS] = 3 * entries;
     sizes[STP_SURFEL_COVERAGES] = entries;
+    sizes[STP_SURFEL_SHAPES] = (surfels->columns & STP_SPLATS_SHAPES) != 0 ? 4 * n : 0;
+    sizes[STP_SURFEL_RANGES] = (surfels->columns & STP_SPLATS_RANGES) != 0 ? 4 * n : 0;
 }
 
 // Where the columns of `octave_count` octaves lie in a set's memory, each 64-byte aligned; @return where they end.
@@ -117,6 +122,10 @@ stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* s
     surfels->materials = memory + offsets[STP_SURFEL_MATERIALS];
     surfels->colors = memory + offsets[STP_SURFEL_COLORS];
     surfels->coverages = memory + offsets[STP_SURFEL_COVERAGES];
+    bool shapes = (surfels->columns & STP_SPLATS_SHAPES) != 0;
+    bool ranges = (surfels->columns & STP_SPLATS_RANGES) != 0;
+    surfels->shapes = shapes ? (uint32_t*)(void*)(memory + offsets[STP_SURFEL_SHAPES]) : NULL;
+    surfels->ranges = ranges ? (uint32_t*)(void*)(memory + offsets[STP_SURFEL_RANGES]) : NULL;
     return (stp_store_joined*)(void*)memory;
 }
 
@@ -130,6 +139,12 @@ void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* befor
     memcpy(surfels->materials, before->materials, (size_t)sizes[STP_SURFEL_MATERIALS]);
     memcpy(surfels->colors, before->colors, (size_t)sizes[STP_SURFEL_COLORS]);
     memcpy(surfels->coverages, before->coverages, (size_t)sizes[STP_SURFEL_COVERAGES]);
+    if (surfels->shapes != NULL) {
+        memcpy(surfels->shapes, before->shapes, (size_t)sizes[STP_SURFEL_SHAPES]);
+    }
+    if (surfels->ranges != NULL) {
+        memcpy(surfels->ranges, before->ranges, (size_t)sizes[STP_SURFEL_RANGES]);
+    }
 }
 
 void stp_store_octave_targets(const stp_surfels* surfels, uint32_t octave,
@@ -142,6 +157,8 @@ void stp_store_octave_targets(const stp_surfels* surfels, uint32_t octave,
     targets[STP_SURFEL_MATERIALS] = surfels->materials + first;
     targets[STP_SURFEL_COLORS] = surfels->colors + 3 * entry;
     targets[STP_SURFEL_COVERAGES] = surfels->coverages + entry;
+    targets[STP_SURFEL_SHAPES] = surfels->shapes != NULL ? surfels->shapes + first : NULL;
+    targets[STP_SURFEL_RANGES] = surfels->ranges != NULL ? surfels->ranges + first : NULL;
 }
 
 bool stp_store_read_mapped(void* user, uint64_t offset, void* bytes, size_t size)
@@ -178,8 +195,9 @@ static stp_result add_octave(stp_store* store, uint32_t index, uint32_t octave,
         return stp_store_fail_block(store, block, fault);
     }
     stp_store_judge judge = stp_store_own_judge(store);
-    return stp_store_judge_surfel_data(&judge, index, targets[STP_SURFEL_MATERIALS],
-                                       span.end - span.first, store->directory.shading_count);
+    stp_store_surfel_data data = {span.end - span.first, targets[STP_SURFEL_MATERIALS],
+                                  targets[STP_SURFEL_SHAPES], targets[STP_SURFEL_RANGES]};
+    return stp_store_judge_surfel_data(&judge, index, &data, store->directory.shading_count);
 }
 
 // Joins the first `octave_count` octaves, more than there are ready, in new memory.

@@ -71,8 +71,11 @@ static void add_node(const stp_store_content* content, uint32_t index, shown_nod
         child->areas =
             fmin(child->areas + at.areas * stp_affine_area_scale(&edge->transform), DBL_MAX);
     }
-    if (node->surfels != STP_STORE_NONE) {
-        s->set_scales[node->surfels] = fmax(s->set_scales[node->surfels], at.scale);
+    for (uint32_t m = 0; m == 0 || m < directory->method_count; ++m) {
+        uint32_t set = stp_store_set_of(directory, m, index);
+        if (set != STP_STORE_NONE) {
+            s->set_scales[set] = fmax(s->set_scales[set], at.scale);
+        }
     }
     for (uint32_t k = 0; k < node->part_count; ++k) {
         const stp_store_part* part = &directory->parts[node->first_part + k];

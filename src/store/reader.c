@@ -191,6 +191,9 @@ static stp_result read_directory(stp_store* store)
     stp_store_judge judge = stp_store_own_judge(store);
     result = stp_store_judge_graph(&judge, &store->directory);
     if (result == STP_OK) {
+        result = stp_store_read_methods(store, &text);
+    }
+    if (result == STP_OK) {
         result = judge_records(store);
     }
     if (result == STP_OK) {
@@ -337,6 +340,8 @@ void stp_store_close(stp_store* store)
     stp_store_free_keys(store);
     stp_store_free_packed(store);
     stp_free(context, store->pages_checked);
+    stp_free(context, store->methods);
+    stp_free(context, store->method_sets);
     if (store->mapped) {
         store->file.size = store->mapped_bytes;
         stp_file_unmap(&store->file);

@@ -362,6 +362,17 @@ static void code_clusters(stp_store_codec* codec, void* element)
     code_u32(codec, &record->cluster_count);
 }
 
+static void code_method(stp_store_codec* codec, void* element)
+{
+    stp_store_method* method = &((stp_store_method_record*)element)->method;
+    code_text(codec, &method->name);
+    code_u32(codec, &method->id);
+    code_u32(codec, &method->columns);
+    code_u32(codec, &method->first_set);
+    code_u32(codec, &method->set_count);
+    code_reserved(codec);
+}
+
 void stp_store_code_section(stp_store_codec* codec, stp_store_section* section)
 {
     code_u32(codec, &section->type);
@@ -402,6 +413,8 @@ const stp_store_table* stp_store_table_of(uint32_t type)
         [STP_SECTION_KEYS] = {"key", 16, sizeof(stp_store_key), code_key},
         [STP_SECTION_CLUSTERS] = {"mesh's clusters", 4, sizeof(stp_store_clusters_record),
                                   code_clusters},
+        [STP_SECTION_METHODS] = {"method", 24, sizeof(stp_store_method_record), code_method},
+        [STP_SECTION_METHOD_NODES] = {"method's node", 4, sizeof(uint32_t), code_page},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

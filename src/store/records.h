@@ -76,6 +76,11 @@ typedef struct stp_store_key {
     stp_hash hash; ///< all zero: none
 } stp_store_key;
 
+/// A method as the file says it.
+typedef struct stp_store_method_record {
+    stp_store_method method; ///< `sets` is made by the reader
+} stp_store_method_record;
+
 typedef struct stp_store_octave {
     uint32_t end, block;
 } stp_store_octave;
@@ -115,6 +120,8 @@ typedef union stp_store_element {
     stp_store_key key;
     uint32_t page; ///< checksum
     stp_store_clusters_record clusters;
+    stp_store_method_record method;
+    uint32_t method_node;
 } stp_store_element;
 
 /// By section type; of one that is none, or not known, everything is 0.

@@ -112,8 +112,8 @@ static stp_result create_tables(stp_residency* r)
     return STP_OK;
 }
 
-/// Marks the sets above which nothing coarser is drawn.
-static stp_result find_uppermost(stp_residency* r)
+/// Marks the sets of a method above which nothing coarser is drawn.
+static stp_result find_uppermost(stp_residency* r, uint32_t method)
 {
     enum { UPPERMOST = 1, BELOW = 2 };
     const stp_store_directory* directory = &r->store->directory;
@@ -130,10 +130,11 @@ static stp_result find_uppermost(stp_residency* r)
         if (below == 0) {
             continue;
         }
-        if (node->surfels != STP_STORE_NONE && r->things[node->surfels].most > 0) {
-            if ((below & UPPERMOST) != 0 && r->things[node->surfels].pinned == 0) {
-                r->things[node->surfels].pinned = 1;
-                r->pins[r->pin_count++] = node->surfels;
+        uint32_t set = stp_store_set_of(directory, method, i);
+        if (set != STP_STORE_NONE && r->things[set].most > 0) {
+            if ((below & UPPERMOST) != 0 && r->things[set].pinned == 0) {
+                r->things[set].pinned = 1;
+                r->pins[r->pin_count++] = set;
             }
             below = BELOW;
         }
@@ -242,7 +243,9 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
     pthread_cond_init(&r->done, NULL);
     atomic_init(&r->ending, false);
     stp_result result = create_tables(r);
-    result = result == STP_OK ? find_uppermost(r) : result;
+    for (uint32_t m = 0; m < store->directory.method_count && result == STP_OK; ++m) {
+        result = find_uppermost(r, m);
+    }
     result = result == STP_OK ? stp_residency_start_threads(r) : result;
     if (result != STP_OK) {
         stp_residency_destroy(r);

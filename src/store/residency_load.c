@@ -83,9 +83,10 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
     }
     stp_store_judge judge = stp_store_own_judge(r->store);
     judge.warns = true;
+    stp_store_surfel_data data = {span.end - span.first, targets[STP_SURFEL_MATERIALS],
+                                  targets[STP_SURFEL_SHAPES], targets[STP_SURFEL_RANGES]};
     return fault == NULL && stp_store_judge_surfel_data(
-                                &judge, index, targets[STP_SURFEL_MATERIALS], span.end - span.first,
-                                r->store->directory.shading_count) == STP_OK;
+                                &judge, index, &data, r->store->directory.shading_count) == STP_OK;
 }
 
 static bool judge_mesh(stp_residency* r, stp_load* load)

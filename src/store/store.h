@@ -111,6 +111,15 @@ typedef struct stp_store_view {
     double fov_degrees;
 } stp_store_view;
 
+/// A method, whose sets lie together in the table of sets.
+typedef struct stp_store_method {
+    const char* name;
+    uint32_t id;      ///< STP_METHOD_*
+    uint32_t columns; ///< STP_SPLATS_*, of all its sets
+    uint32_t first_set, set_count;
+    const uint32_t* sets; ///< by node, STP_STORE_NONE: none. NULL: those of the nodes themselves
+} stp_store_method;
+
 typedef struct stp_store_source {
     const char* path;
     const char* format;
@@ -120,7 +129,8 @@ typedef struct stp_store_source {
 /// Everything but the bulk data. Arrays belong to the store. Also what the writer is given.
 typedef struct stp_store_directory {
     uint32_t node_count, edge_count, part_count, object_count, material_count, shading_count,
-        texture_count, mesh_count, point_set_count, surfels_count, view_count, source_count;
+        texture_count, mesh_count, point_set_count, surfels_count, view_count, source_count,
+        method_count;
     const stp_store_node* nodes;
     const stp_store_edge* edges;
     const stp_store_part* parts;
@@ -129,11 +139,23 @@ typedef struct stp_store_directory {
     const stp_shading* shadings;
     const stp_store_view* views;
     const stp_store_source* sources;
-    uint32_t root;          ///< STP_STORE_NONE in an empty scene
-    double unit_metres;     ///< 0: unknown
-    char up;                ///< the input's up axis
-    const char* build_json; ///< the parameters of the build, one JSON object
+    const stp_store_method* methods; ///< the first one's sets are those of the nodes
+    uint32_t root;                   ///< STP_STORE_NONE in an empty scene
+    double unit_metres;              ///< 0: unknown
+    char up;                         ///< the input's up axis
+    const char* build_json;          ///< the parameters of the build, one JSON object
 } stp_store_directory;
+
+/// The set of a node by a method, given by its place in the directory's table.
+static inline uint32_t stp_store_set_of(const stp_store_directory* directory, uint32_t method,
+                                        uint32_t node)
+{
+    const uint32_t* sets = method != 0 ? directory->methods[method].sets : NULL;
+    return sets != NULL ? sets[node] : directory->nodes[node].surfels;
+}
+
+/// The place of a method in the table; the first one's where the file has none of that id, or `id` is 0.
+uint32_t stp_store_find_method(const stp_store_directory* directory, uint32_t id);
 
 /// Opens and checks the directory. @return STP_OK, or IO, TRUNCATED, FORMAT, VERSION, UNSUPPORTED
 /// (a critical section this reader does not know), OUT_OF_MEMORY (logged)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "store/validate.h"
 
+#include "base/splat_codes.h"
 #include "store/columns.h"
 
 #include <stdio.h>
@@ -237,6 +238,9 @@ const char* stp_store_surfels_fault(const stp_surfels* surfels)
         fault = "positions of its grid are not finite";
     } else if (!(surfels->candidate_radius >= 0.0f) || !(surfels->paper_radius >= 0.0f)) {
         fault = "a radius is negative";
+    } else if ((surfels->columns & STP_SPLATS_SHAPES) != 0 &&
+               !isfinite(surfels->step * stp_shape_radius(STP_SHAPE_NOT_FINITE))) {
+        fault = "radii of its splats are not finite";
     } else if (surfels->paper_count > surfels->count) {
         fault = "its paper count exceeds its count";
     }
@@ -326,16 +330,27 @@ stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t ind
 }
 
 stp_result stp_store_judge_surfel_data(const stp_store_judge* judge, uint32_t index,
-                                       const uint8_t* materials, uint64_t count,
-                                       uint32_t shading_count)
+                                       const stp_store_surfel_data* data, uint32_t shading_count)
 {
     uint8_t highest = 0;
-    for (uint64_t i = 0; i < count; ++i) {
-        highest = materials[i] > highest ? materials[i] : highest;
+    for (uint64_t i = 0; i < data->count; ++i) {
+        highest = data->materials[i] > highest ? data->materials[i] : highest;
     }
-    if (count != 0 && highest >= shading_count) {
+    if (data->count != 0 && highest >= shading_count) {
         return complain(judge, "%s: surfel set %u: shading %u does not exist (there are %u)",
                         judge->path, index, highest, shading_count);
+    }
+    for (uint64_t i = 0; data->shapes != NULL && i < data->count; ++i) {
+        if (!stp_shape_is_valid(data->shapes[i])) {
+            return complain(judge, "%s: surfel set %u: a radius is not finite, or the smaller one",
+                            judge->path, index);
+        }
+    }
+    for (uint64_t i = 0; data->ranges != NULL && i < data->count; ++i) {
+        if (!stp_range_is_valid(data->ranges[i])) {
+            return complain(judge, "%s: surfel set %u: a lowest level lies above the highest",
+                            judge->path, index);
+        }
     }
     return STP_OK;
 }

@@ -37,7 +37,13 @@ STP_MUST_USE stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, 
                                                   const stp_store_mesh* mesh);
 STP_MUST_USE stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t index,
                                                    const stp_store_point_set* points);
-/// The material bytes of some surfels of set `index`.
+/// What is judged of some surfels of a set.
+typedef struct stp_store_surfel_data {
+    uint64_t count;
+    const uint8_t* materials;
+    const uint32_t *shapes, *ranges; ///< NULL: the set has none
+} stp_store_surfel_data;
+
 STP_MUST_USE stp_result stp_store_judge_surfel_data(const stp_store_judge* judge, uint32_t index,
-                                                    const uint8_t* materials, uint64_t count,
+                                                    const stp_store_surfel_data* data,
                                                     uint32_t shading_count);

@@ -82,6 +82,7 @@ static stp_result judge_content(const stp_store_writing* w)
     const stp_store_directory* d = &w->content->directory;
     stp_store_judge judge = {.context = w->context, .path = w->path, .failure = STP_ERROR_ARGUMENT};
     stp_result result = stp_store_judge_graph(&judge, d);
+    result = result == STP_OK ? stp_store_judge_methods(&judge, w->content) : result;
     if (result == STP_OK) {
         result = stp_store_judge_objects(&judge, d);
     }
@@ -112,8 +113,9 @@ static stp_result judge_content(const stp_store_writing* w)
         const stp_surfels* surfels = &w->content->surfels[i];
         result = stp_store_judge_surfels(&judge, i, surfels);
         if (result == STP_OK) {
-            result = stp_store_judge_surfel_data(&judge, i, surfels->materials, surfels->count,
-                                                 d->shading_count);
+            stp_store_surfel_data data = {surfels->count, surfels->materials, surfels->shapes,
+                                          surfels->ranges};
+            result = stp_store_judge_surfel_data(&judge, i, &data, d->shading_count);
         }
     }
     return result;

@@ -31,6 +31,9 @@ struct stp_store_content {
     bool passing;       ///< the file need not outlast a loss of power: nothing waits for the disk
 };
 
+/// Whether its methods must be told: there are others than `blue`.
+bool stp_store_tells_methods(const stp_store_directory* directory);
+
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_ARGUMENT (content that no reader would
 /// take) (logged; nothing of a former file is lost)
 STP_MUST_USE stp_result stp_store_write(stp_context* context, const stp_store_content* content,

@@ -64,15 +64,17 @@ void stp_store_batch_destroy(stp_store_batch* b)
 static size_t gather(const stp_surfels* surfels, const stp_store_block* block,
                      const stp_store_octave_span* span, uint32_t chunk, unsigned char* out)
 {
-    uint32_t begin = chunk == 0 ? 0 : stp_store_chunk_end(span, chunk - 1);
+    uint32_t begin = chunk == 0 ? span->begin : stp_store_chunk_end(span, chunk - 1);
     size_t place = begin > span->first ? begin : span->first;
-    size_t entry = (size_t)stp_store_pyramid_begin(surfels, block->octave) + begin;
+    size_t entry = (size_t)stp_store_pyramid_begin(surfels, block->octave) + begin - span->begin;
     const void* sources[STP_SURFEL_COLUMNS] = {
         [STP_SURFEL_POSITIONS] = surfels->positions + 3 * place,
         [STP_SURFEL_NORMALS] = surfels->normals + 2 * place,
         [STP_SURFEL_MATERIALS] = surfels->materials + place,
         [STP_SURFEL_COLORS] = surfels->colors + 3 * entry,
         [STP_SURFEL_COVERAGES] = surfels->coverages + entry,
+        [STP_SURFEL_SHAPES] = surfels->shapes != NULL ? surfels->shapes + place : NULL,
+        [STP_SURFEL_RANGES] = surfels->ranges != NULL ? surfels->ranges + place : NULL,
     };
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     size_t size = (size_t)stp_store_chunk_columns(span, chunk, columns);

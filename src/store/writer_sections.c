@@ -10,12 +10,15 @@
 
 // In the order of the file: first what says what the file is, last what a picture does not need.
 static const uint8_t section_order[] = {
-    STP_SECTION_SUMMARY,     STP_SECTION_SCENE_PARTS, STP_SECTION_VIEWS,    STP_SECTION_SOURCES,
-    STP_SECTION_BUILD,       STP_SECTION_NODES,       STP_SECTION_EDGES,    STP_SECTION_PARTS,
-    STP_SECTION_MATERIALS,   STP_SECTION_SHADINGS,    STP_SECTION_TEXTURES, STP_SECTION_MESHES,
-    STP_SECTION_POINT_SETS,  STP_SECTION_SURFELS,     STP_SECTION_OCTAVES,  STP_SECTION_BREAKPOINTS,
-    STP_SECTION_BLOCKS,      STP_SECTION_CLUSTERS,    STP_SECTION_TEXT,     STP_SECTION_OBJECTS,
-    STP_SECTION_OBJECT_TEXT, STP_SECTION_KEYS,        STP_SECTION_PAGES,
+    STP_SECTION_SUMMARY,     STP_SECTION_SCENE_PARTS, STP_SECTION_VIEWS,
+    STP_SECTION_SOURCES,     STP_SECTION_BUILD,       STP_SECTION_NODES,
+    STP_SECTION_EDGES,       STP_SECTION_PARTS,       STP_SECTION_MATERIALS,
+    STP_SECTION_SHADINGS,    STP_SECTION_TEXTURES,    STP_SECTION_MESHES,
+    STP_SECTION_POINT_SETS,  STP_SECTION_SURFELS,     STP_SECTION_OCTAVES,
+    STP_SECTION_BREAKPOINTS, STP_SECTION_METHODS,     STP_SECTION_METHOD_NODES,
+    STP_SECTION_BLOCKS,      STP_SECTION_CLUSTERS,    STP_SECTION_TEXT,
+    STP_SECTION_OBJECTS,     STP_SECTION_OBJECT_TEXT, STP_SECTION_KEYS,
+    STP_SECTION_PAGES,
 };
 
 enum {
@@ -34,6 +37,13 @@ static bool is_to_be_packed(const stp_store_writing* w, uint32_t type, uint64_t 
     return !patched && type != STP_SECTION_KEYS && bytes >= LEAST_PACKED && !w->content->passing;
 }
 
+// What a reader must know to make sense of the other sections.
+static bool is_critical(uint32_t type)
+{
+    return type == STP_SECTION_CLUSTERS || type == STP_SECTION_METHODS ||
+           type == STP_SECTION_METHOD_NODES;
+}
+
 // Where the section will lie, and its size, are known beforehand; texts' are not, and come last of
 // theirs.
 static stp_result begin_section(stp_store_writing* w, uint32_t type, uint64_t count)
@@ -45,8 +55,8 @@ static stp_result begin_section(stp_store_writing* w, uint32_t type, uint64_t co
     stp_store_page_sums_begin(&w->sums, type, packed);
     w->sections[type] = (stp_store_section){
         .type = type,
-        .flags = (type == STP_SECTION_CLUSTERS ? STP_SECTION_CRITICAL : 0u) |
-                 (packed ? STP_SECTION_PACKED : 0u),
+        .flags =
+            (is_critical(type) ? STP_SECTION_CRITICAL : 0u) | (packed ? STP_SECTION_PACKED : 0u),
         .offset = stp_file_writer_size(w->file),
         .size = count * record_size,
         .count = count,
@@ -252,6 +262,42 @@ static stp_result write_keys(stp_store_writing* w)
     return end_section(w, STP_SECTION_KEYS, result);
 }
 
+static stp_result write_methods(stp_store_writing* w)
+{
+    const stp_store_directory* d = &w->content->directory;
+    stp_result result = begin_section(w, STP_SECTION_METHODS, d->method_count);
+    for (uint32_t i = 0; i < d->method_count && result == STP_OK; ++i) {
+        stp_store_element element = {.method = {d->methods[i]}};
+        unsigned char bytes[STP_STORE_RECORD_LIMIT];
+        result = stp_store_code_element(w, STP_SECTION_METHODS, i, &element, bytes);
+        if (result == STP_OK) {
+            result = stp_store_emit(w, bytes, stp_store_table_of(STP_SECTION_METHODS)->record_size);
+        }
+    }
+    return end_section(w, STP_SECTION_METHODS, result);
+}
+
+// The node of each set of all methods but the first.
+static stp_result write_method_nodes(stp_store_writing* w)
+{
+    const stp_store_directory* d = &w->content->directory;
+    uint32_t first = d->methods[0].set_count, count = d->surfels_count - first;
+    uint32_t* nodes = STP_NEW_ARRAY(w->context, uint32_t, (size_t)count + 1);
+    if (nodes == NULL) {
+        return stp_fail_memory(w->context);
+    }
+    for (uint32_t m = 1; m < d->method_count; ++m) {
+        for (uint32_t i = 0; i < d->node_count; ++i) {
+            if (d->methods[m].sets[i] != STP_STORE_NONE) {
+                nodes[d->methods[m].sets[i] - first] = i;
+            }
+        }
+    }
+    stp_result result = write_table(w, STP_SECTION_METHOD_NODES, nodes, count);
+    stp_free(w->context, nodes);
+    return result;
+}
+
 static stp_result write_section(stp_store_writing* w, uint32_t type)
 {
     const stp_store_directory* d = &w->content->directory;
@@ -294,6 +340,10 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_table(w, type, w->summary.parts, w->summary.part_count);
     case STP_SECTION_KEYS:
         return write_keys(w);
+    case STP_SECTION_METHODS:
+        return write_methods(w);
+    case STP_SECTION_METHOD_NODES:
+        return write_method_nodes(w);
     case STP_SECTION_PAGES: // what is written now is patched at the end
         return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
@@ -310,8 +360,13 @@ static void list_sections(stp_store_writing* w)
     }
     w->section_count = 0;
     for (size_t i = 0; i < SECTION_LIMIT; ++i) {
-        if (section_order[i] != STP_SECTION_CLUSTERS || any_coded) {
-            w->types[w->section_count++] = section_order[i];
+        uint32_t type = section_order[i];
+        bool of_methods = type == STP_SECTION_METHODS || type == STP_SECTION_METHOD_NODES;
+        bool wanted = type == STP_SECTION_CLUSTERS ? any_coded
+                      : of_methods                 ? stp_store_tells_methods(&w->content->directory)
+                                                   : true;
+        if (wanted) {
+            w->types[w->section_count++] = type;
         }
     }
 }

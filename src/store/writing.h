@@ -28,6 +28,10 @@ typedef struct stp_store_writing {
     stp_store_packing* packing; ///< of the section being written; NULL: it is not packed
 } stp_store_writing;
 
+/// The methods of content, and the columns of their sets.
+STP_MUST_USE stp_result stp_store_judge_methods(const stp_store_judge* judge,
+                                                const stp_store_content* content);
+
 /// Chunks of octaves that wait to be compressed together.
 typedef struct stp_store_batch stp_store_batch;
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). In any case `*batch` is to be destroyed

@@ -15,13 +15,14 @@ static void fill(uint64_t seed, void* bytes, size_t size, uint32_t levels)
 }
 
 static bool make_set(stp_arena* arena, uint64_t seed, const uint32_t* ends, uint32_t octaves,
-                     stp_surfels* set)
+                     uint32_t columns, stp_surfels* set)
 {
     size_t entries = 0, count = ends[octaves - 1];
-    *set = (stp_surfels){.step = 0.5f, .octave_count = octaves, .count = ends[octaves - 1]};
+    *set = (stp_surfels){
+        .step = 0.5f, .columns = columns, .octave_count = octaves, .count = ends[octaves - 1]};
     for (uint32_t k = 0; k < octaves; ++k) {
         set->octave_ends[k] = ends[k];
-        entries += ends[k];
+        entries = (columns & STP_SPLATS_FLAT_COLORS) != 0 ? ends[k] : entries + ends[k];
         set->table.count[k] = ends[k];
         set->table.radius[k] = 64.0f / (float)(1u << k);
         set->table.size = k + 1;
@@ -31,8 +32,11 @@ static bool make_set(stp_arena* arena, uint64_t seed, const uint32_t* ends, uint
     set->materials = stp_arena_alloc(arena, count);
     set->colors = stp_arena_alloc(arena, 3 * entries);
     set->coverages = stp_arena_alloc(arena, entries);
-    if (set->positions == NULL || set->normals == NULL || set->materials == NULL ||
-        set->colors == NULL || set->coverages == NULL) {
+    set->shapes = stp_arena_alloc(arena, 4 * count);
+    set->ranges = stp_arena_alloc(arena, 4 * count);
+    if (set->shapes == NULL || set->ranges == NULL || set->positions == NULL ||
+        set->normals == NULL || set->materials == NULL || set->colors == NULL ||
+        set->coverages == NULL) {
         return false;
     }
     fill(seed, set->positions, 6 * count, seed == 0 ? 0 : 256);
@@ -40,6 +44,12 @@ static bool make_set(stp_arena* arena, uint64_t seed, const uint32_t* ends, uint
     fill(seed + 2, set->materials, count, seed == 0 ? 0 : 1);
     fill(seed + 3, set->colors, 3 * entries, seed == 0 ? 0 : 3);
     fill(seed + 4, set->coverages, entries, seed == 0 ? 0 : 2);
+    for (size_t i = 0; i < count; ++i) {
+        set->shapes[i] = (uint32_t)stp_rng_hash(seed + 5, i) & 0xFF0007FFu;
+        set->ranges[i] = ((uint32_t)stp_rng_hash(seed + 6, i) & 0x3FFFu) | 0x40000000u;
+    }
+    set->shapes = (columns & STP_SPLATS_SHAPES) != 0 ? set->shapes : NULL;
+    set->ranges = (columns & STP_SPLATS_RANGES) != 0 ? set->ranges : NULL;
     return true;
 }
 
@@ -48,8 +58,10 @@ bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made)
     static const uint32_t ends[CHUNK_SAMPLE_SETS][4] = {
         {100, 5141, 21000, 60000}, {1, 2, 3, 4}, {5041, 5042, 16384, 16385}};
     *made = (chunk_sample){.shading = {0}};
+    uint32_t columns = seed % 2 != 0 ? STP_SPLATS_COLUMNS : 0;
     for (uint32_t i = 0; i < CHUNK_SAMPLE_SETS; ++i) {
-        if (!make_set(arena, seed == 0 ? 0 : 10 * seed + 100 * i, ends[i], 4, &made->sets[i])) {
+        if (!make_set(arena, seed == 0 ? 0 : 10 * seed + 100 * i, ends[i], 4, columns,
+                      &made->sets[i])) {
             return false;
         }
     }
@@ -61,6 +73,12 @@ bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made)
                       .up = 'y'},
         .surfels = made->sets,
     };
+    made->method = (stp_store_method){
+        .name = "spt", .id = STP_METHOD_SPT, .columns = columns, .set_count = CHUNK_SAMPLE_SETS};
+    if (columns != 0) {
+        made->content.directory.methods = &made->method;
+        made->content.directory.method_count = 1;
+    }
     return true;
 }
 
@@ -68,7 +86,8 @@ bool chunk_sample_is_same(const stp_surfels* a, const stp_surfels* b)
 {
     size_t entries = 0;
     for (uint32_t k = 0; k < a->octave_count; ++k) {
-        entries += a->octave_ends[k];
+        bool flat = (a->columns & STP_SPLATS_FLAT_COLORS) != 0;
+        entries = flat ? a->octave_ends[k] : entries + a->octave_ends[k];
     }
     return a->count == b->count && a->octave_count == b->octave_count &&
            memcmp(a->octave_ends, b->octave_ends, sizeof(a->octave_ends)) == 0 &&
@@ -76,5 +95,7 @@ bool chunk_sample_is_same(const stp_surfels* a, const stp_surfels* b)
            memcmp(a->normals, b->normals, 2 * (size_t)a->count) == 0 &&
            memcmp(a->materials, b->materials, a->count) == 0 &&
            memcmp(a->colors, b->colors, 3 * entries) == 0 &&
-           memcmp(a->coverages, b->coverages, entries) == 0;
+           memcmp(a->coverages, b->coverages, entries) == 0 && a->columns == b->columns &&
+           (a->shapes == NULL || memcmp(a->shapes, b->shapes, 4 * (size_t)a->count) == 0) &&
+           (a->ranges == NULL || memcmp(a->ranges, b->ranges, 4 * (size_t)a->count) == 0);
 }

@@ -11,9 +11,11 @@ typedef struct chunk_sample {
     stp_store_content content;
     stp_surfels sets[CHUNK_SAMPLE_SETS];
     stp_shading shading;
+    stp_store_method method;
 } chunk_sample;
 
-/// Three sets of up to 60,000 surfels, whose content is drawn from `seed`; seed 0: all bytes are alike. `made` must not be
+/// Three sets of up to 60,000 surfels, whose content is drawn from `seed`; seed 0: all bytes are alike. Of odd seeds, sets have all
+/// optional columns. `made` must not be
 /// moved. Memory is the arena's. @return false where that runs out
 bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made);
 

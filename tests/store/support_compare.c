@@ -57,6 +57,19 @@ static bool same_objects(const stp_store_directory* a, const stp_store_directory
     return true;
 }
 
+static bool same_methods(const stp_store_directory* a, const stp_store_directory* b)
+{
+    bool same =
+        a->method_count == b->method_count || (a->method_count == 0 && b->method_count == 1);
+    for (uint32_t m = 0; same && m < a->method_count; ++m) {
+        const stp_store_method *x = &a->methods[m], *y = &b->methods[m];
+        same = strcmp(x->name, y->name) == 0 && x->id == y->id && x->columns == y->columns &&
+               x->first_set == y->first_set && x->set_count == y->set_count &&
+               (x->sets == NULL || memcmp(x->sets, y->sets, a->node_count * sizeof(*x->sets)) == 0);
+    }
+    return same;
+}
+
 static const char* directory_difference(const stp_store_directory* a, const stp_store_directory* b)
 {
     if (a->node_count != b->node_count || a->edge_count != b->edge_count ||
@@ -64,7 +77,8 @@ static const char* directory_difference(const stp_store_directory* a, const stp_
         a->material_count != b->material_count || a->shading_count != b->shading_count ||
         a->texture_count != b->texture_count || a->mesh_count != b->mesh_count ||
         a->point_set_count != b->point_set_count || a->surfels_count != b->surfels_count ||
-        a->view_count != b->view_count || a->source_count != b->source_count) {
+        a->view_count != b->view_count || a->source_count != b->source_count ||
+        !same_methods(a, b)) {
         return "counts";
     }
     if (a->root != b->root || a->up != b->up || !same_text(a->build_json, b->build_json) ||
@@ -153,13 +167,15 @@ static bool same_surfels(const stp_surfels* a, stp_store* store, uint32_t index)
     }
     size_t n = a->count, entries = 0;
     for (uint32_t k = 0; k < a->octave_count; ++k) {
-        entries += a->octave_ends[k];
+        bool flat = (a->columns & STP_SPLATS_FLAT_COLORS) != 0;
+        entries = flat ? a->octave_ends[k] : entries + a->octave_ends[k];
     }
     float scalars_a[] = {a->origin.x, a->origin.y,         a->origin.z,
                          a->step,     a->candidate_radius, a->paper_radius};
     float scalars_b[] = {b.origin.x, b.origin.y,         b.origin.z,
                          b.step,     b.candidate_radius, b.paper_radius};
-    return n == b.count && a->octave_count == b.octave_count && a->paper_count == b.paper_count &&
+    return n == b.count && a->columns == b.columns && a->octave_count == b.octave_count &&
+           a->paper_count == b.paper_count &&
            memcmp(scalars_a, scalars_b, sizeof(scalars_a)) == 0 &&
            memcmp(a->octave_ends, b.octave_ends, sizeof(a->octave_ends)) == 0 &&
            memcmp(&a->table, &b.table, sizeof(a->table)) == 0 &&
@@ -167,7 +183,8 @@ static bool same_surfels(const stp_surfels* a, stp_store* store, uint32_t index)
             (same_bytes(a->positions, b.positions, 6 * n) &&
              same_bytes(a->normals, b.normals, 2 * n) && same_bytes(a->materials, b.materials, n) &&
              same_bytes(a->colors, b.colors, 3 * entries) &&
-             same_bytes(a->coverages, b.coverages, entries)));
+             same_bytes(a->coverages, b.coverages, entries) &&
+             same_bytes(a->shapes, b.shapes, 4 * n) && same_bytes(a->ranges, b.ranges, 4 * n)));
 }
 
 const char* sample_difference(const stp_store_content* content, stp_store* store)

@@ -200,6 +200,35 @@ static json_t* expected_textures(const stp_store_content* content)
     return list;
 }
 
+static json_t* expected_methods(const stp_store_directory* d)
+{
+    const stp_store_method blue = {
+        .name = "blue", .id = STP_METHOD_BLUE, .set_count = d->surfels_count};
+    json_t* list = json_array();
+    for (uint32_t i = 0; i == 0 || i < d->method_count; ++i) {
+        const stp_store_method* m = d->method_count != 0 ? &d->methods[i] : &blue;
+        json_t* method =
+            json_pack("{s:s s:I s:I s:I s:I}", "name", m->name, "id", (json_int_t)m->id, "columns",
+                      (json_int_t)m->columns, "first_set", (json_int_t)m->first_set, "set_count",
+                      (json_int_t)m->set_count);
+        json_t* nodes = json_array();
+        for (uint32_t set = m->first_set; m->sets != NULL && set < m->first_set + m->set_count;
+             ++set) {
+            for (uint32_t k = 0; k < d->node_count; ++k) {
+                if (m->sets[k] == set) {
+                    json_array_append_new(nodes, json_integer(k));
+                }
+            }
+        }
+        if (m->sets != NULL) {
+            json_object_set(method, "nodes", nodes);
+        }
+        json_decref(nodes);
+        json_array_append_new(list, method);
+    }
+    return list;
+}
+
 static json_t* expected_surfels(const stp_store_content* content)
 {
     json_t* list = json_array();
@@ -209,7 +238,8 @@ static json_t* expected_surfels(const stp_store_content* content)
         json_t* breakpoints = json_array();
         size_t n = s->count, entries = 0;
         for (uint32_t k = 0; k < s->octave_count; ++k) {
-            entries += s->octave_ends[k];
+            bool flat = (s->columns & STP_SPLATS_FLAT_COLORS) != 0;
+            entries = flat ? s->octave_ends[k] : entries + s->octave_ends[k];
             json_array_append_new(ends, json_integer(s->octave_ends[k]));
         }
         for (uint32_t k = 0; k < s->table.size; ++k) {
@@ -223,6 +253,12 @@ static json_t* expected_surfels(const stp_store_content* content)
             json_object_set_new(columns, "materials", json_integer(crc(s->materials, n)));
             json_object_set_new(columns, "colors", json_integer(crc(s->colors, 3 * entries)));
             json_object_set_new(columns, "coverages", json_integer(crc(s->coverages, entries)));
+            if (s->shapes != NULL) {
+                json_object_set_new(columns, "shapes", json_integer(crc(s->shapes, 4 * n)));
+            }
+            if (s->ranges != NULL) {
+                json_object_set_new(columns, "ranges", json_integer(crc(s->ranges, 4 * n)));
+            }
         }
         json_t* set = json_pack("{s:I s:f s:o s:o s:o s:I s:f s:f}", "count", (json_int_t)n, "step",
                                 (double)s->step, "origin", triple(stp_to_double(s->origin)),
@@ -307,12 +343,13 @@ json_t* sample_expected_json(const stp_store_content* content, const stp_store_s
     const stp_store_directory* d = &content->directory;
     char up[2] = {d->up, '\0'};
     return json_pack(
-        "{s:[ii] s:I s:f s:s s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:[o] s:o s:o}", "version",
-        1, 2, "root", (json_int_t)d->root, "unit_metres", d->unit_metres, "up", up, "build",
-        text(d->build_json), "nodes", expected_nodes(d), "edges", expected_edges(d), "objects",
-        expected_objects(d), "materials", expected_materials(d), "meshes", expected_meshes(content),
-        "point_sets", expected_points(content), "textures", expected_textures(content), "surfels",
-        expected_surfels(content), "views", expected_views(d), "sources", expected_sources(d),
-        "summary", head, "scene_parts", expected_scene_parts(summary), "keys",
-        expected_keys(content));
+        "{s:[ii] s:I s:f s:s s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:o s:[o] s:o s:o s:o}",
+        "version", 1, 2, "root", (json_int_t)d->root, "unit_metres", d->unit_metres, "up", up,
+        "build", text(d->build_json), "nodes", expected_nodes(d), "edges", expected_edges(d),
+        "objects", expected_objects(d), "materials", expected_materials(d), "meshes",
+        expected_meshes(content), "point_sets", expected_points(content), "textures",
+        expected_textures(content), "surfels", expected_surfels(content), "views",
+        expected_views(d), "sources", expected_sources(d), "summary", head, "scene_parts",
+        expected_scene_parts(summary), "keys", expected_keys(content), "methods",
+        expected_methods(d));
 }

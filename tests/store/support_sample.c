@@ -3,6 +3,7 @@
 
 #include "base/position_grid.h"
 #include "base/rng.h"
+#include "base/splat_codes.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -167,9 +168,25 @@ static void add_textures(dice* d, stp_store_content* content, uint32_t count)
     content->directory.texture_count = count;
 }
 
-static stp_surfels make_surfels(dice* d, uint32_t shading_count)
+static void add_options(dice* d, stp_surfels* s)
 {
-    stp_surfels s = {.origin = vector(d)};
+    uint32_t* shapes = (s->columns & STP_SPLATS_SHAPES) != 0 ? take(d, s->count, 4) : NULL;
+    uint32_t* ranges = (s->columns & STP_SPLATS_RANGES) != 0 ? take(d, s->count, 4) : NULL;
+    for (uint32_t i = 0; shapes != NULL && i < s->count; ++i) {
+        uint32_t larger = below(d, 0xFFF);
+        shapes[i] = larger | below(d, larger + 1) << 12 | below(d, 256) << 24;
+    }
+    for (uint32_t i = 0; ranges != NULL && i < s->count; ++i) {
+        uint32_t high = below(d, STP_RANGE_INFINITE + 1);
+        ranges[i] = below(d, high + 1) | high << 16;
+    }
+    s->shapes = shapes;
+    s->ranges = ranges;
+}
+
+static stp_surfels make_surfels(dice* d, uint32_t shading_count, uint32_t columns)
+{
+    stp_surfels s = {.origin = vector(d), .columns = columns};
     s.step = below(d, 2) == 0 ? 0.0009765625f : 2.0f;
     s.candidate_radius = 0.01f * (float)below(d, 100);
     s.octave_count = below(d, 6);
@@ -177,7 +194,7 @@ static stp_surfels make_surfels(dice* d, uint32_t shading_count)
     for (uint32_t k = 0; k < s.octave_count; ++k) {
         s.count += 1 + below(d, 6u << k);
         s.octave_ends[k] = s.count;
-        entries += s.count;
+        entries += (columns & STP_SPLATS_FLAT_COLORS) != 0 ? s.count - entries : s.count;
     }
     s.positions = column(d, 6 * (size_t)s.count, false);
     s.normals = column(d, 2 * (size_t)s.count, false);
@@ -187,6 +204,7 @@ static stp_surfels make_surfels(dice* d, uint32_t shading_count)
     }
     s.colors = column(d, 3 * (size_t)entries, false);
     s.coverages = column(d, (size_t)entries, false);
+    add_options(d, &s);
     float radius = 64.0f;
     for (uint32_t at = 1; at <= s.count && s.table.size < STP_PREFIX_TABLE_SIZE;
          at += 1 + below(d, 9)) {
@@ -204,7 +222,7 @@ static void add_surfels(dice* d, stp_store_content* content, uint32_t count)
 {
     stp_surfels* sets = take(d, count, sizeof(*sets));
     for (uint32_t i = 0; d->complete && i < count; ++i) {
-        sets[i] = make_surfels(d, content->directory.shading_count);
+        sets[i] = make_surfels(d, content->directory.shading_count, 0);
     }
     content->surfels = sets;
     content->directory.surfels_count = count;
@@ -332,6 +350,42 @@ static void add_objects(dice* d, stp_store_content* content, uint32_t count)
     directory->sources = sources;
 }
 
+// Sets of a second and third method for some of the nodes, with columns that the first has not.
+static void add_methods(dice* d, stp_store_content* content)
+{
+    stp_store_directory* directory = &content->directory;
+    uint32_t nodes = directory->node_count, count = directory->surfels_count;
+    stp_store_method* methods = take(d, 3, sizeof(*methods));
+    stp_surfels* sets = take(d, count + 2 * (size_t)nodes, sizeof(*sets));
+    uint32_t* of_node = take(d, 2 * (size_t)nodes, sizeof(*of_node));
+    if (!d->complete) {
+        return;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        sets[i] = content->surfels[i];
+    }
+    methods[0] = (stp_store_method){.name = "blue", .id = STP_METHOD_BLUE, .set_count = count};
+    for (uint32_t m = 1; m < 3; ++m) {
+        methods[m] = (stp_store_method){.name = m == 1 ? "spt" : "stochastic",
+                                        .id = m == 1 ? STP_METHOD_SPT : STP_METHOD_STOCHASTIC,
+                                        .columns = m == 1 ? STP_SPLATS_COLUMNS : below(d, 8),
+                                        .first_set = count,
+                                        .sets = of_node + (m - 1) * (size_t)nodes};
+        for (uint32_t i = 0; i < nodes; ++i) {
+            bool has = below(d, 2) == 0;
+            of_node[(m - 1) * (size_t)nodes + i] = has ? count : STP_STORE_NONE;
+            if (has) {
+                sets[count++] = make_surfels(d, directory->shading_count, methods[m].columns);
+            }
+        }
+        methods[m].set_count = count - methods[m].first_set;
+    }
+    content->surfels = sets;
+    directory->surfels_count = count;
+    directory->methods = methods;
+    directory->method_count = 3;
+}
+
 // Keys of most sets and meshes, in most samples.
 static void add_keys(dice* d, stp_store_content* content)
 {
@@ -390,6 +444,9 @@ sample sample_make(stp_arena* arena, uint64_t seed)
     directory->unit_metres = below(&d, 2) == 0 ? 0.0 : 0.001;
     directory->up = (char)('x' + (int)below(&d, 3));
     directory->build_json = below(&d, 2) == 0 ? NULL : "{\"seed\": 0}";
+    if (stp_rng_hash(seed, 0x3E7) % 2 != 0) {
+        add_methods(&d, &made.content);
+    }
     add_keys(&d, &made.content);
     add_census(&d, &made.content);
     made.complete = d.complete;

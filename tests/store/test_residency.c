@@ -56,6 +56,13 @@ static void lengthen(stp_arena* arena, stp_surfels* s, uint64_t seed)
     s->materials = memset(columns[2], 0, s->count);
     s->colors = columns[3];
     s->coverages = columns[4];
+    uint32_t* options = stp_arena_alloc_array(arena, 2 * (size_t)s->count, sizeof(*options));
+    for (uint32_t i = 0; options != NULL && i < 2 * s->count; ++i) {
+        uint32_t some = (uint32_t)stp_rng_hash(seed, i);
+        options[i] = i < s->count ? some & 0xFFu : 0x40000000u | (some & 0x3FFFu);
+    }
+    s->shapes = (s->columns & STP_SPLATS_SHAPES) != 0 ? options : NULL;
+    s->ranges = (s->columns & STP_SPLATS_RANGES) != 0 ? options + s->count : NULL;
 }
 
 static void want_all(fixture* f)
@@ -273,11 +280,14 @@ static const char* compare_prefixes(const fixture* f, stp_store* other)
             return "a set has other counts";
         }
         uint64_t entries = stp_store_pyramid_begin(&a, a.octave_count);
-        if (a.count > 0 && (memcmp(a.positions, b.positions, 6 * (size_t)a.count) != 0 ||
-                            memcmp(a.normals, b.normals, 2 * (size_t)a.count) != 0 ||
-                            memcmp(a.materials, b.materials, a.count) != 0 ||
-                            memcmp(a.colors, b.colors, 3 * (size_t)entries) != 0 ||
-                            memcmp(a.coverages, b.coverages, (size_t)entries) != 0)) {
+        if (a.count > 0 &&
+            (memcmp(a.positions, b.positions, 6 * (size_t)a.count) != 0 ||
+             memcmp(a.normals, b.normals, 2 * (size_t)a.count) != 0 ||
+             memcmp(a.materials, b.materials, a.count) != 0 ||
+             memcmp(a.colors, b.colors, 3 * (size_t)entries) != 0 ||
+             memcmp(a.coverages, b.coverages, (size_t)entries) != 0 ||
+             (a.shapes != NULL && memcmp(a.shapes, b.shapes, 4 * (size_t)a.count) != 0) ||
+             (a.ranges != NULL && memcmp(a.ranges, b.ranges, 4 * (size_t)a.count) != 0))) {
             return "a set has other columns";
         }
     }

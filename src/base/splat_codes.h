@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+//
+// Codes of the optional columns of a set of splats (docs/format.md, Shapes and ranges). A code decodes by a shift, so that
+// every kernel and shader gets the same bits; rounding never makes a splat smaller, nor a range narrower.
+//
+//   shape   bits 0-11 the larger radius, 12-23 the smaller one, 24-31 the direction of the larger one
+//   range   bits 0-15 the lowest level at which the splat is drawn, 16-31 the highest
+#pragma once
+
+#include "base/math.h"
+
+#include <string.h>
+
+enum {
+    STP_SHAPE_NOT_FINITE = 0xFFF,     ///< no radius
+    STP_SHAPE_BIAS = 125 << 23,       ///< a radius of code 0 is a quarter of the set's step
+    STP_RANGE_ANY = (int)0xFF000000u, ///< all levels
+    STP_RANGE_INFINITE = 0xFF00,      ///< larger codes are no levels
+};
+
+#define STP_SHAPE_TURN 256u ///< directions of half a turn
+
+static inline float stp_float_of_bits(uint32_t bits)
+{
+    float value;
+    memcpy(&value, &bits, sizeof(value));
+    return value;
+}
+
+static inline uint32_t stp_bits_of_float(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof(bits));
+    return bits;
+}
+
+/// A radius in steps of its set, by its twelve bits: at most 0.8 % too large.
+static inline float stp_shape_radius(uint32_t code)
+{
+    return stp_float_of_bits((code << 16) + (uint32_t)STP_SHAPE_BIAS);
+}
+
+/// The code of a radius in steps, rounded up; up to 2^29 steps.
+static inline uint32_t stp_shape_code(float radius)
+{
+    if (!(radius > 0.25f)) {
+        return 0;
+    }
+    uint32_t code = (stp_bits_of_float(radius) - (uint32_t)STP_SHAPE_BIAS + 0xFFFFu) >> 16;
+    return code < STP_SHAPE_NOT_FINITE ? code : STP_SHAPE_NOT_FINITE - 1;
+}
+
+/// Of a disk.
+static inline uint32_t stp_shape_round(float radius)
+{
+    uint32_t code = stp_shape_code(radius);
+    return code | code << 12;
+}
+
+/// By its sixteen bits.
+static inline float stp_range_level(uint32_t code)
+{
+    return stp_float_of_bits(code << 15);
+}
+
+/// Levels from `lowest`, rounded down, to `highest`, rounded up; both at least 0, perhaps infinite.
+static inline uint32_t stp_range_code(float lowest, float highest)
+{
+    uint32_t low = stp_bits_of_float(lowest) >> 15;
+    uint32_t high = (stp_bits_of_float(highest) + 0x7FFFu) >> 15;
+    return low | (high < STP_RANGE_INFINITE ? high : STP_RANGE_INFINITE) << 16;
+}
+
+static inline bool stp_range_is_valid(uint32_t code)
+{
+    return (code & 0xFFFFu) <= code >> 16 && code >> 16 <= STP_RANGE_INFINITE;
+}
+
+/// Radii that are finite, the larger one first.
+static inline bool stp_shape_is_valid(uint32_t code)
+{
+    uint32_t larger = code & 0xFFFu, smaller = code >> 12 & 0xFFFu;
+    return larger != STP_SHAPE_NOT_FINITE && smaller <= larger;
+}

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// Sets of several methods in one file: what is written comes back, and what no reader could draw is refused.
+#include "support_chunks.h"
+#include "support_sample.h"
+#include "tests.h"
+
+#include "base/splat_codes.h"
+#include "store/internal.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { NODES = 4 };
+
+typedef struct fixture {
+    stp_arena arena;
+    chunk_sample made;
+    stp_store_node nodes[NODES];
+    stp_store_method methods[2];
+    uint32_t sets[NODES];
+} fixture;
+
+// Four nodes; the first set is node 0's by the first method, the two others are nodes 1's and 3's by the second.
+static bool set_up(fixture* f, stp_context* context)
+{
+    f->arena = stp_arena_create(context, 1 << 20);
+    if (!chunk_sample_make(&f->arena, 2, &f->made)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < NODES; ++i) {
+        f->nodes[i] = (stp_store_node){.surfels = i == 0 ? 0 : STP_STORE_NONE};
+        f->sets[i] = i == 1 ? 1 : i == 3 ? 2 : STP_STORE_NONE;
+    }
+    f->methods[0] = (stp_store_method){.name = "blue", .id = STP_METHOD_BLUE, .set_count = 1};
+    f->methods[1] = (stp_store_method){
+        .name = "spt", .id = STP_METHOD_SPT, .first_set = 1, .set_count = 2, .sets = f->sets};
+    stp_store_directory* d = &f->made.content.directory;
+    d->nodes = f->nodes;
+    d->node_count = NODES;
+    d->root = NODES - 1;
+    d->methods = f->methods;
+    d->method_count = 2;
+    return true;
+}
+
+// Writes the content and opens it. @return what either returned
+static stp_result write_and_open(stp_context* context, const stp_store_content* content,
+                                 unsigned char** bytes, stp_store** store)
+{
+    char path[256];
+    const char* folder = getenv("TMPDIR");
+    size_t size = 0;
+    snprintf(path, sizeof(path), "%s/stp_methods_%ld.stip", folder != NULL ? folder : "/tmp",
+             (long)getpid());
+    *bytes = NULL;
+    *store = NULL;
+    stp_result result = stp_store_write(context, content, path);
+    if (result == STP_OK) {
+        *bytes = sample_read_file(path, &size);
+        result = stp_store_open_memory(context, "methods", *bytes, size, &(stp_store_open_desc){0},
+                                       store);
+    }
+    unlink(path);
+    return result;
+}
+
+void test_methods_of_a_file(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    fixture f;
+    unsigned char* bytes;
+    stp_store* store;
+    CHECK(set_up(&f, context));
+    CHECK_EQUAL(STP_OK, write_and_open(context, &f.made.content, &bytes, &store));
+    const stp_store_directory* d = stp_store_get_directory(store);
+    CHECK_EQUAL(2, d->method_count);
+    CHECK(strcmp(d->methods[1].name, "spt") == 0);
+    uint32_t spt = stp_store_find_method(d, STP_METHOD_SPT);
+    CHECK_EQUAL(1, spt);
+    CHECK_EQUAL(0, stp_store_find_method(d, STP_METHOD_PSP)); // not there: the first
+    for (uint32_t i = 0; i < NODES; ++i) {
+        CHECK_EQUAL(f.nodes[i].surfels, stp_store_set_of(d, 0, i));
+        CHECK_EQUAL(f.sets[i], stp_store_set_of(d, spt, i));
+    }
+    stp_store_close(store);
+    free(bytes);
+    stp_arena_destroy(&f.arena);
+    stp_context_destroy(context);
+}
+
+void test_methods_that_are_not_known(test_state* test)
+{
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    fixture f;
+    unsigned char* bytes;
+    stp_store* store;
+    CHECK(set_up(&f, context));
+    f.methods[0].name = "zebra";
+    f.methods[0].id = 99;
+    CHECK_EQUAL(STP_OK, write_and_open(context, &f.made.content, &bytes, &store));
+    const stp_store_directory* d = stp_store_get_directory(store);
+    CHECK_EQUAL(1, d->method_count); // the other takes the nodes
+    CHECK_EQUAL(STP_METHOD_SPT, d->methods[0].id);
+    for (uint32_t i = 0; i < NODES; ++i) {
+        CHECK_EQUAL(f.sets[i], d->nodes[i].surfels);
+    }
+    stp_store_close(store);
+    free(bytes);
+    f.methods[1].name = "yak";
+    f.methods[1].id = 98;
+    CHECK_EQUAL(STP_ERROR_UNSUPPORTED, write_and_open(context, &f.made.content, &bytes, &store));
+    CHECK(strstr(log.text, "zebra") != NULL);
+    free(bytes);
+    stp_arena_destroy(&f.arena);
+    stp_context_destroy(context);
+}
+
+// Each breaks one thing of a file that is right.
+static void break_thing(fixture* f, int thing)
+{
+    stp_surfels* set = &f->made.sets[1];
+    switch (thing) {
+    case 0: // two methods of one number
+        f->methods[1].id = STP_METHOD_BLUE;
+        break;
+    case 1: // a set that is nobody's
+        f->sets[3] = STP_STORE_NONE;
+        break;
+    case 2: // a set of two nodes
+        f->sets[2] = 1;
+        break;
+    case 3: // a set of no method
+        f->methods[1].set_count = 1;
+        break;
+    case 4: // a node whose set is another method's
+        f->nodes[2].surfels = 2;
+        break;
+    case 5: // columns that the method has not
+        set->columns = STP_SPLATS_RANGES;
+        break;
+    case 6: // columns that no version knows
+        f->methods[1].columns = 8;
+        break;
+    case 7: // a column that is not there
+        set->columns = f->methods[1].columns = f->made.sets[2].columns = STP_SPLATS_SHAPES;
+        break;
+    default: // no name
+        f->methods[0].name = "";
+        break;
+    }
+}
+
+void test_methods_that_make_no_sense_are_refused(test_state* test)
+{
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    for (int thing = 0; thing <= 8; ++thing) {
+        fixture f;
+        unsigned char* bytes;
+        stp_store* store;
+        CHECK(set_up(&f, context));
+        break_thing(&f, thing);
+        CHECK_EQUAL(STP_ERROR_ARGUMENT, write_and_open(context, &f.made.content, &bytes, &store));
+        CHECK_EQUAL(thing + 1, log.errors);
+        stp_arena_destroy(&f.arena);
+    }
+    stp_context_destroy(context);
+}
+
+void test_splat_codes_never_shrink(test_state* test)
+{
+    for (float radius = 0.01f; radius < 1e8f; radius *= 1.0137f) {
+        float coded = stp_shape_radius(stp_shape_code(radius));
+        CHECK(coded >= radius && (radius <= 0.25f || coded <= radius * (1.0f + 1.0f / 127.0f)));
+        CHECK(stp_shape_is_valid(stp_shape_round(radius)));
+        uint32_t range = stp_range_code(radius, 3.0f * radius);
+        float low = stp_range_level(range & 0xFFFFu), high = stp_range_level(range >> 16);
+        CHECK(low <= radius && low >= radius * (1.0f - 1.0f / 255.0f));
+        CHECK(high >= 3.0f * radius && high <= 3.0f * radius * (1.0f + 1.0f / 255.0f));
+        CHECK(stp_range_is_valid(range));
+    }
+    CHECK(isinf(stp_range_level(stp_range_code(0.0f, INFINITY) >> 16)));
+    CHECK(isinf(stp_range_level(stp_range_code(0.0f, 3.4e38f) >> 16)));
+    CHECK(!stp_range_is_valid(0x00010002u)); // lowest above highest
+    CHECK(!stp_range_is_valid(0xFF010000u)); // not a number
+    CHECK(!stp_shape_is_valid(0x00FFFu));    // not finite
+    CHECK(!stp_shape_is_valid(0x00002001u)); // the smaller one larger
+}
+
+// Shapes and ranges that are wrong are refused where they are written, and by a reader whose file was changed.
+void test_splat_columns_are_judged(test_state* test)
+{
+    test_log log = {.errors = 0};
+    stp_context* context = test_context(NULL, 1, &log);
+    CHECK(context != NULL);
+    static const uint32_t wrong[][2] = {{0x00FFFu, 0x40000000u}, {0x001u, 0x00010002u}};
+    for (int i = 0; i < 2; ++i) {
+        stp_arena arena = stp_arena_create(context, 1 << 20);
+        chunk_sample made;
+        unsigned char* bytes;
+        stp_store* store;
+        CHECK(chunk_sample_make(&arena, 1, &made));
+        made.sets[1].shapes[2] = wrong[i][0];
+        made.sets[1].ranges[2] = wrong[i][1];
+        CHECK_EQUAL(STP_ERROR_ARGUMENT, write_and_open(context, &made.content, &bytes, &store));
+        stp_store_judge judge = {.context = context, .path = "x", .failure = STP_ERROR_FORMAT};
+        stp_store_surfel_data data = {made.sets[1].count, made.sets[1].materials,
+                                      made.sets[1].shapes, made.sets[1].ranges};
+        CHECK_EQUAL(STP_ERROR_FORMAT, stp_store_judge_surfel_data(&judge, 1, &data, 1));
+        stp_arena_destroy(&arena);
+    }
+    CHECK_EQUAL(4, log.errors);
+    stp_context_destroy(context);
+}
