@@ -8,7 +8,7 @@
 #include "base/clock.h"
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 #include "lod/spt/sequence.h"
 
 #include <stdlib.h>

@@ -49,6 +49,10 @@ enum {
     STP_SPLATS_COLUMNS = 7,     ///< all that this version knows
 };
 
+/// How steeply levels may rise with depth: by so much of the distance, ranges of neighbouring splats overlap. A view that
+/// allows a larger error takes one level for all of a set.
+#define STP_LEVEL_SLOPE 0.005f
+
 /// Surfels in order. 12 bytes each (position 6, normal 2, colour 3, material 1), about 14.4 with pyramids.
 typedef struct stp_surfels {
     uint32_t count;

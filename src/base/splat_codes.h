@@ -50,6 +50,33 @@ static inline uint32_t stp_shape_code(float radius)
     return code < STP_SHAPE_NOT_FINITE ? code : STP_SHAPE_NOT_FINITE - 1;
 }
 
+/// A direction in the plane of a disk, of unit length: a Taylor series, alike in every kernel.
+typedef struct stp_shape_axis {
+    float along_x, along_y; ///< the disk's axes (base/coverage.h)
+} stp_shape_axis;
+
+/// The direction of the smaller radius: a quarter of a turn from that of the larger one.
+static inline stp_shape_axis stp_shape_smaller(uint32_t code)
+{
+    double turn = 3.14159265358979323846 / (double)STP_SHAPE_TURN;
+    double x = turn * (double)((code >> 24) & 255u) - 0.5 * 3.14159265358979323846, s = x * x;
+    double sine = x, cosine = 1.0, power = 1.0;
+    for (int k = 1; k < 10; ++k) { // x is at most a quarter of a turn
+        power *= -s / (double)((2 * k - 1) * (2 * k));
+        cosine += power;
+        sine += x * power / (double)(2 * k + 1);
+    }
+    return (stp_shape_axis){(float)cosine,
+                            (float)sine}; // x is the direction less a quarter of a turn
+}
+
+/// What the square of an offset along the smaller radius counts more than along the larger one: 0 of disks.
+static inline float stp_shape_stretch(uint32_t code)
+{
+    float ratio = stp_shape_radius(code & 0xFFFu) / stp_shape_radius(code >> 12 & 0xFFFu);
+    return ratio * ratio - 1.0f;
+}
+
 /// Of a disk.
 static inline uint32_t stp_shape_round(float radius)
 {

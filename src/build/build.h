@@ -8,7 +8,7 @@
 #pragma once
 
 #include "import/import.h"
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 #include "scene/partition.h"
 
 typedef struct stp_build_desc {

@@ -5,7 +5,7 @@
 
 #include "base/hash.h"
 #include "build/shadings.h"
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 
 typedef struct stp_build_step {
     uint32_t node;

@@ -157,6 +157,14 @@ uint32_t stp_placement_seed(const stp_draw_item* draw)
 stp_octave_choice stp_placement_choose_octave(const stp_surfels* surfels, uint32_t prefix)
 {
     stp_octave_choice choice = {.octave = 0};
+    if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) {
+        while (choice.octave + 1 < surfels->octave_count &&
+               surfels->octave_ends[choice.octave] < prefix) {
+            choice.octave += 1;
+        }
+        choice.blend = 1.0f;
+        return choice;
+    }
     while (choice.octave + 1 < surfels->octave_count &&
            surfels->octave_ends[choice.octave] < prefix) {
         choice.low_count = surfels->octave_ends[choice.octave];

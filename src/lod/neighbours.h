@@ -4,8 +4,8 @@
 // for each surfel what lies in its disk.
 #pragma once
 
+#include "lod/blue/stencil.h"
 #include "lod/grid.h"
-#include "lod/stencil.h"
 
 /// For each sample the nearest surfel: of those on its side, the lower index where two are as near.
 typedef struct stp_nearest_search {

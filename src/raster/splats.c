@@ -11,8 +11,7 @@ static double dot3(const double* a, const double* b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// A row of the matrix after position = origin + step * value.
-static void fold_row(const float row[4], const stp_raster_splats* splats, float out[4])
+void stp_splats_fold_row(const float row[4], const stp_raster_splats* splats, float out[4])
 {
     bool grid = splats->positions != NULL;
     double step = grid ? (double)splats->step : 1.0;
@@ -49,7 +48,7 @@ static void place_occluder(stp_splat_frame* frame)
     const stp_raster_occluder* occluder = frame->splats->occluder;
     if (occluder != NULL) {
         for (int k = 0; k < 3; ++k) {
-            fold_row(occluder->matrix[k], frame->splats, frame->occluder[k]);
+            stp_splats_fold_row(occluder->matrix[k], frame->splats, frame->occluder[k]);
         }
         frame->occluder_radius = frame->splats->radius * occluder->scale * occluder->pixel_scale;
     }
@@ -76,10 +75,10 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     frame->back_depth = splats->back_depth;
     frame->row_begin = (int32_t)row_begin;
     frame->row_end = (int32_t)row_end;
-    fold_row(camera->matrix.m[0], splats, frame->x);
-    fold_row(camera->matrix.m[1], splats, frame->y);
-    fold_row(camera->matrix.m[2], splats, frame->n);
-    fold_row(camera->matrix.m[3], splats, frame->w);
+    stp_splats_fold_row(camera->matrix.m[0], splats, frame->x);
+    stp_splats_fold_row(camera->matrix.m[1], splats, frame->y);
+    stp_splats_fold_row(camera->matrix.m[2], splats, frame->n);
+    stp_splats_fold_row(camera->matrix.m[3], splats, frame->w);
     place_occluder(frame);
     double x[3], y[3], n[3], w[3], vx[3], vy[3], vz[3];
     widen(camera->matrix.m[0], x);
@@ -138,6 +137,7 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
             continue;
         }
         load_positions_scalar(frame, first, count, &batch);
+        load_shapes(frame, first, count, &batch);
         load_parts(frame, first, count, &batch);
         project_batch(frame, &batch);
         pick_batch(frame, &batch, first, count);
@@ -155,6 +155,7 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame)
                 load_normals_scalar(frame, first, count, &batch);
             }
             shape_batch(frame, &batch);
+            stretch_batch(frame, &batch);
             cut_batch(frame, &batch);
             box_batch(&batch);
             sort_batch(frame, &batch);

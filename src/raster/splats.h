@@ -21,7 +21,10 @@ typedef struct stp_raster_splats {
     uint32_t begin, end;       ///< range of splats to draw
     stp_vec3 origin;           ///< position = origin + step * value, in object space
     float step;
-    float radius; ///< of every disk, object space; 0: the centre's pixel only
+    float
+        radius; ///< of every disk, object space; 0: the centre's pixel only. With shapes: of one step
+    const uint32_t*
+        shapes; ///< NULL, or 1 a splat (base/splat_codes.h): ellipses with radii of their own
     /// Where not both 0: only splats whose centre is within these depths (W of the matrix) are drawn.
     float nearest, farthest;
     /// How far the rim of a disk lies behind its plane, in radii (0: not at all; the centre never
@@ -62,6 +65,19 @@ typedef struct stp_raster_camera {
     bool parallel;
     float nearness_limit;
 } stp_raster_camera;
+
+/// The levels of a view: an error allowed, in object space.
+typedef struct stp_raster_levels {
+    float per_depth; ///< at depth 1 (W of the matrix)
+    float least;     ///< nowhere less
+} stp_raster_levels;
+
+/// Sets a bit a splat (from splat 0 on; `begin` is a multiple of 16) for those of [begin, end) whose ranges
+/// (base/splat_codes.h) hold the level at their depth, and clears those of the others. Of `splats`, only positions are
+/// looked at, and `wanted`: what is not is left out. @return whether any is set
+bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_splats* splats,
+                            const uint32_t* ranges, const stp_raster_levels* levels,
+                            uint16_t* bits);
 
 /// Clears, among the bits of splats [begin, end) (a bit a splat, from splat 0 on; `begin` is a multiple of 16), those that
 /// the occluder hides. Surfels only. @return whether any is left

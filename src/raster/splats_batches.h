@@ -12,6 +12,7 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint
 {
     const stp_raster_splats* splats = f->splats;
     uint64_t fragments = 0;
+    load_shapes(f, first, count, t);
     load_parts(f, first, count, t);
     project_batch(f, t);
     pick_batch(f, t, first, count);
@@ -29,6 +30,7 @@ static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint
             load_normals_scalar(f, first, count, t);
         }
         shape_batch(f, t);
+        stretch_batch(f, t);
         cut_batch(f, t);
         box_batch(t);
         sort_batch(f, t);

@@ -158,6 +158,7 @@ static inline void blend_all(const stp_raster_blend* blend, const stp_raster_cam
             continue;
         }
         load_positions_scalar(&frame, first, b.count, &b.t);
+        load_shapes(&frame, first, b.count, &b.t);
         load_parts(&frame, first, b.count, &b.t);
         project_batch(&frame, &b.t);
         pick_batch(&frame, &b.t, first, b.count);
@@ -171,6 +172,7 @@ static inline void blend_all(const stp_raster_blend* blend, const stp_raster_cam
                 load_normals_scalar(&frame, first, b.count, &b.t);
             }
             shape_batch(&frame, &b.t);
+            stretch_batch(&frame, &b.t);
             cut_batch(&frame, &b.t);
             box_batch(&b.t);
             sort_batch(&frame, &b.t);

@@ -66,6 +66,7 @@ static uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t fi
 {
     uint64_t fragments = 0;
     bool disks = false;
+    load_shapes(f, first, count, t);
     project_batch(f, t);
     pick_batch(f, t, first, count);
     for (uint32_t i = 0; i < count; ++i) {
@@ -74,6 +75,7 @@ static uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t fi
     if (disks) {
         load_normals_scalar(f, first, count, t);
         shape_batch(f, t);
+        stretch_batch(f, t);
         box_batch(t);
         sort_batch(f, t);
     }

@@ -24,7 +24,7 @@ typedef struct stp_raster_glass {
 } stp_raster_glass;
 
 /// The opacity of a surface of splats of this coverage (0 to 255), two of which cover a pixel on the mean
-/// (src/lod/pyramid_chance.c chooses coverages so).
+/// (src/lod/blue/pyramid_chance.c chooses coverages so).
 static inline float stp_glass_opacity(uint32_t coverage)
 {
     float clear = 1.0f - (float)coverage * (1.0f / 255.0f);

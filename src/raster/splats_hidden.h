@@ -32,7 +32,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
                   f->occluder[2][3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse;
-        float radius = f->occluder_radius * inverse;
+        float radius = f->occluder_radius * inverse * t->own[i];
         float ratio = radius * inverse_scale; // radius over depth
         float extent = radius * wider + 0.51f;
         // within a twelfth of its depth, 1 / (1 - ratio) is less than 1 + 1.1 ratio and than 1.1
@@ -149,6 +149,7 @@ typedef struct waiting_splats {
 static inline void ask_waiting(const stp_splat_frame* f, waiting_splats* w, uint16_t* bits)
 {
     const uint16_t* positions = f->splats->positions;
+    const uint32_t* shapes = f->splats->shapes;
     splat_batch t;
     splat_blocks k;
     for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {
@@ -156,6 +157,7 @@ static inline void ask_waiting(const stp_splat_frame* f, waiting_splats* w, uint
         t.px[i] = (float)positions[at];
         t.py[i] = (float)positions[at + 1];
         t.pz[i] = (float)positions[at + 2];
+        t.own[i] = shapes != NULL ? stp_shape_radius(shapes[at / 3] & 0xFFFu) : 1.0f;
     }
     find_hidden(f, &t, &k);
     for (uint32_t i = 0; i < w->count; ++i) {

@@ -14,6 +14,7 @@
 #pragma once
 
 #include "base/coverage.h"
+#include "base/splat_codes.h"
 #include "raster/splats.h"
 
 #include <string.h>
@@ -69,8 +70,12 @@ typedef struct splat_batch {
     int32_t part[SPLAT_BATCH];                               ///< of the disk that is drawn, of 255
     int32_t halvings[SPLAT_BATCH]; ///< of the radius: what is wanted, then what was done
     float size[SPLAT_BATCH];       ///< of 1, to which that makes the radius
-    uint32_t cuts;                 ///< a bit for each lane whose disk is cut
-    uint8_t code[SPLAT_BATCH];     ///< of those
+    float own[SPLAT_BATCH];        ///< times the frame's radius: a splat's own; else 1
+    uint32_t stretched;            ///< a bit for each lane that is no disk
+    float stretch[SPLAT_BATCH];    ///< of those: stp_shape_stretch
+    stp_shape_axis smaller[SPLAT_BATCH];
+    uint32_t cuts;             ///< a bit for each lane whose disk is cut
+    uint8_t code[SPLAT_BATCH]; ///< of those
     float ex[SPLAT_BATCH], ey[SPLAT_BATCH], low[SPLAT_BATCH],
         high[SPLAT_BATCH];                  ///< of those: low <= ex * u + ey * v <= high
     float nu[SPLAT_BATCH], nv[SPLAT_BATCH]; ///< octahedral normal
@@ -85,6 +90,9 @@ typedef struct splat_batch {
         g_limit[SPLAT_BATCH]; ///< slope of nearness, and its clamp
     float rim[SPLAT_BATCH];   ///< loss of nearness towards the rim, by value of the conic
 } splat_batch;
+
+/// A row of a matrix after position = origin + step * value.
+void stp_splats_fold_row(const float row[4], const stp_raster_splats* splats, float out[4]);
 
 typedef uint64_t (*splat_kernel)(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_portable(const stp_splat_frame* frame);
@@ -217,7 +225,7 @@ static inline splat_batch empty_batch(void)
     splat_batch batch = {.halvings = {0}};
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         batch.part[i] = 255;
-        batch.size[i] = 1.0f;
+        batch.size[i] = batch.own[i] = 1.0f;
     }
     return batch;
 }
@@ -226,7 +234,7 @@ static inline splat_batch empty_batch(void)
 static inline void halve_radius(const stp_splat_frame* f, uint32_t index, int i, splat_batch* t)
 {
     float W = ((f->w[0] * t->px[i] + f->w[1] * t->py[i]) + f->w[2] * t->pz[i]) + f->w[3];
-    float radius = f->radius_px * (1.0f / W), least = splat_least(index);
+    float radius = f->radius_px * (1.0f / W) * t->own[i], least = splat_least(index);
     int32_t wanted = t->halvings[i], done = 0;
     while (done < wanted && radius * t->size[i] >= least) {
         t->size[i] *= 0.5f;
@@ -243,7 +251,27 @@ static inline bool are_whole(const uint8_t* coverages)
     return (halves[0] & halves[1]) == UINT64_MAX;
 }
 
-/// How much of splats `first` and after is drawn, and of what size they are. Their positions are there.
+/// The shapes of splats `first` and after.
+static inline void load_shapes(const stp_splat_frame* f, uint32_t first, uint32_t count,
+                               splat_batch* t)
+{
+    const uint32_t* shapes = f->splats->shapes;
+    if (shapes == NULL) {
+        return; // all are as in an empty batch
+    }
+    t->stretched = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t code = shapes[first + i];
+        t->own[i] = stp_shape_radius(code & 0xFFFu);
+        if ((code >> 12 & 0xFFFu) != (code & 0xFFFu)) {
+            t->stretched |= 1u << i;
+            t->stretch[i] = stp_shape_stretch(code);
+            t->smaller[i] = stp_shape_smaller(code);
+        }
+    }
+}
+
+/// How much of splats `first` and after is drawn, and of what size they are. Their positions and shapes are there.
 static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t count,
                               splat_batch* t)
 {
@@ -298,12 +326,13 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse, nearness = N * inverse;
-        float radius = f->radius_px * inverse * t->size[i];
+        float radius = f->radius_px * inverse * (t->size[i] * t->own[i]);
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
         float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind
         int32_t within = (int32_t)(W >= f->nearest) & (int32_t)(W <= f->farthest);
-        int32_t close = (int32_t)(W < f->near_w) & (int32_t)(W > f->far_w) & (int32_t)perspective;
+        int32_t close = (int32_t)(W < f->near_w * t->own[i]) & (int32_t)(W > f->far_w * t->own[i]) &
+                        (int32_t)perspective;
         int32_t seen = (int32_t)(W > 0.0f) & (int32_t)(nearness > 0.0f) &
                        (int32_t)(nearness <= f->nearness_limit) & (close ^ 1) & within;
         close &= within;
@@ -331,7 +360,7 @@ static inline void drop_beside(const stp_splat_frame* restrict f, splat_batch* r
         float X = ((f->x[0] * x + f->x[1] * y) + f->x[2] * z) + f->x[3];
         float Y = ((f->y[0] * x + f->y[1] * y) + f->y[2] * z) + f->y[3];
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
-        float radius = f->radius_px * 1.01f;
+        float radius = f->radius_px * 1.01f * t->own[i];
         int32_t beside = (int32_t)(X < -(radius * f->beside[0])) |
                          (int32_t)(X - width * W > radius * f->beside[1]) |
                          (int32_t)(Y - top * W < -(radius * f->beside[2])) |
@@ -405,15 +434,19 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
-/// The lines along which one disk is cut, on the screen; to first order about its centre.
-static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
+/// A direction in a splat's plane on the screen: offsets (u, v) from the centre's pixel lie (ex u + ey v) along it.
+typedef struct splat_line {
+    float ex, ey;
+    float square; ///< of the normal's part towards the eye (D of the conic)
+} splat_line;
+
+static inline splat_line project_line(const stp_splat_frame* f, const splat_batch* t, int i,
+                                      float across, float along)
 {
     float u = t->nu[i], v = t->nv[i];
-    stp_disk_cut cut = stp_coverage_cut(t->code[i]);
     stp_disk_axes axes = stp_disk_axes_of(u, v);
-    stp_vec3 d = {cut.across * axes.x.x + cut.along * axes.y.x,
-                  cut.across * axes.x.y + cut.along * axes.y.y,
-                  cut.across * axes.x.z + cut.along * axes.y.z};
+    stp_vec3 d = {across * axes.x.x + along * axes.y.x, across * axes.x.y + along * axes.y.y,
+                  across * axes.x.z + along * axes.y.z};
     stp_vec3 n = stp_octahedral_unfold(u, v);
     float ax = (t->sx[i] - f->center_x) * f->inverse_scale;
     float ay = (t->sy[i] - f->center_y) * f->inverse_scale;
@@ -426,9 +459,34 @@ static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
     float D = (nx * ax + ny * ay) + nz;
     float least = ((nx * nx + ny * ny) + nz * nz) * 1e-6f;
     D = D * D < least ? (D < 0.0f ? -sqrtf(least) : sqrtf(least)) : D;
-    float slide = ((dx * ax + dy * ay) + dz) / D, inverse = 1.0f / t->radius[i];
-    t->ex[i] = (dx - slide * nx) * inverse;
-    t->ey[i] = (dy - slide * ny) * inverse;
+    float slide = ((dx * ax + dy * ay) + dz) / D;
+    return (splat_line){dx - slide * nx, dy - slide * ny, D * D};
+}
+
+/// Makes ellipses of the disks of a batch that are stretched, exactly: with e = (ex, ey), the conic gains
+/// stretch D^2 (e . (u, v))^2. After shape_batch, where splats have normals.
+static inline void stretch_batch(const stp_splat_frame* f, splat_batch* t)
+{
+    for (uint32_t lanes = t->stretched; lanes != 0; lanes &= lanes - 1) {
+        int i = __builtin_ctz(lanes);
+        if (t->kind[i] == SPLAT_DISK) {
+            splat_line line = project_line(f, t, i, t->smaller[i].along_x, t->smaller[i].along_y);
+            float more = t->stretch[i] * line.square;
+            t->a[i] += more * (line.ex * line.ex);
+            t->b[i] += 2.0f * (more * (line.ex * line.ey));
+            t->c[i] += more * (line.ey * line.ey);
+        }
+    }
+}
+
+/// The lines along which one disk is cut, on the screen; to first order about its centre.
+static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
+{
+    stp_disk_cut cut = stp_coverage_cut(t->code[i]);
+    splat_line line = project_line(f, t, i, cut.across, cut.along);
+    float inverse = 1.0f / t->radius[i];
+    t->ex[i] = line.ex * inverse;
+    t->ey[i] = line.ey * inverse;
     t->low[i] = cut.low;
     t->high[i] = cut.high;
 }

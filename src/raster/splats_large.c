@@ -16,6 +16,7 @@ typedef struct large_disk {
     bool parallel;
     double across[3], low, high; ///< of one that is cut, over its radius
     bool is_cut;
+    double smaller[3], stretch; ///< of an ellipse: the direction of its smaller radius
 } large_disk;
 
 static double row_dot(const float row[4], const double p[3])
@@ -52,6 +53,25 @@ static void cut_large(const stp_splat_frame* frame, uint32_t index, uint8_t code
     disk->high = (double)cut.high;
 }
 
+/// The axis along which an ellipse is narrower.
+static void stretch_large(const stp_splat_frame* frame, uint32_t index, large_disk* disk)
+{
+    uint32_t code = frame->splats->shapes[index];
+    disk->stretch = (double)stp_shape_stretch(code);
+    if (frame->splats->normals == NULL || !(disk->stretch > 0.0)) {
+        return;
+    }
+    const int8_t* normal = frame->splats->normals + 2 * (size_t)index;
+    stp_shape_axis axis = stp_shape_smaller(code);
+    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
+    double d[3] = {(double)(axis.along_x * axes.x.x + axis.along_y * axes.y.x),
+                   (double)(axis.along_x * axes.x.y + axis.along_y * axes.y.y),
+                   (double)(axis.along_x * axes.x.z + axis.along_y * axes.y.z)};
+    for (int k = 0; k < 3; ++k) {
+        disk->smaller[k] = row_dot(frame->camera->view[k], d) / disk->unit;
+    }
+}
+
 static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_t halvings)
 {
     const stp_raster_camera* camera = frame->camera;
@@ -65,6 +85,10 @@ static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_
     double square = vz[0] * vz[0] + vz[1] * vz[1] + vz[2] * vz[2];
     disk.unit = sqrt(square);
     disk.radius = (double)frame->splats->radius * disk.unit;
+    if (frame->splats->shapes != NULL) {
+        disk.radius *= (double)stp_shape_radius(frame->splats->shapes[index] & 0xFFFu);
+        stretch_large(frame, index, &disk);
+    }
     disk.radius = ldexp(disk.radius, -halvings);
     if (frame->splats->normals != NULL) {
         const int8_t* code = frame->splats->normals + 2 * (size_t)index;
@@ -122,11 +146,13 @@ static bool meet(const large_disk* disk, double x, double y, double* nearness)
         point[1] = t * dy;
         point[2] = t;
     }
-    double square = 0.0, across = 0.0;
+    double square = 0.0, across = 0.0, smaller = 0.0;
     for (int k = 0; k < 3; ++k) {
         square += (point[k] - c[k]) * (point[k] - c[k]);
         across += (point[k] - c[k]) * disk->across[k];
+        smaller += (point[k] - c[k]) * disk->smaller[k];
     }
+    square += disk->stretch * (smaller * smaller);
     bool kept = !disk->is_cut || (across >= disk->low && across <= disk->high);
     double limit = disk->radius * disk->radius;
     double z = point[2] + disk->behind + disk->rim * (square / limit);

@@ -19,9 +19,10 @@ static double sticks_out(stp_box box, stp_boxd of)
     return most * 1.7320508075688773; // the diagonal of a cube
 }
 
-static double find_margin(const stp_selection* s, const stp_select_graph* graph,
-                          const stp_store_node* node)
+static double find_margin(const stp_selection* s, const stp_select_graph* graph, uint32_t index)
 {
+    const stp_store_node* node = &s->directory->nodes[index];
+    uint32_t set = stp_select_set_of(s, index);
     double margin = 0.0;
     for (uint32_t i = 0; i < node->part_count; ++i) {
         stp_store_part part = s->directory->parts[node->first_part + i];
@@ -30,8 +31,8 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
                           : stp_store_describe_point_set(s->store, part.index)->bounds;
         margin = above(sticks_out(box, node->bounds), margin);
     }
-    if (node->surfels != STP_STORE_NONE) { // positions are rounded
-        const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
+    if (set != STP_STORE_NONE) { // positions are rounded
+        const stp_surfels* surfels = stp_store_describe_surfels(s->store, set);
         double radius = (double)surfels->candidate_radius + (double)surfels->step;
         if (node->triangle_count == 0 && surfels->count > 0) { // points are never opened
             radius += (double)surfels->table.radius[surfels->table.size - 1];
@@ -46,9 +47,8 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
     return margin * (1.0 + 1e-6);
 }
 
-static double find_reach(const stp_selection* s, const stp_store_node* node)
+static double find_reach(const stp_surfels* surfels)
 {
-    const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
     // surface may lie that far from a candidate, however many of these are drawn
     return above((double)stp_prefix_table_radius(&surfels->table, surfels->count),
                  (double)surfels->candidate_radius);
@@ -56,9 +56,8 @@ static double find_reach(const stp_selection* s, const stp_store_node* node)
 
 /// How much sooner than its radius requires a node is opened. From one surfel for STP_TRIANGLES_PER_SURFEL triangles on, the
 /// triangles look better for their cost: a larger set is used only as far as that.
-static double find_spare(const stp_selection* s, const stp_store_node* node)
+static double find_spare(const stp_store_node* node, const stp_surfels* surfels)
 {
-    const stp_surfels* surfels = stp_store_describe_surfels(s->store, node->surfels);
     double triangles = (double)node->triangle_count;
     if (!(triangles > 0.0)) {
         return 1.0;
@@ -80,7 +79,7 @@ static double find_work(const stp_selection* s, const stp_select_graph* graph,
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         uint32_t child = s->directory->edges[node->first_edge + i].node;
-        uint32_t set = s->directory->nodes[child].surfels;
+        uint32_t set = stp_select_set_of(s, child);
         double own = set != STP_STORE_NONE
                          ? STP_SPLAT_WORK * (double)stp_store_describe_surfels(s->store, set)->count
                          : 0.0;
@@ -101,10 +100,12 @@ static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
             bits = graph->moving[child] != 0 ? bits | STP_MOVES_BELOW : bits;
         }
         graph->moving[i] = bits;
-        graph->margins[i] = (float)find_margin(s, graph, node);
-        bool has_set = node->surfels != STP_STORE_NONE;
-        graph->reaches[i] = has_set ? find_reach(s, node) : 0.0;
-        graph->spares[i] = has_set ? (float)find_spare(s, node) : 1.0f;
+        graph->margins[i] = (float)find_margin(s, graph, i);
+        uint32_t set = stp_select_set_of(s, i);
+        const stp_surfels* surfels =
+            set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
+        graph->reaches[i] = surfels != NULL ? find_reach(surfels) : 0.0;
+        graph->spares[i] = surfels != NULL ? (float)find_spare(node, surfels) : 1.0f;
         graph->works[i] = (float)fmin(find_work(s, graph, node), (double)FLT_MAX);
     }
 }
@@ -130,7 +131,7 @@ stp_result stp_select_find_graph(stp_selection* s)
     if (graph != NULL && graph->directory == directory && graph->nodes == directory->nodes &&
         graph->node_count == directory->node_count && graph->edge_count == directory->edge_count &&
         graph->part_count == directory->part_count &&
-        graph->surfels_count == directory->surfels_count) {
+        graph->surfels_count == directory->surfels_count && graph->method == s->method) {
         s->graph = graph;
         return STP_OK;
     }
@@ -161,6 +162,7 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->edge_count = directory->edge_count;
     graph->part_count = directory->part_count;
     graph->surfels_count = directory->surfels_count;
+    graph->method = s->method;
     s->graph = graph;
     return STP_OK;
 }

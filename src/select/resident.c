@@ -75,7 +75,7 @@ static void want_set(stp_selection* s, const stp_select_entry* at, const stp_sig
 {
     double scale = stp_affine_scale(&at->transform);
     add_want(s, (stp_want){.kind = STP_RESIDENT_SURFELS,
-                           .index = s->directory->nodes[at->node].surfels,
+                           .index = stp_select_set_of(s, at->node),
                            .octaves = octaves,
                            .need = find_need(s, sight, at->covered * at->eager),
                            .octave_need = find_need(s, sight, scale)});
@@ -160,16 +160,15 @@ static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* n
         if (result != STP_OK || !stp_select_see(s, &box, &sight)) {
             continue;
         }
-        const stp_surfels* surfels = below->surfels != STP_STORE_NONE
-                                         ? stp_store_describe_surfels(s->store, below->surfels)
-                                         : NULL;
+        uint32_t set = stp_select_set_of(s, at.node);
+        const stp_surfels* surfels =
+            set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
         if (surfels == NULL || surfels->count == 0) {
             result = look_below(s, &at, ready);
             continue;
         }
         want_set(s, &at, &sight, find_octaves(surfels, &at));
-        *ready =
-            *ready && stands_in(surfels, stp_store_resident_surfels(s->store, below->surfels), &at);
+        *ready = *ready && stands_in(surfels, stp_store_resident_surfels(s->store, set), &at);
     }
     s->stack_count = base;
     return result;
@@ -181,6 +180,7 @@ static void limit(stp_set_use* use, uint32_t here)
     if (use->count > here || use->count == 0) {
         use->count = here;
         use->radius = radius_of(use->surfels, here) + (double)use->surfels->candidate_radius;
+        use->level_least = fmax(use->level_least, radius_of(use->surfels, here));
     }
 }
 
@@ -194,7 +194,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                 const stp_sight* sight, stp_set_use* use)
 {
     const stp_surfels* surfels = use->surfels;
-    uint32_t here = stp_store_resident_surfels(s->store, s->directory->nodes[at->node].surfels);
+    uint32_t here = stp_store_resident_surfels(s->store, stp_select_set_of(s, at->node));
     uint32_t octaves = stp_store_octaves_for(surfels, use->count);
     uint32_t least = find_octaves(surfels, at);
     bool opens = s->quality->splat_count == 0 &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Both passes of a selection, from beginning to end.
-#include "select/select_internal.h"
+#include "select/rule.h"
 
 static stp_result begin(stp_selection* s, stp_context* context, const stp_store* store,
                         const stp_view* view, const stp_quality* quality, stp_draw_list* list,
@@ -13,6 +13,9 @@ static stp_result begin(stp_selection* s, stp_context* context, const stp_store*
                          .sections = &view->sections,
                          .list = list,
                          .second_pass = second_pass};
+    s->method = stp_store_find_method(s->directory, quality->method);
+    s->rule = stp_select_rule_of(
+        s->directory->method_count != 0 ? s->directory->methods[s->method].id : STP_METHOD_BLUE);
     list->hidden_count = 0;
     list->mixes = s->directory->point_set_count > 0 ||
                   (s->directory->surfels_count > 0 && !quality->reference);

@@ -24,6 +24,7 @@ typedef struct stp_quality {
     float splat_size;     ///< pixels, at least 1; default 1
     uint64_t splat_count; ///< exactly so many splats instead, in all; 0: by size
     stp_policy policy;
+    uint32_t method; ///< whose sets are drawn (STP_METHOD_*); 0, or none of the file's: its first
     bool reference;  ///< original triangles and points only
     stp_fovea fovea; ///< all zero: splats are of one size
     /// A node is opened where its surfels could still cover so many times better than they have to, provided that
@@ -49,7 +50,10 @@ typedef struct stp_draw_item {
         full_prefix; ///< surfels: the prefix whose colours and coverages they have; at least `prefix`
     uint32_t first_id;
     uint32_t first_run, run_count; ///< of the list's runs; none: each splat of the prefix is drawn
-    float radius;                  ///< of each splat, in the space of the item
+    float radius; ///< of each splat, in the space of the item; of those with shapes, a usual one
+    /// The levels that ranges of splats are held against: an error in the item's space that is allowed at depth 1, and one
+    /// that is allowed anywhere. Of sets without ranges they mean nothing.
+    float level_per_depth, level_least;
     /// Mesh: nearer than fade_begin all triangles are drawn, beyond fade_end none (stp_draw_share). 0, 0: all.
     float fade_begin, fade_end;
     uint32_t sections;    ///< bits of the view's planes that may cut it; 0: it lies inside them all

@@ -46,6 +46,7 @@ typedef struct stp_select_graph {
     const stp_store_directory* directory;
     const stp_store_node* nodes;
     uint32_t node_count, edge_count, part_count, surfels_count;
+    uint32_t method; ///< of the sets
     uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
     float*
         margins; ///< how far what is drawn of a node may stick out of its box, beside pixels; node units
@@ -64,6 +65,8 @@ typedef struct stp_selection {
     const stp_quality* quality;
     const stp_sections* sections;
     stp_draw_list* list;
+    uint32_t method; ///< its place in the directory's table
+    const struct stp_select_rule* rule;
     const stp_select_graph* graph;
     stp_view_frame frames[STP_EYES_MOST]; ///< of each eye, with one gaze, scale and near plane
     uint32_t eye_count;
@@ -90,12 +93,19 @@ typedef struct stp_sight {
 /// How a node's surfels are used. They are drawn beyond switch_depth, what is below the node is drawn nearer.
 typedef struct stp_set_use {
     const stp_surfels* surfels;
-    uint32_t count;      ///< prefix; 0: not drawn
-    double radius;       ///< of its splats, node units
+    uint32_t count;                      ///< prefix; 0: not drawn
+    double radius;                       ///< of its splats, node units
+    double level_per_depth, level_least; ///< of the item
     double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
     double switch_depth; ///< 0: nothing below is drawn; infinite: all of it
     bool extra;          ///< switching would not draw them
 } stp_set_use;
+
+/// The set of a node by the method that is drawn.
+static inline uint32_t stp_select_set_of(const stp_selection* s, uint32_t node)
+{
+    return stp_store_set_of(s->directory, s->method, node);
+}
 
 /// @return whether any eye may see some of the box
 bool stp_select_see(const stp_selection* s, const stp_boxd* box, stp_sight* sight);
@@ -123,16 +133,16 @@ STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_
 /// own. A cloud with points in one place is not complete: its set has one of them.
 bool stp_select_is_complete(const stp_store_node* node, const stp_surfels* surfels);
 
-/// What to do with the surfels of a node (which has some).
-stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
-                               const stp_sight* sight);
-
 /// Appends an item of so many ids, with its first_id.
 STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item,
                                             uint64_t id_count);
-/// Appends the item of a node's surfels, with its runs.
-STP_MUST_USE stp_result stp_select_add_set(stp_selection* s, const stp_select_entry* at,
-                                           const stp_set_use* use, const stp_sight* sight);
+/// The coverage radius down to which a node's own set is used.
+double stp_select_reach(const stp_selection* s, uint32_t node);
+/// The wanted coverage radius at depth 1, in a node's units; 0 where there is none.
+double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entry* at,
+                                   const stp_sight* sight);
+/// Appends a run of an item that is to be added: splats up to `end` are drawn between two depths.
+STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t end, stp_depth_range range);
 
 /// How much of what lies below a node is there at a depth, by the depth beyond which the node suffices.
 double stp_select_growth(double ceiling, double depth);

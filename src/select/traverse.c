@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The walk down the graph: what is seen of it, by which level.
-#include "select/select_internal.h"
+#include "select/rule.h"
 
 // A small graph of shared nodes can expand exponentially. These limits bound the time and memory of a view: a fixed
 // allowance, plus a share for each record of the graph. Views of real scenes visit about 100,000 nodes.
@@ -218,11 +218,11 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     }
     bool shows_all = stp_show_of(at->shown) != STP_SHOW_MIXED; // else surfels show what is hidden
     if (shows_all && !s->quality->reference && !at->moving_only &&
-        node->surfels != STP_STORE_NONE) {
+        stp_select_set_of(s, at->node) != STP_STORE_NONE) {
         stp_set_use use = stp_select_use_set(s, at, &sight);
         result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
         if (use.count > 0 && result == STP_OK) {
-            result = stp_select_add_set(s, at, &use, &sight);
+            result = s->rule->add(s, at, &use, &sight);
         }
         // where this node's surfels suffice nearest to the eye, switching would draw nothing below
         at->extra = at->extra || (use.count > 0 && !use.extra);

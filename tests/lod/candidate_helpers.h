@@ -5,7 +5,7 @@
 
 #include "base/coverage.h"
 #include "base/rng.h"
-#include "lod/finish.h"
+#include "lod/blue/finish.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 // Scenes of copies of copies, and the surfels of their nodes from the bottom up.
 #pragma once
 
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 #include "scene/scene.h"
 
 #include <stdlib.h>

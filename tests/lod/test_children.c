@@ -3,7 +3,7 @@
 
 #include "base/coverage.h"
 #include "base/hash.h"
-#include "lod/children.h"
+#include "lod/blue/children.h"
 #include "lod/hierarchy_helpers.h"
 
 // A row of spheres over a plate of triangles that has no set of its own: sets and triangles in one picture.

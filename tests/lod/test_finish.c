@@ -4,7 +4,7 @@
 #include "base/color.h"
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 #include "lod/candidate_helpers.h"
 
 static uint32_t paint_grey(double x, double y, void* user)

@@ -2,7 +2,7 @@
 // With what chance disks are drawn that stand over what is thin or small, and that others are whole.
 #include "tests.h"
 
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 #include "lod/candidate_helpers.h"
 
 // What an octave's disks draw where none hides another: the sum of their areas, each times its chance.

@@ -4,7 +4,7 @@
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
 #include "capture/capture_internal.h"
-#include "lod/children.h"
+#include "lod/blue/children.h"
 #include "lod/hierarchy_helpers.h"
 #include "raster/splats.h"
 

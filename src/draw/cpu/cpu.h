@@ -46,6 +46,7 @@ typedef struct cpu_surfels {
     const uint16_t* positions;
     const int8_t* normals;
     const uint8_t* materials;
+    const uint32_t *shapes, *ranges; ///< NULL: none
     bool plain_coverages;
 } cpu_surfels;
 
@@ -247,6 +248,12 @@ STP_MUST_USE stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* 
 /// Makes matrices of items from `first` on for the eye that is drawn; of all items where those before are of another eye.
 void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first);
 void cpu_destroy_textures(cpu_renderer* r);
+
+/// What radii of splats are multiplied by.
+static inline float cpu_splat_scale(const cpu_renderer* r)
+{
+    return r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
+}
 
 /// Draws a piece. @return whether some of it was hidden
 bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool late,

@@ -37,7 +37,8 @@ static void choose_octave(cpu_item* item, const stp_surfels* surfels, uint32_t p
 {
     stp_octave_choice choice = stp_placement_choose_octave(surfels, prefix);
     size_t first = 0, low_first = 0;
-    for (uint32_t i = 0; i < choice.octave; ++i) {
+    bool flat = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0;
+    for (uint32_t i = 0; i < choice.octave && !flat; ++i) {
         low_first = first;
         first += surfels->octave_ends[i];
     }
@@ -176,6 +177,8 @@ static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_i
                                   .positions = got.positions,
                                   .normals = got.normals,
                                   .materials = got.materials,
+                                  .shapes = got.shapes,
+                                  .ranges = got.ranges,
                                   .plain_coverages = got.plain_coverages};
     item->count = draw->prefix < got.count ? draw->prefix : got.count;
     choose_octave(item, &got, full < got.count ? full : got.count);
@@ -189,8 +192,7 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
     *item = (cpu_item){
         .kind = draw->kind, .first_id = draw->first_id, .count = draw->prefix, .draw = draw};
     item->seed = stp_placement_seed(draw);
-    float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
-    item->radius = draw->radius * scale;
+    item->radius = draw->radius * cpu_splat_scale(r);
     if (draw->run_count > 0) {
         item->runs = list->runs + draw->first_run;
     }

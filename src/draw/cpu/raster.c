@@ -96,6 +96,32 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
     }
 }
 
+/// Leaves of surfels with ranges those that are drawn at their depths. @return false where that is none
+static bool pick_levels(const cpu_item* item, stp_raster_splats* splats, cpu_worker* worker)
+{
+    if (item->kind != STP_DRAW_SURFELS || item->surfels.ranges == NULL) {
+        return true;
+    }
+    stp_raster_levels levels = {item->draw->level_per_depth, item->draw->level_least};
+    uint16_t* bits = STP_ARENA_ARRAY(&worker->scratch, uint16_t, ((size_t)splats->end + 15) / 16);
+    if (bits == NULL) {
+        worker->failed = true;
+        return false;
+    }
+    bool any = stp_raster_pick_levels(&item->camera, splats, item->surfels.ranges, &levels, bits);
+    splats->wanted = bits;
+    return any;
+}
+
+/// None of a range is hidden.
+static void forget_hidden(const stp_raster_splats* splats)
+{
+    for (uint32_t i = splats->begin / 16; splats->hidden != NULL && i < (splats->end + 15) / 16;
+         ++i) {
+        splats->hidden[i] = 0;
+    }
+}
+
 /// Splats [begin, end) of a piece. `late`: those that were hidden so far.
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
@@ -110,6 +136,9 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.coverages = item->coverages;
         splats.low_coverages = item->low_coverages;
         splats.plain_coverages = item->surfels.plain_coverages;
+        splats.shapes = item->surfels.shapes;
+        splats.radius =
+            splats.shapes != NULL ? item->surfels.step * cpu_splat_scale(r) : splats.radius;
         splats.low_share = (uint32_t)(256.0f * (1.0f - item->blend) + 0.5f);
         splats.low_count = item->coverages != NULL && splats.low_share > 0 ? item->low_count : 0;
         splats.rim_depth = RIM_DEPTH;
@@ -130,8 +159,11 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     bool cut = item->draw->sections != 0 || item->draw->ghost;
-    if (cut && !cpu_cut_splats(r, item, &splats, worker)) {
+    bool left = late || pick_levels(item, &splats, worker);
+    if (cut && left && !cpu_cut_splats(r, item, &splats, worker)) {
         worker->failed = true;
+    } else if (!left) {
+        forget_hidden(&splats);
     } else if (item->kind == STP_DRAW_SURFELS && r->layers.of_splats) {
         draw_both(r, item, &splats, late, target, worker);
     } else {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/math.h"
-#include "lod/finish.h"
+#include "lod/blue/finish.h"
 #include "lod/neighbours_kernels.h"
 
 #include <stdlib.h>

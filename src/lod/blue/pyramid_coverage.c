@@ -2,7 +2,7 @@
 //
 // How much of a surfel's disk is surface, for each octave: the disks are sampled by the candidates of the capture,
 // by every k-th of them where disks are large, or by a longer prefix of the surfels where one is dense enough.
-#include "lod/pyramid.h"
+#include "lod/blue/pyramid.h"
 
 // Surfels that sample a disk cover to an eighth of its radius: then each cell of the stencil, a quarter wide,
 // that is full of surface holds at least one.

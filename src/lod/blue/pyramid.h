@@ -4,9 +4,9 @@
 #pragma once
 
 #include "base/coverage.h"
-#include "lod/finish.h"
+#include "lod/blue/finish.h"
+#include "lod/blue/stencil.h"
 #include "lod/neighbours.h"
-#include "lod/stencil.h"
 
 /// One entry of the pyramid.
 typedef struct stp_pyramid_entry {

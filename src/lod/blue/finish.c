@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "lod/finish.h"
+#include "lod/blue/finish.h"
 
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 // over the border of what is there, over a beam or a wire, is cut along it. Disks over what is scattered are drawn with so
 // many pixels as the surface nearest to the surfel would cover, so that leaves, lattices and far trees keep their area,
 // however large the disks. How much that is, is counted with the colours: pixels of the capture that belong to it.
-#include "lod/pyramid.h"
+#include "lod/blue/pyramid.h"
 
 // Of the surface that is nearest to surfels of whole surfaces, disks that are known to be full have more than this.
 #define WHOLE 0.5

@@ -4,7 +4,7 @@
 // surface: a ray that goes through the disk and meets any of them shows no background, so a plate with studs is as solid as
 // a bare one, though each of its layers alone is full of holes. What lies far behind the disk is another thing.
 #include "base/octahedral.h"
-#include "lod/pyramid.h"
+#include "lod/blue/pyramid.h"
 
 #define GRAIN 64
 // Parts of the radius: how far behind the disk, and how far before it, candidates count.

@@ -3,7 +3,7 @@
 // Hierarchical generation (Brandt 3.4): the candidates of a node from the surfels of what lies below it.
 #pragma once
 
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 #include "lod/sources.h"
 
 /// Most uses of parts and sets that one capture looks at (sources.h).

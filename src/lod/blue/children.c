@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/children.h"
+#include "lod/blue/children.h"
 
 #define WANTED_EACH 5.0 // candidates a surfel: evenly spread already, each once
 #define LEAST_EACH 4.0

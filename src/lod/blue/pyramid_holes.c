@@ -5,7 +5,7 @@
 // compared with its silhouettes. A disk inside all silhouettes whose pixels stay open is drawn whole.
 // A disk with solid surface behind it, such as a tree in front of the ground, keeps its coverage.
 #include "base/octahedral.h"
-#include "lod/pyramid.h"
+#include "lod/blue/pyramid.h"
 
 #define RADIUS 3.0       // pixels of a disk in a picture, at least, where silhouettes have so many
 #define LEAST_FACING 0.2 // cosine: disks are not seen from flatter directions

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/stencil.h"
+#include "lod/blue/stencil.h"
 
 // A disk with at least this much surface counts as solid: single cells may be missed by the
 // samples.

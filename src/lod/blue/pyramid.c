@@ -7,7 +7,7 @@
 // the next coarser prefix. Surfels of one prefix lie evenly, so each stands for the same area, less
 // what of its disk is no surface: that is the weight. All sums are of whole numbers, and so do not
 // depend on the order of threads.
-#include "lod/pyramid.h"
+#include "lod/blue/pyramid.h"
 
 #include "base/color.h"
 

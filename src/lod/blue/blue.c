@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "lod/blue.h"
+#include "lod/blue/blue.h"
 
 #include "base/clock.h"
-#include "lod/children.h"
-#include "lod/finish.h"
+#include "lod/blue/children.h"
+#include "lod/blue/finish.h"
 #include "lod/points.h"
 
 #define MOST_SURFELS 50000u // a quarter of Brandt 5.2: blue.h

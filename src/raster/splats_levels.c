@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#include "base/processor.h"
+#include "raster/splats_levels_kernel.h"
+
+bool stp_splats_pick_portable(const levels_frame* frame, uint16_t* bits)
+{
+    return pick_all(frame, bits);
+}
+
+bool stp_raster_pick_levels(const stp_raster_camera* camera, const stp_raster_splats* splats,
+                            const uint32_t* ranges, const stp_raster_levels* levels, uint16_t* bits)
+{
+    levels_frame frame = {.splats = splats, .ranges = ranges, .levels = *levels};
+    stp_splats_fold_row(camera->matrix.m[3], splats, frame.w);
+#if defined(__x86_64__)
+    switch (stp_processor_detect()) {
+    case STP_PROCESSOR_AVX512:
+        return stp_splats_pick_avx512(&frame, bits);
+    case STP_PROCESSOR_AVX2:
+        return stp_splats_pick_avx2(&frame, bits);
+    case STP_PROCESSOR_BASELINE:
+        break;
+    }
+#endif
+    return stp_splats_pick_portable(&frame, bits);
+}

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+//
+// The test of each splat's range of levels, sixteen at a time (Dachsbacher et al. 2003, 3.6): plain loops without branches,
+// which every variant compiles for its own processor.
+#pragma once
+
+#include "raster/splats_kernel.h"
+
+/// Rows of the depth after the position grid, and the levels.
+typedef struct levels_frame {
+    const stp_raster_splats* splats;
+    const uint32_t* ranges;
+    float w[4];
+    stp_raster_levels levels;
+} levels_frame;
+
+/// A bit for each of sixteen splats whose ranges hold their levels.
+static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float* restrict x,
+                                    const float* restrict y, const float* restrict z,
+                                    const uint32_t* restrict ranges)
+{
+    int32_t in[SPLAT_BATCH];
+    for (int i = 0; i < SPLAT_BATCH; ++i) {
+        float W = ((f->w[0] * x[i] + f->w[1] * y[i]) + f->w[2] * z[i]) + f->w[3];
+        float level = f->levels.per_depth * W;
+        level = level > f->levels.least ? level : f->levels.least;
+        // of positive floats the bits are in the order of the numbers
+        int32_t bits = (int32_t)stp_bits_of_float(level);
+        int32_t lowest = (int32_t)((ranges[i] & 0xFFFFu) << 15);
+        int32_t highest = (int32_t)(ranges[i] >> 16 << 15);
+        in[i] = (int32_t)(bits >= lowest) & (int32_t)(bits <= highest);
+    }
+    uint32_t bits = 0;
+    for (int i = 0; i < SPLAT_BATCH; ++i) {
+        bits |= (uint32_t)in[i] << i;
+    }
+    return bits;
+}
+
+static inline bool pick_all(const levels_frame* f, uint16_t* bits)
+{
+    const stp_raster_splats* splats = f->splats;
+    uint32_t any = 0;
+    for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
+        uint32_t left = splats->end - first, count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
+        uint32_t wanted = count < SPLAT_BATCH ? (1u << count) - 1u : 0xFFFFu;
+        wanted &= splats->wanted != NULL ? splats->wanted[first / SPLAT_BATCH] : 0xFFFFu;
+        const uint16_t* positions = splats->positions + 3 * (size_t)first;
+        float x[SPLAT_BATCH], y[SPLAT_BATCH], z[SPLAT_BATCH];
+        uint32_t ranges[SPLAT_BATCH];
+        for (uint32_t i = 0; i < SPLAT_BATCH; ++i) {
+            uint32_t at = i < count ? i : 0;
+            x[i] = (float)positions[3 * at];
+            y[i] = (float)positions[3 * at + 1];
+            z[i] = (float)positions[3 * at + 2];
+            ranges[i] = f->ranges[first + at];
+        }
+        wanted &= pick_sixteen(f, x, y, z, ranges);
+        bits[first / SPLAT_BATCH] = (uint16_t)wanted;
+        any |= wanted;
+    }
+    return any != 0;
+}
+
+bool stp_splats_pick_portable(const levels_frame* frame, uint16_t* bits);
+bool stp_splats_pick_avx2(const levels_frame* frame, uint16_t* bits);
+bool stp_splats_pick_avx512(const levels_frame* frame, uint16_t* bits);

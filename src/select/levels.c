@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Where levels meet: how much of what is below a node is there at a depth, and runs of splats between two depths.
+#include "select/select_internal.h"
+
+static double clamp_unit(double x)
+{
+    return x > 0.0 ? (x < 1.0 ? x : 1.0) : 0.0;
+}
+
+double stp_select_growth(double ceiling, double depth)
+{
+    if (depth <= ceiling) {
+        return 1.0;
+    }
+    return clamp_unit((STP_LEVELS_GROW * ceiling - depth) / ((STP_LEVELS_GROW - 1.0) * ceiling));
+}
+
+stp_result stp_select_add_run(stp_selection* s, uint32_t end, stp_depth_range range)
+{
+    stp_draw_list* list = s->list;
+    if (list->run_count == list->run_capacity) {
+        stp_draw_run* runs = stp_grow_array(s->context, list->runs, &list->run_capacity,
+                                            list->run_count + 1, sizeof(*runs));
+        if (runs == NULL) {
+            return stp_fail_memory(s->context);
+        }
+        list->runs = runs;
+    }
+    // rounded outwards
+    float nearest = (float)(range.near * (1.0 - 1e-6)), farthest = INFINITY;
+    if (range.far < (double)FLT_MAX) {
+        farthest = (float)(range.far * (1.0 + 1e-6));
+    }
+    list->runs[list->run_count++] =
+        (stp_draw_run){.end = end, .nearest = nearest, .farthest = farthest};
+    return STP_OK;
+}

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+// Method `blue`: how many surfels of a node are drawn, and from what depth on they suffice; and where levels meet. Each splat
+// of a set is drawn between two depths: beyond the far one fewer suffice, or those of an ancestor do; nearer than the near
+// one the node is opened.
+#include "base/prefix_table.h"
+#include "select/rule.h"
+
+enum {
+    RUN_ALIGN = 64,
+    RUN_GROWS = 8 ///< runs grow by an eighth of what is before them
+};
+
+#define ONE_DEPTH 1.02 ///< what is seen at depths this alike is drawn as if it were at one
+
+// Candidates only sample the surface, so no point of it is farther from a splat than what the prefix covers to and the
+// candidates' radius together. Hardly any is as far: of large splats all of it would only show beyond edges, where nothing is.
+#define ROOMY 2.0 ///< pixels up to which all of the candidates' radius is added
+#define CLOSE 4.0 ///< and from which on half of it is
+
+/// The prefix, and how large its disks are where splats of so many pixels are wanted.
+static void use_count(stp_set_use* use, uint32_t count, double splat_size)
+{
+    double roomy = (CLOSE - splat_size) / (CLOSE - ROOMY);
+    double share = 0.5 + 0.5 * (roomy > 0.0 ? fmin(roomy, 1.0) : 0.0);
+    use->count = count;
+    use->radius = (double)stp_prefix_table_radius(&use->surfels->table, count) +
+                  share * (double)use->surfels->candidate_radius;
+}
+
+/// p(r) = p_m (r_m / r)^2, Brandt 4.1.
+static void use_estimate(stp_set_use* use, double radius, bool cloud)
+{
+    const stp_surfels* surfels = use->surfels;
+    double ratio = (double)surfels->paper_radius / radius;
+    double wanted = ceil((double)surfels->paper_count * ratio * ratio);
+    if (!(wanted <= (double)surfels->count) && !cloud) {
+        return;
+    }
+    use->count = wanted < 1.0                      ? 1
+                 : wanted < (double)surfels->count ? (uint32_t)wanted
+                                                   : surfels->count;
+    use->radius = radius;
+    use->switch_depth = 0.0;
+}
+
+#define SHORT 2.0 ///< far over near depth up to which a node is opened slowly
+#define LONG 3.0  ///< and from which on it is opened soon
+
+/// By what the depth from which a node suffices is multiplied where its nearest part lacks some of the radius: by the third
+/// power of that, and by up to the seventh for a long node. All of it is opened before the eye is within its box,
+/// and before few of its surfels are drawn of many that are looked at; what is short is seen at about one depth
+/// and has the time to go by degrees.
+static double move_out(double lacks, stp_depth_range range)
+{
+    double length = (range.far / range.near - SHORT) / (LONG - SHORT);
+    double part = length > 0.0 ? fmin(length, 1.0) : 0.0;
+    double cubed = lacks * lacks * lacks;
+    return cubed * (1.0 + part * (cubed * lacks - 1.0));
+}
+
+/// The prefix of a set that is to be opened, with its radius, such that it and what grows in are no more work than
+/// STP_TRANSITION_WORK times the dearer of the two. A shorter prefix still covers, with larger splats.
+static void use_beside(stp_set_use* use, uint32_t count, double size, double below, double grown)
+{
+    double own = STP_SPLAT_WORK * (double)count;
+    double most = STP_TRANSITION_WORK * fmax(own, below) - grown * below;
+    if (most < own) {
+        double part = (double)count * (most / own);
+        count = part > 1.0 ? (uint32_t)part : 1;
+    }
+    use_count(use, count, size);
+}
+
+/// By insertion radius: as many as cover at the nearest depth, or all where they do not; opened where a finer
+/// radius is wanted than its surfels are used for.
+static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp_sight* sight,
+                             const stp_select_entry* at, bool cloud)
+{
+    const stp_surfels* surfels = use->surfels;
+    stp_depth_range range = sight->range;
+    double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn however near, with gaps
+    double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
+    double below = (double)s->graph->works[at->node];
+    uint32_t count = stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near));
+    bool suffices = cloud || range.near >= suffices_from;
+    if (!suffices && s->quality->policy == STP_POLICY_SWITCH) {
+        return;
+    }
+    if (cloud || (suffices && s->quality->policy == STP_POLICY_SWITCH)) {
+        use_count(use, count, size);
+        use->switch_depth = 0.0;
+        return;
+    }
+    if (suffices) {
+        use->switch_depth = suffices_from;
+        use_beside(use, count, size, below, stp_select_growth(suffices_from, range.near));
+        return;
+    }
+    use->switch_depth = suffices_from * move_out(suffices_from / range.near, range);
+    use->extra = true;
+    if (range.far * STP_LEVELS_SHRINK > use->switch_depth) {
+        use_beside(use, count, size, below, 1.0);
+    }
+}
+
+static double clamp_unit(double x)
+{
+    return x > 0.0 ? (x < 1.0 ? x : 1.0) : 0.0;
+}
+
+/// How much of a node's own set is there at a depth.
+static double shrinking(const stp_set_use* use, double depth)
+{
+    const double gone = 1.0 / STP_LEVELS_SHRINK;
+    return clamp_unit((depth / use->switch_depth - gone) / (1.0 - gone));
+}
+
+/// The depths between which splat `index` of the prefix, and those after it, are drawn at most.
+static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_t index)
+{
+    stp_depth_range range = {0.0, HUGE_VAL};
+    double part = (double)index / (double)use->count;
+    if (use->extra) {
+        const double gone = 1.0 / STP_LEVELS_SHRINK;
+        range.near = use->switch_depth * (gone + part * (1.0 - gone));
+    }
+    if (ceiling < HUGE_VAL) {
+        range.far = ceiling * (STP_LEVELS_GROW - part * (STP_LEVELS_GROW - 1.0));
+    }
+    return range;
+}
+
+/// Splats [begin, end) of those that lie evenly spread over `seen`, that are drawn beside those of another level.
+static double count_extra(const stp_select_entry* at, const stp_set_use* use, stp_depth_range seen,
+                          stp_depth_range drawn, uint32_t count)
+{
+    double low = fmax(seen.near, drawn.near), high = fmin(seen.far, drawn.far);
+    double own = use->extra ? fmax(0.0, fmin(high, use->switch_depth) - low) : 0.0;
+    double grown = fmax(0.0, high - fmax(low, at->ceiling));
+    double width = fmax(seen.far - seen.near, 1e-12 * seen.far);
+    return (double)count * fmin(1.0, (own + grown) / width);
+}
+
+/// Divides a prefix into runs; none where each splat is drawn wherever the node is seen.
+static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
+                           stp_depth_range seen, stp_draw_item* item, double* extra)
+{
+    size_t first = s->list->run_count;
+    bool needed = false;
+    for (uint32_t begin = 0; begin < item->prefix;) {
+        uint32_t left = item->prefix - begin;
+        uint32_t size = begin / RUN_GROWS / RUN_ALIGN * RUN_ALIGN;
+        size = size > RUN_ALIGN ? size : RUN_ALIGN;
+        uint32_t end = left - 1 < size ? item->prefix : begin + size;
+        stp_depth_range range = depths_of(use, at->ceiling, begin);
+        *extra += count_extra(at, use, seen, range, end - begin);
+        range.near = range.near <= seen.near ? 0.0 : range.near;
+        range.far = range.far >= seen.far ? HUGE_VAL : range.far;
+        bool whole = range.near <= 0.0 && range.far >= HUGE_VAL;
+        needed = needed || !whole;
+        if (whole && !needed && s->list->run_count > first) {
+            s->list->runs[first].end = end;
+        } else {
+            stp_result result = stp_select_add_run(s, end, range);
+            if (result != STP_OK) {
+                return result;
+            }
+        }
+        begin = end;
+    }
+    if (!needed) {
+        s->list->run_count = first;
+        return STP_OK;
+    }
+    if (s->list->run_count > UINT32_MAX) {
+        return stp_fail(s->context, STP_ERROR_LIMIT, "view: too many runs of splats");
+    }
+    item->first_run = (uint32_t)first;
+    item->run_count = (uint32_t)(s->list->run_count - first);
+    return STP_OK;
+}
+
+static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
+                      const stp_sight* sight)
+{
+    stp_depth_range range = sight->range;
+    double part = stp_select_growth(at->ceiling, range.near);
+    part *= use->extra ? shrinking(use, range.far) : 1.0;
+    stp_draw_item item = {.kind = STP_DRAW_SURFELS,
+                          .index = stp_select_set_of(s, at->node),
+                          .prefix = (uint32_t)(part * (double)use->count),
+                          .full_prefix = use->count,
+                          .radius = (float)use->radius,
+                          .sections = at->sections,
+                          .ghost = at->shown == STP_SHOW_GHOST,
+                          .transform = at->transform};
+    bool flat = range.far < range.near * ONE_DEPTH;
+    bool by_depth = use->per_depth > 0.0 && s->quality->policy == STP_POLICY_INSERTION;
+    double extra = at->extra || use->extra ? (double)item.prefix : 0.0;
+    if (by_depth && !flat && (use->extra || range.far > at->ceiling)) {
+        extra = 0.0;
+        stp_result result = add_runs(s, at, use, range, &item, &extra);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    s->list->extra_splats += (uint64_t)extra;
+    return stp_select_add_item(s, item, item.prefix);
+}
+
+static void use_prefix(stp_set_use* use, uint32_t count)
+{
+    use_count(use, count, 0.0);
+}
+
+static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                    bool cloud, stp_set_use* use)
+{
+    if (s->quality->policy == STP_POLICY_PAPER) {
+        use_estimate(use, use->per_depth * sight->range.near, cloud);
+        use->per_depth = 0.0;
+    } else {
+        use_by_insertion(use, s, sight, at, cloud);
+    }
+}
+
+const stp_select_rule stp_select_rule_blue = {use_set, use_prefix, add};

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+// Method `spt`: of a sequence the prefix whose ranges reach the nearest depth; each splat is tested where it is drawn
+// (Dachsbacher et al. 2003, 3.6 and 3.7). Where all splats of a set do not suffice, the node is opened.
+#include "base/prefix_table.h"
+#include "select/rule.h"
+
+/// The first breakpoint up to which all splats above a level lie.
+static uint32_t find_prefix(const stp_surfels* surfels, double level)
+{
+    const stp_prefix_table* table = &surfels->table;
+    for (uint32_t i = 0; i < table->size; ++i) {
+        if ((double)table->radius[i] <= level) {
+            return table->count[i];
+        }
+    }
+    return surfels->count;
+}
+
+/// The largest level of the splats after the first `count`: those of a shorter prefix lie above.
+static double find_level(const stp_surfels* surfels, uint32_t count)
+{
+    const stp_prefix_table* table = &surfels->table;
+    double level = table->size != 0 ? (double)table->radius[0] : 0.0;
+    for (uint32_t i = 0; i < table->size && table->count[i] <= count; ++i) {
+        level = (double)table->radius[i];
+    }
+    return count < surfels->count ? level : 0.0;
+}
+
+/// One level for all: a cut through the tree.
+static void use_count(stp_set_use* use, uint32_t count)
+{
+    use->count = count;
+    use->level_least = find_level(use->surfels, count);
+    use->radius = fmax(use->level_least, (double)use->surfels->candidate_radius);
+}
+
+static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                    bool cloud, stp_set_use* use)
+{
+    double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
+    stp_depth_range range = sight->range;
+    bool suffices = cloud || range.near >= suffices_from;
+    bool part = !suffices && range.far > suffices_from && s->quality->policy != STP_POLICY_SWITCH;
+    if (!suffices && !part) {
+        use->switch_depth = suffices_from; // nearer than that what is below is drawn
+        return;
+    }
+    double nearest = suffices ? range.near : suffices_from;
+    use->switch_depth = suffices ? 0.0 : suffices_from;
+    use->extra = !suffices;
+    use->count = find_prefix(use->surfels, use->per_depth * nearest);
+    use->radius = use->per_depth * nearest;
+    use->level_per_depth = use->per_depth;
+    if (use->per_depth * stp_affine_scale(&at->transform) > (double)STP_LEVEL_SLOPE) {
+        use->level_per_depth = 0.0; // ranges do not overlap so far
+        use->level_least = use->per_depth * nearest;
+    }
+}
+
+static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
+                      const stp_sight* sight)
+{
+    stp_draw_item item = {.kind = STP_DRAW_SURFELS,
+                          .index = stp_select_set_of(s, at->node),
+                          .prefix = use->count,
+                          .full_prefix = use->count,
+                          .radius = (float)use->radius,
+                          .level_per_depth = (float)use->level_per_depth,
+                          .level_least = (float)use->level_least,
+                          .sections = at->sections,
+                          .ghost = at->shown == STP_SHOW_GHOST,
+                          .transform = at->transform};
+    stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
+                             at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};
+    drawn.near = drawn.near <= sight->range.near ? 0.0 : drawn.near;
+    drawn.far = drawn.far >= sight->range.far ? HUGE_VAL : drawn.far;
+    if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {
+        size_t first = s->list->run_count;
+        stp_result result = stp_select_add_run(s, item.prefix, drawn);
+        if (result != STP_OK) {
+            return result;
+        }
+        item.first_run = (uint32_t)first;
+        item.run_count = 1;
+    }
+    s->list->extra_splats += at->extra || use->extra ? item.prefix : 0;
+    return stp_select_add_item(s, item, item.prefix);
+}
+
+const stp_select_rule stp_select_rule_spt = {use_set, use_count, add};
