@@ -18,11 +18,12 @@
 #define DEFAULT_THRESHOLD 1000
 
 static struct {
-    const char* output;
-    int method, order, metric, up, unit;
-    uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed;
+    const char *output, *method;
+    int order, error, metric, up, unit;
+    uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
+        color_threshold;
     int progress, capture;
-    bool json, threshold_given, up_given, unit_given, resume, fresh;
+    bool json, color_threshold_given, threshold_given, up_given, unit_given, resume, fresh;
 } args;
 
 static const char* const order_names[] = {"exact", "paper-fast", "paper-text", "random"};
@@ -34,6 +35,7 @@ static const char* const up_names[] = {"x", "-x", "y", "-y", "z", "-z"};
 static const char up_axes[] = {'x', 'X', 'y', 'Y', 'z', 'Z'};
 static const char* const unit_names[] = {"m", "mm", "cm", "in", "ft", "us-ft"};
 static const char* const capture_names[] = {"splats", "triangles"};
+static const stp_tree_error errors[] = {STP_TREE_GEOMETRIC, STP_TREE_DIAMETER};
 static const double unit_metres[] = {1.0, 0.001, 0.01, 0.0254, 0.3048, 1200.0 / 3937.0};
 
 static const option* options(void)
@@ -46,10 +48,27 @@ static const option* options(void)
          .help = "the file to write",
          .value = &args.output},
         {.name = "method",
-         .type = OPTION_CHOICE,
-         .words = "blue",
-         .help = "how the scene becomes splats; default blue (Progressive Blue Surfels)",
+         .type = OPTION_TEXT,
+         .argument = "NAME,...",
+         .help = "how the scene becomes splats: blue (Progressive Blue Surfels), spt (Sequential "
+                 "Point Trees), or several for the same nodes; default blue",
          .value = &args.method},
+        {.name = "error",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "unified|qsplat",
+         .help = "the error of a node of spt: its geometric error, or its diameter as in QSplat; "
+                 "default unified",
+         .value = &args.error},
+        {.name = "color-threshold",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "0..255",
+         .help =
+             "a node of spt whose colours differ by more, of 255, is as coarse as its diameter; "
+             "default 48",
+         .value = &args.color_threshold,
+         .given = &args.color_threshold_given},
         {.name = "order",
          .type = OPTION_CHOICE,
          .words = "exact|paper-fast|paper-text|random",
@@ -138,13 +157,38 @@ static const option* options(void)
     return table;
 }
 
+// The methods of a list of names. @return how many; 0: there is one that is none, or one twice
+static uint32_t choose_methods(const stp_method* chosen[STP_METHOD_COUNT])
+{
+    const char* at = args.method != NULL ? args.method : "blue";
+    for (uint32_t count = 0; count < STP_METHOD_COUNT;) {
+        char name[32];
+        size_t length = strcspn(at, ",");
+        snprintf(name, sizeof(name), "%.*s", (int)(length < 31 ? length : 31), at);
+        const stp_method* method = stp_method_by_name(name);
+        for (uint32_t i = 0; i < count; ++i) {
+            method = chosen[i] == method ? NULL : method;
+        }
+        if (method == NULL) {
+            return 0;
+        }
+        chosen[count++] = method;
+        if (at[length] == '\0') {
+            return count;
+        }
+        at += length + 1;
+    }
+    return 0;
+}
+
 // What the user asked for, as the file records it. Threads and memory do not change the file, and so do not
 // stand in it. NULL where memory runs out.
 static char* parameters_json(void)
 {
     json_t* json = json_pack(
-        "{s:s, s:s, s:s, s:s, s:I, s:I}", "method", "blue", "order", order_names[args.order],
-        "metric", metric_names[args.metric], "capture", capture_names[args.capture], "threshold",
+        "{s:s, s:s, s:s, s:s, s:I, s:I}", "method", args.method != NULL ? args.method : "blue",
+        "order", order_names[args.order], "metric", metric_names[args.metric], "capture",
+        capture_names[args.capture], "threshold",
         (json_int_t)(args.threshold_given ? args.threshold : DEFAULT_THRESHOLD), "seed",
         (json_int_t)args.seed);
     const struct {
@@ -233,6 +277,7 @@ static int print_result(stp_context* context, const stp_build_report* report, ui
 
 static int build(stp_context* context, int argc, char** argv)
 {
+    const stp_method* chosen[STP_METHOD_COUNT];
     stp_build_desc desc = {
         .inputs = (const char* const*)argv,
         .input_count = (size_t)argc,
@@ -248,11 +293,18 @@ static int build(stp_context* context, int argc, char** argv)
                            .samples = (uint32_t)args.samples,
                            .interval = (uint32_t)args.interval},
                  .surfel_count = (uint32_t)args.surfels},
+        .methods = chosen,
+        .method_count = choose_methods(chosen),
+        .method_options = stp_method_options_default(),
         .threshold = args.threshold_given && args.threshold == 0 ? 1 : args.threshold,
         .from_triangles = args.capture == 1,
         .fresh = args.fresh,
         .memory_bytes = args.memory,
     };
+    desc.method_options.tree.error = errors[args.error];
+    if (args.color_threshold_given) {
+        desc.method_options.tree.color_threshold = (uint32_t)args.color_threshold;
+    }
     char* parameters = parameters_json();
     if (parameters == NULL) {
         return tool_error("out of memory");
@@ -289,6 +341,11 @@ static int run(int argc, char** argv)
 {
     if (argc < 1) {
         return tool_usage_error("build needs at least one input");
+    }
+    const stp_method* chosen[STP_METHOD_COUNT];
+    if (choose_methods(chosen) == 0) {
+        return tool_usage_error("--method is a list of blue and spt, each at most once, not %s",
+                                args.method);
     }
     if (args.resume && args.fresh) {
         return tool_usage_error("--resume and --fresh exclude each other");

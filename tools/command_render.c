@@ -198,7 +198,8 @@ static int choose_view(session* s, const char* path)
     view->ortho_height = args.ortho;
     view->eye_distance = draw_options_eye_distance(&args.draw, s->drawing.store);
     const char* name = args.view != NULL ? args.view : "iso";
-    int code = find_view(s, path, name);
+    int code = draw_options_check_method(&args.draw, s->drawing.store, path);
+    code = code == 0 ? find_view(s, path, name) : code;
     code = code == 0 ? scene_show_apply(&s->drawing.show, &args.draw.show, view) : code;
     if (code != 0) {
         return code;
@@ -276,6 +277,10 @@ static json_t* describe(const session* s, json_t* picked)
     json_t* frames = json_integer((json_int_t)frames_of_picture(s));
     json_t* kinds = json_string(name_drawn(&s->figures));
     bool described = json_object_set_new(object, "resident_bytes", bytes) == 0;
+    const char* method = draw_options_method(&args.draw, s->drawing.store);
+    described = json_object_set_new(object, "method",
+                                    method != NULL ? json_string(method) : json_null()) == 0 &&
+                described;
     described = json_object_set_new(object, "samples", samples) == 0 && described;
     described = json_object_set_new(object, "accumulated_frames", frames) == 0 && described;
     described =

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "draw_options.h"
 
+#include "lod/method.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -58,6 +60,14 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .words = "0.01..100",
          .help = "shrink or grow splats: 0.3 shows how they are distributed",
          .value = &o->splat_scale},
+        {.name = "method",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = TOOL_METHOD_WORDS,
+         .help = "whose splats are drawn, of a file that holds several methods'; default the "
+                 "file's first",
+         .value = &o->method,
+         .given = &o->has_method},
         {.name = "policy",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -308,13 +318,33 @@ int draw_options_check(const draw_options* o)
 
 stp_quality draw_options_quality(const draw_options* o)
 {
-    stp_quality quality = {.splat_size = (float)o->splat_size,
+    stp_quality quality = {.method = o->has_method ? stp_methods[o->method].id : 0,
+                           .splat_size = (float)o->splat_size,
                            .splat_count = o->splats,
                            .policy = (stp_policy)o->policy,
                            .reference = o->reference};
     (void)parse_fovea(o, &quality.fovea);
     (void)parse_fovea_center(o, &quality.fovea);
     return quality;
+}
+
+int draw_options_check_method(const draw_options* o, const stp_store* store, const char* path)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint32_t id = stp_methods[o->method].id;
+    if (!o->has_method || d->surfels_count == 0 ||
+        d->methods[stp_store_find_method(d, id)].id == id) {
+        return 0;
+    }
+    return tool_error("%s: has splats by %s, not by %s (build it with --method %s)", path,
+                      d->methods[0].name, stp_methods[o->method].name, stp_methods[o->method].name);
+}
+
+const char* draw_options_method(const draw_options* o, const stp_store* store)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint32_t id = o->has_method ? stp_methods[o->method].id : 0;
+    return d->surfels_count > 0 ? d->methods[stp_store_find_method(d, id)].name : NULL;
 }
 
 stp_draw_style draw_options_style(const draw_options* o)

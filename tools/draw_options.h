@@ -19,6 +19,8 @@ typedef struct draw_options {
     uint64_t splats;
     bool has_splat_size, has_splats, has_budget;
     int policy, controller;
+    int method; ///< place in stp_methods
+    bool has_method;
     bool reference;
     option_prefix prefix;
     const char *fovea, *fovea_center;
@@ -38,6 +40,9 @@ typedef struct draw_options {
     bool json;
 } draw_options;
 
+/// Names of stp_methods, as words of an option.
+#define TOOL_METHOD_WORDS "blue|spt"
+
 enum { DRAW_OPTION_ROOM = 96 }; ///< entries of a table
 
 /// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after them the shared ones.
@@ -46,6 +51,12 @@ const option* draw_options_table(option* table, const option* own, draw_options*
 
 /// Options that exclude each other, and values that make no sense. @return 0, or 2 (message printed)
 int draw_options_check(const draw_options* options);
+
+/// Whether a store has splats by the method asked for. @return 0, or 1 (message printed)
+int draw_options_check_method(const draw_options* options, const stp_store* store,
+                              const char* path);
+/// The name of the method that is drawn; NULL: there are no splats. It lives as long as the store.
+const char* draw_options_method(const draw_options* options, const stp_store* store);
 
 /// What was asked for. Options must have been checked.
 stp_quality draw_options_quality(const draw_options* options);

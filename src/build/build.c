@@ -6,6 +6,7 @@
 #include "build/content.h"
 #include "build/draft.h"
 #include "build/meshes.h"
+#include "build/methods.h"
 #include "build/nodes.h"
 #include "build/pictures.h"
 #include "build/plan.h"
@@ -19,6 +20,8 @@
     (UINT64_C(64) << 20) // for the directory and its texts, when the file is written
 #define LEAST_BUDGET (UINT64_C(64) << 20) // one node at a time is made whatever the limit
 #define FILE_MEMORY_SHARE 4u // of the limit, for meshes before they go to the spill file
+
+enum { STAGES = 6 };
 
 // Everything a build makes on its way, in the order it is made.
 typedef struct build {
@@ -36,8 +39,9 @@ typedef struct build {
     stp_build_plan plan;
     stp_build_nodes nodes;
     stp_build_meshes meshes;
-    stp_hash* surfel_keys; ///< one a step of the plan
+    stp_build_methods methods;
     stp_build_content content;
+    stp_stage stages[STAGES];
 } build;
 
 // An output that cannot be written should be known before the work, not after it.
@@ -208,6 +212,31 @@ static stp_result make_surfels(build* b)
     return result;
 }
 
+static stp_result make_methods(build* b)
+{
+    static const stp_method* const only_blue[] = {&stp_methods[0]};
+    const stp_build_desc* desc = b->desc;
+    double start = stp_clock_ms();
+    uint64_t usable = usable_bytes(b), used = stp_context_live_bytes(b->context) + RESERVE_BYTES;
+    stp_build_methods_desc methods = {
+        .plan = &b->plan,
+        .samples = b->nodes.sets,
+        .methods = desc->method_count != 0 ? desc->methods : only_blue,
+        .method_count = desc->method_count != 0 ? desc->method_count : 1,
+        .options = &desc->method_options,
+        .shading_count = b->shadings.count,
+        .memory_bytes = usable > used + LEAST_BUDGET ? usable - used : LEAST_BUDGET,
+        .work = b->work,
+        .former = b->former,
+    };
+    stp_result result = stp_build_methods_make(b->scene, &methods, &b->methods);
+    stp_work_release_pages(b->work);
+    b->report->methods_s = (stp_clock_ms() - start) * 1e-3;
+    b->report->sets_made += b->methods.made;
+    b->report->sets_found += b->methods.found;
+    return result;
+}
+
 static stp_result code_meshes(build* b)
 {
     double start = stp_clock_ms();
@@ -231,21 +260,16 @@ static bool is_intact(void* work)
 
 static stp_result make_content(build* b)
 {
-    b->surfel_keys = STP_NEW_ZEROED(b->context, stp_hash, b->plan.step_count);
-    if (b->surfel_keys == NULL) {
-        return stp_fail_memory(b->context);
-    }
-    for (uint32_t i = 0; i < b->plan.step_count; ++i) {
-        b->surfel_keys[i] = b->plan.steps[i].key;
-    }
-    stp_result result = stp_build_content_create(b->scene, b->nodes.sets, b->plan.step_count,
+    stp_result result = stp_build_content_create(b->scene, b->methods.sets, b->methods.set_count,
                                                  b->plan.step_of, &b->content);
     if (result == STP_OK) {
         stp_store_content* content = &b->content.content;
         content->census = &b->census;
         content->coded_meshes = b->meshes.coded;
         content->mesh_keys = b->meshes.keys;
-        content->surfel_keys = b->surfel_keys;
+        content->surfel_keys = b->methods.keys;
+        content->directory.methods = b->methods.methods;
+        content->directory.method_count = b->methods.method_count;
         content->release_pages = release_pages;
         content->is_intact = is_intact;
         content->release_user = b->work;
@@ -279,7 +303,7 @@ static bool close_build(build* b, bool written)
     }
     stp_build_draft_destroy(b->draft);
     stp_build_content_destroy(&b->content);
-    stp_free(b->context, b->surfel_keys);
+    stp_build_methods_destroy(b->context, &b->methods);
     stp_build_meshes_destroy(b->context, &b->meshes);
     stp_build_nodes_destroy(b->context, &b->nodes);
     stp_build_plan_destroy(b->context, &b->plan);
@@ -299,13 +323,49 @@ static stp_result make_parts(build* b)
     stp_result result = plan_surfels(b);
     if (b->draft == NULL) {
         result = result != STP_OK ? result : make_surfels(b);
+        result = result != STP_OK ? result : make_methods(b);
         return result != STP_OK ? result : code_meshes(b);
     }
     result = result != STP_OK ? result : code_meshes(b);
     if (result == STP_OK && b->plan.step_count > 0) {
         stp_build_draft_write(b->draft);
     }
-    return result != STP_OK ? result : make_surfels(b);
+    result = result != STP_OK ? result : make_surfels(b);
+    return result != STP_OK ? result : make_methods(b);
+}
+
+// Whether sets are made of the samples, for methods other than `blue`.
+static bool derives_sets(const stp_build_desc* desc)
+{
+    bool derives = false;
+    for (uint32_t i = 0; i < desc->method_count; ++i) {
+        derives = derives || desc->methods[i]->make != NULL;
+    }
+    return derives;
+}
+
+static void plan_stages(build* b)
+{
+    const stp_build_desc* desc = b->desc;
+    stp_stage* stages = b->stages;
+    static const stp_stage import = {"import", 5.0}, partition = {"partition", 3.0},
+                           surfels = {"surfels", 80.0}, methods = {"methods", 8.0},
+                           clusters = {"clusters", 6.0}, write = {"write", 6.0};
+    size_t count = 0;
+    stages[count++] = import;
+    stages[count++] = partition;
+    if (desc->draft != NULL) {
+        stages[count++] = clusters;
+    }
+    stages[count++] = surfels;
+    if (derives_sets(desc)) {
+        stages[count++] = methods;
+    }
+    if (desc->draft == NULL) {
+        stages[count++] = clusters;
+    }
+    stages[count++] = write;
+    stp_progress_plan(b->context, stages, count);
 }
 
 // @param changed  receives whether a result was changed by somebody else after it was stored
@@ -314,12 +374,7 @@ static stp_result build_once(stp_context* context, const stp_build_desc* desc,
 {
     *report = (stp_build_report){0};
     build b = {.context = context, .desc = desc, .report = report};
-    static const stp_stage stages[] = {
-        {"import", 5.0}, {"partition", 3.0}, {"surfels", 80.0}, {"clusters", 6.0}, {"write", 6.0}};
-    static const stp_stage drafted_stages[] = {
-        {"import", 5.0}, {"partition", 3.0}, {"clusters", 6.0}, {"surfels", 80.0}, {"write", 6.0}};
-    stp_progress_plan(context, desc->draft != NULL ? drafted_stages : stages,
-                      sizeof(stages) / sizeof(stages[0]));
+    plan_stages(&b);
     b.draft = stp_build_draft_create(context, desc);
     stp_result result = try_output(context, desc->output);
     result = result != STP_OK ? result : open_work(&b);

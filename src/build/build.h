@@ -9,6 +9,7 @@
 
 #include "import/import.h"
 #include "lod/blue/blue.h"
+#include "lod/method.h"
 #include "scene/partition.h"
 
 typedef struct stp_build_desc {
@@ -18,6 +19,10 @@ typedef struct stp_build_desc {
     stp_import_desc import;
     stp_partition_desc partition;
     stp_blue_desc blue; ///< `sets` are the build's own business
+    /// Whose sets the file holds, the first one's for readers that do not choose; each once. None: those of `blue`.
+    const stp_method* const* methods;
+    uint32_t method_count;
+    stp_method_options method_options; ///< read where there are others than `blue`
     uint64_t
         threshold; ///< a node of triangles gets surfels above so many; default 1,000 (5.2); 1: always
     /// Asked once the scene is finished: whether it gets surfels at all. Where not, the file holds the original
@@ -44,6 +49,7 @@ typedef struct stp_build_report {
     double import_s, partition_s, clusters_s, write_s, total_s;
     double capture_s, order_s, finish_s; ///< shares of the time that surfels took
     double surfel_thread_s;              ///< time of all threads for surfels
+    double methods_s;                    ///< for sets of other methods than `blue`
     uint64_t candidates;
     // made now, and taken from what was there before the build began: a killed build's work directory, a former output
     uint32_t sets_made, sets_found;

@@ -2,6 +2,7 @@
 #include "build/piece.h"
 
 #include "base/bytes.h"
+#include "base/splat_codes.h"
 #include "build/shadings.h"
 #include "store/validate.h"
 
@@ -13,9 +14,10 @@ enum {
     COUNTS_AT = OCTAVES_AT + 4 * STP_OCTAVE_LIMIT,
     RADII_AT = COUNTS_AT + 4 * STP_PREFIX_TABLE_SIZE,
     MESH_HEAD = 64,
-    COLUMNS = 5,
+    COLUMNS_AT = RADII_AT + 4 * STP_PREFIX_TABLE_SIZE, ///< STP_SPLATS_*
+    COLUMNS = 7,
 };
-_Static_assert(RADII_AT + 4 * STP_PREFIX_TABLE_SIZE <= SURFELS_HEAD, "the head holds the table");
+_Static_assert(COLUMNS_AT + 4 <= SURFELS_HEAD, "the head holds the table");
 
 // Writes numbers in a row, or reads them.
 typedef struct cursor {
@@ -64,6 +66,7 @@ static void write_surfels_head(const stp_surfels* s, uint32_t candidates,
     put_f32(&at, s->paper_radius);
     put_u32(&at, s->paper_count);
     put_u32(&at, candidates);
+    stp_write_u32(head + COLUMNS_AT, s->columns);
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         stp_write_u32(head + OCTAVES_AT + 4 * i, s->octave_ends[i]);
     }
@@ -90,8 +93,9 @@ static bool read_surfels_head(const unsigned char* head, stp_surfels* s, uint32_
     s->paper_radius = get_f32(&at);
     s->paper_count = get_u32(&at);
     *candidates = get_u32(&at);
-    if (kind != SURFELS_KIND || s->octave_count > STP_OCTAVE_LIMIT ||
-        s->table.size > STP_PREFIX_TABLE_SIZE) {
+    s->columns = stp_read_u32(head + COLUMNS_AT);
+    if (kind != SURFELS_KIND || s->columns > STP_SPLATS_COLUMNS ||
+        s->octave_count > STP_OCTAVE_LIMIT || s->table.size > STP_PREFIX_TABLE_SIZE) {
         return false;
     }
     for (uint32_t i = 0; i < s->octave_count; ++i) {
@@ -114,20 +118,34 @@ static void size_columns(const stp_surfels* s, size_t sizes[COLUMNS])
 {
     size_t entries = 0;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
-        entries += s->octave_ends[i];
+        bool flat = (s->columns & STP_SPLATS_FLAT_COLORS) != 0;
+        entries = flat ? s->octave_ends[i] : entries + s->octave_ends[i];
     }
     sizes[0] = 6 * (size_t)s->count;
     sizes[1] = 2 * (size_t)s->count;
     sizes[2] = s->count;
     sizes[3] = 3 * entries;
     sizes[4] = entries;
+    sizes[5] = (s->columns & STP_SPLATS_SHAPES) != 0 ? 4 * (size_t)s->count : 0;
+    sizes[6] = (s->columns & STP_SPLATS_RANGES) != 0 ? 4 * (size_t)s->count : 0;
 }
 
-static bool has_shadings(const stp_surfels* s, uint32_t shading_count)
+/// Whether a set's columns make sense where a renderer relies on it.
+static bool is_sound(const stp_surfels* s, uint32_t shading_count)
 {
     uint8_t highest = 0;
     for (uint32_t i = 0; i < s->count; ++i) {
         highest = s->materials[i] > highest ? s->materials[i] : highest;
+    }
+    for (uint32_t i = 0; s->shapes != NULL && i < s->count; ++i) {
+        if (!stp_shape_is_valid(s->shapes[i])) {
+            return false;
+        }
+    }
+    for (uint32_t i = 0; s->ranges != NULL && i < s->count; ++i) {
+        if (!stp_range_is_valid(s->ranges[i])) {
+            return false;
+        }
     }
     return s->count == 0 || highest < shading_count;
 }
@@ -154,6 +172,8 @@ static bool read_surfels(const void* result, size_t size, stp_surfels* s, uint32
     s->materials = (uint8_t*)(bytes + offsets[2]);
     s->colors = (uint8_t*)(bytes + offsets[3]);
     s->coverages = (uint8_t*)(bytes + offsets[4]);
+    s->shapes = sizes[5] != 0 ? (uint32_t*)(bytes + offsets[5]) : NULL;
+    s->ranges = sizes[6] != 0 ? (uint32_t*)(bytes + offsets[6]) : NULL;
     return true;
 }
 
@@ -165,7 +185,7 @@ bool stp_piece_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count
     if (result == NULL) {
         return false;
     }
-    if (!read_surfels(result, size, surfels, candidates) || !has_shadings(surfels, shading_count)) {
+    if (!read_surfels(result, size, surfels, candidates) || !is_sound(surfels, shading_count)) {
         stp_work_forget(work, key); // its checksum is no proof of sense
         return false;
     }
@@ -180,8 +200,9 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_surfels*
     write_surfels_head(surfels, candidates, head);
     size_t sizes[COLUMNS];
     size_columns(surfels, sizes);
-    const void* const columns[COLUMNS] = {surfels->positions, surfels->normals, surfels->materials,
-                                          surfels->colors, surfels->coverages};
+    const void* const columns[COLUMNS] = {
+        surfels->positions, surfels->normals, surfels->materials, surfels->colors,
+        surfels->coverages, surfels->shapes,  surfels->ranges};
     stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SURFELS_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
         pieces[1 + 2 * i] = (stp_work_piece){columns[i], sizes[i]};

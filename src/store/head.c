@@ -39,6 +39,10 @@ static stp_result verify_texts(stp_store* store)
         result =
             stp_store_verify_text(store, STP_SECTION_TEXT, &uses, store->summary.parts[i].name);
     }
+    for (uint32_t i = 0; result == STP_OK && i < d->method_count; ++i) {
+        const char* name = d->methods[i].id != STP_METHOD_BLUE ? d->methods[i].name : NULL;
+        result = stp_store_verify_text(store, STP_SECTION_TEXT, &uses, name);
+    }
     for (uint32_t i = 0; result == STP_OK && i < d->view_count; ++i) {
         result = stp_store_verify_text(store, STP_SECTION_TEXT, &uses, d->views[i].name);
     }
@@ -73,6 +77,7 @@ stp_result stp_store_read_head(stp_store* store)
         result = stp_store_read_table(store, types[i], &text);
     }
     result = result != STP_OK ? result : stp_store_judge_summary(store);
+    result = result != STP_OK ? result : stp_store_read_method_names(store, &text);
     result = result != STP_OK ? result : stp_store_read_text(store, STP_SECTION_BUILD, &text);
     if (result != STP_OK) {
         return result;

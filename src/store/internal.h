@@ -145,6 +145,8 @@ const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
 
 /// Reads which methods the sets are of, before blocks are linked. Files that do not say have sets of `blue` alone.
 STP_MUST_USE stp_result stp_store_read_methods(stp_store* store, stp_store_text* text);
+/// The methods alone, of a store opened for its summary.
+STP_MUST_USE stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text);
 
 /// Frees the columns of a set.
 void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record);

@@ -205,13 +205,11 @@ static stp_result drop_unknown(stp_store* store)
     return STP_OK;
 }
 
-stp_result stp_store_read_methods(stp_store* store, stp_store_text* text)
+stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text)
 {
     stp_store_directory* d = &store->directory;
     bool told = store->known[STP_SECTION_METHODS] != NULL;
     stp_result result = stp_store_read_table(store, STP_SECTION_METHODS, text);
-    result =
-        result == STP_OK ? stp_store_read_table(store, STP_SECTION_METHOD_NODES, text) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -228,9 +226,23 @@ stp_result stp_store_read_methods(stp_store* store, stp_store_text* text)
     for (uint32_t i = 0; i < count; ++i) {
         store->methods[i] = told ? records[i].method : only_blue;
     }
-    store->methods[0].set_count = told ? store->methods[0].set_count : d->surfels_count;
     d->methods = store->methods;
     d->method_count = count;
+    return STP_OK;
+}
+
+stp_result stp_store_read_methods(stp_store* store, stp_store_text* text)
+{
+    stp_store_directory* d = &store->directory;
+    stp_result result = stp_store_read_method_names(store, text);
+    result =
+        result == STP_OK ? stp_store_read_table(store, STP_SECTION_METHOD_NODES, text) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    if (store->known[STP_SECTION_METHODS] == NULL) {
+        store->methods[0].set_count = d->surfels_count;
+    }
     stp_store_judge judge = stp_store_own_judge(store);
     result = judge_table(&judge, d);
     result = result == STP_OK ? judge_first(&judge, d) : result;

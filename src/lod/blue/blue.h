@@ -5,6 +5,7 @@
 #pragma once
 
 #include "capture/capture.h"
+#include "lod/surfels.h"
 
 #include <stipple/order.h>
 #include <stipple/surfels.h>
@@ -38,4 +39,3 @@ typedef struct stp_blue_report {
 STP_MUST_USE stp_result stp_blue_make(const stp_scene* scene, uint32_t node,
                                       const uint8_t* shading_of_material, const stp_blue_desc* desc,
                                       stp_surfels* surfels, stp_blue_report* report);
-void stp_surfels_destroy(stp_context* context, stp_surfels* surfels);

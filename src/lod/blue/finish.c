@@ -11,16 +11,6 @@
 #define GRAIN 16384
 #define AHEAD 24u // candidates that memory is asked for in advance
 
-void stp_surfels_destroy(stp_context* context, stp_surfels* surfels)
-{
-    stp_free(context, surfels->positions);
-    stp_free(context, surfels->normals);
-    stp_free(context, surfels->materials);
-    stp_free(context, surfels->colors);
-    stp_free(context, surfels->coverages);
-    *surfels = (stp_surfels){0};
-}
-
 typedef struct finish {
     const stp_finish_input* input;
     stp_surfels* surfels;

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "build/methods.h"
+
+#include "base/gate.h"
+#include "build/origin.h"
+#include "build/piece.h"
+
+#include <pthread.h>
+
+// What the sets in the making share.
+typedef struct run {
+    const stp_scene* scene;
+    const stp_build_methods_desc* desc;
+    stp_build_methods* made;
+    stp_build_origin* origins; ///< by set
+    stp_gate* gate;
+    pthread_mutex_t mutex;
+    pthread_mutex_t former_mutex;
+    stp_result result; ///< the first failure
+} run;
+
+static const stp_method* method_of(const run* r, size_t set)
+{
+    return r->desc->methods[set / r->desc->plan->step_count];
+}
+
+// What the work directory or the former output has.
+static bool find_set(run* r, stp_hash key, stp_surfels* set)
+{
+    const stp_build_methods_desc* desc = r->desc;
+    uint32_t unused;
+    if (stp_piece_find_surfels(desc->work, key, desc->shading_count, set, &unused)) {
+        return true;
+    }
+    pthread_mutex_lock(&r->former_mutex);
+    bool found = desc->former != NULL &&
+                 stp_former_take_surfels(desc->former, key, desc->shading_count, desc->work, set);
+    pthread_mutex_unlock(&r->former_mutex);
+    return found;
+}
+
+static stp_result make_set(run* r, const stp_method* method, const stp_surfels* samples,
+                           stp_hash key, stp_surfels* set)
+{
+    stp_gate_ticket ticket;
+    stp_surfels made;
+    stp_result result = stp_gate_enter(r->gate, method->bytes(samples->count), &ticket);
+    if (result != STP_OK) {
+        return result;
+    }
+    result = method->make(r->scene->context, samples, r->desc->options, &made);
+    if (result == STP_OK) {
+        result = stp_piece_store_surfels(r->desc->work, key, &made, 0, set);
+        stp_surfels_destroy(r->scene->context, &made);
+    }
+    stp_gate_leave(r->gate, &ticket);
+    return result;
+}
+
+static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    run* r = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_method* method = method_of(r, i);
+        size_t step = i % r->desc->plan->step_count;
+        const stp_surfels* samples = &r->desc->samples[step];
+        stp_hash key = r->desc->plan->steps[step].key;
+        stp_result result = STP_OK;
+        if (method->make == NULL) {
+            r->made->sets[i] = *samples;
+        } else {
+            key = method->hash(key, r->desc->options);
+            bool found = find_set(r, key, &r->made->sets[i]);
+            result = found ? STP_OK : make_set(r, method, samples, key, &r->made->sets[i]);
+            r->origins[i] = (stp_build_origin){key, !found};
+        }
+        r->made->keys[i] = key;
+        pthread_mutex_lock(&r->mutex);
+        r->result = r->result != STP_OK ? r->result : result;
+        pthread_mutex_unlock(&r->mutex);
+        if (method->make != NULL) {
+            stp_progress_add(r->scene->context, samples->count);
+        }
+        if (result != STP_OK) {
+            stp_parallel_stop(r->scene->context);
+        }
+    }
+}
+
+// The directory's methods, and the sets of nodes of all but the first.
+static void list_methods(const run* r)
+{
+    const stp_build_plan* plan = r->desc->plan;
+    stp_build_methods* made = r->made;
+    size_t nodes = r->scene->node_count;
+    for (uint32_t m = 0; m < made->method_count; ++m) {
+        const stp_method* method = r->desc->methods[m];
+        uint32_t* sets = made->sets_of_nodes + (m - (m > 0)) * nodes;
+        made->methods[m] = (stp_store_method){.name = method->name,
+                                              .id = method->id,
+                                              .columns = method->columns,
+                                              .first_set = m * plan->step_count,
+                                              .set_count = plan->step_count,
+                                              .sets = m > 0 ? sets : NULL};
+        for (size_t i = 0; m > 0 && i < nodes; ++i) {
+            bool none = plan->step_of == NULL || plan->step_of[i] == STP_NONE;
+            sets[i] = none ? STP_STORE_NONE : made->methods[m].first_set + plan->step_of[i];
+        }
+    }
+}
+
+static stp_result make_all(run* r)
+{
+    stp_context* context = r->scene->context;
+    stp_build_methods* made = r->made;
+    uint32_t count = made->set_count, others = made->method_count - 1;
+    made->sets = STP_NEW_ZEROED(context, stp_surfels, (size_t)count + 1);
+    made->keys = STP_NEW_ZEROED(context, stp_hash, (size_t)count + 1);
+    made->methods = STP_NEW_ZEROED(context, stp_store_method, made->method_count);
+    made->sets_of_nodes =
+        STP_NEW_ARRAY(context, uint32_t, (size_t)others * r->scene->node_count + 1);
+    r->origins = STP_NEW_ZEROED(context, stp_build_origin, (size_t)count + 1);
+    if (made->sets == NULL || made->keys == NULL || made->methods == NULL ||
+        made->sets_of_nodes == NULL || r->origins == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
+    stp_loop_report report = {.stage = "methods", .unit = "samples"};
+    for (uint32_t i = 0; i < count; ++i) {
+        bool derived = method_of(r, i)->make != NULL;
+        report.total += derived ? r->desc->samples[i % r->desc->plan->step_count].count : 0;
+    }
+    bool derives = made->method_count > 1 || r->desc->methods[0]->make != NULL;
+    if (result == STP_OK && !derives) {
+        make_some(0, count, 0, r);
+    } else if (result == STP_OK && count > 0) {
+        result = stp_parallel_for_reported(context, count, 1, make_some, r, &report);
+    }
+    result = r->result != STP_OK ? r->result : result;
+    if (result == STP_OK) {
+        list_methods(r);
+    }
+    return result;
+}
+
+// How many sets were found: sets of samples have no origin.
+static void count_found(run* r)
+{
+    size_t derived = 0;
+    for (uint32_t i = 0; i < r->made->set_count; ++i) {
+        if (method_of(r, i)->make != NULL) {
+            r->origins[derived++] = r->origins[i];
+        }
+    }
+    r->made->found = (uint32_t)stp_build_count_found(r->origins, derived);
+    r->made->made = (uint32_t)derived - r->made->found;
+}
+
+stp_result stp_build_methods_make(const stp_scene* scene, const stp_build_methods_desc* desc,
+                                  stp_build_methods* made)
+{
+    stp_context* context = scene->context;
+    *made = (stp_build_methods){.method_count = desc->method_count,
+                                .set_count = desc->method_count * desc->plan->step_count};
+    run r = {.scene = scene, .desc = desc, .made = made};
+    pthread_mutex_init(&r.mutex, NULL);
+    pthread_mutex_init(&r.former_mutex, NULL);
+    stp_result result = make_all(&r);
+    pthread_mutex_destroy(&r.former_mutex);
+    pthread_mutex_destroy(&r.mutex);
+    stp_gate_destroy(r.gate);
+    if (result == STP_OK) {
+        count_found(&r);
+    } else {
+        stp_build_methods_destroy(context, made);
+    }
+    stp_free(context, r.origins);
+    return result;
+}
+
+void stp_build_methods_destroy(stp_context* context, stp_build_methods* made)
+{
+    stp_free(context, made->sets);
+    stp_free(context, made->keys);
+    stp_free(context, made->methods);
+    stp_free(context, made->sets_of_nodes);
+    *made = (stp_build_methods){0};
+}

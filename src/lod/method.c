@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "lod/method.h"
+
+#include "lod/spt/splats.h"
+
+#include <string.h>
+
+enum {
+    SPT_VERSION = 1,     ///< raised where sets change
+    SPT_BYTES = 2 * 120, ///< of a sample: two nodes in tree, sequence and columns
+    SPT_COLORS =
+        48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter
+};
+
+stp_method_options stp_method_options_default(void)
+{
+    return (stp_method_options){.tree = {STP_TREE_GEOMETRIC, SPT_COLORS}};
+}
+
+static stp_hash hash_spt(stp_hash key, const stp_method_options* options)
+{
+    uint32_t all[3] = {SPT_VERSION, (uint32_t)options->tree.error, options->tree.color_threshold};
+    key = stp_hash_bytes(key, "spt", 3);
+    return stp_hash_bytes(key, all, sizeof(all));
+}
+
+static uint64_t spt_bytes(uint64_t samples)
+{
+    return SPT_BYTES * samples;
+}
+
+static stp_result make_spt(stp_context* context, const stp_surfels* samples,
+                           const stp_method_options* options, stp_surfels* splats)
+{
+    return stp_spt_make(context, samples, &options->tree, splats);
+}
+
+const stp_method stp_methods[STP_METHOD_COUNT] = {
+    {.name = "blue", .title = "Progressive Blue Surfels", .id = STP_METHOD_BLUE},
+    {.name = "spt",
+     .title = "Sequential Point Trees",
+     .id = STP_METHOD_SPT,
+     .columns = STP_SPLATS_COLUMNS,
+     .hash = hash_spt,
+     .bytes = spt_bytes,
+     .make = make_spt},
+};
+
+const stp_method* stp_method_by_name(const char* name)
+{
+    for (int i = 0; i < STP_METHOD_COUNT; ++i) {
+        if (strcmp(stp_methods[i].name, name) == 0) {
+            return &stp_methods[i];
+        }
+    }
+    return NULL;
+}
+
+const stp_method* stp_method_by_id(uint32_t id)
+{
+    for (int i = 0; i < STP_METHOD_COUNT; ++i) {
+        if (stp_methods[i].id == id) {
+            return &stp_methods[i];
+        }
+    }
+    return NULL;
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+//
+// The methods by which sets of splats are made: one table, which build and tools go by. `blue` samples the surface of each
+// node; the others make their sets of those samples, which are spread evenly.
+#pragma once
+
+#include "base/hash.h"
+#include "lod/spt/point_tree.h"
+
+#include <stipple/surfels.h>
+
+/// What the user chose of all methods. All zero is not a choice: stp_method_options_default.
+typedef struct stp_method_options {
+    stp_tree_desc tree; ///< of `spt`
+} stp_method_options;
+
+stp_method_options stp_method_options_default(void);
+
+typedef struct stp_method {
+    const char* name;
+    const char* title; ///< for people
+    uint32_t id;       ///< STP_METHOD_*
+    uint32_t columns;  ///< STP_SPLATS_*, of its sets
+    /// Adds to a content key whatever decides a set but its samples. NULL where `make` is.
+    stp_hash (*hash)(stp_hash key, const stp_method_options* options);
+    /// Memory that making takes, of so many samples.
+    uint64_t (*bytes)(uint64_t samples);
+    /// Makes a node's set of its samples: its set of `blue`. NULL: the sets are those samples.
+    /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+    stp_result (*make)(stp_context* context, const stp_surfels* samples,
+                       const stp_method_options* options, stp_surfels* splats);
+} stp_method;
+
+enum { STP_METHOD_COUNT = 2 };
+
+/// All methods; the first is `blue`.
+extern const stp_method stp_methods[STP_METHOD_COUNT];
+
+/// By name or id. @return NULL where there is none
+const stp_method* stp_method_by_name(const char* name);
+const stp_method* stp_method_by_id(uint32_t id);

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+#include "lod/spt/splats.h"
+
+#include "base/coverage.h"
+#include "base/octahedral.h"
+#include "base/prefix_table.h"
+#include "base/splat_codes.h"
+#include "lod/spt/sequence.h"
+#include "lod/surfels.h"
+
+#include <string.h>
+
+enum {
+    FIRST_OCTAVE = 64, ///< splats; the next ones are four times as many
+    OCTAVE_GROWTH = 4,
+    FINEST_STEP = 8, ///< of the prefix table: an eighth more
+};
+
+typedef struct spt_maker {
+    stp_context* context;
+    const stp_surfels* samples;
+    stp_surfels* splats;
+    const uint8_t *colors, *coverages; ///< of all samples
+    float *positions, *normals;
+    stp_tree_points points;
+    stp_point_tree tree;
+    stp_point_sequence sequence;
+    double* areas;    ///< of nodes before each: the parts of leaves' disks that are drawn, summed
+    uint32_t* leaves; ///< of nodes before each: leaves
+} spt_maker;
+
+/// Samples with their finest colours.
+static stp_result take_samples(spt_maker* m)
+{
+    const stp_surfels* s = m->samples;
+    size_t last = 0, count = s->count;
+    for (uint32_t k = 0; k + 1 < s->octave_count; ++k) {
+        last += s->octave_ends[k];
+    }
+    m->colors = s->colors + 3 * last;
+    m->coverages = s->coverages + last;
+    m->positions = STP_NEW_ARRAY(m->context, float, 3 * count);
+    m->normals = STP_NEW_ARRAY(m->context, float, 3 * count);
+    if (m->positions == NULL || m->normals == NULL) {
+        return stp_fail_memory(m->context);
+    }
+    const float origin[3] = {s->origin.x, s->origin.y, s->origin.z};
+    for (size_t i = 0; i < count; ++i) {
+        stp_vec3 normal = stp_octahedral_decode(s->normals[2 * i], s->normals[2 * i + 1]);
+        memcpy(m->normals + 3 * i, &normal, sizeof(normal));
+        for (size_t k = 0; k < 3; ++k) {
+            m->positions[3 * i + k] = origin[k] + s->step * (float)s->positions[3 * i + k];
+        }
+    }
+    float reach = stp_prefix_table_radius(&s->table, s->count);
+    m->points = (stp_tree_points){.count = s->count,
+                                  .positions = m->positions,
+                                  .normals = m->normals,
+                                  .colors = m->colors,
+                                  .radius = reach + s->candidate_radius};
+    return STP_OK;
+}
+
+static stp_result make_tree(spt_maker* m, const stp_tree_desc* desc)
+{
+    stp_result result = stp_point_tree_make(m->context, &m->points, desc, &m->tree);
+    if (result == STP_OK) { // levels are half errors
+        result = stp_point_sequence_make(m->context, &m->tree, 2.0 * (double)STP_LEVEL_SLOPE,
+                                         &m->sequence);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    size_t count = m->tree.count;
+    m->areas = STP_NEW_ARRAY(m->context, double, count + 1);
+    m->leaves = STP_NEW_ARRAY(m->context, uint32_t, count + 1);
+    if (m->areas == NULL || m->leaves == NULL) {
+        return stp_fail_memory(m->context);
+    }
+    double area = 0.0;
+    uint32_t leaves = 0;
+    for (size_t i = 0; i <= count; ++i) {
+        m->areas[i] = area;
+        m->leaves[i] = leaves;
+        if (i < count && m->tree.points[i] != UINT32_MAX) {
+            area += (double)stp_coverage_area(m->coverages[m->tree.points[i]]);
+            leaves += 1;
+        }
+    }
+    return STP_OK;
+}
+
+static stp_result make_columns(spt_maker* m)
+{
+    stp_surfels* s = m->splats;
+    size_t count = s->count;
+    s->positions = STP_NEW_ARRAY(m->context, uint16_t, 3 * count);
+    s->normals = STP_NEW_ARRAY(m->context, int8_t, 2 * count);
+    s->materials = STP_NEW_ARRAY(m->context, uint8_t, count);
+    s->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * count);
+    s->coverages = STP_NEW_ARRAY(m->context, uint8_t, count);
+    s->shapes = STP_NEW_ARRAY(m->context, uint32_t, count);
+    s->ranges = STP_NEW_ARRAY(m->context, uint32_t, count);
+    bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
+                s->colors != NULL && s->coverages != NULL && s->shapes != NULL && s->ranges != NULL;
+    return made ? STP_OK : stp_fail_memory(m->context);
+}
+
+static uint16_t to_grid(float x, float origin, float step)
+{
+    float value = (x - origin) / step + 0.5f;
+    return value > 0.0f ? (value < 65535.0f ? (uint16_t)value : 65535) : 0;
+}
+
+/// The first leaf below a node, or itself.
+static uint32_t first_leaf(const stp_point_tree* tree, uint32_t node)
+{
+    while (tree->points[node] == UINT32_MAX) {
+        node += 1;
+    }
+    return node;
+}
+
+/// A leaf as its sample is; a node with the mean of what is drawn of the disks below it.
+static uint8_t find_coverage(const spt_maker* m, uint32_t node)
+{
+    uint32_t point = m->tree.points[node], end = m->tree.ends[node];
+    if (point != UINT32_MAX) {
+        return m->coverages[point];
+    }
+    double area = m->areas[end] - m->areas[node];
+    double mean = area / (double)(m->leaves[end] - m->leaves[node]);
+    return mean < 254.0 / 255.0 ? stp_coverage_of_share(mean) : STP_COVERAGE_WHOLE;
+}
+
+static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const spt_maker* m = user;
+    const stp_surfels* s = m->splats;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t node = m->sequence.nodes[i], leaf = first_leaf(&m->tree, node);
+        const stp_disk* disk = &m->tree.disks[node];
+        const float center[3] = {disk->center.x, disk->center.y, disk->center.z};
+        const float origin[3] = {s->origin.x, s->origin.y, s->origin.z};
+        for (size_t k = 0; k < 3; ++k) {
+            s->positions[3 * i + k] = to_grid(center[k], origin[k], s->step);
+        }
+        bool turned = stp_dot(disk->normal, disk->normal) > 0.0f; // else as its first leaf
+        stp_vec3 normal = turned ? disk->normal : m->tree.disks[leaf].normal;
+        stp_octahedral_encode_many(&normal.x, 1, s->normals + 2 * i);
+        s->materials[i] = m->samples->materials[m->tree.points[leaf]];
+        memcpy(s->colors + 3 * i, m->tree.colors + 3 * (size_t)node, 3);
+        s->coverages[i] = find_coverage(m, node);
+        s->shapes[i] = stp_shape_round(disk->radius / s->step);
+        s->ranges[i] = stp_range_code(0.5f * m->sequence.lowest[i], 0.5f * m->sequence.highest[i]);
+    }
+}
+
+/// The count of the next breakpoint, which has so many times a `part` more.
+static uint32_t next_count(uint32_t count, uint32_t part)
+{
+    return count + (count / part > 1 ? count / part : 1);
+}
+
+/// How fine the steps of a table may be, for all to fit.
+static uint32_t choose_part(uint32_t total)
+{
+    for (uint32_t part = FINEST_STEP; part > 1; --part) {
+        uint32_t steps = 1;
+        for (uint64_t count = 1; count < total; count = next_count((uint32_t)count, part)) {
+            steps += 1;
+        }
+        if (steps <= STP_PREFIX_TABLE_SIZE) {
+            return part;
+        }
+    }
+    return 1; // doubling: 32 steps
+}
+
+/// Highest levels as ranges hold them: to what a prefix reaches is told by the first splat that it leaves out.
+static void make_table(spt_maker* m)
+{
+    stp_surfels* s = m->splats;
+    stp_prefix_table* table = &s->table;
+    float reach = stp_prefix_table_radius(&m->samples->table, m->samples->count);
+    uint32_t part = choose_part(s->count);
+    for (uint32_t count = 1; count < s->count; count = next_count(count, part)) {
+        float left = stp_range_level(s->ranges[count] >> 16);
+        table->count[table->size] = count;
+        table->radius[table->size++] = left > reach ? left : reach;
+    }
+    table->count[table->size] = s->count;
+    table->radius[table->size++] = reach;
+}
+
+static void make_octaves(stp_surfels* s)
+{
+    for (uint64_t end = FIRST_OCTAVE; end < s->count && s->octave_count + 1 < STP_OCTAVE_LIMIT;
+         end *= OCTAVE_GROWTH) {
+        s->octave_ends[s->octave_count++] = (uint32_t)end;
+    }
+    s->octave_ends[s->octave_count++] = s->count;
+}
+
+static stp_result make(spt_maker* m, const stp_tree_desc* desc)
+{
+    stp_surfels* s = m->splats;
+    stp_result result = take_samples(m);
+    result = result == STP_OK ? make_tree(m, desc) : result;
+    s->columns = STP_SPLATS_COLUMNS;
+    s->origin = m->samples->origin;
+    s->step = m->samples->step;
+    s->candidate_radius = m->samples->candidate_radius;
+    s->count = m->sequence.count;
+    result = result == STP_OK ? make_columns(m) : result;
+    if (result == STP_OK) {
+        stp_parallel_for(m->context, s->count, 4096, fill_splats, m);
+        make_table(m);
+        make_octaves(s);
+    }
+    return result;
+}
+
+stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const stp_tree_desc* desc,
+                        stp_surfels* splats)
+{
+    spt_maker m = {.context = context, .samples = samples, .splats = splats};
+    *splats = (stp_surfels){.columns = STP_SPLATS_COLUMNS};
+    if (samples->count == 0) {
+        return STP_OK;
+    }
+    stp_result result = make(&m, desc);
+    stp_point_sequence_destroy(context, &m.sequence);
+    stp_point_tree_destroy(context, &m.tree);
+    stp_free(context, m.leaves);
+    stp_free(context, m.areas);
+    stp_free(context, m.normals);
+    stp_free(context, m.positions);
+    if (result != STP_OK) {
+        stp_surfels_destroy(context, splats);
+    }
+    return result;
+}

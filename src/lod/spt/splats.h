@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Method `spt`: a point tree over evenly spread samples, stored as a sequence of splats with shapes and ranges of levels
+// (Dachsbacher et al. 2003, 3.1 to 3.7).
+#pragma once
+
+#include "lod/spt/point_tree.h"
+
+#include <stipple/surfels.h>
+
+/// Makes the splats of a node from its evenly spread samples: a set of method `blue`, of which all surfels become leaves, as
+/// large as they are drawn. Ranges and the prefix table hold half errors: a splat is drawn where the radius that is wanted
+/// lies within its range. Splats lie by falling highest level; leaves count as exact, and from the table's last radius on the
+/// samples are too few. Arrays of the result come from stp_alloc.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_spt_make(stp_context* context, const stp_surfels* samples,
+                                     const stp_tree_desc* desc, stp_surfels* splats);
