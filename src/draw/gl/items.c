@@ -2,6 +2,7 @@
 // A draw list made into blocks, records and commands.
 #include "base/context.h"
 #include "base/prefix_table.h"
+#include "base/splat_codes.h"
 #include "draw/gl/cull.h"
 #include "draw/gl/upload.h"
 #include "draw/transparency.h"
@@ -52,7 +53,8 @@ record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_
     }
     *command = (struct gl_command){count, 1, 0, (uint32_t)f->record_count};
     record_block* record = &f->records[f->record_count++];
-    *record = (record_block){.share = 1.0f, .nearest = -HUGE_VALF, .farthest = HUGE_VALF};
+    *record =
+        (record_block){.share = 1.0f, .nearest = -HUGE_VALF, .farthest = HUGE_VALF, .reach = 1.0f};
     return record;
 }
 
@@ -71,9 +73,15 @@ static chunk_block* add_chunk(gl_renderer* r, item_block* item)
     return &f->chunks[f->chunk_count++];
 }
 
+/// What splats of a chunk have beside places.
+typedef struct chunk_options {
+    uint32_t address, words; ///< of shapes and ranges
+    float reach;             ///< the largest radius, in those of the item
+} chunk_options;
+
 /// One command for each part of a chunk's splats that a run holds.
 static bool add_splats(gl_renderer* r, uint32_t index, const chunk_block* chunk, uint32_t end,
-                       uint32_t words)
+                       uint32_t words, chunk_options options)
 {
     const stp_draw_item* draw = r->frame.placed[index].draw;
     const stp_draw_run* runs = draw->run_count > 0 ? r->list->runs + draw->first_run : NULL;
@@ -92,6 +100,8 @@ static bool add_splats(gl_renderer* r, uint32_t index, const chunk_block* chunk,
         record->item = index;
         record->first = at;
         record->address = chunk->address + words * (at - chunk->begin);
+        record->options = options.address + options.words * (at - chunk->begin);
+        record->reach = options.reach;
         if (draw->kind == STP_DRAW_SURFELS && r->layer_pass.active && r->layer_pass.of_splats &&
             !gl_frame_repeat_command(r, GL_COMMANDS_GLASS_SPLATS, to - at)) {
             return false;
@@ -147,6 +157,18 @@ static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, ite
     }
 }
 
+static chunk_options find_options(const gl_renderer* r, uint32_t set, uint32_t octave,
+                                  const chunk_block* chunk)
+{
+    const stp_surfels* known = stp_store_describe_surfels(r->store, set);
+    const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
+    uint32_t count = chunk->end - chunk->begin;
+    bool shapes = (known->columns & STP_SPLATS_SHAPES) != 0;
+    return (chunk_options){.address = chunk->address + 2 * count + (count + 3) / 4,
+                           .words = gl_option_words(known),
+                           .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
+}
+
 static stp_result make_surfels(gl_renderer* r, uint32_t index)
 {
     gl_placed* placed = &r->frame.placed[index];
@@ -155,6 +177,15 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
     item_block* item = &r->frame.items[index];
     placed->origin = known->origin;
     placed->step = known->step;
+    if ((known->columns & STP_SPLATS_SHAPES) != 0) {
+        item->flags |= ITEM_SHAPES;
+        placed->radius = known->step * placed->scale;
+    }
+    if ((known->columns & STP_SPLATS_RANGES) != 0) {
+        item->flags |= ITEM_RANGES;
+        item->level_per_depth = draw->level_per_depth;
+        item->level_least = draw->level_least;
+    }
     uint32_t prefix = draw->prefix < known->count ? draw->prefix : known->count;
     uint32_t full = draw->full_prefix > prefix ? draw->full_prefix : prefix;
     full = full < known->count ? full : known->count;
@@ -187,8 +218,11 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
     most = most < known->octave_ends[choice.octave] ? most : known->octave_ends[choice.octave];
     if (most < prefix) { // fewer and larger ones
         prefix = most;
-        placed->radius = stp_max(placed->radius, stp_prefix_table_radius(&known->table, prefix) +
-                                                     known->candidate_radius);
+        float reached = stp_prefix_table_radius(&known->table, prefix);
+        bool own = (item->flags & ITEM_SHAPES) != 0;
+        placed->radius =
+            own ? placed->radius : stp_max(placed->radius, reached + known->candidate_radius);
+        item->level_least = stp_max(item->level_least, reached);
     }
     item->count = prefix;
     item->colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave, true));
@@ -209,7 +243,7 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
         begin = chunk->end;
         hold_octave(r, draw->index, k, item);
         chunk_block copy = *chunk;
-        if (!add_splats(r, index, &copy, prefix, 2)) {
+        if (!add_splats(r, index, &copy, prefix, 2, find_options(r, draw->index, k, &copy))) {
             return stp_fail_memory(r->base.context);
         }
     }
@@ -254,7 +288,7 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
                                .address = gl_address(r, entry)};
         item->count = chunk->end < wanted ? chunk->end : wanted;
         chunk_block copy = *chunk;
-        if (!add_splats(r, index, &copy, wanted, 3)) {
+        if (!add_splats(r, index, &copy, wanted, 3, (chunk_options){.reach = 1.0f})) {
             return stp_fail_memory(r->base.context);
         }
     }
@@ -351,7 +385,7 @@ static void place_item(gl_renderer* r, uint32_t index, uint32_t pattern)
     item->near_shift = where.near_shift;
     item->nearness_limit = where.camera.nearness_limit;
     item->footprint = 1.0f / (where.camera.pixel_scale * where.scale);
-    item->glass_radius = placed->radius * where.scale;
+    item->glass_radius = placed->draw->radius * placed->scale * where.scale;
     item->cut_slack = item->kind == KIND_SURFELS ? 0.5f * placed->step * where.scale : 0.0f;
     item->seed = stp_placement_seed(placed->draw) + pattern * 0x9E3779B1u;
     if (item->kind != KIND_MESH) {
@@ -376,7 +410,7 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
     item_block* item = &r->frame.items[index];
     gl_placed* placed = &r->frame.placed[index];
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
-    *placed = (gl_placed){.draw = draw, .radius = draw->radius * scale};
+    *placed = (gl_placed){.draw = draw, .scale = scale, .radius = draw->radius * scale};
     *item = (item_block){.kind = (uint32_t)draw->kind,
                          .first_id = draw->first_id,
                          .flags = draw->ghost ? ITEM_GHOST : 0u,

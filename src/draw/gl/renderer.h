@@ -79,7 +79,8 @@ typedef enum gl_command_kind {
 typedef struct gl_placed {
     const stp_draw_item* draw;
     float offset[3];
-    float radius;    ///< of splats, item space
+    float radius;    ///< of splats, item space; of those with shapes, a step of their set
+    float scale;     ///< what radii are multiplied by
     stp_vec3 origin; ///< of surfels' grid
     float step;
 } gl_placed;
@@ -106,6 +107,7 @@ typedef struct gl_frame {
 /// What holds the places of an octave's splats, in numbers of the grid.
 typedef struct gl_octave_box {
     uint16_t low[3], high[3];
+    uint16_t largest; ///< code of the largest radius (base/splat_codes.h)
 } gl_octave_box;
 
 /// Where things' entries begin in the pool's table.

@@ -114,6 +114,8 @@ static gl_octave_box bound_places(const stp_surfels* surfels, uint32_t begin, ui
             box.low[k] = p[k] < box.low[k] ? p[k] : box.low[k];
             box.high[k] = p[k] > box.high[k] ? p[k] : box.high[k];
         }
+        uint16_t larger = surfels->shapes != NULL ? surfels->shapes[i] & 0xFFFu : 0;
+        box.largest = larger > box.largest ? larger : box.largest;
     }
     return box;
 }
@@ -133,6 +135,25 @@ static void write_places(const stp_surfels* surfels, uint32_t begin, uint32_t en
         }
         gl_write(w, word);
     }
+}
+
+/// Shape and range of each, where the set has them.
+static void write_options(const stp_surfels* surfels, uint32_t begin, uint32_t end, gl_writer* w)
+{
+    for (size_t i = begin; i < end; ++i) {
+        if (surfels->shapes != NULL) {
+            gl_write(w, surfels->shapes[i]);
+        }
+        if (surfels->ranges != NULL) {
+            gl_write(w, surfels->ranges[i]);
+        }
+    }
+}
+
+uint32_t gl_option_words(const stp_surfels* surfels)
+{
+    return ((surfels->columns & STP_SPLATS_SHAPES) != 0 ? 1u : 0u) +
+           ((surfels->columns & STP_SPLATS_RANGES) != 0 ? 1u : 0u);
 }
 
 static void write_colors(const stp_surfels* surfels, uint64_t begin, uint32_t count, gl_writer* w)
@@ -156,7 +177,8 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
     const stp_surfels* known = stp_store_describe_surfels(r->store, set);
     uint32_t end = known->octave_ends[octave];
     uint32_t begin = octave > 0 ? known->octave_ends[octave - 1] : 0, count = end - begin;
-    uint64_t words = colors ? end : 2 * (uint64_t)count + (count + 3) / 4;
+    uint64_t options = (uint64_t)gl_option_words(known) * count;
+    uint64_t words = colors ? end : 2 * (uint64_t)count + (count + 3) / 4 + options;
     gl_upload result = gl_upload_begin(r, entry, words, urgent);
     if (result != GL_UPLOAD_THERE) {
         return result;
@@ -172,12 +194,14 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
     }
     if (good && colors) {
         uint64_t first = 0;
-        for (uint32_t i = 0; i < octave; ++i) {
+        bool flat = (surfels.columns & STP_SPLATS_FLAT_COLORS) != 0;
+        for (uint32_t i = 0; i < octave && !flat; ++i) {
             first += surfels.octave_ends[i];
         }
         write_colors(&surfels, first, end, &writer);
     } else if (good) {
         write_places(&surfels, begin, end, &writer);
+        write_options(&surfels, begin, end, &writer);
         r->things.boxes[entry / 2] = bound_places(&surfels, begin, end);
     }
     return gl_upload_end(r, entry, &writer, good);

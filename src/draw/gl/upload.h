@@ -25,6 +25,9 @@ typedef enum gl_upload {
     GL_UPLOAD_FAILED,  ///< the store could not give it, or the context is lost; logged
 } gl_upload;
 
+/// Words of a splat's shape and range, which lie behind the places of an octave.
+uint32_t gl_option_words(const stp_surfels* surfels);
+
 /// Octave `octave` of a set: where its own surfels are, or the colours of all up to its end. `urgent`: whatever was uploaded.
 gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool colors, bool urgent);
 gl_upload gl_upload_mesh(gl_renderer* r, uint32_t mesh);

@@ -75,8 +75,13 @@
 #define ITEM_HAS_COLORS 2u  // of vertices or points
 #define ITEM_HAS_NORMALS 4u // of points
 #define ITEM_GHOST 8u       // drawn in some of its pixels only
+#define ITEM_SHAPES 16u     // splats have radii of their own
+#define ITEM_RANGES 32u     // and are drawn within ranges of levels
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // other pixels than those that an alpha leaves out
+
+// Radii in codes of shapes (base/splat_codes.h).
+#define SHAPE_BIAS 0x3E800000u
 
 // Alpha of materials (stp_store_alpha).
 #define ALPHA_OPAQUE 0u
@@ -150,8 +155,10 @@ struct item_block {
     uint sections;      // bits of the view's cuts that may go through it
     float cut_slack;    // of splats: scene units that rounding may have moved them beyond a cut
     float glass_radius; // of splats, scene units
-    uint item_spare0;
+    float level_per_depth; // what ranges are held against: this times the depth,
     vec4 box_low, box_high; // of splats that are drawn, as the rows take them
+    float level_least;      // but at least this
+    float item_spare0, item_spare1, item_spare2;
 };
 
 // One command of a multi-draw, or one part of it: splats, or a cluster.
@@ -161,7 +168,8 @@ struct record_block {
     uint address;            // of the first splat, or the cluster
     float share;             // of a cluster's triangles
     float nearest, farthest; // splats: within these depths (W)
-    uint count, spare;
+    float reach;  // splats: the largest radius, in those of the item
+    uint options; // splats: address of the first one's shape and range
 };
 
 // Splats of an item that lie together: those before `end`, from the end of the chunk before.
@@ -251,7 +259,7 @@ typedef struct large_block {
     uint32_t vertex_count, instance_count, first, base;
     uint32_t places[LARGE_MOST][2];
 } large_block;
-_Static_assert(sizeof(item_block) == 352, "layout of items");
+_Static_assert(sizeof(item_block) == 368, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");

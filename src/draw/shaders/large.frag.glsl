@@ -11,7 +11,15 @@ flat in vec4 depths;
 flat in vec4 screen;
 flat in vec3 across;
 flat in vec2 range;
+flat in vec4 smaller;
 flat in uvec3 hashed;
+
+// The square of an offset, as an ellipse counts it.
+float squared(vec3 from)
+{
+    float along = dot(smaller.xyz, from);
+    return dot(from, from) + smaller.w * (along * along);
+}
 
 bool is_kept(vec3 from)
 {
@@ -23,7 +31,7 @@ bool meet_parallel(out float nearness, out ivec2 center)
 {
     vec2 at = gl_FragCoord.xy - middle.xy;
     float z = -dot(normal.xy, at) / normal.z, limit = middle.w * middle.w;
-    float square = dot(at, at) + z * z;
+    float square = squared(vec3(at, z));
     center = ivec2(floor(middle.xy));
     nearness = depths.x + depths.y * (z + depths.z + depths.w * (square / limit));
     return square <= limit && is_kept(vec3(at, z));
@@ -34,7 +42,7 @@ bool meet_perspective(out float nearness, out ivec2 center)
     vec3 ray = vec3((gl_FragCoord.xy - screen.xy) * screen.z, 1.0);
     float t = dot(normal.xyz, middle.xyz) / dot(normal.xyz, ray), limit = middle.w * middle.w;
     vec3 from = t * ray - middle.xyz;
-    float square = dot(from, from);
+    float square = squared(from);
     center = middle.z > 0.0 ? ivec2(floor(screen.xy + middle.xy / (middle.z * screen.z))) : ivec2(-1);
     nearness = depths.x / (t + depths.z + depths.w * (square / limit));
     return t > 0.0 && square <= limit && is_kept(from);

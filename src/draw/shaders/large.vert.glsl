@@ -12,6 +12,7 @@ flat out vec4 depths;  // nearness (of W = 1, or of the centre), its slope, behi
 flat out vec4 screen;  // where the gaze meets it, 1 / scale, greatest nearness
 flat out vec3 across;  // the direction across the lines along which it is cut, over the radius
 flat out vec2 range;   // and what is drawn along it
+flat out vec4 smaller; // of an ellipse: the direction of its smaller radius, and how much that counts
 flat out uvec3 hashed; // as of points
 
 // What a ball may touch along one axis.
@@ -31,6 +32,7 @@ void main()
     middle = normal = depths = screen = vec4(0.0);
     across = vec3(0.0);
     range = vec2(-1.0, 1.0);
+    smaller = vec4(0.0);
     hashed = uvec3(0u);
     if (number >= uint(LARGE_MOST)) {
         return;
@@ -40,7 +42,7 @@ void main()
     uint local = large_places[number].y, index = record.first + local;
     splat_place splat = place_splat(record, item, local);
     uint halvings = splat.glass ? 0u : splat_halvings(splat.part); // large as it is, nothing is halved to too little
-    float size = item.radius_px / float(1u << halvings);
+    float size = item.radius_px * splat.own / float(1u << halvings);
     hashed = splat_hash(record, item, local, splat, halvings, false);
     float back_depth = splat.glass ? GLASS_BACK_DEPTH : item.back_depth;
     float rim_depth = splat.glass ? GLASS_RIM_DEPTH : item.rim_depth;
@@ -65,6 +67,9 @@ void main()
         vec2 x = reach(middle.x, z, radius), y = reach(middle.y, z, radius);
         low = gaze + vec2(x.x, y.x) / inverse - 1.0;
         high = gaze + vec2(x.y, y.y) / inverse + 1.0;
+    }
+    if (splat.shape != 0u && !facing) {
+        smaller = vec4(turn_vector(item, shape_smaller(splat.code, splat.shape)), shape_stretch(splat.shape));
     }
     if (splat.part > SPLAT_CUT && !facing && !splat.glass) {
         vec4 cut = coverage_cut(splat.part - SPLAT_CUT);

@@ -25,7 +25,7 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     if (!is_wanted(record, item, splat)) {
         return SHAPE_NONE;
     }
-    if (is_close(item, w)) {
+    if (is_close(item, splat)) {
         return SHAPE_LARGE;
     }
     if (!(w > 0.0) || !(nearness > 0.0) || !(nearness <= item.nearness_limit)) {
@@ -52,6 +52,14 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     precise float conic_a = (D2 - 2.0 * (D * (n.x * a.x))) + L * (n.x * n.x);
     precise float conic_b = 2.0 * (L * (n.x * n.y) - D * (n.x * a.y + n.y * a.x));
     precise float conic_c = (D2 - 2.0 * (D * (n.y * a.y))) + L * (n.y * n.y);
+    if (splat.shape != 0u && (splat.shape & 0xFFFu) != (splat.shape >> 12 & 0xFFFu) && !facing) {
+        precise vec3 d = turn_vector(item, shape_smaller(splat.code, splat.shape));
+        precise float slide = ((d.x * a.x + d.y * a.y) + d.z) / D, more = shape_stretch(splat.shape) * D2;
+        precise vec2 line = d.xy - slide * n.xy;
+        conic_a += more * (line.x * line.x);
+        conic_b += 2.0 * (more * (line.x * line.y));
+        conic_c += more * (line.y * line.y);
+    }
     precise float linear = -2.0 * ((R2 * D) * item.inverse_scale);
     precise float slope = nearness * item.slope_factor + item.slope_constant;
     precise vec2 pq = linear * n.xy, slopes = slope * (n.xy / D);

@@ -11,6 +11,9 @@ struct splat_place {
     uint halvings; // of the radius
     uint part;     // what is drawn of the disk: see splat_part
     bool glass;    // transparent
+    bool there;    // its range holds the level
+    float own;     // its own radius, in those of the item
+    uint shape;    // as the set holds it
 };
 
 // All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
@@ -70,6 +73,47 @@ bool is_glass(const item_block item, uint index)
     return false;
 }
 
+// A radius in steps of its set.
+float shape_radius(uint code)
+{
+    return uintBitsToFloat(((code & 0xFFFu) << 16) + SHAPE_BIAS);
+}
+
+// By how much the square of an offset along the smaller radius counts more: 0 of disks.
+float shape_stretch(uint code)
+{
+    precise float ratio = shape_radius(code) / shape_radius(code >> 12), stretch = ratio * ratio - 1.0;
+    return stretch;
+}
+
+// The direction of the smaller radius, of unit length in the item's space.
+vec3 shape_smaller(vec2 code, uint shape)
+{
+    float turn = float(shape >> 24) * (3.14159265 / 256.0);
+    return cut_direction(code, vec4(-sin(turn), cos(turn), 0.0, 0.0));
+}
+
+// Shape and range of a splat at depth w.
+void find_options(const record_block record, const item_block item, uint local, inout splat_place splat)
+{
+    bool shapes = (item.flags & ITEM_SHAPES) != 0u, ranges = (item.flags & ITEM_RANGES) != 0u;
+    uint at = record.options + local * (uint(shapes) + uint(ranges));
+    splat.there = true;
+    splat.own = 1.0;
+    splat.shape = 0u;
+    if (shapes) {
+        splat.shape = fetch(at);
+        splat.own = shape_radius(splat.shape);
+        at += 1u;
+    }
+    if (ranges) {
+        uint range = fetch(at);
+        precise float level = max(item.level_per_depth * splat.w, item.level_least);
+        int bits = floatBitsToInt(level); // in the order of the numbers
+        splat.there = bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
+    }
+}
+
 splat_place place_splat(const record_block record, const item_block item, uint local)
 {
     splat_place splat;
@@ -86,7 +130,8 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     }
     splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
     splat.w = along(item.rows[3], p);
-    precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse;
+    find_options(record, item, local, splat);
+    precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse * splat.own;
     uint index = record.first + local;
     splat.part = splat_part(item, index);
     uint wanted = splat.glass ? 0u : splat_halvings(splat.part);
@@ -111,13 +156,13 @@ bool is_wanted(const record_block record, const item_block item, const splat_pla
         return false;
     }
 #endif
-    return splat.w >= record.nearest && splat.w <= record.farthest &&
+    return splat.there && splat.w >= record.nearest && splat.w <= record.farthest &&
            !(item.sections != 0u && is_cut(item, to_view(item, vec4(splat.position, splat.w))));
 }
 
-bool is_close(const item_block item, float w)
+bool is_close(const item_block item, const splat_place splat)
 {
-    return view.parallel == 0u && w < item.near_w && w > item.far_w;
+    return view.parallel == 0u && splat.w < item.near_w * splat.own && splat.w > item.far_w * splat.own;
 }
 
 vec3 turn_vector(const item_block item, vec3 n)

@@ -50,7 +50,7 @@ bool is_covered(vec2 low, vec2 high, float near)
     return covered;
 }
 
-bool is_hidden(const item_block item, vec3 box_low, vec3 box_high)
+bool is_hidden(const item_block item, float reach, vec3 box_low, vec3 box_high)
 {
     vec2 low = vec2(1e30), high = vec2(-1e30);
     float least = 1e30, near = 0.0;
@@ -66,7 +66,7 @@ bool is_hidden(const item_block item, vec3 box_low, vec3 box_high)
         near = max(near, at.z);
     }
     // the nearest that a disk of what lies in the box reaches, and how far beyond the box on the screen
-    float radius = item.kind == KIND_MESH ? 0.0 : item.radius_px;
+    float radius = item.kind == KIND_MESH ? 0.0 : item.radius_px * reach;
     float front = least - radius * item.inverse_scale;
     if (!(front > 0.1 * least) || !(least > 0.0)) {
         return false;
@@ -90,7 +90,7 @@ void main()
         high = fetch_vec3(record.address + CLUSTER_BOX + 3u) - item.offset.xyz;
     }
     bool aside = stage == 0u || command.y == 0u;
-    bool hidden = aside && is_hidden(item, low, high);
+    bool hidden = aside && is_hidden(item, record.reach, low, high);
     commands[index].y = (stage == 0u ? !hidden : aside && !hidden) ? 1u : 0u;
     if (hidden) {
         atomicAdd(set_aside[stage], 1u);
