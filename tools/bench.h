@@ -15,6 +15,7 @@ typedef struct bench_options {
     uint32_t count;    ///< of what is repeated; 0: the benchmark's own
     uint32_t first; ///< of what is repeated: so many are left out, so that it is measured in pieces
     double splat_size; ///< of pictures of scenes
+    uint32_t method;   ///< STP_METHOD_*, of pictures of scenes; 0: the file's first
     bool all_sizes;    ///< no size was given: all that are compared
     bool has_eye;
     stp_vec3d eye, target; ///< of the only picture, where `has_eye`

@@ -7,6 +7,7 @@
 #include "scene_file.h"
 
 #include "build/build.h"
+#include "lod/method.h"
 #include "present/camera.h"
 #include "scenes/scenes.h"
 
@@ -55,6 +56,9 @@ static bench_entry begin_result(const frame_bench* b, const way* w)
     if (b->options->memory > 0) {
         bench_set_count(entry.params, "memory_bytes", b->options->memory);
     }
+    if (b->options->method != 0) {
+        bench_set_text(entry.params, "method", stp_method_by_id(b->options->method)->name);
+    }
     if (w->controller != NULL) {
         bench_set_number(entry.params, "budget_ms", budget_ms);
         bench_set_text(entry.params, "controller", w->controller);
@@ -82,7 +86,7 @@ static stp_result measure_view(frame_bench* b, uint32_t view, const way* w)
 {
     frame_figures frames[REPEATS];
     int repeats = b->quick ? QUICK_REPEATS : REPEATS;
-    stp_quality quality = {.splat_size = b->splat_size};
+    stp_quality quality = {.splat_size = b->splat_size, .method = b->options->method};
     stp_budget budget;
     stp_budget_init(&budget, w->kind, budget_ms);
     stp_result result = w->controller != NULL
@@ -116,7 +120,7 @@ static stp_result measure_flight(frame_bench* b, const way* w)
     flight_plan plan = {.flight = &flight,
                         .frame_count = b->quick ? 12 : 0,
                         .view = {.width = b->image.width, .height = b->image.height},
-                        .quality = {.splat_size = b->splat_size},
+                        .quality = {.splat_size = b->splat_size, .method = b->options->method},
                         .budget_ms = w->controller != NULL ? budget_ms : 0.0,
                         .controller = w->kind};
     flight_record record;

@@ -37,6 +37,7 @@ typedef struct quality_run {
     float sizes[SIZE_COUNT]; ///< of splats, that are compared
     uint32_t size_count;
     const stp_view* eye; ///< the only view, or NULL
+    uint32_t method;     ///< STP_METHOD_*; 0: the file's first
 } quality_run;
 
 // Sums over the views of one series, at one size of splats.
@@ -65,7 +66,7 @@ typedef struct quality_series {
 static stp_result draw_view(quality_run* run, const stp_view* view, float splat_size,
                             bool reference, stp_image* image, stp_draw_stats* stats)
 {
-    stp_quality quality = {.splat_size = splat_size, .reference = reference};
+    stp_quality quality = {.splat_size = splat_size, .method = run->method, .reference = reference};
     stp_draw_style style = {.plane_depth = true};
     stp_result result = stp_select(run->context, run->store, view, &quality, &run->list);
     return result != STP_OK
@@ -315,6 +316,7 @@ static quality_run make_run(stp_context* context, const bench_options* options)
     quality_run run = {.context = context,
                        .width = options->quick ? 320 : 1920,
                        .height = options->quick ? 180 : 1080,
+                       .method = options->method,
                        .sizes = {(float)options->splat_size},
                        .size_count = 1};
     if (options->size[0] != 0) {

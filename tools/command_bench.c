@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // `stipple bench`: runs benchmarks and prints what they measured, as a table or as one JSON object.
 #include "bench.h"
+#include "draw_options.h"
 
 #include "base/processor.h"
+#include "lod/method.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,6 +31,8 @@ static struct {
     const char *model, *markdown;
     uint64_t count, first, threads, memory;
     double splat_size;
+    int method;
+    bool has_method;
     double eye[3], target[3];
     bool has_eye;
     uint32_t size[2];
@@ -58,6 +62,13 @@ static const option* bench_options_table(void)
          .help =
              "frame, positions, quality: size of splats; default 1; quality: 1, 2, 4, 8, 16 and 24",
          .value = &given.splat_size},
+        {.name = "method",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = TOOL_METHOD_WORDS,
+         .help = "frame, quality: whose splats are drawn; default the file's first",
+         .value = &given.method,
+         .given = &given.has_method},
         {.name = "eye",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z",
@@ -255,6 +266,7 @@ static int run_bench(int argc, char** argv)
                              .count = (uint32_t)given.count,
                              .first = (uint32_t)given.first,
                              .splat_size = given.splat_size > 0.0 ? given.splat_size : 1.0,
+                             .method = given.has_method ? stp_methods[given.method].id : 0,
                              .all_sizes = !(given.splat_size > 0.0),
                              .has_eye = given.has_eye,
                              .eye = {given.eye[0], given.eye[1], given.eye[2]},

@@ -69,9 +69,12 @@ static int print_json(const session* s)
 {
     const stp_residency* residency = s->drawing.maker.residency;
     json_t* object = drawing_describe(&s->drawing, &s->plan.view);
+    const char* method = draw_options_method(&args.draw, s->drawing.store);
+    json_t* name = method != NULL ? json_string(method) : json_null();
     json_t* threads = json_integer(stp_context_thread_count(s->drawing.context));
     json_t* figures = flight_describe(&s->record);
-    if (json_object_set_new(object, "threads", threads) != 0 || figures == NULL ||
+    if (json_object_set_new(object, "threads", threads) != 0 ||
+        json_object_set_new(object, "method", name) != 0 || figures == NULL ||
         json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);
@@ -138,7 +141,8 @@ static int fly_through(session* s, const char* file)
         return 1;
     }
     s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, d->store);
-    int code = scene_show_apply(&d->show, &args.draw.show, &s->plan.view);
+    int code = draw_options_check_method(&args.draw, d->store, file);
+    code = code == 0 ? scene_show_apply(&d->show, &args.draw.show, &s->plan.view) : code;
     if (code != 0) {
         return code;
     }

@@ -2,15 +2,17 @@
 //
 // stipple view: a window to fly through a scene.
 #include "command.h"
+#include "draw_options.h"
 
+#include "lod/method.h"
 #include "viewer/viewer.h"
 
 static struct {
     const char *view, *report;
     uint32_t size[2];
-    int backend, gl_splats;
+    int backend, gl_splats, method;
     double budget_ms, scale;
-    bool software;
+    bool software, has_method;
     uint64_t threads, memory;
 } args;
 
@@ -43,6 +45,14 @@ static const option* options(void)
          .words = "4..500",
          .help = "what a frame may take while the camera moves; default what it was last time",
          .value = &args.budget_ms},
+        {.name = "method",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = TOOL_METHOD_WORDS,
+         .help = "whose splats are drawn, of a file that holds several methods'; default what it "
+                 "was last time, or the file's first",
+         .value = &args.method,
+         .given = &args.has_method},
         {.name = "ui-scale",
          .type = OPTION_NUMBER,
          .argument = "F",
@@ -78,6 +88,7 @@ static int run(int argc, char** argv)
                         .backend = args.backend,
                         .gl_splats = args.gl_splats,
                         .budget_ms = (float)args.budget_ms,
+                        .method = args.has_method ? stp_methods[args.method].id : 0,
                         .thread_count = (uint32_t)args.threads,
                         .memory_limit = args.memory,
                         .report = args.report};

@@ -3,6 +3,8 @@
 #include "gui.h"
 #include "parts.h"
 
+#include "lod/method.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <unistd.h>
@@ -158,6 +160,25 @@ static void show_speed(viewer* v)
     }
 }
 
+/// Whose splats are drawn, where the file holds several methods'.
+static void show_methods(viewer* v)
+{
+    enum { MOST = 8 };
+    const char* names[MOST];
+    if (v->scene == NULL || v->scene->directory->method_count < 2) {
+        return;
+    }
+    const stp_store_directory* d = v->scene->directory;
+    uint32_t count = d->method_count < MOST ? d->method_count : MOST;
+    int chosen = (int)stp_store_find_method(d, (uint32_t)v->settings.splats_by);
+    for (uint32_t i = 0; i < count; ++i) {
+        const stp_method* method = stp_method_by_id(d->methods[i].id);
+        names[i] = method != NULL ? method->title : d->methods[i].name;
+    }
+    gui_choice("Method", &chosen, names, (int)count, "Whose splats are drawn");
+    v->settings.splats_by = (int)d->methods[chosen].id;
+}
+
 static void show_advanced(viewer* v)
 {
     viewer_settings* s = &v->settings;
@@ -175,6 +196,7 @@ static void show_advanced(viewer* v)
                "How levels of detail are chosen. Blended: by insertion radius, with smooth "
                "transitions. Brandt 2019: the estimate of the paper. Hard switch: no transitions. "
                "Off: all original triangles and points");
+    show_methods(v);
     gui_choice("Splats", &s->filter, filters, 2, "How overlapping splats are combined");
     gui_check("Foveated", &s->fovea, "Larger splats away from the middle of the picture");
     if (s->fovea) {

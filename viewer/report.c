@@ -131,13 +131,24 @@ static json_t* describe_match(const viewer* v)
                      describe_json_text(explorer_path_above(e, item, above, sizeof(above))));
 }
 
+/// Whose splats are drawn.
+static json_t* describe_method(const viewer* v)
+{
+    const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
+    return d != NULL && d->surfels_count > 0
+               ? json_string(
+                     d->methods[stp_store_find_method(d, (uint32_t)v->settings.splats_by)].name)
+               : json_null();
+}
+
 static json_t* describe(const viewer* v)
 {
     static const char* const states[] = {"idle", "working", "refining", "done", "failed"};
     static const char* const page_names[PAGE_COUNT] = {"none",    "statistics", "quality",
                                                        "section", "measure",    "views"};
     return json_pack(
-        "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:s, s:o, s:o, s:o, "
+        "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:o, s:s, s:o, s:o, "
+        "s:o, "
         "s:o, "
         "s:o, s:o, s:o}",
         "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
@@ -145,8 +156,8 @@ static json_t* describe(const viewer* v)
         (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
         "shows", (json_int_t)v->shows, "page", page_names[v->settings.page], "panels",
         (int)v->shows_panels, "parts", (int)v->settings.parts, "help", (int)v->shows_help,
-        "backend", v->picture != NULL && v->picture->gl ? "gl" : "cpu", "message",
-        describe_json_text(v->messages[0].text), "hint",
+        "backend", v->picture != NULL && v->picture->gl ? "gl" : "cpu", "method",
+        describe_method(v), "message", describe_json_text(v->messages[0].text), "hint",
         messages_why_empty(v) != NULL ? messages_why_empty(v) : "", "camera", describe_camera(v),
         "picture", describe_picture(v), "tools", describe_tools(v), "guides", describe_guides(v),
         "match", describe_match(v), "start", describe_start(v), "handles", describe_handles(v));

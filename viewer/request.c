@@ -40,6 +40,7 @@ paint_request request_make(const viewer* v)
                   .eye_dome = s->eye_dome,
                   .ambient_occlusion = 0.01f * s->ambient_occlusion},
         .quality = {.splat_size = s->splat_size,
+                    .method = (uint32_t)s->splats_by,
                     .policy = original ? STP_POLICY_INSERTION : (stp_policy)s->method,
                     .reference = original,
                     .fovea = original ? (stp_fovea){0} : make_fovea(s)},

@@ -30,6 +30,7 @@ static const field fields[] = {
     {"splat_size", FIELD_FLOAT, PLACE(splat_size), 1, 16},
     {"samples", FIELD_INT, PLACE(samples), 1, 8},
     {"method", FIELD_INT, PLACE(method), 0, METHOD_COUNT - 1},
+    {"splats_by", FIELD_INT, PLACE(splats_by), 0, STP_METHOD_STOCHASTIC},
     {"filter", FIELD_INT, PLACE(filter), 0, STP_FILTER_EWA},
     {"light", FIELD_INT, PLACE(light), 0, 1},
     {"unit", FIELD_INT, PLACE(unit), 0, UNIT_COUNT - 1},

@@ -5,7 +5,7 @@
 #include "base/octahedral.h"
 #include "base/processor.h"
 #include "base/rng.h"
-#include "raster/splats_kernel.h"
+#include "raster/splats_levels_kernel.h"
 
 #include <stipple/order.h>
 
@@ -15,6 +15,8 @@ typedef struct splat_scene {
     uint16_t positions[3 * SPLATS];
     int8_t normals[2 * SPLATS];
     uint8_t coverages[SPLATS];
+    uint32_t shapes[SPLATS];
+    uint32_t ranges[SPLATS];
     uint64_t pixels[WIDTH * HEIGHT];
     stp_raster_target target;
     stp_raster_splats splats;
@@ -75,6 +77,13 @@ static void make_scene(splat_scene* s, uint64_t seed, double radius)
                       (float)uniform(seed + 1, 3 * i + 2, -1, 1)};
         stp_octahedral_encode(n, s->normals + 2 * i);
         s->coverages[i] = (uint8_t)(stp_rng_hash(seed + 2, i) & 255);
+        float larger = (float)exp2(uniform(seed + 3, i, -1.5, 1.5));
+        float smaller = larger * (float)uniform(seed + 4, i, 0.1, 1.2);
+        s->shapes[i] = stp_shape_code(larger) |
+                       stp_shape_code(smaller < larger ? smaller : larger) << 12 |
+                       (uint32_t)(stp_rng_hash(seed + 5, i) & 255) << 24;
+        float low = (float)exp2(uniform(seed + 6, i, -6, 2));
+        s->ranges[i] = stp_range_code(low, low * (float)exp2(uniform(seed + 7, i, 0, 3)));
     }
     s->target = (stp_raster_target){WIDTH, HEIGHT, WIDTH, s->pixels};
     s->splats = (stp_raster_splats){.positions = s->positions,
@@ -85,7 +94,34 @@ static void make_scene(splat_scene* s, uint64_t seed, double radius)
     clear(s);
 }
 
-// The distance from the splat's centre at which the ray through a screen point meets its plane, in view units,
+// The larger radius of a splat, in those of the call.
+static double own_radius(const splat_scene* s, uint32_t index)
+{
+    return s->splats.shapes != NULL ? (double)stp_shape_radius(s->shapes[index] & 0xFFFu) : 1.0;
+}
+
+// What an offset along the smaller radius of an ellipse adds to the square of its length.
+static double stretch_of(const splat_scene* s, uint32_t index, const double offset[3])
+{
+    if (s->splats.shapes == NULL) {
+        return 0.0;
+    }
+    uint32_t code = s->shapes[index];
+    const int8_t* normal = s->normals + 2 * index;
+    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
+    double turn = STP_PI * (double)(code >> 24) / 256.0, along = 0.0;
+    const float x[3] = {axes.x.x, axes.x.y, axes.x.z}, y[3] = {axes.y.x, axes.y.y, axes.y.z};
+    for (int r = 0; r < 3; ++r) {
+        for (int k = 0; k < 3; ++k) { // the view is twice as large
+            double direction = cos(turn) * (double)y[k] - sin(turn) * (double)x[k];
+            along += offset[r] * 0.5 * (double)s->camera.view[r][k] * direction;
+        }
+    }
+    double ratio = own_radius(s, index) / (double)stp_shape_radius(code >> 12 & 0xFFFu);
+    return (ratio * ratio - 1.0) * along * along;
+}
+
+// The distance from the splat's centre, in its own radii, at which the ray through a screen point meets its plane, in view units,
 // and the nearness there; HUGE_VAL where it does not. Works from the camera's numbers alone, in double.
 static double meet(const splat_scene* s, uint32_t index, double x, double y, double center[3],
                    double* nearness)
@@ -115,16 +151,18 @@ static double meet(const splat_scene* s, uint32_t index, double x, double y, dou
         above += n[k] * (center[k] - from[k]);
         along += n[k] * dir[k];
     }
-    double t = above / along, square = 0.0;
+    double t = above / along, square = 0.0, offsets[3];
     if (!(fabs(along) > 1e-12) || (!s->camera.parallel && t <= 0.0)) {
         return HUGE_VAL;
     }
     for (int k = 0; k < 3; ++k) {
         double offset = from[k] + t * dir[k] - center[k];
         square += offset * offset;
+        offsets[k] = offset;
     }
+    square += stretch_of(s, index, offsets);
     *nearness = s->camera.parallel ? 0.9 - 0.05 * t : 0.05 / t;
-    return sqrt(square);
+    return sqrt(square) / own_radius(s, index);
 }
 
 // How far the nearest edge of the disk is from the pixel, in steps of 0.05 pixels: the pixel may be either way where
@@ -159,8 +197,8 @@ static int count_wrong(splat_scene* s, uint32_t index)
         double sx = 0.5 * WIDTH + focal * center[0] / z, sy = 0.5 * HEIGHT + focal * center[1] / z;
         bool is_center = ahead && floor(sx) == floor(x) && floor(sy) == floor(y);
         double aside = s->camera.parallel ? 0.0 : hypot(center[0], center[1]) / z;
-        double reach =
-            radius * focal / z * hypot(1.0, aside); // up to half a pixel: the centre's pixel alone
+        double reach = radius * own_radius(s, index) * focal / z *
+                       hypot(1.0, aside); // up to half a pixel: the centre's pixel alone
         bool dot = ahead && reach * reach <= 0.24;
         bool expected = dot ? is_center : distance <= radius && nearness <= 1.0;
         bool got = s->pixels[at] != STP_RASTER_EMPTY;
@@ -176,9 +214,9 @@ static int count_wrong(splat_scene* s, uint32_t index)
             !near_edge(s, index, x, y, radius, true)) { // the plane's depth
             double error = fabs((double)stp_raster_nearness(s->pixels[at]) - nearness);
             double per_unit = s->camera.parallel ? 0.05 : nearness * nearness / 0.05;
-            bool tiny =
-                radius * focal / z < 0.5; // drawn as its centre's pixel, at its centre's depth
-            wrong += error > (tiny ? 1.0 : 0.02) * radius * per_unit + 1e-6 && nearness < 0.999;
+            double own = radius * own_radius(s, index);
+            bool tiny = own * focal / z < 0.5; // drawn as its centre's pixel, at its centre's depth
+            wrong += error > (tiny ? 1.0 : 0.02) * own * per_unit + 1e-6 && nearness < 0.999;
         }
     }
     return wrong;
@@ -199,6 +237,90 @@ void test_splats_agree_with_rays(test_state* test)
             wrong += count_wrong(&s, i);
         }
         CHECK_EQUAL(0, wrong);
+    }
+}
+
+void test_splats_with_shapes_agree_with_rays(test_state* test)
+{
+    static splat_scene s;
+    const double radii[] = {0.0005, 0.004, 0.012, 0.03, 0.1, 0.4};
+    for (int round = 0; round < 24; ++round) {
+        bool parallel = round % 2 == 1;
+        double distance = parallel || round % 3 != 0 ? 3.0 : 0.7;
+        make_scene(&s, 50 + (uint64_t)round, radii[round / 4]);
+        s.splats.shapes = s.shapes;
+        place_camera(&s, 0.7 * round, distance, parallel ? 30.0 : 80.0, parallel, round % 5 == 4);
+        int wrong = 0;
+        for (uint32_t i = (uint32_t)round; i < SPLATS; i += 40) {
+            wrong += count_wrong(&s, i);
+        }
+        CHECK_EQUAL(0, wrong);
+    }
+}
+
+// Bits of splats whose ranges hold the level at their depth, by each variant as by double precision.
+void test_splats_within_levels(test_state* test)
+{
+    static splat_scene s;
+    for (int round = 0; round < 20; ++round) {
+        make_scene(&s, 700 + (uint64_t)round, 0.01);
+        bool parallel = round % 4 == 3;
+        place_camera(&s, 0.4 * round, round % 3 == 0 ? 0.8 : 2.5, 60.0, parallel, false);
+        stp_raster_levels levels = {(float)uniform(5, (uint64_t)round, 0.05, 0.6),
+                                    round % 2 == 0 ? 0.0f : 0.4f};
+        uint16_t wanted[SPLATS / 16], bits[SPLATS / 16] = {0};
+        for (int i = 0; i < SPLATS / 16; ++i) {
+            wanted[i] = (uint16_t)stp_rng_hash(9, (uint64_t)i);
+        }
+        s.splats.begin = 16 * ((uint32_t)round % 5);
+        s.splats.end = SPLATS - (uint32_t)round % 13;
+        s.splats.wanted = round % 3 == 1 ? wanted : NULL;
+        bool any = stp_raster_pick_levels(&s.camera, &s.splats, s.ranges, &levels, bits);
+        int wrong = 0, count = 0;
+        for (uint32_t i = s.splats.begin; i < s.splats.end; ++i) {
+            double depth = (double)s.camera.matrix.m[3][3];
+            for (uint32_t c = 0; c < 3; ++c) {
+                depth += (double)s.camera.matrix.m[3][c] *
+                         ((double)s.positions[3 * i + c] * (double)s.splats.step);
+            }
+            double level = fmax((double)levels.per_depth * depth, (double)levels.least);
+            double low = (double)stp_range_level(s.ranges[i] & 0xFFFFu);
+            double high = (double)stp_range_level(s.ranges[i] >> 16);
+            bool expected = level >= low && level <= high &&
+                            (s.splats.wanted == NULL || (wanted[i / 16] >> i % 16 & 1) != 0);
+            bool edge = fabs(level - low) < 1e-5 * low || fabs(level - high) < 1e-5 * high;
+            bool got = (bits[i / 16] >> i % 16 & 1) != 0;
+            wrong += got != expected && !edge;
+            count += got;
+        }
+        CHECK_EQUAL(0, wrong);
+        CHECK_EQUAL(count > 0, any);
+        CHECK(round % 3 == 1 || count > 0);
+    }
+}
+
+void test_splats_within_levels_by_all_variants(test_state* test)
+{
+    static splat_scene s;
+    stp_processor processor = stp_processor_detect();
+    for (int round = 0; round < 12; ++round) {
+        make_scene(&s, 800 + (uint64_t)round, 0.01);
+        place_camera(&s, 0.4 * round, 1.5, 60.0, round % 4 == 3, false);
+        s.splats.end = SPLATS - (uint32_t)round;
+        levels_frame frame = {
+            .splats = &s.splats, .ranges = s.ranges, .levels = {0.2f, 0.1f * (float)(round % 3)}};
+        stp_splats_fold_row(s.camera.matrix.m[3], &s.splats, frame.w);
+        uint16_t expected[SPLATS / 16 + 1] = {0}, bits[SPLATS / 16 + 1] = {0};
+        bool any = stp_splats_pick_portable(&frame, expected);
+        if (processor >= STP_PROCESSOR_AVX2) {
+            CHECK_EQUAL(any, stp_splats_pick_avx2(&frame, bits));
+            CHECK(memcmp(expected, bits, sizeof(bits)) == 0);
+        }
+        if (processor == STP_PROCESSOR_AVX512) {
+            memset(bits, 0, sizeof(bits));
+            CHECK_EQUAL(any, stp_splats_pick_avx512(&frame, bits));
+            CHECK(memcmp(expected, bits, sizeof(bits)) == 0);
+        }
     }
 }
 
@@ -232,6 +354,7 @@ void test_splats_variants_give_the_same_bits(test_state* test)
                      round % 5 == 0);
         s.splats.coverages = round % 2 == 0 ? s.coverages : NULL;
         s.splats.normals = round % 7 == 6 ? NULL : s.normals;
+        s.splats.shapes = round % 4 < 2 ? s.shapes : NULL;
         s.splats.begin = (uint32_t)round % 17;
         s.splats.end = SPLATS - (uint32_t)round % 13;
         s.target.width = round % 9 == 8 ? 5 : WIDTH; // narrower than a vector

@@ -152,10 +152,10 @@ struct item_block {
     uint count, material, first_chunk, chunk_count;
     uint colors, low_colors, low_count, address; // addresses; of meshes, of their clusters
     uint cluster_count, base_color, metallic_roughness, emissive; // addresses of textures
-    uint sections;      // bits of the view's cuts that may go through it
-    float cut_slack;    // of splats: scene units that rounding may have moved them beyond a cut
-    float glass_radius; // of splats, scene units
-    float level_per_depth; // what ranges are held against: this times the depth,
+    uint sections;          // bits of the view's cuts that may go through it
+    float cut_slack;        // of splats: scene units that rounding may have moved them beyond a cut
+    float glass_radius;     // of splats, scene units
+    float level_per_depth;  // what ranges are held against: this times the depth,
     vec4 box_low, box_high; // of splats that are drawn, as the rows take them
     float level_least;      // but at least this
     float item_spare0, item_spare1, item_spare2;
@@ -168,8 +168,8 @@ struct record_block {
     uint address;            // of the first splat, or the cluster
     float share;             // of a cluster's triangles
     float nearest, farthest; // splats: within these depths (W)
-    float reach;  // splats: the largest radius, in those of the item
-    uint options; // splats: address of the first one's shape and range
+    float reach;             // splats: the largest radius, in those of the item
+    uint options;            // splats: address of the first one's shape and range
 };
 
 // Splats of an item that lie together: those before `end`, from the end of the chunk before.
