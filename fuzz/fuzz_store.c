@@ -32,6 +32,13 @@ static uint64_t use_directory(stp_store* store)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     uint64_t total = sum_text(d->build_json);
+    for (uint32_t m = 0; m < d->method_count; ++m) {
+        total += sum_text(d->methods[m].name);
+        for (uint32_t i = 0; i < d->node_count; ++i) {
+            uint32_t set = stp_store_set_of(d, m, i);
+            total += set == STP_STORE_NONE || set < d->surfels_count ? 1 : (abort(), 0);
+        }
+    }
     for (uint32_t i = 0; i < d->object_count && d->objects != NULL; ++i) {
         total += sum_text(d->objects[i].name) + sum_text(d->objects[i].id);
     }
@@ -137,10 +144,11 @@ static uint64_t use_surfels(stp_store* store)
         }
         size_t n = s.count, entries = 0;
         for (uint32_t k = 0; k < s.octave_count; ++k) {
-            entries += s.octave_ends[k];
+            bool flat = (s.columns & STP_SPLATS_FLAT_COLORS) != 0;
+            entries = flat ? s.octave_ends[k] : entries + s.octave_ends[k];
         }
         total += sum(s.positions, 6 * n) + sum(s.normals, 2 * n) + sum(s.colors, 3 * entries) +
-                 sum(s.coverages, entries);
+                 sum(s.coverages, entries) + sum(s.shapes, 4 * n) + sum(s.ranges, 4 * n);
         for (size_t k = 0; k < n; ++k) {
             total += s.materials[k] < d->shading_count ? 1 : (abort(), 0);
         }

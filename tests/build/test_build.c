@@ -144,6 +144,68 @@ void test_builds_do_not_depend_on_threads(test_state* test)
     close_workshop(&w);
 }
 
+static stp_result build_methods(stp_context* context, const workshop* w, const char* output,
+                                const stp_method* const* methods, uint32_t count,
+                                stp_build_report* report)
+{
+    const char* inputs[] = {w->model};
+    stp_build_desc desc = {.inputs = inputs,
+                           .input_count = 1,
+                           .output = output,
+                           .blue = {.capture = {.wanted_candidates = 8000}},
+                           .methods = methods,
+                           .method_count = count,
+                           .method_options = stp_method_options_default()};
+    return stp_build(context, &desc, report);
+}
+
+// Sets of several methods: the first one's are those of a file of it alone, all are checked, taken over by the next build,
+// and the same for any number of threads.
+void test_builds_of_several_methods(test_state* test)
+{
+    const stp_method* const both[] = {stp_method_by_name("blue"), stp_method_by_name("spt")};
+    const stp_method* const turned[] = {both[1], both[0]};
+    workshop w;
+    stp_context* one = test_context(NULL, 1, NULL);
+    stp_context* many = test_context(NULL, 3, NULL);
+    CHECK(one != NULL && many != NULL && open_workshop(&w, 30));
+    stp_build_report report;
+    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, both, 2, &report));
+    CHECK_EQUAL(2, report.sets_made);
+    CHECK_EQUAL(STP_OK, build_methods(many, &w, w.other, both, 2, &report));
+    CHECK(same_files(one, w.output, w.other));
+    CHECK_EQUAL(STP_OK, stp_store_check(one, w.output, false));
+    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, both, 2, &report)); // once more
+    CHECK(report.sets_found == 2 && report.sets_made == 0);
+    CHECK(same_files(one, w.output, w.other));
+    stp_store* store = NULL;
+    CHECK_EQUAL(STP_OK, stp_store_open(one, w.output, &store));
+    const stp_store_directory* d = stp_store_get_directory(store);
+    CHECK(d->method_count == 2 && d->surfels_count == 2);
+    stp_surfels blue, spt;
+    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stp_store_set_of(d, 0, d->root), &blue));
+    CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stp_store_set_of(d, 1, d->root), &spt));
+    CHECK(blue.count == 225 && blue.columns == 0 && blue.ranges == NULL);
+    CHECK(spt.count > 225 && spt.columns == STP_SPLATS_COLUMNS && spt.ranges != NULL);
+    stp_store_close(store);
+    // one of them alone, and in another order: what is there is taken over
+    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, turned, 1, &report));
+    CHECK(report.sets_found == 2 && report.sets_made == 0);
+    CHECK_EQUAL(STP_OK, stp_store_open(one, w.output, &store));
+    d = stp_store_get_directory(store);
+    CHECK(d->method_count == 1 && d->methods[0].id == STP_METHOD_SPT);
+    CHECK_EQUAL(0, d->nodes[d->root].surfels);
+    stp_store_close(store);
+    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.output, both, 1, NULL)); // as of blue alone
+    unlink(w.other);
+    CHECK_EQUAL(STP_OK, build_methods(one, &w, w.other, NULL, 0, NULL));
+    CHECK(same_files(one, w.output, w.other));
+    stp_context_destroy(many);
+    stp_context_destroy(one);
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w));
+}
+
 void test_failed_builds_leave_the_former_file(test_state* test)
 {
     workshop w;

@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Sets of several methods: build, info, render, fly and bench name them, and say so where one is not there.
+# Arguments: executable, scratch folder, source folder.
+set -u
+stipple=$1
+# shellcheck source=/dev/null
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$2" && cd "$2" || exit 1
+rm -rf ./*
+
+value() # FILE KEY: of a JSON object
+{
+    python3 -c 'import json, sys; print(json.load(open(sys.argv[1])).get(sys.argv[2]))' "$1" "$2"
+}
+command -v python3 > /dev/null || exit 77
+
+# methods that are none
+refused 2 'list of blue and spt' build scene:spheres -o a.stip --method zebra
+refused 2 'list of blue and spt' build scene:spheres -o a.stip --method blue,blue
+refused 2 'list of blue and spt' build scene:spheres -o a.stip --method ''
+refused 2 'method' render a.stip -o a.png --method zebra
+[ ! -e a.stip ] || fail "a refused build left a file"
+
+"$stipple" -q build scene:spheres,scale=0.2 -o both.stip --method blue,spt || fail "no build of two methods"
+"$stipple" -q build scene:spheres,scale=0.2 -o blue.stip || fail "no build"
+"$stipple" -q build scene:spheres,scale=0.2 -o spt.stip --method spt --error qsplat --color-threshold 0 ||
+    fail "no build of spt"
+for file in both blue spt; do
+    "$stipple" -q check $file.stip || fail "$file.stip is wrong"
+done
+"$stipple" info both.stip --json > info.json
+[ "$(value info.json methods)" = "['blue', 'spt']" ] || fail "info names $(value info.json methods)"
+"$stipple" info spt.stip --json > info.json
+[ "$(value info.json methods)" = "['spt']" ] || fail "info names $(value info.json methods)"
+
+# the default is the first; each is drawn by either backend, and differs from the other
+draw() # FILE NAME OPTIONS...
+{
+    local file=$1 name=$2
+    shift 2
+    "$stipple" render "$file" -o "$name.png" --size 200x150 --splat-size 3 --once --json "$@" > "$name.json" 2> err ||
+        fail "render $file $*: $(cat err)"
+}
+draw both.stip first
+draw both.stip first_blue --method blue
+draw both.stip first_spt --method spt
+draw spt.stip only
+draw blue.stip alone
+[ "$(value first.json method)" = blue ] || fail "the first method is $(value first.json method)"
+[ "$(value first_spt.json method)" = spt ] || fail "spt is $(value first_spt.json method)"
+[ "$(value only.json method)" = spt ] || fail "of a file of spt: $(value only.json method)"
+cmp -s first.png first_blue.png || fail "the default is not the first method"
+cmp -s first.png alone.png || fail "blue beside spt is not blue alone"
+cmp -s first.png first_spt.png && fail "spt draws what blue draws"
+refused 1 'has splats by blue, not by spt' render blue.stip -o a.png --method spt --once
+cat > path.json << 'PATH_END'
+{"fov": 60, "fps": 10, "keys": [{"t": 0, "eye": [0, 2, 6], "target": [0, 0, 0]}, {"t": 1, "eye": [2, 2, 6], "target": [0, 0, 0]}]}
+PATH_END
+refused 1 'has splats by blue, not by spt' fly blue.stip --path path.json --method spt --frames 2 --size 64x48
+if draw both.stip gl --method spt --backend gl && [ -e gl.png ]; then
+    "$stipple" compare first_spt.png gl.png --json > compare.json
+    python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.98' || fail "backends differ: $(cat compare.json)"
+fi
+# under a limit of memory, as of the whole
+draw both.stip limited --method spt --memory 64M
+"$stipple" compare first_spt.png limited.png --json > compare.json
+python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.99' || fail "resident sets differ: $(cat compare.json)"
+# so many splats
+draw both.stip few --method spt
+"$stipple" render both.stip -o few.png --size 200x150 --splats 500 --method spt --once --json > few.json || fail "no 500 splats"
+[ "$(value few.json splats)" -le 500 ] || fail "$(value few.json splats) splats are not 500"
+"$stipple" -q fly both.stip --path path.json --method spt --frames 3 --size 64x48 --budget-ms 50 --json > fly.json || fail "fly"
+[ "$(value fly.json method)" = spt ] || fail "fly draws $(value fly.json method)"
+python3 "$3/scripts/read_store.py" both.stip > read.json || fail "another reader refuses both.stip"
+[ $failures -eq 0 ]

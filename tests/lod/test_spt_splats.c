@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// Sets of Sequential Point Trees (src/lod/spt/splats.c): order, ranges and table, and that any level is a picture.
+#include "tests.h"
+
+#include "base/coverage.h"
+#include "base/octahedral.h"
+#include "base/prefix_table.h"
+#include "base/rng.h"
+#include "base/splat_codes.h"
+#include "lod/method.h"
+#include "lod/spt/splats.h"
+#include "lod/surfels.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { SAMPLES = 3000 };
+
+typedef struct samples {
+    uint16_t positions[3 * SAMPLES];
+    int8_t normals[2 * SAMPLES];
+    uint8_t materials[SAMPLES], colors[3 * SAMPLES], coverages[SAMPLES];
+    stp_surfels set;
+} samples;
+
+static double unit(uint64_t seed, uint64_t at)
+{
+    return (double)(stp_rng_hash(seed, at) >> 11) * 0x1p-53;
+}
+
+// A sphere, evenly but not exactly so: along a spiral.
+static void make_samples(samples* s)
+{
+    for (uint32_t i = 0; i < SAMPLES; ++i) {
+        double y = 1.0 - 2.0 * ((double)i + 0.5) / SAMPLES, around = 2.399963229728653 * i;
+        double across = sqrt(1.0 - y * y);
+        stp_vec3 n = {(float)(across * cos(around)), (float)y, (float)(across * sin(around))};
+        s->positions[3 * i] = (uint16_t)(32768.0 + 30000.0 * (double)n.x);
+        s->positions[3 * i + 1] = (uint16_t)(32768.0 + 30000.0 * (double)n.y);
+        s->positions[3 * i + 2] = (uint16_t)(32768.0 + 30000.0 * (double)n.z);
+        stp_octahedral_encode(n, s->normals + 2 * i);
+        s->materials[i] = (uint8_t)(i % 3);
+        s->colors[3 * i] = 200;
+        s->colors[3 * i + 1] = (uint8_t)(n.x > 0.0f ? 255 : 0);
+        s->colors[3 * i + 2] = 10;
+        s->coverages[i] = n.y > 0.0f ? STP_COVERAGE_WHOLE : stp_coverage_of_share(0.5);
+    }
+    s->set = (stp_surfels){.count = SAMPLES,
+                           .origin = {-1.0f, -1.0f, -1.0f},
+                           .step = 1.0f / 32768.0f,
+                           .positions = s->positions,
+                           .normals = s->normals,
+                           .materials = s->materials,
+                           .octave_count = 1,
+                           .octave_ends = {SAMPLES},
+                           .colors = s->colors,
+                           .coverages = s->coverages,
+                           .table = {.size = 1, .count = {SAMPLES}, .radius = {0.06f}},
+                           .candidate_radius = 0.001f};
+}
+
+static stp_vec3d place_of(const stp_surfels* s, uint32_t i)
+{
+    const uint16_t* p = s->positions + 3 * (size_t)i;
+    return (stp_vec3d){(double)s->origin.x + (double)s->step * p[0],
+                       (double)s->origin.y + (double)s->step * p[1],
+                       (double)s->origin.z + (double)s->step * p[2]};
+}
+
+static bool is_drawn(const stp_surfels* s, uint32_t i, double level)
+{
+    return level >= (double)stp_range_level(s->ranges[i] & 0xFFFFu) &&
+           level <= (double)stp_range_level(s->ranges[i] >> 16);
+}
+
+void test_spt_sets_are_sequences(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    make_samples(&from);
+    stp_tree_desc desc = stp_method_options_default().tree;
+    stp_surfels s;
+    CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
+    CHECK(s.count > SAMPLES && s.count < 2 * SAMPLES);
+    CHECK_EQUAL(STP_SPLATS_COLUMNS, s.columns);
+    CHECK_EQUAL(s.count, s.octave_ends[s.octave_count - 1]);
+    uint32_t leaves = 0, seams = 0;
+    for (uint32_t i = 0; i < s.count; ++i) {
+        CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
+        CHECK(i == 0 || s.ranges[i] >> 16 <= s.ranges[i - 1] >> 16); // falling
+        leaves += (s.ranges[i] & 0xFFFFu) == 0;
+        seams += s.colors[3 * i + 1] != 0 && s.colors[3 * i + 1] != 255;
+        CHECK(s.colors[3 * i] == 200 && s.colors[3 * i + 2] == 10); // means of what is alike
+        CHECK(s.materials[i] < 3 && s.coverages[i] != 0);
+    }
+    CHECK_EQUAL(SAMPLES, leaves);
+    CHECK(seams > 0 && seams < s.count / 4);
+    // to what a prefix reaches is the most that any splat after it is drawn at
+    for (uint32_t k = 0; k < s.table.size; ++k) {
+        for (uint32_t i = s.table.count[k]; i < s.count; ++i) {
+            CHECK(stp_range_level(s.ranges[i] >> 16) <= s.table.radius[k]);
+        }
+    }
+    CHECK_EQUAL(s.count, s.table.count[s.table.size - 1]);
+    CHECK(s.table.radius[s.table.size - 1] == 0.06f);
+    stp_surfels_destroy(context, &s);
+    stp_context_destroy(context);
+}
+
+// At any level, of a view or of all the set, each sample lies in a disk that is drawn.
+void test_spt_sets_cover_at_every_level(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    make_samples(&from);
+    stp_tree_desc desc = stp_method_options_default().tree;
+    stp_surfels s;
+    CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
+    uint32_t before = UINT32_MAX;
+    for (int round = 0; round < 40; ++round) {
+        bool by_depth = round >= 20;
+        double level = 0.004 * pow(2.0, 0.4 * (round % 20));
+        double per_depth = (double)STP_LEVEL_SLOPE * (round % 2 == 0 ? 1.0 : 0.3);
+        stp_vec3d eye = {4.0 * unit(1, (uint64_t)round), 1.5 + 8.0 * unit(2, (uint64_t)round), 3.0};
+        bool drawn[2 * SAMPLES];
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < s.count; ++i) {
+            stp_vec3d d = stp_subd(place_of(&s, i), eye);
+            double at = by_depth ? per_depth * sqrt(d.x * d.x + d.y * d.y + d.z * d.z) : level;
+            drawn[i] = is_drawn(&s, i, at);
+            count += drawn[i];
+        }
+        CHECK(count > 0 && (by_depth || count <= before));
+        before = by_depth ? before : count;
+        for (uint32_t k = 0; k < SAMPLES; k += 7) {
+            bool covered = false;
+            for (uint32_t i = 0; i < s.count && !covered; ++i) {
+                double reach = (double)s.step * (double)stp_shape_radius(s.shapes[i] & 0xFFFu);
+                stp_vec3d d = stp_subd(place_of(&from.set, k), place_of(&s, i));
+                double square = d.x * d.x + d.y * d.y + d.z * d.z;
+                // disks enclose what they stand for seen along their normals: across, not along them
+                covered = drawn[i] && square <= 1.5 * reach * reach + 1e-6;
+            }
+            CHECK(covered);
+        }
+    }
+    CHECK(before < SAMPLES / 20);
+    stp_surfels_destroy(context, &s);
+    stp_context_destroy(context);
+}
+
+void test_spt_sets_are_the_same_for_any_number_of_threads(test_state* test)
+{
+    static samples from;
+    stp_surfels made[2];
+    stp_context* contexts[2] = {test_context(NULL, 1, NULL), test_context(NULL, 4, NULL)};
+    CHECK(contexts[0] != NULL && contexts[1] != NULL);
+    make_samples(&from);
+    stp_tree_desc desc = {STP_TREE_DIAMETER, 255};
+    for (int i = 0; i < 2; ++i) {
+        CHECK_EQUAL(STP_OK, stp_spt_make(contexts[i], &from.set, &desc, &made[i]));
+    }
+    CHECK_EQUAL(made[0].count, made[1].count);
+    CHECK(memcmp(made[0].positions, made[1].positions, 6 * (size_t)made[0].count) == 0);
+    CHECK(memcmp(made[0].ranges, made[1].ranges, 4 * (size_t)made[0].count) == 0);
+    CHECK(memcmp(made[0].shapes, made[1].shapes, 4 * (size_t)made[0].count) == 0);
+    for (int i = 0; i < 2; ++i) {
+        stp_surfels_destroy(contexts[i], &made[i]);
+        stp_context_destroy(contexts[i]);
+    }
+}
+
+// One sample, samples in one place, and none.
+void test_spt_sets_of_little(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    make_samples(&from);
+    stp_tree_desc desc = stp_method_options_default().tree;
+    static const uint32_t counts[] = {0, 1, 2, 9};
+    for (int i = 0; i < 4; ++i) {
+        stp_surfels s;
+        from.set.count = from.set.octave_ends[0] = from.set.table.count[0] = counts[i];
+        from.set.octave_count = counts[i] > 0;
+        for (uint32_t k = 0; k < 3 * counts[i]; ++k) {
+            from.positions[k] = 77;
+        }
+        CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
+        CHECK(counts[i] == 0 ? s.count == 0 : s.count >= counts[i]);
+        stp_surfels_destroy(context, &s);
+    }
+    stp_context_destroy(context);
+}
