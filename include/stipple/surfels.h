@@ -53,6 +53,17 @@ enum {
 /// allows a larger error takes one level for all of a set.
 #define STP_LEVEL_SLOPE 0.005f
 
+enum { STP_GROUP_SPLATS = 64 };
+
+/// What holds STP_GROUP_SPLATS neighbours of a set with ranges, so that they can be left out together. Made as they are
+/// loaded; not stored.
+typedef struct stp_splat_group {
+    uint16_t low[3], high[3]; ///< of positions
+    uint16_t largest;         ///< code of the largest radius (src/base/splat_codes.h)
+    int8_t axis[3];           ///< of a cone that holds their normals, 127 is 1
+    uint8_t sine;             ///< of half its angle, 255 is 1; 255 also of wider cones
+} stp_splat_group;
+
 /// Surfels in order. 12 bytes each (position 6, normal 2, colour 3, material 1), about 14.4 with pyramids.
 typedef struct stp_surfels {
     uint32_t count;
@@ -67,10 +78,11 @@ typedef struct stp_surfels {
     uint8_t* colors;
     uint8_t*
         coverages; ///< 1 an entry, same layout: which part of the disk is drawn (src/base/coverage.h); 255: all of it
-    uint32_t columns;     ///< STP_SPLATS_*
-    uint32_t* shapes;     ///< NULL, or 1 a surfel (src/base/splat_shape.h)
-    uint32_t* ranges;     ///< NULL, or 1 a surfel (src/base/splat_range.h)
-    bool plain_coverages; ///< coverages are shares of 255 instead: of files before version 1.2
+    uint32_t columns;        ///< STP_SPLATS_*
+    uint32_t* shapes;        ///< NULL, or 1 a surfel (src/base/splat_shape.h)
+    uint32_t* ranges;        ///< NULL, or 1 a surfel (src/base/splat_range.h)
+    stp_splat_group* groups; ///< NULL, or 1 for each STP_GROUP_SPLATS
+    bool plain_coverages;    ///< coverages are shares of 255 instead: of files before version 1.2
     stp_prefix_table table;
     float
         candidate_radius; ///< half the diagonal of a capture pixel: how far surface may lie from a candidate

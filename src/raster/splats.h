@@ -15,6 +15,8 @@
 #include "raster/occluder.h"
 #include "raster/target.h"
 
+#include <stipple/surfels.h>
+
 typedef struct stp_raster_splats {
     const uint16_t* positions; ///< 3 a splat
     const int8_t* normals;     ///< 2 a splat, octahedral; NULL: disks face the eye
@@ -70,6 +72,11 @@ typedef struct stp_raster_camera {
 typedef struct stp_raster_levels {
     float per_depth; ///< at depth 1 (W of the matrix)
     float least;     ///< nowhere less
+    /// NULL, or one for each STP_GROUP_SPLATS splats (from splat 0 on): groups out of the picture are left out; and, where
+    /// `one_sided`, those of which all splats face away.
+    const stp_splat_group* groups;
+    bool one_sided;
+    uint32_t width, height; ///< of the picture
 } stp_raster_levels;
 
 /// Sets a bit a splat (from splat 0 on; `begin` is a multiple of 16) for those of [begin, end) whose ranges

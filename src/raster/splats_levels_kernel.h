@@ -6,13 +6,26 @@
 
 #include "raster/splats_kernel.h"
 
+/// What decides of groups. Rows are those of the matrix after the position grid.
+typedef struct levels_groups {
+    float x[4], y[4];
+    float width, height;
+    float per_code; ///< a radius of one step, in numbers of the grid
+    float eye[3];   ///< in numbers of the grid; in parallel projection the gaze, of unit length
+    bool parallel;
+} levels_groups;
+
 /// Rows of the depth after the position grid, and the levels.
 typedef struct levels_frame {
     const stp_raster_splats* splats;
     const uint32_t* ranges;
     float w[4];
     stp_raster_levels levels;
+    levels_groups groups;
 } levels_frame;
+
+/// Whether nothing of a group can be seen.
+bool stp_splats_drop_group(const levels_frame* frame, const stp_splat_group* group);
 
 /// A bit for each of sixteen splats whose ranges hold their levels.
 static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float* restrict x,
@@ -41,7 +54,15 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
 {
     const stp_raster_splats* splats = f->splats;
     uint32_t any = 0;
+    bool dropped = false;
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
+        if (f->levels.groups != NULL && (first % STP_GROUP_SPLATS == 0 || first == splats->begin)) {
+            dropped = stp_splats_drop_group(f, &f->levels.groups[first / STP_GROUP_SPLATS]);
+        }
+        if (dropped) {
+            bits[first / SPLAT_BATCH] = 0;
+            continue;
+        }
         uint32_t left = splats->end - first, count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
         uint32_t wanted = count < SPLAT_BATCH ? (1u << count) - 1u : 0xFFFFu;
         wanted &= splats->wanted != NULL ? splats->wanted[first / SPLAT_BATCH] : 0xFFFFu;

@@ -56,8 +56,9 @@ typedef struct stp_draw_item {
     float level_per_depth, level_least;
     /// Mesh: nearer than fade_begin all triangles are drawn, beyond fade_end none (stp_draw_share). 0, 0: all.
     float fade_begin, fade_end;
-    uint32_t sections;    ///< bits of the view's planes that may cut it; 0: it lies inside them all
-    bool ghost;           ///< drawn in some of its pixels only (stp_draw_style.ghost)
+    uint32_t sections; ///< bits of the view's planes that may cut it; 0: it lies inside them all
+    bool ghost;        ///< drawn in some of its pixels only (stp_draw_style.ghost)
+    bool one_sided; ///< surfels: what faces away need not be drawn; all sides of a thing have some
     stp_affine transform; ///< to scene space
 } stp_draw_item;
 

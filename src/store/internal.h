@@ -128,6 +128,15 @@ stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* s
 /// Copies so many octaves from other columns of the same set.
 void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* before,
                             uint32_t octave_count);
+/// Groups of so many splats.
+static inline uint64_t stp_store_group_count(uint64_t splats)
+{
+    return (splats + STP_GROUP_SPLATS - 1) / STP_GROUP_SPLATS;
+}
+
+/// Makes the groups of a set with ranges that splats [first, end) are in; those before `end` are there.
+void stp_store_make_groups(const stp_surfels* surfels, uint32_t first, uint32_t end);
+
 /// Where in a set's columns those of an octave's block belong.
 void stp_store_octave_targets(const stp_surfels* surfels, uint32_t octave,
                               void* targets[STP_SURFEL_COLUMNS]);

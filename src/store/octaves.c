@@ -50,6 +50,7 @@ void stp_store_free_columns(stp_context* context, stp_store_surfels_record* reco
     record->surfels.colors = NULL;
     record->surfels.coverages = NULL;
     record->surfels.shapes = record->surfels.ranges = NULL;
+    record->surfels.groups = NULL;
 }
 
 void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* joined,
@@ -64,6 +65,7 @@ void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* j
     record->surfels.coverages = columns->coverages;
     record->surfels.shapes = columns->shapes;
     record->surfels.ranges = columns->ranges;
+    record->surfels.groups = columns->groups;
 }
 
 void stp_store_release_surfels(stp_store* store, uint32_t index)
@@ -74,9 +76,12 @@ void stp_store_release_surfels(stp_store* store, uint32_t index)
     }
 }
 
+// What lies in a set's memory: its columns, and what is made of them.
+enum { JOINED_GROUPS = STP_SURFEL_COLUMNS, JOINED_COLUMNS };
+
 // The bytes of each column of so many octaves.
 static void measure_columns(const stp_surfels* surfels, uint32_t octave_count,
-                            uint64_t sizes[STP_SURFEL_COLUMNS])
+                            uint64_t sizes[JOINED_COLUMNS])
 {
     uint64_t n = stp_store_octave_begin(surfels, octave_count);
     uint64_t entries = stp_store_pyramid_begin(surfels, octave_count);
@@ -86,16 +91,18 @@ static void measure_columns(const stp_surfels* surfels, uint32_t octave_count,
     sizes[STP_SURFEL_COLORS] = 3 * entries;
     sizes[STP_SURFEL_COVERAGES] = entries;
     sizes[STP_SURFEL_SHAPES] = (surfels->columns & STP_SPLATS_SHAPES) != 0 ? 4 * n : 0;
-    sizes[STP_SURFEL_RANGES] = (surfels->columns & STP_SPLATS_RANGES) != 0 ? 4 * n : 0;
+    bool ranges = (surfels->columns & STP_SPLATS_RANGES) != 0;
+    sizes[STP_SURFEL_RANGES] = ranges ? 4 * n : 0;
+    sizes[JOINED_GROUPS] = ranges ? stp_store_group_count(n) * sizeof(stp_splat_group) : 0;
 }
 
 // Where the columns of `octave_count` octaves lie in a set's memory, each 64-byte aligned; @return where they end.
 static uint64_t place_columns(const stp_surfels* surfels, uint32_t octave_count,
-                              uint64_t offsets[STP_SURFEL_COLUMNS])
+                              uint64_t offsets[JOINED_COLUMNS])
 {
-    uint64_t sizes[STP_SURFEL_COLUMNS], end = STP_STORE_ALIGNMENT;
+    uint64_t sizes[JOINED_COLUMNS], end = STP_STORE_ALIGNMENT;
     measure_columns(surfels, octave_count, sizes);
-    for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
+    for (int i = 0; i < JOINED_COLUMNS; ++i) {
         offsets[i] = end;
         end = stp_store_align(end + sizes[i], STP_STORE_ALIGNMENT);
     }
@@ -104,13 +111,13 @@ static uint64_t place_columns(const stp_surfels* surfels, uint32_t octave_count,
 
 uint64_t stp_store_columns_bytes(const stp_surfels* surfels, uint32_t octave_count)
 {
-    uint64_t offsets[STP_SURFEL_COLUMNS];
+    uint64_t offsets[JOINED_COLUMNS];
     return place_columns(surfels, octave_count, offsets);
 }
 
 stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* surfels)
 {
-    uint64_t offsets[STP_SURFEL_COLUMNS];
+    uint64_t offsets[JOINED_COLUMNS];
     uint64_t end = place_columns(surfels, surfels->octave_count, offsets);
     unsigned char* memory = stp_alloc(context, (size_t)end);
     if (memory == NULL) {
@@ -126,13 +133,14 @@ stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* s
     bool ranges = (surfels->columns & STP_SPLATS_RANGES) != 0;
     surfels->shapes = shapes ? (uint32_t*)(void*)(memory + offsets[STP_SURFEL_SHAPES]) : NULL;
     surfels->ranges = ranges ? (uint32_t*)(void*)(memory + offsets[STP_SURFEL_RANGES]) : NULL;
+    surfels->groups = ranges ? (stp_splat_group*)(void*)(memory + offsets[JOINED_GROUPS]) : NULL;
     return (stp_store_joined*)(void*)memory;
 }
 
 void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* before,
                             uint32_t octave_count)
 {
-    uint64_t sizes[STP_SURFEL_COLUMNS];
+    uint64_t sizes[JOINED_COLUMNS];
     measure_columns(before, octave_count, sizes);
     memcpy(surfels->positions, before->positions, (size_t)sizes[STP_SURFEL_POSITIONS]);
     memcpy(surfels->normals, before->normals, (size_t)sizes[STP_SURFEL_NORMALS]);
@@ -144,6 +152,7 @@ void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* befor
     }
     if (surfels->ranges != NULL) {
         memcpy(surfels->ranges, before->ranges, (size_t)sizes[STP_SURFEL_RANGES]);
+        memcpy(surfels->groups, before->groups, (size_t)sizes[JOINED_GROUPS]);
     }
 }
 
@@ -197,6 +206,7 @@ static stp_result add_octave(stp_store* store, uint32_t index, uint32_t octave,
     stp_store_judge judge = stp_store_own_judge(store);
     stp_store_surfel_data data = {span.end - span.first, targets[STP_SURFEL_MATERIALS],
                                   targets[STP_SURFEL_SHAPES], targets[STP_SURFEL_RANGES]};
+    stp_store_make_groups(surfels, span.first, span.end);
     return stp_store_judge_surfel_data(&judge, index, &data, store->directory.shading_count);
 }
 

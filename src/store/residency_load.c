@@ -85,6 +85,9 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
     judge.warns = true;
     stp_store_surfel_data data = {span.end - span.first, targets[STP_SURFEL_MATERIALS],
                                   targets[STP_SURFEL_SHAPES], targets[STP_SURFEL_RANGES]};
+    if (fault == NULL) {
+        stp_store_make_groups(&load->columns, span.first, span.end);
+    }
     return fault == NULL && stp_store_judge_surfel_data(
                                 &judge, index, &data, r->store->directory.shading_count) == STP_OK;
 }

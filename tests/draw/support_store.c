@@ -125,6 +125,11 @@ stp_store* made_open_file(stp_context* context, made_scene* scene, int* descript
         .textures = scene->textures,
         .surfels = scene->surfels,
     };
+    if (scene->method.id != 0) {
+        scene->method.set_count = scene->surfels_count;
+        content.directory.methods = &scene->method;
+        content.directory.method_count = 1;
+    }
     char path[64] = "/tmp/stipple-made-XXXXXX";
     int file = mkstemp(path);
     if (file < 0) {

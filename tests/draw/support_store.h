@@ -20,6 +20,7 @@ typedef struct made_scene {
     stp_store_view views[MADE_LIMIT];
     uint32_t node_count, edge_count, part_count, material_count, shading_count, texture_count,
         mesh_count, point_set_count, surfels_count, view_count;
+    stp_store_method method;            ///< of all sets; no id: blue
     const stp_coded_mesh* coded_meshes; ///< NULL, or one a mesh
 } made_scene;
 

@@ -266,8 +266,8 @@ void test_splats_within_levels(test_state* test)
         make_scene(&s, 700 + (uint64_t)round, 0.01);
         bool parallel = round % 4 == 3;
         place_camera(&s, 0.4 * round, round % 3 == 0 ? 0.8 : 2.5, 60.0, parallel, false);
-        stp_raster_levels levels = {(float)uniform(5, (uint64_t)round, 0.05, 0.6),
-                                    round % 2 == 0 ? 0.0f : 0.4f};
+        stp_raster_levels levels = {.per_depth = (float)uniform(5, (uint64_t)round, 0.05, 0.6),
+                                    .least = round % 2 == 0 ? 0.0f : 0.4f};
         uint16_t wanted[SPLATS / 16], bits[SPLATS / 16] = {0};
         for (int i = 0; i < SPLATS / 16; ++i) {
             wanted[i] = (uint16_t)stp_rng_hash(9, (uint64_t)i);
@@ -307,8 +307,9 @@ void test_splats_within_levels_by_all_variants(test_state* test)
         make_scene(&s, 800 + (uint64_t)round, 0.01);
         place_camera(&s, 0.4 * round, 1.5, 60.0, round % 4 == 3, false);
         s.splats.end = SPLATS - (uint32_t)round;
-        levels_frame frame = {
-            .splats = &s.splats, .ranges = s.ranges, .levels = {0.2f, 0.1f * (float)(round % 3)}};
+        levels_frame frame = {.splats = &s.splats,
+                              .ranges = s.ranges,
+                              .levels = {.per_depth = 0.2f, .least = 0.1f * (float)(round % 3)}};
         stp_splats_fold_row(s.camera.matrix.m[3], &s.splats, frame.w);
         uint16_t expected[SPLATS / 16 + 1] = {0}, bits[SPLATS / 16 + 1] = {0};
         bool any = stp_splats_pick_portable(&frame, expected);

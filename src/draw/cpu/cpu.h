@@ -47,6 +47,7 @@ typedef struct cpu_surfels {
     const int8_t* normals;
     const uint8_t* materials;
     const uint32_t *shapes, *ranges; ///< NULL: none
+    const stp_splat_group* groups;   ///< NULL: none
     bool plain_coverages;
 } cpu_surfels;
 

@@ -179,6 +179,7 @@ static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_i
                                   .materials = got.materials,
                                   .shapes = got.shapes,
                                   .ranges = got.ranges,
+                                  .groups = got.groups,
                                   .plain_coverages = got.plain_coverages};
     item->count = draw->prefix < got.count ? draw->prefix : got.count;
     choose_octave(item, &got, full < got.count ? full : got.count);

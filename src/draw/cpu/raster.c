@@ -97,12 +97,20 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
 }
 
 /// Leaves of surfels with ranges those that are drawn at their depths. @return false where that is none
-static bool pick_levels(const cpu_item* item, stp_raster_splats* splats, cpu_worker* worker)
+static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
+                        cpu_worker* worker)
 {
     if (item->kind != STP_DRAW_SURFELS || item->surfels.ranges == NULL) {
         return true;
     }
-    stp_raster_levels levels = {item->draw->level_per_depth, item->draw->level_least};
+    // what is cut or transparent shows the sides that face away
+    bool through = item->draw->sections != 0 || item->draw->ghost || r->layers.of_splats;
+    stp_raster_levels levels = {.per_depth = item->draw->level_per_depth,
+                                .least = item->draw->level_least,
+                                .groups = item->surfels.groups,
+                                .one_sided = item->draw->one_sided && !through,
+                                .width = r->width,
+                                .height = r->height};
     uint16_t* bits = STP_ARENA_ARRAY(&worker->scratch, uint16_t, ((size_t)splats->end + 15) / 16);
     if (bits == NULL) {
         worker->failed = true;
@@ -159,7 +167,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     bool cut = item->draw->sections != 0 || item->draw->ghost;
-    bool left = late || pick_levels(item, &splats, worker);
+    bool left = late || pick_levels(r, item, &splats, worker);
     if (cut && left && !cpu_cut_splats(r, item, &splats, worker)) {
         worker->failed = true;
     } else if (!left) {

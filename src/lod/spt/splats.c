@@ -4,6 +4,7 @@
 #include "base/coverage.h"
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
+#include "base/sort.h"
 #include "base/splat_codes.h"
 #include "lod/spt/sequence.h"
 #include "lod/surfels.h"
@@ -25,8 +26,9 @@ typedef struct spt_maker {
     stp_tree_points points;
     stp_point_tree tree;
     stp_point_sequence sequence;
-    double* areas;    ///< of nodes before each: the parts of leaves' disks that are drawn, summed
-    uint32_t* leaves; ///< of nodes before each: leaves
+    double* areas;      ///< of nodes before each: the parts of leaves' disks that are drawn, summed
+    uint32_t* leaves;   ///< of nodes before each: leaves
+    uint32_t* arranged; ///< places in the sequence, as the splats lie
 } spt_maker;
 
 /// Samples with their finest colours.
@@ -112,6 +114,14 @@ static uint16_t to_grid(float x, float origin, float step)
     return value > 0.0f ? (value < 65535.0f ? (uint16_t)value : 65535) : 0;
 }
 
+static void place_disk(const spt_maker* m, const stp_disk* disk, uint16_t position[3])
+{
+    const stp_surfels* s = m->splats;
+    position[0] = to_grid(disk->center.x, s->origin.x, s->step);
+    position[1] = to_grid(disk->center.y, s->origin.y, s->step);
+    position[2] = to_grid(disk->center.z, s->origin.z, s->step);
+}
+
 /// The first leaf below a node, or itself.
 static uint32_t first_leaf(const stp_point_tree* tree, uint32_t node)
 {
@@ -133,19 +143,75 @@ static uint8_t find_coverage(const spt_maker* m, uint32_t node)
     return mean < 254.0 / 255.0 ? stp_coverage_of_share(mean) : STP_COVERAGE_WHOLE;
 }
 
+/// Of 128 directions, the triangle of a subdivided octahedron that holds a normal (3.10): its octant, then one of sixteen.
+static uint32_t find_cluster(stp_vec3 n)
+{
+    float x = fabsf(n.x), y = fabsf(n.y), sum = x + y + fabsf(n.z);
+    uint32_t octant = (n.x < 0.0f ? 1u : 0u) | (n.y < 0.0f ? 2u : 0u) | (n.z < 0.0f ? 4u : 0u);
+    float scale = sum > 0.0f ? 4.0f / sum : 0.0f;
+    uint32_t a = (uint32_t)(x * scale), b = (uint32_t)(y * scale);
+    a = a < 3 ? a : 3;
+    b = b < 3 - a ? b : 3 - a;
+    // of a row of the triangle, the upright ones and, between them, those that stand on a corner
+    bool turned = x * scale - (float)a + (y * scale - (float)b) > 1.0f && a + b < 3;
+    static const uint32_t rows[4] = {0, 7, 12, 15};
+    return 16 * octant + rows[a] + 2 * b + (turned ? 1 : 0);
+}
+
+/// The place of a splat along a curve through the grid: the upper bits of its Morton code.
+static uint32_t find_place(const uint16_t* position)
+{
+    uint32_t place = 0;
+    for (int bit = 15; bit >= 10; --bit) {
+        for (int k = 0; k < 3; ++k) {
+            place = place << 1 | (position[k] >> bit & 1u);
+        }
+    }
+    return place;
+}
+
+/// Within a band, from one breakpoint of the table to the next, splats lie by where they face, then by where they are, so that
+/// neighbours can be left out together.
+static stp_result arrange(spt_maker* m)
+{
+    const stp_prefix_table* table = &m->splats->table;
+    size_t count = m->sequence.count;
+    uint64_t* keys = STP_NEW_ARRAY(m->context, uint64_t, count + 1);
+    uint64_t* scratch = STP_NEW_ARRAY(m->context, uint64_t, count + 1);
+    m->arranged = STP_NEW_ARRAY(m->context, uint32_t, count + 1);
+    bool made = keys != NULL && scratch != NULL && m->arranged != NULL;
+    uint64_t band = 0;
+    for (uint32_t i = 0; made && i < count; ++i) {
+        while (band < table->size && i >= table->count[band]) {
+            band += 1;
+        }
+        uint16_t position[3];
+        const stp_disk* disk = &m->tree.disks[m->sequence.nodes[i]];
+        place_disk(m, disk, position);
+        uint64_t cluster = find_cluster(disk->normal);
+        keys[i] = (band << 57) | cluster << 50 | (uint64_t)find_place(position) << 32 | i;
+    }
+    if (made) {
+        const uint64_t* sorted = stp_sort_u64(keys, scratch, count, 32, 32);
+        for (size_t i = 0; i < count; ++i) {
+            m->arranged[i] = (uint32_t)sorted[i];
+        }
+    }
+    stp_free(m->context, keys);
+    stp_free(m->context, scratch);
+    return made ? STP_OK : stp_fail_memory(m->context);
+}
+
 static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const spt_maker* m = user;
     const stp_surfels* s = m->splats;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        uint32_t node = m->sequence.nodes[i], leaf = first_leaf(&m->tree, node);
+        uint32_t at = m->arranged[i], node = m->sequence.nodes[at];
+        uint32_t leaf = first_leaf(&m->tree, node);
         const stp_disk* disk = &m->tree.disks[node];
-        const float center[3] = {disk->center.x, disk->center.y, disk->center.z};
-        const float origin[3] = {s->origin.x, s->origin.y, s->origin.z};
-        for (size_t k = 0; k < 3; ++k) {
-            s->positions[3 * i + k] = to_grid(center[k], origin[k], s->step);
-        }
+        place_disk(m, disk, s->positions + 3 * i);
         bool turned = stp_dot(disk->normal, disk->normal) > 0.0f; // else as its first leaf
         stp_vec3 normal = turned ? disk->normal : m->tree.disks[leaf].normal;
         stp_octahedral_encode_many(&normal.x, 1, s->normals + 2 * i);
@@ -153,29 +219,36 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
         memcpy(s->colors + 3 * i, m->tree.colors + 3 * (size_t)node, 3);
         s->coverages[i] = find_coverage(m, node);
         s->shapes[i] = stp_shape_round(disk->radius / s->step);
-        s->ranges[i] = stp_range_code(0.5f * m->sequence.lowest[i], 0.5f * m->sequence.highest[i]);
+        s->ranges[i] =
+            stp_range_code(0.5f * m->sequence.lowest[at], 0.5f * m->sequence.highest[at]);
     }
 }
 
-/// The count of the next breakpoint, which has so many times a `part` more.
-static uint32_t next_count(uint32_t count, uint32_t part)
+/// The count of the next breakpoint, which has so many times a `part` more; none is left out at the end of an octave, to which
+/// sets are loaded.
+static uint32_t next_count(const stp_surfels* s, uint32_t count, uint32_t part)
 {
-    return count + (count / part > 1 ? count / part : 1);
+    uint64_t next = (uint64_t)count + (count / part > 1 ? count / part : 1);
+    for (uint32_t k = 0; k < s->octave_count; ++k) {
+        uint32_t end = s->octave_ends[k];
+        next = count < end && end < next ? end : next;
+    }
+    return (uint32_t)next;
 }
 
 /// How fine the steps of a table may be, for all to fit.
-static uint32_t choose_part(uint32_t total)
+static uint32_t choose_part(const stp_surfels* s)
 {
     for (uint32_t part = FINEST_STEP; part > 1; --part) {
         uint32_t steps = 1;
-        for (uint64_t count = 1; count < total; count = next_count((uint32_t)count, part)) {
+        for (uint32_t count = 1; count < s->count; count = next_count(s, count, part)) {
             steps += 1;
         }
         if (steps <= STP_PREFIX_TABLE_SIZE) {
             return part;
         }
     }
-    return 1; // doubling: 32 steps
+    return 1; // doubling: 32 steps, and the octaves'
 }
 
 /// Highest levels as ranges hold them: to what a prefix reaches is told by the first splat that it leaves out.
@@ -184,9 +257,10 @@ static void make_table(spt_maker* m)
     stp_surfels* s = m->splats;
     stp_prefix_table* table = &s->table;
     float reach = stp_prefix_table_radius(&m->samples->table, m->samples->count);
-    uint32_t part = choose_part(s->count);
-    for (uint32_t count = 1; count < s->count; count = next_count(count, part)) {
-        float left = stp_range_level(s->ranges[count] >> 16);
+    uint32_t part = choose_part(s);
+    for (uint32_t count = 1; count < s->count; count = next_count(s, count, part)) {
+        uint32_t code = stp_range_code(0.0f, 0.5f * m->sequence.highest[count]);
+        float left = stp_range_level(code >> 16);
         table->count[table->size] = count;
         table->radius[table->size++] = left > reach ? left : reach;
     }
@@ -215,9 +289,12 @@ static stp_result make(spt_maker* m, const stp_tree_desc* desc)
     s->count = m->sequence.count;
     result = result == STP_OK ? make_columns(m) : result;
     if (result == STP_OK) {
-        stp_parallel_for(m->context, s->count, 4096, fill_splats, m);
-        make_table(m);
         make_octaves(s);
+        make_table(m);
+        result = arrange(m);
+    }
+    if (result == STP_OK) {
+        stp_parallel_for(m->context, s->count, 4096, fill_splats, m);
     }
     return result;
 }
@@ -233,6 +310,7 @@ stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const 
     stp_result result = make(&m, desc);
     stp_point_sequence_destroy(context, &m.sequence);
     stp_point_tree_destroy(context, &m.tree);
+    stp_free(context, m.arranged);
     stp_free(context, m.leaves);
     stp_free(context, m.areas);
     stp_free(context, m.normals);

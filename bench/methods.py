@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Methods against each other: likeness and time of pictures, by splat size, on the views of several scenes.
+
+usage: bench/methods.py [--sizes 1,2,4,8,16] [--repeats N] SCENE...
+
+SCENE is a .stip that holds several methods, a model, or a named scene; those are built with `--method blue,spt`. Each view of
+a scene (iso where it has none) is drawn at each size by each method and compared with its reference. Times are the least of
+the repeats. Prints a table at sizes 2 and 8; writes methods.svg, likeness over time.
+"""
+import pathlib
+import subprocess
+import tempfile
+
+import kit
+
+PANEL_WIDTH, PANEL_HEIGHT, GAP, TOP = 250, 150, 46, 66
+METHODS = ("blue", "spt")
+
+
+def build(scene, folder):
+    if str(scene).endswith(".stip"):
+        return pathlib.Path(scene)
+    out = folder / (pathlib.Path(str(scene).replace(":", "-").replace(",", "-").replace("/", "-")).stem + ".stip")
+    kit.say(f"{scene} ...")
+    subprocess.run([kit.STIPPLE, "build", scene, "-o", out, "--method", ",".join(METHODS), "--progress", "none"], check=True,
+                   stdout=subprocess.DEVNULL)
+    return out
+
+
+def measure(given, stored, view, size, method, truth, picture):
+    """Likeness and figures of one picture."""
+    call = ("render", stored, "-o", picture, "--view", view, "--size", given.size, "--splat-size", size, "--method", method, "--once")
+    frames = [kit.stipple(*call, threads=given.threads) for _ in range(given.repeats)]
+    best = min(frames, key=lambda frame: frame["frame_ms"])
+    likeness = kit.compare(picture, truth)
+    return {"ssim": likeness["ssim"], "ssim_covered": likeness["ssim_covered"], "frame_ms": best["frame_ms"], "splats": best["splats"],
+            "triangles": best["triangles"]}
+
+
+def plot(results, path):
+    panels = sorted({(r["params"]["scene"], r["params"]["view"]) for r in results})
+    columns = 3
+    rows = -(-len(panels) // columns)
+    drawing = kit.Drawing(columns * (PANEL_WIDTH + GAP) + 30, TOP + rows * (PANEL_HEIGHT + 70))
+    drawing.text(40, 22, "likeness (SSIM of covered pixels) over the time of a frame, by splat size", more='font-weight="bold"')
+    for i, method in enumerate(METHODS):
+        drawing.line([(40 + 90 * i, 40), (60 + 90 * i, 40)], kit.COLORS[i], 2)
+        drawing.text(66 + 90 * i, 44, method)
+    for k, panel in enumerate(panels):
+        mine = [r for r in results if (r["params"]["scene"], r["params"]["view"]) == panel]
+        most = max(r["figures"]["frame_ms"] for r in mine)
+        left, top = 40 + k % columns * (PANEL_WIDTH + GAP), TOP + k // columns * (PANEL_HEIGHT + 70) + 20
+        drawing.text(left, top - 8, f"{panel[0]}, {panel[1]}")
+        for i in range(3):
+            y = top + PANEL_HEIGHT * i / 2
+            drawing.line([(left, y), (left + PANEL_WIDTH, y)], "#ddd")
+            drawing.text(left - 6, y + 4, f"{1 - i / 2:.1f}", "end")
+        drawing.text(left, top + PANEL_HEIGHT + 16, "0")
+        drawing.text(left + PANEL_WIDTH, top + PANEL_HEIGHT + 16, f"{most:.0f} ms", "end")
+        for i, method in enumerate(METHODS):
+            points = [(left + PANEL_WIDTH * r["figures"]["frame_ms"] / most,
+                       top + PANEL_HEIGHT * (1 - max(0.0, r["figures"]["ssim_covered"]))) for r in mine if r["params"]["method"] == method]
+            drawing.line(points, kit.COLORS[i], 2)
+            for x, y in points:
+                drawing.put(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{kit.COLORS[i]}"/>')
+    drawing.write(path)
+
+
+def main():
+    parser = kit.options(__doc__, size="1280x720")
+    parser.add_argument("scenes", nargs="+", metavar="SCENE")
+    parser.add_argument("--sizes", default="1,2,4,8,16")
+    parser.add_argument("--repeats", type=int, default=5)
+    given = parser.parse_args()
+    results, rows = [], []
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        for scene in given.scenes:
+            stored = build(scene, folder)
+            told = kit.name_of(scene).removesuffix(".stip")
+            for view in kit.stipple("info", stored)["views"] or ["iso"]:
+                truth = folder / "truth.png"
+                kit.stipple("render", stored, "-o", truth, "--view", view, "--size", given.size, "--reference", "--once",
+                            threads=given.threads)
+                for size in given.sizes.split(","):
+                    pair = [measure(given, stored, view, size, method, truth, folder / "ours.png") for method in METHODS]
+                    for method, figures in zip(METHODS, pair):
+                        results.append(kit.result("methods", {"scene": told, "view": view, "size": given.size, "splat_size": float(size),
+                                                              "method": method}, figures))
+                    if float(size) in (2, 8):
+                        rows.append([told, view, size, *(f"{f['ssim_covered']:.3f}" for f in pair), *(f"{f['frame_ms']:.0f}" for f in pair),
+                                     *(f"{f['splats']:,}" for f in pair), *(f"{f['triangles']:,}" for f in pair)])
+                kit.say(f"{told} {view}")
+    kit.table(["scene", "view", "px", "SSIM blue", "SSIM spt", "ms blue", "ms spt", "splats blue", "splats spt", "triangles blue",
+               "triangles spt"], rows)
+    kit.keep("methods", results, given.out)
+    plot(results, given.images / "methods.svg")
+
+
+if __name__ == "__main__":
+    main()
