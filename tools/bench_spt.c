@@ -4,6 +4,7 @@
 // sequence take to select them.
 #include "bench.h"
 #include "measured_model.h"
+#include "spt_drawing.h"
 
 #include "base/clock.h"
 #include "base/octahedral.h"
@@ -33,11 +34,13 @@ typedef struct spt_bench {
     float *positions, *normals;
     uint8_t* colors;
     stp_tree_points points;
+    stp_surfels surfels; ///< that they are taken from
     stp_point_tree by_error, by_diameter;
     stp_point_sequence sequence;
     stp_vec3d center;
     double size;
     uint32_t* nodes; ///< room for all
+    spt_drawing* drawing;
 } spt_bench;
 
 /// What views from one distance take, summed over directions.
@@ -46,6 +49,7 @@ typedef struct spt_row {
     uint64_t looked_at, coarse,
         selected; ///< of the sequence: in the prefix, before its left bound, selected
     double traverse_ms, sequence_ms;
+    spt_times times; ///< of drawing
 } spt_row;
 
 /// Surfels as the points of a tree.
@@ -74,7 +78,8 @@ static stp_result take_points(spt_bench* b, const stp_surfels* s)
                                   .positions = b->positions,
                                   .normals = b->normals,
                                   .colors = b->colors,
-                                  .radius = stp_prefix_table_radius(&s->table, s->count)};
+                                  .radius = stp_prefix_table_radius(&s->table, s->count) +
+                                            s->candidate_radius};
     return STP_OK;
 }
 
@@ -85,18 +90,16 @@ static stp_result make_points(spt_bench* b, const stp_scene* scene, const bench_
     stp_blue_desc desc = {.surfel_count = options->count > 0 ? options->count
                                           : options->quick   ? QUICK_POINTS
                                                              : POINTS};
-    stp_surfels surfels = {.count = 0};
     stp_result result = shadings == NULL
                             ? stp_fail_memory(b->context)
-                            : stp_blue_make(scene, scene->root, shadings, &desc, &surfels, NULL);
+                            : stp_blue_make(scene, scene->root, shadings, &desc, &b->surfels, NULL);
     if (result == STP_OK) {
         const stp_boxd* box = &scene->nodes[scene->root].bounds;
         stp_vec3d size = stp_subd(box->max, box->min);
         b->center = stp_scaled(stp_addd(box->min, box->max), 0.5);
         b->size = sqrt(size.x * size.x + size.y * size.y + size.z * size.z);
-        result = take_points(b, &surfels);
+        result = take_points(b, &b->surfels);
     }
-    stp_surfels_destroy(b->context, &surfels);
     stp_free(b->context, shadings);
     return result;
 }
@@ -155,6 +158,7 @@ static void add_view(spt_bench* b, stp_vec3d eye, double distance, spt_row* row)
     row->looked_at += range.end;
     row->coarse += range.begin;
     row->qsplat += stp_point_tree_traverse(&b->by_diameter, &view, b->nodes);
+    spt_drawing_measure(b->drawing, &b->by_error, b->nodes, &view, b->center, &row->times);
     view.split = true;
     row->split += stp_point_tree_traverse(&b->by_error, &view, b->nodes);
 }
@@ -181,6 +185,15 @@ static void measure_distance(spt_bench* b, double sizes, uint32_t directions, js
                      row.looked_at > 0 ? 100.0 * (double)row.coarse / (double)row.looked_at : 0.0);
     bench_set_number(e.figures, "traverse_ms", row.traverse_ms / (double)directions);
     bench_set_number(e.figures, "sequence_ms", row.sequence_ms / (double)directions);
+    double each = 1.0 / (double)directions;
+    bench_set_number(e.figures, "drawn_by_traversal", (double)row.times.traversal_splats * each);
+    bench_set_number(e.figures, "traversal_draw_ms", row.times.traversal_ms * each);
+    bench_set_number(e.figures, "drawn_by_sequence", (double)row.times.sequence_splats * each);
+    bench_set_number(e.figures, "sequence_draw_ms", row.times.sequence_ms * each);
+    bench_set_number(e.figures, "sequence_test_ms", row.times.test_ms * each);
+    bench_set_number(e.figures, "drawn_by_groups", (double)row.times.group_splats * each);
+    bench_set_number(e.figures, "groups_draw_ms", row.times.group_ms * each);
+    bench_set_number(e.figures, "groups_test_ms", row.times.group_test_ms * each);
 }
 
 static int run_spt(const bench_options* options, json_t* results)
@@ -196,9 +209,14 @@ static int run_spt(const bench_options* options, json_t* results)
     }
     bool any = result == STP_OK && b.points.count > 0;
     result = any ? make_trees(&b, results) : result;
+    if (any && result == STP_OK) {
+        result = spt_drawing_create(b.context, &b.by_error, &b.surfels, &b.drawing);
+    }
     for (int i = 0; i < DISTANCES && any && result == STP_OK; ++i) {
         measure_distance(&b, distances[i], options->quick ? QUICK_DIRECTIONS : DIRECTIONS, results);
     }
+    spt_drawing_destroy(b.drawing);
+    stp_surfels_destroy(b.context, &b.surfels);
     stp_free(b.context, b.nodes);
     stp_point_sequence_destroy(b.context, &b.sequence);
     stp_point_tree_destroy(b.context, &b.by_error);

@@ -6,6 +6,7 @@
 #include "base/processor.h"
 #include "base/rng.h"
 #include "raster/splats_levels_kernel.h"
+#include "store/internal.h"
 
 #include <stipple/order.h>
 
@@ -297,6 +298,78 @@ void test_splats_within_levels(test_state* test)
         CHECK_EQUAL(count > 0, any);
         CHECK(round % 3 == 1 || count > 0);
     }
+}
+
+// What groups leave out faces away, or lies beside the picture with all of its disk.
+void test_splats_that_groups_leave_out_cannot_be_seen(test_state* test)
+{
+    static splat_scene s;
+    static stp_splat_group groups[(SPLATS + STP_GROUP_SPLATS - 1) / STP_GROUP_SPLATS];
+    int dropped = 0, beside = 0;
+    for (int round = 0; round < 60; ++round) {
+        make_scene(&s, 1000 + (uint64_t)round, 0.01);
+        for (uint32_t i = 0; i < SPLATS; ++i) { // patches of a sphere
+            uint64_t patch = i / STP_GROUP_SPLATS + 10 * (uint64_t)round;
+            double offset[3];
+            for (uint64_t k = 0; k < 3; ++k) {
+                offset[k] = uniform(31, 3 * patch + k, -1, 1) +
+                            0.15 * uniform(32 + (uint64_t)round, 3 * (uint64_t)i + k, -1, 1);
+            }
+            stp_vec3 n =
+                stp_normalize((stp_vec3){(float)offset[0], (float)offset[1], (float)offset[2]});
+            const float parts[3] = {n.x, n.y, n.z};
+            for (uint32_t k = 0; k < 3; ++k) {
+                s.positions[3 * i + k] = (uint16_t)(32768.0 + 30000.0 * (double)parts[k]);
+            }
+            stp_octahedral_encode(n, s.normals + 2 * i);
+        }
+        bool parallel = round % 4 == 3;
+        place_camera(&s, 0.4 * round, 0.4 + 0.1 * (round % 20), 60.0, parallel, round % 5 == 0);
+        s.splats.shapes = s.shapes;
+        stp_surfels set = {.count = SPLATS,
+                           .positions = s.positions,
+                           .normals = s.normals,
+                           .shapes = s.shapes,
+                           .groups = groups};
+        stp_store_make_groups(&set, 0, SPLATS);
+        for (uint32_t i = 0; i < SPLATS; ++i) {
+            s.ranges[i] = (uint32_t)STP_RANGE_ANY;
+        }
+        uint16_t bits[SPLATS / 16 + 1] = {0};
+        stp_raster_levels levels = {.least = 0.1f,
+                                    .groups = groups,
+                                    .one_sided = round % 3 != 0,
+                                    .width = WIDTH,
+                                    .height = HEIGHT};
+        (void)stp_raster_pick_levels(&s.camera, &s.splats, s.ranges, &levels, bits);
+        for (uint32_t i = 0; i < SPLATS; ++i) {
+            if ((bits[i / 16] >> i % 16 & 1) != 0) {
+                continue;
+            }
+            dropped += 1;
+            double center[3], towards = 0.0, nearness;
+            (void)meet(&s, i, 0.0, 0.0, center, &nearness);
+            stp_vec3 n = stp_octahedral_decode(s.normals[2 * i], s.normals[2 * i + 1]);
+            for (int r = 0; r < 3; ++r) {
+                double turned = 0.0;
+                const float parts[3] = {n.x, n.y, n.z};
+                for (int k = 0; k < 3; ++k) {
+                    turned += (double)s.camera.view[r][k] * (double)parts[k];
+                }
+                towards += turned * (parallel ? (r == 2 ? 1.0 : 0.0) : center[r]);
+            }
+            uint64_t drawn = 0;
+            clear(&s);
+            s.splats.begin = i;
+            s.splats.end = i + 1;
+            drawn = stp_raster_draw_splats(&s.target, 0, HEIGHT, &s.camera, &s.splats, 0);
+            s.splats.begin = 0;
+            s.splats.end = SPLATS;
+            beside += drawn == 0;
+            CHECK(drawn == 0 || (levels.one_sided && towards >= 0.0));
+        }
+    }
+    CHECK(dropped > 60 * SPLATS / 5 && beside > dropped / 10 && beside < dropped);
 }
 
 void test_splats_within_levels_by_all_variants(test_state* test)
