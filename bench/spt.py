@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Point trees and their sequences on several models: points by distance and kind of error, and what the test of each rejects.
+"""Point trees and their sequences on several models: points by distance and kind of error, and what the test of each
+rejects, and how long a view takes to draw by recursion, as a sequence, and with groups left out.
 
     bench/spt.py [MODEL...] [--count N] [--out FILE.json]
 
@@ -22,7 +23,7 @@ def main():
     parser.add_argument("--count", type=int, default=200000, help="points of a model")
     parser.add_argument("--out", metavar="FILE.json", help="where figures are kept; default bench/results/MACHINE/DATE-spt.json")
     options = parser.parse_args()
-    kept, rows = [], []
+    kept, rows, drawn = [], [], []
     for model in options.models:
         name = pathlib.Path(model).stem
         results = kit.bench("spt", "--model", model, "--count", str(options.count))["results"]
@@ -35,7 +36,12 @@ def main():
                 rows.append([name, f"{build['points']:,.0f}", f"{result['params']['sizes_away']:g}", f"{f['unified']:,.0f}",
                              f"{f['split']:,.0f}", f"{f['qsplat']:,.0f}", f"{f['looked_at']:,.0f}", f"{f['selected']:,.0f}",
                              f"{f['rejected_percent']:.0f} %"])
+                drawn.append([name, f"{result['params']['sizes_away']:g}", f"{f['traversal_draw_ms']:.2f} ms", f"{f['sequence_draw_ms']:.2f} ms",
+                              f"{f['sequence_test_ms']:.2f} ms", f"{f['groups_draw_ms']:.2f} ms", f"{f['drawn_by_sequence']:,.0f}",
+                              f"{f['drawn_by_groups']:,.0f}"])
     kit.table(["model", "points", "sizes away", "unified", "split", "QSplat", "looked at", "selected", "rejected"], rows)
+    print()
+    kit.table(["model", "sizes away", "traversal", "sequence", "of that its test", "with groups", "drawn", "with groups"], drawn)
     kit.keep("spt", kept, options.out)
 
 

@@ -20,7 +20,7 @@ typedef struct stp_select_rule {
 
 extern const stp_select_rule stp_select_rule_blue, stp_select_rule_spt;
 
-/// By the id of a method (STP_METHOD_*).
+/// By the id of a method (STP_METHOD_*); that of `blue` for others.
 const stp_select_rule* stp_select_rule_of(uint32_t id);
 
 /// What to do with the set of a node (which has one).

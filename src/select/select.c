@@ -14,8 +14,8 @@ static stp_result begin(stp_selection* s, stp_context* context, const stp_store*
                          .list = list,
                          .second_pass = second_pass};
     s->method = stp_store_find_method(s->directory, quality->method);
-    s->rule = stp_select_rule_of(
-        s->directory->method_count != 0 ? s->directory->methods[s->method].id : STP_METHOD_BLUE);
+    bool told = s->directory->method_count != 0;
+    s->rule = stp_select_rule_of(told ? s->directory->methods[s->method].id : 0);
     list->hidden_count = 0;
     list->mixes = s->directory->point_set_count > 0 ||
                   (s->directory->surfels_count > 0 && !quality->reference);
