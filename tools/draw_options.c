@@ -10,6 +10,8 @@
 
 enum { LIGHT_SUN, LIGHT_HEAD };
 enum { CAPS_ON, CAPS_OFF };
+enum { HYBRID_ON, HYBRID_OFF };
+enum { CLUSTERS_ON, CLUSTERS_OFF };
 enum { TRANSPARENCY_AUTO, TRANSPARENCY_LAYERS, TRANSPARENCY_PATTERN };
 
 static size_t copy_options(option* table, size_t used, const option* from)
@@ -30,6 +32,13 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .argument = "PX",
          .words = "1..64",
          .help = "size of splats in pixels; default 1",
+         .value = &o->splat_size,
+         .given = &o->has_splat_size},
+        {.name = "epsilon",
+         .type = OPTION_NUMBER,
+         .argument = "PX",
+         .words = "1..64",
+         .help = "the error that point trees (spt) may have: another name for --splat-size",
          .value = &o->splat_size,
          .given = &o->has_splat_size},
         {.name = "splats",
@@ -68,6 +77,16 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
                  "file's first",
          .value = &o->method,
          .given = &o->has_method},
+        {.name = "hybrid",
+         .type = OPTION_CHOICE,
+         .words = "on|off",
+         .help = "triangles where splats do not suffice; off: splats alone, however near",
+         .value = &o->hybrid},
+        {.name = "normal-clusters",
+         .type = OPTION_CHOICE,
+         .words = "on|off",
+         .help = "spt: leave out groups of splats that face away; default on",
+         .value = &o->normal_clusters},
         {.name = "policy",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -322,6 +341,8 @@ stp_quality draw_options_quality(const draw_options* o)
                            .splat_size = (float)o->splat_size,
                            .splat_count = o->splats,
                            .policy = (stp_policy)o->policy,
+                           .splats_only = o->hybrid == HYBRID_OFF,
+                           .all_sides = o->normal_clusters == CLUSTERS_OFF,
                            .reference = o->reference};
     (void)parse_fovea(o, &quality.fovea);
     (void)parse_fovea_center(o, &quality.fovea);

@@ -19,7 +19,8 @@ typedef struct draw_options {
     uint64_t splats;
     bool has_splat_size, has_splats, has_budget;
     int policy, controller;
-    int method; ///< place in stp_methods
+    int method;                  ///< place in stp_methods
+    int hybrid, normal_clusters; ///< HYBRID_*, CLUSTERS_*
     bool has_method;
     bool reference;
     option_prefix prefix;

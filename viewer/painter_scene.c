@@ -168,8 +168,10 @@ double paint_near_distance(const stp_view* view)
 static bool same_quality(const stp_quality* a, const stp_quality* b)
 {
     bool same = a->splat_size == b->splat_size && a->splat_count == b->splat_count &&
-                a->policy == b->policy && a->method == b->method && a->reference == b->reference &&
-                a->fovea.count == b->fovea.count && a->fovea.center[0] == b->fovea.center[0] &&
+                a->policy == b->policy && a->method == b->method &&
+                a->splats_only == b->splats_only && a->all_sides == b->all_sides &&
+                a->reference == b->reference && a->fovea.count == b->fovea.count &&
+                a->fovea.center[0] == b->fovea.center[0] &&
                 a->fovea.center[1] == b->fovea.center[1];
     for (uint32_t i = 0; same && i < a->fovea.count; ++i) {
         same = a->fovea.zones[i].radius == b->fovea.zones[i].radius &&

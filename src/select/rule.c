@@ -42,7 +42,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
     if (surfels->count == 0) {
         return use;
     }
-    bool cloud = stp_select_is_complete(node, surfels);
+    bool cloud = s->quality->splats_only || stp_select_is_complete(node, surfels);
     uint64_t wanted = s->quality->splat_count, made = s->list->splat_count;
     if (wanted > 0) {
         // what moves has a set of its own: together they are as many as was asked for

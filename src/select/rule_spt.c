@@ -70,7 +70,8 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                           .level_least = (float)use->level_least,
                           .sections = at->sections,
                           .ghost = at->shown == STP_SHOW_GHOST,
-                          .one_sided = s->directory->nodes[at->node].point_count == 0,
+                          .one_sided = !s->quality->all_sides &&
+                                       s->directory->nodes[at->node].point_count == 0,
                           .transform = at->transform};
     stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
                              at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};

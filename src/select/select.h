@@ -24,9 +24,11 @@ typedef struct stp_quality {
     float splat_size;     ///< pixels, at least 1; default 1
     uint64_t splat_count; ///< exactly so many splats instead, in all; 0: by size
     stp_policy policy;
-    uint32_t method; ///< whose sets are drawn (STP_METHOD_*); 0, or none of the file's: its first
-    bool reference;  ///< original triangles and points only
-    stp_fovea fovea; ///< all zero: splats are of one size
+    uint32_t method;  ///< whose sets are drawn (STP_METHOD_*); 0, or none of the file's: its first
+    bool reference;   ///< original triangles and points only
+    bool splats_only; ///< a node that has splats is never opened, however near it is
+    bool all_sides;   ///< splats that face away are drawn as well (stp_draw_item.one_sided)
+    stp_fovea fovea;  ///< all zero: splats are of one size
     /// A node is opened where its surfels could still cover so many times better than they have to, provided that
     /// they number at least 1/STP_TRIANGLES_PER_SURFEL of its triangles there: 1 to 8; 0: 8.
     float spare;

@@ -65,6 +65,14 @@ fi
 draw both.stip limited --method spt --memory 64M
 "$stipple" compare first_spt.png limited.png --json > compare.json
 python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.99' || fail "resident sets differ: $(cat compare.json)"
+# splats alone; and those that face away too, behind which nothing else is seen
+draw both.stip alone_spt --method spt --hybrid off --eye 0,0.5,2 --target 0,0,0
+[ "$(value alone_spt.json triangles)" = 0 ] || fail "--hybrid off draws triangles"
+draw both.stip all_sides --method spt --normal-clusters off
+"$stipple" compare first_spt.png all_sides.png --json > compare.json
+python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.97' || fail "sides that face away are seen: $(cat compare.json)"
+"$stipple" render both.stip -o epsilon.png --size 200x150 --epsilon 3 --once --method spt || fail "--epsilon"
+cmp -s epsilon.png first_spt.png || fail "--epsilon is not --splat-size"
 # so many splats
 draw both.stip few --method spt
 "$stipple" render both.stip -o few.png --size 200x150 --splats 500 --method spt --once --json > few.json || fail "no 500 splats"
