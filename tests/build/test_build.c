@@ -364,6 +364,32 @@ void test_builds_survive_failing_allocator(test_state* test)
     CHECK(folder_is_gone(&w));
 }
 
+// Sets of other methods too: whichever allocation fails, nothing is left over.
+void test_builds_of_methods_survive_failing_allocator(test_state* test)
+{
+    const stp_method* const both[] = {stp_method_by_name("spt"), stp_method_by_name("blue")};
+    workshop w;
+    CHECK(open_workshop(&w, 23));
+    bool built = false;
+    int failures = 0;
+    for (int n = 0; !built && n < 4000; n += 1 + n / 50) {
+        test_heap heap = TEST_HEAP(n);
+        test_log log = {0};
+        stp_context* context = test_context(&heap, 1, &log);
+        if (context != NULL) {
+            stp_result result = build_methods(context, &w, w.output, both, 2, NULL);
+            built = heap.count <= n;
+            CHECK(built ? result == STP_OK : log.errors <= 1);
+            failures += result != STP_OK;
+            stp_context_destroy(context);
+        }
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+    CHECK(built && failures > 30);
+    close_workshop(&w);
+    CHECK(folder_is_gone(&w));
+}
+
 void test_small_scenes_get_no_surfels(test_state* test)
 {
     workshop w;

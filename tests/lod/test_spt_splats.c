@@ -193,3 +193,28 @@ void test_spt_sets_of_little(test_state* test)
     }
     stp_context_destroy(context);
 }
+
+// Whichever allocation fails, nothing is left over.
+void test_spt_sets_survive_failing_allocator(test_state* test)
+{
+    static samples from;
+    make_samples(&from);
+    stp_tree_desc desc = stp_method_options_default().tree;
+    bool made = false;
+    int failures = 0;
+    for (int n = 0; !made && n < 200; ++n) {
+        test_heap heap = TEST_HEAP(n);
+        test_log log = {.errors = 0};
+        stp_context* context = test_context(&heap, 1, &log);
+        if (context != NULL) {
+            stp_surfels s;
+            made = stp_spt_make(context, &from.set, &desc, &s) == STP_OK;
+            CHECK(made || log.errors == 1);
+            failures += !made;
+            stp_surfels_destroy(context, &s);
+            stp_context_destroy(context);
+        }
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+    CHECK(made && failures > 15);
+}
