@@ -225,7 +225,9 @@ static stp_result run_series(quality_run* run, const char* model, const quality_
     stp_surfels surfels;
     stp_result result = STP_OK;
     if (series->limit) {
-        result = stp_store_get_surfels(run->store, root->surfels, &surfels);
+        uint32_t method = stp_store_find_method(directory, run->method);
+        uint32_t set = stp_store_set_of(directory, method, directory->root);
+        result = stp_store_get_surfels(run->store, set, &surfels);
     }
     stp_view view;
     for (uint32_t i = 0; result == STP_OK && make_view(run, series, i, &view); ++i) {
@@ -287,7 +289,9 @@ static stp_result measure_file(quality_run* run, const char* path, const char* m
         named.views = named_views;
         result = run_series(run, model, &named, results);
     }
-    if (result == STP_OK && directory->nodes[directory->root].surfels != STP_STORE_NONE) {
+    uint32_t method = stp_store_find_method(directory, run->method);
+    if (result == STP_OK &&
+        stp_store_set_of(directory, method, directory->root) != STP_STORE_NONE) {
         quality_series near = series;
         near.name = "limit";
         near.limit = true;

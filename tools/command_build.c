@@ -23,7 +23,8 @@ static struct {
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
     int progress, capture;
-    bool json, color_threshold_given, threshold_given, up_given, unit_given, resume, fresh;
+    bool json, error_given, color_threshold_given, threshold_given, up_given, unit_given, resume,
+        fresh;
 } args;
 
 static const char* const order_names[] = {"exact", "paper-fast", "paper-text", "random"};
@@ -59,7 +60,8 @@ static const option* options(void)
          .words = "unified|qsplat",
          .help = "the error of a node of spt: its geometric error, or its diameter as in QSplat; "
                  "default unified",
-         .value = &args.error},
+         .value = &args.error,
+         .given = &args.error_given},
         {.name = "color-threshold",
          .type = OPTION_COUNT,
          .argument = "N",
@@ -205,6 +207,14 @@ static char* parameters_json(void)
                                       json_integer((json_int_t)counts[i].value));
         }
     }
+    if (args.error_given) {
+        (void)json_object_set_new(json, "error",
+                                  json_string(args.error != 0 ? "qsplat" : "unified"));
+    }
+    if (args.color_threshold_given) {
+        (void)json_object_set_new(json, "color_threshold",
+                                  json_integer((json_int_t)args.color_threshold));
+    }
     if (args.up_given) {
         (void)json_object_set_new(json, "up", json_string(up_names[args.up]));
     }
@@ -218,18 +228,19 @@ static char* parameters_json(void)
 
 static json_t* seconds_json(const stp_build_report* r)
 {
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "import", r->import_s,
-                     "partition", r->partition_s, "capture", r->capture_s, "order", r->order_s,
-                     "finish", r->finish_s, "surfel_threads", r->surfel_thread_s, "clusters",
-                     r->clusters_s, "write", r->write_s, "total", r->total_s);
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "methods", r->methods_s,
+                     "import", r->import_s, "partition", r->partition_s, "capture", r->capture_s,
+                     "order", r->order_s, "finish", r->finish_s, "surfel_threads",
+                     r->surfel_thread_s, "clusters", r->clusters_s, "write", r->write_s, "total",
+                     r->total_s);
 }
 
 static void print_seconds(const stp_build_report* r)
 {
     printf("  %-12s %.2f s (import %.2f, partition %.2f, capture %.2f, order %.2f, finish %.2f, "
-           "clusters %.2f, write %.2f)\n",
+           "methods %.2f, clusters %.2f, write %.2f)\n",
            "built in", r->total_s, r->import_s, r->partition_s, r->capture_s, r->order_s,
-           r->finish_s, r->clusters_s, r->write_s);
+           r->finish_s, r->methods_s, r->clusters_s, r->write_s);
     if (r->sets_found + r->meshes_found > 0) {
         printf("  %-12s %u of %u surfel sets, %u of %u meshes\n", "unchanged", r->sets_found,
                r->sets_found + r->sets_made, r->meshes_found, r->meshes_found + r->meshes_made);
@@ -343,9 +354,18 @@ static int run(int argc, char** argv)
         return tool_usage_error("build needs at least one input");
     }
     const stp_method* chosen[STP_METHOD_COUNT];
-    if (choose_methods(chosen) == 0) {
+    uint32_t count = choose_methods(chosen);
+    if (count == 0) {
         return tool_usage_error("--method is a list of blue and spt, each at most once, not %s",
                                 args.method);
+    }
+    bool point_trees = false;
+    for (uint32_t i = 0; i < count; ++i) {
+        point_trees = point_trees || chosen[i]->id == STP_METHOD_SPT;
+    }
+    if (!point_trees && (args.error_given || args.color_threshold_given)) {
+        return tool_usage_error("--%s is of use with --method spt only",
+                                args.error_given ? "error" : "color-threshold");
     }
     if (args.resume && args.fresh) {
         return tool_usage_error("--resume and --fresh exclude each other");

@@ -37,7 +37,7 @@ static void make_nodes(spt_drawing* d, const stp_point_tree* tree)
             d->positions[3 * i + k] = (uint16_t)fminf(fmaxf(at, 0.0f), 65535.0f);
         }
         stp_octahedral_encode(disk->normal, d->normals + 2 * i);
-        d->shapes[i] = stp_shape_round(disk->radius / d->set.step);
+        d->shapes[i] = stp_shape_disk(disk->radius / d->set.step, 0);
     }
 }
 

@@ -3,7 +3,8 @@
 // Codes of the optional columns of a set of splats (docs/format.md, Shapes and ranges). A code decodes by a shift, so that
 // every kernel and shader gets the same bits; rounding never makes a splat smaller, nor a range narrower.
 //
-//   shape   bits 0-11 the larger radius, 12-23 the smaller one, 24-31 the direction of the larger one
+//   shape   bits 0-11 the larger radius, 12-23 the smaller one, 24-31 the direction of the larger one; of a disk, which has no
+//           direction, how far the normals of what it stands for may lie from its own: a sine, 255 is 1 or any
 //   range   bits 0-15 the lowest level at which the splat is drawn, 16-31 the highest
 #pragma once
 
@@ -77,11 +78,17 @@ static inline float stp_shape_stretch(uint32_t code)
     return ratio * ratio - 1.0f;
 }
 
-/// Of a disk.
-static inline uint32_t stp_shape_round(float radius)
+/// Of a disk, with the sine of how far the normals of what it stands for lie from its own.
+static inline uint32_t stp_shape_disk(float radius, uint8_t spread)
 {
     uint32_t code = stp_shape_code(radius);
-    return code | code << 12;
+    return code | code << 12 | (uint32_t)spread << 24;
+}
+
+/// That sine, of 255; of an ellipse any normal may be below it.
+static inline uint32_t stp_shape_spread(uint32_t code)
+{
+    return (code & 0xFFFu) == (code >> 12 & 0xFFFu) ? code >> 24 : 255u;
 }
 
 /// By its sixteen bits.

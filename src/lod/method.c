@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum {
-    SPT_VERSION = 2,     ///< raised where sets change
+    SPT_VERSION = 3,     ///< raised where sets change
     SPT_BYTES = 2 * 120, ///< of a sample: two nodes in tree, sequence and columns
     SPT_COLORS =
         48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter

@@ -6,7 +6,7 @@
 // as that prefix needs. So a node that is looked at has something to be drawn, but for those that nothing stands for.
 // What a view would draw or lacks is asked for, in splats of the size wanted that stand for it meanwhile.
 #include "base/prefix_table.h"
-#include "select/select_internal.h"
+#include "select/rule.h"
 
 #define ROUNDED (1.0 + 1e-6)
 #define EAGER_MOST 4.0
@@ -175,19 +175,14 @@ static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* n
 }
 
 /// Leaves the prefix that is here, with splats as large as it needs.
-static void limit(stp_set_use* use, uint32_t here)
+static void limit(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                  uint32_t here, bool closes, stp_set_use* use)
 {
-    if (use->count > here || use->count == 0) {
-        use->count = here;
-        use->radius = radius_of(use->surfels, here) + (double)use->surfels->candidate_radius;
-        use->level_least = fmax(use->level_least, radius_of(use->surfels, here));
+    if (closes) {
+        use->switch_depth = 0.0;
+        use->extra = false;
     }
-}
-
-static void close_node(stp_set_use* use)
-{
-    use->switch_depth = 0.0;
-    use->extra = false;
+    s->rule->limit(at, use->extra ? use->switch_depth : sight->range.near, here, use);
 }
 
 stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
@@ -211,8 +206,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
     }
     if (opens && !ready) {
         want_set(s, at, sight, surfels->octave_count);
-        limit(use, here);
-        close_node(use);
+        limit(s, at, sight, here, true, use);
         return STP_OK;
     }
     if (use->count > 0 || opens) {
@@ -227,9 +221,6 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
         use->switch_depth = HUGE_VAL;
         return STP_OK;
     }
-    limit(use, here);
-    if (!opens) {
-        close_node(use);
-    }
+    limit(s, at, sight, here, !opens, use);
     return STP_OK;
 }

@@ -13,6 +13,9 @@ typedef struct stp_select_rule {
                 bool cloud, stp_set_use* use);
     /// Uses the first `count` splats wherever they are.
     void (*use_count)(stp_set_use* use, uint32_t count);
+    /// Changes how a set is used where only its first `here` splats are there, or the node could not be opened: then all of it
+    /// is drawn, from `nearest` on.
+    void (*limit)(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use);
     /// Appends the item of a set, with its runs.
     stp_result (*add)(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
                       const stp_sight* sight);

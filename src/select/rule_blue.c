@@ -224,4 +224,16 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
     }
 }
 
-const stp_select_rule stp_select_rule_blue = {use_set, use_prefix, add};
+/// With splats as large as the prefix needs that is there.
+static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use)
+{
+    (void)at;
+    (void)nearest;
+    if (use->count > here || use->count == 0) {
+        use->count = here;
+        use->radius = (double)stp_prefix_table_radius(&use->surfels->table, here) +
+                      (double)use->surfels->candidate_radius;
+    }
+}
+
+const stp_select_rule stp_select_rule_blue = {use_set, use_prefix, limit, add};

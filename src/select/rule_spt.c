@@ -35,6 +35,31 @@ static void use_count(stp_set_use* use, uint32_t count)
     use->radius = fmax(use->level_least, (double)use->surfels->candidate_radius);
 }
 
+/// The prefix for views from `nearest` on.
+static void use_from(const stp_select_entry* at, double nearest, stp_set_use* use)
+{
+    use->count = find_prefix(use->surfels, use->per_depth * nearest);
+    use->radius = use->per_depth * nearest;
+    use->level_per_depth = use->per_depth;
+    use->level_least = 0.0;
+    if (use->per_depth * stp_affine_scale(&at->transform) > (double)STP_LEVEL_SLOPE) {
+        use->level_per_depth = 0.0; // ranges do not overlap so far
+        use->level_least = use->per_depth * nearest;
+    }
+}
+
+static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use)
+{
+    if (use->per_depth > 0.0) {
+        use_from(at, nearest, use);
+    }
+    if (use->count > here || use->count == 0) {
+        use->count = here;
+        use->level_least = fmax(use->level_least, find_level(use->surfels, here));
+        use->radius = fmax(use->radius, use->level_least);
+    }
+}
+
 static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                     bool cloud, stp_set_use* use)
 {
@@ -49,13 +74,7 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
     double nearest = suffices ? range.near : suffices_from;
     use->switch_depth = suffices ? 0.0 : suffices_from;
     use->extra = !suffices;
-    use->count = find_prefix(use->surfels, use->per_depth * nearest);
-    use->radius = use->per_depth * nearest;
-    use->level_per_depth = use->per_depth;
-    if (use->per_depth * stp_affine_scale(&at->transform) > (double)STP_LEVEL_SLOPE) {
-        use->level_per_depth = 0.0; // ranges do not overlap so far
-        use->level_least = use->per_depth * nearest;
-    }
+    use_from(at, nearest, use);
 }
 
 static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
@@ -90,4 +109,4 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     return stp_select_add_item(s, item, item.prefix);
 }
 
-const stp_select_rule stp_select_rule_spt = {use_set, use_count, add};
+const stp_select_rule stp_select_rule_spt = {use_set, use_count, limit, add};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Groups of neighbouring splats: boxes and cones of normals, for whoever leaves them out together.
 #include "base/octahedral.h"
+#include "base/splat_codes.h"
 #include "store/internal.h"
 
 static void add_box(const stp_surfels* s, uint32_t index, stp_splat_group* group)
@@ -38,7 +39,11 @@ static void add_cone(const stp_surfels* s, uint32_t begin, uint32_t end, stp_spl
     for (uint32_t i = begin; i < end; ++i) {
         const int8_t* code = s->normals + 2 * (size_t)i;
         float cosine = stp_dot(stp_octahedral_decode(code[0], code[1]), rounded);
-        least = cosine < least ? cosine : least;
+        float spread = s->shapes != NULL ? (float)stp_shape_spread(s->shapes[i]) / 255.0f : 1.0f;
+        // the cosine of both angles together
+        float both = cosine * sqrtf(1.0f - spread * spread) -
+                     spread * sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f));
+        least = both < least ? both : least;
     }
     if (least > 0.0f) {
         float sine = 255.0f * sqrtf(1.0f - least * least) + 1.0f;

@@ -216,8 +216,9 @@ stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text)
     uint32_t count = told ? store->counts[STP_SECTION_METHODS] : 1;
     const stp_store_method_record* records = store->tables[STP_SECTION_METHODS];
     if (count == 0 || count > METHODS_MOST) {
-        return stp_fail(store->context, STP_ERROR_FORMAT, "%s: has %u methods for %u sets",
-                        store->path, count, d->surfels_count);
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: names %u methods, where 1 to %d were expected", store->path, count,
+                        METHODS_MOST);
     }
     store->methods = STP_NEW_ARRAY(store->context, stp_store_method, count);
     if (store->methods == NULL) {

@@ -148,7 +148,7 @@ static stp_result find_uppermost(stp_residency* r, uint32_t method)
     return STP_OK;
 }
 
-/// Pins octave after octave of the uppermost sets, as far as a small part of the memory reaches.
+/// Pins octave after octave of the first method's uppermost sets (the others' keep the first), as far as a small part of the memory reaches.
 static void choose_pins(stp_residency* r)
 {
     uint64_t whole = stp_memory_limit(r->context), limit = r->desc.limit_bytes;
@@ -159,7 +159,7 @@ static void choose_pins(stp_residency* r)
         left = left > bytes ? left - bytes : 0;
     }
     for (uint32_t level = 2; level <= STP_OCTAVE_LIMIT && left > 0; ++level) {
-        for (uint32_t i = 0; i < r->pin_count && left > 0; ++i) {
+        for (uint32_t i = 0; i < r->first_pins && left > 0; ++i) {
             stp_resident* t = &r->things[r->pins[i]];
             if (level > t->most) {
                 continue;
@@ -245,6 +245,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
     stp_result result = create_tables(r);
     for (uint32_t m = 0; m < store->directory.method_count && result == STP_OK; ++m) {
         result = find_uppermost(r, m);
+        r->first_pins = m == 0 ? r->pin_count : r->first_pins;
     }
     result = result == STP_OK ? stp_residency_start_threads(r) : result;
     if (result != STP_OK) {

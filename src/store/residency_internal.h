@@ -63,7 +63,8 @@ struct stp_residency {
     float worth; ///< how much more a step must be needed to take the place of what is wanted
     uint32_t* pins;
     uint32_t pin_count;
-    uint64_t updates; ///< number of the current one
+    uint32_t first_pins; ///< of these are of the file's first method
+    uint64_t updates;    ///< number of the current one
     uint64_t bytes, under_way, limit;
     uint64_t margin; ///< of the context's limit, for others to grow in
     stp_residency_stats stats;

@@ -174,6 +174,11 @@ static void walk(tally* t, stp_store_figures* figures)
             figures->unique_surfels += sets[node->surfels].count;
             figures->splat_bytes += sets[node->surfels].bytes;
         }
+        for (uint32_t m = 1; m < d->method_count; ++m) { // of other methods, only bytes count
+            uint32_t set = stp_store_set_of(d, m, (uint32_t)(node - d->nodes));
+            bool new_one = set != STP_STORE_NONE && meet(t, t->sets_met, set);
+            figures->splat_bytes += new_one ? sets[set].bytes : 0;
+        }
         for (uint32_t i = 0; i < node->edge_count; ++i) {
             meet_node(t, d->edges[node->first_edge + i].node);
         }

@@ -342,8 +342,9 @@ stp_result stp_store_judge_surfel_data(const stp_store_judge* judge, uint32_t in
     }
     for (uint64_t i = 0; data->shapes != NULL && i < data->count; ++i) {
         if (!stp_shape_is_valid(data->shapes[i])) {
-            return complain(judge, "%s: surfel set %u: a radius is not finite, or the smaller one",
-                            judge->path, index);
+            return complain(
+                judge, "%s: surfel set %u: a radius is not finite, or the smaller one is larger",
+                judge->path, index);
         }
     }
     for (uint64_t i = 0; data->ranges != NULL && i < data->count; ++i) {

@@ -73,6 +73,64 @@ draw both.stip all_sides --method spt --normal-clusters off
 python3 -c 'import json; assert json.load(open("compare.json"))["ssim"] > 0.97' || fail "sides that face away are seen: $(cat compare.json)"
 "$stipple" render both.stip -o epsilon.png --size 200x150 --epsilon 3 --once --method spt || fail "--epsilon"
 cmp -s epsilon.png first_spt.png || fail "--epsilon is not --splat-size"
+# a floor of which triangles are not there: its splats stand for them without holes, at any size
+python3 - << 'END'
+with open("floor.obj", "w") as file:
+    for z in range(81):
+        for x in range(81):
+            file.write(f"v {x / 8} 0 {z / 8}\n")
+    for z in range(80):
+        for x in range(80):
+            a = z * 81 + x + 1
+            file.write(f"f {a} {a + 81} {a + 1}\nf {a + 1} {a + 81} {a + 82}\n")
+END
+"$stipple" -q build floor.obj -o floor.stip --method spt --surfels 20000 || fail "floor"
+floor() # NAME OPTIONS...
+{
+    "$stipple" -q render floor.stip -o "$1.png" --eye 5,1,-2 --target 5,0,5 --size 200x120 --once --background ff00ff "${@:2}" ||
+        fail "floor $*"
+}
+floor whole --reference
+for size in 2 16 30; do
+    for prefix in 60% 95%; do
+        floor part --splat-size $size --prefix $prefix
+        python3 - << 'END' || fail "the floor has holes at $size pixels, $prefix"
+import struct, zlib
+
+def read(name):
+    """Rows of an RGB or RGBA PNG."""
+    data, at, packed = open(name, "rb").read(), 8, b""
+    while at < len(data):
+        size, kind = struct.unpack_from(">I4s", data, at)
+        if kind == b"IHDR":
+            width, height, _, color = struct.unpack_from(">IIBB", data, at + 8)
+        packed += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        at += 12 + size
+    each = 4 if color == 6 else 3
+    stride, plain, rows, above = each * width, zlib.decompress(packed), [], bytes(each * width)
+    for y in range(height):
+        kind, row = plain[y * (stride + 1)], bytearray(plain[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        for i in range(stride):
+            a, b = row[i - each] if i >= each else 0, above[i]
+            c = above[i - each] if i >= each else 0
+            p = a + b - c
+            paeth = a if abs(p - a) <= abs(p - b) and abs(p - a) <= abs(p - c) else b if abs(p - b) <= abs(p - c) else c
+            row[i] = (row[i] + (0, a, b, (a + b) // 2, paeth)[kind]) & 255
+        rows.append([bytes(row[each * x:each * x + 3]) for x in range(width)])
+        above = row
+    return rows
+
+empty, truth, part = bytes((255, 0, 255)), read("whole.png"), read("part.png")
+inside = [(x, y) for y in range(2, 118) for x in range(2, 198)
+          if all(truth[y + i][x + k] != empty for i in (-2, 0, 2) for k in (-2, 0, 2))]
+holes = [at for at in inside if part[at[1]][at[0]] == empty]
+assert len(inside) > 1000 and not holes, (len(inside), holes[:9])
+END
+    done
+done
+# options of point trees only
+refused 2 'method spt' build floor.obj -o other.stip --error qsplat
+refused 2 'method spt' build floor.obj -o other.stip --color-threshold 3
 # so many splats
 draw both.stip few --method spt
 "$stipple" render both.stip -o few.png --size 200x150 --splats 500 --method spt --once --json > few.json || fail "no 500 splats"

@@ -385,7 +385,9 @@ static void place_item(gl_renderer* r, uint32_t index, uint32_t pattern)
     item->near_shift = where.near_shift;
     item->nearness_limit = where.camera.nearness_limit;
     item->footprint = 1.0f / (where.camera.pixel_scale * where.scale);
-    item->glass_radius = placed->draw->radius * placed->scale * where.scale;
+    bool own = (item->flags & ITEM_SHAPES) != 0;
+    item->glass_radius =
+        (own ? placed->draw->radius * placed->scale : placed->radius) * where.scale;
     item->cut_slack = item->kind == KIND_SURFELS ? 0.5f * placed->step * where.scale : 0.0f;
     item->seed = stp_placement_seed(placed->draw) + pattern * 0x9E3779B1u;
     if (item->kind != KIND_MESH) {

@@ -17,6 +17,8 @@ enum {
     FINEST_STEP = 8, ///< of the prefix table: an eighth more
 };
 
+#define HALF_DIAGONAL 0.8660254f ///< of a cube of side 1
+
 typedef struct spt_maker {
     stp_context* context;
     const stp_surfels* samples;
@@ -26,8 +28,9 @@ typedef struct spt_maker {
     stp_tree_points points;
     stp_point_tree tree;
     stp_point_sequence sequence;
-    double* areas;      ///< of nodes before each: the parts of leaves' disks that are drawn, summed
-    uint32_t* leaves;   ///< of nodes before each: leaves
+    double* areas;    ///< of nodes before each: the shares of leaves' disks that are drawn, summed
+    uint32_t* leaves; ///< of nodes before each: leaves
+    uint8_t* spreads; ///< of nodes: sines of how far leaves' normals lie from theirs, 255 is 1
     uint32_t* arranged; ///< places in the sequence, as the splats lie
 } spt_maker;
 
@@ -63,6 +66,31 @@ static stp_result take_samples(spt_maker* m)
     return STP_OK;
 }
 
+/// How far the normals below a node lie from its own, rounded up.
+static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
+{
+    stp_vec3 normal = tree->disks[node].normal;
+    float least = stp_dot(normal, normal) > 0.0f ? 1.0f : 0.0f;
+    for (uint32_t i = node + 1; i < tree->ends[node] && least > 0.0f; ++i) {
+        float cosine = stp_dot(normal, tree->disks[i].normal);
+        least = tree->points[i] != UINT32_MAX && cosine < least ? cosine : least;
+    }
+    if (!(least > 0.0f)) {
+        return 255;
+    }
+    float sine = sqrtf(fmaxf(1.0f - least * least, 0.0f)) * 255.0f + 0.999f;
+    return sine < 255.0f ? (uint8_t)sine : 255;
+}
+
+static void find_spreads(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const spt_maker* m = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        m->spreads[i] = find_spread(&m->tree, (uint32_t)i);
+    }
+}
+
 static stp_result make_tree(spt_maker* m, const stp_tree_desc* desc)
 {
     stp_result result = stp_point_tree_make(m->context, &m->points, desc, &m->tree);
@@ -76,16 +104,19 @@ static stp_result make_tree(spt_maker* m, const stp_tree_desc* desc)
     size_t count = m->tree.count;
     m->areas = STP_NEW_ARRAY(m->context, double, count + 1);
     m->leaves = STP_NEW_ARRAY(m->context, uint32_t, count + 1);
-    if (m->areas == NULL || m->leaves == NULL) {
+    m->spreads = STP_NEW_ARRAY(m->context, uint8_t, count + 1);
+    if (m->areas == NULL || m->leaves == NULL || m->spreads == NULL) {
         return stp_fail_memory(m->context);
     }
+    stp_parallel_for(m->context, count, 1024, find_spreads, m);
     double area = 0.0;
     uint32_t leaves = 0;
     for (size_t i = 0; i <= count; ++i) {
         m->areas[i] = area;
         m->leaves[i] = leaves;
         if (i < count && m->tree.points[i] != UINT32_MAX) {
-            area += (double)stp_coverage_area(m->coverages[m->tree.points[i]]);
+            // what is cut at a border is whole inside it: shares would make holes there
+            area += (double)stp_coverage_share(m->coverages[m->tree.points[i]]) / 255.0;
             leaves += 1;
         }
     }
@@ -131,7 +162,7 @@ static uint32_t first_leaf(const stp_point_tree* tree, uint32_t node)
     return node;
 }
 
-/// A leaf as its sample is; a node with the mean of what is drawn of the disks below it.
+/// A leaf as its sample is; a node with the mean share of the disks below it.
 static uint8_t find_coverage(const spt_maker* m, uint32_t node)
 {
     uint32_t point = m->tree.points[node], end = m->tree.ends[node];
@@ -218,7 +249,9 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
         s->materials[i] = m->samples->materials[m->tree.points[leaf]];
         memcpy(s->colors + 3 * i, m->tree.colors + 3 * (size_t)node, 3);
         s->coverages[i] = find_coverage(m, node);
-        s->shapes[i] = stp_shape_round(disk->radius / s->step);
+        // centres are rounded to the grid: by half the diagonal of a cell
+        float radius = disk->radius / s->step + HALF_DIAGONAL;
+        s->shapes[i] = stp_shape_disk(radius, m->spreads[node]);
         s->ranges[i] =
             stp_range_code(0.5f * m->sequence.lowest[at], 0.5f * m->sequence.highest[at]);
     }
@@ -311,6 +344,7 @@ stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const 
     stp_point_sequence_destroy(context, &m.sequence);
     stp_point_tree_destroy(context, &m.tree);
     stp_free(context, m.arranged);
+    stp_free(context, m.spreads);
     stp_free(context, m.leaves);
     stp_free(context, m.areas);
     stp_free(context, m.normals);
