@@ -3,6 +3,7 @@
 // Benchmark `frame`: what the views of a scene and a flight through them take, at one size of splats and within a budget,
 // which both controllers hold on the same flight; with --memory what is drawn is loaded meanwhile.
 #include "bench.h"
+#include "draw_options.h"
 #include "flight_report.h"
 #include "scene_file.h"
 
@@ -204,8 +205,14 @@ static stp_result measure(frame_bench* b)
 static stp_result build_default(frame_bench* b, const char* path)
 {
     b->model = b->quick ? "scene:paper,scale=0.001" : "scene:paper,scale=0.02";
-    stp_build_desc desc = {
-        .inputs = &b->model, .input_count = 1, .output = path, .generate = scene_make_input};
+    const stp_method* method = stp_method_by_id(b->options->method);
+    stp_build_desc desc = {.inputs = &b->model,
+                           .input_count = 1,
+                           .output = path,
+                           .methods = &method,
+                           .method_count = method != NULL ? 1 : 0,
+                           .method_options = stp_method_options_default(),
+                           .generate = scene_make_input};
     stp_build_report report;
     stp_result result = stp_build(b->context, &desc, &report);
     return result == STP_OK ? stp_store_open(b->context, path, &b->store) : result;
@@ -228,6 +235,9 @@ static int run_frame(const bench_options* options, json_t* results)
     if (b.context != NULL) {
         result = options->model != NULL ? tool_open_scene(b.context, options->model, &b.store)
                                         : build_default(&b, path);
+    }
+    if (result == STP_OK && tool_check_method(options->method, b.store, b.model) != 0) {
+        result = STP_ERROR_ARGUMENT;
     }
     if (result == STP_OK) {
         result = measure(&b);

@@ -4,6 +4,7 @@
 // picture (where the surfels do not suffice, triangles are drawn) from 26 directions that keep away from the
 // capture's, and from the named views; and from as near as the surfels alone suffice.
 #include "bench.h"
+#include "draw_options.h"
 
 #include "build/build.h"
 #include "draw/draw.h"
@@ -260,6 +261,9 @@ static stp_result measure_file(quality_run* run, const char* path, const char* m
                                json_t* results)
 {
     stp_result result = stp_store_open(run->context, path, &run->store);
+    if (result == STP_OK && tool_check_method(run->method, run->store, model) != 0) {
+        return STP_ERROR_ARGUMENT;
+    }
     if (result == STP_OK) {
         result = stp_draw_cpu_create(run->context, run->store, &run->renderer);
     }
@@ -355,7 +359,13 @@ static int run_quality(const bench_options* options, json_t* results)
         run.eye = options->has_eye ? &eye : NULL;
         const char* ending = strrchr(model, '.');
         bool is_built = ending != NULL && strcmp(ending, ".stip") == 0;
-        stp_build_desc desc = {.inputs = &model, .input_count = 1, .output = path};
+        const stp_method* method = stp_method_by_id(options->method);
+        stp_build_desc desc = {.inputs = &model,
+                               .input_count = 1,
+                               .output = path,
+                               .methods = &method,
+                               .method_count = method != NULL ? 1 : 0,
+                               .method_options = stp_method_options_default()};
         stp_build_report report;
         result = is_built ? STP_OK : stp_build(context, &desc, &report);
         if (result == STP_OK) {

@@ -349,16 +349,20 @@ stp_quality draw_options_quality(const draw_options* o)
     return quality;
 }
 
-int draw_options_check_method(const draw_options* o, const stp_store* store, const char* path)
+int tool_check_method(uint32_t id, const stp_store* store, const char* path)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
-    uint32_t id = stp_methods[o->method].id;
-    if (!o->has_method || d->surfels_count == 0 ||
-        d->methods[stp_store_find_method(d, id)].id == id) {
+    if (id == 0 || d->surfels_count == 0 || d->methods[stp_store_find_method(d, id)].id == id) {
         return 0;
     }
+    const char* name = stp_method_by_id(id)->name;
     return tool_error("%s: has splats by %s, not by %s (build it with --method %s)", path,
-                      d->methods[0].name, stp_methods[o->method].name, stp_methods[o->method].name);
+                      d->methods[0].name, name, name);
+}
+
+int draw_options_check_method(const draw_options* o, const stp_store* store, const char* path)
+{
+    return tool_check_method(o->has_method ? stp_methods[o->method].id : 0, store, path);
 }
 
 const char* draw_options_method(const draw_options* o, const stp_store* store)

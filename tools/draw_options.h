@@ -53,7 +53,9 @@ const option* draw_options_table(option* table, const option* own, draw_options*
 /// Options that exclude each other, and values that make no sense. @return 0, or 2 (message printed)
 int draw_options_check(const draw_options* options);
 
-/// Whether a store has splats by the method asked for. @return 0, or 1 (message printed)
+/// Whether a store has splats by a method (STP_METHOD_*; 0: any will do). @return 0, or 1 (message printed)
+int tool_check_method(uint32_t id, const stp_store* store, const char* path);
+/// The same of the method asked for.
 int draw_options_check_method(const draw_options* options, const stp_store* store,
                               const char* path);
 /// The name of the method that is drawn; NULL: there are no splats. It lives as long as the store.

@@ -56,6 +56,7 @@ refused 1 'has splats by blue, not by spt' render blue.stip -o a.png --method sp
 cat > path.json << 'PATH_END'
 {"fov": 60, "fps": 10, "keys": [{"t": 0, "eye": [0, 2, 6], "target": [0, 0, 0]}, {"t": 1, "eye": [2, 2, 6], "target": [0, 0, 0]}]}
 PATH_END
+refused 1 "has splats by blue, not by spt" bench frame --model blue.stip --method spt --quick
 refused 1 'has splats by blue, not by spt' fly blue.stip --path path.json --method spt --frames 2 --size 64x48
 if draw both.stip gl --method spt --backend gl && [ -e gl.png ]; then
     "$stipple" compare first_spt.png gl.png --json > compare.json
