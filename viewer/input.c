@@ -198,6 +198,20 @@ static void switch_fullscreen(viewer* v)
 }
 
 /// Keys of panels and tools. @return whether it was one
+/// Draws the splats of the file's next method.
+static void show_next_method(viewer* v)
+{
+    const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
+    if (d == NULL || d->method_count < 2) {
+        viewer_say(v, false, "This file holds no splats of another method");
+        return;
+    }
+    uint32_t next =
+        (stp_store_find_method(d, (uint32_t)v->settings.splats_by) + 1) % d->method_count;
+    v->settings.splats_by = (int)d->methods[next].id;
+    viewer_say(v, false, "Splats by %s", d->methods[next].name);
+}
+
 static bool take_tool_key(viewer* v, SDL_Keycode key)
 {
     switch (key) {
@@ -239,6 +253,9 @@ static bool take_tool_key(viewer* v, SDL_Keycode key)
         if (!v->window.has_worker) {
             viewer_say(v, false, "OpenGL 4.5 is not available");
         }
+        break;
+    case SDLK_n:
+        show_next_method(v);
         break;
     case SDLK_F12:
         shot_begin(v);

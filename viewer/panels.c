@@ -47,6 +47,7 @@ static const shortcut key_shortcuts[] = {
     {"R", "record a flight"},
     {"F12", "save a picture"},
     {"B", "switch between CPU and OpenGL"},
+    {"N", "splats of the next method"},
     {"P, Ctrl+F", "parts, search parts"},
     {"F2 to F6", "panels on the right"},
     {"Tab", "hide or show all panels"},

@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# A file with the splats of several methods in the viewer: the one asked for is drawn, a key goes on to the next, and the choice
+# is kept. Arguments: executable, scratch folder.
+set -u
+. "$(dirname "$0")/view_window.sh"
+"$stipple" -q build scene:spheres,scale=0.2 -o both.stip --method blue,spt || exit 1
+open_viewer both.stip --method spt --backend cpu
+wait_until 'r["rests"] and r["method"] == "spt"'
+xdotool key n
+wait_until 'r["rests"] and r["method"] == "blue" and "blue" in r["message"]'
+# while the camera moves
+xdotool keydown w
+xdotool key n
+wait_until 'r["method"] == "spt"'
+xdotool keyup w
+wait_until 'r["rests"] and r["method"] == "spt"'
+close_viewer
+open_viewer both.stip --backend cpu
+wait_until 'r["rests"] and r["method"] == "spt"'
+close_viewer
+[ $failures -eq 0 ]
