@@ -146,13 +146,18 @@ static bool meet(const large_disk* disk, double x, double y, double* nearness)
         point[1] = t * dy;
         point[2] = t;
     }
-    double square = 0.0, across = 0.0, smaller = 0.0;
+    double square = 0.0, across = 0.0;
     for (int k = 0; k < 3; ++k) {
         square += (point[k] - c[k]) * (point[k] - c[k]);
         across += (point[k] - c[k]) * disk->across[k];
-        smaller += (point[k] - c[k]) * disk->smaller[k];
     }
-    square += disk->stretch * (smaller * smaller);
+    if (disk->stretch > 0.0) {
+        double smaller = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            smaller += (point[k] - c[k]) * disk->smaller[k];
+        }
+        square += disk->stretch * (smaller * smaller);
+    }
     bool kept = !disk->is_cut || (across >= disk->low && across <= disk->high);
     double limit = disk->radius * disk->radius;
     double z = point[2] + disk->behind + disk->rim * (square / limit);
