@@ -20,6 +20,8 @@ cp "$source"/tests/golden/store/v1/clusters-1.1.stip "$folder/clusters.stip"
 cp "$source"/tests/golden/store/v1/clusters-1.1.json "$folder/clusters.json"
 cp "$source"/tests/golden/store/v1/pictures-1.2.stip "$folder/pictures.stip"
 cp "$source"/tests/golden/store/v1/pictures-1.2.json "$folder/pictures.json"
+cp "$source"/tests/golden/store/v1/methods-1.2.stip "$folder/methods.stip"
+cp "$source"/tests/golden/store/v1/methods-1.2.json "$folder/methods.json"
 count=0
 for file in "$folder"/*.stip; do
     python3 "$source/scripts/read_store.py" "$file" --expect "${file%.stip}.json" > "${file%.stip}.out"

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { GOLDEN_SEED = 175 };
+enum { GOLDEN_SEED = 175, METHODS_SEED = 181 };
 
 // STP_STORE_SAMPLE=NAME writes NAME-SEED.stip, and what is in them as NAME-SEED.json.
 void test_store_writes_samples_for_another_reader(test_state* test)
@@ -108,6 +108,25 @@ void test_store_opens_clusters_of_version_1_for_ever(test_state* test)
     CHECK(sample_code_meshes(&arena, &made, steps)); // the coding, too, stays what it is
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    const char* difference = sample_difference(&made.content, store);
+    stp_store_close(store);
+    stp_arena_destroy(&arena);
+    CHECK(difference == NULL);
+    CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
+    stp_context_destroy(context);
+}
+
+void test_store_opens_methods_of_version_1_2_for_ever(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    const char* path = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/methods-1.2.stip";
+    stp_arena arena = stp_arena_create(context, 1 << 16);
+    sample made = sample_make(&arena, METHODS_SEED);
+    stp_store* store = NULL;
+    CHECK(sample_code_meshes(&arena, &made, NULL));
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    CHECK_EQUAL(3, stp_store_get_directory(store)->method_count);
     const char* difference = sample_difference(&made.content, store);
     stp_store_close(store);
     stp_arena_destroy(&arena);

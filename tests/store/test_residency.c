@@ -306,7 +306,7 @@ void test_residency_keeps_to_its_limit(test_state* test)
         CHECK(set_up(&f, context, rich_seed(context, 21), true));
         CHECK_EQUAL(STP_OK, stp_store_open_memory(context, "other", f.bytes, f.size,
                                                   &(stp_store_open_desc){0}, &other));
-        uint64_t limit = f.size / 3 * 2, before = stp_context_live_bytes(context);
+        uint64_t limit = f.size / 3, before = stp_context_live_bytes(context);
         CHECK_EQUAL(STP_OK, stream(&f, limit, threads));
         uint64_t tables = stp_context_live_bytes(context) - before;
         stp_residency_stats stats;
