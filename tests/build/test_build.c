@@ -339,20 +339,23 @@ void test_builds_notice_results_that_somebody_changed(test_state* test)
 }
 
 // Allocations are many; the n-th fails for n along a geometric row, and for each of the first.
-void test_builds_survive_failing_allocator(test_state* test)
+// Whichever allocation fails, nothing is left over. Methods as for build_methods; 200 surfels where there are none.
+static void check_failing_allocations(test_state* test, const stp_method* const* methods,
+                                      uint32_t count)
 {
     workshop w;
     CHECK(open_workshop(&w, 23));
     bool built = false;
     int failures = 0;
-    for (int n = 0; !built && n < 3000; n += 1 + n / 40) {
+    for (int n = 0; !built && n < 4000; n += 1 + n / 40) {
         test_heap heap = TEST_HEAP(n);
         test_log log = {0};
         stp_context* context = test_context(&heap, 1, &log);
         if (context != NULL) {
-            stp_result result = build_to(context, &w, w.output, 200, NULL);
-            bool failed = heap.count > n; // the failing allocation was asked for
-            built = !failed;
+            stp_result result = count > 0
+                                    ? build_methods(context, &w, w.output, methods, count, NULL)
+                                    : build_to(context, &w, w.output, 200, NULL);
+            built = heap.count <= n; // the failing allocation was not asked for
             CHECK(built ? result == STP_OK : log.errors <= 1);
             failures += result != STP_OK;
             stp_context_destroy(context);
@@ -364,30 +367,15 @@ void test_builds_survive_failing_allocator(test_state* test)
     CHECK(folder_is_gone(&w));
 }
 
-// Sets of other methods too: whichever allocation fails, nothing is left over.
+void test_builds_survive_failing_allocator(test_state* test)
+{
+    check_failing_allocations(test, NULL, 0);
+}
+
 void test_builds_of_methods_survive_failing_allocator(test_state* test)
 {
     const stp_method* const both[] = {stp_method_by_name("spt"), stp_method_by_name("blue")};
-    workshop w;
-    CHECK(open_workshop(&w, 23));
-    bool built = false;
-    int failures = 0;
-    for (int n = 0; !built && n < 4000; n += 1 + n / 50) {
-        test_heap heap = TEST_HEAP(n);
-        test_log log = {0};
-        stp_context* context = test_context(&heap, 1, &log);
-        if (context != NULL) {
-            stp_result result = build_methods(context, &w, w.output, both, 2, NULL);
-            built = heap.count <= n;
-            CHECK(built ? result == STP_OK : log.errors <= 1);
-            failures += result != STP_OK;
-            stp_context_destroy(context);
-        }
-        CHECK_EQUAL(0, heap.live_bytes);
-    }
-    CHECK(built && failures > 30);
-    close_workshop(&w);
-    CHECK(folder_is_gone(&w));
+    check_failing_allocations(test, both, 2);
 }
 
 void test_small_scenes_get_no_surfels(test_state* test)
