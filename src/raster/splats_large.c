@@ -36,17 +36,27 @@ static void object_position(const stp_raster_splats* splats, uint32_t index, dou
     }
 }
 
+/// A direction in a splat's plane, by the axes of its disk: in the view, as long as its unit.
+static void turn_direction(const stp_splat_frame* frame, uint32_t index, float across, float along,
+                           double out[3])
+{
+    const int8_t* normal = frame->splats->normals + 2 * (size_t)index;
+    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
+    double d[3] = {(double)(across * axes.x.x + along * axes.y.x),
+                   (double)(across * axes.x.y + along * axes.y.y),
+                   (double)(across * axes.x.z + along * axes.y.z)};
+    for (int k = 0; k < 3; ++k) {
+        out[k] = row_dot(frame->camera->view[k], d);
+    }
+}
+
 /// The lines along which a disk is cut.
 static void cut_large(const stp_splat_frame* frame, uint32_t index, uint8_t code, large_disk* disk)
 {
-    const int8_t* normal = frame->splats->normals + 2 * (size_t)index;
     stp_disk_cut cut = stp_coverage_cut(code);
-    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
-    double d[3] = {(double)(cut.across * axes.x.x + cut.along * axes.y.x),
-                   (double)(cut.across * axes.x.y + cut.along * axes.y.y),
-                   (double)(cut.across * axes.x.z + cut.along * axes.y.z)};
+    turn_direction(frame, index, cut.across, cut.along, disk->across);
     for (int k = 0; k < 3; ++k) {
-        disk->across[k] = row_dot(frame->camera->view[k], d) / disk->radius / disk->unit;
+        disk->across[k] = disk->across[k] / disk->radius / disk->unit;
     }
     disk->is_cut = true;
     disk->low = (double)cut.low;
@@ -61,14 +71,10 @@ static void stretch_large(const stp_splat_frame* frame, uint32_t index, large_di
     if (frame->splats->normals == NULL || !(disk->stretch > 0.0)) {
         return;
     }
-    const int8_t* normal = frame->splats->normals + 2 * (size_t)index;
     stp_shape_axis axis = stp_shape_smaller(code);
-    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
-    double d[3] = {(double)(axis.along_x * axes.x.x + axis.along_y * axes.y.x),
-                   (double)(axis.along_x * axes.x.y + axis.along_y * axes.y.y),
-                   (double)(axis.along_x * axes.x.z + axis.along_y * axes.y.z)};
+    turn_direction(frame, index, axis.along_x, axis.along_y, disk->smaller);
     for (int k = 0; k < 3; ++k) {
-        disk->smaller[k] = row_dot(frame->camera->view[k], d) / disk->unit;
+        disk->smaller[k] /= disk->unit;
     }
 }
 
