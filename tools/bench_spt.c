@@ -10,6 +10,7 @@
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
 #include "lod/blue/blue.h"
+#include "lod/spt/samples.h"
 #include "lod/spt/sequence.h"
 
 #include <stdlib.h>
@@ -31,9 +32,7 @@ static const double distances[DISTANCES] = {0.75, 1.5, 3, 6, 12, 24, 48}; // in 
 
 typedef struct spt_bench {
     stp_context* context;
-    float *positions, *normals;
-    uint8_t* colors;
-    stp_tree_points points;
+    stp_spt_samples samples;
     stp_surfels surfels; ///< that they are taken from
     stp_point_tree by_error, by_diameter;
     stp_point_sequence sequence;
@@ -52,37 +51,6 @@ typedef struct spt_row {
     spt_times times; ///< of drawing
 } spt_row;
 
-/// Surfels as the points of a tree.
-static stp_result take_points(spt_bench* b, const stp_surfels* s)
-{
-    size_t last = 0;
-    for (uint32_t k = 0; k + 1 < s->octave_count; ++k) {
-        last += s->octave_ends[k];
-    }
-    b->positions = STP_NEW_ARRAY(b->context, float, 3 * (size_t)s->count);
-    b->normals = STP_NEW_ARRAY(b->context, float, 3 * (size_t)s->count);
-    b->colors = STP_NEW_ARRAY(b->context, uint8_t, 3 * (size_t)s->count);
-    if (b->positions == NULL || b->normals == NULL || b->colors == NULL) {
-        return stp_fail_memory(b->context);
-    }
-    const float origin[3] = {s->origin.x, s->origin.y, s->origin.z};
-    for (size_t i = 0; i < s->count; ++i) {
-        stp_vec3 normal = stp_octahedral_decode(s->normals[2 * i], s->normals[2 * i + 1]);
-        memcpy(b->normals + 3 * i, &normal, sizeof(normal));
-        for (size_t k = 0; k < 3; ++k) {
-            b->positions[3 * i + k] = origin[k] + s->step * (float)s->positions[3 * i + k];
-        }
-    }
-    memcpy(b->colors, s->colors + 3 * last, 3 * (size_t)s->count);
-    b->points = (stp_tree_points){.count = s->count,
-                                  .positions = b->positions,
-                                  .normals = b->normals,
-                                  .colors = b->colors,
-                                  .radius = stp_prefix_table_radius(&s->table, s->count) +
-                                            s->candidate_radius};
-    return STP_OK;
-}
-
 /// The leading surfels of the exact order, which are spread evenly.
 static stp_result make_points(spt_bench* b, const stp_scene* scene, const bench_options* options)
 {
@@ -98,7 +66,8 @@ static stp_result make_points(spt_bench* b, const stp_scene* scene, const bench_
         stp_vec3d size = stp_subd(box->max, box->min);
         b->center = stp_scaled(stp_addd(box->min, box->max), 0.5);
         b->size = sqrt(size.x * size.x + size.y * size.y + size.z * size.z);
-        result = take_points(b, &b->surfels);
+        result = b->surfels.count > 0 ? stp_spt_samples_take(b->context, &b->surfels, &b->samples)
+                                      : STP_OK;
     }
     stp_free(b->context, shadings);
     return result;
@@ -109,7 +78,8 @@ static stp_result make_trees(spt_bench* b, json_t* results)
     const stp_tree_desc by_error = {STP_TREE_GEOMETRIC, 255},
                         by_diameter = {STP_TREE_DIAMETER, 255};
     double start = stp_clock_ms();
-    stp_result result = stp_point_tree_make(b->context, &b->points, &by_error, &b->by_error);
+    stp_result result =
+        stp_point_tree_make(b->context, &b->samples.points, &by_error, &b->by_error);
     double tree_ms = stp_clock_ms() - start;
     start = stp_clock_ms();
     if (result == STP_OK) {
@@ -117,19 +87,19 @@ static stp_result make_trees(spt_bench* b, json_t* results)
     }
     double sequence_ms = stp_clock_ms() - start;
     if (result == STP_OK) {
-        result = stp_point_tree_make(b->context, &b->points, &by_diameter, &b->by_diameter);
+        result = stp_point_tree_make(b->context, &b->samples.points, &by_diameter, &b->by_diameter);
     }
     if (result != STP_OK) {
         return result;
     }
     b->nodes = STP_NEW_ARRAY(b->context, uint32_t, (size_t)b->by_error.count + 1);
     bench_entry e = bench_result(results, "spt build");
-    bench_set_count(e.figures, "points", b->points.count);
+    bench_set_count(e.figures, "points", b->samples.points.count);
     bench_set_count(e.figures, "nodes", b->by_error.count);
     bench_set_number(e.figures, "tree_ms", tree_ms);
     bench_set_number(e.figures, "sequence_ms", sequence_ms);
     bench_set_number(e.figures, "points_per_second",
-                     1e3 * (double)b->points.count / (tree_ms + sequence_ms));
+                     1e3 * (double)b->samples.points.count / (tree_ms + sequence_ms));
     return b->nodes != NULL ? STP_OK : stp_fail_memory(b->context);
 }
 
@@ -207,7 +177,7 @@ static int run_spt(const bench_options* options, json_t* results)
     if (scene != NULL) {
         stp_scene_destroy(scene);
     }
-    bool any = result == STP_OK && b.points.count > 0;
+    bool any = result == STP_OK && b.samples.points.count > 0;
     result = any ? make_trees(&b, results) : result;
     if (any && result == STP_OK) {
         result = spt_drawing_create(b.context, &b.by_error, &b.surfels, &b.drawing);
@@ -221,9 +191,7 @@ static int run_spt(const bench_options* options, json_t* results)
     stp_point_sequence_destroy(b.context, &b.sequence);
     stp_point_tree_destroy(b.context, &b.by_error);
     stp_point_tree_destroy(b.context, &b.by_diameter);
-    stp_free(b.context, b.positions);
-    stp_free(b.context, b.normals);
-    stp_free(b.context, b.colors);
+    stp_spt_samples_destroy(b.context, &b.samples);
     stp_context_destroy(b.context);
     if (scene != NULL && result == STP_OK && !any) {
         return tool_error("bench spt: nothing can be seen of the model");

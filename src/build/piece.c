@@ -4,6 +4,7 @@
 #include "base/bytes.h"
 #include "base/splat_codes.h"
 #include "build/shadings.h"
+#include "store/columns.h"
 #include "store/validate.h"
 
 enum {
@@ -116,11 +117,7 @@ static size_t pad(size_t size)
 // Bytes of each column: at most 24 octaves of 2^32 surfels, so the sums fit.
 static void size_columns(const stp_surfels* s, size_t sizes[COLUMNS])
 {
-    size_t entries = 0;
-    for (uint32_t i = 0; i < s->octave_count; ++i) {
-        bool flat = (s->columns & STP_SPLATS_FLAT_COLORS) != 0;
-        entries = flat ? s->octave_ends[i] : entries + s->octave_ends[i];
-    }
+    size_t entries = (size_t)stp_store_pyramid_begin(s, s->octave_count);
     sizes[0] = 6 * (size_t)s->count;
     sizes[1] = 2 * (size_t)s->count;
     sizes[2] = s->count;

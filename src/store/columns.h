@@ -59,3 +59,10 @@ static inline uint32_t stp_store_octave_begin(const stp_surfels* surfels, uint32
 /// Entries of colours before those of octave `octave`; all of them where it is the octave count. Flat colours have one
 /// a surfel.
 uint64_t stp_store_pyramid_begin(const stp_surfels* surfels, uint32_t octave);
+
+/// The entry of surfel 0 among the colours with which octave `octave` draws a prefix.
+static inline uint64_t stp_store_colors_begin(const stp_surfels* surfels, uint32_t octave)
+{
+    bool flat = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0;
+    return flat ? 0 : stp_store_pyramid_begin(surfels, octave);
+}

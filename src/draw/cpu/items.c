@@ -3,6 +3,7 @@
 #include "draw/cpu/cpu.h"
 #include "draw/placement.h"
 #include "raster/cutout.h"
+#include "store/columns.h"
 
 #include <string.h>
 
@@ -36,12 +37,9 @@ void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 static void choose_octave(cpu_item* item, const stp_surfels* surfels, uint32_t prefix)
 {
     stp_octave_choice choice = stp_placement_choose_octave(surfels, prefix);
-    size_t first = 0, low_first = 0;
-    bool flat = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0;
-    for (uint32_t i = 0; i < choice.octave && !flat; ++i) {
-        low_first = first;
-        first += surfels->octave_ends[i];
-    }
+    uint32_t lower = choice.octave > 0 ? choice.octave - 1 : 0;
+    size_t first = (size_t)stp_store_colors_begin(surfels, choice.octave);
+    size_t low_first = (size_t)stp_store_colors_begin(surfels, lower);
     item->colors = surfels->colors + 3 * first;
     item->low_colors = surfels->colors + 3 * low_first;
     item->coverages = surfels->coverages != NULL ? surfels->coverages + first : NULL;

@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "base/coverage.h"
 #include "raster/cutout.h"
+#include "store/columns.h"
 
 static uint32_t point_chunks(const stp_store_point_set* points)
 {
@@ -193,12 +194,7 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
         return GL_UPLOAD_LATER;
     }
     if (good && colors) {
-        uint64_t first = 0;
-        bool flat = (surfels.columns & STP_SPLATS_FLAT_COLORS) != 0;
-        for (uint32_t i = 0; i < octave && !flat; ++i) {
-            first += surfels.octave_ends[i];
-        }
-        write_colors(&surfels, first, end, &writer);
+        write_colors(&surfels, stp_store_colors_begin(&surfels, octave), end, &writer);
     } else if (good) {
         write_places(&surfels, begin, end, &writer);
         write_options(&surfels, begin, end, &writer);

@@ -6,6 +6,7 @@
 #include "base/prefix_table.h"
 #include "base/sort.h"
 #include "base/splat_codes.h"
+#include "lod/spt/samples.h"
 #include "lod/spt/sequence.h"
 #include "lod/surfels.h"
 
@@ -23,9 +24,7 @@ typedef struct spt_maker {
     stp_context* context;
     const stp_surfels* samples;
     stp_surfels* splats;
-    const uint8_t *colors, *coverages; ///< of all samples
-    float *positions, *normals;
-    stp_tree_points points;
+    stp_spt_samples points; ///< the samples as points
     stp_point_tree tree;
     stp_point_sequence sequence;
     double* areas;    ///< of nodes before each: the shares of leaves' disks that are drawn, summed
@@ -34,39 +33,7 @@ typedef struct spt_maker {
     uint32_t* arranged; ///< places in the sequence, as the splats lie
 } spt_maker;
 
-/// Samples with their finest colours.
-static stp_result take_samples(spt_maker* m)
-{
-    const stp_surfels* s = m->samples;
-    size_t last = 0, count = s->count;
-    for (uint32_t k = 0; k + 1 < s->octave_count; ++k) {
-        last += s->octave_ends[k];
-    }
-    m->colors = s->colors + 3 * last;
-    m->coverages = s->coverages + last;
-    m->positions = STP_NEW_ARRAY(m->context, float, 3 * count);
-    m->normals = STP_NEW_ARRAY(m->context, float, 3 * count);
-    if (m->positions == NULL || m->normals == NULL) {
-        return stp_fail_memory(m->context);
-    }
-    const float origin[3] = {s->origin.x, s->origin.y, s->origin.z};
-    for (size_t i = 0; i < count; ++i) {
-        stp_vec3 normal = stp_octahedral_decode(s->normals[2 * i], s->normals[2 * i + 1]);
-        memcpy(m->normals + 3 * i, &normal, sizeof(normal));
-        for (size_t k = 0; k < 3; ++k) {
-            m->positions[3 * i + k] = origin[k] + s->step * (float)s->positions[3 * i + k];
-        }
-    }
-    float reach = stp_prefix_table_radius(&s->table, s->count);
-    m->points = (stp_tree_points){.count = s->count,
-                                  .positions = m->positions,
-                                  .normals = m->normals,
-                                  .colors = m->colors,
-                                  .radius = reach + s->candidate_radius};
-    return STP_OK;
-}
-
-/// How far the normals below a node lie from its own, rounded up.
+/// Sine of the largest angle between a node's normal and those of its leaves, rounded up; 255 is 1.
 static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
 {
     stp_vec3 normal = tree->disks[node].normal;
@@ -93,7 +60,7 @@ static void find_spreads(size_t begin, size_t end, uint32_t worker, void* user)
 
 static stp_result make_tree(spt_maker* m, const stp_tree_desc* desc)
 {
-    stp_result result = stp_point_tree_make(m->context, &m->points, desc, &m->tree);
+    stp_result result = stp_point_tree_make(m->context, &m->points.points, desc, &m->tree);
     if (result == STP_OK) { // levels are half errors
         result = stp_point_sequence_make(m->context, &m->tree, 2.0 * (double)STP_LEVEL_SLOPE,
                                          &m->sequence);
@@ -115,8 +82,8 @@ static stp_result make_tree(spt_maker* m, const stp_tree_desc* desc)
         m->areas[i] = area;
         m->leaves[i] = leaves;
         if (i < count && m->tree.points[i] != UINT32_MAX) {
-            // what is cut at a border is whole inside it: shares would make holes there
-            area += (double)stp_coverage_share(m->coverages[m->tree.points[i]]) / 255.0;
+            // leaves cut at a border count as whole: a share would make holes inside the border
+            area += (double)stp_coverage_share(m->points.coverages[m->tree.points[i]]) / 255.0;
             leaves += 1;
         }
     }
@@ -162,12 +129,12 @@ static uint32_t first_leaf(const stp_point_tree* tree, uint32_t node)
     return node;
 }
 
-/// A leaf as its sample is; a node with the mean share of the disks below it.
+/// A leaf keeps its sample's coverage; an inner node gets the mean share of its leaves.
 static uint8_t find_coverage(const spt_maker* m, uint32_t node)
 {
     uint32_t point = m->tree.points[node], end = m->tree.ends[node];
     if (point != UINT32_MAX) {
-        return m->coverages[point];
+        return m->points.coverages[point];
     }
     double area = m->areas[end] - m->areas[node];
     double mean = area / (double)(m->leaves[end] - m->leaves[node]);
@@ -257,8 +224,8 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// The count of the next breakpoint, which has so many times a `part` more; none is left out at the end of an octave, to which
-/// sets are loaded.
+/// The count of the next breakpoint: larger by one part in `part`. Octave ends are always breakpoints, because sets are loaded
+/// by octaves.
 static uint32_t next_count(const stp_surfels* s, uint32_t count, uint32_t part)
 {
     uint64_t next = (uint64_t)count + (count / part > 1 ? count / part : 1);
@@ -269,7 +236,7 @@ static uint32_t next_count(const stp_surfels* s, uint32_t count, uint32_t part)
     return (uint32_t)next;
 }
 
-/// How fine the steps of a table may be, for all to fit.
+/// The finest step for which the table holds all breakpoints.
 static uint32_t choose_part(const stp_surfels* s)
 {
     for (uint32_t part = FINEST_STEP; part > 1; --part) {
@@ -284,7 +251,7 @@ static uint32_t choose_part(const stp_surfels* s)
     return 1; // doubling: 32 steps, and the octaves'
 }
 
-/// Highest levels as ranges hold them: to what a prefix reaches is told by the first splat that it leaves out.
+/// Fills the prefix table. A prefix reaches the level of the first splat after it, rounded as ranges are.
 static void make_table(spt_maker* m)
 {
     stp_surfels* s = m->splats;
@@ -313,7 +280,7 @@ static void make_octaves(stp_surfels* s)
 static stp_result make(spt_maker* m, const stp_tree_desc* desc)
 {
     stp_surfels* s = m->splats;
-    stp_result result = take_samples(m);
+    stp_result result = stp_spt_samples_take(m->context, m->samples, &m->points);
     result = result == STP_OK ? make_tree(m, desc) : result;
     s->columns = STP_SPLATS_COLUMNS;
     s->origin = m->samples->origin;
@@ -347,8 +314,7 @@ stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const 
     stp_free(context, m.spreads);
     stp_free(context, m.leaves);
     stp_free(context, m.areas);
-    stp_free(context, m.normals);
-    stp_free(context, m.positions);
+    stp_spt_samples_destroy(context, &m.points);
     if (result != STP_OK) {
         stp_surfels_destroy(context, splats);
     }

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "lod/spt/samples.h"
+
+#include "base/octahedral.h"
+#include "base/prefix_table.h"
+#include "capture/splats.h"
+
+#include <string.h>
+
+stp_result stp_spt_samples_take(stp_context* context, const stp_surfels* set,
+                                stp_spt_samples* samples)
+{
+    size_t count = set->count, finest = stp_set_look_at(set, set->count).first;
+    *samples = (stp_spt_samples){
+        .coverages = set->coverages + finest,
+        .positions = STP_NEW_ARRAY(context, float, 3 * count),
+        .normals = STP_NEW_ARRAY(context, float, 3 * count),
+    };
+    if (samples->positions == NULL || samples->normals == NULL) {
+        return stp_fail_memory(context);
+    }
+    const float origin[3] = {set->origin.x, set->origin.y, set->origin.z};
+    for (size_t i = 0; i < count; ++i) {
+        stp_vec3 normal = stp_octahedral_decode(set->normals[2 * i], set->normals[2 * i + 1]);
+        memcpy(samples->normals + 3 * i, &normal, sizeof(normal));
+        for (size_t k = 0; k < 3; ++k) {
+            samples->positions[3 * i + k] =
+                origin[k] + set->step * (float)set->positions[3 * i + k];
+        }
+    }
+    float reach = stp_prefix_table_radius(&set->table, set->count);
+    samples->points = (stp_tree_points){.count = set->count,
+                                        .positions = samples->positions,
+                                        .normals = samples->normals,
+                                        .colors = set->colors + 3 * finest,
+                                        .radius = reach + set->candidate_radius};
+    return STP_OK;
+}
+
+void stp_spt_samples_destroy(stp_context* context, stp_spt_samples* samples)
+{
+    stp_free(context, samples->positions);
+    stp_free(context, samples->normals);
+    *samples = (stp_spt_samples){.coverages = NULL};
+}

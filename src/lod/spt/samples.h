@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// The evenly spread samples of a node as the points of a tree (Dachsbacher et al. 2003, 3.1).
+#pragma once
+
+#include "lod/spt/point_tree.h"
+
+#include <stipple/surfels.h>
+
+/// Points made of a set of method `blue`, with its finest colours. Each is as large as the set draws its surfels.
+typedef struct stp_spt_samples {
+    stp_tree_points points;
+    const uint8_t* coverages;   ///< 1 a point; the set's
+    float *positions, *normals; ///< owned; those of `points`
+} stp_spt_samples;
+
+/// @param set at least one surfel; its columns must outlive the samples
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_spt_samples_destroy, also after a failure
+STP_MUST_USE stp_result stp_spt_samples_take(stp_context* context, const stp_surfels* set,
+                                             stp_spt_samples* samples);
+void stp_spt_samples_destroy(stp_context* context, stp_spt_samples* samples);
