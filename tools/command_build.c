@@ -159,7 +159,7 @@ static const option* options(void)
     return table;
 }
 
-// The methods of a list of names. @return how many; 0: there is one that is none, or one twice
+// Parses a list of method names. @return the number of methods; 0 if a name is unknown or repeated
 static uint32_t choose_methods(const stp_method* chosen[STP_METHOD_COUNT])
 {
     const char* at = args.method != NULL ? args.method : "blue";

@@ -55,8 +55,7 @@ enum {
 
 enum { STP_GROUP_SPLATS = 64 };
 
-/// What holds STP_GROUP_SPLATS neighbours of a set with ranges, so that they can be left out together. Made as they are
-/// loaded; not stored.
+/// Bounds of STP_GROUP_SPLATS consecutive splats of a set with ranges, for culling. Computed on loading; not stored.
 typedef struct stp_splat_group {
     uint16_t low[3], high[3]; ///< of positions
     uint16_t largest;         ///< code of the largest radius (src/base/splat_codes.h)

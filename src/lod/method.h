@@ -9,7 +9,7 @@
 
 #include <stipple/surfels.h>
 
-/// What the user chose of all methods. All zero is not a choice: stp_method_options_default.
+/// Options of all methods. Start from stp_method_options_default(); all zero is not the default.
 typedef struct stp_method_options {
     stp_tree_desc tree; ///< of `spt`
 } stp_method_options;

@@ -7,14 +7,14 @@
 #include "select/select_internal.h"
 
 typedef struct stp_select_rule {
-    /// How the set of a node that the eye is not within is used, where no number of splats is asked for.
-    /// `use` names the set, and says that it is opened; use->per_depth is above 0.
+    /// Decides how to use a node's set. Called if the eye is outside the node's box and no splat count was requested. On
+    /// entry `use` holds the set, opens the node, and has per_depth > 0.
     void (*use)(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                 bool cloud, stp_set_use* use);
     /// Uses the first `count` splats wherever they are.
     void (*use_count)(stp_set_use* use, uint32_t count);
-    /// Changes how a set is used where only its first `here` splats are there, or the node could not be opened: then all of it
-    /// is drawn, from `nearest` on.
+    /// Adapts `use` to a set of which only the first `here` splats are loaded, or to a node that cannot be opened yet. The
+    /// splats are seen at depth `nearest` and beyond.
     void (*limit)(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use);
     /// Appends the item of a set, with its runs.
     stp_result (*add)(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,

@@ -46,10 +46,9 @@ static void use_estimate(stp_set_use* use, double radius, bool cloud)
 #define SHORT 2.0 ///< far over near depth up to which a node is opened slowly
 #define LONG 3.0  ///< and from which on it is opened soon
 
-/// By what the depth from which a node suffices is multiplied where its nearest part lacks some of the radius: by the third
-/// power of that, and by up to the seventh for a long node. All of it is opened before the eye is within its box,
-/// and before few of its surfels are drawn of many that are looked at; what is short is seen at about one depth
-/// and has the time to go by degrees.
+/// Factor on the depth beyond which a node's set suffices, where the set is too coarse at the node's nearest depth: the third
+/// power of how much too coarse it is, up to the seventh for a node that is long along the gaze. A long node is thus fully
+/// open before the eye enters its box. A short node lies at about one depth and fades out gradually.
 static double move_out(double lacks, stp_depth_range range)
 {
     double length = (range.far / range.near - SHORT) / (LONG - SHORT);

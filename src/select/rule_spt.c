@@ -4,7 +4,7 @@
 #include "base/prefix_table.h"
 #include "select/rule.h"
 
-/// The first breakpoint up to which all splats above a level lie.
+/// The shortest prefix of the table that holds every splat a level can need.
 static uint32_t find_prefix(const stp_surfels* surfels, double level)
 {
     const stp_prefix_table* table = &surfels->table;
@@ -16,7 +16,7 @@ static uint32_t find_prefix(const stp_surfels* surfels, double level)
     return surfels->count;
 }
 
-/// The largest level of the splats after the first `count`: those of a shorter prefix lie above.
+/// The highest level of any splat after the first `count`. At this level and above, the prefix is complete.
 static double find_level(const stp_surfels* surfels, uint32_t count)
 {
     const stp_prefix_table* table = &surfels->table;
@@ -27,7 +27,7 @@ static double find_level(const stp_surfels* surfels, uint32_t count)
     return count < surfels->count ? level : 0.0;
 }
 
-/// One level for all: a cut through the tree.
+/// Uses one level for the whole set: an exact cut through the tree.
 static void use_count(stp_set_use* use, uint32_t count)
 {
     use->count = count;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Groups of neighbouring splats: boxes and cones of normals, for whoever leaves them out together.
+// Bounds of groups of neighbouring splats: a box and a cone of normals, for culling.
 #include "base/octahedral.h"
 #include "base/splat_codes.h"
 #include "store/internal.h"

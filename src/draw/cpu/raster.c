@@ -96,14 +96,14 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
     }
 }
 
-/// Leaves of surfels with ranges those that are drawn at their depths. @return false where that is none
+/// Selects the surfels whose ranges hold the level at their depth. @return false if there are none
 static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                         cpu_worker* worker)
 {
     if (item->kind != STP_DRAW_SURFELS || item->surfels.ranges == NULL) {
         return true;
     }
-    // what is cut or transparent shows the sides that face away
+    // sections, ghosts and glass show surface that faces away from the eye
     bool through = item->draw->sections != 0 || item->draw->ghost || r->layers.of_splats;
     stp_raster_levels levels = {.per_depth = item->draw->level_per_depth,
                                 .least = item->draw->level_least,
@@ -121,7 +121,7 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
     return any;
 }
 
-/// None of a range is hidden.
+/// Marks no splat of the piece as hidden.
 static void forget_hidden(const stp_raster_splats* splats)
 {
     for (uint32_t i = splats->begin / 16; splats->hidden != NULL && i < (splats->end + 15) / 16;
