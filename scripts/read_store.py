@@ -237,7 +237,7 @@ def gather_methods(t):
     nodes, end = [record["node"] for record in t.pop("method_nodes")], 0
     need(len(methods) <= 16 and len({method["id"] for method in methods}) == len(methods), "methods")
     for i, method in enumerate(methods):
-        need(method["name"] and method["id"] > 0 and method["columns"] <= 7, f"method {i}")
+        need(method["name"] and method["id"] > 0 and method["columns"] <= 15, f"method {i}")
         need(method["first_set"] == end, f"method {i}: its sets do not follow those of the method before")
         end += method["set_count"]
         need(end <= len(t["surfels"]), f"method {i}: sets")

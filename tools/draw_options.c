@@ -10,7 +10,7 @@
 
 enum { LIGHT_SUN, LIGHT_HEAD };
 enum { CAPS_ON, CAPS_OFF };
-enum { HYBRID_ON, HYBRID_OFF };
+enum { HYBRID_ON, HYBRID_NODES, HYBRID_OFF };
 enum { CLUSTERS_ON, CLUSTERS_OFF };
 enum { TRANSPARENCY_AUTO, TRANSPARENCY_LAYERS, TRANSPARENCY_PATTERN };
 
@@ -79,8 +79,10 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .given = &o->has_method},
         {.name = "hybrid",
          .type = OPTION_CHOICE,
-         .words = "on|off",
-         .help = "triangles where splats do not suffice; off: splats alone, however near",
+         .words = "on|nodes|off",
+         .help = "triangles where splats do not suffice, and large ones beside small splats (spt); "
+                 "nodes: "
+                 "a node is drawn by the one or the other; off: splats alone, however near",
          .value = &o->hybrid},
         {.name = "normal-clusters",
          .type = OPTION_CHOICE,
@@ -342,6 +344,7 @@ stp_quality draw_options_quality(const draw_options* o)
                            .splat_count = o->splats,
                            .policy = (stp_policy)o->policy,
                            .splats_only = o->hybrid == HYBRID_OFF,
+                           .nodes_only = o->hybrid == HYBRID_NODES,
                            .all_sides = o->normal_clusters == CLUSTERS_OFF,
                            .reference = o->reference};
     (void)parse_fovea(o, &quality.fovea);

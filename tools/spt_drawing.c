@@ -37,7 +37,7 @@ static void make_nodes(spt_drawing* d, const stp_point_tree* tree)
             d->positions[3 * i + k] = (uint16_t)fminf(fmaxf(at, 0.0f), 65535.0f);
         }
         stp_octahedral_encode(disk->normal, d->normals + 2 * i);
-        d->shapes[i] = stp_shape_disk(disk->radius / d->set.step, 0);
+        d->shapes[i] = stp_shape_disk(disk->radius / d->set.step, 0, false);
     }
 }
 
@@ -52,7 +52,8 @@ stp_result spt_drawing_create(stp_context* context, const stp_point_tree* tree,
     }
     d->context = context;
     options.tree.color_threshold = 255; // as of the trees that are measured
-    stp_result result = stp_method_by_id(STP_METHOD_SPT)->make(context, samples, &options, &d->set);
+    const stp_method_source source = {.samples = samples};
+    stp_result result = stp_method_by_id(STP_METHOD_SPT)->make(context, &source, &options, &d->set);
     if (result != STP_OK) {
         return result;
     }

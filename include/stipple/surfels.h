@@ -46,14 +46,19 @@ enum {
     STP_SPLATS_SHAPES = 1,      ///< splats have a size of their own
     STP_SPLATS_RANGES = 2,      ///< each splat is drawn within a range of levels
     STP_SPLATS_FLAT_COLORS = 4, ///< one colour and coverage a splat, without a pyramid
-    STP_SPLATS_COLUMNS = 7,     ///< all that this version knows
+    STP_SPLATS_REPLACED = 8,    ///< shapes of disks tell which splats large triangles replace
+    STP_SPLATS_COLUMNS = 15,    ///< all that this version knows
 };
 
 /// How steeply levels may rise with depth: by so much of the distance, ranges of neighbouring splats overlap. A view that
 /// allows a larger error takes one level for all of a set.
 #define STP_LEVEL_SLOPE 0.005f
 
-enum { STP_GROUP_SPLATS = 64 };
+enum {
+    STP_GROUP_SPLATS = 64,
+    /// Most uses of parts and nodes below a node for its large triangles to be drawn beside its set.
+    STP_LARGE_USES = 64,
+};
 
 /// Bounds of STP_GROUP_SPLATS consecutive splats of a set with ranges, for culling. Computed on loading; not stored.
 typedef struct stp_splat_group {
@@ -61,6 +66,7 @@ typedef struct stp_splat_group {
     uint16_t largest;         ///< code of the largest radius (src/base/splat_codes.h)
     int8_t axis[3];           ///< of a cone that holds their normals, 127 is 1
     uint8_t sine;             ///< of half its angle, 255 is 1; 255 also of wider cones
+    uint64_t replaced;        ///< a bit a splat, the lowest one first: large triangles replace it
 } stp_splat_group;
 
 /// Surfels in order. 12 bytes each (position 6, normal 2, colour 3, material 1), about 14.4 with pyramids.

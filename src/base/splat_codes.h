@@ -4,7 +4,8 @@
 // every kernel and shader gets the same bits; rounding never makes a splat smaller, nor a range narrower.
 //
 //   shape   bits 0-11 the larger radius, 12-23 the smaller one, 24-31 the direction of the larger one; of a disk, which has no
-//           direction, how far the normals of what it stands for may lie from its own: a sine, 255 is 1 or any
+//           direction, how far the normals of what it stands for may lie from its own: a sine, 255 is 1 or any. In sets that
+//           tell which splats large triangles replace, bit 31 of a disk says so, and a sine of 127 is 1 or any
 //   range   bits 0-15 the lowest level at which the splat is drawn, 16-31 the highest
 #pragma once
 
@@ -15,11 +16,13 @@
 enum {
     STP_SHAPE_NOT_FINITE = 0xFFF,     ///< no radius
     STP_SHAPE_BIAS = 125 << 23,       ///< a radius of code 0 is a quarter of the set's step
+    STP_SHAPE_SPREAD_ANY = 127,       ///< any normal
     STP_RANGE_ANY = (int)0xFF000000u, ///< all levels
     STP_RANGE_INFINITE = 0xFF00,      ///< larger codes are no levels
 };
 
-#define STP_SHAPE_TURN 256u ///< directions of half a turn
+#define STP_SHAPE_TURN 256u            ///< directions of half a turn
+#define STP_SHAPE_REPLACED 0x80000000u ///< of a disk
 
 static inline float stp_float_of_bits(uint32_t bits)
 {
@@ -78,17 +81,35 @@ static inline float stp_shape_stretch(uint32_t code)
     return ratio * ratio - 1.0f;
 }
 
-/// Of a disk, with the sine of how far the normals of what it stands for lie from its own.
-static inline uint32_t stp_shape_disk(float radius, uint8_t spread)
+/// Of a disk in a set that tells which splats large triangles replace.
+/// @param spread sine of how far the normals of what it stands for lie from its own, of STP_SHAPE_SPREAD_ANY
+static inline uint32_t stp_shape_disk(float radius, uint32_t spread, bool replaced)
 {
     uint32_t code = stp_shape_code(radius);
-    return code | code << 12 | (uint32_t)spread << 24;
+    return code | code << 12 | spread << 24 | (replaced ? STP_SHAPE_REPLACED : 0u);
 }
 
-/// That sine, of 255; of an ellipse any normal may be below it.
-static inline uint32_t stp_shape_spread(uint32_t code)
+static inline bool stp_shape_is_disk(uint32_t code)
 {
-    return (code & 0xFFFu) == (code >> 12 & 0xFFFu) ? code >> 24 : 255u;
+    return (code & 0xFFFu) == (code >> 12 & 0xFFFu);
+}
+
+/// That sine, 0 to 1; of an ellipse any normal may be below it.
+/// @param tells whether the set tells which splats large triangles replace
+static inline float stp_shape_spread(uint32_t code, bool tells)
+{
+    if (!stp_shape_is_disk(code)) {
+        return 1.0f;
+    }
+    return tells
+               ? (float)(code >> 24 & (uint32_t)STP_SHAPE_SPREAD_ANY) / (float)STP_SHAPE_SPREAD_ANY
+               : (float)(code >> 24) / 255.0f;
+}
+
+/// Whether large triangles replace a splat of a set that tells so.
+static inline bool stp_shape_is_replaced(uint32_t code)
+{
+    return stp_shape_is_disk(code) && (code & STP_SHAPE_REPLACED) != 0;
 }
 
 /// By its sixteen bits.

@@ -2,6 +2,8 @@
 #include "build/methods.h"
 
 #include "base/gate.h"
+#include "base/prefix_table.h"
+#include "build/node_triangles.h"
 #include "build/origin.h"
 #include "build/piece.h"
 
@@ -39,21 +41,49 @@ static bool find_set(run* r, stp_hash key, stp_surfels* set)
     return found;
 }
 
-static stp_result make_set(run* r, const stp_method* method, const stp_surfels* samples,
-                           stp_hash key, stp_surfels* set)
+static stp_result make_within(run* r, const stp_method* method, size_t step, double level,
+                              stp_hash key, stp_surfels* set)
 {
-    stp_gate_ticket ticket;
+    stp_context* context = r->scene->context;
     stp_surfels made;
-    stp_result result = stp_gate_enter(r->gate, method->bytes(samples->count), &ticket);
-    if (result != STP_OK) {
-        return result;
+    stp_node_triangles large = {0};
+    stp_result result = STP_OK;
+    if ((method->columns & STP_SPLATS_REPLACED) != 0) {
+        uint32_t node = r->desc->plan->steps[step].node;
+        result = stp_take_node_triangles(r->scene, node, level, &large);
     }
-    result = method->make(r->scene->context, samples, r->desc->options, &made);
+    if (result == STP_OK) {
+        const stp_method_source source = {.samples = &r->desc->samples[step],
+                                          .corners = large.corners,
+                                          .triangle_count = large.count};
+        result = method->make(context, &source, r->desc->options, &made);
+    }
+    stp_node_triangles_destroy(context, &large);
     if (result == STP_OK) {
         result = stp_piece_store_surfels(r->desc->work, key, &made, 0, set);
-        stp_surfels_destroy(r->scene->context, &made);
+        stp_surfels_destroy(context, &made);
     }
-    stp_gate_leave(r->gate, &ticket);
+    return result;
+}
+
+static stp_result make_set(run* r, const stp_method* method, size_t step, stp_hash key,
+                           stp_surfels* set)
+{
+    const stp_surfels* samples = &r->desc->samples[step];
+    double level = samples->count > 0
+                       ? (double)stp_prefix_table_radius(&samples->table, samples->count)
+                       : HUGE_VAL;
+    uint64_t triangles = 0;
+    if ((method->columns & STP_SPLATS_REPLACED) != 0) {
+        uint32_t node = r->desc->plan->steps[step].node;
+        triangles = stp_count_node_triangles(r->scene, node, level);
+    }
+    stp_gate_ticket ticket;
+    stp_result result = stp_gate_enter(r->gate, method->bytes(samples->count, triangles), &ticket);
+    if (result == STP_OK) {
+        result = make_within(r, method, step, level, key, set);
+        stp_gate_leave(r->gate, &ticket);
+    }
     return result;
 }
 
@@ -72,7 +102,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
         } else {
             key = method->hash(key, r->desc->options);
             bool found = find_set(r, key, &r->made->sets[i]);
-            result = found ? STP_OK : make_set(r, method, samples, key, &r->made->sets[i]);
+            result = found ? STP_OK : make_set(r, method, step, key, &r->made->sets[i]);
             r->origins[i] = (stp_build_origin){key, !found};
         }
         r->made->keys[i] = key;

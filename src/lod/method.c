@@ -6,8 +6,9 @@
 #include <string.h>
 
 enum {
-    SPT_VERSION = 3,     ///< raised where sets change
-    SPT_BYTES = 2 * 120, ///< of a sample: two nodes in tree, sequence and columns
+    SPT_VERSION = 6,          ///< raised where sets change
+    SPT_BYTES = 2 * 120,      ///< of a sample: two nodes in tree, sequence and columns
+    SPT_TRIANGLE_BYTES = 100, ///< of a large triangle: in boxes, and their order
     SPT_COLORS =
         48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter
 };
@@ -24,15 +25,18 @@ static stp_hash hash_spt(stp_hash key, const stp_method_options* options)
     return stp_hash_bytes(key, all, sizeof(all));
 }
 
-static uint64_t spt_bytes(uint64_t samples)
+static uint64_t spt_bytes(uint64_t samples, uint64_t triangles)
 {
-    return SPT_BYTES * samples;
+    return SPT_BYTES * samples + SPT_TRIANGLE_BYTES * triangles;
 }
 
-static stp_result make_spt(stp_context* context, const stp_surfels* samples,
+static stp_result make_spt(stp_context* context, const stp_method_source* source,
                            const stp_method_options* options, stp_surfels* splats)
 {
-    return stp_spt_make(context, samples, &options->tree, splats);
+    const stp_spt_desc desc = {.tree = options->tree,
+                               .corners = source->corners,
+                               .triangle_count = source->triangle_count};
+    return stp_spt_make(context, source->samples, &desc, splats);
 }
 
 const stp_method stp_methods[STP_METHOD_COUNT] = {

@@ -16,6 +16,15 @@ typedef struct stp_method_options {
 
 stp_method_options stp_method_options_default(void);
 
+/// What sets of other methods than `blue` are made of. Arrays are the caller's, and are only read.
+typedef struct stp_method_source {
+    const stp_surfels* samples; ///< the node's set of `blue`: evenly spread
+    /// Opaque triangles of the node whose level (base/triangle_level.h) is above what all samples cover to: 9 floats each,
+    /// finite.
+    const float* corners;
+    uint32_t triangle_count;
+} stp_method_source;
+
 typedef struct stp_method {
     const char* name;
     const char* title; ///< for people
@@ -23,11 +32,11 @@ typedef struct stp_method {
     uint32_t columns;  ///< STP_SPLATS_*, of its sets
     /// Adds to a content key whatever decides a set but its samples. NULL where `make` is.
     stp_hash (*hash)(stp_hash key, const stp_method_options* options);
-    /// Memory that making takes, of so many samples.
-    uint64_t (*bytes)(uint64_t samples);
-    /// Makes a node's set of its samples: its set of `blue`. NULL: the sets are those samples.
+    /// Memory that making takes.
+    uint64_t (*bytes)(uint64_t samples, uint64_t triangles);
+    /// Makes a node's set. NULL: its sets are the samples.
     /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-    stp_result (*make)(stp_context* context, const stp_surfels* samples,
+    stp_result (*make)(stp_context* context, const stp_method_source* source,
                        const stp_method_options* options, stp_surfels* splats);
 } stp_method;
 

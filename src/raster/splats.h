@@ -76,6 +76,7 @@ typedef struct stp_raster_levels {
     /// `one_sided`, those of which all splats face away.
     const stp_splat_group* groups;
     bool one_sided;
+    bool beside_triangles;  ///< splats that large triangles replace are left out; with groups
     uint32_t width, height; ///< of the picture
 } stp_raster_levels;
 

@@ -54,10 +54,13 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
 {
     const stp_raster_splats* splats = f->splats;
     uint32_t any = 0;
+    uint64_t left_out = 0; ///< of a group
     bool dropped = false;
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         if (f->levels.groups != NULL && (first % STP_GROUP_SPLATS == 0 || first == splats->begin)) {
-            dropped = stp_splats_drop_group(f, &f->levels.groups[first / STP_GROUP_SPLATS]);
+            const stp_splat_group* group = &f->levels.groups[first / STP_GROUP_SPLATS];
+            left_out = f->levels.beside_triangles ? group->replaced : 0;
+            dropped = left_out == UINT64_MAX || stp_splats_drop_group(f, group);
         }
         if (dropped) {
             bits[first / SPLAT_BATCH] = 0;
@@ -66,6 +69,7 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
         uint32_t left = splats->end - first, count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
         uint32_t wanted = count < SPLAT_BATCH ? (1u << count) - 1u : 0xFFFFu;
         wanted &= splats->wanted != NULL ? splats->wanted[first / SPLAT_BATCH] : 0xFFFFu;
+        wanted &= ~(uint32_t)(left_out >> first % STP_GROUP_SPLATS);
         const uint16_t* positions = splats->positions + 3 * (size_t)first;
         float x[SPLAT_BATCH], y[SPLAT_BATCH], z[SPLAT_BATCH];
         uint32_t ranges[SPLAT_BATCH];

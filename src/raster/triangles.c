@@ -178,7 +178,8 @@ static void draw_clipped(const stp_triangle_kernels* kernels,
     }
     for (uint32_t i = 2; i < count; ++i) {
         stp_screen_vertex corners[3] = {polygon[0], polygon[i - 1], polygon[i]};
-        kernels->draw_one(&chunk->window, corners, first_id + triangle);
+        uint32_t number = mesh->numbers != NULL ? mesh->numbers[triangle] : triangle;
+        kernels->draw_one(&chunk->window, corners, first_id + number);
     }
 }
 
@@ -266,7 +267,8 @@ static stp_result draw_mesh(stp_triangle_window* window, const stp_raster_matrix
         stp_triangle_chunk chunk = {
             .window = *window,
             .triangle_count = left < CHUNK_TRIANGLES ? left : CHUNK_TRIANGLES,
-            .first_id = first_id + begin,
+            .first_id = mesh->numbers != NULL ? first_id : first_id + begin,
+            .numbers = mesh->numbers != NULL ? mesh->numbers + begin : NULL,
             .x = memory->x,
             .y = memory->y,
             .nearness = memory->nearness,

@@ -18,6 +18,8 @@ typedef struct stp_raster_mesh {
     uint32_t vertex_count;
     const uint32_t* indices; ///< 3 a triangle
     uint32_t triangle_count;
+    /// NULL, or one a triangle, which gets the id first_id + numbers[t]; without `keep`.
+    const uint32_t* numbers;
     float offset[3]; ///< subtracted from each position before the matrix is applied: a mesh whose
                      ///< numbers are large and close together keeps its precision
     stp_raster_keep keep; ///< NULL: every fragment is there

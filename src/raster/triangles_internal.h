@@ -51,7 +51,8 @@ typedef struct stp_triangle_chunk {
     uint32_t index_base;     ///< index of the vertex at x[0]
     uint32_t triangle_count;
     uint32_t first_id;
-    int32_t *x, *y; ///< one a vertex
+    const uint32_t* numbers; ///< NULL, or one a triangle: its id is first_id and that
+    int32_t *x, *y;          ///< one a vertex
     float* nearness;
     uint32_t*
         clipped; ///< receives the triangles that need clipping, counted from the chunk's first

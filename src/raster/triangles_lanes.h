@@ -161,10 +161,27 @@ static inline lanes_int set_up_batch(const batch* b, batch_setup* setup)
     return has_area;
 }
 
+/// Ids of triangles that follow each other. The compiler makes draw_chunk twice, with and without numbers.
+typedef struct triangle_ids {
+    uint32_t first;
+    const uint32_t* numbers; ///< NULL: 0, 1, 2, ...
+} triangle_ids;
+
+static inline uint32_t find_id(triangle_ids ids, uint32_t triangle)
+{
+    return ids.first + (ids.numbers != NULL ? ids.numbers[triangle] : triangle);
+}
+
+static inline triangle_ids skip_ids(triangle_ids ids, uint32_t count)
+{
+    return ids.numbers != NULL ? (triangle_ids){ids.first, ids.numbers + count}
+                               : (triangle_ids){ids.first + count, NULL};
+}
+
 /// Writes one pixel of each triangle of `bits`: the same place in each one's box.
 static inline void write_lanes(const stp_triangle_window* window, const batch* b, int32_t row,
                                int32_t column, uint32_t bits, lanes_float nearness,
-                               uint32_t first_id)
+                               triangle_ids ids)
 {
     float depth[LANES];
     memcpy(depth, &nearness, sizeof(depth));
@@ -172,15 +189,15 @@ static inline void write_lanes(const stp_triangle_window* window, const batch* b
     for (; bits != 0; bits &= bits - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(bits);
         uint64_t* place = stp_triangle_row(window, b->top[lane] + row) + b->left[lane] + column;
-        uint64_t pixel = stp_raster_pixel(depth[lane], first_id + lane);
+        uint64_t pixel = stp_raster_pixel(depth[lane], find_id(ids, lane));
         *place = pixel < *place ? pixel : *place;
     }
 }
 
 /// Draws the triangles of `alive` (sign bits), none wider than TINY_WIDTH or higher than TINY_HEIGHT
 /// pixels: pixel by pixel of their boxes, all triangles at once.
-static void draw_tiny(const stp_triangle_window* window, const batch* b, batch_setup* setup,
-                      lanes_int alive, uint32_t first_id)
+static inline void draw_tiny(const stp_triangle_window* window, const batch* b, batch_setup* setup,
+                             lanes_int alive, triangle_ids ids)
 {
     for (int32_t row = 0; row < TINY_HEIGHT; ++row) {
         lanes_int in_row = alive & (b->height >= row);
@@ -198,7 +215,7 @@ static void draw_tiny(const stp_triangle_window* window, const batch* b, batch_s
                 lanes_float nearness = small_nearness(e[1] - setup->bias[1], e[2] - setup->bias[2],
                                                       setup->inverse_area, setup->n0, setup->along,
                                                       setup->low, setup->high);
-                write_lanes(window, b, row, column, bits, nearness, first_id);
+                write_lanes(window, b, row, column, bits, nearness, ids);
             }
             for (int k = 0; k < 3; ++k) {
                 e[k] -= setup->dy[k] << STP_SUBPIXEL_BITS;
@@ -211,8 +228,8 @@ static void draw_tiny(const stp_triangle_window* window, const batch* b, batch_s
 }
 
 /// Draws the triangles of `lanes`, one after the other.
-static void draw_medium(const stp_triangle_window* window, const batch* b, const batch_setup* setup,
-                        uint32_t lanes, uint32_t first_id)
+static inline void draw_medium(const stp_triangle_window* window, const batch* b,
+                               const batch_setup* setup, uint32_t lanes, triangle_ids ids)
 {
     const lanes_float none = (lanes_float){0} + SPAN_NO_FALL;
     lanes_int fall[3];
@@ -241,19 +258,19 @@ static void draw_medium(const stp_triangle_window* window, const batch* b, const
             walk.bias[k] = setup->bias[k][lane];
             walk.inverse[k] = inverse[k][lane];
         }
-        draw_walk(window, box, &walk, first_id + (uint32_t)lane);
+        draw_walk(window, box, &walk, find_id(ids, (uint32_t)lane));
     }
 }
 
-static void draw_batch(const stp_triangle_window* window, const batch* b, lanes_int small,
-                       uint32_t valid, uint32_t first_id)
+static inline void draw_batch(const stp_triangle_window* window, const batch* b, lanes_int small,
+                              uint32_t valid, triangle_ids ids)
 {
     batch_setup setup;
     small &= set_up_batch(b, &setup); // lanes past the end have no area
     lanes_int tiny = small & (b->width < TINY_WIDTH) & (b->height < TINY_HEIGHT);
-    draw_medium(window, b, &setup, lanes_sign_bits(small & ~tiny) & valid, first_id);
+    draw_medium(window, b, &setup, lanes_sign_bits(small & ~tiny) & valid, ids);
     if (lanes_sign_bits(tiny) != 0) {
-        draw_tiny(window, b, &setup, tiny, first_id);
+        draw_tiny(window, b, &setup, tiny, ids);
     }
 }
 
@@ -269,13 +286,14 @@ static void draw_lane(stp_triangle_chunk* chunk, uint32_t triangle)
         shared_code &= out ? chunk->y[v] : 0;
     }
     if (!outside) {
-        draw_one(&chunk->window, corners, chunk->first_id + triangle);
+        draw_one(&chunk->window, corners,
+                 find_id((triangle_ids){chunk->first_id, chunk->numbers}, triangle));
     } else if (shared_code == 0) { // else all corners lie beyond one plane
         chunk->clipped[chunk->clipped_count++] = triangle;
     }
 }
 
-static void draw_chunk(stp_triangle_chunk* chunk)
+static inline void draw_chunk_as(stp_triangle_chunk* chunk, triangle_ids ids)
 {
     const stp_triangle_window* window = &chunk->window;
     const int32_t* nearness_words = (const int32_t*)(const void*)chunk->nearness;
@@ -322,10 +340,19 @@ static void draw_chunk(stp_triangle_chunk* chunk)
             for (int k = 0; k < 3; ++k) {
                 b.nearness[k] = (lanes_float)lanes_gather(nearness_words, index[k]);
             }
-            draw_batch(window, &b, small, valid, chunk->first_id + t);
+            draw_batch(window, &b, small, valid, skip_ids(ids, t));
         }
         for (; single != 0; single &= single - 1) {
             draw_lane(chunk, t + (uint32_t)__builtin_ctz(single));
         }
+    }
+}
+
+static void draw_chunk(stp_triangle_chunk* chunk)
+{
+    if (chunk->numbers != NULL) {
+        draw_chunk_as(chunk, (triangle_ids){chunk->first_id, chunk->numbers});
+    } else {
+        draw_chunk_as(chunk, (triangle_ids){chunk->first_id, NULL});
     }
 }

@@ -87,6 +87,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                           .radius = (float)use->radius,
                           .level_per_depth = (float)use->level_per_depth,
                           .level_least = (float)use->level_least,
+                          .beside_triangles = stp_select_uses_triangles(s, at, use, sight),
                           .sections = at->sections,
                           .ghost = at->shown == STP_SHOW_GHOST,
                           .one_sided = !s->quality->all_sides &&
@@ -106,7 +107,9 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
         item.run_count = 1;
     }
     s->list->extra_splats += at->extra || use->extra ? item.prefix : 0;
-    return stp_select_add_item(s, item, item.prefix);
+    stp_result result = stp_select_add_item(s, item, item.prefix);
+    return result == STP_OK && item.beside_triangles ? stp_select_add_triangles(s, at, use, sight)
+                                                     : result;
 }
 
 const stp_select_rule stp_select_rule_spt = {use_set, use_count, limit, add};

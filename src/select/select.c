@@ -47,7 +47,7 @@ stp_result stp_select(stp_context* context, const stp_store* store, const stp_vi
 {
     stp_selection s;
     list->count = list->run_count = list->first_pass_count = list->rejected_count = 0;
-    list->splat_count = list->triangle_count = 0;
+    list->splat_count = list->triangle_count = list->id_count = 0;
     list->extra_splats = list->extra_triangles = 0;
     list->node_count = 0;
     stp_result result = begin(&s, context, store, view, quality, list, false);

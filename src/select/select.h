@@ -27,6 +27,7 @@ typedef struct stp_quality {
     uint32_t method;  ///< whose sets are drawn (STP_METHOD_*); 0, or none of the file's: its first
     bool reference;   ///< original triangles and points only
     bool splats_only; ///< a node that has splats is never opened, however near it is
+    bool nodes_only;  ///< a node is drawn by splats or by triangles, never by some of both
     bool all_sides;   ///< splats that face away are drawn as well (stp_draw_item.one_sided)
     stp_fovea fovea;  ///< all zero: splats are of one size
     /// A node is opened where its surfels could still cover so many times better than they have to, provided that
@@ -56,7 +57,14 @@ typedef struct stp_draw_item {
     /// The levels that ranges of splats are held against: an error in the item's space that is allowed at depth 1, and one
     /// that is allowed anywhere. Of sets without ranges they mean nothing.
     float level_per_depth, level_least;
-    /// Mesh: nearer than fade_begin all triangles are drawn, beyond fade_end none (stp_draw_share). 0, 0: all.
+    /// Mesh: of its triangles those are drawn whose level (store/large_triangles.h) is at least that of the item at their
+    /// nearest corner. Such items follow that of the set that they are drawn beside.
+    bool large;
+    float large_least;     ///< no view draws one of a lower level from this set
+    float large_from;      ///< this view draws none of a lower level
+    bool beside_triangles; ///< surfels: those that large triangles replace are left out
+    /// Mesh: nearer than fade_begin all triangles are drawn, beyond fade_end none (stp_draw_share). 0, 0: all. Large ones: none
+    /// whose nearest corner is nearer than fade_begin: another item draws all of the mesh there.
     float fade_begin, fade_end;
     uint32_t sections; ///< bits of the view's planes that may cut it; 0: it lies inside them all
     bool ghost;        ///< drawn in some of its pixels only (stp_draw_style.ghost)
@@ -78,12 +86,13 @@ typedef struct stp_draw_list {
     size_t run_count, run_capacity;
     size_t
         first_pass_count; ///< items before are those of stp_select, the others of stp_select_rejected
-    uint64_t splat_count, triangle_count;
-    uint64_t extra_splats;    ///< of splat_count, listed because levels blend
-    uint64_t extra_triangles; ///< the same of triangle_count
-    uint32_t node_count;      ///< nodes looked at
-    uint32_t hidden_count;    ///< nodes that the pyramid hid, in the last pass
-    float splat_size;         ///< the size in effect where an eye looks
+    uint64_t splat_count, triangle_count; ///< without large triangles
+    uint64_t id_count;                    ///< of all items
+    uint64_t extra_splats;                ///< of splat_count, listed because levels blend
+    uint64_t extra_triangles;             ///< the same of triangle_count
+    uint32_t node_count;                  ///< nodes looked at
+    uint32_t hidden_count;                ///< nodes that the pyramid hid, in the last pass
+    float splat_size;                     ///< the size in effect where an eye looks
     bool mixes; ///< there may be splats beside triangles, in this list or in one of another view
     /// Of a store that streams, each thing once: what the view would draw, here or not (stp_residency_update).
     stp_want* wants;

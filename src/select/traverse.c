@@ -42,7 +42,7 @@ stp_result stp_select_push(stp_selection* s, const stp_select_entry* entry)
 stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id_count)
 {
     stp_draw_list* list = s->list;
-    uint64_t first = list->splat_count + list->triangle_count;
+    uint64_t first = list->id_count;
     if (id_count == 0) {
         return STP_OK;
     }
@@ -65,7 +65,10 @@ stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id
     }
     item.first_id = (uint32_t)first;
     list->items[list->count++] = item;
-    *(item.kind == STP_DRAW_MESH ? &list->triangle_count : &list->splat_count) += id_count;
+    list->id_count += id_count;
+    if (!item.large) {
+        *(item.kind == STP_DRAW_MESH ? &list->triangle_count : &list->splat_count) += id_count;
+    }
     return STP_OK;
 }
 

@@ -13,11 +13,16 @@ static void add_box(const stp_surfels* s, uint32_t index, stp_splat_group* group
     }
     uint16_t larger = s->shapes != NULL ? (uint16_t)(s->shapes[index] & 0xFFFu) : 0;
     group->largest = larger > group->largest ? larger : group->largest;
+    if (s->shapes != NULL && (s->columns & STP_SPLATS_REPLACED) != 0 &&
+        stp_shape_is_replaced(s->shapes[index])) {
+        group->replaced |= UINT64_C(1) << index % STP_GROUP_SPLATS;
+    }
 }
 
 // A cone around the mean of the normals, rounded outwards.
 static void add_cone(const stp_surfels* s, uint32_t begin, uint32_t end, stp_splat_group* group)
 {
+    bool tells = (s->columns & STP_SPLATS_REPLACED) != 0;
     stp_vec3 sum = {0};
     for (uint32_t i = begin; i < end; ++i) {
         const int8_t* code = s->normals + 2 * (size_t)i;
@@ -39,7 +44,7 @@ static void add_cone(const stp_surfels* s, uint32_t begin, uint32_t end, stp_spl
     for (uint32_t i = begin; i < end; ++i) {
         const int8_t* code = s->normals + 2 * (size_t)i;
         float cosine = stp_dot(stp_octahedral_decode(code[0], code[1]), rounded);
-        float spread = s->shapes != NULL ? (float)stp_shape_spread(s->shapes[i]) / 255.0f : 1.0f;
+        float spread = s->shapes != NULL ? stp_shape_spread(s->shapes[i], tells) : 1.0f;
         // the cosine of both angles together
         float both = cosine * sqrtf(1.0f - spread * spread) -
                      spread * sqrtf(fmaxf(1.0f - cosine * cosine, 0.0f));

@@ -47,8 +47,10 @@ struct stp_store {
     bool page_table_checked;
     uint64_t bytes_checked;           ///< of the directory
     struct stp_store_key_table* keys; ///< made when first asked for
-    uint64_t arrivals;                ///< of bulk data, in all its residencies
-    struct stp_residency* residency;  ///< what loads bulk data; NULL: it is used as it is mapped
+    struct stp_store_large**
+        large;         ///< of each mesh, its large triangles; made when first asked for
+    uint64_t arrivals; ///< of bulk data, in all its residencies
+    struct stp_residency* residency; ///< what loads bulk data; NULL: it is used as it is mapped
 };
 
 static inline stp_store_judge stp_store_own_judge(const stp_store* store)
@@ -156,6 +158,10 @@ const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
 STP_MUST_USE stp_result stp_store_read_methods(stp_store* store, stp_store_text* text);
 /// The methods alone, of a store opened for its summary.
 STP_MUST_USE stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text);
+
+typedef struct stp_store_large stp_store_large;
+/// Frees the lists of large triangles.
+void stp_store_free_large(stp_store* store);
 
 /// Frees the columns of a set.
 void stp_store_free_columns(stp_context* context, stp_store_surfels_record* record);

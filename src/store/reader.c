@@ -337,6 +337,7 @@ void stp_store_close(stp_store* store)
     for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
         stp_free(context, store->tables[type]);
     }
+    stp_store_free_large(store);
     stp_store_free_keys(store);
     stp_store_free_packed(store);
     stp_free(context, store->pages_checked);

@@ -29,7 +29,7 @@ static bool set_up(fixture* f)
 {
     static const uint8_t red[3] = {255, 0, 0};
     *f = (fixture){.context = test_context(NULL, 2, NULL)};
-    stp_tree_desc desc = {STP_TREE_GEOMETRIC, 255};
+    stp_spt_desc desc = {.tree = {STP_TREE_GEOMETRIC, 255}};
     f->samples = made_square_surfels(f->context, LOG_SIDE, red);
     if (stp_spt_make(f->context, &f->samples, &desc, &f->set) != STP_OK) {
         return false;

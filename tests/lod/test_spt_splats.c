@@ -79,7 +79,7 @@ void test_spt_sets_are_sequences(test_state* test)
     stp_context* context = test_context(NULL, 2, NULL);
     CHECK(context != NULL);
     make_samples(&from);
-    stp_tree_desc desc = stp_method_options_default().tree;
+    stp_spt_desc desc = {.tree = stp_method_options_default().tree};
     stp_surfels s;
     CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
     CHECK(s.count > SAMPLES && s.count < 2 * SAMPLES);
@@ -114,7 +114,7 @@ void test_spt_sets_cover_at_every_level(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     make_samples(&from);
-    stp_tree_desc desc = stp_method_options_default().tree;
+    stp_spt_desc desc = {.tree = stp_method_options_default().tree};
     stp_surfels s;
     CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
     uint32_t before = UINT32_MAX;
@@ -157,7 +157,7 @@ void test_spt_sets_are_the_same_for_any_number_of_threads(test_state* test)
     stp_context* contexts[2] = {test_context(NULL, 1, NULL), test_context(NULL, 4, NULL)};
     CHECK(contexts[0] != NULL && contexts[1] != NULL);
     make_samples(&from);
-    stp_tree_desc desc = {STP_TREE_DIAMETER, 255};
+    stp_spt_desc desc = {.tree = {STP_TREE_DIAMETER, 255}};
     for (int i = 0; i < 2; ++i) {
         CHECK_EQUAL(STP_OK, stp_spt_make(contexts[i], &from.set, &desc, &made[i]));
     }
@@ -178,7 +178,7 @@ void test_spt_sets_of_little(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     make_samples(&from);
-    stp_tree_desc desc = stp_method_options_default().tree;
+    stp_spt_desc desc = {.tree = stp_method_options_default().tree};
     static const uint32_t counts[] = {0, 1, 2, 9};
     for (int i = 0; i < 4; ++i) {
         stp_surfels s;
@@ -199,7 +199,7 @@ void test_spt_sets_survive_failing_allocator(test_state* test)
 {
     static samples from;
     make_samples(&from);
-    stp_tree_desc desc = stp_method_options_default().tree;
+    stp_spt_desc desc = {.tree = stp_method_options_default().tree};
     bool made = false;
     int failures = 0;
     for (int n = 0; !made && n < 200; ++n) {

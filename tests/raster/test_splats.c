@@ -327,7 +327,7 @@ void test_splats_that_groups_leave_out_cannot_be_seen(test_state* test)
         place_camera(&s, 0.4 * round, 0.4 + 0.1 * (round % 20), 60.0, parallel, round % 5 == 0);
         s.splats.shapes = s.shapes;
         for (uint32_t i = 0; i < SPLATS; ++i) { // what they stand for faces as they do
-            s.shapes[i] = stp_shape_disk(stp_shape_radius(s.shapes[i] & 0xFFFu), 0);
+            s.shapes[i] = stp_shape_disk(stp_shape_radius(s.shapes[i] & 0xFFFu), 0, false);
         }
         stp_surfels set = {.count = SPLATS,
                            .positions = s.positions,

@@ -97,7 +97,8 @@ void test_triangles_match_reference(test_state* test)
             random_triangle(s, t, sizes[s], corners);
             static const uint32_t indices[3] = {0, 1, 2};
             uint64_t fragments = 0, covered = 0;
-            stp_raster_mesh mesh = {corners, 3, indices, 1, {0}, NULL, NULL, &fragments, NULL};
+            stp_raster_mesh mesh = {corners, 3,    indices, 1,          NULL,
+                                    {0},     NULL, NULL,    &fragments, NULL};
             stp_raster_matrix matrix = parallel_matrix();
             clear(pixels);
             CHECK(draw(pixels, &matrix, INFINITY, &mesh));
@@ -188,7 +189,7 @@ void test_triangles_are_watertight(test_state* test)
         make_grid(&grid, seed * 16, 0.5f);
         memset(counts, 0, sizeof(counts));
         clear(pixels);
-        stp_raster_mesh mesh = {grid.positions, 33 * 33,  grid.indices, 2048, {0},
+        stp_raster_mesh mesh = {grid.positions, 33 * 33,  grid.indices, 2048, NULL, {0},
                                 count_fragment, &counted, NULL,         NULL};
         stp_raster_matrix matrix = parallel_matrix();
         CHECK(draw(pixels, &matrix, INFINITY, &mesh));
@@ -215,7 +216,7 @@ void test_triangles_clipped_at_the_near_plane_have_no_cracks(test_state* test)
             p[1] = 1.0f;
             p[2] = z;
         }
-        stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, {0},
+        stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
                                 NULL,           NULL,    NULL,         NULL};
         stp_raster_matrix matrix = perspective_matrix(60.0f);
         clear(pixels);
@@ -251,7 +252,8 @@ void test_triangles_survive_anything(test_state* test)
                                       : number(seed, i, -1000.0f, 1000.0f);
             indices[i / 3] = i / 3;
         }
-        stp_raster_mesh mesh = {positions, COUNT * 3, indices, COUNT, {0}, NULL, NULL, NULL, NULL};
+        stp_raster_mesh mesh = {positions, COUNT * 3, indices, COUNT, NULL,
+                                {0},       NULL,      NULL,    NULL,  NULL};
         stp_raster_matrix matrices[2] = {parallel_matrix(), perspective_matrix(100.0f)};
         for (int m = 0; m < 2; ++m) {
             static const float limits[] = {INFINITY, 1.0f, 1e-3f};
@@ -276,7 +278,7 @@ void test_triangles_huge_fill_the_picture(test_state* test)
     static uint64_t pixels[PIXELS];
     static const float corners[9] = {-3e7f, -3e7f, 0.5f, 9e7f, -3e7f, 0.5f, -3e7f, 9e7f, 0.5f};
     static const uint32_t indices[3] = {0, 1, 2};
-    stp_raster_mesh mesh = {corners, 3, indices, 1, {0}, NULL, NULL, NULL, NULL};
+    stp_raster_mesh mesh = {corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL};
     stp_raster_matrix matrix = parallel_matrix();
     clear(pixels);
     CHECK(draw(pixels, &matrix, 1.0f, &mesh));
@@ -363,7 +365,7 @@ void test_triangles_in_bands_give_the_same_picture(test_state* test)
     for (int i = 0; i < 33 * 33; ++i) {
         grid.positions[3 * i + 2] = number(9, (uint64_t)i, 0.1f, 0.9f);
     }
-    stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, {0},
+    stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
                             NULL,           NULL,    NULL,         NULL};
     stp_raster_matrix matrix = parallel_matrix();
     clear(whole);
@@ -395,7 +397,7 @@ void test_triangles_in_any_order_give_the_same_picture(test_state* test)
     static uint64_t wanted[PIXELS], got[PIXELS];
     enum { VERTICES = 200000 };
     make_grid(&grid, 11, 0.4f);
-    stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, {0},
+    stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2048, NULL, {0},
                             NULL,           NULL,    NULL,         NULL};
     stp_raster_matrix matrix = parallel_matrix();
     clear(wanted);
@@ -409,7 +411,7 @@ void test_triangles_in_any_order_give_the_same_picture(test_state* test)
                3 * sizeof(float));
         indices[i] = place;
     }
-    mesh = (stp_raster_mesh){spread, VERTICES, indices, 2048, {0}, NULL, NULL, NULL, NULL};
+    mesh = (stp_raster_mesh){spread, VERTICES, indices, 2048, NULL, {0}, NULL, NULL, NULL, NULL};
     clear(got);
     bool drawn = draw(got, &matrix, 2.0f, &mesh);
     free(spread);
@@ -434,7 +436,7 @@ void test_triangles_keep_asks_with_perspective_weights(test_state* test)
     // a floor triangle; half the way along an edge in space is not half the way on the screen
     static const float corners[9] = {-4, 1, 2, 4, 1, 10, 4, 1, 2};
     static const uint32_t indices[3] = {0, 1, 2};
-    stp_raster_mesh mesh = {corners, 3, indices, 1, {0}, keep_near_corner1, NULL, NULL, NULL};
+    stp_raster_mesh mesh = {corners, 3, indices, 1, NULL, {0}, keep_near_corner1, NULL, NULL, NULL};
     stp_raster_matrix matrix = perspective_matrix(40.0f);
     clear(pixels);
     CHECK(draw(pixels, &matrix, INFINITY, &mesh));
@@ -465,10 +467,10 @@ void test_triangles_offset_keeps_precision(test_state* test)
     }
     static const uint32_t indices[3] = {0, 1, 2};
     stp_raster_matrix matrix = parallel_matrix();
-    stp_raster_mesh mesh = {near_corners, 3, indices, 1, {0}, NULL, NULL, NULL, NULL};
+    stp_raster_mesh mesh = {near_corners, 3, indices, 1, NULL, {0}, NULL, NULL, NULL, NULL};
     clear(near_pixels);
     CHECK(draw(near_pixels, &matrix, 1.0f, &mesh));
-    mesh = (stp_raster_mesh){far_corners, 3,    indices, 1,   {1048576.0f, 1048576.0f, 0},
+    mesh = (stp_raster_mesh){far_corners, 3,    indices, 1,   NULL, {1048576.0f, 1048576.0f, 0},
                              NULL,        NULL, NULL,    NULL};
     clear(far_pixels);
     CHECK(draw(far_pixels, &matrix, 1.0f, &mesh));
@@ -488,7 +490,7 @@ void test_triangles_survive_failing_allocator(test_state* test)
         }
         stp_arena scratch = stp_arena_create(context, 64);
         stp_raster_target target = {WIDTH, HEIGHT, WIDTH, pixels};
-        stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2,   {0},
+        stp_raster_mesh mesh = {grid.positions, 33 * 33, grid.indices, 2,   NULL, {0},
                                 NULL,           NULL,    NULL,         NULL};
         stp_raster_matrix matrix = parallel_matrix();
         stp_result result =
@@ -502,4 +504,50 @@ void test_triangles_survive_failing_allocator(test_state* test)
             return;
         }
     }
+}
+
+// Triangles with numbers get the ids that they get one by one.
+void test_triangles_have_numbers_of_their_own(test_state* test)
+{
+    enum { TRIANGLES = 700 };
+    static uint64_t together[PIXELS], apart[PIXELS];
+    static float corners[9 * TRIANGLES];
+    static uint32_t indices[3 * TRIANGLES], numbers[TRIANGLES];
+    for (uint32_t t = 0; t < TRIANGLES; ++t) {
+        random_triangle(5, t, t % 7 == 0 ? 200.0f : 6.0f, corners + 9 * (size_t)t);
+        for (uint32_t k = 0; k < 3; ++k) {
+            indices[3 * t + k] = 3 * t + k;
+        }
+        numbers[t] = (t * 37u) % 5003u;
+    }
+    stp_raster_matrix matrix = parallel_matrix();
+    stp_raster_mesh mesh = {.positions = corners,
+                            .vertex_count = 3 * TRIANGLES,
+                            .indices = indices,
+                            .triangle_count = TRIANGLES,
+                            .numbers = numbers};
+    clear(together);
+    clear(apart);
+    CHECK(draw(together, &matrix, INFINITY, &mesh));
+    for (uint32_t t = 0; t < TRIANGLES; ++t) {
+        stp_raster_mesh one = {.positions = corners + 9 * (size_t)t,
+                               .vertex_count = 3,
+                               .indices = indices,
+                               .triangle_count = 1,
+                               .numbers = numbers + t};
+        CHECK(draw(apart, &matrix, INFINITY, &one));
+    }
+    CHECK(memcmp(together, apart, sizeof(apart)) == 0);
+    // as with the ids of their places
+    mesh.numbers = NULL;
+    clear(apart);
+    CHECK(draw(apart, &matrix, INFINITY, &mesh));
+    int covered = 0;
+    for (int i = 0; i < PIXELS; ++i) {
+        bool there = apart[i] != STP_RASTER_EMPTY;
+        CHECK_EQUAL(there, together[i] != STP_RASTER_EMPTY);
+        CHECK(!there || stp_raster_id(apart[i]) < TRIANGLES);
+        covered += there ? 1 : 0;
+    }
+    CHECK(covered > PIXELS / 4);
 }

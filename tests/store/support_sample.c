@@ -364,11 +364,13 @@ static void add_methods(dice* d, stp_store_content* content)
     for (uint32_t i = 0; i < count; ++i) {
         sets[i] = content->surfels[i];
     }
+    // the columns of version 1.2 when the golden file was written
+    const uint32_t golden = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS;
     methods[0] = (stp_store_method){.name = "blue", .id = STP_METHOD_BLUE, .set_count = count};
     for (uint32_t m = 1; m < 3; ++m) {
         methods[m] = (stp_store_method){.name = m == 1 ? "spt" : "stochastic",
                                         .id = m == 1 ? STP_METHOD_SPT : STP_METHOD_STOCHASTIC,
-                                        .columns = m == 1 ? STP_SPLATS_COLUMNS : below(d, 8),
+                                        .columns = m == 1 ? golden : below(d, 8),
                                         .first_set = count,
                                         .sets = of_node + (m - 1) * (size_t)nodes};
         for (uint32_t i = 0; i < nodes; ++i) {

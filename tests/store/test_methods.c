@@ -177,7 +177,7 @@ void test_splat_codes_never_shrink(test_state* test)
     for (float radius = 0.01f; radius < 1e8f; radius *= 1.0137f) {
         float coded = stp_shape_radius(stp_shape_code(radius));
         CHECK(coded >= radius && (radius <= 0.25f || coded <= radius * (1.0f + 1.0f / 127.0f)));
-        CHECK(stp_shape_is_valid(stp_shape_disk(radius, 0)));
+        CHECK(stp_shape_is_valid(stp_shape_disk(radius, 0, false)));
         uint32_t range = stp_range_code(radius, 3.0f * radius);
         float low = stp_range_level(range & 0xFFFFu), high = stp_range_level(range >> 16);
         CHECK(low <= radius && low >= radius * (1.0f - 1.0f / 255.0f));

@@ -22,6 +22,7 @@
 #include "select/view_frame.h"
 #include "store/clusters.h"
 #include "store/format.h"
+#include "store/large_triangles.h"
 
 enum {
     CPU_PIECE_SPLATS = 16384,
@@ -76,6 +77,7 @@ typedef struct cpu_item {
     float blend;           ///< share of `colors` there
     stp_store_mesh mesh;   ///< of columns, or
     stp_clusters clusters; ///< of clusters: then it has bytes
+    stp_large_triangles large;
     bool reads_texcoords[2];
     stp_store_point_set points;
     const stp_store_material* material;
@@ -197,6 +199,7 @@ typedef struct cpu_renderer {
     uint32_t* asked; ///< room for one index a texture
     cpu_item* items;
     size_t item_count, item_capacity;
+    uint64_t large_count; ///< triangles looked at beside splats
     uint32_t piece_count;
     cpu_eye eyes[STP_EYES_MOST];
     stp_depth_pyramid pyramids[STP_EYES_MOST]; ///< of the eyes' last pictures; no levels: none
@@ -412,6 +415,14 @@ typedef struct cpu_cluster_range {
 /// Draws clusters without those outside the view or hidden. @return false where memory runs out
 bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_range* range,
                        const stp_raster_target* target, cpu_worker* worker);
+
+/// Whether large triangles replace splats of an item's prefix.
+bool cpu_leaves_out_splats(const cpu_item* item);
+/// Finds the large triangles of an item that draws these alone.
+STP_MUST_USE stp_result cpu_find_large(cpu_renderer* r, cpu_item* item);
+/// Draws [begin, end) of them. @return false where memory runs out
+bool cpu_draw_large(const cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
+                    const stp_raster_target* target, cpu_worker* worker);
 
 /// Whether the caller abandons the picture (stp_renderer_set_stop).
 static inline bool cpu_is_stopped(const cpu_renderer* r)

@@ -131,6 +131,10 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
         item->unit_count = item->clusters.cluster_count;
         item->piece_units = CPU_PIECE_CLUSTERS;
     }
+    result = item->draw->large ? cpu_find_large(r, item) : result;
+    if (result != STP_OK) {
+        return result;
+    }
     const stp_store_material* material = &r->directory->materials[known->material];
     item->material = material;
     result = find_texture(r, &material->base_color_texture, false, &item->base_color);
@@ -242,6 +246,18 @@ static void decode_pictures(cpu_renderer* r, const stp_draw_list* list, size_t f
     }
 }
 
+/// Makes an item of large triangles of which none is drawn.
+static void skip_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
+{
+    const stp_store_mesh* mesh = stp_store_describe_mesh(r->store, draw->index);
+    *item = (cpu_item){.kind = draw->kind,
+                       .first_id = draw->first_id,
+                       .count = mesh->triangle_count,
+                       .piece_units = CPU_PIECE_TRIANGLES,
+                       .draw = draw,
+                       .material = &r->directory->materials[mesh->material]};
+}
+
 stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
     if (list->count > r->item_capacity) {
@@ -253,6 +269,7 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
         r->items = items;
     }
     if (first == 0) {
+        r->large_count = 0;
         forget_old_textures(r);
     }
     decode_pictures(r, list, first);
@@ -263,9 +280,16 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
     }
     r->item_count = first;
     uint64_t pieces = first > 0 ? r->piece_count : 0;
+    bool leaves_out = false; // of the set that large triangles follow
     for (size_t i = first; i < list->count; ++i) {
         cpu_item* item = &r->items[i];
-        stp_result result = prepare_item(r, list, &list->items[i], item);
+        const stp_draw_item* draw = &list->items[i];
+        stp_result result = STP_OK;
+        if (draw->large && !leaves_out) {
+            skip_item(r, draw, item); // its mesh need not be read
+        } else {
+            result = prepare_item(r, list, draw, item);
+        }
         if (result != STP_OK) {
             return result;
         }
@@ -273,6 +297,7 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
             item->unit_count = item->count;
             item->piece_units = CPU_PIECE_SPLATS;
         }
+        leaves_out = draw->large ? leaves_out : cpu_leaves_out_splats(item);
         item->first_piece = (uint32_t)pieces;
         pieces += ((uint64_t)item->unit_count + item->piece_units - 1) / item->piece_units;
         r->item_count = i + 1;

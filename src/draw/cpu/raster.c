@@ -109,6 +109,7 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
                                 .least = item->draw->level_least,
                                 .groups = item->surfels.groups,
                                 .one_sided = item->draw->one_sided && !through,
+                                .beside_triangles = item->draw->beside_triangles,
                                 .width = r->width,
                                 .height = r->height};
     uint16_t* bits = STP_ARENA_ARRAY(&worker->scratch, uint16_t, ((size_t)splats->end + 15) / 16);
@@ -237,6 +238,11 @@ bool cpu_draw_piece(cpu_renderer* r, const cpu_item* item, uint32_t piece, bool 
         return false;
     }
     if (r->layers.stage == CPU_LAYERS_OPAQUE && item->glass == STP_GLASS_ALL) {
+        return false;
+    }
+    if (item->draw->large) {
+        bool enough = cpu_draw_large(r, item, from, to, target, worker);
+        worker->failed = worker->failed || !enough;
         return false;
     }
     if (item->clusters.bytes != NULL) {

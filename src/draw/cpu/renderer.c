@@ -188,7 +188,7 @@ static stp_result draw_part(cpu_renderer* r, const stp_view* view, const stp_dra
         r->accumulation.frames = 0; // sums may be incomplete
     }
     stats->splats = r->eye_count * list->splat_count;
-    stats->triangles = r->eye_count * list->triangle_count;
+    stats->triangles = r->eye_count * (list->triangle_count + r->large_count);
     stats->draw_calls = r->eye_count * (uint32_t)list->count;
     stats->samples = summed ? all : r->accumulation.frames;
     stats->layers = r->layers.stage != CPU_LAYERS_NONE ? r->layers.count : 0;

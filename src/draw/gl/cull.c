@@ -6,6 +6,9 @@
 #include "draw/gl/upload.h"
 #include "draw/transparency.h"
 #include "store/format.h"
+#include "store/large_triangles.h"
+
+#include <string.h>
 
 static stp_bounding bound(const gl_renderer* r, const item_block* item)
 {
@@ -87,6 +90,14 @@ static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* me
     return STP_OK;
 }
 
+static uint32_t count_triangles(const stp_clusters* clusters, uint32_t index)
+{
+    uint32_t end = index + 1 < clusters->cluster_count
+                       ? stp_clusters_first_triangle(clusters, index + 1)
+                       : clusters->triangle_count;
+    return end - stp_clusters_first_triangle(clusters, index);
+}
+
 stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
 {
     item_block* item = &r->frame.items[index];
@@ -112,11 +123,64 @@ stp_result gl_cull_mesh(gl_renderer* r, uint32_t index)
         if (!(share > 0.0f) || stp_bounding_misses(&bounding, box)) {
             continue;
         }
-        uint32_t first = stp_clusters_first_triangle(&clusters, i);
-        uint32_t end = i + 1 < clusters.cluster_count
-                           ? stp_clusters_first_triangle(&clusters, i + 1)
-                           : clusters.triangle_count;
-        if (!add_cluster(r, index, kind, i, end - first, share)) {
+        if (!add_cluster(r, index, kind, i, count_triangles(&clusters, i), share)) {
+            return stp_fail_memory(r->base.context);
+        }
+    }
+    return STP_OK;
+}
+
+/// Sets the bits of clusters that have any of the large triangles of an item.
+static stp_result mark_clusters(gl_renderer* r, const stp_draw_item* draw,
+                                const stp_clusters* clusters)
+{
+    gl_frame* f = &r->frame;
+    stp_large_triangles large;
+    stp_result result =
+        stp_store_get_large_triangles(r->store, draw->index, draw->large_least, &large);
+    size_t words = (size_t)clusters->cluster_count / 32 + 1;
+    uint32_t* marks = f->marks;
+    if (result == STP_OK && words > f->mark_capacity) {
+        marks = stp_grow_array(r->base.context, marks, &f->mark_capacity, words, sizeof(*f->marks));
+        if (marks == NULL) {
+            return stp_fail_memory(r->base.context);
+        }
+        f->marks = marks;
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    memset(marks, 0, words * sizeof(*marks));
+    uint32_t count = stp_large_triangles_find(&large, draw->large_from);
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t cluster = stp_clusters_find(clusters, large.triangles[i]);
+        marks[cluster / 32] |= 1u << cluster % 32;
+    }
+    f->large_count += count;
+    return STP_OK;
+}
+
+stp_result gl_cull_large(gl_renderer* r, uint32_t index)
+{
+    item_block* item = &r->frame.items[index];
+    const stp_draw_item* draw = r->frame.placed[index].draw;
+    stp_clusters clusters;
+    stp_result result = stp_store_get_clusters(r->store, draw->index, &clusters);
+    result = result == STP_OK ? mark_clusters(r, draw, &clusters) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    item->flags |= ITEM_LARGE | ((clusters.present & STP_COLUMN_COLORS) != 0 ? ITEM_HAS_COLORS : 0);
+    item->cluster_count = clusters.cluster_count;
+    item->level_per_depth = draw->level_per_depth;
+    item->level_least = draw->level_least;
+    item->large_from = draw->fade_begin > 0.0f ? draw->fade_begin : -HUGE_VALF;
+    cluster_kinds kind = choose_kinds(r, item, clusters.present);
+    stp_bounding bounding = bound(r, item);
+    for (uint32_t i = 0; i < clusters.cluster_count; ++i) {
+        bool marked = (r->frame.marks[i / 32] >> i % 32 & 1) != 0;
+        if (marked && !stp_bounding_misses(&bounding, stp_clusters_bounds(&clusters, i)) &&
+            !add_cluster(r, index, kind, i, count_triangles(&clusters, i), 1.0f)) {
             return stp_fail_memory(r->base.context);
         }
     }

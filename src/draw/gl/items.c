@@ -169,6 +169,29 @@ static chunk_options find_options(const gl_renderer* r, uint32_t set, uint32_t o
                            .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
 }
 
+/// Brings the meshes whose large triangles follow a set, if any splat of these octaves would be replaced.
+static stp_result bring_large(gl_renderer* r, uint32_t index, uint32_t octaves)
+{
+    const stp_draw_item* set = r->frame.placed[index].draw;
+    const stp_draw_item *draw = set + 1, *end = r->list->items + r->list->count;
+    bool all = false;
+    r->frame.beside = false;
+    for (uint32_t k = 0; k < octaves && set->beside_triangles; ++k) {
+        all = all || r->things.boxes[gl_octave_entry(r, set->index, k, false) / 2].replaced;
+    }
+    for (; all && draw < end && draw->large; ++draw) {
+        gl_upload got = gl_upload_mesh(r, draw->index);
+        r->frame.missing += got != GL_UPLOAD_THERE ? 1 : 0;
+        all = got == GL_UPLOAD_THERE;
+        if (got == GL_UPLOAD_FAILED) {
+            return r->failure;
+        }
+    }
+    r->frame.beside = all;
+    r->frame.items[index].flags |= all ? ITEM_BESIDE : 0u;
+    return STP_OK;
+}
+
 static stp_result make_surfels(gl_renderer* r, uint32_t index)
 {
     gl_placed* placed = &r->frame.placed[index];
@@ -187,6 +210,7 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
         item->level_least = draw->level_least;
     }
     uint32_t prefix = draw->prefix < known->count ? draw->prefix : known->count;
+    r->frame.beside = false;
     uint32_t full = draw->full_prefix > prefix ? draw->full_prefix : prefix;
     full = full < known->count ? full : known->count;
     if (prefix == 0) {
@@ -230,6 +254,10 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
     if (choice.blend < 1.0f && choice.low_count > 0) {
         item->low_count = choice.low_count;
         item->low_colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave - 1, true));
+    }
+    stp_result result = bring_large(r, index, here.places);
+    if (result != STP_OK) {
+        return result;
     }
     item->first_chunk = (uint32_t)r->frame.chunk_count;
     for (uint32_t k = 0, begin = 0; k < here.places && begin < prefix; ++k) {
@@ -317,6 +345,10 @@ static stp_result make_mesh(gl_renderer* r, uint32_t index)
     const stp_store_mesh* known = stp_store_describe_mesh(r->store, draw->index);
     const stp_store_material* material = &r->directory->materials[known->material];
     item->material = known->material;
+    item->count = draw->large ? known->triangle_count : 0;
+    if (draw->large && !r->frame.beside) {
+        return STP_OK; // the set's splats are all drawn
+    }
     stp_result result = bring_texture(r, &material->base_color_texture, false, &item->base_color);
     if (result == STP_OK) {
         result = bring_texture(r, &material->metallic_roughness_texture, true,
@@ -332,7 +364,7 @@ static stp_result make_mesh(gl_renderer* r, uint32_t index)
     }
     item->count = known->triangle_count;
     item->address = gl_address(r, r->things.meshes + draw->index);
-    return gl_cull_mesh(r, index);
+    return draw->large ? gl_cull_large(r, index) : gl_cull_mesh(r, index);
 }
 
 static void place_splats(const gl_renderer* r, const gl_placed* placed,
@@ -502,6 +534,9 @@ static stp_result bring_urgent(gl_renderer* r)
     for (size_t i = 0; i < r->list->count; ++i) {
         const stp_draw_item* draw = &r->list->items[i];
         gl_upload got = GL_UPLOAD_THERE;
+        if (draw->large) {
+            continue; // the set stands for them
+        }
         if (draw->kind == STP_DRAW_MESH) {
             got = gl_upload_mesh(r, draw->index);
         } else if (draw->kind == STP_DRAW_POINTS) {
@@ -525,6 +560,7 @@ stp_result gl_frame_make(gl_renderer* r)
         return stp_fail_memory(r->base.context);
     }
     f->record_count = f->chunk_count = f->item_count = 0;
+    f->large_count = 0;
     if (r->eye == 0) { // of the picture, not of its last eye
         f->missing = f->coming = 0;
         r->pool.uploaded_bytes = 0;
@@ -555,4 +591,5 @@ void gl_frame_destroy(gl_renderer* r)
     stp_free(context, f->records);
     stp_free(context, f->chunks);
     stp_free(context, f->lookup);
+    stp_free(context, f->marks);
 }

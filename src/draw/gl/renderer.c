@@ -152,7 +152,7 @@ static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool 
     stats->draw_ms = cpu_ms;
     read_times(r, done, stats);
     stats->splats = eyes * r->list->splat_count;
-    stats->triangles = eyes * r->list->triangle_count;
+    stats->triangles = eyes * (r->list->triangle_count + r->frame.large_count);
     stats->draw_calls = r->draw_calls;
     stats->layers = r->layer_pass.active ? r->layer_pass.count : 0;
     stats->samples = samples;

@@ -102,12 +102,17 @@ typedef struct gl_frame {
     GLintptr items_offset, records_offset, chunks_offset, lookup_offset, view_offset;
     uint32_t missing; ///< things that are coarser than the list wants, of all eyes
     uint32_t coming;  ///< uploads that were put off to later frames
+    bool beside;      ///< large triangles of the set before are drawn
+    uint64_t large_count;
+    uint32_t* marks; ///< of clusters that have some: a bit each
+    size_t mark_capacity;
 } gl_frame;
 
 /// What holds the places of an octave's splats, in numbers of the grid.
 typedef struct gl_octave_box {
     uint16_t low[3], high[3];
     uint16_t largest; ///< code of the largest radius (base/splat_codes.h)
+    bool replaced;    ///< large triangles replace some
 } gl_octave_box;
 
 /// Where things' entries begin in the pool's table.

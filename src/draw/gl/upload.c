@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/coverage.h"
+#include "base/splat_codes.h"
 #include "raster/cutout.h"
 #include "store/columns.h"
 
@@ -109,6 +110,7 @@ gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool 
 static gl_octave_box bound_places(const stp_surfels* surfels, uint32_t begin, uint32_t end)
 {
     gl_octave_box box = {.low = {UINT16_MAX, UINT16_MAX, UINT16_MAX}};
+    bool tells = surfels->shapes != NULL && (surfels->columns & STP_SPLATS_REPLACED) != 0;
     for (size_t i = begin; i < end; ++i) {
         const uint16_t* p = surfels->positions + 3 * i;
         for (int k = 0; k < 3; ++k) {
@@ -117,6 +119,7 @@ static gl_octave_box bound_places(const stp_surfels* surfels, uint32_t begin, ui
         }
         uint16_t larger = surfels->shapes != NULL ? surfels->shapes[i] & 0xFFFu : 0;
         box.largest = larger > box.largest ? larger : box.largest;
+        box.replaced = box.replaced || (tells && stp_shape_is_replaced(surfels->shapes[i]));
     }
     return box;
 }

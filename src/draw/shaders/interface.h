@@ -71,12 +71,15 @@
 #define FILTER_BLEND 2u
 
 // Flags of items.
-#define ITEM_FACING 1u      // disks face the eye
-#define ITEM_HAS_COLORS 2u  // of vertices or points
-#define ITEM_HAS_NORMALS 4u // of points
-#define ITEM_GHOST 8u       // drawn in some of its pixels only
-#define ITEM_SHAPES 16u     // splats have radii of their own
-#define ITEM_RANGES 32u     // and are drawn within ranges of levels
+#define ITEM_FACING 1u             // disks face the eye
+#define ITEM_HAS_COLORS 2u         // of vertices or points
+#define ITEM_HAS_NORMALS 4u        // of points
+#define ITEM_GHOST 8u              // drawn in some of its pixels only
+#define ITEM_SHAPES 16u            // splats have radii of their own
+#define ITEM_RANGES 32u            // and are drawn within ranges of levels
+#define ITEM_BESIDE 64u            // splats that large triangles replace are left out
+#define ITEM_LARGE 128u            // triangles whose level is too low are left out
+#define SHAPE_REPLACED 0x80000000u // of a disk
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // other pixels than those that an alpha leaves out
 
@@ -158,7 +161,8 @@ struct item_block {
     float level_per_depth;  // what ranges are held against: this times the depth,
     vec4 box_low, box_high; // of splats that are drawn, as the rows take them
     float level_least;      // but at least this
-    float item_spare0, item_spare1, item_spare2;
+    float large_from;       // of large triangles: the least depth of the nearest corner
+    float item_spare0, item_spare1;
 };
 
 // One command of a multi-draw, or one part of it: splats, or a cluster.

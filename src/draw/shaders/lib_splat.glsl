@@ -104,13 +104,15 @@ void find_options(const record_block record, const item_block item, uint local, 
     if (shapes) {
         splat.shape = fetch(at);
         splat.own = shape_radius(splat.shape);
+        bool disk = (splat.shape & 0xFFFu) == (splat.shape >> 12 & 0xFFFu);
+        splat.there = (item.flags & ITEM_BESIDE) == 0u || !disk || (splat.shape & SHAPE_REPLACED) == 0u;
         at += 1u;
     }
     if (ranges) {
         uint range = fetch(at);
         precise float level = max(item.level_per_depth * splat.w, item.level_least);
         int bits = floatBitsToInt(level); // in the order of the numbers
-        splat.there = bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
+        splat.there = splat.there && bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
     }
 }
 

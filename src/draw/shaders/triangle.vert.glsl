@@ -11,6 +11,19 @@ out vec2 weight;
 out vec3 place; // in the view, for cuts
 #endif
 
+// Whether a triangle's level (base/triangle_level.h) is at least that of its nearest corner.
+bool is_large(const item_block item, const triangle_place t)
+{
+    vec3 p[3];
+    float nearest = 3.4e38;
+    for (int k = 0; k < 3; ++k) {
+        p[k] = corner_position(t, t.corner[k]);
+        nearest = min(nearest, dot(item.rows[3], vec4(p[k] - item.offset.xyz, 1.0)));
+    }
+    float level = 0.5 * max(distance(p[0], p[1]), max(distance(p[1], p[2]), distance(p[2], p[0])));
+    return nearest >= item.large_from && level >= max(item.level_per_depth * nearest, item.level_least);
+}
+
 void main()
 {
     uint number = uint(gl_BaseInstanceARB);
@@ -29,6 +42,10 @@ void main()
         return;
     }
     triangle_place t = find_triangle(item.address, record.address, local);
+    if ((item.flags & ITEM_LARGE) != 0u && !is_large(item, t)) {
+        gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+        return;
+    }
     vec4 p = vec4(corner_position(t, t.corner[corner]) - item.offset.xyz, 1.0);
     float w = dot(item.rows[3], p), nearness = dot(item.rows[2], p);
     gl_Position = vec4(to_clip(vec2(dot(item.rows[0], p), dot(item.rows[1], p)), w), nearness, w);

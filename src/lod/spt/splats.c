@@ -6,7 +6,7 @@
 #include "base/prefix_table.h"
 #include "base/sort.h"
 #include "base/splat_codes.h"
-#include "lod/spt/samples.h"
+#include "lod/spt/replaced.h"
 #include "lod/spt/sequence.h"
 #include "lod/surfels.h"
 
@@ -18,6 +18,7 @@ enum {
     FINEST_STEP = 8, ///< of the prefix table: an eighth more
 };
 
+#define ROUNDED 1.05f            ///< a 64th of an edge at both ends, and more
 #define HALF_DIAGONAL 0.8660254f ///< of a cube of side 1
 
 typedef struct spt_maker {
@@ -29,11 +30,13 @@ typedef struct spt_maker {
     stp_point_sequence sequence;
     double* areas;    ///< of nodes before each: the shares of leaves' disks that are drawn, summed
     uint32_t* leaves; ///< of nodes before each: leaves
-    uint8_t* spreads; ///< of nodes: sines of how far leaves' normals lie from theirs, 255 is 1
+    uint8_t* spreads; ///< of nodes: sines of how far leaves' normals lie from theirs (find_spread)
+    float*
+        replaced; ///< of nodes: the level up to which large triangles lie all around their leaves
     uint32_t* arranged; ///< places in the sequence, as the splats lie
 } spt_maker;
 
-/// Sine of the largest angle between a node's normal and those of its leaves, rounded up; 255 is 1.
+/// Sine of the largest angle between a node's normal and those of its leaves, rounded up: STP_SHAPE_SPREAD_ANY is 1.
 static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
 {
     stp_vec3 normal = tree->disks[node].normal;
@@ -43,10 +46,10 @@ static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
         least = tree->points[i] != UINT32_MAX && cosine < least ? cosine : least;
     }
     if (!(least > 0.0f)) {
-        return 255;
+        return STP_SHAPE_SPREAD_ANY;
     }
-    float sine = sqrtf(fmaxf(1.0f - least * least, 0.0f)) * 255.0f + 0.999f;
-    return sine < 255.0f ? (uint8_t)sine : 255;
+    float sine = sqrtf(fmaxf(1.0f - least * least, 0.0f)) * (float)STP_SHAPE_SPREAD_ANY + 0.999f;
+    return sine < (float)STP_SHAPE_SPREAD_ANY ? (uint8_t)sine : STP_SHAPE_SPREAD_ANY;
 }
 
 static void find_spreads(size_t begin, size_t end, uint32_t worker, void* user)
@@ -88,6 +91,40 @@ static stp_result make_tree(spt_maker* m, const stp_tree_desc* desc)
         }
     }
     return STP_OK;
+}
+
+/// Of leaves what is found of their samples; of inner nodes the least of what is below.
+static stp_result find_replaced(spt_maker* m, const stp_spt_desc* desc)
+{
+    size_t count = m->tree.count;
+    float* of_samples = STP_NEW_ARRAY(m->context, float, (size_t)m->samples->count + 1);
+    m->replaced = STP_NEW_ARRAY(m->context, float, count + 1);
+    bool made = of_samples != NULL && m->replaced != NULL;
+    stp_result result = made
+                            ? stp_spt_find_replaced(m->context, &m->points, m->samples->step,
+                                                    desc->corners, desc->triangle_count, of_samples)
+                            : stp_fail_memory(m->context);
+    for (uint32_t i = (uint32_t)count; i-- > 0 && result == STP_OK;) {
+        uint32_t point = m->tree.points[i];
+        m->replaced[i] = point != UINT32_MAX ? of_samples[point] : HUGE_VALF;
+        for (uint32_t c = i + 1; point == UINT32_MAX && c < m->tree.ends[i]; c = m->tree.ends[c]) {
+            m->replaced[i] = fminf(m->replaced[i], m->replaced[c]);
+        }
+    }
+    stp_free(m->context, of_samples);
+    return result;
+}
+
+static uint32_t find_range(const spt_maker* m, uint32_t place)
+{
+    return stp_range_code(0.5f * m->sequence.lowest[place], 0.5f * m->sequence.highest[place]);
+}
+
+/// Whether triangles are drawn wherever a splat would be. Rounded, they may be a little smaller.
+static bool is_replaced(const spt_maker* m, uint32_t place)
+{
+    float highest = stp_range_level(find_range(m, place) >> 16);
+    return highest * ROUNDED < m->replaced[m->sequence.nodes[place]];
 }
 
 static stp_result make_columns(spt_maker* m)
@@ -168,8 +205,8 @@ static uint32_t find_place(const uint16_t* position)
     return place;
 }
 
-/// Within a band, from one breakpoint of the table to the next, splats lie by where they face, then by where they are, so that
-/// neighbours can be left out together.
+/// Within a band, from one breakpoint of the table to the next, those that triangles replace come last. Others lie by where
+/// they face, then by where they are, so that neighbours can be left out together.
 static stp_result arrange(spt_maker* m)
 {
     const stp_prefix_table* table = &m->splats->table;
@@ -187,7 +224,9 @@ static stp_result arrange(spt_maker* m)
         const stp_disk* disk = &m->tree.disks[m->sequence.nodes[i]];
         place_disk(m, disk, position);
         uint64_t cluster = find_cluster(disk->normal);
-        keys[i] = (band << 57) | cluster << 50 | (uint64_t)find_place(position) << 32 | i;
+        uint64_t replaced = is_replaced(m, i) ? 1 : 0;
+        keys[i] =
+            band << 58 | replaced << 57 | cluster << 50 | (uint64_t)find_place(position) << 32 | i;
     }
     if (made) {
         const uint64_t* sorted = stp_sort_u64(keys, scratch, count, 32, 32);
@@ -218,9 +257,8 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
         s->coverages[i] = find_coverage(m, node);
         // centres are rounded to the grid: by half the diagonal of a cell
         float radius = disk->radius / s->step + HALF_DIAGONAL;
-        s->shapes[i] = stp_shape_disk(radius, m->spreads[node]);
-        s->ranges[i] =
-            stp_range_code(0.5f * m->sequence.lowest[at], 0.5f * m->sequence.highest[at]);
+        s->shapes[i] = stp_shape_disk(radius, m->spreads[node], is_replaced(m, at));
+        s->ranges[i] = find_range(m, at);
     }
 }
 
@@ -277,11 +315,12 @@ static void make_octaves(stp_surfels* s)
     s->octave_ends[s->octave_count++] = s->count;
 }
 
-static stp_result make(spt_maker* m, const stp_tree_desc* desc)
+static stp_result make(spt_maker* m, const stp_spt_desc* desc)
 {
     stp_surfels* s = m->splats;
     stp_result result = stp_spt_samples_take(m->context, m->samples, &m->points);
-    result = result == STP_OK ? make_tree(m, desc) : result;
+    result = result == STP_OK ? make_tree(m, &desc->tree) : result;
+    result = result == STP_OK ? find_replaced(m, desc) : result;
     s->columns = STP_SPLATS_COLUMNS;
     s->origin = m->samples->origin;
     s->step = m->samples->step;
@@ -299,7 +338,7 @@ static stp_result make(spt_maker* m, const stp_tree_desc* desc)
     return result;
 }
 
-stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const stp_tree_desc* desc,
+stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const stp_spt_desc* desc,
                         stp_surfels* splats)
 {
     spt_maker m = {.context = context, .samples = samples, .splats = splats};
@@ -311,6 +350,7 @@ stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const 
     stp_point_sequence_destroy(context, &m.sequence);
     stp_point_tree_destroy(context, &m.tree);
     stp_free(context, m.arranged);
+    stp_free(context, m.replaced);
     stp_free(context, m.spreads);
     stp_free(context, m.leaves);
     stp_free(context, m.areas);
