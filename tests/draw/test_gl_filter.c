@@ -70,3 +70,31 @@ void test_gl_filter_keeps_a_constant_colour(test_state* test)
     }
     made_gl_end(&m);
 }
+
+// What splats too large for a point hide leaves no trace.
+void test_gl_blend_leaves_nothing_behind_large_splats(test_state* test)
+{
+    static const struct {
+        float splat_size;
+        double distance;
+    } views[] = {{10, 0.3}, {10, 0.8}, {30, 0.8}, {20, 1.3}};
+    made_gl m;
+    bool failed;
+    if (!made_gl_begin(&m, false, &failed)) {
+        made_gl_end(&m);
+        CHECK(!failed);
+        SKIP("there is no OpenGL");
+    }
+    m.picture.quality.splats_only = true;
+    made_picture* p = &m.picture;
+    for (size_t i = 0; i < sizeof(views) / sizeof(views[0]); ++i) {
+        p->quality.splat_size = views[i].splat_size;
+        p->view.eye = (stp_vec3d){0.2, 0.1, views[i].distance};
+        p->style.filter = STP_FILTER_EWA;
+        CHECK_EQUAL(STP_OK, made_picture_draw(p));
+        p->style.filter = STP_FILTER_BLEND;
+        CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+        CHECK(compare(&m) >= 0.98);
+    }
+    made_gl_end(&m);
+}

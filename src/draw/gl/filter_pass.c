@@ -205,6 +205,7 @@ stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
         gl->BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
         gl->BindFramebuffer(GL_FRAMEBUFFER, pass->framebuffer);
         gl->Disable(GL_DEPTH_TEST);
+        gl->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE); // the shader has no outputs
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, pass->pixels);
         gl_splat_pass_begin(r);
         result = gl_splat_pass_points(r, &source, pass->tolerant);
