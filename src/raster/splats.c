@@ -205,6 +205,9 @@ uint64_t stp_raster_draw_splats(const stp_raster_target* target, uint32_t row_be
     if (!stp_splats_make_frame(&frame, target, row_begin, row_end, camera, splats, first_id)) {
         return 0;
     }
+    if (splats->squares) {
+        return stp_splats_draw_squares(&frame);
+    }
 #if defined(__x86_64__)
     switch (stp_processor_detect()) {
     case STP_PROCESSOR_AVX512:

@@ -54,6 +54,7 @@ typedef struct stp_raster_splats {
     /// NULL, or a bit a splat (from splat 0 on): those that the occluder hid are set, all others of the range cleared.
     uint16_t* hidden;
     const uint16_t* wanted; ///< NULL, or a bit a splat: only these are drawn
+    bool squares;           ///< squares instead of disks (raster/splats_squares_kernel.h)
 } stp_raster_splats;
 
 /// Object space to view space: x right, y down, z along the gaze, all in object-space lengths times

@@ -2,7 +2,7 @@
 #include "raster/splats_glass.h"
 
 #include "raster/blue_noise.h"
-#include "raster/splats_hidden.h"
+#include "raster/splats_squares_kernel.h"
 
 /// Splats of one call; the coverages, of which the frame's copy of them knows nothing, so that disks are whole.
 struct stp_glass_splats {
@@ -62,6 +62,37 @@ static uint64_t draw_disk(const stp_splat_frame* f, const splat_batch* t, int i,
     return fragments;
 }
 
+static uint64_t draw_glass_square(const stp_splat_frame* f, const splat_batch* t, int i,
+                                  uint32_t index)
+{
+    splat_box box = clip_box(f, t, i);
+    uint64_t fragments = 0;
+    for (int32_t y = box.y0; y < box.y1; ++y) {
+        for (int32_t x = box.x0; x < box.x1; ++x) {
+            fragments += stp_glass_store(f, index, x, y, t->nearness[i]);
+        }
+    }
+    return fragments;
+}
+
+static uint64_t draw_square_glass(const stp_splat_frame* f, splat_batch* t, uint32_t first,
+                                  uint32_t count)
+{
+    uint64_t fragments = 0;
+    load_shapes(f, first, count, t);
+    project_batch(f, t);
+    pick_batch(f, t, first, count);
+    place_squares(f, t, first, count);
+    for (uint32_t i = 0; i < count; ++i) {
+        if (t->kind[i] == SPLAT_PIXEL) {
+            fragments += stp_glass_store(f, first + i, t->cx[i], t->cy[i], t->nearness[i]);
+        } else if (t->kind[i] == SPLAT_WIDE) {
+            fragments += draw_glass_square(f, t, (int)i, first + i);
+        }
+    }
+    return fragments;
+}
+
 static uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t first, uint32_t count)
 {
     uint64_t fragments = 0;
@@ -113,7 +144,8 @@ uint64_t stp_raster_draw_glass(const stp_raster_target* target, const stp_raster
         uint32_t left = splats->end - first, count = left < SPLAT_BATCH ? left : SPLAT_BATCH;
         if (splats->wanted == NULL || splats->wanted[first / SPLAT_BATCH] != 0) {
             load_positions_scalar(&frame, first, count, &batch);
-            fragments += draw_batch(&frame, &batch, first, count);
+            fragments += splats->squares ? draw_square_glass(&frame, &batch, first, count)
+                                         : draw_batch(&frame, &batch, first, count);
         }
     }
     return fragments;

@@ -107,6 +107,8 @@ void stp_splats_ask_frame(stp_splat_frame* frame, const stp_raster_splats* splat
 
 /// Draws splat `index` with every pixel's ray in double precision.
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index);
+/// Draws all splats as squares.
+uint64_t stp_splats_draw_squares(const stp_splat_frame* frame);
 /// Draws a fragment of a transparent splat of `frame->glass`. @return whether it is there
 bool stp_glass_store(const stp_splat_frame* frame, uint32_t index, int32_t x, int32_t y,
                      float nearness);
