@@ -8,6 +8,7 @@
 // depends on who does it when.
 #pragma once
 
+#include "raster/splat_texture.h"
 #include "raster/splats.h"
 
 #include <stdatomic.h>
@@ -41,6 +42,7 @@ typedef struct stp_raster_blend {
     void (*colors)(void* user, uint32_t first, uint32_t count, const float* x, const float* y,
                    uint32_t (*out)[3]);
     void* user;
+    const stp_splat_texture* texture; ///< of weights; NULL: nearly a Gaussian
 } stp_raster_blend;
 
 /// Fills in the planes of pixels that show one of the splats. Those that are hundreds of pixels wide or close to the eye are

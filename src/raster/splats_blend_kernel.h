@@ -17,7 +17,8 @@ typedef struct blend_batch {
     const stp_splat_frame* frame;
     splat_batch t;
     uint32_t first, count;
-    bool adds; ///< or else finds planes
+    bool adds;          ///< or else finds planes
+    float tiny_opacity; ///< of a splat of one pixel
     bool has_colors;
     uint32_t colors[SPLAT_BATCH][3];
 } blend_batch;
@@ -71,9 +72,9 @@ static bool is_turned(slope_normal a, slope_normal b)
     return both < 0.0f || both * both < ALIKE * ALIKE * squares; // never of what has no slopes
 }
 
-/// A fragment of a disk or of a single pixel: `value` of the conic, up to `limit` inside.
+/// A fragment of a disk or of a single pixel; `opacity` is 0 to 1.
 static void blend_fragment(blend_batch* b, uint32_t i, int32_t x, int32_t y, float nearness,
-                           float share)
+                           float opacity)
 {
     const splat_batch* t = &b->t;
     size_t at = (size_t)y * b->blend->width + (size_t)x;
@@ -99,8 +100,66 @@ static void blend_fragment(blend_batch* b, uint32_t i, int32_t x, int32_t y, flo
     bool turned = is_turned(find_normal(right, down, ray_x, ray_y),
                             find_normal(plane->right, plane->down, ray_x, ray_y));
     if (!turned && has_fragment(b, i, x, y)) {
-        float inner = share > 0.0f ? share : 0.0f; // squared: nearly exp(-2 q), and 0 at the rim
-        add_fragment(b, i, at, 1 + (uint32_t)((float)(STP_BLEND_WEIGHT - 1) * (inner * inner)));
+        add_fragment(b, i, at, 1 + (uint32_t)((float)(STP_BLEND_WEIGHT - 1) * opacity));
+    }
+}
+
+/// How a texture lies on a disk or an ellipse.
+typedef struct splat_map {
+    splat_line larger, smaller; ///< axes, over their radii
+    float right, down;          ///< change of 1 / depth a pixel, of 1 in the middle
+} splat_map;
+
+static splat_map map_texture(const blend_batch* b, int i)
+{
+    const splat_batch* t = &b->t;
+    float inverse = 1.0f / t->radius[i], stretch = 1.0f;
+    splat_map map = {.right = -0.5f * t->p[i] / t->limit[i], .down = -0.5f * t->q[i] / t->limit[i]};
+    stp_shape_axis axis = {0.0f, 1.0f};
+    if (b->frame->splats->normals == NULL) {
+        map.larger = (splat_line){inverse, 0.0f, 1.0f};
+        map.smaller = (splat_line){0.0f, inverse, 1.0f};
+        return map;
+    }
+    if ((t->stretched >> i & 1u) != 0) {
+        axis = t->smaller[i];
+        stretch = sqrtf(1.0f + t->stretch[i]);
+    }
+    map.larger = project_line(b->frame, t, i, axis.along_y, -axis.along_x);
+    map.smaller = project_line(b->frame, t, i, axis.along_x, axis.along_y);
+    map.larger.ex *= inverse;
+    map.larger.ey *= inverse;
+    map.smaller.ex *= inverse * stretch;
+    map.smaller.ey *= inverse * stretch;
+    return map;
+}
+
+static float read_texture(const stp_splat_texture* texture, const splat_map* map, float u, float v)
+{
+    float depth = 1.0f / (1.0f + (map->right * u + map->down * v));
+    return stp_splat_texture_read(texture, (map->larger.ex * u + map->larger.ey * v) * depth,
+                                  (map->smaller.ex * u + map->smaller.ey * v) * depth);
+}
+
+static void blend_textured(blend_batch* b, uint32_t i)
+{
+    const splat_batch* t = &b->t;
+    splat_box box = clip_box(b->frame, t, (int)i);
+    splat_map map = map_texture(b, (int)i);
+    float most = t->g_limit[i];
+    for (int32_t y = box.y0; y < box.y1; ++y) {
+        for (int32_t x = box.x0; x < box.x1; ++x) {
+            float u = t->u0[i] + (float)(x - t->x0[i]), v = t->v0[i] + (float)(y - t->y0[i]);
+            float value = u * ((t->a[i] * u + t->b[i] * v) + t->p[i]) + v * (t->c[i] * v + t->q[i]);
+            if (!(value <= t->limit[i]) || splat_is_cut_away(t, (int)i, u, v)) {
+                continue;
+            }
+            float change = t->gx[i] * u + t->gy[i] * v;
+            change = change > most ? most : change;
+            change = change < -most ? -most : change;
+            blend_fragment(b, i, x, y, t->nearness[i] + change,
+                           read_texture(b->blend->texture, &map, u, v));
+        }
     }
 }
 
@@ -120,7 +179,8 @@ static void blend_disk(blend_batch* b, uint32_t i)
             change = change > most ? most : change;
             change = change < -most ? -most : change;
             float share = 1.0f - (value > 0.0f ? value * inverse : 0.0f);
-            blend_fragment(b, i, x, y, t->nearness[i] + change, share);
+            share = share > 0.0f ? share : 0.0f; // squared: nearly exp(-2 q), and 0 at the rim
+            blend_fragment(b, i, x, y, t->nearness[i] + change, share * share);
         }
     }
 }
@@ -131,8 +191,12 @@ static void blend_lanes(blend_batch* b)
     b->has_colors = false;
     for (uint32_t i = 0; i < b->count; ++i) {
         if (t->kind[i] == SPLAT_PIXEL) {
-            blend_fragment(b, i, t->cx[i], t->cy[i], t->nearness[i], 0.7f);
-        } else if (t->kind[i] == SPLAT_SMALL || t->kind[i] == SPLAT_WIDE) {
+            blend_fragment(b, i, t->cx[i], t->cy[i], t->nearness[i], b->tiny_opacity);
+        } else if (t->kind[i] != SPLAT_SMALL && t->kind[i] != SPLAT_WIDE) {
+            continue;
+        } else if (b->adds && b->blend->texture != NULL) {
+            blend_textured(b, i);
+        } else {
             blend_disk(b, i);
         }
     }
@@ -149,7 +213,12 @@ static inline void blend_all(const stp_raster_blend* blend, const stp_raster_cam
                                blend->first_id)) {
         return;
     }
-    blend_batch b = {.blend = blend, .frame = &frame, .adds = adds, .t = empty_batch()};
+    blend_batch b = {.blend = blend,
+                     .frame = &frame,
+                     .adds = adds,
+                     .t = empty_batch(),
+                     .tiny_opacity = blend->texture != NULL ? stp_splat_texture_mean(blend->texture)
+                                                            : 0.7f * 0.7f};
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         uint32_t left = splats->end - first;
         b.first = first;
