@@ -3,16 +3,24 @@
 // A draw list becomes pixels. Every backend takes the same list and gives the same picture.
 #pragma once
 
+#include "raster/splat_texture.h"
 #include "select/select.h"
 
 #include <stipple/image.h>
 
 #include <stdatomic.h>
 
+/// The shape of splats without a filter.
+typedef enum stp_splat_shape {
+    STP_SPLAT_DISK,   ///< disks and ellipses in the surface, exactly as perspective shows them
+    STP_SPLAT_SQUARE, ///< squares on the screen, as wide as the disks, at the depths of their centres
+} stp_splat_shape;
+
 typedef enum stp_filter {
     STP_FILTER_NONE, ///< a pixel shows one splat
     STP_FILTER_EWA, ///< splats of a pixel's surface are blended, weighted by how close their centres are
     STP_FILTER_BLEND, ///< the same in one pass: what is about as near as what was drawn before (OpenGL; else as EWA)
+    STP_FILTER_TEXTURED, ///< as BLEND, weighted by the style's texture
 } stp_filter;
 
 /// How transparent surfaces are drawn.
@@ -30,6 +38,9 @@ typedef struct stp_draw_style {
     bool background; ///< fill with background_color, alpha 255; default: transparent black
     uint8_t background_color[3];
     stp_filter filter;
+    stp_splat_shape splat_shape; ///< a filter draws disks always
+    /// Weights of STP_FILTER_TEXTURED (raster/splat_texture.h); lives as long as the style. NULL: a Gaussian.
+    const stp_splat_texture* splat_texture;
     float eye_dome;          ///< strength of eye-dome lighting; 0: none
     float ambient_occlusion; ///< reach of ambient occlusion, in heights of the picture; 0: none
     stp_transparency transparency;

@@ -74,7 +74,8 @@ bool stp_resting_is_same_style(const stp_draw_style* a, const stp_draw_style* b)
     return a->splat_scale == b->splat_scale && a->supersample == b->supersample &&
            a->headlight == b->headlight && a->background == b->background &&
            memcmp(a->background_color, b->background_color, sizeof(a->background_color)) == 0 &&
-           a->filter == b->filter && a->eye_dome == b->eye_dome &&
+           a->filter == b->filter && a->splat_shape == b->splat_shape &&
+           a->splat_texture == b->splat_texture && a->eye_dome == b->eye_dome &&
            a->ambient_occlusion == b->ambient_occlusion && a->caps == b->caps &&
            a->ghost == b->ghost && a->transparency == b->transparency;
 }

@@ -211,6 +211,7 @@ void cpu_blend_range(const cpu_renderer* r, const cpu_item* item, const stp_rast
     lighter.kernels = cpu_choose_shade_kernels();
     lighter.scene = cpu_make_shade_scene(r);
     blend.sums = (_Atomic uint64_t*)r->blend.sums;
+    blend.texture = r->style->filter == STP_FILTER_TEXTURED ? &r->blend.texture : NULL;
     blend.colors = light_splats;
     blend.user = &lighter;
     stp_raster_blend_splats(&blend, &item->camera, &asked);
@@ -262,6 +263,10 @@ stp_result cpu_blend_splats(cpu_renderer* r)
     stp_result result = cpu_draw_items(r, 0);
     if (result == STP_OK) {
         find_windows(r);
+    }
+    if (r->style->filter == STP_FILTER_TEXTURED) {
+        const stp_splat_texture* texture = r->style->splat_texture;
+        r->blend.texture = texture != NULL ? *texture : stp_splat_texture_gaussian();
     }
     r->blend.stage = CPU_BLEND_SPLATS;
     result = result == STP_OK ? cpu_draw_items(r, 0) : result;

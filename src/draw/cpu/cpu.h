@@ -149,7 +149,8 @@ typedef struct cpu_blend {
     size_t visible_capacity;
     float* blocks; ///< the least nearness of planes, then the windows of an occluder
     size_t block_capacity;
-    uint32_t block_shift; ///< 2^shift pixels a side
+    uint32_t block_shift;      ///< 2^shift pixels a side
+    stp_splat_texture texture; ///< of STP_FILTER_TEXTURED
     /// What is done with splats instead of drawing them.
     enum { CPU_BLEND_NONE, CPU_BLEND_PLANES, CPU_BLEND_SPLATS } stage;
 } cpu_blend;

@@ -137,7 +137,8 @@ static bool is_any_hidden(const cpu_renderer* r)
 static stp_result finish_picture(cpu_renderer* r)
 {
     bool blends = cpu_has_filter(r->style) && r->splat_size > 0.0f;
-    bool planes = r->style->plane_depth && !blends && r->splat_size > 0.0f;
+    bool disks = r->style->splat_shape == STP_SPLAT_DISK; // squares have no planes
+    bool planes = disks && r->style->plane_depth && !blends && r->splat_size > 0.0f;
     stp_result result = blends || planes ? cpu_find_visible(r) : STP_OK;
     if (result != STP_OK) {
         return result;

@@ -135,8 +135,12 @@ static void forget_hidden(const stp_raster_splats* splats)
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
 {
-    stp_raster_splats splats = {
-        .begin = begin, .end = end, .radius = item->radius, .seed = cpu_sample_seed(r, item)};
+    stp_raster_splats splats = {.begin = begin,
+                                .end = end,
+                                .radius = item->radius,
+                                .seed = cpu_sample_seed(r, item),
+                                .squares = r->style->splat_shape == STP_SPLAT_SQUARE &&
+                                           !cpu_has_filter(r->style)};
     if (item->kind == STP_DRAW_SURFELS) {
         splats.positions = item->surfels.positions;
         splats.normals = item->surfels.normals;

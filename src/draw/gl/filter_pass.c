@@ -3,6 +3,14 @@
 
 #include "base/context.h"
 #include "draw/gl/renderer.h"
+#include "raster/splats_blend.h"
+
+#include <stdio.h>
+
+bool gl_filter_is_tolerant(const gl_renderer* r)
+{
+    return r->style->filter == STP_FILTER_BLEND || r->style->filter == STP_FILTER_TEXTURED;
+}
 
 static stp_result make_two_pass_programs(gl_renderer* r)
 {
@@ -26,14 +34,17 @@ static stp_result make_one_pass_programs(gl_renderer* r)
 {
     gl_filter_pass* pass = &r->filter;
     stp_context* context = r->base.context;
-    char defines[256];
+    char more[96], defines[256];
     bool ordered = stp_gl_has(&r->gl, "GL_ARB_fragment_shader_interlock");
-    gl_page_defines(r, ordered ? "#define LEAVES\n#define INTERLOCK\n" : "#define LEAVES\n",
-                    defines, sizeof(defines));
+    bool textured = r->style->filter == STP_FILTER_TEXTURED;
+    GLuint* program = textured ? &pass->textured : &pass->tolerant;
+    snprintf(more, sizeof(more), "#define LEAVES\n%s%s", ordered ? "#define INTERLOCK\n" : "",
+             textured ? "#define TEXTURED\n" : "");
+    gl_page_defines(r, more, defines, sizeof(defines));
     stp_result result = STP_OK;
-    if (pass->tolerant == 0) {
+    if (*program == 0) {
         result = gl_program_create(context, &r->gl, "blend.vert.glsl", "tolerant.frag.glsl",
-                                   defines, &pass->tolerant);
+                                   defines, program);
     }
     if (result == STP_OK && pass->tolerant_merge == 0) {
         result = gl_program_create(context, &r->gl, "screen.vert.glsl", "tolerant_merge.frag.glsl",
@@ -62,6 +73,8 @@ void gl_filter_pass_destroy(gl_renderer* r)
     r->gl.DeleteProgram(pass->planes_program);
     r->gl.DeleteProgram(pass->blend);
     r->gl.DeleteProgram(pass->tolerant);
+    r->gl.DeleteProgram(pass->textured);
+    r->gl.DeleteTextures(1, &pass->splat_texture);
     r->gl.DeleteProgram(pass->tolerant_merge);
     r->gl.DeleteVertexArrays(1, &pass->vertex_array);
     *pass = (gl_filter_pass){0};
@@ -171,6 +184,30 @@ stp_result gl_filter_pass_blend(gl_renderer* r)
     return result;
 }
 
+/// The style's texture, which may be another one each time, and the weight of splats of one pixel.
+static void send_texture(gl_renderer* r)
+{
+    const stp_gl* gl = &r->gl;
+    GLuint* texture = &r->filter.splat_texture;
+    const GLsizei side = STP_SPLAT_TEXTURE_SIDE;
+    stp_splat_texture made =
+        r->style->splat_texture != NULL ? *r->style->splat_texture : stp_splat_texture_gaussian();
+    if (*texture == 0) {
+        gl->CreateTextures(GL_TEXTURE_2D, 1, texture);
+        gl->TextureStorage2D(*texture, 1, GL_R8, side, side);
+        gl->TextureParameteri(*texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        gl->TextureParameteri(*texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+        gl->TextureParameteri(*texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+        gl->TextureParameteri(*texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        gl->ObjectLabel(GL_TEXTURE, *texture, -1, "splat texture");
+    }
+    gl->TextureSubImage2D(*texture, 0, 0, 0, side, side, GL_RED, GL_UNSIGNED_BYTE, made.texels);
+    gl->BindTextureUnit(UNIT_SPLAT_TEXTURE, *texture);
+    float opacity = stp_splat_texture_mean(&made);
+    gl->UseProgram(r->filter.textured);
+    gl->Uniform1ui(0, 1 + (GLuint)((float)(STP_BLEND_WEIGHT - 1) * opacity));
+}
+
 /// The buffer's pixels to where shading and other passes look for them.
 static void merge_tolerant(gl_renderer* r)
 {
@@ -201,6 +238,10 @@ stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
     gl->ClearNamedBufferSubData(pass->pixels, GL_R32UI, 0, (GLsizeiptr)pass->bytes, GL_RED_INTEGER,
                                 GL_UNSIGNED_INT, &zero);
     gl->ClearNamedFramebufferfv(pass->framebuffer, GL_COLOR, 0, none);
+    bool textured = r->style->filter == STP_FILTER_TEXTURED;
+    if (textured) {
+        send_texture(r);
+    }
     if (gl_splat_source_find(r, &source)) {
         gl->BindTextureUnit(UNIT_NEARNESS, r->target.nearness);
         gl->BindFramebuffer(GL_FRAMEBUFFER, pass->framebuffer);
@@ -208,7 +249,7 @@ stp_result gl_filter_pass_draw_tolerant(gl_renderer* r)
         gl->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE); // the shader has no outputs
         gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_RASTER_PIXELS, pass->pixels);
         gl_splat_pass_begin(r);
-        result = gl_splat_pass_points(r, &source, pass->tolerant);
+        result = gl_splat_pass_points(r, &source, textured ? pass->textured : pass->tolerant);
         gl_set_visible_state(r);
         if (result == STP_OK) {
             gl_splat_pass_large(r, r->splats.large);

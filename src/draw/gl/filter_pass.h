@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Splats that overlap, blended: in two more passes after the visibility buffer (STP_FILTER_EWA), or in one instead of it
-// (STP_FILTER_BLEND). Both leave sums of weighted colours, which shading divides by those of weights.
+// (STP_FILTER_BLEND, STP_FILTER_TEXTURED). Both leave sums of weighted colours, which shading divides by those of weights.
 #pragma once
 
 #include "draw/gl/gl.h"
@@ -9,8 +9,9 @@
 struct gl_renderer;
 
 typedef struct gl_filter_pass {
-    GLuint planes_program, blend;    ///< of two passes; 0: not made yet
-    GLuint tolerant, tolerant_merge; ///< of one
+    GLuint planes_program, blend;              ///< of two passes; 0: not made yet
+    GLuint tolerant, textured, tolerant_merge; ///< of one
+    GLuint splat_texture;                      ///< R8; 0: not made yet
     GLuint vertex_array;
     GLuint planes, sums, framebuffer; ///< RGBA32F; of `sums`
     GLuint merged, ids;               ///< a framebuffer of the target's ids, sums and nearness
@@ -20,6 +21,9 @@ typedef struct gl_filter_pass {
 } gl_filter_pass;
 
 void gl_filter_pass_destroy(struct gl_renderer* r);
+
+/// Whether the style's filter blends in one pass.
+bool gl_filter_is_tolerant(const struct gl_renderer* r);
 
 /// After the visibility buffer is made. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED; logged
 STP_MUST_USE stp_result gl_filter_pass_blend(struct gl_renderer* r);

@@ -121,7 +121,7 @@ static stp_result make_programs(gl_renderer* r)
         const char *vertex, *fragment, *defines;
     } programs[] = {{&pass->triangles, "triangle.vert.glsl", "triangle.frag.glsl", keep},
                     {&pass->points, "splat.vert.glsl", "splat.frag.glsl", layer},
-                    {&pass->large, "large.vert.glsl", "large.frag.glsl", layer},
+                    {&pass->large, gl_large_vertex_shader(r), gl_large_fragment_shader(r), layer},
                     {&pass->take, "layer.comp.glsl", NULL, layer},
                     {&pass->compose, "compose.comp.glsl", NULL, NULL}};
     stp_result result = STP_OK;

@@ -63,11 +63,13 @@ stp_result gl_make_programs(gl_renderer* r)
     while (pages < r->pool.page_count) {
         pages *= 2;
     }
-    if (pages == r->program_pages) {
+    bool squares = r->style->splat_shape == STP_SPLAT_SQUARE && r->style->filter == STP_FILTER_NONE;
+    if (pages == r->program_pages && squares == r->program_squares) {
         return STP_OK;
     }
     destroy_programs(r);
     r->program_pages = pages;
+    r->program_squares = squares;
     stp_result result = gl_splat_pass_create(r);
     result = result == STP_OK ? gl_raster_pass_create(r) : result;
     result = result == STP_OK ? gl_triangle_pass_create(r) : result;

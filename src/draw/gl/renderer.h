@@ -7,8 +7,8 @@
 //             splats and triangles twice: first what the picture before does not hide (occlusion_pass.h)
 //   shaded    a compute pass looks up what each pixel's id is, and lights it; effects and averages after it
 //
-// Each pass is a file with create, draw and destroy, and owns its program; programs depend on how many pages the pool has,
-// and are made anew where that changes.
+// Each pass is a file with create, draw and destroy, and owns its program; programs depend on how many pages the pool has
+// and on the shape of splats, and are made anew where that changes.
 #pragma once
 
 #include "draw/gl/cap_pass.h"
@@ -158,6 +158,7 @@ struct gl_renderer {
     gl_pool pool;
     gl_things things;
     uint32_t program_pages; ///< pages that the programs are made for; 0: there are none
+    bool program_squares;   ///< that they draw splats as squares
     gl_splat_pass splats;
     gl_raster_pass raster;
     gl_splat_choice splat_choice;
@@ -191,6 +192,9 @@ struct gl_renderer {
 /// Defines for programs that read pages. @return `text`
 const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, size_t size);
 
+/// The shaders of splats that no point holds.
+const char* gl_large_vertex_shader(const gl_renderer* r);
+const char* gl_large_fragment_shader(const gl_renderer* r);
 STP_MUST_USE stp_result gl_splat_pass_create(gl_renderer* r);
 void gl_splat_pass_destroy(gl_renderer* r);
 /// Before a way of drawing splats: no large ones are noted yet.

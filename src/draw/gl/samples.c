@@ -172,7 +172,7 @@ static stp_result draw_visible(gl_renderer* r)
     gl_bind_frame(r);
     gl->ClearNamedFramebufferuiv(t->framebuffer, GL_COLOR, 0, nothing);
     gl->ClearNamedFramebufferfv(t->framebuffer, GL_DEPTH, 0, &far);
-    if (r->style->filter == STP_FILTER_BLEND) {
+    if (gl_filter_is_tolerant(r)) {
         stp_result result = gl_triangle_pass_draw(r);
         return result == STP_OK ? gl_filter_pass_draw_tolerant(r) : result;
     }

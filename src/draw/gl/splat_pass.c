@@ -8,10 +8,21 @@
 
 const char* gl_page_defines(const gl_renderer* r, const char* more, char* text, size_t size)
 {
-    snprintf(text, size, "#define PAGE_COUNT %u\n#define PAGE_SHIFT %u\n%s%s%s", r->program_pages,
+    snprintf(text, size, "#define PAGE_COUNT %u\n#define PAGE_SHIFT %u\n%s%s%s%s", r->program_pages,
              r->pool.page_shift, r->directory->texture_count > 0 ? "#define TEXTURES\n" : "",
-             r->layer_pass.of_splats ? "#define GLASS\n" : "", more);
+             r->layer_pass.of_splats ? "#define GLASS\n" : "",
+             r->program_squares ? "#define SQUARE\n" : "", more);
     return text;
+}
+
+const char* gl_large_vertex_shader(const gl_renderer* r)
+{
+    return r->program_squares ? "large_square.vert.glsl" : "large.vert.glsl";
+}
+
+const char* gl_large_fragment_shader(const gl_renderer* r)
+{
+    return r->program_squares ? "splat.frag.glsl" : "large.frag.glsl";
 }
 
 stp_result gl_splat_pass_create(gl_renderer* r)
@@ -28,8 +39,8 @@ stp_result gl_splat_pass_create(gl_renderer* r)
     stp_result result = gl_program_create(r->base.context, gl, "splat.vert.glsl", "splat.frag.glsl",
                                           defines, &pass->points);
     if (result == STP_OK) {
-        result = gl_program_create(r->base.context, gl, "large.vert.glsl", "large.frag.glsl",
-                                   defines, &pass->large);
+        result = gl_program_create(r->base.context, gl, gl_large_vertex_shader(r),
+                                   gl_large_fragment_shader(r), defines, &pass->large);
     }
     return result;
 }

@@ -6,6 +6,9 @@
 #ifdef LEAVES
 #include "lib_large.glsl"
 #endif
+#ifdef TEXTURED
+#include "lib_map.glsl"
+#endif
 
 flat out vec4 center; // as splat_shape
 flat out vec4 conic;
@@ -16,6 +19,9 @@ flat out vec4 cut;
 flat out vec2 slope;  // of the item: change of nearness a pixel
 #ifdef LEAVES
 flat out vec2 depths;
+#endif
+#ifdef TEXTURED
+flat out vec4 axes; // of the texture
 #endif
 flat out uvec3 hashed;
 
@@ -32,6 +38,9 @@ void main()
     conic = s.conic;
     conic2 = s.conic2;
     cut = s.cut;
+#ifdef TEXTURED
+    axes = shape == SHAPE_DISK ? map_texture(item, splat, s) : vec4(0.0);
+#endif
 #ifdef LEAVES
     depths = s.depths;
 #endif

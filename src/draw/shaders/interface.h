@@ -35,6 +35,7 @@
 #define UNIT_BEFORE_NEARNESS 7
 #define UNIT_BELOW 8
 #define UNIT_CAPS 9 // how near caps of sections are
+#define UNIT_SPLAT_TEXTURE 10
 #define IMAGE_PICTURE 0
 #define IMAGE_DEPTH 1
 #define IMAGE_SUMS 2
@@ -69,6 +70,7 @@
 #define FILTER_NONE 0u
 #define FILTER_EWA 1u
 #define FILTER_BLEND 2u
+#define FILTER_TEXTURED 3u
 
 // Flags of items.
 #define ITEM_FACING 1u             // disks face the eye

@@ -31,6 +31,11 @@ bool is_turned(vec3 a, vec3 b)
     return both < 0.0 || both * both < BLEND_ALIKE * BLEND_ALIKE * dot(a, a) * dot(b, b);
 }
 
+float weight_of_opacity(float opacity)
+{
+    return 1.0 + floor((BLEND_WEIGHT - 1.0) * opacity);
+}
+
 // `inside`: 1 in the middle of the disk, 0 at its rim.
 float blend_weight(float inside)
 {

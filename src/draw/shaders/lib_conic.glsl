@@ -15,6 +15,9 @@ struct splat_shape {
     vec4 cut;    // lines: x * u + y * v within z and w, (u, v) from the centre
 };
 
+#ifdef SQUARE
+#include "lib_square.glsl"
+#else
 // All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
 uint shape_splat(const record_block record, const item_block item, const splat_place splat, out splat_shape s)
 {
@@ -92,3 +95,4 @@ vec4 shape_box(const splat_shape s)
     vec2 middle = floor(s.center.xy);
     return vec4(min(floor(s.center.xy - s.extent + 0.5), middle), max(floor(s.center.xy + s.extent - 0.5), middle));
 }
+#endif

@@ -1,6 +1,18 @@
 // A pixel of a disk: in where the ray through its middle meets the plane within the radius.
 #include "lib_holes.glsl"
 
+#ifdef SQUARE
+// A pixel of a square: from conic.xy to conic.zw.
+bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, vec4 cut, uvec3 hashed, ivec2 pixel, out float nearness)
+{
+    ivec2 place = pixel - ivec2(floor(center.xy));
+    precise vec2 at = (vec2(pixel) + 0.5) - center.xy;
+    precise float across = cut.x * at.x + cut.y * at.y;
+    nearness = center.z;
+    return all(greaterThanEqual(vec2(pixel), conic.xy)) && all(lessThanEqual(vec2(pixel), conic.zw)) && across >= cut.z &&
+           across <= cut.w && is_drawn(hashed, pixel, place);
+}
+#else
 bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, vec4 cut, uvec3 hashed, ivec2 pixel, out float nearness)
 {
     ivec2 place = pixel - ivec2(floor(center.xy));
@@ -12,3 +24,4 @@ bool has_pixel(vec4 center, vec4 conic, vec4 conic2, vec2 depths, vec4 cut, uvec
     precise float across = cut.x * at.x + cut.y * at.y;
     return value <= conic2.y && across >= cut.z && across <= cut.w && is_drawn(hashed, pixel, place);
 }
+#endif

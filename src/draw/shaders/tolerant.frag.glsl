@@ -22,6 +22,11 @@ flat in vec4 cut;
 flat in vec2 slope;
 flat in vec2 depths;
 flat in uvec3 hashed;
+#ifdef TEXTURED
+flat in vec4 axes; // of the texture
+layout(binding = UNIT_SPLAT_TEXTURE) uniform sampler2D splat_texture;
+layout(location = 0) uniform uint tiny_weight; // of a splat of one pixel
+#endif
 
 struct fragment {
     float key;    // how near it counts as, when it is asked which is in front
@@ -68,6 +73,20 @@ uint blend(uint at, const fragment f, uint slopes)
     return front ? f.slopes : slopes;
 }
 
+float find_weight(bool tiny, vec2 at, float value)
+{
+#ifdef TEXTURED
+    if (tiny) {
+        return float(tiny_weight);
+    }
+    float depth = 1.0 / (1.0 - 0.5 * dot(vec2(conic.w, conic2.x), at) / conic2.y);
+    vec2 place = depth * vec2(dot(axes.xy, at), dot(axes.zw, at));
+    return weight_of_opacity(textureLod(splat_texture, 0.5 * place + 0.5, 0.0).r);
+#else
+    return blend_weight(tiny ? BLEND_TINY : 1.0 - max(value, 0.0) / conic2.y);
+#endif
+}
+
 bool is_in(ivec2 pixel, vec2 at, float value)
 {
     float across = cut.x * at.x + cut.y * at.y;
@@ -90,7 +109,7 @@ void main()
     f.turn = conic2.zw / side;
     f.slopes = pack_slopes(tiny, f.turn);
     f.direction = (vec2(pixel) - ray.xy) * ray.z;
-    float weight = blend_weight(tiny ? BLEND_TINY : 1.0 - max(value, 0.0) / conic2.y);
+    float weight = find_weight(tiny, at, value);
     f.sum = vec4(weight * color.rgb, weight);
     bool drawn = !gl_HelperInvocation && all(lessThan(pixel, ivec2(view.size.xy))) && is_in(pixel, at, value) &&
                  f.plane + f.fuzzy > texelFetch(triangles, pixel, 0).r; // merging compares keys
