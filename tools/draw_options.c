@@ -114,11 +114,24 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
         {.name = "filter",
          .type = OPTION_CHOICE,
          .argument = "NAME",
-         .words = "none|ewa|blend",
+         .words = "none|ewa|blend|textured",
          .help = "blend splats that overlap, weighted by how close their centres are (as EWA "
                  "filters do), or show the nearest; blend: in one pass, less exactly, where OpenGL "
-                 "draws; default none",
+                 "draws; textured: as blend, weighted by --splat-texture; default none",
          .value = &o->filter},
+        {.name = "splat-texture",
+         .type = OPTION_TEXT,
+         .argument = "FILE.png",
+         .help = "opacities for --filter textured, mapped to each splat's ellipse: the alpha of a "
+                 "picture, or its brightness if it is opaque; default a Gaussian",
+         .value = &o->splat_texture},
+        {.name = "splat-shape",
+         .type = OPTION_CHOICE,
+         .argument = "SHAPE",
+         .words = "disk|square",
+         .help = "shape of splats without a filter: disks and ellipses in the surface, or squares "
+                 "on the screen, like hardware points; default disk",
+         .value = &o->splat_shape},
         {.name = "transparency",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -333,6 +346,12 @@ int draw_options_check(const draw_options* o)
                                 : o->has_splat_size ? "--splat-size"
                                                     : "--splats");
     }
+    if (o->splat_shape != STP_SPLAT_DISK && o->filter != STP_FILTER_NONE) {
+        return tool_usage_error("--splat-shape square and --filter exclude each other");
+    }
+    if (o->splat_texture != NULL && o->filter != STP_FILTER_TEXTURED) {
+        return tool_usage_error("--splat-texture is of use with --filter textured only");
+    }
     int code = show_options_check(&o->show);
     return code != 0 ? code : check_eyes(o);
 }
@@ -385,6 +404,7 @@ stp_draw_style draw_options_style(const draw_options* o)
                             .headlight = o->light == LIGHT_HEAD,
                             .background = o->has_background,
                             .filter = (stp_filter)o->filter,
+                            .splat_shape = (stp_splat_shape)o->splat_shape,
                             .eye_dome = (float)o->eye_dome,
                             .ambient_occlusion = (float)(0.01 * o->ambient_occlusion),
                             .transparency =

@@ -31,9 +31,10 @@ typedef struct draw_options {
     int light;
     uint8_t background[3];
     bool has_background;
-    int filter;
-    int transparency; ///< TRANSPARENCY_*
-    bool in_motion;   ///< set by the command: frames follow each other
+    int filter, splat_shape;
+    const char* splat_texture; ///< a file
+    int transparency;          ///< TRANSPARENCY_*
+    bool in_motion;            ///< set by the command: frames follow each other
     double eye_dome, ambient_occlusion;
     int caps; ///< CAPS_ON, CAPS_OFF
     show_options show;

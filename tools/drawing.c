@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "drawing.h"
 
+#include "picture.h"
 #include "tool.h"
 
 bool drawing_begin(drawing* d, const draw_options* options)
@@ -17,11 +18,29 @@ stp_result drawing_open(drawing* d, const draw_options* options, const char* pat
     return result;
 }
 
+static stp_result read_splat_texture(drawing* d, const char* path)
+{
+    stp_image image;
+    stp_result result = tool_read_picture(d->context, path, &image);
+    if (result == STP_OK) {
+        d->splat_texture = stp_splat_texture_of_image(&image);
+        stp_free(d->context, image.pixels);
+    }
+    return result;
+}
+
 stp_result drawing_make(drawing* d, const draw_options* options)
 {
     stp_draw_style style = draw_options_style(options);
-    stp_result result = frame_maker_create_on(d->context, d->store, &style,
-                                              (frame_backend)options->backend, &d->maker);
+    stp_result result = STP_OK;
+    if (options->splat_texture != NULL) {
+        result = read_splat_texture(d, options->splat_texture);
+        style.splat_texture = &d->splat_texture;
+    }
+    if (result == STP_OK) {
+        result = frame_maker_create_on(d->context, d->store, &style,
+                                       (frame_backend)options->backend, &d->maker);
+    }
     if (result == STP_OK) {
         frame_maker_use_splats(&d->maker, options->gl_splats);
     }
