@@ -4,16 +4,8 @@
 // which every variant compiles for its own processor.
 #pragma once
 
+#include "raster/splat_groups.h"
 #include "raster/splats_kernel.h"
-
-/// What decides of groups. Rows are those of the matrix after the position grid.
-typedef struct levels_groups {
-    float x[4], y[4];
-    float width, height;
-    float per_code; ///< a radius of one step, in numbers of the grid
-    float eye[3];   ///< in numbers of the grid; in parallel projection the gaze, of unit length
-    bool parallel;
-} levels_groups;
 
 /// Rows of the depth after the position grid, and the levels.
 typedef struct levels_frame {
@@ -21,11 +13,8 @@ typedef struct levels_frame {
     const uint32_t* ranges;
     float w[4];
     stp_raster_levels levels;
-    levels_groups groups;
+    stp_raster_groups groups; ///< with levels.groups
 } levels_frame;
-
-/// Whether nothing of a group can be seen.
-bool stp_splats_drop_group(const levels_frame* frame, const stp_splat_group* group);
 
 /// A bit for each of sixteen splats whose ranges hold their levels.
 static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float* restrict x,
@@ -60,7 +49,7 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
         if (f->levels.groups != NULL && (first % STP_GROUP_SPLATS == 0 || first == splats->begin)) {
             const stp_splat_group* group = &f->levels.groups[first / STP_GROUP_SPLATS];
             left_out = f->levels.beside_triangles ? group->replaced : 0;
-            dropped = left_out == UINT64_MAX || stp_splats_drop_group(f, group);
+            dropped = left_out == UINT64_MAX || stp_raster_drops_group(&f->groups, group);
         }
         if (dropped) {
             bits[first / SPLAT_BATCH] = 0;

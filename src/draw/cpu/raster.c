@@ -2,6 +2,7 @@
 // Items drawn in pieces, by whichever worker is free, each into its own buffer.
 #include "draw/cpu/blend.h"
 #include "draw/cpu/layers.h"
+#include "draw/one_sided.h"
 
 /// The last that begins at or before it.
 const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
@@ -103,12 +104,10 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
     if (item->kind != STP_DRAW_SURFELS || item->surfels.ranges == NULL) {
         return true;
     }
-    // sections, ghosts and glass show surface that faces away from the eye
-    bool through = item->draw->sections != 0 || item->draw->ghost || r->layers.of_splats;
     stp_raster_levels levels = {.per_depth = item->draw->level_per_depth,
                                 .least = item->draw->level_least,
                                 .groups = item->surfels.groups,
-                                .one_sided = item->draw->one_sided && !through,
+                                .one_sided = stp_draw_one_sided(item->draw, r->layers.of_splats),
                                 .beside_triangles = item->draw->beside_triangles,
                                 .width = r->width,
                                 .height = r->height};
