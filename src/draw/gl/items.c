@@ -4,6 +4,7 @@
 #include "base/prefix_table.h"
 #include "base/splat_codes.h"
 #include "draw/gl/cull.h"
+#include "draw/gl/splat_commands.h"
 #include "draw/gl/upload.h"
 #include "draw/transparency.h"
 #include "raster/splats_kernel.h"
@@ -73,48 +74,6 @@ static chunk_block* add_chunk(gl_renderer* r, item_block* item)
     return &f->chunks[f->chunk_count++];
 }
 
-/// What splats of a chunk have beside places.
-typedef struct chunk_options {
-    uint32_t address, words; ///< of shapes and ranges
-    float reach;             ///< the largest radius, in those of the item
-} chunk_options;
-
-/// One command for each part of a chunk's splats that a run holds.
-static bool add_splats(gl_renderer* r, uint32_t index, const chunk_block* chunk, uint32_t end,
-                       uint32_t words, chunk_options options)
-{
-    const stp_draw_item* draw = r->frame.placed[index].draw;
-    const stp_draw_run* runs = draw->run_count > 0 ? r->list->runs + draw->first_run : NULL;
-    uint32_t run = 0;
-    end = end < chunk->end ? end : chunk->end;
-    while (runs != NULL && run + 1 < draw->run_count && runs[run].end <= chunk->begin) {
-        run += 1;
-    }
-    for (uint32_t at = chunk->begin; at < end; ++run) {
-        uint32_t to =
-            runs != NULL && run + 1 < draw->run_count && runs[run].end < end ? runs[run].end : end;
-        record_block* record = gl_frame_add_command(r, GL_COMMANDS_SPLATS, to - at);
-        if (record == NULL) {
-            return false;
-        }
-        record->item = index;
-        record->first = at;
-        record->address = chunk->address + words * (at - chunk->begin);
-        record->options = options.address + options.words * (at - chunk->begin);
-        record->reach = options.reach;
-        if (draw->kind == STP_DRAW_SURFELS && r->layer_pass.active && r->layer_pass.of_splats &&
-            !gl_frame_repeat_command(r, GL_COMMANDS_GLASS_SPLATS, to - at)) {
-            return false;
-        }
-        if (runs != NULL && (runs[run].nearest != 0.0f || runs[run].farthest != 0.0f)) {
-            record->nearest = runs[run].nearest;
-            record->farthest = runs[run].farthest;
-        }
-        at = to;
-    }
-    return true;
-}
-
 /// How far a set can be drawn: octaves whose places are here, up to `octaves`; and the octave, below that many, that
 /// colours them.
 typedef struct octaves_here {
@@ -157,16 +116,21 @@ static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, ite
     }
 }
 
-static chunk_options find_options(const gl_renderer* r, uint32_t set, uint32_t octave,
-                                  const chunk_block* chunk)
+/// The splats of an octave, up to the end of the item's prefix.
+static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t octave,
+                                 const chunk_block* chunk, uint32_t prefix)
 {
     const stp_surfels* known = stp_store_describe_surfels(r->store, set);
     const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
     uint32_t count = chunk->end - chunk->begin;
     bool shapes = (known->columns & STP_SPLATS_SHAPES) != 0;
-    return (chunk_options){.address = chunk->address + 2 * count + (count + 3) / 4,
-                           .words = gl_option_words(known),
-                           .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
+    return (gl_splat_chunk){.begin = chunk->begin,
+                            .end = prefix < chunk->end ? prefix : chunk->end,
+                            .places = chunk->address,
+                            .place_words = 2,
+                            .options = chunk->address + 2 * count + (count + 3) / 4,
+                            .option_words = gl_option_words(known),
+                            .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
 }
 
 /// Brings the meshes whose large triangles follow a set, if any splat of these octaves would be replaced.
@@ -256,6 +220,8 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
         item->low_colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave - 1, true));
     }
     stp_result result = bring_large(r, index, here.places);
+    gl_splat_groups groups = {.groups = NULL};
+    result = result == STP_OK ? gl_splat_groups_make(r, index, here.places, &groups) : result;
     if (result != STP_OK) {
         return result;
     }
@@ -270,8 +236,8 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
                                .address = gl_address(r, gl_octave_entry(r, draw->index, k, false))};
         begin = chunk->end;
         hold_octave(r, draw->index, k, item);
-        chunk_block copy = *chunk;
-        if (!add_splats(r, index, &copy, prefix, 2, find_options(r, draw->index, k, &copy))) {
+        gl_splat_chunk splats = find_chunk(r, draw->index, k, chunk, prefix);
+        if (!gl_splat_commands_add(r, index, &splats, &groups)) {
             return stp_fail_memory(r->base.context);
         }
     }
@@ -315,8 +281,12 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
                                .end = begin + (left < UPLOAD_POINTS ? left : UPLOAD_POINTS),
                                .address = gl_address(r, entry)};
         item->count = chunk->end < wanted ? chunk->end : wanted;
-        chunk_block copy = *chunk;
-        if (!add_splats(r, index, &copy, wanted, 3, (chunk_options){.reach = 1.0f})) {
+        const gl_splat_chunk splats = {.begin = begin,
+                                       .end = item->count,
+                                       .places = chunk->address,
+                                       .place_words = 3,
+                                       .reach = 1.0f};
+        if (!gl_splat_commands_add(r, index, &splats, NULL)) {
             return stp_fail_memory(r->base.context);
         }
     }

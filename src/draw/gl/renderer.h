@@ -164,7 +164,8 @@ struct gl_renderer {
     gl_splat_choice splat_choice;
     gl_filter_pass filter;
     gl_occlusion_pass occlusion;
-    bool keeps_all; ///< one pass always, for comparison
+    bool keeps_all;    ///< one pass always, for comparison
+    bool keeps_groups; ///< groups that cannot be seen too, for comparison
     gl_triangle_pass triangles;
     gl_shade_pass shade;
     gl_effect_pass effects;

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "draw/gl/splat_commands.h"
+
+#include "draw/one_sided.h"
+
+enum {
+    GAP = 2, ///< most groups that are drawn unseen rather than begin another command
+};
+
+// Samples are shifted by up to half a pixel, and filters widen splats by about one.
+static const float margin_px = 2.0f;
+
+stp_result gl_splat_groups_make(gl_renderer* r, uint32_t index, uint32_t octaves,
+                                gl_splat_groups* groups)
+{
+    const gl_placed* placed = &r->frame.placed[index];
+    const stp_draw_item* draw = placed->draw;
+    *groups = (gl_splat_groups){.groups = NULL};
+    const stp_surfels* known = stp_store_describe_surfels(r->store, draw->index);
+    if ((known->columns & STP_SPLATS_RANGES) == 0 || r->keeps_groups) {
+        return STP_OK;
+    }
+    stp_surfels surfels; // as many as are here: the store may hold fewer than the pool
+    stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &surfels);
+    if (result != STP_OK || surfels.groups == NULL) {
+        return result;
+    }
+    groups->groups = surfels.groups;
+    bool whole = surfels.count == known->octave_ends[octaves - 1]; // the last group too
+    groups->count = (surfels.count + (whole ? STP_GROUP_SPLATS - 1 : 0)) / STP_GROUP_SPLATS;
+    stp_placed_item where;
+    stp_placement_place(&r->placement, draw, placed->offset, &where);
+    const stp_raster_splats splats = {.positions = surfels.positions,
+                                      .origin = placed->origin,
+                                      .step = placed->step,
+                                      .radius = placed->radius};
+    const stp_raster_frame frame = {.width = r->target.width,
+                                    .height = r->target.height,
+                                    .margin = margin_px,
+                                    .one_sided = stp_draw_one_sided(draw, r->layer_pass.of_splats)};
+    groups->view = stp_raster_groups_make(&where.camera, &splats, &frame);
+    return STP_OK;
+}
+
+/// Splats [begin, end) of an item.
+typedef struct splat_range {
+    uint32_t begin, end;
+} splat_range;
+
+static bool is_dropped(const gl_splat_groups* groups, uint32_t group)
+{
+    return group < groups->count && stp_raster_drops_group(&groups->view, &groups->groups[group]);
+}
+
+/// The first part of a range that is drawn by one command. Groups that cannot be seen are in it where they are few, between
+/// others. @return false if nothing is drawn
+static bool find_part(const gl_splat_groups* groups, splat_range range, splat_range* part)
+{
+    *part = range;
+    if (groups == NULL || groups->groups == NULL || range.begin == range.end) {
+        return range.begin < range.end;
+    }
+    uint32_t group = range.begin / STP_GROUP_SPLATS, end = (range.end - 1) / STP_GROUP_SPLATS + 1;
+    while (group < end && is_dropped(groups, group)) {
+        group += 1;
+    }
+    uint32_t last = group; // that may be seen
+    for (uint32_t i = group + 1; i < end && i - last <= GAP + 1; ++i) {
+        last = is_dropped(groups, i) ? last : i;
+    }
+    uint32_t first = group * STP_GROUP_SPLATS, after = (last + 1) * STP_GROUP_SPLATS;
+    part->begin = first > range.begin ? first : range.begin;
+    part->end = last + 1 < end ? after : range.end;
+    return group < end;
+}
+
+static bool add_command(gl_renderer* r, uint32_t index, const gl_splat_chunk* chunk,
+                        splat_range range, const stp_draw_run* run)
+{
+    const stp_draw_item* draw = r->frame.placed[index].draw;
+    uint32_t count = range.end - range.begin, before = range.begin - chunk->begin;
+    record_block* record = gl_frame_add_command(r, GL_COMMANDS_SPLATS, count);
+    if (record == NULL) {
+        return false;
+    }
+    record->item = index;
+    record->first = range.begin;
+    record->address = chunk->places + chunk->place_words * before;
+    record->options = chunk->options + chunk->option_words * before;
+    record->reach = chunk->reach;
+    if (run != NULL && (run->nearest != 0.0f || run->farthest != 0.0f)) {
+        record->nearest = run->nearest;
+        record->farthest = run->farthest;
+    }
+    return draw->kind != STP_DRAW_SURFELS || !r->layer_pass.active || !r->layer_pass.of_splats ||
+           gl_frame_repeat_command(r, GL_COMMANDS_GLASS_SPLATS, count);
+}
+
+bool gl_splat_commands_add(gl_renderer* r, uint32_t index, const gl_splat_chunk* chunk,
+                           const gl_splat_groups* groups)
+{
+    const stp_draw_item* draw = r->frame.placed[index].draw;
+    const stp_draw_run* runs = draw->run_count > 0 ? r->list->runs + draw->first_run : NULL;
+    uint32_t run = 0;
+    while (runs != NULL && run + 1 < draw->run_count && runs[run].end <= chunk->begin) {
+        run += 1;
+    }
+    for (splat_range of_run = {chunk->begin, chunk->begin}; of_run.end < chunk->end; ++run) {
+        bool ends = runs != NULL && run + 1 < draw->run_count && runs[run].end < chunk->end;
+        of_run = (splat_range){of_run.end, ends ? runs[run].end : chunk->end};
+        splat_range part, left = of_run;
+        for (; find_part(groups, left, &part); left.begin = part.end) {
+            if (!add_command(r, index, chunk, part, runs != NULL ? &runs[run] : NULL)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
