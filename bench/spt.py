@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Point trees and their sequences on several models: points by distance and kind of error, and what the test of each
-rejects, and how long a view takes to draw by recursion, as a sequence, and with groups left out.
+rejects, and how long a view takes to draw by recursion, as a sequence, and with groups left out: on the processor, or with
+OpenGL.
 
-    bench/spt.py [MODEL...] [--count N] [--out FILE.json]
+    bench/spt.py [MODEL...] [--count N] [--backend cpu|gl] [--out FILE.json]
 
 Default: models of Debian's assimp-testmodels. Runs `stipple bench spt` on each, prints a table, and keeps the figures in
 bench/results.
@@ -15,18 +16,20 @@ import kit
 TESTMODELS = pathlib.Path("/usr/share/assimp/models")
 MODELS = ["glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb", "PLY/Wuson.ply", "OBJ/spider.obj", "PLY/pond.0.ply",
           "STL/sphereWithHole.stl"]
+WAYS = {"traversal": "_gather_ms", "sequence": "_test_ms", "groups": "_test_ms"}  # and what they do besides drawing
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("models", nargs="*", default=[str(TESTMODELS / name) for name in MODELS])
     parser.add_argument("--count", type=int, default=200000, help="points of a model")
+    parser.add_argument("--backend", choices=["cpu", "gl"], default="cpu", help="what draws")
     parser.add_argument("--out", metavar="FILE.json", help="where figures are kept; default bench/results/MACHINE/DATE-spt.json")
     options = parser.parse_args()
     kept, rows, drawn = [], [], []
     for model in options.models:
         name = pathlib.Path(model).stem
-        results = kit.bench("spt", "--model", model, "--count", str(options.count))["results"]
+        results = kit.bench("spt", "--model", model, "--count", options.count, "--backend", options.backend)["results"]
         build = next(r["figures"] for r in results if r["name"] == "spt build")
         for result in results:
             result["params"]["model"] = name
@@ -36,13 +39,14 @@ def main():
                 rows.append([name, f"{build['points']:,.0f}", f"{result['params']['sizes_away']:g}", f"{f['unified']:,.0f}",
                              f"{f['split']:,.0f}", f"{f['qsplat']:,.0f}", f"{f['looked_at']:,.0f}", f"{f['selected']:,.0f}",
                              f"{f['rejected_percent']:.0f} %"])
-                drawn.append([name, f"{result['params']['sizes_away']:g}", f"{f['traversal_draw_ms']:.2f} ms", f"{f['sequence_draw_ms']:.2f} ms",
-                              f"{f['sequence_test_ms']:.2f} ms", f"{f['groups_draw_ms']:.2f} ms", f"{f['drawn_by_sequence']:,.0f}",
-                              f"{f['drawn_by_groups']:,.0f}"])
+                drawn.append([name, f"{result['params']['sizes_away']:g}", *(f"{f[way + '_draw_ms']:.2f} ms" for way in WAYS),
+                              *(f"{100 * f[way + spent] / f[way + '_draw_ms']:.1f} %" for way, spent in WAYS.items()),
+                              f"{f['drawn_by_sequence']:,.0f}", f"{f['drawn_by_groups']:,.0f}"])
     kit.table(["model", "points", "sizes away", "unified", "split", "QSplat", "looked at", "selected", "rejected"], rows)
     print()
-    kit.table(["model", "sizes away", "traversal", "sequence", "of that its test", "with groups", "drawn", "with groups"], drawn)
-    kit.keep("spt", kept, options.out)
+    kit.table(["model", "sizes away", "traversal", "sequence", "with groups", "outside drawing", "the same", "with groups", "drawn",
+               "with groups"], drawn)
+    kit.keep("spt" if options.backend == "cpu" else "spt-gl", kept, options.out)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,8 @@ typedef struct bench_options {
     uint32_t size[2];      ///< of pictures of scenes, pixels; 0: the benchmark's own
     uint32_t threads;      ///< that draw pictures of scenes; 0: all
     uint64_t
-        memory; ///< bytes under which scenes are loaded while they are drawn; 0: they are mapped
+        memory;   ///< bytes under which scenes are loaded while they are drawn; 0: they are mapped
+    bool uses_gl; ///< of benchmarks that draw with either backend
     const char* markdown; ///< a file for a table of what is drawn by OpenGL; NULL: none
 } bench_options;
 

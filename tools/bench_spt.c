@@ -5,6 +5,7 @@
 #include "bench.h"
 #include "measured_model.h"
 #include "spt_drawing.h"
+#include "spt_gl_drawing.h"
 
 #include "base/clock.h"
 #include "base/octahedral.h"
@@ -39,7 +40,10 @@ typedef struct spt_bench {
     stp_vec3d center;
     double size;
     uint32_t* nodes; ///< room for all
+    spt_model model;
+    // one of both
     spt_drawing* drawing;
+    spt_gl_drawing* gl_drawing;
 } spt_bench;
 
 /// What views from one distance take, summed over directions.
@@ -112,8 +116,21 @@ static stp_vec3d direction_of(uint32_t i, uint32_t count)
     return (stp_vec3d){across * cos(around), y, across * sin(around)};
 }
 
+static stp_result draw_view(spt_bench* b, const stp_tree_view* from, spt_times* times)
+{
+    spt_view view;
+    if (!spt_model_look(&b->model, from, b->center, &view)) {
+        return STP_OK;
+    }
+    if (b->gl_drawing != NULL) {
+        return spt_gl_drawing_measure(b->gl_drawing, b->nodes, &view, times);
+    }
+    spt_drawing_measure(b->drawing, b->nodes, &view, times);
+    return STP_OK;
+}
+
 /// A view by all ways. Distances of the prefix are those of the bounding sphere.
-static void add_view(spt_bench* b, stp_vec3d eye, double distance, spt_row* row)
+static stp_result add_view(spt_bench* b, stp_vec3d eye, double distance, spt_row* row)
 {
     stp_tree_view view = {.eye = eye, .allowed = PIXEL_ANGLE};
     double start = stp_clock_ms();
@@ -128,18 +145,42 @@ static void add_view(spt_bench* b, stp_vec3d eye, double distance, spt_row* row)
     row->looked_at += range.end;
     row->coarse += range.begin;
     row->qsplat += stp_point_tree_traverse(&b->by_diameter, &view, b->nodes);
-    spt_drawing_measure(b->drawing, &b->by_error, b->nodes, &view, b->center, &row->times);
+    stp_result result = draw_view(b, &view, &row->times);
     view.split = true;
     row->split += stp_point_tree_traverse(&b->by_error, &view, b->nodes);
+    return result;
 }
 
-static void measure_distance(spt_bench* b, double sizes, uint32_t directions, json_t* results)
+static void write_times(json_t* figures, const spt_times* t, double each, bool uses_gl)
+{
+    bench_set_number(figures, "drawn_by_traversal", (double)t->traversal_splats * each);
+    bench_set_number(figures, "traversal_draw_ms", t->traversal_ms * each);
+    bench_set_number(figures, "traversal_gather_ms", t->gather_ms * each);
+    bench_set_number(figures, "drawn_by_sequence", (double)t->sequence_splats * each);
+    bench_set_number(figures, "sequence_draw_ms", t->sequence_ms * each);
+    bench_set_number(figures, "sequence_test_ms", t->test_ms * each);
+    bench_set_number(figures, "drawn_by_groups", (double)t->group_splats * each);
+    bench_set_number(figures, "groups_draw_ms", t->group_ms * each);
+    bench_set_number(figures, "groups_test_ms", t->group_test_ms * each);
+    bench_set_number(figures, "traversal_pixels", (double)t->traversal_pixels * each);
+    bench_set_number(figures, "sequence_pixels", (double)t->sequence_pixels * each);
+    bench_set_number(figures, "groups_pixels", (double)t->group_pixels * each);
+    if (uses_gl) {
+        bench_set_number(figures, "submitted_by_sequence", (double)t->sequence_submitted * each);
+        bench_set_number(figures, "submitted_by_groups", (double)t->group_submitted * each);
+        bench_set_number(figures, "sequence_commands", (double)t->sequence_commands * each);
+        bench_set_number(figures, "groups_commands", (double)t->group_commands * each);
+    }
+}
+
+static stp_result measure_distance(spt_bench* b, double sizes, uint32_t directions, json_t* results)
 {
     spt_row row = {0};
     double distance = sizes * b->size;
-    for (uint32_t i = 0; i < directions; ++i) {
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < directions && result == STP_OK; ++i) {
         stp_vec3d eye = stp_addd(b->center, stp_scaled(direction_of(i, directions), distance));
-        add_view(b, eye, distance, &row);
+        result = add_view(b, eye, distance, &row);
     }
     bench_entry e = bench_result(results, "spt distance");
     bench_set_number(e.params, "sizes_away", sizes);
@@ -155,15 +196,23 @@ static void measure_distance(spt_bench* b, double sizes, uint32_t directions, js
                      row.looked_at > 0 ? 100.0 * (double)row.coarse / (double)row.looked_at : 0.0);
     bench_set_number(e.figures, "traverse_ms", row.traverse_ms / (double)directions);
     bench_set_number(e.figures, "sequence_ms", row.sequence_ms / (double)directions);
-    double each = 1.0 / (double)directions;
-    bench_set_number(e.figures, "drawn_by_traversal", (double)row.times.traversal_splats * each);
-    bench_set_number(e.figures, "traversal_draw_ms", row.times.traversal_ms * each);
-    bench_set_number(e.figures, "drawn_by_sequence", (double)row.times.sequence_splats * each);
-    bench_set_number(e.figures, "sequence_draw_ms", row.times.sequence_ms * each);
-    bench_set_number(e.figures, "sequence_test_ms", row.times.test_ms * each);
-    bench_set_number(e.figures, "drawn_by_groups", (double)row.times.group_splats * each);
-    bench_set_number(e.figures, "groups_draw_ms", row.times.group_ms * each);
-    bench_set_number(e.figures, "groups_test_ms", row.times.group_test_ms * each);
+    write_times(e.figures, &row.times, 1.0 / (double)directions, b->gl_drawing != NULL);
+    return result;
+}
+
+static stp_result make_drawing(spt_bench* b, bool uses_gl, json_t* results)
+{
+    stp_result result = spt_model_create(b->context, &b->by_error, &b->surfels, &b->model);
+    if (result != STP_OK || !uses_gl) {
+        return result == STP_OK ? spt_drawing_create(&b->model, &b->drawing) : result;
+    }
+    result = spt_gl_drawing_create(&b->model, &b->gl_drawing);
+    if (result == STP_OK) {
+        bench_entry e = bench_result(results, "spt device");
+        bench_set_text(e.params, "backend", "gl");
+        bench_set_text(e.params, "device", spt_gl_drawing_device(b->gl_drawing));
+    }
+    return result;
 }
 
 static int run_spt(const bench_options* options, json_t* results)
@@ -180,12 +229,15 @@ static int run_spt(const bench_options* options, json_t* results)
     bool any = result == STP_OK && b.samples.points.count > 0;
     result = any ? make_trees(&b, results) : result;
     if (any && result == STP_OK) {
-        result = spt_drawing_create(b.context, &b.by_error, &b.surfels, &b.drawing);
+        result = make_drawing(&b, options->uses_gl, results);
     }
     for (int i = 0; i < DISTANCES && any && result == STP_OK; ++i) {
-        measure_distance(&b, distances[i], options->quick ? QUICK_DIRECTIONS : DIRECTIONS, results);
+        result = measure_distance(&b, distances[i], options->quick ? QUICK_DIRECTIONS : DIRECTIONS,
+                                  results);
     }
     spt_drawing_destroy(b.drawing);
+    spt_gl_drawing_destroy(b.gl_drawing);
+    spt_model_destroy(&b.model);
     stp_surfels_destroy(b.context, &b.surfels);
     stp_free(b.context, b.nodes);
     stp_point_sequence_destroy(b.context, &b.sequence);

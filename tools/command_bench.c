@@ -31,7 +31,7 @@ static struct {
     const char *model, *markdown;
     uint64_t count, first, threads, memory;
     double splat_size;
-    int method;
+    int method, backend;
     bool has_method;
     double eye[3], target[3];
     bool has_eye;
@@ -69,6 +69,12 @@ static const option* bench_options_table(void)
          .help = "frame, quality: whose splats are drawn; default the file's first",
          .value = &given.method,
          .given = &given.has_method},
+        {.name = "backend",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = "cpu|gl",
+         .help = "spt: what draws; gl is OpenGL 4.5; default cpu",
+         .value = &given.backend},
         {.name = "eye",
          .type = OPTION_VECTOR,
          .argument = "X,Y,Z",
@@ -274,6 +280,7 @@ static int run_bench(int argc, char** argv)
                              .size = {given.size[0], given.size[1]},
                              .threads = (uint32_t)given.threads,
                              .memory = given.memory,
+                             .uses_gl = given.backend != 0,
                              .markdown = given.markdown};
     json_t* results = json_array();
     int code = 0;

@@ -70,6 +70,24 @@ for r in pictures:
 assert results[-1]["figures"]["ssim"] == min(r["figures"]["ssim"] for r in pictures)
 END
 
+# point trees: what the traversal and the sequence draw covers the same pixels, and is the same on both backends
+for backend in cpu gl; do
+    "$stipple" bench spt --quick --backend $backend --json > spt-$backend.json 2> err || fail "bench spt: $(cat err)"
+done
+python3 - << 'END' || fail "bench spt's figures"
+import json
+cpu, gl = ([r["figures"] for r in json.load(open(f"spt-{backend}.json"))["results"] if r["name"] == "spt distance"]
+           for backend in ("cpu", "gl"))
+assert len(cpu) == len(gl) == 7
+for c, g in zip(cpu, gl):
+    assert all(c[key] == g[key] for key in c if key.startswith("drawn_by")), (c, g)
+    for key in ("traversal_pixels", "sequence_pixels", "groups_pixels"):
+        assert abs(g[key] / c[key] - 1) < 0.01 and abs(g[key] / g["traversal_pixels"] - 1) < 0.01, (key, c, g)
+    assert g["drawn_by_groups"] <= g["submitted_by_groups"] <= g["submitted_by_sequence"], g
+    for way, spent in ("traversal", "gather"), ("sequence", "test"), ("groups", "test"):
+        assert 0 <= g[f"{way}_{spent}_ms"] < g[f"{way}_draw_ms"], g
+END
+
 # automatic: a program that plays graphics processor is none
 "$stipple" render boxes.stip -o a.png --size 8x8 --json > auto.json 2> err || fail "auto: $(cat err)"
 python3 -c "

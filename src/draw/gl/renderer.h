@@ -166,6 +166,7 @@ struct gl_renderer {
     gl_occlusion_pass occlusion;
     bool keeps_all;    ///< one pass always, for comparison
     bool keeps_groups; ///< groups that cannot be seen too, for comparison
+    bool unshaded;     ///< pictures end with the visibility buffer, for comparison
     gl_triangle_pass triangles;
     gl_shade_pass shade;
     gl_effect_pass effects;

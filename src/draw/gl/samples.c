@@ -232,7 +232,7 @@ static stp_result draw_sample(gl_renderer* r, const gl_sample* sample)
     if (timed) {
         gl_timer_mark(&r->gl, &r->timer, GL_TIMER_DRAWN);
     }
-    if (result == STP_OK) {
+    if (result == STP_OK && !r->unshaded) {
         result = shade(r, sample);
     }
     if (timed) {
