@@ -45,7 +45,7 @@ static void make_ball(made_picture* p, bool faces_in)
                            .coverages = coverages,
                            .table = {.size = 1, .count = {SAMPLES}, .radius = {0.02f}},
                            .candidate_radius = 0.001f};
-    const stp_tree_desc desc = {STP_TREE_GEOMETRIC, 255};
+    const stp_spt_desc desc = {.tree = {STP_TREE_GEOMETRIC, 255}};
     made_scene* s = &p->scene;
     if (stp_spt_make(p->context, &samples, &desc, &s->surfels[0]) != STP_OK) {
         return;

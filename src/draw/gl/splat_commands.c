@@ -26,6 +26,7 @@ stp_result gl_splat_groups_make(gl_renderer* r, uint32_t index, uint32_t octaves
         return result;
     }
     groups->groups = surfels.groups;
+    groups->beside = (r->frame.items[index].flags & ITEM_BESIDE) != 0;
     bool whole = surfels.count == known->octave_ends[octaves - 1]; // the last group too
     groups->count = (surfels.count + (whole ? STP_GROUP_SPLATS - 1 : 0)) / STP_GROUP_SPLATS;
     stp_placed_item where;
@@ -49,7 +50,12 @@ typedef struct splat_range {
 
 static bool is_dropped(const gl_splat_groups* groups, uint32_t group)
 {
-    return group < groups->count && stp_raster_drops_group(&groups->view, &groups->groups[group]);
+    if (group >= groups->count) {
+        return false;
+    }
+    const stp_splat_group* g = &groups->groups[group];
+    return (groups->beside && g->replaced == UINT64_MAX) ||
+           stp_raster_drops_group(&groups->view, g);
 }
 
 /// The first part of a range that is drawn by one command. Groups that cannot be seen are in it where they are few, between

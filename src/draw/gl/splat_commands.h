@@ -11,6 +11,7 @@ typedef struct gl_splat_groups {
     const stp_splat_group* groups; ///< NULL: all splats are drawn
     uint32_t count;                ///< splats beyond these groups are drawn
     stp_raster_groups view;
+    bool beside; ///< splats that large triangles replace are left out
 } gl_splat_groups;
 
 /// Groups of a surfel item, of which `octaves` are drawn; it is placed.
