@@ -233,8 +233,10 @@ static int run_frame(const bench_options* options, json_t* results)
                      .results = results};
     stp_result result = STP_ERROR_OUT_OF_MEMORY;
     if (b.context != NULL) {
-        result = options->model != NULL ? tool_open_scene(b.context, options->model, &b.store)
-                                        : build_default(&b, path);
+        result = options->model != NULL
+                     ? tool_open_scene_for(b.context, options->model,
+                                           scene_use_of_method(options->method), &b.store)
+                     : build_default(&b, path);
     }
     if (result == STP_OK && tool_check_method(options->method, b.store, b.model) != 0) {
         result = STP_ERROR_ARGUMENT;

@@ -445,7 +445,9 @@ bool draw_options_leave_quality(const draw_options* o)
 /// Who asks for nothing of splats gets a picture soon.
 scene_use draw_options_use(const draw_options* o)
 {
-    return o->reference         ? SCENE_FOR_ORIGINALS
-           : asks_for_splats(o) ? SCENE_FOR_SPLATS
-                                : SCENE_FOR_A_PICTURE;
+    scene_use use = scene_use_of_method(o->has_method ? stp_methods[o->method].id : 0);
+    if (o->reference) {
+        return SCENE_FOR_ORIGINALS;
+    }
+    return use == SCENE_FOR_METHODS || asks_for_splats(o) ? use : SCENE_FOR_A_PICTURE;
 }

@@ -29,7 +29,7 @@ static const char* const parameters =
 static const uint64_t quick_surfels = UINT64_C(100000), quick_triangles = UINT64_C(1) << 27;
 
 enum {
-    SCENE_USES = 3,
+    SCENE_USES = 4,
 };
 
 /// What a scene is wanted for, and by whom.
@@ -119,7 +119,7 @@ static bool cache_folder(stp_context* context, char* folder, size_t size)
 static bool cache_paths(stp_context* context, const char* path, const stp_mapped_file* file,
                         char out[SCENE_USES][PATH_MAX])
 {
-    static const char* const endings[SCENE_USES] = {"", "-picture", "-originals"};
+    static const char* const endings[SCENE_USES] = {"-methods", "", "-picture", "-originals"};
     char folder[PATH_MAX - 64];
     if (!cache_folder(context, folder, sizeof(folder))) {
         return false;
@@ -168,7 +168,7 @@ static bool decide_surfels(const stp_scene* scene, void* user)
     const stp_node* root = scene->root != STP_NONE ? &scene->nodes[scene->root] : NULL;
     bool quick = root != NULL && root->point_count == 0 && unique > quick_surfels &&
                  root->triangle_count <= quick_triangles;
-    d->with_surfels = d->use == SCENE_FOR_SPLATS || (d->use == SCENE_FOR_A_PICTURE && !quick);
+    d->with_surfels = d->use <= SCENE_FOR_SPLATS || (d->use == SCENE_FOR_A_PICTURE && !quick);
     return d->with_surfels;
 }
 
@@ -221,6 +221,13 @@ static stp_result build_cached(stp_context* context, const char* path, wish* w,
                            .wants_surfels = decide_surfels,
                            .wants_surfels_user = &d,
                            .parameters_json = parameters};
+    const stp_method* methods[STP_METHOD_COUNT];
+    for (uint32_t i = 0; use == SCENE_FOR_METHODS && i < STP_METHOD_COUNT; ++i) {
+        methods[i] = &stp_methods[i];
+        desc.methods = methods;
+        desc.method_count = i + 1;
+    }
+    desc.method_options = stp_method_options_default();
     prepare_watching(w, cached, &desc);
     stp_build_report report;
     stp_result result = stp_build(context, &desc, &report);
@@ -228,9 +235,16 @@ static stp_result build_cached(stp_context* context, const char* path, wish* w,
         return result;
     }
     // where renaming fails it is only built again, once somebody needs surfels
-    bool renamed = d.with_surfels && rename(cached[use], cached[SCENE_FOR_SPLATS]) == 0;
+    bool renamed = d.with_surfels && use > SCENE_FOR_SPLATS &&
+                   rename(cached[use], cached[SCENE_FOR_SPLATS]) == 0;
     memcpy(located, cached[renamed ? SCENE_FOR_SPLATS : use], PATH_MAX);
     return STP_OK;
+}
+
+scene_use scene_use_of_method(uint32_t id)
+{
+    const stp_method* method = stp_method_by_id(id);
+    return method != NULL && method->make != NULL ? SCENE_FOR_METHODS : SCENE_FOR_SPLATS;
 }
 
 static stp_result locate(stp_context* context, const char* path, wish* w, char* located)
@@ -271,10 +285,10 @@ stp_result tool_locate_scene(stp_context* context, const char* path, scene_use u
     return locate(context, path, &(wish){.use = use}, located);
 }
 
-stp_result tool_locate_watched(stp_context* context, const char* path, const scene_watcher* watcher,
-                               char* located, char* draft)
+stp_result tool_locate_watched(stp_context* context, const char* path, scene_use use,
+                               const scene_watcher* watcher, char* located, char* draft)
 {
-    wish w = {.use = SCENE_FOR_SPLATS, .watcher = watcher, .draft = draft};
+    wish w = {.use = use, .watcher = watcher, .draft = draft};
     stp_result result = locate(context, path, &w, located);
     if (!w.drafted) { // what may stand there is another's
         draft[0] = '\0';

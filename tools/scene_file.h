@@ -16,10 +16,14 @@ STP_MUST_USE stp_result tool_open_scene(stp_context* context, const char* path, 
 
 /// What a scene is opened for.
 typedef enum scene_use {
-    SCENE_FOR_SPLATS, ///< it needs the surfels of all its nodes
+    SCENE_FOR_METHODS, ///< it needs the splats of all methods
+    SCENE_FOR_SPLATS,  ///< it needs those of the first method
     SCENE_FOR_A_PICTURE, ///< of a size at which triangles do as well, where surfels would take longer than them
     SCENE_FOR_ORIGINALS, ///< it needs triangles and points only
 } scene_use;
+
+/// For splats of a method, by its id; 0: the file's first.
+scene_use scene_use_of_method(uint32_t id);
 
 /// As tool_open_scene. What does not need surfels is built without them, which takes a tenth of the time: for a picture, where
 /// the model is large, but not so large that its triangles would take longer to draw than surfels to make.
@@ -45,9 +49,9 @@ typedef struct scene_watcher {
     void* user;
 } scene_watcher;
 
-/// As tool_locate_scene for SCENE_FOR_SPLATS. `draft` (PATH_MAX bytes) is where drafts are, the caller's to remove; empty
+/// As tool_locate_scene for SCENE_FOR_METHODS or SCENE_FOR_SPLATS. `draft` (PATH_MAX bytes) is where drafts are, the caller's to remove; empty
 /// where none were made. @return STP_ERROR_BUSY (logged) where another process builds the same
-STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* path,
+STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* path, scene_use use,
                                             const scene_watcher* watcher, char* located,
                                             char* draft);
 

@@ -124,7 +124,7 @@ static void load(loader* l, const char* path)
     scene_watcher watcher = {.grown = on_grown, .user = l};
     stp_result result;
     do {
-        result = tool_locate_watched(context, path, &watcher, found, draft);
+        result = tool_locate_watched(context, path, l->desc.use, &watcher, found, draft);
     } while (result == STP_ERROR_BUSY && wait_for_another(l));
     stp_context_destroy(context);
     pthread_mutex_lock(&l->mutex);

@@ -39,6 +39,7 @@ typedef struct loader_news {
 typedef struct loader_desc {
     uint32_t thread_count;
     uint64_t memory_limit;
+    scene_use use;            ///< SCENE_FOR_METHODS or SCENE_FOR_SPLATS
     void (*wake)(void* user); ///< called from the thread where there is news
     void* user;
 } loader_desc;

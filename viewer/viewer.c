@@ -8,6 +8,7 @@
 #include "parts.h"
 
 #include "base/clock.h"
+#include "lod/method.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -110,6 +111,14 @@ static void step_explorer(viewer* v)
     }
 }
 
+/// Whether a method was asked for that the scene has no splats of.
+static bool lacks_method(const viewer* v)
+{
+    const stp_store_directory* d = v->scene->directory;
+    uint32_t id = v->options.method;
+    return id != 0 && d->surfels_count != 0 && d->methods[stp_store_find_method(d, id)].id != id;
+}
+
 static void take_scene(viewer* v)
 {
     const painter_scene* scene = painter_adopt(v->painter);
@@ -127,6 +136,10 @@ static void take_scene(viewer* v)
         camera_begin(v);
         if (stp_boxd_is_empty(v->scene->bounds)) {
             viewer_say(v, false, "%s: there is nothing to draw in it", v->file);
+        } else if (lacks_method(v)) {
+            viewer_say(v, false, "%s has splats by %s, not by %s", v->file,
+                       v->scene->directory->methods[0].name,
+                       stp_method_by_id(v->options.method)->name);
         }
     }
     if (v->news.complete && scene->serial == v->news.serial) {
@@ -277,6 +290,7 @@ static bool start(viewer* v)
 {
     loader_desc loading = {.thread_count = v->options.thread_count,
                            .memory_limit = v->options.memory_limit,
+                           .use = scene_use_of_method(v->options.method),
                            .wake = viewer_wake,
                            .user = v};
     painter_desc painting = {.begin_gl = window_begin_worker,

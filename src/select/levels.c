@@ -15,7 +15,7 @@ double stp_select_growth(double ceiling, double depth)
     return clamp_unit((STP_LEVELS_GROW * ceiling - depth) / ((STP_LEVELS_GROW - 1.0) * ceiling));
 }
 
-stp_result stp_select_add_run(stp_selection* s, uint32_t end, stp_depth_range range)
+stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end, stp_depth_range range)
 {
     stp_draw_list* list = s->list;
     if (list->run_count == list->run_capacity) {
@@ -32,6 +32,6 @@ stp_result stp_select_add_run(stp_selection* s, uint32_t end, stp_depth_range ra
         farthest = (float)(range.far * (1.0 + 1e-6));
     }
     list->runs[list->run_count++] =
-        (stp_draw_run){.end = end, .nearest = nearest, .farthest = farthest};
+        (stp_draw_run){.begin = begin, .end = end, .nearest = nearest, .farthest = farthest};
     return STP_OK;
 }

@@ -160,7 +160,7 @@ static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const s
         if (whole && !needed && s->list->run_count > first) {
             s->list->runs[first].end = end;
         } else {
-            stp_result result = stp_select_add_run(s, end, range);
+            stp_result result = stp_select_add_run(s, begin, end, range);
             if (result != STP_OK) {
                 return result;
             }

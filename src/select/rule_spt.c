@@ -99,7 +99,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     drawn.far = drawn.far >= sight->range.far ? HUGE_VAL : drawn.far;
     if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {
         size_t first = s->list->run_count;
-        stp_result result = stp_select_add_run(s, item.prefix, drawn);
+        stp_result result = stp_select_add_run(s, 0, item.prefix, drawn);
         if (result != STP_OK) {
             return result;
         }

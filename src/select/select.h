@@ -72,10 +72,10 @@ typedef struct stp_draw_item {
     stp_affine transform; ///< to scene space
 } stp_draw_item;
 
-/// Splats [end of the run before, end) of an item (from 0 on for its first run; the last one ends with the prefix) are
-/// drawn where nearest <= depth of the centre <= farthest. Ends of all but the last are multiples of 64.
+/// Splats [begin, end) of an item are drawn where nearest <= depth of the centre <= farthest; those in no run are not drawn.
+/// Runs ascend. They begin and end at multiples of 64, or with the prefix.
 typedef struct stp_draw_run {
-    uint32_t end;
+    uint32_t begin, end;
     float nearest, farthest;
 } stp_draw_run;
 

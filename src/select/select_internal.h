@@ -141,8 +141,9 @@ double stp_select_reach(const stp_selection* s, uint32_t node);
 /// The wanted coverage radius at depth 1, in a node's units; 0 where there is none.
 double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entry* at,
                                    const stp_sight* sight);
-/// Appends a run of an item that is to be added: splats up to `end` are drawn between two depths.
-STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t end, stp_depth_range range);
+/// Appends a run of an item that is to be added: splats [begin, end) are drawn between two depths.
+STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end,
+                                           stp_depth_range range);
 
 /// How much of what lies below a node is there at a depth, by the depth beyond which the node suffices.
 double stp_select_growth(double ceiling, double depth);

@@ -52,6 +52,10 @@ draw blue.stip alone
 cmp -s first.png first_blue.png || fail "the default is not the first method"
 cmp -s first.png alone.png || fail "blue beside spt is not blue alone"
 cmp -s first.png first_spt.png && fail "spt draws what blue draws"
+# a model that is not built yet is built with the method asked for
+"$stipple" -q render scene:spheres,scale=0.2 --method spt -o model.png --size 64x48 --once --json > model.json ||
+    fail "no picture of a model by spt"
+[ "$(value model.json method)" = spt ] || fail "the model is drawn by $(value model.json method)"
 refused 1 'has splats by blue, not by spt' render blue.stip -o a.png --method spt --once
 cat > path.json << 'PATH_END'
 {"fov": 60, "fps": 10, "keys": [{"t": 0, "eye": [0, 2, 6], "target": [0, 0, 0]}, {"t": 1, "eye": [2, 2, 6], "target": [0, 0, 0]}]}

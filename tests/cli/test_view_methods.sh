@@ -18,4 +18,9 @@ close_viewer
 open_viewer both.stip --backend cpu
 wait_until 'r["rests"] and r["method"] == "spt"'
 close_viewer
+# a file without it says so
+"$stipple" -q build scene:spheres,scale=0.2 -o blue.stip || exit 1
+open_viewer blue.stip --method spt --backend cpu
+wait_until 'r["rests"] and r["method"] == "blue" and "not by spt" in r["message"]'
+close_viewer
 [ $failures -eq 0 ]

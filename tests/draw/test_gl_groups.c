@@ -252,7 +252,8 @@ void test_gl_groups_keep_to_runs(test_state* test)
         SKIP("there is no OpenGL");
     }
     gl_renderer* r = (gl_renderer*)f.gl.renderer;
-    stp_draw_run runs[] = {{.end = 64 * 20}, {64 * 301, 1.2f, 2.0f}, {f.item.prefix, 0.0f, 1.5f}};
+    stp_draw_run runs[] = {
+        {.end = 64 * 20}, {64 * 20, 64 * 301, 1.2f, 2.0f}, {64 * 301, f.item.prefix, 0.0f, 1.5f}};
     f.runs = runs;
     f.item.run_count = 3;
     choose_view(&f, 0, false);

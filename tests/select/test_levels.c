@@ -103,15 +103,14 @@ static uint32_t count_drawn(const fixture* f, uint32_t set, double depth, uint32
     if (item == NULL || item->run_count == 0) {
         return *first_missing = item != NULL ? item->prefix : 0;
     }
-    uint32_t begin = 0, drawn = 0;
+    uint32_t drawn = 0;
     bool missing = false;
     for (uint32_t i = 0; i < item->run_count; ++i) {
         stp_draw_run run = f->list.runs[item->first_run + i];
         bool there = depth >= (double)run.nearest && depth <= (double)run.farthest;
-        drawn += there ? run.end - begin : 0;
+        drawn += there ? run.end - run.begin : 0;
         missing = missing || !there;
         *first_missing = missing ? *first_missing : run.end;
-        begin = run.end;
     }
     return drawn;
 }

@@ -57,6 +57,14 @@ static void draw_range(const cpu_renderer* r, const cpu_item* item, const stp_ra
         stp_raster_draw_splats(target, 0, r->height, &item->camera, splats, item->first_id);
 }
 
+/// Marks no splat of [begin, end) as hidden.
+static void forget_hidden(const stp_raster_splats* splats, uint32_t begin, uint32_t end)
+{
+    for (uint32_t i = begin / 16; splats->hidden != NULL && i < (end + 15) / 16; ++i) {
+        splats->hidden[i] = 0;
+    }
+}
+
 /// Splats of a piece in the runs that they belong to.
 static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                       const stp_raster_target* target, cpu_worker* worker, range_drawer draw)
@@ -66,15 +74,20 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
         draw(r, item, splats, target, worker);
         return;
     }
-    while (run + 1 < item->draw->run_count && item->runs[run].end <= begin) {
+    while (run < item->draw->run_count && item->runs[run].end <= begin) {
         run += 1;
     }
     for (uint32_t at = begin; at < end; ++run) {
-        splats->begin = at;
-        splats->end = at = item->runs[run].end < end ? item->runs[run].end : end;
-        splats->nearest = item->runs[run].nearest;
-        splats->farthest = item->runs[run].farthest;
-        draw(r, item, splats, target, worker);
+        bool none = run == item->draw->run_count || item->runs[run].begin >= end;
+        uint32_t from = none ? end : item->runs[run].begin;
+        forget_hidden(splats, at, from);
+        splats->begin = at = from > at ? from : at;
+        if (!none) {
+            splats->end = at = item->runs[run].end < end ? item->runs[run].end : end;
+            splats->nearest = item->runs[run].nearest;
+            splats->farthest = item->runs[run].farthest;
+            draw(r, item, splats, target, worker);
+        }
     }
 }
 
@@ -119,15 +132,6 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
     bool any = stp_raster_pick_levels(&item->camera, splats, item->surfels.ranges, &levels, bits);
     splats->wanted = bits;
     return any;
-}
-
-/// Marks no splat of the piece as hidden.
-static void forget_hidden(const stp_raster_splats* splats)
-{
-    for (uint32_t i = splats->begin / 16; splats->hidden != NULL && i < (splats->end + 15) / 16;
-         ++i) {
-        splats->hidden[i] = 0;
-    }
 }
 
 /// Splats [begin, end) of a piece. `late`: those that were hidden so far.
@@ -175,7 +179,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     if (cut && left && !cpu_cut_splats(r, item, &splats, worker)) {
         worker->failed = true;
     } else if (!left) {
-        forget_hidden(&splats);
+        forget_hidden(&splats, splats.begin, splats.end);
     } else if (item->kind == STP_DRAW_SURFELS && r->layers.of_splats) {
         draw_both(r, item, &splats, late, target, worker);
     } else {

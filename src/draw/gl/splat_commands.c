@@ -107,15 +107,13 @@ bool gl_splat_commands_add(gl_renderer* r, uint32_t index, const gl_splat_chunk*
 {
     const stp_draw_item* draw = r->frame.placed[index].draw;
     const stp_draw_run* runs = draw->run_count > 0 ? r->list->runs + draw->first_run : NULL;
-    uint32_t run = 0;
-    while (runs != NULL && run + 1 < draw->run_count && runs[run].end <= chunk->begin) {
-        run += 1;
-    }
-    for (splat_range of_run = {chunk->begin, chunk->begin}; of_run.end < chunk->end; ++run) {
-        bool ends = runs != NULL && run + 1 < draw->run_count && runs[run].end < chunk->end;
-        of_run = (splat_range){of_run.end, ends ? runs[run].end : chunk->end};
-        splat_range part, left = of_run;
-        for (; find_part(groups, left, &part); left.begin = part.end) {
+    for (uint32_t run = 0; run < (runs != NULL ? draw->run_count : 1); ++run) {
+        splat_range part, left = {chunk->begin, chunk->end};
+        if (runs != NULL) {
+            left.begin = runs[run].begin > left.begin ? runs[run].begin : left.begin;
+            left.end = runs[run].end < left.end ? runs[run].end : left.end;
+        }
+        for (; left.begin < left.end && find_part(groups, left, &part); left.begin = part.end) {
             if (!add_command(r, index, chunk, part, runs != NULL ? &runs[run] : NULL)) {
                 return false;
             }
