@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "base/math.h"
+#include "base/morton.h"
 #include "base/sort.h"
 #include "lod/grid.h"
 
 #define AXIS_BITS 10u
-
-// Ten bits, two zero bits before each.
-static uint32_t spread_bits(uint32_t x)
-{
-    x = (x | x << 16) & 0x030000ffu;
-    x = (x | x << 8) & 0x0300f00fu;
-    x = (x | x << 4) & 0x030c30c3u;
-    return (x | x << 2) & 0x09249249u;
-}
 
 static uint32_t place_on_axis(float coordinate, float low, float scale)
 {
@@ -37,9 +29,9 @@ stp_result stp_sort_spatially(stp_context* context, const float* positions, uint
     float scale = widest > 0.0f ? 1023.0f / widest : 0.0f;
     for (uint32_t i = 0; i < count; ++i) {
         const float* p = positions + 3 * (size_t)i;
-        uint32_t code = spread_bits(place_on_axis(p[0], box.min.x, scale)) |
-                        spread_bits(place_on_axis(p[1], box.min.y, scale)) << 1 |
-                        spread_bits(place_on_axis(p[2], box.min.z, scale)) << 2;
+        uint32_t code =
+            stp_morton(place_on_axis(p[0], box.min.x, scale), place_on_axis(p[1], box.min.y, scale),
+                       place_on_axis(p[2], box.min.z, scale));
         keys[i] = (uint64_t)code << 32 | i;
     }
     const uint64_t* sorted = stp_sort_u64(keys, keys + count, count, 32, 3 * AXIS_BITS);
