@@ -1,25 +1,31 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/point_tree.h"
 
+#include "lod/spt/octree.h"
+
 #include <string.h>
 
 enum {
-    LEVELS = 40, ///< of halving a box; what lies together still is cut by its order
+    SUBTREE = 4096, ///< points: what one thread makes at once
 };
 
-// A box of the octree.
-typedef struct cell {
-    stp_vec3d center;
-    double half;
-} cell;
+// A part of the tree, in depth-first order: a subtree, or one node above subtrees.
+typedef struct piece {
+    stp_octree_box box;
+    uint32_t node;  ///< its first one
+    uint32_t after; ///< the piece behind its subtree
+} piece;
 
 typedef struct maker {
     stp_context* context;
     const stp_tree_points* points;
     const stp_tree_desc* desc;
     stp_point_tree* tree;
-    uint32_t *order, *scratch; ///< points, those of a box together
-    uint32_t* weights;         ///< of nodes: leaves below
+    stp_octree octree;
+    piece* pieces;
+    size_t piece_count, piece_capacity;
+    uint32_t* sizes;   ///< of the nodes of a piece's subtree, from twice its first point on
+    uint32_t* weights; ///< of nodes: leaves below
 } maker;
 
 static stp_vec3 position_of(const stp_tree_points* points, uint32_t point)
@@ -28,32 +34,12 @@ static stp_vec3 position_of(const stp_tree_points* points, uint32_t point)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-static stp_result make_arrays(maker* m)
-{
-    size_t points = m->points->count, nodes = 2 * points;
-    stp_point_tree* t = m->tree;
-    t->disks = STP_NEW_ARRAY(m->context, stp_disk, nodes);
-    t->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * nodes);
-    t->ends = STP_NEW_ARRAY(m->context, uint32_t, nodes);
-    t->points = STP_NEW_ARRAY(m->context, uint32_t, nodes);
-    t->errors = STP_NEW_ARRAY(m->context, float, nodes);
-    t->perpendicular = STP_NEW_ARRAY(m->context, float, nodes);
-    t->tangential = STP_NEW_ARRAY(m->context, float, nodes);
-    m->order = STP_NEW_ARRAY(m->context, uint32_t, points);
-    m->scratch = STP_NEW_ARRAY(m->context, uint32_t, points);
-    m->weights = STP_NEW_ARRAY(m->context, uint32_t, nodes);
-    bool made = t->disks != NULL && t->colors != NULL && t->ends != NULL && t->points != NULL &&
-                t->errors != NULL && t->perpendicular != NULL && t->tangential != NULL &&
-                m->order != NULL && m->scratch != NULL && m->weights != NULL;
-    return made ? STP_OK : stp_fail_memory(m->context);
-}
-
-static void add_leaf(maker* m, uint32_t point)
+static void finish_leaf(const maker* m, uint32_t node)
 {
     static const uint8_t white[3] = {255, 255, 255};
     const stp_tree_points* p = m->points;
     stp_point_tree* t = m->tree;
-    uint32_t node = t->count++;
+    uint32_t point = t->points[node];
     stp_disk* disk = &t->disks[node];
     *disk = (stp_disk){.center = position_of(p, point),
                        .radius = p->radii != NULL ? p->radii[point] : p->radius};
@@ -63,10 +49,7 @@ static void add_leaf(maker* m, uint32_t point)
     }
     memcpy(t->colors + 3 * (size_t)node, p->colors != NULL ? p->colors + 3 * (size_t)point : white,
            3);
-    t->ends[node] = t->count;
-    t->points[node] = point;
     t->errors[node] = t->perpendicular[node] = t->tangential[node] = 0.0f;
-    t->leaf_count += 1;
     m->weights[node] = 1;
 }
 
@@ -83,14 +66,14 @@ static bool differs(const uint8_t* a, const uint8_t* b, uint32_t threshold)
 }
 
 // What a node is, once its children are there.
-static void finish_node(maker* m, uint32_t node)
+static void finish_node(const maker* m, uint32_t node)
 {
     stp_point_tree* t = m->tree;
     stp_disk children[STP_DISK_CHILDREN];
     float weights[STP_DISK_CHILDREN], perpendicular = 0.0f, tangential = 0.0f, error = 0.0f;
     double color[3] = {0}, sum = 0.0;
-    uint32_t count = 0;
-    for (uint32_t c = node + 1; c < t->count; c = t->ends[c]) {
+    uint32_t count = 0, end = t->ends[node];
+    for (uint32_t c = node + 1; c < end; c = t->ends[c]) {
         children[count] = t->disks[c];
         weights[count++] = (float)m->weights[c];
         sum += (double)m->weights[c];
@@ -106,103 +89,162 @@ static void finish_node(maker* m, uint32_t node)
         own[k] = (uint8_t)(color[k] / sum + 0.5);
     }
     bool by_diameter = m->desc->error == STP_TREE_DIAMETER;
-    for (uint32_t c = node + 1; c < t->count && !by_diameter; c = t->ends[c]) {
+    for (uint32_t c = node + 1; c < end && !by_diameter; c = t->ends[c]) {
         by_diameter = differs(t->colors + 3 * (size_t)c, own, m->desc->color_threshold);
     }
     t->disks[node] = stp_disk_enclose(children, weights, count);
     float diameter = 2.0f * t->disks[node].radius;
-    stp_disk_error found = stp_disk_measure(&t->disks[node], children, count);
-    if (by_diameter) {
-        found = (stp_disk_error){diameter, diameter, diameter};
+    stp_disk_error found = {diameter, diameter, diameter};
+    if (!by_diameter) {
+        found = stp_disk_measure(&t->disks[node], children, count);
     }
-    t->ends[node] = t->count;
-    t->points[node] = UINT32_MAX;
     t->perpendicular[node] = fmaxf(perpendicular, found.perpendicular);
     t->tangential[node] = fmaxf(tangential, found.tangential);
     t->errors[node] = fmaxf(error, found.geometric);
     m->weights[node] = (uint32_t)sum;
 }
 
-// Which of eight a point lies in.
-static uint32_t octant_of(const cell* box, stp_vec3 p)
+// The part of the tree that a box makes, and the parts of those within. @return false where memory runs out
+static bool add_pieces(maker* m, const stp_octree_box* box)
 {
-    return ((double)p.x >= box->center.x ? 1u : 0u) | ((double)p.y >= box->center.y ? 2u : 0u) |
-           ((double)p.z >= box->center.z ? 4u : 0u);
-}
-
-static cell child_cell(const cell* box, uint32_t octant)
-{
-    double half = 0.5 * box->half;
-    return (cell){{box->center.x + ((octant & 1) != 0 ? half : -half),
-                   box->center.y + ((octant & 2) != 0 ? half : -half),
-                   box->center.z + ((octant & 4) != 0 ? half : -half)},
-                  half};
-}
-
-// Puts the points of each octant together. begins[k] to begins[k + 1] is octant k. @return how many are not empty
-static uint32_t split(maker* m, const cell* box, uint32_t begin, uint32_t end, uint32_t begins[9])
-{
-    uint32_t counts[8] = {0}, filled = 0;
-    for (uint32_t i = begin; i < end; ++i) {
-        counts[octant_of(box, position_of(m->points, m->order[i]))] += 1;
+    size_t at = m->piece_count;
+    piece* grown = stp_grow_array(m->context, m->pieces, &m->piece_capacity, at + 1, sizeof(piece));
+    if (grown == NULL) {
+        return false;
     }
-    begins[0] = begin;
-    for (uint32_t k = 0; k < 8; ++k) {
-        begins[k + 1] = begins[k] + counts[k];
-        filled += counts[k] > 0;
-        counts[k] = begins[k];
-    }
-    if (filled > 1) {
-        for (uint32_t i = begin; i < end; ++i) {
-            m->scratch[counts[octant_of(box, position_of(m->points, m->order[i]))]++] = m->order[i];
-        }
-        memcpy(m->order + begin, m->scratch + begin, (end - begin) * sizeof(*m->order));
-    }
-    return filled;
-}
-
-// Adds what lies in a box: a leaf, or a node with up to eight subtrees. Boxes with one filled octant make no node.
-static void add_box(maker* m, cell box, uint32_t level, uint32_t begin, uint32_t end)
-{
-    uint32_t begins[9], filled = 1;
-    if (end - begin == 1) {
-        add_leaf(m, m->order[begin]);
-        return;
-    }
-    while (filled == 1 && level < LEVELS) {
-        filled = split(m, &box, begin, end, begins);
-        if (filled == 1) {
-            uint32_t octant = 0;
-            while (begins[octant + 1] == begin) {
-                octant += 1;
-            }
-            box = child_cell(&box, octant);
-            level += 1;
+    m->pieces = grown;
+    m->piece_count += 1;
+    bool added = true;
+    if (box->end - box->begin > SUBTREE) {
+        stp_octree_box children[8];
+        uint32_t count = stp_octree_divide(&m->octree, *box, children);
+        for (uint32_t k = 0; k < count && added; ++k) {
+            added = add_pieces(m, &children[k]);
         }
     }
-    if (filled == 1) { // coincident points, or nearly so
-        for (uint32_t k = 0; k <= 8; ++k) {
-            begins[k] = begin + (uint32_t)((uint64_t)(end - begin) * k / 8);
-        }
-    }
-    uint32_t node = m->tree->count++;
-    for (uint32_t k = 0; k < 8; ++k) {
-        if (begins[k + 1] > begins[k]) {
-            add_box(m, child_cell(&box, k), level + 1, begins[k], begins[k + 1]);
-        }
-    }
-    finish_node(m, node);
+    m->pieces[at] = (piece){.box = *box, .after = (uint32_t)m->piece_count};
+    return added;
 }
 
-static cell find_cell(const stp_tree_points* points)
+static bool is_subtree(const piece* p)
 {
-    stp_boxd box = stp_boxd_empty();
-    for (uint32_t i = 0; i < points->count; ++i) {
-        stp_boxd_add(&box, stp_to_double(position_of(points, i)));
+    return p->box.end - p->box.begin <= SUBTREE;
+}
+
+// The sizes of the subtrees of all nodes that a box makes. @return the first one's
+static uint32_t find_sizes(const stp_octree* octree, const stp_octree_box* box, uint32_t* sizes)
+{
+    uint32_t size = 1;
+    if (box->end - box->begin > 1) {
+        stp_octree_box children[8];
+        uint32_t count = stp_octree_divide(octree, *box, children);
+        for (uint32_t k = 0; k < count; ++k) {
+            size += find_sizes(octree, &children[k], sizes + size);
+        }
     }
-    stp_vec3d size = stp_subd(box.max, box.min);
-    double half = 0.5 * fmax(size.x, fmax(size.y, size.z));
-    return (cell){stp_scaled(stp_addd(box.min, box.max), 0.5), half > 0.0 ? half : 1.0};
+    sizes[0] = size;
+    return size;
+}
+
+static void shape_pieces(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const maker* m = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_octree_box* box = &m->pieces[i].box;
+        if (is_subtree(&m->pieces[i])) {
+            (void)find_sizes(&m->octree, box, m->sizes + 2 * (size_t)box->begin);
+        }
+    }
+}
+
+static void number_nodes(maker* m)
+{
+    for (size_t i = 0; i < m->piece_count; ++i) {
+        piece* p = &m->pieces[i];
+        p->node = m->tree->count;
+        m->tree->count += is_subtree(p) ? m->sizes[2 * (size_t)p->box.begin] : 1;
+    }
+}
+
+static stp_result make_arrays(maker* m)
+{
+    stp_point_tree* t = m->tree;
+    size_t nodes = t->count;
+    t->disks = STP_NEW_ARRAY(m->context, stp_disk, nodes);
+    t->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * nodes);
+    t->ends = STP_NEW_ARRAY(m->context, uint32_t, nodes);
+    t->points = STP_NEW_ARRAY(m->context, uint32_t, nodes);
+    t->errors = STP_NEW_ARRAY(m->context, float, nodes);
+    t->perpendicular = STP_NEW_ARRAY(m->context, float, nodes);
+    t->tangential = STP_NEW_ARRAY(m->context, float, nodes);
+    m->weights = STP_NEW_ARRAY(m->context, uint32_t, nodes);
+    bool made = t->disks != NULL && t->colors != NULL && t->ends != NULL && t->points != NULL &&
+                t->errors != NULL && t->perpendicular != NULL && t->tangential != NULL &&
+                m->weights != NULL;
+    return made ? STP_OK : stp_fail_memory(m->context);
+}
+
+static void finish_subtree(const maker* m, const piece* p)
+{
+    stp_point_tree* t = m->tree;
+    const uint32_t* sizes = m->sizes + 2 * (size_t)p->box.begin;
+    uint32_t item = p->box.begin;
+    for (uint32_t i = 0; i < sizes[0]; ++i) {
+        t->ends[p->node + i] = p->node + i + sizes[i];
+        t->points[p->node + i] = sizes[i] == 1 ? stp_octree_point(&m->octree, item++) : UINT32_MAX;
+    }
+    for (uint32_t node = p->node + sizes[0]; node-- > p->node;) { // children before their parents
+        if (t->points[node] != UINT32_MAX) {
+            finish_leaf(m, node);
+        } else {
+            finish_node(m, node);
+        }
+    }
+}
+
+static void finish_pieces(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const maker* m = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        if (is_subtree(&m->pieces[i])) {
+            finish_subtree(m, &m->pieces[i]);
+        }
+    }
+}
+
+// Nodes above subtrees are few, and are made by one thread.
+static void finish_above(const maker* m)
+{
+    stp_point_tree* t = m->tree;
+    for (size_t i = m->piece_count; i-- > 0;) {
+        const piece* p = &m->pieces[i];
+        if (!is_subtree(p)) {
+            t->ends[p->node] = p->after < m->piece_count ? m->pieces[p->after].node : t->count;
+            t->points[p->node] = UINT32_MAX;
+            finish_node(m, p->node);
+        }
+    }
+}
+
+static stp_result make_nodes(maker* m)
+{
+    size_t points = m->points->count;
+    stp_octree_box all = {.end = m->points->count, .cell = m->octree.root};
+    m->sizes = STP_NEW_ARRAY(m->context, uint32_t, 2 * points);
+    if (m->sizes == NULL || !add_pieces(m, &all)) {
+        return stp_fail_memory(m->context);
+    }
+    stp_parallel_for(m->context, m->piece_count, 1, shape_pieces, m);
+    number_nodes(m);
+    stp_result result = make_arrays(m);
+    if (result == STP_OK) {
+        stp_parallel_for(m->context, m->piece_count, 1, finish_pieces, m);
+        finish_above(m);
+        m->tree->leaf_count = m->points->count;
+    }
+    return result;
 }
 
 stp_result stp_point_tree_make(stp_context* context, const stp_tree_points* points,
@@ -214,15 +256,11 @@ stp_result stp_point_tree_make(stp_context* context, const stp_tree_points* poin
                         points->count);
     }
     maker m = {.context = context, .points = points, .desc = desc, .tree = tree};
-    stp_result result = make_arrays(&m);
-    if (result == STP_OK) {
-        for (uint32_t i = 0; i < points->count; ++i) {
-            m.order[i] = i;
-        }
-        add_box(&m, find_cell(points), 0, 0, points->count);
-    }
-    stp_free(context, m.order);
-    stp_free(context, m.scratch);
+    stp_result result = stp_octree_make(context, points->positions, points->count, &m.octree);
+    result = result == STP_OK ? make_nodes(&m) : result;
+    stp_octree_destroy(context, &m.octree);
+    stp_free(context, m.pieces);
+    stp_free(context, m.sizes);
     stp_free(context, m.weights);
     if (result != STP_OK) {
         stp_point_tree_destroy(context, tree);

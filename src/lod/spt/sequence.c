@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/spt/sequence.h"
 
-#include "base/sort.h"
+#include "base/parallel_sort.h"
 
 #include <string.h>
 
@@ -26,19 +26,65 @@ static uint32_t bits_of(float x)
     return bits;
 }
 
-// The highest levels of all nodes: a parent is passed before its children.
-static void find_highest(const stp_point_tree* tree, double most_allowed, float* highest)
+enum { GRAIN = 8192 }; ///< nodes
+
+typedef struct maker {
+    const stp_point_tree* tree;
+    double most_allowed;
+    stp_point_sequence* sequence;
+    float* highest;           ///< of nodes
+    uint64_t *keys, *scratch; ///< of nodes
+    const uint64_t* sorted;   ///< one of the two
+} maker;
+
+// The highest levels of the children of some nodes.
+static void find_highest(size_t begin, size_t end, uint32_t worker, void* user)
 {
-    highest[0] = HUGE_VALF;
-    for (uint32_t parent = 0; parent < tree->count; ++parent) {
+    const maker* m = user;
+    const stp_point_tree* tree = m->tree;
+    (void)worker;
+    for (uint32_t parent = (uint32_t)begin; parent < end; ++parent) {
         for (uint32_t c = parent + 1; c < tree->ends[parent]; c = tree->ends[c]) {
             double apart = distance_between(stp_to_double(tree->disks[c].center),
                                             stp_to_double(tree->disks[parent].center));
             // a little more, for what rounding takes of levels
-            highest[c] =
-                round_up(((double)tree->errors[parent] + apart * most_allowed) * (1.0 + 1e-9));
+            m->highest[c] =
+                round_up(((double)tree->errors[parent] + apart * m->most_allowed) * (1.0 + 1e-9));
+            m->keys[c] = (uint64_t)~bits_of(m->highest[c]) << 32 | c;
         }
     }
+}
+
+static void fill_sequence(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const maker* m = user;
+    stp_point_sequence* s = m->sequence;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t node = (uint32_t)m->sorted[i];
+        s->nodes[i] = node;
+        s->centers[i] = m->tree->disks[node].center;
+        s->lowest[i] = m->tree->errors[node];
+        s->highest[i] = m->highest[node];
+    }
+}
+
+static stp_result fill(stp_context* context, maker* m)
+{
+    stp_point_sequence* s = m->sequence;
+    if (s->nodes == NULL || s->centers == NULL || s->lowest == NULL || s->highest == NULL ||
+        m->highest == NULL || m->keys == NULL || m->scratch == NULL) {
+        return stp_fail_memory(context);
+    }
+    m->highest[0] = HUGE_VALF;
+    m->keys[0] = (uint64_t)~bits_of(HUGE_VALF) << 32;
+    stp_parallel_for(context, s->count, GRAIN, find_highest, m);
+    m->sorted = stp_parallel_sort_u64(context, m->keys, m->scratch, s->count, 32, 32);
+    if (m->sorted == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_parallel_for(context, s->count, GRAIN, fill_sequence, m);
+    return STP_OK;
 }
 
 stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* tree,
@@ -52,33 +98,22 @@ stp_result stp_point_sequence_make(stp_context* context, const stp_point_tree* t
         .lowest = STP_NEW_ARRAY(context, float, count + 1),
         .highest = STP_NEW_ARRAY(context, float, count + 1),
     };
-    float* highest = STP_NEW_ARRAY(context, float, count + 1);
-    uint64_t* keys = STP_NEW_ARRAY(context, uint64_t, count + 1);
-    uint64_t* scratch = STP_NEW_ARRAY(context, uint64_t, count + 1);
-    bool made = sequence->nodes != NULL && sequence->centers != NULL && sequence->lowest != NULL &&
-                sequence->highest != NULL && highest != NULL && keys != NULL && scratch != NULL;
-    if (made) {
-        find_highest(tree, most_allowed, highest);
-        for (uint32_t i = 0; i < tree->count; ++i) {
-            keys[i] = (uint64_t)~bits_of(highest[i]) << 32 | i;
-        }
-        const uint64_t* sorted = stp_sort_u64(keys, scratch, count, 32, 32);
-        for (uint32_t i = 0; i < tree->count; ++i) {
-            uint32_t node = (uint32_t)sorted[i];
-            sequence->nodes[i] = node;
-            sequence->centers[i] = tree->disks[node].center;
-            sequence->lowest[i] = tree->errors[node];
-            sequence->highest[i] = highest[node];
-        }
-    }
-    stp_free(context, highest);
-    stp_free(context, keys);
-    stp_free(context, scratch);
-    if (!made) {
+    maker m = {
+        .tree = tree,
+        .most_allowed = most_allowed,
+        .sequence = sequence,
+        .highest = STP_NEW_ARRAY(context, float, count + 1),
+        .keys = STP_NEW_ARRAY(context, uint64_t, count + 1),
+        .scratch = STP_NEW_ARRAY(context, uint64_t, count + 1),
+    };
+    stp_result result = fill(context, &m);
+    stp_free(context, m.highest);
+    stp_free(context, m.keys);
+    stp_free(context, m.scratch);
+    if (result != STP_OK) {
         stp_point_sequence_destroy(context, sequence);
-        return stp_fail_memory(context);
     }
-    return STP_OK;
+    return result;
 }
 
 void stp_point_sequence_destroy(stp_context* context, stp_point_sequence* sequence)

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "lod/spt/node_splats.h"
+
+#include "base/coverage.h"
+#include "base/octahedral.h"
+#include "base/splat_codes.h"
+
+#include <string.h>
+
+enum {
+    GRAIN = 1024, ///< nodes
+    BLOCK = 64,   ///< nodes of which normals are encoded together
+};
+
+#define HALF_DIAGONAL 0.8660254f ///< of a cube of side 1
+
+typedef struct splat_maker {
+    const stp_point_tree* tree;
+    const stp_spt_samples* samples;
+    const stp_node_splats_desc* desc;
+    double* areas;    ///< of nodes before each: the shares of leaves' disks that are drawn, summed
+    uint32_t* leaves; ///< of nodes before each: leaves
+    stp_node_splat* splats;
+} splat_maker;
+
+/// Sine of the largest angle between a node's normal and those of its leaves, rounded up: STP_SHAPE_SPREAD_ANY is 1.
+static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
+{
+    stp_vec3 normal = tree->disks[node].normal;
+    float least = stp_dot(normal, normal) > 0.0f ? 1.0f : 0.0f;
+    for (uint32_t i = node + 1; i < tree->ends[node] && least > 0.0f; ++i) {
+        float cosine = stp_dot(normal, tree->disks[i].normal);
+        least = tree->points[i] != UINT32_MAX && cosine < least ? cosine : least;
+    }
+    if (!(least > 0.0f)) {
+        return STP_SHAPE_SPREAD_ANY;
+    }
+    float sine = sqrtf(fmaxf(1.0f - least * least, 0.0f)) * (float)STP_SHAPE_SPREAD_ANY + 0.999f;
+    return sine < (float)STP_SHAPE_SPREAD_ANY ? (uint8_t)sine : STP_SHAPE_SPREAD_ANY;
+}
+
+static uint16_t to_grid(float x, float origin, float step)
+{
+    float value = (x - origin) / step + 0.5f;
+    return value > 0.0f ? (value < 65535.0f ? (uint16_t)value : 65535) : 0;
+}
+
+/// The first leaf below a node, or itself.
+static uint32_t first_leaf(const stp_point_tree* tree, uint32_t node)
+{
+    while (tree->points[node] == UINT32_MAX) {
+        node += 1;
+    }
+    return node;
+}
+
+/// Of 128 directions, the triangle of a subdivided octahedron that holds a normal (3.10): its octant, then one of sixteen.
+static uint32_t find_cluster(stp_vec3 n)
+{
+    float x = fabsf(n.x), y = fabsf(n.y), sum = x + y + fabsf(n.z);
+    uint32_t octant = (n.x < 0.0f ? 1u : 0u) | (n.y < 0.0f ? 2u : 0u) | (n.z < 0.0f ? 4u : 0u);
+    float scale = sum > 0.0f ? 4.0f / sum : 0.0f;
+    uint32_t a = (uint32_t)(x * scale), b = (uint32_t)(y * scale);
+    a = a < 3 ? a : 3;
+    b = b < 3 - a ? b : 3 - a;
+    // of a row of the triangle, the upright ones and, between them, those that stand on a corner
+    bool turned = x * scale - (float)a + (y * scale - (float)b) > 1.0f && a + b < 3;
+    static const uint32_t rows[4] = {0, 7, 12, 15};
+    return 16 * octant + rows[a] + 2 * b + (turned ? 1 : 0);
+}
+
+// The shares of leaves; of nodes above them 0.
+static void find_areas(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const splat_maker* m = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t point = m->tree->points[i];
+        // leaves cut at a border count as whole: a share would make holes inside the border
+        m->areas[i] = point != UINT32_MAX
+                          ? (double)stp_coverage_share(m->samples->coverages[point]) / 255.0
+                          : 0.0;
+    }
+}
+
+// One after the other: sums in another order would be others.
+static void sum_areas(splat_maker* m)
+{
+    double area = 0.0;
+    uint32_t leaves = 0;
+    for (size_t i = 0; i <= m->tree->count; ++i) {
+        double own = i < m->tree->count ? m->areas[i] : 0.0;
+        m->areas[i] = area;
+        m->leaves[i] = leaves;
+        area += own;
+        leaves += i < m->tree->count && m->tree->points[i] != UINT32_MAX;
+    }
+}
+
+static uint8_t find_coverage(const splat_maker* m, uint32_t node)
+{
+    uint32_t point = m->tree->points[node], end = m->tree->ends[node];
+    if (point != UINT32_MAX) {
+        return m->samples->coverages[point];
+    }
+    double area = m->areas[end] - m->areas[node];
+    double mean = area / (double)(m->leaves[end] - m->leaves[node]);
+    return mean < 254.0 / 255.0 ? stp_coverage_of_share(mean) : STP_COVERAGE_WHOLE;
+}
+
+/// All but the encoded normal. @return which way it faces
+static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* splat)
+{
+    const stp_disk* disk = &m->tree->disks[node];
+    const stp_node_splats_desc* grid = m->desc;
+    uint32_t leaf = first_leaf(m->tree, node);
+    splat->position[0] = to_grid(disk->center.x, grid->origin.x, grid->step);
+    splat->position[1] = to_grid(disk->center.y, grid->origin.y, grid->step);
+    splat->position[2] = to_grid(disk->center.z, grid->origin.z, grid->step);
+    memcpy(splat->color, m->tree->colors + 3 * (size_t)node, 3);
+    splat->material = m->desc->materials[m->tree->points[leaf]];
+    splat->coverage = find_coverage(m, node);
+    splat->cluster = (uint8_t)find_cluster(disk->normal);
+    // centres are rounded to the grid: by half the diagonal of a cell
+    float radius = disk->radius / grid->step + HALF_DIAGONAL;
+    splat->shape = stp_shape_disk(radius, find_spread(m->tree, node), false);
+    bool turned = stp_dot(disk->normal, disk->normal) > 0.0f; // else as its first leaf
+    return turned ? disk->normal : m->tree->disks[leaf].normal;
+}
+
+static void make_splats(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const splat_maker* m = user;
+    stp_vec3 normals[BLOCK];
+    int8_t codes[2 * BLOCK];
+    (void)worker;
+    for (size_t first = begin; first < end; first += BLOCK) {
+        size_t count = end - first < BLOCK ? end - first : BLOCK;
+        for (size_t i = 0; i < count; ++i) {
+            normals[i] = make_splat(m, (uint32_t)(first + i), &m->splats[first + i]);
+        }
+        stp_octahedral_encode_many(&normals[0].x, count, codes);
+        for (size_t i = 0; i < count; ++i) {
+            memcpy(m->splats[first + i].normal, codes + 2 * i, 2);
+        }
+    }
+}
+
+/// Of leaves what is found of their samples; of inner nodes the least of what is below.
+static void find_replaced(const splat_maker* m)
+{
+    const stp_point_tree* t = m->tree;
+    for (uint32_t i = t->count; i-- > 0;) {
+        uint32_t point = t->points[i];
+        float least = point != UINT32_MAX ? m->desc->replaced[point] : HUGE_VALF;
+        for (uint32_t c = i + 1; c < t->ends[i]; c = t->ends[c]) {
+            least = fminf(least, m->splats[c].replaced);
+        }
+        m->splats[i].replaced = least;
+    }
+}
+
+stp_result stp_node_splats_make(stp_context* context, const stp_point_tree* tree,
+                                const stp_spt_samples* samples, const stp_node_splats_desc* desc,
+                                stp_node_splat** splats)
+{
+    size_t count = tree->count;
+    splat_maker m = {
+        .tree = tree,
+        .samples = samples,
+        .desc = desc,
+        .areas = STP_NEW_ARRAY(context, double, count + 1),
+        .leaves = STP_NEW_ARRAY(context, uint32_t, count + 1),
+        .splats = STP_NEW_ARRAY(context, stp_node_splat, count),
+    };
+    bool made = m.areas != NULL && m.leaves != NULL && m.splats != NULL;
+    if (made) {
+        stp_parallel_for(context, count, 16 * GRAIN, find_areas, &m);
+        sum_areas(&m);
+        stp_parallel_for(context, count, GRAIN, make_splats, &m);
+        find_replaced(&m);
+    }
+    stp_free(context, m.areas);
+    stp_free(context, m.leaves);
+    if (!made) {
+        stp_free(context, m.splats);
+        return stp_fail_memory(context);
+    }
+    *splats = m.splats;
+    return STP_OK;
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// The octree of a point tree: points sorted so that those of each box lie together, and boxes that divide into octants.
+#pragma once
+
+#include "base/context.h"
+#include "base/math.h"
+
+/// A cube of the octree.
+typedef struct stp_octree_cell {
+    stp_vec3d center;
+    double half;
+} stp_octree_cell;
+
+/// Points by their place in the octree; those of one place in the order of their indices.
+typedef struct stp_octree {
+    const float* positions; ///< 3 a point; the caller's
+    uint32_t count;
+    stp_octree_cell root;
+    uint64_t* items;   ///< of each point its octants on the upper levels (32 bits), then its index
+    uint64_t* scratch; ///< as many
+} stp_octree;
+
+/// A run of `items`: all points of a cell.
+typedef struct stp_octree_box {
+    uint32_t begin, end;
+    uint32_t level;       ///< how often the root was halved
+    stp_octree_cell cell; ///< known below the sorted levels only
+} stp_octree_box;
+
+/// Sorts at least one point by the upper levels, on all threads.
+/// @param positions finite
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_octree_destroy, also after a failure
+STP_MUST_USE stp_result stp_octree_make(stp_context* context, const float* positions,
+                                        uint32_t count, stp_octree* octree);
+void stp_octree_destroy(stp_context* context, stp_octree* octree);
+
+/// The index of the point that an item stands for.
+static inline uint32_t stp_octree_point(const stp_octree* octree, uint32_t item)
+{
+    return (uint32_t)octree->items[item];
+}
+
+/// Divides a box of two or more points into octants, of which at least two hold points: boxes with one filled octant are
+/// passed over. Points that lie together are cut by their order. Below the sorted levels it moves items within the box.
+/// Boxes that have no item in common may be divided at once.
+/// @param children  room for 8; those that hold points, in order. @return how many
+uint32_t stp_octree_divide(const stp_octree* octree, stp_octree_box box,
+                           stp_octree_box children[8]);
