@@ -20,7 +20,7 @@ typedef struct bench_options {
     bool has_eye;
     stp_vec3d eye, target; ///< of the only picture, where `has_eye`
     uint32_t size[2];      ///< of pictures of scenes, pixels; 0: the benchmark's own
-    uint32_t threads;      ///< that draw pictures of scenes; 0: all
+    uint32_t threads;      ///< that draw pictures of scenes, or build; 0: all
     uint64_t
         memory;   ///< bytes under which scenes are loaded while they are drawn; 0: they are mapped
     bool uses_gl; ///< of benchmarks that draw with either backend

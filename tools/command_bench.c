@@ -109,7 +109,7 @@ static const option* bench_options_table(void)
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "auto|0..1024",
-         .help = "frame, positions: threads that draw; default all processors",
+         .help = "frame, positions: threads that draw; spt: that build; default all processors",
          .value = &given.threads},
         {.name = "markdown",
          .type = OPTION_TEXT,
