@@ -137,7 +137,7 @@ static uint64_t use_surfels(stp_store* store)
     const stp_store_directory* d = stp_store_get_directory(store);
     uint64_t total = 0;
     for (uint32_t i = 0; i < d->surfels_count; ++i) {
-        stp_surfels s;
+        stp_splats s;
         if (stp_store_get_surfels_prefix(store, i, 1, &s) != STP_OK ||
             stp_store_get_surfels(store, i, &s) != STP_OK) {
             continue;

@@ -61,7 +61,7 @@ static uint64_t use(stp_work* work, stp_hash key)
     size_t size;
     const void* bytes = stp_work_find(work, key, &size);
     uint64_t total = bytes != NULL ? sum(bytes, size) : 0;
-    stp_surfels s;
+    stp_splats s;
     stp_coded_mesh mesh;
     uint32_t candidates;
     if (stp_piece_find_surfels(work, key, 5, &s, &candidates)) {

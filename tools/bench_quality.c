@@ -140,7 +140,7 @@ static stp_result compare_view(quality_run* run, const stp_view* view, uint32_t 
 // Moves the eye along its gaze to where the whole order of the root's surfels just suffices: there
 // half a splat at the nearest point of the box's sphere is as large as the radius the surfels
 // reach.
-static void move_to_limit(const stp_surfels* surfels, const stp_boxd* box, float splat_size,
+static void move_to_limit(const stp_splats* surfels, const stp_boxd* box, float splat_size,
                           stp_view* view)
 {
     stp_vec3d centre = stp_scaled(stp_addd(box->min, box->max), 0.5);
@@ -223,7 +223,7 @@ static stp_result run_series(quality_run* run, const char* model, const quality_
     const stp_store_directory* directory = stp_store_get_directory(run->store);
     const stp_store_node* root = &directory->nodes[directory->root];
     quality_sums sums[SIZE_COUNT] = {0};
-    stp_surfels surfels;
+    stp_splats surfels;
     stp_result result = STP_OK;
     if (series->limit) {
         uint32_t method = stp_store_find_method(directory, run->method);

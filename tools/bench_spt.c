@@ -36,7 +36,7 @@ static const double distances[DISTANCES] = {0.75, 1.5, 3, 6, 12, 24, 48}; // in 
 typedef struct spt_bench {
     stp_context* context;
     stp_spt_samples samples;
-    stp_surfels surfels; ///< that they are taken from
+    stp_splats surfels; ///< that they are taken from
     stp_point_tree by_error, by_diameter;
     stp_point_sequence sequence;
     stp_vec3d center;
@@ -96,11 +96,11 @@ static void tell_build(const spt_bench* b, double tree_ms, double sequence_ms, d
 
 static stp_result measure_set(const spt_bench* b, const stp_tree_desc* desc, double* ms)
 {
-    stp_surfels set;
+    stp_splats set;
     double start = stp_clock_ms();
     stp_result result = stp_spt_make(b->context, &b->surfels, &(stp_spt_desc){.tree = *desc}, &set);
     *ms = stp_clock_ms() - start;
-    stp_surfels_destroy(b->context, &set);
+    stp_splats_destroy(b->context, &set);
     return result;
 }
 
@@ -260,7 +260,7 @@ static int run_spt(const bench_options* options, json_t* results)
     spt_drawing_destroy(b.drawing);
     spt_gl_drawing_destroy(b.gl_drawing);
     spt_model_destroy(&b.model);
-    stp_surfels_destroy(b.context, &b.surfels);
+    stp_splats_destroy(b.context, &b.surfels);
     stp_free(b.context, b.nodes);
     stp_point_sequence_destroy(b.context, &b.sequence);
     stp_point_tree_destroy(b.context, &b.by_error);

@@ -65,7 +65,7 @@ static stp_raster_target target_of(const spt_drawing* d)
     return (stp_raster_target){SPT_WIDTH, SPT_HEIGHT, SPT_WIDTH, d->pixels};
 }
 
-static stp_surfels gather(spt_drawing* d, const uint32_t* nodes, uint32_t count)
+static stp_splats gather(spt_drawing* d, const uint32_t* nodes, uint32_t count)
 {
     const spt_model* m = d->model;
     for (size_t i = 0; i < count; ++i) {
@@ -74,11 +74,11 @@ static stp_surfels gather(spt_drawing* d, const uint32_t* nodes, uint32_t count)
         memcpy(d->normals + 2 * i, m->normals + 2 * node, 2);
         d->shapes[i] = m->shapes[node];
     }
-    return (stp_surfels){.positions = d->positions,
-                         .normals = d->normals,
-                         .shapes = d->shapes,
-                         .origin = m->set.origin,
-                         .step = m->set.step};
+    return (stp_splats){.positions = d->positions,
+                        .normals = d->normals,
+                        .shapes = d->shapes,
+                        .origin = m->set.origin,
+                        .step = m->set.step};
 }
 
 static void draw_traversal(spt_drawing* d, uint32_t* nodes, const spt_view* view, spt_times* times)
@@ -89,7 +89,7 @@ static void draw_traversal(spt_drawing* d, uint32_t* nodes, const spt_view* view
     uint32_t count = stp_point_tree_traverse(d->model->tree, &view->tree, nodes);
     for (uint32_t begin = 0; begin < count; begin += SPT_BLOCK) {
         uint32_t size = count - begin < SPT_BLOCK ? count - begin : SPT_BLOCK;
-        stp_surfels block = gather(d, nodes + begin, size);
+        stp_splats block = gather(d, nodes + begin, size);
         stp_raster_splats splats = spt_model_splats(&block, size);
         times->gather_ms += stp_clock_ms() - from;
         (void)stp_raster_draw_splats(&target, 0, SPT_HEIGHT, &view->camera, &splats, begin);

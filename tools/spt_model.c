@@ -28,7 +28,7 @@ static void place_nodes(spt_model* m)
 }
 
 stp_result spt_model_create(stp_context* context, const stp_point_tree* tree,
-                            const stp_surfels* samples, spt_model* model)
+                            const stp_splats* samples, spt_model* model)
 {
     spt_model* m = model;
     stp_method_options options = stp_method_options_default();
@@ -65,7 +65,7 @@ void spt_model_destroy(spt_model* m)
     for (size_t i = 0; i < sizeof(arrays) / sizeof(arrays[0]); ++i) {
         stp_free(m->context, arrays[i]);
     }
-    stp_surfels_destroy(m->context, &m->set);
+    stp_splats_destroy(m->context, &m->set);
 }
 
 /// The depth of the group that reaches nearest to the eye.
@@ -119,7 +119,7 @@ bool spt_model_look(const spt_model* m, const stp_tree_view* from, stp_vec3d tar
     return true;
 }
 
-stp_raster_splats spt_model_splats(const stp_surfels* set, uint32_t count)
+stp_raster_splats spt_model_splats(const stp_splats* set, uint32_t count)
 {
     return (stp_raster_splats){.positions = set->positions,
                                .normals = set->normals,

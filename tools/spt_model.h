@@ -15,7 +15,7 @@ enum { SPT_WIDTH = 1920, SPT_HEIGHT = 1080, SPT_BLOCK = 4096 };
 typedef struct spt_model {
     stp_context* context;
     const stp_point_tree* tree;
-    stp_surfels set;     ///< the sequence, with groups
+    stp_splats set;      ///< the sequence, with groups
     uint16_t* positions; ///< 3 a node, on the grid of the set
     int8_t* normals;     ///< 2 a node
     uint32_t* shapes;
@@ -45,7 +45,7 @@ typedef struct spt_view {
 /// `tree` was made of `samples`, and outlives the model. Destroy it whatever is returned.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result spt_model_create(stp_context* context, const stp_point_tree* tree,
-                                         const stp_surfels* samples, spt_model* model);
+                                         const stp_splats* samples, spt_model* model);
 void spt_model_destroy(spt_model* model);
 
 /// @return false where the eye is at the target
@@ -53,7 +53,7 @@ bool spt_model_look(const spt_model* model, const stp_tree_view* from, stp_vec3d
                     spt_view* view);
 
 /// The prefix's splats, or those of a block.
-stp_raster_splats spt_model_splats(const stp_surfels* set, uint32_t count);
+stp_raster_splats spt_model_splats(const stp_splats* set, uint32_t count);
 
 /// Sets the model's bits of those splats of the prefix that the view draws.
 void spt_model_pick(spt_model* model, const spt_view* view, bool grouped);

@@ -9,14 +9,14 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-static stp_boxd bounds_of(const stp_surfels* set)
+static stp_boxd bounds_of(const stp_splats* set)
 {
     double size = 65535.0 * (double)set->step;
     stp_vec3d low = {(double)set->origin.x, (double)set->origin.y, (double)set->origin.z};
     return (stp_boxd){low, {low.x + size, low.y + size, low.z + size}};
 }
 
-stp_result spt_store_open(stp_context* context, const stp_surfels* set, stp_store** store)
+stp_result spt_store_open(stp_context* context, const stp_splats* set, stp_store** store)
 {
     static const float positions[9] = {0}; // a node has triangles, which nobody draws here
     static const uint32_t indices[3] = {0, 1, 2};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The surfels of one node: columns in progressive order, so that the first n surfels are the best n.
+// The splats of one node: columns in progressive order, so that the first n splats are the best n. Those of method `blue` are
+// called surfels, here and wherever they are made.
 //
 //   octave      0        1              2                                 3
 //   surfels  [0 .. e0) [.. e1)     [.. e2)                           [.. e3 = count)
@@ -69,8 +70,9 @@ typedef struct stp_splat_group {
     uint64_t replaced;        ///< a bit a splat, the lowest one first: large triangles replace it
 } stp_splat_group;
 
-/// Surfels in order. 12 bytes each (position 6, normal 2, colour 3, material 1), about 14.4 with pyramids.
-typedef struct stp_surfels {
+/// The splats of a node by any method, in its order. Those of `blue`, surfels, take 12 bytes each (position 6, normal 2,
+/// colour 3, material 1), about 14.4 with pyramids.
+typedef struct stp_splats {
     uint32_t count;
     stp_vec3 origin;     ///< of the position grid, in the node's space
     float step;          ///< of the position grid: a power of two
@@ -94,7 +96,7 @@ typedef struct stp_surfels {
     float
         paper_radius; ///< r_m: median distance to the nearest neighbour within the first p_m (Brandt 4.1)
     uint32_t paper_count; ///< p_m
-} stp_surfels;
+} stp_splats;
 
 enum {
     STP_SHADING_UNLIT = 1,

@@ -243,7 +243,7 @@ static bool convert_counts(stp_store_directory* d, const stp_scene* scene)
     return true;
 }
 
-stp_result stp_build_content_create(const stp_scene* scene, const stp_surfels* sets,
+stp_result stp_build_content_create(const stp_scene* scene, const stp_splats* sets,
                                     uint32_t set_count, const uint32_t* set_of_node,
                                     stp_build_content* content)
 {

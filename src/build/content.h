@@ -16,7 +16,7 @@ typedef struct stp_build_content {
 /// gives the set of each node, or STP_NONE (NULL: no node has one). Shadings and parameters are the caller's to
 /// add.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged; nothing is left to destroy)
-STP_MUST_USE stp_result stp_build_content_create(const stp_scene* scene, const stp_surfels* sets,
+STP_MUST_USE stp_result stp_build_content_create(const stp_scene* scene, const stp_splats* sets,
                                                  uint32_t set_count, const uint32_t* set_of_node,
                                                  stp_build_content* content);
 void stp_build_content_destroy(stp_build_content* content);

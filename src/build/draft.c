@@ -29,17 +29,17 @@ struct stp_build_draft {
     pthread_mutex_t mutex;
     // under the mutex: what there is. Arrays are from malloc, as long as those of scene and plan
     stp_coded_mesh* coded;
-    stp_surfels* sets; ///< one a step; count 0: not there, or nothing is seen of it
-    uint32_t news;     ///< so many things since the last draft
-    bool writes;       ///< some thread does
-    bool gives_up;     ///< one could not be written
+    stp_splats* sets; ///< one a step; count 0: not there, or nothing is seen of it
+    uint32_t news;    ///< so many things since the last draft
+    bool writes;      ///< some thread does
+    bool gives_up;    ///< one could not be written
     double due_ms;
 };
 
 // What there was at one time, for a thread that writes.
 typedef struct snapshot {
     stp_coded_mesh* coded;
-    stp_surfels* sets;
+    stp_splats* sets;
     uint32_t* set_of_node;
     uint32_t set_count;
 } snapshot;
@@ -222,7 +222,7 @@ void stp_build_draft_add_mesh(stp_build_draft* draft, size_t mesh, const stp_cod
     }
 }
 
-void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const stp_surfels* set)
+void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const stp_splats* set)
 {
     if (draft != NULL && draft->scene != NULL) {
         pthread_mutex_lock(&draft->mutex);

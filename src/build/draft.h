@@ -28,6 +28,6 @@ void stp_build_draft_begin(stp_build_draft* draft, const stp_scene* scene,
 
 /// A mesh of the scene is coded, a step of the plan is made. Writes a draft where it is time for one. Any thread.
 void stp_build_draft_add_mesh(stp_build_draft* draft, size_t mesh, const stp_coded_mesh* coded);
-void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const stp_surfels* set);
+void stp_build_draft_add_surfels(stp_build_draft* draft, uint32_t step, const stp_splats* set);
 /// Writes what is new, time or not. While nothing is added.
 void stp_build_draft_write(stp_build_draft* draft);

@@ -8,7 +8,7 @@
 typedef struct stp_draft_state {
     const stp_scene* scene;      ///< finished; partitioned or not
     const stp_coded_mesh* coded; ///< one a mesh; without bytes: not there yet. NULL: none is
-    const stp_surfels* sets;
+    const stp_splats* sets;
     uint32_t set_count;
     const uint32_t* set_of_node; ///< STP_NONE: that node's set is not there. NULL: none is
 } stp_draft_state;

@@ -40,10 +40,10 @@ void stp_former_close(stp_former* former)
 }
 
 bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_count,
-                             stp_work* work, stp_surfels* surfels)
+                             stp_work* work, stp_splats* surfels)
 {
     stp_store_stored_surfels found;
-    stp_surfels columns;
+    stp_splats columns;
     if (stp_store_find_surfels_by_key(former->store, key, &found) != STP_OK ||
         found.index == STP_STORE_NONE ||
         stp_store_get_surfels(former->store, found.index, &columns) != STP_OK) {

@@ -17,5 +17,5 @@ void stp_former_close(stp_former* former);
 // Each looks a result up and keeps it in the work directory, where `surfels` or `mesh` then points. One thread at a
 // time. @return false where there is none, or none whole
 bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_count,
-                             stp_work* work, stp_surfels* surfels);
+                             stp_work* work, stp_splats* surfels);
 bool stp_former_take_mesh(stp_former* former, stp_hash key, stp_work* work, stp_coded_mesh* mesh);

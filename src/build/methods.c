@@ -27,7 +27,7 @@ static const stp_method* method_of(const run* r, size_t set)
 }
 
 // What the work directory or the former output has.
-static bool find_set(run* r, stp_hash key, stp_surfels* set)
+static bool find_set(run* r, stp_hash key, stp_splats* set)
 {
     const stp_build_methods_desc* desc = r->desc;
     uint32_t unused;
@@ -42,10 +42,10 @@ static bool find_set(run* r, stp_hash key, stp_surfels* set)
 }
 
 static stp_result make_within(run* r, const stp_method* method, size_t step, double level,
-                              stp_hash key, stp_surfels* set)
+                              stp_hash key, stp_splats* set)
 {
     stp_context* context = r->scene->context;
-    stp_surfels made;
+    stp_splats made;
     stp_node_triangles large = {0};
     stp_result result = STP_OK;
     if ((method->columns & STP_SPLATS_REPLACED) != 0) {
@@ -61,15 +61,15 @@ static stp_result make_within(run* r, const stp_method* method, size_t step, dou
     stp_node_triangles_destroy(context, &large);
     if (result == STP_OK) {
         result = stp_piece_store_surfels(r->desc->work, key, &made, 0, set);
-        stp_surfels_destroy(context, &made);
+        stp_splats_destroy(context, &made);
     }
     return result;
 }
 
 static stp_result make_set(run* r, const stp_method* method, size_t step, stp_hash key,
-                           stp_surfels* set)
+                           stp_splats* set)
 {
-    const stp_surfels* samples = &r->desc->samples[step];
+    const stp_splats* samples = &r->desc->samples[step];
     double level = samples->count > 0
                        ? (double)stp_prefix_table_radius(&samples->table, samples->count)
                        : HUGE_VAL;
@@ -94,7 +94,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t i = begin; i < end; ++i) {
         const stp_method* method = method_of(r, i);
         size_t step = i % r->desc->plan->step_count;
-        const stp_surfels* samples = &r->desc->samples[step];
+        const stp_splats* samples = &r->desc->samples[step];
         stp_hash key = r->desc->plan->steps[step].key;
         stp_result result = STP_OK;
         if (method->make == NULL) {
@@ -145,7 +145,7 @@ static stp_result make_all(run* r)
     stp_context* context = r->scene->context;
     stp_build_methods* made = r->made;
     uint32_t count = made->set_count, others = made->method_count - 1;
-    made->sets = STP_NEW_ZEROED(context, stp_surfels, (size_t)count + 1);
+    made->sets = STP_NEW_ZEROED(context, stp_splats, (size_t)count + 1);
     made->keys = STP_NEW_ZEROED(context, stp_hash, (size_t)count + 1);
     made->methods = STP_NEW_ZEROED(context, stp_store_method, made->method_count);
     made->sets_of_nodes =

@@ -11,7 +11,7 @@
 
 typedef struct stp_build_methods_desc {
     const stp_build_plan* plan;
-    const stp_surfels* samples; ///< sets of `blue`, one a step of the plan
+    const stp_splats* samples; ///< sets of `blue`, one a step of the plan
     const stp_method* const* methods;
     uint32_t method_count; ///< at least 1; each method once
     const stp_method_options* options;
@@ -23,7 +23,7 @@ typedef struct stp_build_methods_desc {
 
 /// All sets, those of a method together, one a step of the plan. Columns lie in the work directory or the former output.
 typedef struct stp_build_methods {
-    stp_surfels* sets;
+    stp_splats* sets;
     stp_hash* keys;
     uint32_t set_count;
     stp_store_method* methods; ///< as the file's directory has them

@@ -15,7 +15,7 @@ typedef struct run {
     const stp_build_nodes_desc* desc;
     stp_build_nodes* nodes;
     stp_capture_textures* textures;
-    const stp_surfels** sets; ///< by node, what is there already
+    const stp_splats** sets; ///< by node, what is there already
     stp_gate* gate;
     pthread_mutex_t mutex;
     pthread_cond_t advanced;
@@ -66,7 +66,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
 }
 
 // What the work directory or the former output has.
-static bool find_step(run* r, const stp_build_step* step, stp_surfels* set, stp_blue_report* report)
+static bool find_step(run* r, const stp_build_step* step, stp_splats* set, stp_blue_report* report)
 {
     const stp_build_nodes_desc* desc = r->desc;
     if (stp_piece_find_surfels(desc->work, step->key, desc->shading_count, set,
@@ -81,20 +81,20 @@ static bool find_step(run* r, const stp_build_step* step, stp_surfels* set, stp_
     return found;
 }
 
-static stp_result make_step(run* r, const stp_build_step* step, stp_surfels* set,
+static stp_result make_step(run* r, const stp_build_step* step, stp_splats* set,
                             stp_blue_report* report)
 {
     stp_blue_desc blue = *r->desc->blue;
     blue.surfel_count = step->surfel_count;
     blue.capture.textures = r->textures;
     blue.sets = r->desc->from_triangles ? NULL : r->sets;
-    stp_surfels made;
+    stp_splats made;
     stp_result result =
         stp_blue_make(r->scene, step->node, r->desc->shading_of_material, &blue, &made, report);
     if (result == STP_OK) {
         result =
             stp_piece_store_surfels(r->desc->work, step->key, &made, report->candidate_count, set);
-        stp_surfels_destroy(r->scene->context, &made);
+        stp_splats_destroy(r->scene->context, &made);
     }
     return result;
 }
@@ -102,7 +102,7 @@ static stp_result make_step(run* r, const stp_build_step* step, stp_surfels* set
 static void run_step(run* r, uint32_t index)
 {
     const stp_build_step* step = &r->desc->plan->steps[index];
-    stp_surfels* set = &r->nodes->sets[index];
+    stp_splats* set = &r->nodes->sets[index];
     stp_blue_report report = {0};
     if (find_step(r, step, set, &report)) {
         end_step(r, index, STP_OK, &report, true);
@@ -136,8 +136,8 @@ static stp_result open_run(run* r)
     const stp_scene* scene = r->scene;
     const stp_build_plan* plan = r->desc->plan;
     stp_context* context = scene->context;
-    r->nodes->sets = STP_NEW_ZEROED(context, stp_surfels, plan->step_count);
-    r->sets = STP_NEW_ZEROED(context, const stp_surfels*, scene->node_count);
+    r->nodes->sets = STP_NEW_ZEROED(context, stp_splats, plan->step_count);
+    r->sets = STP_NEW_ZEROED(context, const stp_splats*, scene->node_count);
     r->done = STP_NEW_ZEROED(context, bool, plan->step_count);
     r->origins = STP_NEW_ZEROED(context, stp_build_origin, plan->step_count);
     if (r->nodes->sets == NULL || r->sets == NULL || r->done == NULL || r->origins == NULL) {

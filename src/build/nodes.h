@@ -22,7 +22,7 @@ typedef struct stp_build_nodes_desc {
 
 /// Results, one a step of the plan. Their arrays lie in the work directory or the former output.
 typedef struct stp_build_nodes {
-    stp_surfels* sets;
+    stp_splats* sets;
     uint64_t candidates;                    ///< over all steps that were made now
     double capture_ms, order_ms, finish_ms; ///< of threads' time
     uint32_t made, found; ///< steps made now; steps whose result was there before the build began

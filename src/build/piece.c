@@ -50,7 +50,7 @@ static float get_f32(cursor* at)
     return stp_read_f32(at->read - 4);
 }
 
-static void write_surfels_head(const stp_surfels* s, uint32_t candidates,
+static void write_surfels_head(const stp_splats* s, uint32_t candidates,
                                unsigned char head[SURFELS_HEAD])
 {
     memset(head, 0, SURFELS_HEAD);
@@ -78,9 +78,9 @@ static void write_surfels_head(const stp_surfels* s, uint32_t candidates,
 }
 
 // False where a count is beyond its limit; other values are not judged.
-static bool read_surfels_head(const unsigned char* head, stp_surfels* s, uint32_t* candidates)
+static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t* candidates)
 {
-    *s = (stp_surfels){0};
+    *s = (stp_splats){0};
     cursor at = {.read = head};
     uint32_t kind = get_u32(&at);
     s->count = get_u32(&at);
@@ -115,7 +115,7 @@ static size_t pad(size_t size)
 }
 
 // Bytes of each column: at most 24 octaves of 2^32 surfels, so the sums fit.
-static void size_columns(const stp_surfels* s, size_t sizes[COLUMNS])
+static void size_columns(const stp_splats* s, size_t sizes[COLUMNS])
 {
     size_t entries = (size_t)stp_store_pyramid_begin(s, s->octave_count);
     sizes[0] = 6 * (size_t)s->count;
@@ -128,7 +128,7 @@ static void size_columns(const stp_surfels* s, size_t sizes[COLUMNS])
 }
 
 /// Whether a set's columns make sense where a renderer relies on it.
-static bool is_sound(const stp_surfels* s, uint32_t shading_count)
+static bool is_sound(const stp_splats* s, uint32_t shading_count)
 {
     uint8_t highest = 0;
     for (uint32_t i = 0; i < s->count; ++i) {
@@ -148,7 +148,7 @@ static bool is_sound(const stp_surfels* s, uint32_t shading_count)
 }
 
 // Points the columns into the bytes of a result. False where it cannot be a set.
-static bool read_surfels(const void* result, size_t size, stp_surfels* s, uint32_t* candidates)
+static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_t* candidates)
 {
     if (size < SURFELS_HEAD || !read_surfels_head(result, s, candidates) ||
         stp_store_surfels_fault(s) != NULL) {
@@ -175,7 +175,7 @@ static bool read_surfels(const void* result, size_t size, stp_surfels* s, uint32
 }
 
 bool stp_piece_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
-                            stp_surfels* surfels, uint32_t* candidates)
+                            stp_splats* surfels, uint32_t* candidates)
 {
     size_t size = 0;
     const void* result = stp_work_find(work, key, &size);
@@ -189,7 +189,7 @@ bool stp_piece_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count
     return true;
 }
 
-static stp_result store_surfels(stp_work* work, stp_hash key, const stp_surfels* surfels,
+static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* surfels,
                                 uint32_t candidates)
 {
     static const unsigned char zeros[64];
@@ -208,8 +208,8 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_surfels*
     return stp_work_store(work, key, pieces, 1 + 2 * COLUMNS, NULL);
 }
 
-stp_result stp_piece_store_surfels(stp_work* work, stp_hash key, const stp_surfels* surfels,
-                                   uint32_t candidates, stp_surfels* stored)
+stp_result stp_piece_store_surfels(stp_work* work, stp_hash key, const stp_splats* surfels,
+                                   uint32_t candidates, stp_splats* stored)
 {
     const char* fault = stp_store_surfels_fault(surfels);
     if (fault != NULL) {
@@ -220,7 +220,7 @@ stp_result stp_piece_store_surfels(stp_work* work, stp_hash key, const stp_surfe
     stp_result result = STP_OK;
     for (int attempt = 0; result == STP_OK && attempt < 2; ++attempt) {
         uint32_t unused;
-        stp_surfels found;
+        stp_splats found;
         result = store_surfels(work, key, surfels, candidates);
         if (result == STP_OK &&
             stp_piece_find_surfels(work, key, STP_SHADING_LIMIT, &found, &unused)) {

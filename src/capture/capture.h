@@ -35,7 +35,7 @@ typedef struct stp_capture_desc {
 
 /// Surfels that stand for what they were made from (Brandt 3.4): a prefix of a set, placed.
 typedef struct stp_placed_set {
-    const stp_surfels* surfels;
+    const stp_splats* surfels;
     uint32_t prefix;      ///< how many of them, at least 1
     float radius;         ///< of their disks, in the set's own space
     stp_affine transform; ///< to the captured space

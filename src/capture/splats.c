@@ -155,7 +155,7 @@ static void draw_similar(const stp_capture_job* job, const stp_capture_band* ban
                          uint32_t first_id)
 {
     const stp_placed_set* placed = &job->sets[set];
-    const stp_surfels* surfels = placed->surfels;
+    const stp_splats* surfels = placed->surfels;
     stp_set_look look = stp_set_look_at(surfels, placed->prefix);
     stp_raster_camera camera =
         make_camera(&job->views[band->view], &projection->placement, projection->origin);

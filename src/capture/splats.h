@@ -17,7 +17,7 @@ typedef struct stp_set_look {
     float share;         ///< of the prefix's own octave, for those
 } stp_set_look;
 
-static inline stp_set_look stp_set_look_at(const stp_surfels* surfels, uint32_t prefix)
+static inline stp_set_look stp_set_look_at(const stp_splats* surfels, uint32_t prefix)
 {
     stp_set_look look = {0};
     uint32_t octave = 0;
@@ -35,12 +35,12 @@ static inline stp_set_look stp_set_look_at(const stp_surfels* surfels, uint32_t 
 
 /// From a set to another space.
 typedef struct stp_set_placing {
-    const stp_surfels* surfels;
+    const stp_splats* surfels;
     stp_affine placement;
     double normal_matrix[3][3];
 } stp_set_placing;
 
-static inline stp_set_placing stp_set_placing_make(const stp_surfels* surfels,
+static inline stp_set_placing stp_set_placing_make(const stp_splats* surfels,
                                                    const stp_affine* placement)
 {
     stp_set_placing placing = {.surfels = surfels, .placement = *placement};

@@ -11,7 +11,7 @@
 
 stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel)
 {
-    const stp_surfels* s = placing->surfels;
+    const stp_splats* s = placing->surfels;
     const uint16_t* value = s->positions + 3 * (size_t)surfel;
     double step = (double)s->step;
     stp_vec3d at = {(double)s->origin.x + step * (double)value[0],
@@ -253,7 +253,7 @@ typedef struct drawn_part {
     bool has_holes;
 } drawn_part;
 
-static drawn_part find_colour(const stp_surfels* s, const stp_set_look* look, uint32_t surfel,
+static drawn_part find_colour(const stp_splats* s, const stp_set_look* look, uint32_t surfel,
                               uint8_t rgba[4])
 {
     const uint8_t* own = s->colors + 3 * (look->first + surfel);

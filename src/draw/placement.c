@@ -154,7 +154,7 @@ uint32_t stp_placement_seed(const stp_draw_item* draw)
     return (uint32_t)(seed >> 32);
 }
 
-stp_octave_choice stp_placement_choose_octave(const stp_surfels* surfels, uint32_t prefix)
+stp_octave_choice stp_placement_choose_octave(const stp_splats* surfels, uint32_t prefix)
 {
     stp_octave_choice choice = {.octave = 0};
     if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) {

@@ -61,4 +61,4 @@ typedef struct stp_octave_choice {
     float blend;        ///< share of `octave` there
 } stp_octave_choice;
 
-stp_octave_choice stp_placement_choose_octave(const stp_surfels* surfels, uint32_t prefix);
+stp_octave_choice stp_placement_choose_octave(const stp_splats* surfels, uint32_t prefix);

@@ -31,7 +31,7 @@ static uint64_t spt_bytes(uint64_t samples, uint64_t triangles)
 }
 
 static stp_result make_spt(stp_context* context, const stp_method_source* source,
-                           const stp_method_options* options, stp_surfels* splats)
+                           const stp_method_options* options, stp_splats* splats)
 {
     const stp_spt_desc desc = {.tree = options->tree,
                                .corners = source->corners,

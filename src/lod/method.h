@@ -18,7 +18,7 @@ stp_method_options stp_method_options_default(void);
 
 /// What sets of other methods than `blue` are made of. Arrays are the caller's, and are only read.
 typedef struct stp_method_source {
-    const stp_surfels* samples; ///< the node's set of `blue`: evenly spread
+    const stp_splats* samples; ///< the node's set of `blue`: evenly spread
     /// Opaque triangles of the node whose level (base/triangle_level.h) is above what all samples cover to: 9 floats each,
     /// finite.
     const float* corners;
@@ -37,7 +37,7 @@ typedef struct stp_method {
     /// Makes a node's set. NULL: its sets are the samples.
     /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
     stp_result (*make)(stp_context* context, const stp_method_source* source,
-                       const stp_method_options* options, stp_surfels* splats);
+                       const stp_method_options* options, stp_splats* splats);
 } stp_method;
 
 enum { STP_METHOD_COUNT = 2 };

@@ -17,7 +17,7 @@ typedef struct frame {
 
 typedef struct walk {
     const stp_scene* scene;
-    const stp_surfels* const* sets;
+    const stp_splats* const* sets;
     double pixel;
     size_t limit;
     stp_source_list* list;
@@ -42,9 +42,9 @@ static stp_result push(walk* w, const frame* f)
     return STP_OK;
 }
 
-static const stp_surfels* set_of(const walk* w, uint32_t node)
+static const stp_splats* set_of(const walk* w, uint32_t node)
 {
-    const stp_surfels* set = w->sets != NULL ? w->sets[node] : NULL;
+    const stp_splats* set = w->sets != NULL ? w->sets[node] : NULL;
     return set != NULL && set->count != 0 && set->table.size != 0 ? set : NULL;
 }
 
@@ -61,7 +61,7 @@ static double box_area(stp_boxd box)
     return stp_boxd_is_empty(box) ? 0.0 : size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-static stp_result add_set(walk* w, const frame* f, const stp_surfels* set, double scale,
+static stp_result add_set(walk* w, const frame* f, const stp_splats* set, double scale,
                           uint32_t prefix)
 {
     stp_context* context = w->scene->context;
@@ -184,7 +184,7 @@ static stp_result enter_parts(walk* w, const frame* f, double scale)
 static stp_result enter(walk* w, frame f, bool first)
 {
     const stp_node* node = &w->scene->nodes[f.node];
-    const stp_surfels* set = first ? NULL : set_of(w, f.node);
+    const stp_splats* set = first ? NULL : set_of(w, f.node);
     double scale = stp_affine_stretch(&f.transform);
     bool small = !first && !f.in_group && w->mode != THIN_NOTHING &&
                  box_extent(node->bounds) * scale < w->small;
@@ -271,7 +271,7 @@ static stp_result walk_thinned(walk* w, uint32_t node)
     return result;
 }
 
-stp_result stp_list_sources(const stp_scene* scene, uint32_t node, const stp_surfels* const* sets,
+stp_result stp_list_sources(const stp_scene* scene, uint32_t node, const stp_splats* const* sets,
                             double pixel_size, size_t limit, stp_source_list* list)
 {
     *list = (stp_source_list){0};

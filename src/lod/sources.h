@@ -32,6 +32,6 @@ typedef struct stp_source_list {
 /// The arrays are the caller's (stp_source_list_destroy), empty on failure.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_list_sources(const stp_scene* scene, uint32_t node,
-                                         const stp_surfels* const* sets, double pixel_size,
+                                         const stp_splats* const* sets, double pixel_size,
                                          size_t limit, stp_source_list* list);
 void stp_source_list_destroy(stp_context* context, stp_source_list* list);

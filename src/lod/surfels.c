@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/surfels.h"
 
-void stp_surfels_destroy(stp_context* context, stp_surfels* surfels)
+void stp_splats_destroy(stp_context* context, stp_splats* surfels)
 {
     stp_free(context, surfels->positions);
     stp_free(context, surfels->normals);
@@ -10,5 +10,5 @@ void stp_surfels_destroy(stp_context* context, stp_surfels* surfels)
     stp_free(context, surfels->coverages);
     stp_free(context, surfels->shapes);
     stp_free(context, surfels->ranges);
-    *surfels = (stp_surfels){0};
+    *surfels = (stp_splats){0};
 }

@@ -7,4 +7,4 @@
 #include <stipple/surfels.h>
 
 /// Frees the columns of a set, each of which came from stp_alloc.
-void stp_surfels_destroy(stp_context* context, stp_surfels* surfels);
+void stp_splats_destroy(stp_context* context, stp_splats* surfels);

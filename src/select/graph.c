@@ -32,7 +32,7 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
         margin = above(sticks_out(box, node->bounds), margin);
     }
     if (set != STP_STORE_NONE) { // positions are rounded
-        const stp_surfels* surfels = stp_store_describe_surfels(s->store, set);
+        const stp_splats* surfels = stp_store_describe_surfels(s->store, set);
         double radius = (double)surfels->candidate_radius + (double)surfels->step;
         if (node->triangle_count == 0 && surfels->count > 0) { // points are never opened
             radius += (double)surfels->table.radius[surfels->table.size - 1];
@@ -47,7 +47,7 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
     return margin * (1.0 + 1e-6);
 }
 
-static double find_reach(const stp_surfels* surfels)
+static double find_reach(const stp_splats* surfels)
 {
     // surface may lie that far from a candidate, however many of these are drawn
     return above((double)stp_prefix_table_radius(&surfels->table, surfels->count),
@@ -56,7 +56,7 @@ static double find_reach(const stp_surfels* surfels)
 
 /// How much sooner than its radius requires a node is opened. From one surfel for STP_TRIANGLES_PER_SURFEL triangles on, the
 /// triangles look better for their cost: a larger set is used only as far as that.
-static double find_spare(const stp_store_node* node, const stp_surfels* surfels)
+static double find_spare(const stp_store_node* node, const stp_splats* surfels)
 {
     double triangles = (double)node->triangle_count;
     if (!(triangles > 0.0)) {
@@ -102,7 +102,7 @@ static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
         graph->moving[i] = bits;
         graph->margins[i] = (float)find_margin(s, graph, i);
         uint32_t set = stp_select_set_of(s, i);
-        const stp_surfels* surfels =
+        const stp_splats* surfels =
             set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
         graph->reaches[i] = surfels != NULL ? find_reach(surfels) : 0.0;
         graph->spares[i] = surfels != NULL ? (float)find_spare(node, surfels) : 1.0f;

@@ -81,12 +81,12 @@ static void want_set(stp_selection* s, const stp_select_entry* at, const stp_sig
                            .octave_need = find_need(s, sight, scale)});
 }
 
-static double radius_of(const stp_surfels* surfels, uint32_t count)
+static double radius_of(const stp_splats* surfels, uint32_t count)
 {
     return (double)stp_prefix_table_radius(&surfels->table, count);
 }
 
-void stp_select_cover(const stp_selection* s, const stp_surfels* surfels, const stp_sight* sight,
+void stp_select_cover(const stp_selection* s, const stp_splats* surfels, const stp_sight* sight,
                       stp_select_entry* at)
 {
     double reach = fmax(radius_of(surfels, surfels->count), (double)surfels->candidate_radius);
@@ -96,7 +96,7 @@ void stp_select_cover(const stp_selection* s, const stp_surfels* surfels, const 
 }
 
 /// Whether what is here of a set covers as well as what covers above it.
-static bool stands_in(const stp_surfels* surfels, uint32_t here, const stp_select_entry* at)
+static bool stands_in(const stp_splats* surfels, uint32_t here, const stp_select_entry* at)
 {
     return here > 0 &&
            (here >= surfels->count ||
@@ -104,7 +104,7 @@ static bool stands_in(const stp_surfels* surfels, uint32_t here, const stp_selec
 }
 
 /// The octaves that cover as well as what covers above.
-static uint32_t find_octaves(const stp_surfels* surfels, const stp_select_entry* at)
+static uint32_t find_octaves(const stp_splats* surfels, const stp_select_entry* at)
 {
     uint32_t octaves = surfels->octave_count > 0 ? 1 : 0;
     while (octaves < surfels->octave_count &&
@@ -143,7 +143,7 @@ static stp_result look_below(stp_selection* s, const stp_select_entry* at, bool*
 
 /// Whether all that would be seen of a node, were it opened, is here. Asks for it.
 static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* node,
-                                     const stp_surfels* surfels_of_node, const stp_sight* seen,
+                                     const stp_splats* surfels_of_node, const stp_sight* seen,
                                      bool* ready)
 {
     size_t base = s->stack_count;
@@ -161,7 +161,7 @@ static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* n
             continue;
         }
         uint32_t set = stp_select_set_of(s, at.node);
-        const stp_surfels* surfels =
+        const stp_splats* surfels =
             set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
         if (surfels == NULL || surfels->count == 0) {
             result = look_below(s, &at, ready);
@@ -188,7 +188,7 @@ static void limit(const stp_selection* s, const stp_select_entry* at, const stp_
 stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                 const stp_sight* sight, stp_set_use* use)
 {
-    const stp_surfels* surfels = use->surfels;
+    const stp_splats* surfels = use->surfels;
     uint32_t here = stp_store_resident_surfels(s->store, stp_select_set_of(s, at->node));
     uint32_t octaves = stp_store_octaves_for(surfels, use->count);
     uint32_t least = find_octaves(surfels, at);

@@ -9,7 +9,7 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
     return id == STP_METHOD_SPT ? &stp_select_rule_spt : &stp_select_rule_blue;
 }
 
-bool stp_select_is_complete(const stp_store_node* node, const stp_surfels* surfels)
+bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfels)
 {
     // points in one place are one surfel: then all of them cover to no farther than positions are exact
     return node->triangle_count == 0 &&
@@ -36,7 +36,7 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
                                const stp_sight* sight)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
-    const stp_surfels* surfels =
+    const stp_splats* surfels =
         stp_store_describe_surfels(s->store, stp_select_set_of(s, at->node));
     stp_set_use use = {.surfels = surfels, .switch_depth = HUGE_VAL};
     if (surfels->count == 0) {

@@ -30,7 +30,7 @@ static void use_count(stp_set_use* use, uint32_t count, double splat_size)
 /// p(r) = p_m (r_m / r)^2, Brandt 4.1.
 static void use_estimate(stp_set_use* use, double radius, bool cloud)
 {
-    const stp_surfels* surfels = use->surfels;
+    const stp_splats* surfels = use->surfels;
     double ratio = (double)surfels->paper_radius / radius;
     double wanted = ceil((double)surfels->paper_count * ratio * ratio);
     if (!(wanted <= (double)surfels->count) && !cloud) {
@@ -75,7 +75,7 @@ static void use_beside(stp_set_use* use, uint32_t count, double size, double bel
 static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp_sight* sight,
                              const stp_select_entry* at, bool cloud)
 {
-    const stp_surfels* surfels = use->surfels;
+    const stp_splats* surfels = use->surfels;
     stp_depth_range range = sight->range;
     double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn however near, with gaps
     double suffices_from = stp_select_reach(s, at->node) / use->per_depth;

@@ -5,7 +5,7 @@
 #include "select/rule.h"
 
 /// The shortest prefix of the table that holds every splat a level can need.
-static uint32_t find_prefix(const stp_surfels* surfels, double level)
+static uint32_t find_prefix(const stp_splats* surfels, double level)
 {
     const stp_prefix_table* table = &surfels->table;
     for (uint32_t i = 0; i < table->size; ++i) {
@@ -17,7 +17,7 @@ static uint32_t find_prefix(const stp_surfels* surfels, double level)
 }
 
 /// The highest level of any splat after the first `count`. At this level and above, the prefix is complete.
-static double find_level(const stp_surfels* surfels, uint32_t count)
+static double find_level(const stp_splats* surfels, uint32_t count)
 {
     const stp_prefix_table* table = &surfels->table;
     double level = table->size != 0 ? (double)table->radius[0] : 0.0;

@@ -18,7 +18,7 @@ typedef struct walk {
 } walk;
 
 /// Whether large triangles may replace splats of the prefix: for certain where the set is loaded.
-static bool has_replaced(const stp_selection* s, const stp_surfels* surfels, uint32_t count)
+static bool has_replaced(const stp_selection* s, const stp_splats* surfels, uint32_t count)
 {
     if ((surfels->columns & STP_SPLATS_REPLACED) == 0) {
         return false;

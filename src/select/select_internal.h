@@ -92,7 +92,7 @@ typedef struct stp_sight {
 
 /// How a node's surfels are used. They are drawn beyond switch_depth, what is below the node is drawn nearer.
 typedef struct stp_set_use {
-    const stp_surfels* surfels;
+    const stp_splats* surfels;
     uint32_t count;                      ///< prefix; 0: not drawn
     double radius;                       ///< of its splats, node units
     double level_per_depth, level_least; ///< of the item
@@ -123,7 +123,7 @@ STP_MUST_USE stp_result stp_select_begin_wants(stp_selection* s);
 bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
                           const stp_sight* sight);
 /// Makes the entry of a node with a set that of what is below it.
-void stp_select_cover(const stp_selection* s, const stp_surfels* surfels, const stp_sight* sight,
+void stp_select_cover(const stp_selection* s, const stp_splats* surfels, const stp_sight* sight,
                       stp_select_entry* at);
 /// Changes what is to be done with a node's surfels to what can be, and asks for what is missing.
 STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
@@ -131,7 +131,7 @@ STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_
 
 /// Whether a set holds all points of a node without triangles: such a node is never opened, since points have no size of their
 /// own. A cloud with points in one place is not complete: its set has one of them.
-bool stp_select_is_complete(const stp_store_node* node, const stp_surfels* surfels);
+bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfels);
 
 /// Appends an item of so many ids, with its first_id.
 STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item,

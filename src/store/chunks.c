@@ -13,7 +13,7 @@ enum {
     COLORS_MOST = STP_STORE_PIECE_BYTES / COLOR_BYTES,
 };
 
-stp_store_octave_span stp_store_span_of(const stp_surfels* surfels, uint32_t octave,
+stp_store_octave_span stp_store_span_of(const stp_splats* surfels, uint32_t octave,
                                         uint32_t encoding)
 {
     uint32_t first = stp_store_octave_begin(surfels, octave);

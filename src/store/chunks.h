@@ -22,7 +22,7 @@ typedef struct stp_store_octave_span {
     uint32_t encoding;
 } stp_store_octave_span;
 
-stp_store_octave_span stp_store_span_of(const stp_surfels* surfels, uint32_t octave,
+stp_store_octave_span stp_store_span_of(const stp_splats* surfels, uint32_t octave,
                                         uint32_t encoding);
 uint32_t stp_store_chunk_count(const stp_store_octave_span* span);
 /// The end of the surfels that a chunk covers; it begins at the end of the one before, the first at span->begin.

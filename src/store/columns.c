@@ -42,7 +42,7 @@ uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
     return place(columns, sizes, STP_POINT_COLUMNS, STP_STORE_COLUMN_ALIGNMENT);
 }
 
-uint64_t stp_store_surfel_columns(const stp_surfels* surfels, uint32_t octave,
+uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT])
 {
     uint64_t prefix = surfels->octave_ends[octave];
@@ -60,7 +60,7 @@ uint64_t stp_store_surfel_columns(const stp_surfels* surfels, uint32_t octave,
     return place(columns, sizes, STP_SURFEL_COLUMNS, 1);
 }
 
-uint64_t stp_store_pyramid_begin(const stp_surfels* surfels, uint32_t octave)
+uint64_t stp_store_pyramid_begin(const stp_splats* surfels, uint32_t octave)
 {
     uint64_t entries = 0;
     if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) {

@@ -47,21 +47,21 @@ uint64_t stp_store_mesh_columns(uint32_t vertex_count, uint32_t triangle_count, 
 uint64_t stp_store_point_columns(uint32_t point_count, uint32_t present,
                                  stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 /// Of octave `octave`: what comes in with it, and its colours and coverages: of the whole prefix, unless they are flat.
-uint64_t stp_store_surfel_columns(const stp_surfels* surfels, uint32_t octave,
+uint64_t stp_store_surfel_columns(const stp_splats* surfels, uint32_t octave,
                                   stp_store_column columns[STP_STORE_COLUMN_LIMIT]);
 
 /// Surfels before octave `octave`.
-static inline uint32_t stp_store_octave_begin(const stp_surfels* surfels, uint32_t octave)
+static inline uint32_t stp_store_octave_begin(const stp_splats* surfels, uint32_t octave)
 {
     return octave == 0 ? 0 : surfels->octave_ends[octave - 1];
 }
 
 /// Entries of colours before those of octave `octave`; all of them where it is the octave count. Flat colours have one
 /// a surfel.
-uint64_t stp_store_pyramid_begin(const stp_surfels* surfels, uint32_t octave);
+uint64_t stp_store_pyramid_begin(const stp_splats* surfels, uint32_t octave);
 
 /// The entry of surfel 0 among the colours with which octave `octave` draws a prefix.
-static inline uint64_t stp_store_colors_begin(const stp_surfels* surfels, uint32_t octave)
+static inline uint64_t stp_store_colors_begin(const stp_splats* surfels, uint32_t octave)
 {
     bool flat = (surfels->columns & STP_SPLATS_FLAT_COLORS) != 0;
     return flat ? 0 : stp_store_pyramid_begin(surfels, octave);

@@ -4,7 +4,7 @@
 #include "base/splat_codes.h"
 #include "store/internal.h"
 
-static void add_box(const stp_surfels* s, uint32_t index, stp_splat_group* group)
+static void add_box(const stp_splats* s, uint32_t index, stp_splat_group* group)
 {
     const uint16_t* p = s->positions + 3 * (size_t)index;
     for (int k = 0; k < 3; ++k) {
@@ -20,7 +20,7 @@ static void add_box(const stp_surfels* s, uint32_t index, stp_splat_group* group
 }
 
 // A cone around the mean of the normals, rounded outwards.
-static void add_cone(const stp_surfels* s, uint32_t begin, uint32_t end, stp_splat_group* group)
+static void add_cone(const stp_splats* s, uint32_t begin, uint32_t end, stp_splat_group* group)
 {
     bool tells = (s->columns & STP_SPLATS_REPLACED) != 0;
     stp_vec3 sum = {0};
@@ -56,7 +56,7 @@ static void add_cone(const stp_surfels* s, uint32_t begin, uint32_t end, stp_spl
     }
 }
 
-void stp_store_make_groups(const stp_surfels* s, uint32_t first, uint32_t end)
+void stp_store_make_groups(const stp_splats* s, uint32_t first, uint32_t end)
 {
     for (uint32_t begin = first / STP_GROUP_SPLATS * STP_GROUP_SPLATS;
          s->groups != NULL && begin < end; begin += STP_GROUP_SPLATS) {

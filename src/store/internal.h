@@ -121,14 +121,14 @@ void stp_store_free_keys(stp_store* store);
 STP_MUST_USE stp_result stp_store_link_blocks(stp_store* store);
 
 /// Leaves the first `octave_count` octaves of a set, and what of its tables holds for them.
-void stp_store_cut_surfels(stp_surfels* surfels, uint32_t octave_count);
+void stp_store_cut_surfels(stp_splats* surfels, uint32_t octave_count);
 
 /// Memory that the columns of so many octaves take when joined.
-uint64_t stp_store_columns_bytes(const stp_surfels* surfels, uint32_t octave_count);
+uint64_t stp_store_columns_bytes(const stp_splats* surfels, uint32_t octave_count);
 /// Takes it for all octaves of a (cut) set, and points its columns there. NULL where memory runs out, not logged.
-stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* surfels);
+stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_splats* surfels);
 /// Copies so many octaves from other columns of the same set.
-void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* before,
+void stp_store_copy_columns(const stp_splats* surfels, const stp_splats* before,
                             uint32_t octave_count);
 /// Groups of so many splats.
 static inline uint64_t stp_store_group_count(uint64_t splats)
@@ -137,14 +137,14 @@ static inline uint64_t stp_store_group_count(uint64_t splats)
 }
 
 /// Makes the groups of a set with ranges that splats [first, end) are in; those before `end` are there.
-void stp_store_make_groups(const stp_surfels* surfels, uint32_t first, uint32_t end);
+void stp_store_make_groups(const stp_splats* surfels, uint32_t first, uint32_t end);
 
 /// Where in a set's columns those of an octave's block belong.
-void stp_store_octave_targets(const stp_surfels* surfels, uint32_t octave,
+void stp_store_octave_targets(const stp_splats* surfels, uint32_t octave,
                               void* targets[STP_SURFEL_COLUMNS]);
 /// Makes columns the set's own; what it had is the caller's.
 void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* joined,
-                           const stp_surfels* columns, uint32_t octave_count);
+                           const stp_splats* columns, uint32_t octave_count);
 
 // Pointers into a block's bytes. Nothing is checked, but clusters: @return what is wrong with them, or NULL.
 void stp_store_find_mesh_columns(uint32_t present, const unsigned char* bytes,

@@ -93,7 +93,7 @@ static stp_result gather_set(stp_store* store, uint32_t index, uint64_t* octave_
     const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
     const stp_store_breakpoint* breakpoints = store->tables[STP_SECTION_BREAKPOINTS];
     stp_store_surfels_record* set = &sets[index];
-    stp_surfels* surfels = &set->surfels;
+    stp_splats* surfels = &set->surfels;
     if (surfels->octave_count > STP_OCTAVE_LIMIT || surfels->table.size > STP_PREFIX_TABLE_SIZE) {
         return fail_format(store, "surfel set", index, "has too many octaves or breakpoints");
     }
@@ -123,7 +123,7 @@ static stp_result link_octaves(stp_store* store, uint32_t index)
 {
     stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
     const stp_store_octave* octaves = store->tables[STP_SECTION_OCTAVES];
-    const stp_surfels* surfels = &sets[index].surfels;
+    const stp_splats* surfels = &sets[index].surfels;
     sets[index].whole = 0;
     for (uint32_t k = 0; k < surfels->octave_count; ++k) {
         uint32_t number = octaves[sets[index].first_octave + k].block;

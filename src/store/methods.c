@@ -111,7 +111,7 @@ stp_result stp_store_judge_methods(const stp_store_judge* judge, const stp_store
     }
     for (uint32_t m = 0; m < d->method_count && result == STP_OK; ++m) {
         for (uint32_t i = 0; i < d->methods[m].set_count; ++i) {
-            const stp_surfels* set = &content->surfels[d->methods[m].first_set + i];
+            const stp_splats* set = &content->surfels[d->methods[m].first_set + i];
             bool shapes = (set->columns & STP_SPLATS_SHAPES) != 0;
             bool ranges = (set->columns & STP_SPLATS_RANGES) != 0;
             bool there = set->count == 0 ||

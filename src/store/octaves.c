@@ -10,7 +10,7 @@ struct stp_store_joined {
     struct stp_store_joined* older;
 };
 
-void stp_store_cut_surfels(stp_surfels* surfels, uint32_t octave_count)
+void stp_store_cut_surfels(stp_splats* surfels, uint32_t octave_count)
 {
     if (octave_count >= surfels->octave_count) {
         return;
@@ -27,7 +27,7 @@ void stp_store_cut_surfels(stp_surfels* surfels, uint32_t octave_count)
     }
 }
 
-uint32_t stp_store_octaves_for(const stp_surfels* surfels, uint32_t count)
+uint32_t stp_store_octaves_for(const stp_splats* surfels, uint32_t count)
 {
     uint32_t octaves = 0;
     while (octaves < surfels->octave_count && stp_store_octave_begin(surfels, octaves) < count) {
@@ -54,7 +54,7 @@ void stp_store_free_columns(stp_context* context, stp_store_surfels_record* reco
 }
 
 void stp_store_set_columns(stp_store_surfels_record* record, stp_store_joined* joined,
-                           const stp_surfels* columns, uint32_t octave_count)
+                           const stp_splats* columns, uint32_t octave_count)
 {
     record->joined = joined;
     record->ready = octave_count;
@@ -80,7 +80,7 @@ void stp_store_release_surfels(stp_store* store, uint32_t index)
 enum { JOINED_GROUPS = STP_SURFEL_COLUMNS, JOINED_COLUMNS };
 
 // The bytes of each column of so many octaves.
-static void measure_columns(const stp_surfels* surfels, uint32_t octave_count,
+static void measure_columns(const stp_splats* surfels, uint32_t octave_count,
                             uint64_t sizes[JOINED_COLUMNS])
 {
     uint64_t n = stp_store_octave_begin(surfels, octave_count);
@@ -97,7 +97,7 @@ static void measure_columns(const stp_surfels* surfels, uint32_t octave_count,
 }
 
 // Where the columns of `octave_count` octaves lie in a set's memory, each 64-byte aligned; @return where they end.
-static uint64_t place_columns(const stp_surfels* surfels, uint32_t octave_count,
+static uint64_t place_columns(const stp_splats* surfels, uint32_t octave_count,
                               uint64_t offsets[JOINED_COLUMNS])
 {
     uint64_t sizes[JOINED_COLUMNS], end = STP_STORE_ALIGNMENT;
@@ -109,13 +109,13 @@ static uint64_t place_columns(const stp_surfels* surfels, uint32_t octave_count,
     return end;
 }
 
-uint64_t stp_store_columns_bytes(const stp_surfels* surfels, uint32_t octave_count)
+uint64_t stp_store_columns_bytes(const stp_splats* surfels, uint32_t octave_count)
 {
     uint64_t offsets[JOINED_COLUMNS];
     return place_columns(surfels, octave_count, offsets);
 }
 
-stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* surfels)
+stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_splats* surfels)
 {
     uint64_t offsets[JOINED_COLUMNS];
     uint64_t end = place_columns(surfels, surfels->octave_count, offsets);
@@ -137,7 +137,7 @@ stp_store_joined* stp_store_reserve_columns(stp_context* context, stp_surfels* s
     return (stp_store_joined*)(void*)memory;
 }
 
-void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* before,
+void stp_store_copy_columns(const stp_splats* surfels, const stp_splats* before,
                             uint32_t octave_count)
 {
     uint64_t sizes[JOINED_COLUMNS];
@@ -156,7 +156,7 @@ void stp_store_copy_columns(const stp_surfels* surfels, const stp_surfels* befor
     }
 }
 
-void stp_store_octave_targets(const stp_surfels* surfels, uint32_t octave,
+void stp_store_octave_targets(const stp_splats* surfels, uint32_t octave,
                               void* targets[STP_SURFEL_COLUMNS])
 {
     size_t first = stp_store_octave_begin(surfels, octave);
@@ -190,7 +190,7 @@ const stp_store_block* stp_store_octave_block(const stp_store* store, uint32_t i
 
 // Checks an octave's block and puts its columns in their places.
 static stp_result add_octave(stp_store* store, uint32_t index, uint32_t octave,
-                             const stp_surfels* surfels)
+                             const stp_splats* surfels)
 {
     const stp_store_block* block = stp_store_octave_block(store, index, octave);
     stp_store_octave_span span = stp_store_span_of(surfels, octave, block->encoding);
@@ -215,7 +215,7 @@ static stp_result join_octaves(stp_store* store, uint32_t index, uint32_t octave
 {
     stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
     stp_store_surfels_record* record = &records[index];
-    stp_surfels made = record->surfels;
+    stp_splats made = record->surfels;
     stp_store_cut_surfels(&made, octave_count);
     stp_store_joined* joined = stp_store_reserve_columns(store->context, &made);
     if (joined == NULL) {
@@ -237,7 +237,7 @@ static stp_result join_octaves(stp_store* store, uint32_t index, uint32_t octave
 }
 
 stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index, uint32_t octave_count,
-                                        stp_surfels* surfels)
+                                        stp_splats* surfels)
 {
     if (index >= store->directory.surfels_count) {
         return stp_store_fail_index(store, "surfel set", index);
@@ -261,7 +261,7 @@ stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index, uint32
     return STP_OK;
 }
 
-stp_result stp_store_get_surfels(stp_store* store, uint32_t index, stp_surfels* surfels)
+stp_result stp_store_get_surfels(stp_store* store, uint32_t index, stp_splats* surfels)
 {
     return stp_store_get_surfels_prefix(store, index, STP_OCTAVE_LIMIT, surfels);
 }

@@ -133,7 +133,7 @@ static valued_block value_octave(const stp_store_content* content, uint32_t set,
                                  double scale)
 {
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
-    const stp_surfels* surfels = &content->surfels[set];
+    const stp_splats* surfels = &content->surfels[set];
     float radius = radius_reached(&surfels->table, surfels->octave_ends[octave]);
     stp_store_block block = {
         .kind = STP_BLOCK_SURFELS,

@@ -64,7 +64,7 @@ typedef struct stp_store_texture_record {
 typedef struct stp_store_joined stp_store_joined;
 
 typedef struct stp_store_surfels_record {
-    stp_surfels surfels;
+    stp_splats surfels;
     uint32_t first_octave, first_breakpoint;
     uint32_t whole;           ///< octaves whose blocks the file holds whole: its first ones
     uint32_t ready;           ///< octaves checked and joined in the columns

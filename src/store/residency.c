@@ -326,7 +326,7 @@ bool stp_store_streams(const stp_store* store)
 
 uint32_t stp_store_resident_surfels(const stp_store* store, uint32_t index)
 {
-    const stp_surfels* surfels = stp_store_describe_surfels(store, index);
+    const stp_splats* surfels = stp_store_describe_surfels(store, index);
     const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
     const stp_residency* r = store->residency;
     return stp_store_octave_begin(surfels, r == NULL ? sets[index].whole : r->things[index].level);

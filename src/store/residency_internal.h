@@ -22,10 +22,10 @@ typedef struct stp_load {
     uint64_t bytes;      ///< of it, and of what is needed only while it is loaded
     uint64_t read_bytes; ///< from the file
     unsigned char*
-        picture;         ///< memory for the encoded bytes of a texture; NULL: it is read as it is
-    uint64_t transient;  ///< bytes of those, and of the decoder
-    stp_surfels columns; ///< surfels: in `memory`, cut to `to`
-    stp_surfels before;  ///< and the columns that are resident, of which `from` octaves are copied
+        picture;        ///< memory for the encoded bytes of a texture; NULL: it is read as it is
+    uint64_t transient; ///< bytes of those, and of the decoder
+    stp_splats columns; ///< surfels: in `memory`, cut to `to`
+    stp_splats before;  ///< and the columns that are resident, of which `from` octaves are copied
     stp_clusters clusters; ///< a coded mesh, opened
 } stp_load;
 
@@ -91,7 +91,7 @@ static inline stp_resident_kind stp_residency_kind(const stp_residency* r, uint3
 }
 
 /// The set of a thing that is one.
-static inline const stp_surfels* stp_residency_surfels(const stp_residency* r, uint32_t thing)
+static inline const stp_splats* stp_residency_surfels(const stp_residency* r, uint32_t thing)
 {
     return stp_store_describe_surfels(r->store, thing - r->firsts[STP_RESIDENT_SURFELS]);
 }

@@ -35,7 +35,7 @@ float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level)
     if (level == 0 || stp_residency_kind(r, thing) != STP_RESIDENT_SURFELS) {
         return t->need;
     }
-    const stp_surfels* surfels = stp_residency_surfels(r, thing);
+    const stp_splats* surfels = stp_residency_surfels(r, thing);
     return t->octave_need *
            stp_prefix_table_radius(&surfels->table, surfels->octave_ends[level - 1]);
 }

@@ -33,7 +33,7 @@ static bool prepare_texture(stp_residency* r, stp_load* load)
 bool stp_residency_prepare(stp_residency* r, stp_load* load)
 {
     if (stp_residency_kind(r, load->thing) == STP_RESIDENT_SURFELS) {
-        const stp_surfels* surfels = &surfels_record(r, load->thing)->surfels;
+        const stp_splats* surfels = &surfels_record(r, load->thing)->surfels;
         load->before = *surfels;
         load->columns = *surfels;
         stp_store_cut_surfels(&load->columns, load->to);
@@ -157,7 +157,7 @@ static bool shorten(stp_residency* r, uint32_t thing, uint32_t level)
 {
     stp_resident* t = &r->things[thing];
     stp_store_surfels_record* record = surfels_record(r, thing);
-    stp_surfels columns = record->surfels;
+    stp_splats columns = record->surfels;
     uint64_t bytes = stp_residency_bytes(r, thing, level);
     stp_store_cut_surfels(&columns, level);
     stp_store_joined* memory =
@@ -187,7 +187,7 @@ void stp_residency_drop(stp_residency* r, uint32_t thing, uint32_t level)
             level -= 1;
         }
         if (level == 0) {
-            stp_surfels none = {0};
+            stp_splats none = {0};
             free_thing(r, t);
             stp_store_set_columns(surfels_record(r, thing), NULL, &none, 0);
         }

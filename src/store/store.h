@@ -217,7 +217,7 @@ uint32_t stp_store_format_minor(const stp_store* store);
 const stp_store_mesh* stp_store_describe_mesh(const stp_store* store, uint32_t index);
 const stp_store_point_set* stp_store_describe_point_set(const stp_store* store, uint32_t index);
 const stp_store_texture* stp_store_describe_texture(const stp_store* store, uint32_t index);
-const stp_surfels* stp_store_describe_surfels(const stp_store* store, uint32_t index);
+const stp_splats* stp_store_describe_surfels(const stp_store* store, uint32_t index);
 /// Whether a mesh is stored as clusters (store/clusters.h): then stp_store_get_mesh does not give it.
 bool stp_store_is_clustered(const stp_store* store, uint32_t index);
 /// 0 for a mesh of columns.
@@ -241,15 +241,15 @@ STP_MUST_USE stp_result stp_store_load_texture(stp_store* store, uint32_t index,
 void stp_store_decode_textures(stp_store* store, const uint32_t* textures, size_t count);
 /// The set's columns: its arrays must not be written to nor freed.
 STP_MUST_USE stp_result stp_store_get_surfels(stp_store* store, uint32_t index,
-                                              stp_surfels* surfels);
+                                              stp_splats* surfels);
 
 /// The first `octave_count` octaves alone: only their blocks are read, and memory is taken for them only. Gives
 /// fewer where the set, or what is whole of a file cut short, has fewer. Asking for more octaves later leaves
 /// earlier answers valid, and keeps their memory: a third more where octaves grow fourfold.
 STP_MUST_USE stp_result stp_store_get_surfels_prefix(stp_store* store, uint32_t index,
-                                                     uint32_t octave_count, stp_surfels* surfels);
+                                                     uint32_t octave_count, stp_splats* surfels);
 /// The octaves needed to draw the first `count` surfels of a set.
-uint32_t stp_store_octaves_for(const stp_surfels* surfels, uint32_t count);
+uint32_t stp_store_octaves_for(const stp_splats* surfels, uint32_t count);
 /// Gives back the memory that a set's columns take; what was got of them ends. They can be got again.
 void stp_store_release_surfels(stp_store* store, uint32_t index);
 
@@ -271,8 +271,8 @@ STP_MUST_USE stp_result stp_store_check(stp_context* context, const char* path, 
 
 /// A surfel set or mesh as it lies in the file, checksums verified. Pointers live as long as the store.
 typedef struct stp_store_stored_surfels {
-    uint32_t index;             ///< STP_STORE_NONE: the file has none of that key
-    const stp_surfels* surfels; ///< without columns (stp_store_get_surfels)
+    uint32_t index;            ///< STP_STORE_NONE: the file has none of that key
+    const stp_splats* surfels; ///< without columns (stp_store_get_surfels)
 } stp_store_stored_surfels;
 
 typedef struct stp_store_stored_mesh {

@@ -209,7 +209,7 @@ static bool is_table(const stp_prefix_table* table, uint32_t count)
     return good;
 }
 
-static bool are_octaves(const stp_surfels* surfels)
+static bool are_octaves(const stp_splats* surfels)
 {
     uint32_t octaves = surfels->octave_count;
     if (octaves > STP_OCTAVE_LIMIT || (octaves == 0) != (surfels->count == 0)) {
@@ -222,7 +222,7 @@ static bool are_octaves(const stp_surfels* surfels)
     return good;
 }
 
-const char* stp_store_surfels_fault(const stp_surfels* surfels)
+const char* stp_store_surfels_fault(const stp_splats* surfels)
 {
     const char* fault = NULL;
     float reach = surfels->step * 65535.0f;
@@ -248,7 +248,7 @@ const char* stp_store_surfels_fault(const stp_surfels* surfels)
 }
 
 stp_result stp_store_judge_surfels(const stp_store_judge* judge, uint32_t index,
-                                   const stp_surfels* surfels)
+                                   const stp_splats* surfels)
 {
     const char* fault = stp_store_surfels_fault(surfels);
     if (fault != NULL) {

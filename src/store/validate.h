@@ -28,9 +28,9 @@ STP_MUST_USE stp_result stp_store_judge_material(const stp_store_judge* judge, c
 STP_MUST_USE stp_result stp_store_judge_texture(const stp_store_judge* judge, uint32_t index,
                                                 const stp_store_texture* texture);
 STP_MUST_USE stp_result stp_store_judge_surfels(const stp_store_judge* judge, uint32_t index,
-                                                const stp_surfels* surfels);
+                                                const stp_splats* surfels);
 /// What is wrong with a set, its columns apart; NULL: nothing.
-const char* stp_store_surfels_fault(const stp_surfels* surfels);
+const char* stp_store_surfels_fault(const stp_splats* surfels);
 
 // The bulk data.
 STP_MUST_USE stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, uint32_t index,

@@ -16,7 +16,7 @@ struct stp_store_content {
     const stp_coded_mesh* coded_meshes;
     const stp_store_point_set* point_sets;
     const stp_store_texture* textures;
-    const stp_surfels* surfels;
+    const stp_splats* surfels;
     const stp_store_census* census; ///< NULL: guessed from nodes and objects
     // under which content keys they were made (all zero: none); NULL: none at all
     const stp_hash* surfel_keys;

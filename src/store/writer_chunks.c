@@ -61,7 +61,7 @@ void stp_store_batch_destroy(stp_store_batch* b)
 }
 
 /// Puts the columns of a chunk one after the other. @return their bytes
-static size_t gather(const stp_surfels* surfels, const stp_store_block* block,
+static size_t gather(const stp_splats* surfels, const stp_store_block* block,
                      const stp_store_octave_span* span, uint32_t chunk, unsigned char* out)
 {
     uint32_t begin = chunk == 0 ? span->begin : stp_store_chunk_end(span, chunk - 1);

@@ -184,7 +184,7 @@ static stp_result write_records(stp_store_writing* w, uint32_t type, uint32_t co
 static stp_result write_sets(stp_store_writing* w, uint32_t type)
 {
     uint32_t set_count = w->content->directory.surfels_count;
-    const stp_surfels* sets = w->content->surfels;
+    const stp_splats* sets = w->content->surfels;
     uint64_t octaves = 0, breakpoints = 0;
     for (uint32_t i = 0; i < set_count; ++i) {
         octaves += sets[i].octave_count;
@@ -200,7 +200,7 @@ static stp_result write_sets(stp_store_writing* w, uint32_t type)
     stp_result result = begin_section(w, type, count);
     uint32_t octave = 0, breakpoint = 0;
     for (uint32_t i = 0; i < set_count && result == STP_OK; ++i) {
-        const stp_surfels* set = &sets[i];
+        const stp_splats* set = &sets[i];
         uint32_t records = type == STP_SECTION_SURFELS   ? 1
                            : type == STP_SECTION_OCTAVES ? set->octave_count
                                                          : set->table.size;

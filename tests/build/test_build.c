@@ -116,7 +116,7 @@ void test_builds_can_be_opened_and_checked(test_state* test)
     CHECK_EQUAL(0, d->nodes[d->root].surfels);
     CHECK(d->shading_count >= 1 && strcmp(d->build_json, "{\"method\":\"blue\"}") == 0);
     CHECK(d->source_count == 1 && strcmp(d->sources[0].path, w.model) == 0);
-    stp_surfels s;
+    stp_splats s;
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &s));
     CHECK_EQUAL(225, s.count);               // one for eight triangles
     for (uint32_t i = 0; i < s.count; ++i) { // within the model's box, but for rounding
@@ -182,7 +182,7 @@ void test_builds_of_several_methods(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_open(one, w.output, &store));
     const stp_store_directory* d = stp_store_get_directory(store);
     CHECK(d->method_count == 2 && d->surfels_count == 2);
-    stp_surfels blue, spt;
+    stp_splats blue, spt;
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stp_store_set_of(d, 0, d->root), &blue));
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stp_store_set_of(d, 1, d->root), &spt));
     CHECK(blue.count == 225 && blue.columns == 0 && blue.ranges == NULL);
@@ -422,7 +422,7 @@ void test_point_clouds_keep_every_point(test_state* test)
     CHECK_EQUAL(STP_OK, stp_build(context, &desc, &report));
     CHECK_EQUAL(COUNT, report.candidates);
     stp_store* store = NULL;
-    stp_surfels s;
+    stp_splats s;
     CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &s));
     CHECK_EQUAL(COUNT, s.count);
@@ -494,7 +494,7 @@ void test_near_duplicates_cost_no_more(test_state* test)
     CHECK(report.finish_s < 1.5);
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, stp_store_open(context, w.output, &store));
-    const stp_surfels* s = stp_store_describe_surfels(store, 0);
+    const stp_splats* s = stp_store_describe_surfels(store, 0);
     uint64_t entries = 0;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         entries += s->octave_ends[i];

@@ -10,7 +10,7 @@ typedef struct sample {
     uint16_t positions[3 * SURFELS];
     int8_t normals[2 * SURFELS];
     uint8_t materials[SURFELS], colors[3 * ENTRIES], coverages[ENTRIES];
-    stp_surfels surfels;
+    stp_splats surfels;
 } sample;
 
 static void fill(void* bytes, size_t size, uint64_t seed)
@@ -26,7 +26,7 @@ static void make_sample(sample* s)
     for (int i = 0; i < SURFELS; ++i) {
         s->materials[i] = (uint8_t)(i % 5);
     }
-    s->surfels = (stp_surfels){
+    s->surfels = (stp_splats){
         .count = SURFELS,
         .origin = {-1.5f, 2.25f, 1e6f},
         .step = 0.125f,
@@ -49,9 +49,9 @@ static bool same_bytes(const void* a, const void* b, size_t size)
     return (uintptr_t)a % 64 == 0 && memcmp(a, b, size) == 0;
 }
 
-static bool is_sample(const stp_surfels* s, const sample* expected)
+static bool is_sample(const stp_splats* s, const sample* expected)
 {
-    const stp_surfels* e = &expected->surfels;
+    const stp_splats* e = &expected->surfels;
     return s->count == e->count && memcmp(&s->origin, &e->origin, sizeof(e->origin)) == 0 &&
            s->step == e->step && s->octave_count == e->octave_count &&
            memcmp(s->octave_ends, e->octave_ends, sizeof(e->octave_ends)) == 0 &&
@@ -80,11 +80,11 @@ void test_pieces_are_found_as_they_were_stored(test_state* test)
                            .triangle_count = 200,
                            .vertex_count = 150,
                            .bounds = {{-1, -2, -3}, {4, 5, 6}}};
-    stp_surfels nothing = {.candidate_radius = 1.0f};
+    stp_splats nothing = {.candidate_radius = 1.0f};
     for (int round = 0; round < 2; ++round) {
         stp_work* work = open_work(context, &place);
         CHECK(work != NULL);
-        stp_surfels found;
+        stp_splats found;
         stp_coded_mesh coded;
         uint32_t candidates = 0;
         CHECK_EQUAL(round, stp_piece_find_surfels(work, work_key(1), 5, &found, &candidates));
@@ -128,7 +128,7 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
     size_t size = 0;
     const unsigned char* whole = stp_work_find(work, work_key(0), &size);
     CHECK(whole != NULL && size < 2048);
-    stp_surfels found;
+    stp_splats found;
     uint32_t unused;
     CHECK(!stp_piece_find_surfels(work, work_key(0), 4, &found, &unused)); // there is a shading 4
     // any head at all, with a right checksum: what is found can be read to its end
@@ -167,7 +167,7 @@ static void store_sample(size_t begin, size_t end, uint32_t worker, void* user)
     static sample s;
     stp_work* work = user;
     for (size_t i = begin; i < end; ++i) {
-        stp_surfels found;
+        stp_splats found;
         (void)!stp_piece_store_surfels(work, work_key((uint32_t)i / 2), &s.surfels, 0, &found);
     }
 }

@@ -37,10 +37,10 @@ stp_store_mesh made_square(uint32_t material)
                             .indices = indices};
 }
 
-stp_surfels made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3])
+stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3])
 {
     uint32_t count = 1u << (2 * log_side);
-    stp_surfels s = {.count = count, .origin = {-1, -1, 0}, .step = 1.0f / 32768.0f};
+    stp_splats s = {.count = count, .origin = {-1, -1, 0}, .step = 1.0f / 32768.0f};
     s.positions = STP_NEW_ZEROED(context, uint16_t, 3 * (size_t)count);
     s.normals = STP_NEW_ZEROED(context, int8_t, 2 * (size_t)count); // zero: +z
     s.materials = STP_NEW_ZEROED(context, uint8_t, count);
@@ -78,7 +78,7 @@ stp_surfels made_square_surfels(stp_context* context, uint32_t log_side, const u
     return s;
 }
 
-void made_free_surfels(stp_context* context, stp_surfels* s)
+void made_free_surfels(stp_context* context, stp_splats* s)
 {
     stp_free(context, s->positions);
     stp_free(context, s->normals);

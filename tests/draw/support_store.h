@@ -16,7 +16,7 @@ typedef struct made_scene {
     stp_store_texture textures[MADE_LIMIT];
     stp_store_mesh meshes[MADE_LIMIT];
     stp_store_point_set point_sets[MADE_LIMIT];
-    stp_surfels surfels[MADE_LIMIT];
+    stp_splats surfels[MADE_LIMIT];
     stp_store_view views[MADE_LIMIT];
     uint32_t node_count, edge_count, part_count, material_count, shading_count, texture_count,
         mesh_count, point_set_count, surfels_count, view_count;
@@ -34,8 +34,8 @@ stp_store_mesh made_square(uint32_t material);
 /// Surfels over the front of that square: a grid of side x side, in an order in which every prefix of 4^k is
 /// spread evenly; prefix table and colours (all `color`) with it. The arrays come from `context` (stp_free
 /// through made_free_surfels).
-stp_surfels made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3]);
-void made_free_surfels(stp_context* context, stp_surfels* surfels);
+stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3]);
+void made_free_surfels(stp_context* context, stp_splats* surfels);
 
 /// Writes and opens the scene; the last node is the root. NULL on failure.
 stp_store* made_open(stp_context* context, made_scene* scene);

@@ -14,7 +14,7 @@ static const uint8_t red[3] = {255, 0, 0}, blue[3] = {0, 0, 255};
 
 static void make_noisy(made_picture* p)
 {
-    stp_surfels* s = &p->scene.surfels[0];
+    stp_splats* s = &p->scene.surfels[0];
     for (uint32_t i = 0; i < 3 * s->count; ++i) {
         s->colors[i] = (uint8_t)(90 + stp_rng_hash(3, i / 3) % 120);
     }

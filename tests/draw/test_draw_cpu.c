@@ -216,7 +216,7 @@ void test_draw_cpu_colors_blend_between_octaves(test_state* test)
 {
     fixture f;
     CHECK(begin(&f, NULL, 1));
-    stp_surfels s = made_square_surfels(f.context, 5, red);
+    stp_splats s = made_square_surfels(f.context, 5, red);
     stp_free(f.context, s.colors);
     stp_free(f.context, s.coverages);
     s.octave_count = 2; // 256 surfels in black, then all 1,024 in white

@@ -25,7 +25,7 @@ typedef struct fixture {
 } fixture;
 
 /// Gives a set of one octave as many as its prefixes of 4^k.
-static void divide(stp_context* context, stp_surfels* s)
+static void divide(stp_context* context, stp_splats* s)
 {
     uint64_t entries = 0;
     const uint8_t color[3] = {s->colors[0], s->colors[1], s->colors[2]};

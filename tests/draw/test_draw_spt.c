@@ -15,7 +15,7 @@ enum { SIDE = 128, LOG_SIDE = 6 };
 typedef struct fixture {
     stp_context* context;
     made_scene scene;
-    stp_surfels samples, set;
+    stp_splats samples, set;
     stp_store* store;
     stp_renderer* renderer;
     stp_draw_list list;
@@ -59,7 +59,7 @@ static void tear_down(fixture* f)
     stp_draw_list_destroy(f->context, &f->list);
     stp_store_close(f->store);
     made_free_surfels(f->context, &f->samples);
-    stp_surfels_destroy(f->context, &f->set);
+    stp_splats_destroy(f->context, &f->set);
     stp_context_destroy(f->context);
 }
 

@@ -33,18 +33,18 @@ static void make_ball(made_picture* p, bool faces_in)
         colors[3 * i + 2] = (uint8_t)(128.0f + 120.0f * n.z);
         coverages[i] = STP_COVERAGE_WHOLE;
     }
-    stp_surfels samples = {.count = SAMPLES,
-                           .origin = {-1.0f, -1.0f, -1.0f},
-                           .step = 1.0f / 32768.0f,
-                           .positions = positions,
-                           .normals = normals,
-                           .materials = materials,
-                           .octave_count = 1,
-                           .octave_ends = {SAMPLES},
-                           .colors = colors,
-                           .coverages = coverages,
-                           .table = {.size = 1, .count = {SAMPLES}, .radius = {0.02f}},
-                           .candidate_radius = 0.001f};
+    stp_splats samples = {.count = SAMPLES,
+                          .origin = {-1.0f, -1.0f, -1.0f},
+                          .step = 1.0f / 32768.0f,
+                          .positions = positions,
+                          .normals = normals,
+                          .materials = materials,
+                          .octave_count = 1,
+                          .octave_ends = {SAMPLES},
+                          .colors = colors,
+                          .coverages = coverages,
+                          .table = {.size = 1, .count = {SAMPLES}, .radius = {0.02f}},
+                          .candidate_radius = 0.001f};
     const stp_spt_desc desc = {.tree = {STP_TREE_GEOMETRIC, 255}};
     made_scene* s = &p->scene;
     if (stp_spt_make(p->context, &samples, &desc, &s->surfels[0]) != STP_OK) {
@@ -98,9 +98,9 @@ static bool set_up(fixture* f, void (*add)(made_picture* p), bool* failed)
 
 static void tear_down(fixture* f)
 {
-    stp_surfels* set = &f->gl.picture.scene.surfels[0];
+    stp_splats* set = &f->gl.picture.scene.surfels[0];
     f->gl.picture.scene.surfels_count = 0; // freed here: it has more columns
-    stp_surfels_destroy(f->gl.picture.context, set);
+    stp_splats_destroy(f->gl.picture.context, set);
     made_gl_end(&f->gl);
 }
 

@@ -11,7 +11,7 @@
 enum { PIXELS = PICTURE_SIDE * PICTURE_SIDE, OCTAVES = 3 };
 
 /// Gives a set octaves, each with colours of its own.
-static void add_octaves(stp_context* context, stp_surfels* s)
+static void add_octaves(stp_context* context, stp_splats* s)
 {
     static const uint32_t ends[OCTAVES] = {64, 256, 1024};
     size_t total = 0, at = 0;

@@ -36,7 +36,7 @@ static void add_sheet(made_picture* p, uint32_t material, double angle, stp_vec3
     made_picture_add(p, angle, move, splats ? color : NULL);
     s->meshes[s->mesh_count - 1].material = material;
     if (splats) {
-        const stp_surfels* set = &s->surfels[s->surfels_count - 1];
+        const stp_splats* set = &s->surfels[s->surfels_count - 1];
         float chance = 1.0f - sqrtf(1.0f - base[3]); // as src/lod/blue/pyramid_chance.c writes it
         memset(set->coverages, stp_coverage_of_share((double)chance), set->count);
         memset(set->materials, (int)material, set->count);

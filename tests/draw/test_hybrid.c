@@ -29,7 +29,7 @@ typedef struct fixture {
     half_and_half mesh;
     made_scene scene;
     stp_coded_mesh coded;
-    stp_surfels samples, set;
+    stp_splats samples, set;
     stp_store* store;
     stp_draw_list list;
     stp_view view;
@@ -114,7 +114,7 @@ static void tear_down(fixture* f)
     stp_store_close(f->store);
     stp_coded_mesh_destroy(f->context, &f->coded);
     made_free_surfels(f->context, &f->samples);
-    stp_surfels_destroy(f->context, &f->set);
+    stp_splats_destroy(f->context, &f->set);
     stp_context_destroy(f->context);
 }
 

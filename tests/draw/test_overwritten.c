@@ -24,7 +24,7 @@ typedef struct overwritten {
     stp_renderer* renderer;
     made_mesh mesh;
     stp_coded_mesh coded[2];
-    stp_surfels surfels;
+    stp_splats surfels;
     uint8_t texels[TEXELS], pixels[4 * SIDE * SIDE];
     float points[3 * POINTS];
     int file;

@@ -87,7 +87,7 @@ static void make_ball_mesh(ball* b)
     }
 }
 
-static bool make_ball_surfels(stp_context* context, ball* b, stp_surfels* s)
+static bool make_ball_surfels(stp_context* context, ball* b, stp_splats* s)
 {
     static float positions[3 * BALL_SURFELS], radii[BALL_SURFELS];
     static uint32_t order[BALL_SURFELS];
@@ -105,19 +105,19 @@ static bool make_ball_surfels(stp_context* context, ball* b, stp_surfels* s)
         count != BALL_SURFELS) {
         return false;
     }
-    *s = (stp_surfels){.count = count,
-                       .origin = {-2, -2, -2},
-                       .step = 1.0f / 16384.0f,
-                       .positions = b->grid,
-                       .normals = b->codes,
-                       .materials = b->materials,
-                       .octave_count = 1,
-                       .octave_ends = {BALL_SURFELS},
-                       .colors = b->colors,
-                       .coverages = b->coverages,
-                       .candidate_radius = 0.04f,
-                       .paper_radius = 0.1f,
-                       .paper_count = 1000};
+    *s = (stp_splats){.count = count,
+                      .origin = {-2, -2, -2},
+                      .step = 1.0f / 16384.0f,
+                      .positions = b->grid,
+                      .normals = b->codes,
+                      .materials = b->materials,
+                      .octave_count = 1,
+                      .octave_ends = {BALL_SURFELS},
+                      .colors = b->colors,
+                      .coverages = b->coverages,
+                      .candidate_radius = 0.04f,
+                      .paper_radius = 0.1f,
+                      .paper_count = 1000};
     s->table.size = 2;
     s->table.count[0] = 1;
     s->table.radius[0] = 2.0f;

@@ -29,7 +29,7 @@ static uint8_t mean(uint32_t x, uint32_t y, uint32_t level)
 }
 
 /// Colours for each prefix of 4^k.
-static bool color_octaves(stp_context* context, stp_surfels* s, bool pyramid)
+static bool color_octaves(stp_context* context, stp_splats* s, bool pyramid)
 {
     uint32_t total = 0;
     s->octave_count = LOG_SIDE + 1;

@@ -126,7 +126,7 @@ static inline stp_finish_input maker_input(const maker* m)
 
 /// Orders `wanted` of the candidates and finishes them.
 static inline stp_result maker_finish(maker* m, stp_context* context, uint32_t wanted,
-                                      stp_surfels* out)
+                                      stp_splats* out)
 {
     maker_order(m, wanted, 10.0f);
     stp_finish_input input = maker_input(m);
@@ -134,7 +134,7 @@ static inline stp_result maker_finish(maker* m, stp_context* context, uint32_t w
 }
 
 /// Where an octave's entries begin in colors and coverages.
-static inline size_t octave_start(const stp_surfels* s, uint32_t octave)
+static inline size_t octave_start(const stp_splats* s, uint32_t octave)
 {
     size_t start = 0;
     for (uint32_t i = 0; i < octave; ++i) {
@@ -144,7 +144,7 @@ static inline size_t octave_start(const stp_surfels* s, uint32_t octave)
 }
 
 /// The chance with which a disk is drawn at a place, `offset` from its centre over its radius. `entry`: of its octave.
-static inline double drawn_chance(const stp_surfels* s, size_t entry, uint32_t surfel,
+static inline double drawn_chance(const stp_splats* s, size_t entry, uint32_t surfel,
                                   stp_vec3 offset)
 {
     uint8_t code = s->coverages[entry];

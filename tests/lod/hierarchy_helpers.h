@@ -10,8 +10,8 @@
 
 typedef struct hierarchy {
     stp_scene* scene;
-    stp_surfels* made;        ///< by node
-    const stp_surfels** sets; ///< by node
+    stp_splats* made;        ///< by node
+    const stp_splats** sets; ///< by node
     uint8_t* shading_of_material;
     uint32_t shape; ///< the object that leaves use
 } hierarchy;
@@ -25,7 +25,7 @@ static inline stp_affine scale_and_move(double x, double y, double z, double tx,
 static inline void hierarchy_destroy(hierarchy* h)
 {
     for (size_t i = 0; h->made != NULL && i < h->scene->node_count; ++i) {
-        stp_surfels_destroy(h->scene->context, &h->made[i]);
+        stp_splats_destroy(h->scene->context, &h->made[i]);
     }
     free(h->made);
     free(h->sets);

@@ -37,7 +37,7 @@ static stp_result build_mixed(stp_context* context, hierarchy* h, uint32_t* node
     return result == STP_OK ? hierarchy_make(h, *node, 150, 1200, NULL) : result;
 }
 
-static stp_hash hash_surfels(const stp_surfels* s)
+static stp_hash hash_surfels(const stp_splats* s)
 {
     size_t entries = 0;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
@@ -58,7 +58,7 @@ void test_mixed_nodes_take_sets_and_triangles(test_state* test)
         uint32_t node;
         CHECK(context != NULL);
         CHECK_EQUAL(STP_OK, build_mixed(context, &h, &node));
-        const stp_surfels* s = &h.made[node];
+        const stp_splats* s = &h.made[node];
         uint32_t on_plate = 0;
         for (uint32_t i = 0; i < s->count; ++i) {
             double y = (double)s->origin.y + (double)s->step * s->positions[3 * i + 1];
@@ -128,7 +128,7 @@ void test_points_below_a_node(test_state* test)
     CHECK_EQUAL(POINTS, h.made[other].count);
     uint32_t node = h.scene->objects[root].node;
     CHECK_EQUAL(STP_OK, hierarchy_make(&h, node, 1000, 9000, NULL));
-    const stp_surfels* s = &h.made[node];
+    const stp_splats* s = &h.made[node];
     CHECK_EQUAL(1000, s->count);
     uint32_t cells[9] = {0};
     for (uint32_t i = 0; i < s->count; ++i) {
@@ -158,7 +158,7 @@ void test_appearance_goes_up(test_state* test)
     CHECK(add_copies(&h, h.shape, copies, 9, false, &root) && hierarchy_finish(&h));
     uint32_t child = h.scene->objects[h.shape].node, node = h.scene->objects[root].node;
     CHECK_EQUAL(STP_OK, hierarchy_make(&h, child, 1000, 12000, NULL));
-    stp_surfels* below = &h.made[child];
+    stp_splats* below = &h.made[child];
     size_t entries = 0;
     for (uint32_t i = 0; i < below->octave_count; ++i) {
         entries += below->octave_ends[i];
@@ -173,7 +173,7 @@ void test_appearance_goes_up(test_state* test)
         below->materials[i] = 7;
     }
     CHECK_EQUAL(STP_OK, hierarchy_make(&h, node, 500, 4500, NULL));
-    const stp_surfels* s = &h.made[node];
+    const stp_splats* s = &h.made[node];
     size_t last = 0;
     for (uint32_t i = 0; i + 1 < s->octave_count; ++i) {
         last += s->octave_ends[i];

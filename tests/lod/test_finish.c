@@ -37,7 +37,7 @@ static uint32_t paint_pane(double x, double y, void* user)
     return 0x80c0ff40; // a quarter opaque
 }
 
-static int count_holes(const stp_surfels* s, uint32_t octave)
+static int count_holes(const stp_splats* s, uint32_t octave)
 {
     int count = 0;
     size_t start = octave_start(s, octave);
@@ -48,7 +48,7 @@ static int count_holes(const stp_surfels* s, uint32_t octave)
 }
 
 // To what an octave's prefix covers.
-static float octave_radius(const maker* m, const stp_surfels* s, uint32_t octave)
+static float octave_radius(const maker* m, const stp_splats* s, uint32_t octave)
 {
     uint32_t end = s->octave_ends[octave];
     return end < m->count ? m->radii[end] : m->final_radius;
@@ -60,7 +60,7 @@ void test_solid_plates_are_fully_covered(test_state* test)
     maker* m = maker_create(0.014);
     maker_add_plane(m, 1.0, paint_grey, NULL);
     CHECK(context != NULL && m->candidates.count > 20000 && m->candidates.count < MAKER_LIMIT);
-    stp_surfels s;
+    stp_splats s;
     CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
     CHECK(s.octave_count >= 5);
     for (uint32_t octave = 0; octave < s.octave_count;
@@ -74,13 +74,13 @@ void test_solid_plates_are_fully_covered(test_state* test)
         CHECK_EQUAL(0x99, s.colors[3 * i + 2]);
     }
     CHECK((double)entries < s.count * 1.6 + 10);
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }
 
 // Light from everything drawn: each pixel is covered with the chance that one of its disks is.
-static double drawn_area(const maker* m, const stp_surfels* s, uint32_t octave, float radius)
+static double drawn_area(const maker* m, const stp_splats* s, uint32_t octave, float radius)
 {
     enum { SIZE = 256 };
     static float clear[SIZE * SIZE];
@@ -118,7 +118,7 @@ void test_wires_keep_their_projected_area(test_state* test)
         double half_width = half_widths[i];
         maker* m = maker_create(0.008);
         maker_add_plane(m, 1.0, paint_wire, &half_width);
-        stp_surfels s;
+        stp_splats s;
         CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
         double truth = 2.0 * 2.0 * half_width;
         for (uint32_t octave = 0; octave + 1 < s.octave_count; ++octave) {
@@ -136,7 +136,7 @@ void test_wires_keep_their_projected_area(test_state* test)
                 CHECK(area < 0.2 * fat); // what the disks would draw
             }
         }
-        stp_surfels_destroy(context, &s);
+        stp_splats_destroy(context, &s);
         maker_destroy(m);
     }
     stp_context_destroy(context);
@@ -147,7 +147,7 @@ void test_coarse_colours_are_averages_of_light(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     maker* m = maker_create(0.01);
     maker_add_plane(m, 1.0, paint_stripes, NULL);
-    stp_surfels s;
+    stp_splats s;
     CHECK(context != NULL);
     CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
     // stripes are two pixels wide: from the middle octaves on every surfel sees many, half of the
@@ -160,7 +160,7 @@ void test_coarse_colours_are_averages_of_light(test_state* test)
         }
     }
     CHECK(abs((int)s.colors[0] - (int)half) < 6);
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }
@@ -176,7 +176,7 @@ void test_colours_stay_on_their_patch(test_state* test)
         const float* p = m->candidates.positions + 3 * (size_t)i;
         maker_add(m, (stp_vec3){p[0], p[1], -0.001f}, (stp_vec3){0, 0, -1}, 0x00ff00ff);
     }
-    stp_surfels s;
+    stp_splats s;
     CHECK(context != NULL);
     CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
     for (uint32_t octave = 0; octave < s.octave_count; ++octave) {
@@ -193,7 +193,7 @@ void test_colours_stay_on_their_patch(test_state* test)
             }
         }
     }
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }
@@ -203,7 +203,7 @@ void test_clear_panes_let_light_through(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     maker* m = maker_create(0.015);
     maker_add_plane(m, 1.0, paint_pane, NULL);
-    stp_surfels s;
+    stp_splats s;
     CHECK(context != NULL);
     CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 17, &s));
     int expected = (int)(255.0 * (1.0 - sqrt(1.0 - 64.0 / 255.0)) + 0.5);
@@ -216,7 +216,7 @@ void test_clear_panes_let_light_through(test_state* test)
             CHECK_EQUAL(0x80, s.colors[3 * i]);
         }
     }
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }
@@ -241,7 +241,7 @@ void test_spheres_are_solid_and_face_outwards(test_state* test)
     maker_order(m, 2000, 10.0f);
     m->candidates.origin = (stp_vec3d){400000.0, -3.0, 7e6}; // far out: precision must not suffer
     stp_finish_input input = maker_input(m);
-    stp_surfels s;
+    stp_splats s;
     CHECK(context != NULL);
     CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
     CHECK_EQUAL(2000, s.count);
@@ -262,7 +262,7 @@ void test_spheres_are_solid_and_face_outwards(test_state* test)
     }
     CHECK(s.step < 0.001f);
     CHECK(s.paper_count == 1000 && s.paper_radius > 0.05f && s.paper_radius < 0.2f);
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }
@@ -277,7 +277,7 @@ void test_prefixes_cover_what_the_table_promises(test_state* test)
     add_sphere(m, 6000, (stp_vec3){1.5f, 0.2f, 0});
     maker_order(m, 700, 0.0f);
     stp_finish_input input = maker_input(m);
-    stp_surfels s;
+    stp_splats s;
     CHECK(context != NULL);
     CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
     CHECK(s.table.size >= 2 && s.table.count[s.table.size - 1] == s.count);
@@ -304,12 +304,12 @@ void test_prefixes_cover_what_the_table_promises(test_state* test)
         CHECK(at == 0 || s.table.radius[at] <= s.table.radius[at - 1]);
     }
     free(nearest);
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }
 
-static bool same_surfels(const stp_surfels* a, const stp_surfels* b)
+static bool same_surfels(const stp_splats* a, const stp_splats* b)
 {
     size_t entries = octave_start(a, a->octave_count);
     return a->count == b->count && a->octave_count == b->octave_count && a->step == b->step &&
@@ -340,7 +340,7 @@ void test_finished_surfels_do_not_depend_on_threads(test_state* test)
     maker* m = make_mixed();
     stp_finish_input input = maker_input(m);
     stp_context* contexts[4];
-    stp_surfels s[4];
+    stp_splats s[4];
     for (uint32_t i = 0; i < 4; ++i) {
         contexts[i] = test_context(NULL, i + 1, NULL);
         CHECK(contexts[i] != NULL);
@@ -348,7 +348,7 @@ void test_finished_surfels_do_not_depend_on_threads(test_state* test)
         CHECK(same_surfels(&s[0], &s[i]));
     }
     for (uint32_t i = 0; i < 4; ++i) {
-        stp_surfels_destroy(contexts[i], &s[i]);
+        stp_splats_destroy(contexts[i], &s[i]);
         stp_context_destroy(contexts[i]);
     }
     maker_destroy(m);
@@ -365,14 +365,14 @@ void test_finishing_survives_failing_allocator(test_state* test)
         test_log log = {0};
         stp_context* context = test_context(&heap, 1, &log);
         if (context != NULL) {
-            stp_surfels s;
+            stp_splats s;
             stp_result result = stp_finish_surfels(context, &input, &s);
             made = result == STP_OK;
             failures += !made;
             CHECK(made ||
                   (result == STP_ERROR_OUT_OF_MEMORY && s.positions == NULL && s.count == 0));
             CHECK_EQUAL(!made, log.errors);
-            stp_surfels_destroy(context, &s);
+            stp_splats_destroy(context, &s);
             stp_context_destroy(context);
         }
         CHECK_EQUAL(0, heap.live_bytes);
@@ -393,7 +393,7 @@ void test_tiny_sets_can_be_finished(test_state* test)
         maker_order(m, count, 1.0f);
         CHECK_EQUAL(count, m->count);
         stp_finish_input input = maker_input(m);
-        stp_surfels s;
+        stp_splats s;
         CHECK_EQUAL(STP_OK, stp_finish_surfels(context, &input, &s));
         CHECK_EQUAL(count, s.count);
         CHECK(s.octave_count >= 1 && s.octave_ends[s.octave_count - 1] == count);
@@ -402,7 +402,7 @@ void test_tiny_sets_can_be_finished(test_state* test)
             CHECK(s.colors[3 * i] == 1 && s.colors[3 * i + 1] == 2 && s.colors[3 * i + 2] == 3);
             CHECK(stp_coverage_area(s.coverages[i]) > 0.0f);
         }
-        stp_surfels_destroy(context, &s);
+        stp_splats_destroy(context, &s);
         maker_destroy(m);
     }
     stp_context_destroy(context);

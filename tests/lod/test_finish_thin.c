@@ -6,7 +6,7 @@
 #include "lod/candidate_helpers.h"
 
 // What an octave's disks draw where none hides another: the sum of their areas, each times its chance.
-static double drawn_of(const maker* m, const stp_surfels* s, uint32_t octave,
+static double drawn_of(const maker* m, const stp_splats* s, uint32_t octave,
                        bool (*counts)(stp_vec3 normal))
 {
     uint32_t end = s->octave_ends[octave];
@@ -22,7 +22,7 @@ static double drawn_of(const maker* m, const stp_surfels* s, uint32_t octave,
     return sum;
 }
 
-static float reach_of(const maker* m, const stp_surfels* s, uint32_t octave)
+static float reach_of(const maker* m, const stp_splats* s, uint32_t octave)
 {
     uint32_t end = s->octave_ends[octave];
     return end < m->count ? m->radii[end] : m->final_radius;
@@ -58,7 +58,7 @@ void test_lattices_keep_their_area(test_state* test)
         const float* p = m->candidates.positions + 3 * (size_t)i;
         maker_add(m, (stp_vec3){p[0], p[1], -0.016f}, (stp_vec3){0, 0, -1}, 0x808080ff);
     }
-    stp_surfels s;
+    stp_splats s;
     CHECK_EQUAL(STP_OK,
                 maker_finish(m, context,
                              m->candidates.count / 5 < 6000 ? m->candidates.count / 5 : 6000, &s));
@@ -77,7 +77,7 @@ void test_lattices_keep_their_area(test_state* test)
         }
     }
     CHECK(seen >= 2);
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }
@@ -113,7 +113,7 @@ void test_poles_stay_small_and_their_ground_whole(test_state* test)
     double width = 0.03, height = 0.35;
     add_pole(m, width, height);
     CHECK(context != NULL && m->candidates.count < MAKER_LIMIT);
-    stp_surfels s;
+    stp_splats s;
     CHECK_EQUAL(STP_OK, maker_finish(m, context, m->candidates.count / 9, &s));
     double half = 0.5 * 4.0 * width * height; // both sides' disks are met
     for (uint32_t octave = 0; octave < s.octave_count; ++octave) {
@@ -132,7 +132,7 @@ void test_poles_stay_small_and_their_ground_whole(test_state* test)
             CHECK(n[2] < 0.5f || is_without_holes(s.coverages[octave_start(&s, octave) + i]));
         }
     }
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }
@@ -156,7 +156,7 @@ void test_boxes_are_whole_at_edges_and_corners(test_state* test)
             }
         }
     }
-    stp_surfels s;
+    stp_splats s;
     CHECK(context != NULL);
     CHECK_EQUAL(STP_OK, maker_finish(m, context, 3000, &s));
     CHECK_EQUAL(3000, s.count);
@@ -168,7 +168,7 @@ void test_boxes_are_whole_at_edges_and_corners(test_state* test)
         // of the finest octave, a surfel squeezed into a corner: others' disks cover its place
         CHECK(lower <= (octave + 1 < s.octave_count ? 0u : 2u));
     }
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     maker_destroy(m);
     stp_context_destroy(context);
 }

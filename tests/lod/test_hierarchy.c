@@ -10,7 +10,7 @@
 
 enum { LEVELS = 10, PER_LEVEL = 600, EVERY = 29 };
 
-static stp_vec3d surfel_position(const stp_surfels* s, uint32_t i)
+static stp_vec3d surfel_position(const stp_splats* s, uint32_t i)
 {
     const uint16_t* v = s->positions + 3 * (size_t)i;
     double step = (double)s->step;
@@ -18,7 +18,7 @@ static stp_vec3d surfel_position(const stp_surfels* s, uint32_t i)
                        (double)s->origin.z + step * v[2]};
 }
 
-static float final_radius(const stp_surfels* s)
+static float final_radius(const stp_splats* s)
 {
     return s->table.radius[s->table.size - 1];
 }
@@ -45,7 +45,7 @@ static double flake_distance(stp_vec3d p, int level, double best)
     return best;
 }
 
-static double largest_distance(const stp_surfels* s, int level)
+static double largest_distance(const stp_splats* s, int level)
 {
     double largest = 0.0;
     for (uint32_t i = 0; i < s->count; i += EVERY) {
@@ -79,7 +79,7 @@ void test_ten_levels_of_spheres_do_not_grow(test_state* test)
         stp_blue_report report;
         uint32_t wanted = level == 0 ? 8000 : 9 * PER_LEVEL;
         CHECK_EQUAL(STP_OK, hierarchy_make(&h, node, PER_LEVEL, wanted, &report));
-        const stp_surfels* s = &h.made[node];
+        const stp_splats* s = &h.made[node];
         CHECK(s->count > PER_LEVEL * 9 / 10);
         CHECK(report.candidate_count > 5 * s->count);
         // the mesh lies inside of the sphere by 0.02; each grid rounds by half a step on each axis
@@ -95,7 +95,7 @@ void test_ten_levels_of_spheres_do_not_grow(test_state* test)
 enum { PICTURE = 128 };
 
 // Draws all surfels from +z and counts the pixels covered inside and outside of the square [-half, half]^2.
-static void draw_from_above(const stp_surfels* s, double half, uint32_t* inside, uint32_t* outside,
+static void draw_from_above(const stp_splats* s, double half, uint32_t* inside, uint32_t* outside,
                             double margin)
 {
     static uint64_t pixels[PICTURE * PICTURE];
@@ -156,7 +156,7 @@ void test_ten_levels_of_plates_stay_whole(test_state* test)
         uint32_t node = h.scene->objects[objects[level]].node;
         uint32_t wanted = level == 0 ? 8000 : 9 * PER_LEVEL;
         CHECK_EQUAL(STP_OK, hierarchy_make(&h, node, PER_LEVEL, wanted, NULL));
-        const stp_surfels* s = &h.made[node];
+        const stp_splats* s = &h.made[node];
         uint32_t upper = 0, holes, beyond;
         for (uint32_t i = 0; i < s->count; ++i) {
             stp_vec3 n = stp_octahedral_decode(s->normals[2 * i], s->normals[2 * i + 1]);

@@ -20,7 +20,7 @@ typedef struct samples {
     uint16_t positions[3 * SAMPLES];
     int8_t normals[2 * SAMPLES];
     uint8_t materials[SAMPLES], colors[3 * SAMPLES], coverages[SAMPLES];
-    stp_surfels set;
+    stp_splats set;
 } samples;
 
 static double unit(uint64_t seed, uint64_t at)
@@ -45,21 +45,21 @@ static void make_samples(samples* s)
         s->colors[3 * i + 2] = 10;
         s->coverages[i] = n.y > 0.0f ? STP_COVERAGE_WHOLE : stp_coverage_of_share(0.5);
     }
-    s->set = (stp_surfels){.count = SAMPLES,
-                           .origin = {-1.0f, -1.0f, -1.0f},
-                           .step = 1.0f / 32768.0f,
-                           .positions = s->positions,
-                           .normals = s->normals,
-                           .materials = s->materials,
-                           .octave_count = 1,
-                           .octave_ends = {SAMPLES},
-                           .colors = s->colors,
-                           .coverages = s->coverages,
-                           .table = {.size = 1, .count = {SAMPLES}, .radius = {0.06f}},
-                           .candidate_radius = 0.001f};
+    s->set = (stp_splats){.count = SAMPLES,
+                          .origin = {-1.0f, -1.0f, -1.0f},
+                          .step = 1.0f / 32768.0f,
+                          .positions = s->positions,
+                          .normals = s->normals,
+                          .materials = s->materials,
+                          .octave_count = 1,
+                          .octave_ends = {SAMPLES},
+                          .colors = s->colors,
+                          .coverages = s->coverages,
+                          .table = {.size = 1, .count = {SAMPLES}, .radius = {0.06f}},
+                          .candidate_radius = 0.001f};
 }
 
-static stp_vec3d place_of(const stp_surfels* s, uint32_t i)
+static stp_vec3d place_of(const stp_splats* s, uint32_t i)
 {
     const uint16_t* p = s->positions + 3 * (size_t)i;
     return (stp_vec3d){(double)s->origin.x + (double)s->step * p[0],
@@ -67,7 +67,7 @@ static stp_vec3d place_of(const stp_surfels* s, uint32_t i)
                        (double)s->origin.z + (double)s->step * p[2]};
 }
 
-static bool is_drawn(const stp_surfels* s, uint32_t i, double level)
+static bool is_drawn(const stp_splats* s, uint32_t i, double level)
 {
     return level >= (double)stp_range_level(s->ranges[i] & 0xFFFFu) &&
            level <= (double)stp_range_level(s->ranges[i] >> 16);
@@ -80,7 +80,7 @@ void test_spt_sets_are_sequences(test_state* test)
     CHECK(context != NULL);
     make_samples(&from);
     stp_spt_desc desc = {.tree = stp_method_options_default().tree};
-    stp_surfels s;
+    stp_splats s;
     CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
     CHECK(s.count > SAMPLES && s.count < 2 * SAMPLES);
     CHECK_EQUAL(STP_SPLATS_COLUMNS, s.columns);
@@ -103,7 +103,7 @@ void test_spt_sets_are_sequences(test_state* test)
     }
     CHECK_EQUAL(s.count, s.table.count[s.table.size - 1]);
     CHECK(s.table.radius[s.table.size - 1] == 0.06f);
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     stp_context_destroy(context);
 }
 
@@ -115,7 +115,7 @@ void test_spt_sets_cover_at_every_level(test_state* test)
     CHECK(context != NULL);
     make_samples(&from);
     stp_spt_desc desc = {.tree = stp_method_options_default().tree};
-    stp_surfels s;
+    stp_splats s;
     CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
     uint32_t before = UINT32_MAX;
     for (int round = 0; round < 40; ++round) {
@@ -146,14 +146,14 @@ void test_spt_sets_cover_at_every_level(test_state* test)
         }
     }
     CHECK(before < SAMPLES / 20);
-    stp_surfels_destroy(context, &s);
+    stp_splats_destroy(context, &s);
     stp_context_destroy(context);
 }
 
 void test_spt_sets_are_the_same_for_any_number_of_threads(test_state* test)
 {
     static samples from;
-    stp_surfels made[2];
+    stp_splats made[2];
     stp_context* contexts[2] = {test_context(NULL, 1, NULL), test_context(NULL, 4, NULL)};
     CHECK(contexts[0] != NULL && contexts[1] != NULL);
     make_samples(&from);
@@ -166,7 +166,7 @@ void test_spt_sets_are_the_same_for_any_number_of_threads(test_state* test)
     CHECK(memcmp(made[0].ranges, made[1].ranges, 4 * (size_t)made[0].count) == 0);
     CHECK(memcmp(made[0].shapes, made[1].shapes, 4 * (size_t)made[0].count) == 0);
     for (int i = 0; i < 2; ++i) {
-        stp_surfels_destroy(contexts[i], &made[i]);
+        stp_splats_destroy(contexts[i], &made[i]);
         stp_context_destroy(contexts[i]);
     }
 }
@@ -181,7 +181,7 @@ void test_spt_sets_of_little(test_state* test)
     stp_spt_desc desc = {.tree = stp_method_options_default().tree};
     static const uint32_t counts[] = {0, 1, 2, 9};
     for (int i = 0; i < 4; ++i) {
-        stp_surfels s;
+        stp_splats s;
         from.set.count = from.set.octave_ends[0] = from.set.table.count[0] = counts[i];
         from.set.octave_count = counts[i] > 0;
         for (uint32_t k = 0; k < 3 * counts[i]; ++k) {
@@ -189,7 +189,7 @@ void test_spt_sets_of_little(test_state* test)
         }
         CHECK_EQUAL(STP_OK, stp_spt_make(context, &from.set, &desc, &s));
         CHECK(counts[i] == 0 ? s.count == 0 : s.count >= counts[i]);
-        stp_surfels_destroy(context, &s);
+        stp_splats_destroy(context, &s);
     }
     stp_context_destroy(context);
 }
@@ -207,11 +207,11 @@ void test_spt_sets_survive_failing_allocator(test_state* test)
         test_log log = {.errors = 0};
         stp_context* context = test_context(&heap, 1, &log);
         if (context != NULL) {
-            stp_surfels s;
+            stp_splats s;
             made = stp_spt_make(context, &from.set, &desc, &s) == STP_OK;
             CHECK(made || log.errors == 1);
             failures += !made;
-            stp_surfels_destroy(context, &s);
+            stp_splats_destroy(context, &s);
             stp_context_destroy(context);
         }
         CHECK_EQUAL(0, heap.live_bytes);

@@ -25,7 +25,7 @@ typedef struct cloud {
     uint8_t materials[POINTS], colors[3 * POINTS], coverages[POINTS];
     float corners[9]; ///< of a large triangle
     stp_tree_points points;
-    stp_surfels set;
+    stp_splats set;
 } cloud;
 
 /// A wavy floor; some points in one place, and some so close together that only deep levels part them.
@@ -57,18 +57,18 @@ static void fill(cloud* c)
                                   .normals = c->normals,
                                   .colors = c->colors,
                                   .radius = 0.01f};
-    c->set = (stp_surfels){.count = POINTS,
-                           .origin = {-1.0f, -1.0f, -1.0f},
-                           .step = 1.0f / 32768.0f,
-                           .positions = c->grid,
-                           .normals = c->codes,
-                           .materials = c->materials,
-                           .octave_count = 1,
-                           .octave_ends = {POINTS},
-                           .colors = c->colors,
-                           .coverages = c->coverages,
-                           .table = {.size = 1, .count = {POINTS}, .radius = {0.01f}},
-                           .candidate_radius = 0.001f};
+    c->set = (stp_splats){.count = POINTS,
+                          .origin = {-1.0f, -1.0f, -1.0f},
+                          .step = 1.0f / 32768.0f,
+                          .positions = c->grid,
+                          .normals = c->codes,
+                          .materials = c->materials,
+                          .octave_count = 1,
+                          .octave_ends = {POINTS},
+                          .colors = c->colors,
+                          .coverages = c->coverages,
+                          .table = {.size = 1, .count = {POINTS}, .radius = {0.01f}},
+                          .candidate_radius = 0.001f};
 }
 
 typedef struct made {
@@ -77,7 +77,7 @@ typedef struct made {
     stp_result results[3];
     stp_point_tree tree;
     stp_point_sequence sequence;
-    stp_surfels set;
+    stp_splats set;
 } made;
 
 static void make(made* m)
@@ -101,7 +101,7 @@ static void destroy(made* m)
 {
     stp_point_tree_destroy(m->context, &m->tree);
     stp_point_sequence_destroy(m->context, &m->sequence);
-    stp_surfels_destroy(m->context, &m->set);
+    stp_splats_destroy(m->context, &m->set);
 }
 
 static void check_same(test_state* test, const made* a, const made* b)

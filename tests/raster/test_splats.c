@@ -329,11 +329,11 @@ void test_splats_that_groups_leave_out_cannot_be_seen(test_state* test)
         for (uint32_t i = 0; i < SPLATS; ++i) { // what they stand for faces as they do
             s.shapes[i] = stp_shape_disk(stp_shape_radius(s.shapes[i] & 0xFFFu), 0, false);
         }
-        stp_surfels set = {.count = SPLATS,
-                           .positions = s.positions,
-                           .normals = s.normals,
-                           .shapes = s.shapes,
-                           .groups = groups};
+        stp_splats set = {.count = SPLATS,
+                          .positions = s.positions,
+                          .normals = s.normals,
+                          .shapes = s.shapes,
+                          .groups = groups};
         stp_store_make_groups(&set, 0, SPLATS);
         for (uint32_t i = 0; i < SPLATS; ++i) {
             s.ranges[i] = (uint32_t)STP_RANGE_ANY;

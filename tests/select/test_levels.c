@@ -124,7 +124,7 @@ static double radius_drawn(const fixture* f, uint32_t set)
 // with all that they stand for, from four pixels on with half of it.
 static bool is_complete(const fixture* f, uint32_t set, double depth)
 {
-    const stp_surfels* surfels = stp_store_describe_surfels(f->store, set);
+    const stp_splats* surfels = stp_store_describe_surfels(f->store, set);
     uint32_t prefix;
     count_drawn(f, set, depth, &prefix);
     if (prefix == 0) {

@@ -79,7 +79,7 @@ void test_select_prefix_follows_the_pixel(test_state* test)
     fixture f;
     CHECK(set_up(&f));
     // a pixel at depth z is z / 100 units wide here; r = s d_p / 2 with the depth of the box's nearest face
-    const stp_surfels* surfels = stp_store_describe_surfels(f.store, 0);
+    const stp_splats* surfels = stp_store_describe_surfels(f.store, 0);
     for (int step = 0; step < 30; ++step) {
         double distance = 4.0 + 3.0 * step;
         stp_view view = view_from(distance);
@@ -127,7 +127,7 @@ void test_select_opens_sooner_where_triangles_are_few(test_state* test)
         f.scene.nodes[2].triangle_count = cases[i].triangles + 2;
         f.store = made_open(f.context, &f.scene);
         CHECK(f.store != NULL);
-        const stp_surfels* surfels = stp_store_describe_surfels(f.store, 0);
+        const stp_splats* surfels = stp_store_describe_surfels(f.store, 0);
         double least = (double)surfels->table.radius[surfels->table.size - 1] * cases[i].times;
         int own = 0, opened = 0;
         for (double distance = 4.0; distance < 200.0; distance *= 1.02) {

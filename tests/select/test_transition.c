@@ -58,7 +58,7 @@ static bool find_wanted(const stp_store* store, const stp_view* view, float spla
         return false;
     }
     double radius = 0.5 * (double)splat_size * stp_view_frame_pixel_size(&frame, *depth);
-    const stp_surfels* surfels = stp_store_describe_surfels(store, node->surfels);
+    const stp_splats* surfels = stp_store_describe_surfels(store, node->surfels);
     *wanted = stp_prefix_table_count(&surfels->table, (float)(radius / stp_affine_scale(place)));
     return true;
 }

@@ -15,10 +15,10 @@ static void fill(uint64_t seed, void* bytes, size_t size, uint32_t levels)
 }
 
 static bool make_set(stp_arena* arena, uint64_t seed, const uint32_t* ends, uint32_t octaves,
-                     uint32_t columns, stp_surfels* set)
+                     uint32_t columns, stp_splats* set)
 {
     size_t entries = 0, count = ends[octaves - 1];
-    *set = (stp_surfels){
+    *set = (stp_splats){
         .step = 0.5f, .columns = columns, .octave_count = octaves, .count = ends[octaves - 1]};
     for (uint32_t k = 0; k < octaves; ++k) {
         set->octave_ends[k] = ends[k];
@@ -82,7 +82,7 @@ bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made)
     return true;
 }
 
-bool chunk_sample_is_same(const stp_surfels* a, const stp_surfels* b)
+bool chunk_sample_is_same(const stp_splats* a, const stp_splats* b)
 {
     size_t entries = 0;
     for (uint32_t k = 0; k < a->octave_count; ++k) {

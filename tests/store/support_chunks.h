@@ -9,7 +9,7 @@ enum { CHUNK_SAMPLE_SETS = 3 };
 
 typedef struct chunk_sample {
     stp_store_content content;
-    stp_surfels sets[CHUNK_SAMPLE_SETS];
+    stp_splats sets[CHUNK_SAMPLE_SETS];
     stp_shading shading;
     stp_store_method method;
 } chunk_sample;
@@ -20,4 +20,4 @@ typedef struct chunk_sample {
 bool chunk_sample_make(stp_arena* arena, uint64_t seed, chunk_sample* made);
 
 /// Whether two sets have the same surfels and colours.
-bool chunk_sample_is_same(const stp_surfels* a, const stp_surfels* b);
+bool chunk_sample_is_same(const stp_splats* a, const stp_splats* b);

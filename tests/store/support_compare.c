@@ -159,9 +159,9 @@ static bool same_texture(const stp_store_texture* a, stp_store* store, uint32_t 
            same_bytes(a->texels, b.texels, 4 * (size_t)a->width * a->height);
 }
 
-static bool same_surfels(const stp_surfels* a, stp_store* store, uint32_t index)
+static bool same_surfels(const stp_splats* a, stp_store* store, uint32_t index)
 {
-    stp_surfels b;
+    stp_splats b;
     if (stp_store_get_surfels(store, index, &b) != STP_OK) {
         return false;
     }

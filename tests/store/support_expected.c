@@ -233,7 +233,7 @@ static json_t* expected_surfels(const stp_store_content* content)
 {
     json_t* list = json_array();
     for (uint32_t i = 0; i < content->directory.surfels_count; ++i) {
-        const stp_surfels* s = &content->surfels[i];
+        const stp_splats* s = &content->surfels[i];
         json_t* ends = json_array();
         json_t* breakpoints = json_array();
         size_t n = s->count, entries = 0;

@@ -168,7 +168,7 @@ static void add_textures(dice* d, stp_store_content* content, uint32_t count)
     content->directory.texture_count = count;
 }
 
-static void add_options(dice* d, stp_surfels* s)
+static void add_options(dice* d, stp_splats* s)
 {
     uint32_t* shapes = (s->columns & STP_SPLATS_SHAPES) != 0 ? take(d, s->count, 4) : NULL;
     uint32_t* ranges = (s->columns & STP_SPLATS_RANGES) != 0 ? take(d, s->count, 4) : NULL;
@@ -184,9 +184,9 @@ static void add_options(dice* d, stp_surfels* s)
     s->ranges = ranges;
 }
 
-static stp_surfels make_surfels(dice* d, uint32_t shading_count, uint32_t columns)
+static stp_splats make_surfels(dice* d, uint32_t shading_count, uint32_t columns)
 {
-    stp_surfels s = {.origin = vector(d), .columns = columns};
+    stp_splats s = {.origin = vector(d), .columns = columns};
     s.step = below(d, 2) == 0 ? 0.0009765625f : 2.0f;
     s.candidate_radius = 0.01f * (float)below(d, 100);
     s.octave_count = below(d, 6);
@@ -220,7 +220,7 @@ static stp_surfels make_surfels(dice* d, uint32_t shading_count, uint32_t column
 
 static void add_surfels(dice* d, stp_store_content* content, uint32_t count)
 {
-    stp_surfels* sets = take(d, count, sizeof(*sets));
+    stp_splats* sets = take(d, count, sizeof(*sets));
     for (uint32_t i = 0; d->complete && i < count; ++i) {
         sets[i] = make_surfels(d, content->directory.shading_count, 0);
     }
@@ -356,7 +356,7 @@ static void add_methods(dice* d, stp_store_content* content)
     stp_store_directory* directory = &content->directory;
     uint32_t nodes = directory->node_count, count = directory->surfels_count;
     stp_store_method* methods = take(d, 3, sizeof(*methods));
-    stp_surfels* sets = take(d, count + 2 * (size_t)nodes, sizeof(*sets));
+    stp_splats* sets = take(d, count + 2 * (size_t)nodes, sizeof(*sets));
     uint32_t* of_node = take(d, 2 * (size_t)nodes, sizeof(*of_node));
     if (!d->complete) {
         return;

@@ -75,7 +75,7 @@ void test_chunks_bring_back_what_was_written(test_state* test)
     CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes, &size));
     CHECK_EQUAL(STP_OK, open_bytes(context, bytes, size, &store));
     for (uint32_t i = 0; i < made.content.directory.surfels_count; ++i) {
-        stp_surfels got;
+        stp_splats got;
         CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
         CHECK(chunk_sample_is_same(&made.sets[i], &got));
     }
@@ -110,7 +110,7 @@ void test_chunks_are_the_same_bytes_for_any_number_of_threads(test_state* test)
 }
 
 /// Reads each chunk of an octave alone, into columns of its own, and puts them together.
-static bool read_one_by_one(stp_store* store, const stp_surfels* wanted, uint32_t octave)
+static bool read_one_by_one(stp_store* store, const stp_splats* wanted, uint32_t octave)
 {
     const stp_store_block* block = stp_store_octave_block(store, 0, octave);
     stp_store_octave_span span = stp_store_span_of(wanted, octave, block->encoding);
@@ -180,7 +180,7 @@ void test_chunks_never_stand_for_much_more_than_they_take(test_state* test)
     stp_store* store = NULL;
     CHECK_EQUAL(STP_OK, write_file(context, &made.content, &bytes, &size));
     CHECK_EQUAL(STP_OK, open_bytes(context, bytes, size, &store));
-    stp_surfels got;
+    stp_splats got;
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &got));
     CHECK(chunk_sample_is_same(&made.sets[0], &got));
     CHECK(stp_store_columns_bytes(&made.sets[0], made.sets[0].octave_count) <
@@ -214,7 +214,7 @@ void test_chunks_that_are_forged_are_refused(test_state* test)
             copy[at] ^= (unsigned char)(1u << bit);
             reseal(copy, size);
             stp_store* store = NULL;
-            stp_surfels got;
+            stp_splats got;
             stp_result result = open_bytes(context, copy, size, &store);
             for (uint32_t i = 0; result == STP_OK && i < made.content.directory.surfels_count;
                  ++i) {

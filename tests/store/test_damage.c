@@ -226,7 +226,7 @@ static void check_prefixes(test_state* test, const char* path)
         CHECK_EQUAL(length < stp_read_u64(bytes + 24) ? STP_ERROR_TRUNCATED : STP_OK, opened);
         uint32_t octaves = 0;
         for (uint32_t i = 0; opened == STP_OK && i < sets; ++i) {
-            stp_surfels cut, wanted;
+            stp_splats cut, wanted;
             CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &cut));
             CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(full, i, cut.octave_count, &wanted));
             CHECK_EQUAL(wanted.count, cut.count);

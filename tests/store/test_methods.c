@@ -122,7 +122,7 @@ void test_methods_that_are_not_known(test_state* test)
 // Each breaks one thing of a file that is right.
 static void break_thing(fixture* f, int thing)
 {
-    stp_surfels* set = &f->made.sets[1];
+    stp_splats* set = &f->made.sets[1];
     switch (thing) {
     case 0: // two methods of one number
         f->methods[1].id = STP_METHOD_BLUE;

@@ -93,7 +93,7 @@ void test_store_objects_can_wait(test_state* test)
 }
 
 // Whether the columns of `a` begin with those of `b`.
-static bool begins_with(const stp_surfels* a, const stp_surfels* b)
+static bool begins_with(const stp_splats* a, const stp_splats* b)
 {
     size_t n = b->count, entries = 0;
     for (uint32_t k = 0; k < b->octave_count; ++k) {
@@ -116,8 +116,8 @@ void test_store_surfels_come_octave_by_octave(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &other));
     uint32_t sets = stp_store_get_directory(store)->surfels_count, tried = 0;
     for (uint32_t i = 0; i < sets; ++i) {
-        const stp_surfels* known = stp_store_describe_surfels(store, i);
-        stp_surfels got[STP_OCTAVE_LIMIT + 2], at_once;
+        const stp_splats* known = stp_store_describe_surfels(store, i);
+        stp_splats got[STP_OCTAVE_LIMIT + 2], at_once;
         CHECK_EQUAL(STP_OK, stp_store_get_surfels(other, i, &at_once));
         for (uint32_t k = 0; k <= known->octave_count + 1; ++k) {
             CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, k, &got[k]));
@@ -148,7 +148,7 @@ void test_store_takes_memory_for_what_is_asked(test_state* test)
     uint64_t open_bytes = stp_context_live_bytes(context);
     uint32_t sets = stp_store_get_directory(store)->surfels_count, tried = 0;
     for (uint32_t i = 0; i < sets; ++i) {
-        stp_surfels coarse, fine;
+        stp_splats coarse, fine;
         CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(store, i, 1, &coarse));
         uint64_t coarse_bytes = stp_context_live_bytes(context) - open_bytes;
         stp_store_release_surfels(store, i);

@@ -27,7 +27,7 @@ typedef struct fixture {
     size_t want_count;
 } fixture;
 
-static void lengthen(stp_arena* arena, stp_surfels* s, uint64_t seed)
+static void lengthen(stp_arena* arena, stp_splats* s, uint64_t seed)
 {
     uint64_t entries = 0;
     memset(s->octave_ends, 0, sizeof(s->octave_ends));
@@ -89,7 +89,7 @@ static bool set_up(fixture* f, stp_context* context, uint64_t seed, bool open)
              (long)getpid());
     *f = (fixture){.context = context, .arena = stp_arena_create(context, 1 << 16)};
     f->made = sample_make(&f->arena, seed);
-    stp_surfels* sets = (stp_surfels*)(uintptr_t)f->made.content.surfels;
+    stp_splats* sets = (stp_splats*)(uintptr_t)f->made.content.surfels;
     for (uint32_t i = 0; f->made.complete && i < f->made.content.directory.surfels_count; ++i) {
         lengthen(&f->arena, &sets[i], seed + i);
     }
@@ -179,7 +179,7 @@ void test_residency_never_waits_for_the_disk(test_state* test)
         stp_residency_update(f.residency, f.wants, f.want_count);
     }
     const stp_store_directory* d = stp_store_get_directory(f.store);
-    stp_surfels surfels;
+    stp_splats surfels;
     CHECK_EQUAL(0, stp_store_resident_surfels(f.store, 0));
     CHECK_EQUAL(STP_OK, stp_store_get_surfels(f.store, 0, &surfels));
     CHECK_EQUAL(0, surfels.count);
@@ -273,7 +273,7 @@ static const char* compare_prefixes(const fixture* f, stp_store* other)
 {
     const stp_store_directory* d = stp_store_get_directory(f->store);
     for (uint32_t i = 0; i < d->surfels_count; ++i) {
-        stp_surfels a, b;
+        stp_splats a, b;
         if (stp_store_get_surfels(f->store, i, &a) != STP_OK ||
             stp_store_get_surfels_prefix(other, i, a.octave_count, &b) != STP_OK ||
             a.count != b.count || a.count != stp_store_resident_surfels(f->store, i)) {

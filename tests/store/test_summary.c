@@ -84,7 +84,7 @@ void test_store_summary_is_read_alone_or_with_all(test_state* test)
             CHECK(same_text(a->sources[i].format, b->sources[i].format));
         }
         // nothing else can be asked of it
-        stp_surfels surfels;
+        stp_splats surfels;
         CHECK(b->root == STP_STORE_NONE && b->node_count == 0 && b->object_count == 0);
         CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_load_objects(head));
         CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_get_surfels(head, 0, &surfels));
@@ -331,9 +331,9 @@ void test_store_finds_what_was_made_under_a_key(test_state* test)
             CHECK_EQUAL(STP_OK, stp_store_find_surfels_by_key(store, key, &stored));
             CHECK_EQUAL(find_key(content->surfel_keys, sets, key), stored.index);
             if (stored.index != STP_STORE_NONE && stored.surfels->count != 0) {
-                const stp_surfels* wanted = &content->surfels[stored.index];
+                const stp_splats* wanted = &content->surfels[stored.index];
                 CHECK_EQUAL(wanted->count, stored.surfels->count);
-                stp_surfels columns;
+                stp_splats columns;
                 CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, stored.index, &columns));
                 CHECK(memcmp(wanted->positions, columns.positions, 6 * (size_t)wanted->count) == 0);
                 found_sets += 1;

@@ -47,7 +47,7 @@ void test_store_writes_an_empty_scene(test_state* test)
     CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
     CHECK(sample_difference(&empty, store) == NULL);
     CHECK(stp_store_file_bytes(store) < 2048);
-    stp_surfels surfels;
+    stp_splats surfels;
     CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_store_get_surfels(store, 0, &surfels));
     stp_store_close(store);
     CHECK_EQUAL(STP_OK, stp_store_check(context, path, false));
@@ -195,7 +195,7 @@ void test_store_write_failures_leave_the_old_file(test_state* test)
 }
 
 // Nothing is written that a reader would refuse: each of these spoils one thing of a good scene.
-static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, stp_surfels* surfels,
+static void spoil(stp_store_content* content, int what, stp_store_mesh* mesh, stp_splats* surfels,
                   stp_store_node* node, float* positions, uint32_t* indices)
 {
     switch (what) {
@@ -259,7 +259,7 @@ void test_store_refuses_to_write_what_it_could_not_read(test_state* test)
         stp_shading shading = {0};
         stp_store_mesh mesh = {
             .vertex_count = 3, .triangle_count = 1, .positions = positions, .indices = indices};
-        stp_surfels surfels = {
+        stp_splats surfels = {
             .count = 4,
             .step = 0.5f,
             .positions = grid,
@@ -306,9 +306,9 @@ void test_store_refuses_to_write_what_it_could_not_read(test_state* test)
 }
 
 // A set of octaves that grow fourfold, as on a surface, with a radius that halves with each.
-static stp_surfels make_octaves(stp_arena* arena, uint32_t first, uint32_t octaves, float radius)
+static stp_splats make_octaves(stp_arena* arena, uint32_t first, uint32_t octaves, float radius)
 {
-    stp_surfels s = {.step = 0.5f, .octave_count = octaves};
+    stp_splats s = {.step = 0.5f, .octave_count = octaves};
     size_t entries = 0;
     for (uint32_t k = 0; k < octaves; ++k) {
         s.count = first << 2 * k;
@@ -342,7 +342,7 @@ void test_store_keeps_surfels_within_15_bytes(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     CHECK(context != NULL);
     stp_arena arena = stp_arena_create(context, 1 << 20);
-    stp_surfels set = make_octaves(&arena, 3, 8, 64.0f), got; // 49,152 surfels
+    stp_splats set = make_octaves(&arena, 3, 8, 64.0f), got; // 49,152 surfels
     CHECK(set.coverages != NULL);
     stp_shading shading = {0};
     stp_store_content content = {
@@ -379,7 +379,7 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
     stp_arena arena = stp_arena_create(context, 1 << 16);
     // set 0 reaches 1, 1/2, 1/4 in its own space and is shown at scale 6 and at scale 1; set 1
     // reaches 4, 2, 1
-    stp_surfels sets[2] = {make_octaves(&arena, 2, 3, 1.0f), make_octaves(&arena, 2, 3, 4.0f)};
+    stp_splats sets[2] = {make_octaves(&arena, 2, 3, 1.0f), make_octaves(&arena, 2, 3, 4.0f)};
     stp_affine scaled = {{{0, 6, 0, 1}, {-6, 0, 0, 0}, {0, 0, 6, 0}}};
     stp_store_edge edges[2] = {{0, stp_affine_identity()}, {0, scaled}};
     stp_store_node nodes[2] = {{.surfels = 0}, {.edge_count = 2, .surfels = 1}};
@@ -407,7 +407,7 @@ void test_store_sorts_blocks_coarse_first_across_the_scene(test_state* test)
         stp_store* store = NULL;
         stp_store_open_desc desc = {.accept_prefix = true};
         if (stp_store_open_memory(context, "cut", file.bytes, length, &desc, &store) == STP_OK) {
-            stp_surfels given[2];
+            stp_splats given[2];
             CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 0, &given[0]));
             CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, 1, &given[1]));
             uint32_t octaves[2] = {given[0].octave_count, given[1].octave_count};

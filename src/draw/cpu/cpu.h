@@ -40,7 +40,7 @@ typedef struct cpu_texture {
     uint64_t arrival; ///< of its texels (stp_store_texture_arrival)
 } cpu_texture;
 
-/// What is drawn of a surfel set (stp_surfels), whose columns these are.
+/// What is drawn of a surfel set (stp_splats), whose columns these are.
 typedef struct cpu_surfels {
     stp_vec3 origin;
     float step;

@@ -34,7 +34,7 @@ void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
 }
 
 /// The colours of the octave that a prefix has, and of the octave before.
-static void choose_octave(cpu_item* item, const stp_surfels* surfels, uint32_t prefix)
+static void choose_octave(cpu_item* item, const stp_splats* surfels, uint32_t prefix)
 {
     stp_octave_choice choice = stp_placement_choose_octave(surfels, prefix);
     uint32_t lower = choice.octave > 0 ? choice.octave - 1 : 0;
@@ -166,10 +166,10 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
 /// Reads the octaves that the prefix needs, and no finer ones.
 static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
 {
-    const stp_surfels* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     uint32_t full = draw->full_prefix > draw->prefix ? draw->full_prefix : draw->prefix;
     uint32_t octaves = stp_store_octaves_for(known, full > 0 ? full : 1);
-    stp_surfels got;
+    stp_splats got;
     stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &got);
     if (result != STP_OK) {
         return result;

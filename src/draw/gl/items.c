@@ -120,7 +120,7 @@ static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, ite
 static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t octave,
                                  const chunk_block* chunk, uint32_t prefix)
 {
-    const stp_surfels* known = stp_store_describe_surfels(r->store, set);
+    const stp_splats* known = stp_store_describe_surfels(r->store, set);
     const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
     uint32_t count = chunk->end - chunk->begin;
     bool shapes = (known->columns & STP_SPLATS_SHAPES) != 0;
@@ -160,7 +160,7 @@ static stp_result make_surfels(gl_renderer* r, uint32_t index)
 {
     gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
-    const stp_surfels* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     item_block* item = &r->frame.items[index];
     placed->origin = known->origin;
     placed->step = known->step;

@@ -16,11 +16,11 @@ stp_result gl_splat_groups_make(gl_renderer* r, uint32_t index, uint32_t octaves
     const gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
     *groups = (gl_splat_groups){.groups = NULL};
-    const stp_surfels* known = stp_store_describe_surfels(r->store, draw->index);
+    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
     if ((known->columns & STP_SPLATS_RANGES) == 0 || r->keeps_groups) {
         return STP_OK;
     }
-    stp_surfels surfels; // as many as are here: the store may hold fewer than the pool
+    stp_splats surfels; // as many as are here: the store may hold fewer than the pool
     stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &surfels);
     if (result != STP_OK || surfels.groups == NULL) {
         return result;

@@ -107,7 +107,7 @@ gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool 
     return GL_UPLOAD_FAILED;
 }
 
-static gl_octave_box bound_places(const stp_surfels* surfels, uint32_t begin, uint32_t end)
+static gl_octave_box bound_places(const stp_splats* surfels, uint32_t begin, uint32_t end)
 {
     gl_octave_box box = {.low = {UINT16_MAX, UINT16_MAX, UINT16_MAX}};
     bool tells = surfels->shapes != NULL && (surfels->columns & STP_SPLATS_REPLACED) != 0;
@@ -124,7 +124,7 @@ static gl_octave_box bound_places(const stp_surfels* surfels, uint32_t begin, ui
     return box;
 }
 
-static void write_places(const stp_surfels* surfels, uint32_t begin, uint32_t end, gl_writer* w)
+static void write_places(const stp_splats* surfels, uint32_t begin, uint32_t end, gl_writer* w)
 {
     for (size_t i = begin; i < end; ++i) {
         const uint16_t* p = surfels->positions + 3 * i;
@@ -142,7 +142,7 @@ static void write_places(const stp_surfels* surfels, uint32_t begin, uint32_t en
 }
 
 /// Shape and range of each, where the set has them.
-static void write_options(const stp_surfels* surfels, uint32_t begin, uint32_t end, gl_writer* w)
+static void write_options(const stp_splats* surfels, uint32_t begin, uint32_t end, gl_writer* w)
 {
     for (size_t i = begin; i < end; ++i) {
         if (surfels->shapes != NULL) {
@@ -154,13 +154,13 @@ static void write_options(const stp_surfels* surfels, uint32_t begin, uint32_t e
     }
 }
 
-uint32_t gl_option_words(const stp_surfels* surfels)
+uint32_t gl_option_words(const stp_splats* surfels)
 {
     return ((surfels->columns & STP_SPLATS_SHAPES) != 0 ? 1u : 0u) +
            ((surfels->columns & STP_SPLATS_RANGES) != 0 ? 1u : 0u);
 }
 
-static void write_colors(const stp_surfels* surfels, uint64_t begin, uint32_t count, gl_writer* w)
+static void write_colors(const stp_splats* surfels, uint64_t begin, uint32_t count, gl_writer* w)
 {
     for (uint64_t i = begin; i < begin + count; ++i) {
         const uint8_t* c = surfels->colors + 3 * i;
@@ -178,7 +178,7 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
         gl_pool_use(&r->pool, entry);
         return GL_UPLOAD_THERE;
     }
-    const stp_surfels* known = stp_store_describe_surfels(r->store, set);
+    const stp_splats* known = stp_store_describe_surfels(r->store, set);
     uint32_t end = known->octave_ends[octave];
     uint32_t begin = octave > 0 ? known->octave_ends[octave - 1] : 0, count = end - begin;
     uint64_t options = (uint64_t)gl_option_words(known) * count;
@@ -188,7 +188,7 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
         return result;
     }
     gl_writer writer = gl_writer_begin(r, entry, words);
-    stp_surfels surfels;
+    stp_splats surfels;
     stp_result got = stp_store_get_surfels_prefix(r->store, set, octave + 1, &surfels);
     bool good = got == STP_OK;
     r->failure = good ? r->failure : got;

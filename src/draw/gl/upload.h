@@ -26,7 +26,7 @@ typedef enum gl_upload {
 } gl_upload;
 
 /// Words of a splat's shape and range, which lie behind the places of an octave.
-uint32_t gl_option_words(const stp_surfels* surfels);
+uint32_t gl_option_words(const stp_splats* surfels);
 
 /// Octave `octave` of a set: where its own surfels are, or the colours of all up to its end. `urgent`: whatever was uploaded.
 gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool colors, bool urgent);

@@ -30,7 +30,7 @@ typedef struct blue {
 } blue;
 
 // Lists what does not move, and counts it.
-static stp_result list_sources(blue* b, uint32_t node, const stp_surfels* const* sets)
+static stp_result list_sources(blue* b, uint32_t node, const stp_splats* const* sets)
 {
     stp_source_list_destroy(b->scene->context, &b->list);
     double pixel = stp_coarse_pixel(b->scene, node);
@@ -146,7 +146,7 @@ static void measure_spacing(blue* b)
     b->candidates.pixel_size = (double)stp_max(half, eighth) * sqrt(part);
 }
 
-static stp_result finish(blue* b, const uint8_t* shading_of_material, stp_surfels* surfels)
+static stp_result finish(blue* b, const uint8_t* shading_of_material, stp_splats* surfels)
 {
     if (b->from_points) {
         measure_spacing(b);
@@ -175,7 +175,7 @@ static bool is_measurable(const stp_scene* scene, uint32_t node)
 }
 
 static stp_result make(blue* b, uint32_t node, const uint8_t* shading_of_material,
-                       stp_surfels* surfels, stp_blue_report* report)
+                       stp_splats* surfels, stp_blue_report* report)
 {
     double start = stp_clock_ms();
     stp_result result = make_candidates(b, node);
@@ -197,12 +197,12 @@ static stp_result make(blue* b, uint32_t node, const uint8_t* shading_of_materia
 }
 
 stp_result stp_blue_make(const stp_scene* scene, uint32_t node, const uint8_t* shading_of_material,
-                         const stp_blue_desc* desc, stp_surfels* surfels, stp_blue_report* report)
+                         const stp_blue_desc* desc, stp_splats* surfels, stp_blue_report* report)
 {
     stp_blue_report unwanted;
     report = report != NULL ? report : &unwanted;
     *report = (stp_blue_report){0};
-    *surfels = (stp_surfels){0};
+    *surfels = (stp_splats){0};
     if (!is_cloud(scene, node) && !is_measurable(scene, node)) {
         return STP_OK;
     }

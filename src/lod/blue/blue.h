@@ -17,7 +17,7 @@ typedef struct stp_blue_desc {
     /// What everything below a node looks like already, by node of the scene: NULL or a set of count 0 where there
     /// is none. Where a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4; design.md,
     /// Capture), and the winning surfels themselves become candidates. NULL: always triangles.
-    const stp_surfels* const* sets;
+    const stp_splats* const* sets;
 } stp_blue_desc;
 
 /// The number of surfels of a node by default: one for STP_TRIANGLES_PER_SURFEL triangles and points below it, at least 1 and
@@ -38,4 +38,4 @@ typedef struct stp_blue_report {
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT, STP_ERROR_CANCELLED (logged)
 STP_MUST_USE stp_result stp_blue_make(const stp_scene* scene, uint32_t node,
                                       const uint8_t* shading_of_material, const stp_blue_desc* desc,
-                                      stp_surfels* surfels, stp_blue_report* report);
+                                      stp_splats* surfels, stp_blue_report* report);

@@ -13,7 +13,7 @@
 
 typedef struct finish {
     const stp_finish_input* input;
-    stp_surfels* surfels;
+    stp_splats* surfels;
     float* positions; ///< of the surfels, relative to the candidates' origin
     float* normals;
     float* envelope; ///< to what the first i surfels cover
@@ -54,7 +54,7 @@ static void write_columns(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     finish* f = user;
-    stp_surfels* s = f->surfels;
+    stp_splats* s = f->surfels;
     stp_vec3d centre = f->input->candidates->origin;
     double per_step = 1.0 / (double)s->step;
     stp_octahedral_encode_many(f->normals + 3 * begin, end - begin, s->normals + 2 * begin);
@@ -97,7 +97,7 @@ static void make_envelope(finish* f)
     }
 }
 
-static stp_result allocate_columns(stp_context* context, stp_surfels* s)
+static stp_result allocate_columns(stp_context* context, stp_splats* s)
 {
     size_t entries = 0;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
@@ -115,7 +115,7 @@ static stp_result allocate_columns(stp_context* context, stp_surfels* s)
 
 static void make_tables(finish* f)
 {
-    stp_surfels* s = f->surfels;
+    stp_splats* s = f->surfels;
     stp_prefix_table_make(&s->table, f->input->radii, s->count, f->input->final_radius);
     // what the table promises holds for the rounded positions: they lie within half a step on each
     // axis. Adding a constant keeps interpolation conservative: log(r + c) is convex where log r is
@@ -130,7 +130,7 @@ static void make_tables(finish* f)
 
 static stp_result finish_surfels(stp_context* context, finish* f)
 {
-    stp_surfels* s = f->surfels;
+    stp_splats* s = f->surfels;
     size_t count = f->input->count;
     f->positions = STP_NEW_ARRAY(context, float, 3 * count);
     f->normals = STP_NEW_ARRAY(context, float, 3 * count);
@@ -162,16 +162,16 @@ static stp_result finish_surfels(stp_context* context, finish* f)
 }
 
 stp_result stp_finish_surfels(stp_context* context, const stp_finish_input* input,
-                              stp_surfels* surfels)
+                              stp_splats* surfels)
 {
-    *surfels = (stp_surfels){0};
+    *surfels = (stp_splats){0};
     finish f = {.input = input, .surfels = surfels};
     stp_result result = finish_surfels(context, &f);
     stp_free(context, f.envelope);
     stp_free(context, f.normals);
     stp_free(context, f.positions);
     if (result != STP_OK) {
-        stp_surfels_destroy(context, surfels);
+        stp_splats_destroy(context, surfels);
     }
     return result;
 }

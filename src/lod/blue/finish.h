@@ -20,7 +20,7 @@ typedef struct stp_finish_input {
 
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED; `surfels` is then empty
 STP_MUST_USE stp_result stp_finish_surfels(stp_context* context, const stp_finish_input* input,
-                                           stp_surfels* surfels);
+                                           stp_splats* surfels);
 
 // Its parts, each a file:
 
@@ -49,4 +49,4 @@ typedef struct stp_pyramid_input {
 
 /// Fills colours and coverages of all octaves (`surfels` has counts, octaves and arrays).
 STP_MUST_USE stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input,
-                                         stp_surfels* surfels);
+                                         stp_splats* surfels);

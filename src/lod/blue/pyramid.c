@@ -244,7 +244,7 @@ static void write_entries(size_t begin, size_t end, uint32_t worker, void* user)
 
 static stp_result allocate_pyramid(stp_pyramid* p)
 {
-    const stp_surfels* s = p->surfels;
+    const stp_splats* s = p->surfels;
     size_t total = 0, count = s->count, samples = p->input->finish->candidates->count;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         total += s->octave_ends[i];
@@ -281,7 +281,7 @@ static void free_pyramid(stp_pyramid* p)
 }
 
 stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input,
-                            stp_surfels* surfels)
+                            stp_splats* surfels)
 {
     stp_pyramid p = {
         .context = context, .input = input, .surfels = surfels, .stencil = stp_stencil_make()};

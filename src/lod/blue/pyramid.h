@@ -57,7 +57,7 @@ typedef struct stp_cut_table {
 typedef struct stp_pyramid {
     stp_context* context;
     const stp_pyramid_input* input;
-    stp_surfels* surfels;
+    stp_splats* surfels;
     stp_stencil stencil;
     stp_cut_table cuts;
     uint32_t linear[256];

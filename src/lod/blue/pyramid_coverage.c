@@ -80,7 +80,7 @@ static uint32_t sample_count(const stp_pyramid* p, float radius)
 
 void stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
 {
-    const stp_surfels* s = p->surfels;
+    const stp_splats* s = p->surfels;
     uint32_t count = s->octave_ends[octave];
     bool finest = octave + 1 == s->octave_count;
     plan->radius = finest ? p->input->finish->final_radius : p->input->envelope[count];

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-stp_result stp_spt_samples_take(stp_context* context, const stp_surfels* set,
+stp_result stp_spt_samples_take(stp_context* context, const stp_splats* set,
                                 stp_spt_samples* samples)
 {
     size_t count = set->count, finest = stp_set_look_at(set, set->count).first;

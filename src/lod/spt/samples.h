@@ -15,6 +15,6 @@ typedef struct stp_spt_samples {
 
 /// @param set at least one surfel; its columns must outlive the samples
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_spt_samples_destroy, also after a failure
-STP_MUST_USE stp_result stp_spt_samples_take(stp_context* context, const stp_surfels* set,
+STP_MUST_USE stp_result stp_spt_samples_take(stp_context* context, const stp_splats* set,
                                              stp_spt_samples* samples);
 void stp_spt_samples_destroy(stp_context* context, stp_spt_samples* samples);

@@ -23,8 +23,8 @@ enum {
 
 typedef struct spt_maker {
     stp_context* context;
-    const stp_surfels* samples;
-    stp_surfels* splats;
+    const stp_splats* samples;
+    stp_splats* splats;
     stp_spt_samples points; ///< the samples as points
     stp_point_tree tree;
     stp_point_sequence sequence;
@@ -63,7 +63,7 @@ static stp_result make_nodes(spt_maker* m, const stp_spt_desc* desc)
 
 static stp_result make_columns(spt_maker* m)
 {
-    stp_surfels* s = m->splats;
+    stp_splats* s = m->splats;
     size_t count = s->count;
     s->positions = STP_NEW_ARRAY(m->context, uint16_t, 3 * count);
     s->normals = STP_NEW_ARRAY(m->context, int8_t, 2 * count);
@@ -79,7 +79,7 @@ static stp_result make_columns(spt_maker* m)
 
 /// The count of the next breakpoint: larger by one part in `part`. Octave ends are always breakpoints, because sets are loaded
 /// by octaves.
-static uint32_t next_count(const stp_surfels* s, uint32_t count, uint32_t part)
+static uint32_t next_count(const stp_splats* s, uint32_t count, uint32_t part)
 {
     uint64_t next = (uint64_t)count + (count / part > 1 ? count / part : 1);
     for (uint32_t k = 0; k < s->octave_count; ++k) {
@@ -90,7 +90,7 @@ static uint32_t next_count(const stp_surfels* s, uint32_t count, uint32_t part)
 }
 
 /// The finest step for which the table holds all breakpoints.
-static uint32_t choose_part(const stp_surfels* s)
+static uint32_t choose_part(const stp_splats* s)
 {
     for (uint32_t part = FINEST_STEP; part > 1; --part) {
         uint32_t steps = 1;
@@ -107,7 +107,7 @@ static uint32_t choose_part(const stp_surfels* s)
 /// Fills the prefix table. A prefix reaches the level of the first splat after it, rounded as ranges are.
 static void make_table(spt_maker* m)
 {
-    stp_surfels* s = m->splats;
+    stp_splats* s = m->splats;
     stp_prefix_table* table = &s->table;
     float reach = stp_prefix_table_radius(&m->samples->table, m->samples->count);
     uint32_t part = choose_part(s);
@@ -121,7 +121,7 @@ static void make_table(spt_maker* m)
     table->radius[table->size++] = reach;
 }
 
-static void make_octaves(stp_surfels* s)
+static void make_octaves(stp_splats* s)
 {
     for (uint64_t end = FIRST_OCTAVE; end < s->count && s->octave_count + 1 < STP_OCTAVE_LIMIT;
          end *= OCTAVE_GROWTH) {
@@ -181,7 +181,7 @@ static stp_result arrange(spt_maker* m)
 static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const spt_maker* m = user;
-    const stp_surfels* s = m->splats;
+    const stp_splats* s = m->splats;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         uint32_t at = (uint32_t)m->arranged[i];
@@ -198,7 +198,7 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
 
 static stp_result make(spt_maker* m, const stp_spt_desc* desc)
 {
-    stp_surfels* s = m->splats;
+    stp_splats* s = m->splats;
     stp_result result = stp_spt_samples_take(m->context, m->samples, &m->points);
     result = result == STP_OK ? make_tree(m, &desc->tree) : result;
     result = result == STP_OK ? make_nodes(m, desc) : result;
@@ -219,11 +219,11 @@ static stp_result make(spt_maker* m, const stp_spt_desc* desc)
     return result;
 }
 
-stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const stp_spt_desc* desc,
-                        stp_surfels* splats)
+stp_result stp_spt_make(stp_context* context, const stp_splats* samples, const stp_spt_desc* desc,
+                        stp_splats* splats)
 {
     spt_maker m = {.context = context, .samples = samples, .splats = splats};
-    *splats = (stp_surfels){.columns = STP_SPLATS_COLUMNS};
+    *splats = (stp_splats){.columns = STP_SPLATS_COLUMNS};
     if (samples->count == 0) {
         return STP_OK;
     }
@@ -235,7 +235,7 @@ stp_result stp_spt_make(stp_context* context, const stp_surfels* samples, const 
     stp_free(context, m.scratch);
     stp_spt_samples_destroy(context, &m.points);
     if (result != STP_OK) {
-        stp_surfels_destroy(context, splats);
+        stp_splats_destroy(context, splats);
     }
     return result;
 }

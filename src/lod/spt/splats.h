@@ -19,5 +19,5 @@ typedef struct stp_spt_desc {
 /// samples are too few. A splat that is drawn only at levels at which
 /// large triangles are drawn all around its samples is marked: they replace it. Arrays of the result come from stp_alloc.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result stp_spt_make(stp_context* context, const stp_surfels* samples,
-                                     const stp_spt_desc* desc, stp_surfels* splats);
+STP_MUST_USE stp_result stp_spt_make(stp_context* context, const stp_splats* samples,
+                                     const stp_spt_desc* desc, stp_splats* splats);
