@@ -267,6 +267,10 @@ static int run_bench(int argc, char** argv)
                                     argv[i]);
         }
     }
+    if (given.backend != 0 && (argc != 1 || strcmp(argv[0], "spt") != 0)) {
+        return tool_usage_error(
+            "bench: --backend is an option of spt: stipple bench spt --backend gl");
+    }
     bench_options options = {.quick = given.quick,
                              .model = given.model,
                              .count = (uint32_t)given.count,

@@ -10,6 +10,7 @@
 
 #define ROUNDED (1.0 + 1e-6)
 #define EAGER_MOST 4.0
+#define EXTRA_NEED 0.01f // less than that of what stands for something too coarse
 
 stp_result stp_select_begin_wants(stp_selection* s)
 {
@@ -68,6 +69,12 @@ bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_selec
                            .need = find_need(s, sight, at->covered * at->eager)});
     return is_mesh ? stp_store_is_mesh_resident(s->store, part.index)
                    : stp_store_are_points_resident(s->store, part.index);
+}
+
+bool stp_select_want_extra(stp_selection* s, uint32_t mesh)
+{
+    add_want(s, (stp_want){.kind = STP_RESIDENT_MESH, .index = mesh, .need = EXTRA_NEED});
+    return stp_store_is_mesh_resident(s->store, mesh);
 }
 
 static void want_set(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,

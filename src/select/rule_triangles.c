@@ -3,6 +3,9 @@
 // STP_LARGE_USES parts and nodes, so that a view need not look at more.
 #include "select/rule.h"
 
+// Half of what a view may have: what splats can stand for must not be why a view fails.
+#define IDS_MOST (UINT64_C(1) << 31)
+#define ITEMS_MOST (UINT64_C(1) << 18)
 #define ROUNDED                                                                                    \
     0.95 ///< clusters are a little smaller or larger than the triangles that a build saw
 
@@ -12,9 +15,11 @@ typedef struct walk {
     const stp_select_entry* at;
     const stp_set_use* use;
     const stp_sight* sight;
-    uint32_t left; ///< parts and nodes that may still be looked at
-    bool adds;     ///< else it asks whether meshes are here
-    bool all;      ///< they are
+    enum { WALK_COUNTS, WALK_ASKS, WALK_ADDS } does;
+    uint32_t left;  ///< parts and nodes that may still be looked at
+    uint32_t items; ///< that would be added
+    uint64_t ids;   ///< of them
+    bool all;       ///< what was asked for is here
 } walk;
 
 /// Whether large triangles may replace splats of the prefix: for certain where the set is loaded.
@@ -80,10 +85,12 @@ static stp_result look_at(walk* w, uint32_t index, const stp_affine* below)
         if (repeated || !(scale > 0.0) || !has_large(w, part, scale)) {
             continue;
         }
-        if (w->adds) {
+        w->items += 1;
+        w->ids += stp_store_describe_mesh(s->store, part.index)->triangle_count;
+        if (w->does == WALK_ADDS) {
             result = add_item(w, part.index, below, scale);
-        } else if (s->streams) {
-            w->all = stp_select_want_part(s, part, w->at, w->sight) && w->all;
+        } else if (w->does == WALK_ASKS) {
+            w->all = stp_select_want_extra(s, part.index) && w->all;
         }
     }
     for (uint32_t i = 0; i < node->edge_count && w->left > 0 && result == STP_OK; ++i) {
@@ -97,6 +104,13 @@ static stp_result look_at(walk* w, uint32_t index, const stp_affine* below)
     return result;
 }
 
+static walk begin_walk(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
+                       const stp_sight* sight)
+{
+    return (walk){
+        .s = s, .at = at, .use = use, .sight = sight, .left = STP_LARGE_USES + 1, .all = true};
+}
+
 bool stp_select_uses_triangles(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
                                const stp_sight* sight)
 {
@@ -106,17 +120,24 @@ bool stp_select_uses_triangles(stp_selection* s, const stp_select_entry* at, con
         at->shown == STP_SHOW_GHOST || !has_replaced(s, use->surfels, use->count)) {
         return false;
     }
-    walk w = {
-        .s = s, .at = at, .use = use, .sight = sight, .left = STP_LARGE_USES + 1, .all = true};
     stp_affine here = stp_affine_identity();
-    return look_at(&w, at->node, &here) == STP_OK && w.all && w.left > 0;
+    walk w = begin_walk(s, at, use, sight);
+    (void)look_at(&w, at->node, &here);
+    bool fits = s->list->id_count + w.ids + use->surfels->count < IDS_MOST &&
+                s->list->count + w.items < ITEMS_MOST;
+    if (w.left == 0 || w.items == 0 || !fits) {
+        return false;
+    }
+    w = begin_walk(s, at, use, sight);
+    w.does = WALK_ASKS;
+    return !s->streams || (look_at(&w, at->node, &here) == STP_OK && w.all);
 }
 
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use, const stp_sight* sight)
 {
-    walk w = {
-        .s = s, .at = at, .use = use, .sight = sight, .left = STP_LARGE_USES + 1, .adds = true};
+    walk w = begin_walk(s, at, use, sight);
+    w.does = WALK_ADDS;
     stp_affine here = stp_affine_identity();
     return look_at(&w, at->node, &here);
 }

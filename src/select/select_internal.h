@@ -122,6 +122,8 @@ STP_MUST_USE stp_result stp_select_begin_wants(stp_selection* s);
 /// Asks for a mesh or points of a node. @return whether they are here
 bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
                           const stp_sight* sight);
+/// Asks for a mesh that only makes better what is there without it: after all else. @return whether it is here
+bool stp_select_want_extra(stp_selection* s, uint32_t mesh);
 /// Makes the entry of a node with a set that of what is below it.
 void stp_select_cover(const stp_selection* s, const stp_splats* surfels, const stp_sight* sight,
                       stp_select_entry* at);

@@ -5,7 +5,11 @@
 #include "base/triangle_level.h"
 #include "lod/grid.h"
 
-enum { LEAF_TRIANGLES = 4, DEPTH_MOST = 33 };
+enum {
+    LEAF_TRIANGLES = 4,
+    DEPTH_MOST = 33,
+    LOOKS_MOST = 1000, ///< nodes of the tree that are looked at for a sample
+};
 
 #define NEAR_STEPS                                                                                 \
     1.5f ///< how far from its triangle rounding may move a sample, in steps of the set's grid
@@ -16,11 +20,17 @@ typedef struct range {
     uint32_t begin, end;
 } range;
 
+/// What holds a range of triangles, and the highest of their levels.
+typedef struct bounds {
+    stp_box box;
+    float level;
+} bounds;
+
 typedef struct replaced {
     const stp_spt_samples* samples;
     const float* corners;
     const uint32_t* order; ///< of triangles, along the curve
-    stp_box* boxes;        ///< of ranges of triangles, as a heap
+    bounds* tree;          ///< of ranges of triangles, as a heap
     uint32_t count;
     float near; ///< distance within which a sample lies on a triangle
     float* on;  ///< of each sample, the highest level of triangles that it lies on
@@ -40,23 +50,25 @@ static float find_level(const float* corners, uint32_t triangle)
                               corner(corners, triangle, 2));
 }
 
-static stp_box make_boxes(replaced* r, uint32_t node, range of)
+static bounds make_tree(replaced* r, uint32_t node, range of)
 {
-    stp_box box = stp_box_empty();
+    bounds b = {.box = stp_box_empty()};
     if (of.end - of.begin <= LEAF_TRIANGLES) {
         for (uint32_t i = of.begin; i < of.end; ++i) {
             for (int k = 0; k < 3; ++k) {
-                stp_box_add(&box, corner(r->corners, r->order[i], k));
+                stp_box_add(&b.box, corner(r->corners, r->order[i], k));
             }
+            b.level = fmaxf(b.level, find_level(r->corners, r->order[i]));
         }
     } else {
         uint32_t middle = of.begin + (of.end - of.begin) / 2;
-        box = make_boxes(r, 2 * node + 1, (range){of.begin, middle});
-        stp_box other = make_boxes(r, 2 * node + 2, (range){middle, of.end});
-        stp_box_add(&box, other.min);
-        stp_box_add(&box, other.max);
+        b = make_tree(r, 2 * node + 1, (range){of.begin, middle});
+        bounds other = make_tree(r, 2 * node + 2, (range){middle, of.end});
+        stp_box_add(&b.box, other.box.min);
+        stp_box_add(&b.box, other.box.max);
+        b.level = fmaxf(b.level, other.level);
     }
-    return r->boxes[node] = box;
+    return r->tree[node] = b;
 }
 
 /// The point of a triangle that is nearest to `p` (Ericson 2005, 5.1.5).
@@ -97,19 +109,22 @@ static bool is_outside(stp_box box, stp_vec3 p, float near)
            p.y > box.max.y + near || p.z < box.min.z - near || p.z > box.max.z + near;
 }
 
-/// The highest level of the triangles that a point lies on.
+/// The highest level of the triangles that a point lies on; 0 if it takes too long to tell: then splats are kept.
 static float find_on(const replaced* r, stp_vec3 p)
 {
     struct {
         uint32_t node;
         range of;
     } stack[DEPTH_MOST] = {{0, {0, r->count}}};
-    uint32_t size = 1;
+    uint32_t size = 1, looked = 0;
     float level = 0.0f;
     while (size > 0) {
         uint32_t node = stack[--size].node;
         range of = stack[size].of;
-        if (is_outside(r->boxes[node], p, r->near)) {
+        if (++looked > LOOKS_MOST) {
+            return 0.0f;
+        }
+        if (!(r->tree[node].level > level) || is_outside(r->tree[node].box, p, r->near)) {
             continue;
         }
         if (of.end - of.begin > LEAF_TRIANGLES) {
@@ -185,7 +200,7 @@ static stp_result find_all(stp_context* context, replaced* r)
                                         points->count, BESIDE * points->radius, 0.0f, &grid);
     if (result == STP_OK) {
         r->grid = &grid;
-        (void)make_boxes(r, 0, (range){0, r->count});
+        (void)make_tree(r, 0, (range){0, r->count});
         stp_parallel_for(context, points->count, 512, find_all_on, r);
         stp_parallel_for(context, points->count, 512, find_levels, r);
     }
@@ -208,12 +223,12 @@ stp_result stp_spt_find_replaced(stp_context* context, const stp_spt_samples* sa
     replaced r = {.samples = samples,
                   .corners = corners,
                   .order = order,
-                  .boxes = STP_NEW_ARRAY(context, stp_box, 2 * (size_t)count + 1),
+                  .tree = STP_NEW_ARRAY(context, bounds, 2 * (size_t)count + 1),
                   .count = count,
                   .near = NEAR_STEPS * step,
                   .on = STP_NEW_ARRAY(context, float, sample_count),
                   .levels = levels};
-    bool made = middles != NULL && order != NULL && r.boxes != NULL && r.on != NULL;
+    bool made = middles != NULL && order != NULL && r.tree != NULL && r.on != NULL;
     for (size_t i = 0; made && i < 3 * (size_t)count; ++i) {
         const float* p = corners + 9 * (i / 3) + i % 3;
         middles[i] = (p[0] + p[3] + p[6]) * (1.0f / 3.0f);
@@ -223,7 +238,7 @@ stp_result stp_spt_find_replaced(stp_context* context, const stp_spt_samples* sa
     result = result == STP_OK ? find_all(context, &r) : result;
     stp_free(context, middles);
     stp_free(context, order);
-    stp_free(context, r.boxes);
+    stp_free(context, r.tree);
     stp_free(context, r.on);
     return result;
 }
