@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// The merge forest of a set of splats: neighbouring splats are merged two by two, the pair first that does least harm
+// (Wu, Zhang, Kobbelt 2005, 2 to 4).
+#pragma once
+
+#include "base/context.h"
+#include "lod/psp/ellipse.h"
+
+/// What is merged. Arrays are the caller's, and are only read.
+typedef struct stp_psp_points {
+    uint32_t count;
+    const float* positions; ///< 3 a point; finite
+    const float* normals;   ///< NULL, or 3 a point: of unit length, or zero where nobody knows
+    const uint8_t* colors;  ///< NULL: white, or 3 a point, sRGB
+} stp_psp_points;
+
+/// By what the harm of a merge is measured.
+typedef enum stp_psp_metric {
+    STP_PSP_NORMALS,   ///< deviation of normals, by area (4.2, "L2,1")
+    STP_PSP_DISTANCES, ///< distances of all points from the splat that stands for them (4.1, "L2")
+} stp_psp_metric;
+
+typedef struct stp_psp_desc {
+    stp_psp_metric metric;
+    uint32_t neighbours; ///< of a point, 1 to STP_NEIGHBOURS_MOST; the paper's k is 8
+    float
+        least_cosine; ///< of the normals of splats that may be merged; the default is 0: a right angle
+    bool
+        eager; ///< merges that are no longer possible leave the queue at once, not when they come up; same result
+} stp_psp_desc;
+
+stp_psp_desc stp_psp_desc_default(void);
+
+/// Two splats become one. Splats have numbers: those of points first, then that of each merge in order.
+typedef struct stp_psp_merge {
+    uint32_t left, right;
+    double error; ///< as the metric has it, weighted by the distance of the two (formulas 1 and 2)
+} stp_psp_merge;
+
+typedef struct stp_psp_forest {
+    uint32_t point_count, merge_count;
+    stp_ellipse* ellipses; ///< of points, then of merges
+    uint8_t* colors;       ///< 3 a splat, sRGB; means by area
+    stp_psp_merge* merges;
+    uint32_t* parents; ///< of a splat the merge that took it; UINT32_MAX: none
+} stp_psp_forest;
+
+/// Merges until `target` splats are left, or none can be merged. Points without neighbours, or with those alone that face
+/// elsewhere, stay. Deterministic.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^30 points and more; logged). Freed by
+///         stp_psp_forest_destroy, also after a failure
+STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* points,
+                                            const stp_psp_desc* desc, uint32_t target,
+                                            stp_psp_forest* forest);
+void stp_psp_forest_destroy(stp_context* context, stp_psp_forest* forest);
+
+/// The splats that are there when so many are left, ascending.
+/// @param splats room for as many as `count`, or as there are roots, whichever is more
+/// @return how many: `count`; the number of points or of roots where it is more or less than those
+uint32_t stp_psp_forest_cut(const stp_psp_forest* forest, uint32_t count, uint32_t* splats);

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+// Progressive splats (src/lod/psp): neighbours and ellipses against brute force, forests, and what is merged first.
+#include "tests.h"
+
+#include "base/rng.h"
+#include "lod/psp/forest.h"
+#include "lod/psp/initial.h"
+#include "lod/psp/nearest_points.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { POINTS = 2000, K = 8 };
+
+static float positions[3 * POINTS], normals[3 * POINTS];
+static uint8_t colors[3 * POINTS];
+
+static double unit(uint64_t seed, uint64_t at)
+{
+    return (double)(stp_rng_hash(seed, at) >> 11) * 0x1p-53;
+}
+
+// A sphere of radius 1, half of it red: along a spiral.
+static stp_psp_points make_sphere(void)
+{
+    for (uint32_t i = 0; i < POINTS; ++i) {
+        double y = 1.0 - 2.0 * ((double)i + 0.5) / POINTS, around = 2.399963229728653 * i;
+        double across = sqrt(1.0 - y * y);
+        const float at[3] = {(float)(across * cos(around)), (float)y,
+                             (float)(across * sin(around))};
+        memcpy(positions + 3 * i, at, sizeof(at));
+        memcpy(normals + 3 * i, at, sizeof(at));
+        colors[3 * i] = 255;
+        colors[3 * i + 1] = colors[3 * i + 2] = at[0] > 0.0f ? 0 : 255;
+    }
+    return (stp_psp_points){POINTS, positions, normals, colors};
+}
+
+static void make_random(uint64_t seed)
+{
+    for (uint32_t i = 0; i < 3 * POINTS; ++i) { // some in one place
+        positions[i] = (float)(floor(unit(seed, i / 6 * 3 + i % 3) * 64.0) / 64.0);
+    }
+}
+
+void test_psp_finds_nearest_points(test_state* test)
+{
+    static uint32_t near[K * POINTS];
+    for (uint32_t threads = 1; threads < 4; threads += 2) {
+        stp_context* context = test_context(NULL, threads, NULL);
+        make_random(threads);
+        CHECK_EQUAL(STP_OK, stp_find_nearest_points(context, positions, POINTS, K, near));
+        for (uint32_t i = 0; i < POINTS; i += 7) {
+            float last = -1.0f;
+            uint32_t before = 0, closer = 0;
+            for (uint32_t k = 0; k < K; ++k) {
+                uint32_t n = near[K * i + k];
+                CHECK(n < POINTS && n != i);
+                float d = 0.0f;
+                for (int c = 0; c < 3; ++c) {
+                    float x = positions[3 * n + (uint32_t)c] - positions[3 * i + (uint32_t)c];
+                    d += x * x;
+                }
+                CHECK(d > last || (d == last && n > before));
+                last = d;
+                before = n;
+            }
+            for (uint32_t n = 0; n < POINTS; ++n) {
+                float d = 0.0f;
+                for (int c = 0; c < 3; ++c) {
+                    float x = positions[3 * n + (uint32_t)c] - positions[3 * i + (uint32_t)c];
+                    d += x * x;
+                }
+                closer += n != i && (d < last || (d == last && n <= before)) ? 1 : 0;
+            }
+            CHECK_EQUAL(K, closer);
+        }
+        stp_context_destroy(context);
+    }
+    // fewer than there are places for
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK_EQUAL(STP_OK, stp_find_nearest_points(context, positions, 3, K, near));
+    CHECK(near[0] != UINT32_MAX && near[1] != UINT32_MAX && near[2] == UINT32_MAX);
+    stp_context_destroy(context);
+}
+
+void test_psp_ellipses_cover(test_state* test)
+{
+    for (uint64_t seed = 0; seed < 200; ++seed) {
+        stp_vec3 points[16], n = stp_normalize((stp_vec3){(float)unit(seed, 100) - 0.5f,
+                                                          (float)unit(seed, 101) - 0.5f,
+                                                          (float)unit(seed, 102) + 0.01f});
+        float stretch = seed % 3 == 0 ? 0.0f : 1.0f; // or all in a line
+        for (uint32_t i = 0; i < 16; ++i) {
+            points[i] = (stp_vec3){(float)unit(seed, 3 * i), stretch * (float)unit(seed, 3 * i + 1),
+                                   stretch * (float)unit(seed, 3 * i + 2)};
+        }
+        stp_vec3 center = {0.5f, 0.5f * stretch, 0.5f * stretch};
+        stp_ellipse e = stp_ellipse_cover(center, n, points, 16, 1e-6f);
+        float length = stp_length(e.major), most = 0.0f;
+        CHECK(e.minor > 0.0f && e.minor <= length * 1.0001f && fabsf(stp_dot(e.major, n)) < 1e-5f);
+        stp_vec3 x = stp_scale(e.major, 1.0f / length), y = stp_cross(n, x);
+        for (uint32_t i = 0; i < 16; ++i) {
+            stp_vec3 d = stp_sub(points[i], e.center);
+            float u = stp_dot(d, x) / length, v = stp_dot(d, y) / e.minor;
+            CHECK(u * u + v * v <= 1.0005f);
+            most = fmaxf(most, u * u + v * v);
+        }
+        CHECK(most > 0.999f); // one lies on the boundary
+        stp_vec3 samples[STP_ELLIPSE_SAMPLES];
+        stp_ellipse_sample(&e, samples);
+        for (int i = 0; i < STP_ELLIPSE_SAMPLES; ++i) {
+            stp_vec3 d = stp_sub(samples[i], e.center);
+            float u = stp_dot(d, x) / length, v = stp_dot(d, y) / e.minor;
+            CHECK(fabsf(u * u + v * v - 1.0f) < 1e-3f && fabsf(stp_dot(d, n)) < 1e-5f);
+        }
+        float area = stp_ellipse_area(&e) / (3.14159265f * length * e.minor);
+        CHECK(fabsf(area - 1.0f) < 1e-5f);
+    }
+    // the eigenvector of the least eigenvalue
+    for (uint64_t seed = 0; seed < 200; ++seed) {
+        double m[6], values[3];
+        for (uint64_t i = 0; i < 6; ++i) {
+            m[i] = unit(seed + 1000, i) - 0.3;
+        }
+        stp_vec3d v = stp_least_direction(m, values);
+        double value = values[0];
+        CHECK(values[0] <= values[1] && values[1] <= values[2]);
+        const double applied[3] = {m[0] * v.x + m[1] * v.y + m[2] * v.z,
+                                   m[1] * v.x + m[3] * v.y + m[4] * v.z,
+                                   m[2] * v.x + m[4] * v.y + m[5] * v.z};
+        CHECK(fabs(applied[0] - value * v.x) + fabs(applied[1] - value * v.y) +
+                  fabs(applied[2] - value * v.z) <
+              1e-9);
+        CHECK(fabs(v.x * v.x + v.y * v.y + v.z * v.z - 1.0) < 1e-9);
+        CHECK(fabs(values[0] + values[1] + values[2] - m[0] - m[3] - m[5]) < 1e-9);
+    }
+}
+
+static int compare_numbers(const void* a, const void* b)
+{
+    uint32_t x = *(const uint32_t*)a, y = *(const uint32_t*)b;
+    return x < y ? -1 : x > y ? 1 : 0;
+}
+
+static bool is_forest(const stp_psp_forest* f)
+{
+    for (uint32_t i = 0; i < f->merge_count; ++i) {
+        stp_psp_merge m = f->merges[i];
+        if (m.left >= m.right || m.right >= f->point_count + i || f->parents[m.left] != i ||
+            f->parents[m.right] != i || !(m.error >= 0.0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void test_psp_merges_a_sphere(test_state* test)
+{
+    static uint32_t cut[POINTS], other[POINTS];
+    stp_psp_points points = make_sphere();
+    stp_context* context = test_context(NULL, 2, NULL);
+    for (int metric = 0; metric < 2; ++metric) {
+        stp_psp_desc desc = stp_psp_desc_default();
+        stp_psp_forest f, eager;
+        desc.metric = (stp_psp_metric)metric;
+        CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 60, &f));
+        CHECK(f.merge_count == POINTS - 60 && is_forest(&f));
+        // what leaves the queue when changes nothing
+        desc.eager = true;
+        CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 60, &eager));
+        CHECK(memcmp(f.merges, eager.merges, f.merge_count * sizeof(*f.merges)) == 0);
+        CHECK(memcmp(f.ellipses, eager.ellipses, sizeof(*f.ellipses) * (2 * POINTS - 60)) == 0);
+        // any number of splats is a sphere: near its surface, facing out, about its area, half red
+        for (uint32_t count = 60; count <= POINTS;
+             count = count * 2 < POINTS ? count * 2 : POINTS) {
+            double area = 0.0, red = 0.0;
+            CHECK_EQUAL(count, stp_psp_forest_cut(&f, count, cut));
+            for (uint32_t i = 0; i < count; ++i) {
+                const stp_ellipse* e = &f.ellipses[cut[i]];
+                float away = stp_length(e->center), own = stp_ellipse_area(e);
+                CHECK(away > 0.7f && away < 1.1f);
+                CHECK(stp_dot(e->normal, e->center) > 0.6f * away);
+                area += (double)own;
+                red += f.colors[3 * cut[i] + 1] < 128 ? (double)own : 0.0;
+            }
+            double ratio = area / (4.0 * 3.14159265358979);
+            CHECK(ratio > (metric == 0 ? 1.0 : 0.2) &&
+                  ratio < 10.0); // of distances splats end at points
+            CHECK(red > 0.4 * area && red < 0.6 * area);
+            if (count == POINTS) {
+                break;
+            }
+        }
+        // each point is in one splat of a cut
+        CHECK_EQUAL(500, stp_psp_forest_cut(&f, 500, cut));
+        uint32_t seen = 0;
+        for (uint32_t p = 0; p < POINTS; ++p) {
+            uint32_t s = p;
+            while (f.parents[s] < POINTS - 500) {
+                s = POINTS + f.parents[s];
+            }
+            seen += bsearch(&s, cut, 500, sizeof(s), compare_numbers) != NULL ? 1 : 0;
+        }
+        CHECK_EQUAL(POINTS, seen);
+        CHECK_EQUAL(60, stp_psp_forest_cut(&f, 2, other)); // there are no fewer
+        stp_psp_forest_destroy(context, &f);
+        stp_psp_forest_destroy(context, &eager);
+    }
+    stp_context_destroy(context);
+}
+
+// Two sheets a little apart that face away from each other: never merged at a right angle, merged where any angle is allowed.
+void test_psp_keeps_sides_apart(test_state* test)
+{
+    enum { SIDE = 20 };
+    for (uint32_t i = 0; i < 2 * SIDE * SIDE; ++i) {
+        float up = i < SIDE * SIDE ? 1.0f : -1.0f;
+        const float at[3] = {(float)(i % SIDE), 0.1f * up, (float)(i / SIDE % SIDE)};
+        const float n[3] = {0.0f, up, 0.0f};
+        memcpy(positions + 3 * i, at, sizeof(at));
+        memcpy(normals + 3 * i, n, sizeof(n));
+    }
+    stp_psp_points points = {2 * SIDE * SIDE, positions, normals, NULL};
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_psp_desc desc = stp_psp_desc_default();
+    stp_psp_forest f;
+    CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 2, &f));
+    for (uint32_t i = 0; i < f.merge_count; ++i) {
+        const stp_ellipse *l = &f.ellipses[f.merges[i].left], *r = &f.ellipses[f.merges[i].right];
+        CHECK(stp_dot(l->normal, r->normal) >= 0.0f);
+    }
+    CHECK(f.merge_count == 2 * SIDE * SIDE - 2);
+    stp_psp_forest_destroy(context, &f);
+    desc.least_cosine = -1.0f;
+    CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
+    CHECK_EQUAL(2 * SIDE * SIDE - 1, f.merge_count);
+    stp_psp_forest_destroy(context, &f);
+    stp_context_destroy(context);
+}
+
+// None, one, two, many in one place, many in a line.
+void test_psp_takes_any_points(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    static const uint32_t counts[] = {0, 1, 2, 3, 100, 1000};
+    for (int shape = 0; shape < 3; ++shape) {
+        for (size_t c = 0; c < sizeof(counts) / sizeof(counts[0]); ++c) {
+            for (int metric = 0; metric < 2; ++metric) {
+                for (uint32_t i = 0; i < counts[c]; ++i) {
+                    positions[3 * i] = shape == 0 ? 5.0f : (float)i;
+                    positions[3 * i + 1] = shape == 2 ? (float)(i * i % 17) : 0.0f;
+                    positions[3 * i + 2] = 1.0f;
+                }
+                stp_psp_points points = {counts[c], positions, NULL, NULL};
+                stp_psp_desc desc = stp_psp_desc_default();
+                stp_psp_forest f;
+                desc.metric = (stp_psp_metric)metric;
+                CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
+                CHECK(is_forest(&f));
+                for (uint32_t i = 0; i < counts[c] + f.merge_count; ++i) {
+                    const stp_ellipse* e = &f.ellipses[i];
+                    CHECK(isfinite(e->center.x) && isfinite(e->minor) && e->minor > 0.0f);
+                    CHECK(isfinite(stp_length(e->major)) &&
+                          fabsf(stp_length(e->normal) - 1.0f) < 1e-3f);
+                }
+                stp_psp_forest_destroy(context, &f);
+            }
+        }
+    }
+    stp_context_destroy(context);
+}
+
+void test_psp_survives_failing_allocator(test_state* test)
+{
+    stp_psp_points points = make_sphere();
+    points.count = 300;
+    bool made = false;
+    for (int n = 1; !made && n < 200; ++n) {
+        test_heap heap = TEST_HEAP(n);
+        stp_context* context = test_context(&heap, 1, NULL);
+        stp_psp_desc desc = stp_psp_desc_default();
+        stp_psp_forest f = {0};
+        desc.metric = STP_PSP_DISTANCES;
+        if (context != NULL) {
+            made =
+                stp_psp_forest_make(context, &points, &desc, 10, &f) == STP_OK && heap.count <= n;
+            stp_psp_forest_destroy(context, &f);
+        }
+        stp_context_destroy(context);
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+    CHECK(made);
+}

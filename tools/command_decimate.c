@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple decimate: few elliptical splats that stand for many points.
+#include "command.h"
+#include "overwrite.h"
+#include "point_file.h"
+#include "splat_file.h"
+#include "tool.h"
+
+#include "base/clock.h"
+#include "lod/psp/forest.h"
+#include "lod/psp/nearest_points.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { DEFAULT_SPLATS = 2000 };
+
+static struct {
+    const char* output;
+    int by, metric, queue;
+    uint64_t splats, neighbours, threads;
+    double merge_angle;
+    bool has_angle, json;
+} args;
+
+static const option* options(void)
+{
+    static const option table[] = {
+        {.name = "output",
+         .letter = 'o',
+         .type = OPTION_TEXT,
+         .argument = "SPLATS.ply",
+         .help = "where to write the splats",
+         .value = &args.output},
+        {.name = "by",
+         .type = OPTION_CHOICE,
+         .words = "psp",
+         .help = "the method; psp: pairs of neighbouring splats are merged (Progressive Splatting)",
+         .value = &args.by},
+        {.name = "splats",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..4294967295",
+         .help = "how many splats; default 2000. There are more where points lie apart",
+         .value = &args.splats},
+        {.name = "metric",
+         .type = OPTION_CHOICE,
+         .words = "normals|distances",
+         .help = "what merging keeps small: the change of normals, or the distances of the points; "
+                 "default normals",
+         .value = &args.metric},
+        {.name = "neighbours",
+         .type = OPTION_COUNT,
+         .argument = "K",
+         .words = "1..32",
+         .help = "how many of the nearest points are beside a point; default 8",
+         .value = &args.neighbours},
+        {.name = "merge-angle",
+         .type = OPTION_NUMBER,
+         .argument = "DEGREES",
+         .words = "0..180",
+         .help = "splats whose normals lie farther apart are not merged; default 90",
+         .value = &args.merge_angle,
+         .given = &args.has_angle},
+        {.name = "queue",
+         .type = OPTION_CHOICE,
+         .words = "lazy|eager",
+         .help = "merges that became impossible leave the queue when they come up, or at once; the "
+                 "result is the same; default lazy",
+         .value = &args.queue},
+        OPTION_THREADS(&args.threads),
+        OPTION_JSON(&args.json),
+        {0},
+    };
+    return table;
+}
+
+static stp_psp_desc make_desc(void)
+{
+    stp_psp_desc desc = stp_psp_desc_default();
+    desc.metric = args.metric == 0 ? STP_PSP_NORMALS : STP_PSP_DISTANCES;
+    desc.neighbours = args.neighbours != 0 ? (uint32_t)args.neighbours : desc.neighbours;
+    desc.eager = args.queue == 1;
+    if (args.has_angle) {
+        desc.least_cosine =
+            args.merge_angle < 180.0 ? (float)cos(args.merge_angle * 0.017453292519943295) : -2.0f;
+    }
+    return desc;
+}
+
+static int print_report(const tool_splats* splats, uint32_t points, double seconds)
+{
+    double area = 0.0;
+    for (uint32_t i = 0; i < splats->count; ++i) {
+        area += (double)stp_ellipse_area(&splats->ellipses[splats->indices[i]]);
+    }
+    if (args.json) {
+        return tool_print_json(json_pack("{s:s, s:s, s:I, s:I, s:f, s:f}", "by", "psp", "metric",
+                                         args.metric == 0 ? "normals" : "distances", "points",
+                                         (json_int_t)points, "splats", (json_int_t)splats->count,
+                                         "area", area, "seconds", seconds));
+    }
+    printf("%u splats for %u points, area %.4g, in %.2f s\n", splats->count, points, area, seconds);
+    return 0;
+}
+
+static uint8_t* drop_alpha(stp_context* context, const tool_points* points)
+{
+    uint8_t* colors = STP_NEW_ARRAY(context, uint8_t, 3 * (size_t)points->count + 1);
+    for (size_t i = 0; colors != NULL && i < points->count; ++i) {
+        memcpy(colors + 3 * i, points->colors + 4 * i, 3);
+    }
+    return colors;
+}
+
+static int decimate(stp_context* context, const tool_points* from)
+{
+    uint32_t target = args.splats != 0 ? (uint32_t)args.splats : DEFAULT_SPLATS;
+    uint8_t* colors = from->colors != NULL ? drop_alpha(context, from) : NULL;
+    const stp_psp_points points = {from->count, from->positions, from->normals, colors};
+    stp_psp_desc desc = make_desc();
+    stp_psp_forest forest = {0};
+    double start = stp_clock_ms();
+    stp_result result = from->colors != NULL && colors == NULL ? stp_fail_memory(context) : STP_OK;
+    result =
+        result == STP_OK ? stp_psp_forest_make(context, &points, &desc, target, &forest) : result;
+    double seconds = 1e-3 * (stp_clock_ms() - start);
+    uint32_t* cut =
+        result == STP_OK ? STP_NEW_ARRAY(context, uint32_t, (size_t)forest.point_count + 1) : NULL;
+    int code = 1;
+    if (cut != NULL) {
+        tool_splats splats = {.ellipses = forest.ellipses,
+                              .colors = forest.colors,
+                              .indices = cut,
+                              .count = stp_psp_forest_cut(&forest, target, cut)};
+        memcpy(splats.origin, from->origin, sizeof(splats.origin));
+        if (splats.count > target) {
+            stp_notice(context, "%u splats are left: their points lie apart, or face apart",
+                       splats.count);
+        }
+        result = tool_write_splats(context, args.output, &splats);
+        code = result == STP_OK ? print_report(&splats, from->count, seconds) : 1;
+    } else if (result == STP_OK) {
+        (void)stp_fail_memory(context);
+    }
+    stp_free(context, cut);
+    stp_free(context, colors);
+    stp_psp_forest_destroy(context, &forest);
+    return code;
+}
+
+static int run(int argc, char** argv)
+{
+    if (argc != 1) {
+        return tool_usage_error("decimate: expected one model");
+    }
+    if (args.output == NULL) {
+        return tool_usage_error("decimate: expected -o SPLATS.ply");
+    }
+    if (strcmp(args.output, "-") == 0) {
+        return tool_usage_error("decimate cannot write to standard output; name a file");
+    }
+    int refused = overwrite_check(argv[0], args.output);
+    if (refused != 0) {
+        return refused;
+    }
+    stp_context* context = tool_context_create((uint32_t)args.threads, 0, NULL);
+    if (context == NULL) {
+        return 1;
+    }
+    tool_points points;
+    int code = 1;
+    if (tool_read_points(context, argv[0], NULL, &points) == STP_OK) {
+        code = decimate(context, &points);
+        tool_points_destroy(context, &points);
+    }
+    stp_context_destroy(context);
+    return code;
+}
+
+const command command_decimate = {
+    .name = "decimate",
+    .arguments = "MODEL -o SPLATS.ply",
+    .summary = "replace points by few elliptical splats",
+    .text =
+        "Reads the points of a file (of any format that can be imported; of meshes, the vertices) "
+        "and replaces them by so many elliptical splats as are asked for.\n"
+        "\n"
+        "psp is Progressive Splatting (Wu, Zhang, Kobbelt 2005): each point becomes a disk as wide "
+        "as "
+        "the farthest of its nearest neighbours; then two neighbouring splats become one again "
+        "and again, the pair first that does least harm. Points need not have normals.",
+    .examples = "A statue in 5,000 splats:\n"
+                "$ stipple decimate statue.ply -o splats.ply --splats 5000\n"
+                "The vertices of a mesh are few where it is flat; candidates are spread evenly:\n"
+                "$ stipple capture plant.glb -o points.ply\n"
+                "$ stipple decimate points.ply -o splats.ply\n",
+    .files = "MODEL\t"
+             "any model that can be imported\n"
+             "SPLATS.ply\t"
+             "binary PLY: centre, normal, major axis, length of the minor axis, colour\n",
+    .options = options,
+    .run = run,
+};
