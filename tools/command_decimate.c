@@ -66,9 +66,9 @@ static const option* options(void)
          .given = &args.has_angle},
         {.name = "queue",
          .type = OPTION_CHOICE,
-         .words = "lazy|eager",
-         .help = "merges that became impossible leave the queue when they come up, or at once; the "
-                 "result is the same; default lazy",
+         .words = "eager|lazy",
+         .help = "merges that became impossible leave the queue at once, or when they come up; the "
+                 "result is the same; default eager",
          .value = &args.queue},
         OPTION_THREADS(&args.threads),
         OPTION_JSON(&args.json),
@@ -82,7 +82,7 @@ static stp_psp_desc make_desc(void)
     stp_psp_desc desc = stp_psp_desc_default();
     desc.metric = args.metric == 0 ? STP_PSP_NORMALS : STP_PSP_DISTANCES;
     desc.neighbours = args.neighbours != 0 ? (uint32_t)args.neighbours : desc.neighbours;
-    desc.eager = args.queue == 1;
+    desc.eager = args.queue == 0;
     if (args.has_angle) {
         desc.least_cosine =
             args.merge_angle < 180.0 ? (float)cos(args.merge_angle * 0.017453292519943295) : -2.0f;

@@ -167,7 +167,7 @@ void test_psp_merges_a_sphere(test_state* test)
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 60, &f));
         CHECK(f.merge_count == POINTS - 60 && is_forest(&f));
         // what leaves the queue when changes nothing
-        desc.eager = true;
+        desc.eager = !desc.eager;
         CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 60, &eager));
         CHECK(memcmp(f.merges, eager.merges, f.merge_count * sizeof(*f.merges)) == 0);
         CHECK(memcmp(f.ellipses, eager.ellipses, sizeof(*f.ellipses) * (2 * POINTS - 60)) == 0);

@@ -52,7 +52,7 @@ typedef struct maker {
 
 stp_psp_desc stp_psp_desc_default(void)
 {
-    return (stp_psp_desc){.metric = STP_PSP_NORMALS, .neighbours = 8};
+    return (stp_psp_desc){.metric = STP_PSP_NORMALS, .neighbours = 8, .eager = true};
 }
 
 static stp_vec3 vector_at(const float* values, size_t index)
