@@ -125,4 +125,5 @@ def main():
     write_png(out, (cell_width + GAP) * columns - GAP, sheet[:-GAP])
 
 
-main()
+if __name__ == "__main__":
+    main()
