@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A draw list made into blocks, records and commands.
 #include "base/context.h"
-#include "base/prefix_table.h"
-#include "base/splat_codes.h"
 #include "draw/gl/cull.h"
+#include "draw/gl/set_items.h"
 #include "draw/gl/splat_commands.h"
 #include "draw/gl/upload.h"
 #include "draw/transparency.h"
@@ -59,7 +58,7 @@ record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_
     return record;
 }
 
-static chunk_block* add_chunk(gl_renderer* r, item_block* item)
+chunk_block* gl_frame_add_chunk(gl_renderer* r, item_block* item)
 {
     gl_frame* f = &r->frame;
     if (f->chunk_count == f->chunk_capacity) {
@@ -72,176 +71,6 @@ static chunk_block* add_chunk(gl_renderer* r, item_block* item)
     }
     item->chunk_count += 1;
     return &f->chunks[f->chunk_count++];
-}
-
-/// How far a set can be drawn: octaves whose places are here, up to `octaves`; and the octave, below that many, that
-/// colours them.
-typedef struct octaves_here {
-    uint32_t places, colors;
-} octaves_here;
-
-static gl_upload bring_octaves(gl_renderer* r, uint32_t set, uint32_t places, uint32_t colors,
-                               octaves_here* here)
-{
-    gl_upload got = GL_UPLOAD_THERE;
-    *here = (octaves_here){0};
-    while (here->places < places && got == GL_UPLOAD_THERE) {
-        got = gl_upload_octave(r, set, here->places, false, here->places == 0);
-        here->places += got == GL_UPLOAD_THERE ? 1 : 0;
-    }
-    if (got == GL_UPLOAD_FAILED || here->places == 0) {
-        return got;
-    }
-    // the wanted colours, or the finest that are here, or at least the coarsest
-    gl_upload coloured = gl_upload_octave(r, set, colors, true, colors == 0);
-    here->colors = colors;
-    while (coloured != GL_UPLOAD_THERE && coloured != GL_UPLOAD_FAILED && here->colors > 0) {
-        here->colors -= 1;
-        coloured =
-            here->colors == 0 || gl_pool_has(&r->pool, gl_octave_entry(r, set, here->colors, true))
-                ? gl_upload_octave(r, set, here->colors, true, here->colors == 0)
-                : GL_UPLOAD_LATER;
-    }
-    return coloured;
-}
-
-/// The box of an item's splats holds an octave too.
-static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, item_block* item)
-{
-    const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
-    for (int k = 0; k < 3; ++k) {
-        float low = (float)box->low[k], high = (float)box->high[k];
-        item->box_low[k] = octave == 0 ? low : stp_min(item->box_low[k], low);
-        item->box_high[k] = octave == 0 ? high : stp_max(item->box_high[k], high);
-    }
-}
-
-/// The splats of an octave, up to the end of the item's prefix.
-static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t octave,
-                                 const chunk_block* chunk, uint32_t prefix)
-{
-    const stp_splats* known = stp_store_describe_surfels(r->store, set);
-    const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
-    uint32_t count = chunk->end - chunk->begin;
-    bool shapes = (known->columns & STP_SPLATS_SHAPES) != 0;
-    return (gl_splat_chunk){.begin = chunk->begin,
-                            .end = prefix < chunk->end ? prefix : chunk->end,
-                            .places = chunk->address,
-                            .place_words = 2,
-                            .options = chunk->address + 2 * count + (count + 3) / 4,
-                            .option_words = gl_option_words(known),
-                            .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
-}
-
-/// Brings the meshes whose large triangles follow a set, if any splat of these octaves would be replaced.
-static stp_result bring_large(gl_renderer* r, uint32_t index, uint32_t octaves)
-{
-    const stp_draw_item* set = r->frame.placed[index].draw;
-    const stp_draw_item *draw = set + 1, *end = r->list->items + r->list->count;
-    bool all = false;
-    r->frame.beside = false;
-    for (uint32_t k = 0; k < octaves && set->beside_triangles; ++k) {
-        all = all || r->things.boxes[gl_octave_entry(r, set->index, k, false) / 2].replaced;
-    }
-    for (; all && draw < end && draw->large; ++draw) {
-        gl_upload got = gl_upload_mesh(r, draw->index);
-        r->frame.missing += got != GL_UPLOAD_THERE ? 1 : 0;
-        all = got == GL_UPLOAD_THERE;
-        if (got == GL_UPLOAD_FAILED) {
-            return r->failure;
-        }
-    }
-    r->frame.beside = all;
-    r->frame.items[index].flags |= all ? ITEM_BESIDE : 0u;
-    return STP_OK;
-}
-
-static stp_result make_surfels(gl_renderer* r, uint32_t index)
-{
-    gl_placed* placed = &r->frame.placed[index];
-    const stp_draw_item* draw = placed->draw;
-    const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
-    item_block* item = &r->frame.items[index];
-    placed->origin = known->origin;
-    placed->step = known->step;
-    if ((known->columns & STP_SPLATS_SHAPES) != 0) {
-        item->flags |= ITEM_SHAPES;
-        placed->radius = known->step * placed->scale;
-    }
-    if ((known->columns & STP_SPLATS_RANGES) != 0) {
-        item->flags |= ITEM_RANGES;
-        item->level_per_depth = draw->level_per_depth;
-        item->level_least = draw->level_least;
-    }
-    uint32_t prefix = draw->prefix < known->count ? draw->prefix : known->count;
-    r->frame.beside = false;
-    uint32_t full = draw->full_prefix > prefix ? draw->full_prefix : prefix;
-    full = full < known->count ? full : known->count;
-    if (prefix == 0) {
-        return STP_OK;
-    }
-    stp_octave_choice choice = stp_placement_choose_octave(known, full);
-    octaves_here here;
-    gl_upload got =
-        bring_octaves(r, draw->index, stp_store_octaves_for(known, prefix), choice.octave, &here);
-    if (got == GL_UPLOAD_FAILED) {
-        return r->failure;
-    }
-    r->frame.missing += got != GL_UPLOAD_THERE || here.colors < choice.octave ||
-                                known->octave_ends[here.places - 1] < prefix
-                            ? 1
-                            : 0;
-    if (got != GL_UPLOAD_THERE) {
-        return STP_OK;
-    }
-    if (here.colors < choice.octave) { // drawn as an earlier octave, all of it
-        choice = (stp_octave_choice){.octave = here.colors, .blend = 1.0f};
-    } else if (choice.blend < 1.0f && choice.low_count > 0 &&
-               gl_upload_octave(r, draw->index, choice.octave - 1, true, false) !=
-                   GL_UPLOAD_THERE) {
-        choice.blend = 1.0f; // until they come
-        r->frame.missing += 1;
-    }
-    uint32_t most = known->octave_ends[here.places - 1];
-    most = most < known->octave_ends[choice.octave] ? most : known->octave_ends[choice.octave];
-    if (most < prefix) { // fewer and larger ones
-        prefix = most;
-        float reached = stp_prefix_table_radius(&known->table, prefix);
-        bool own = (item->flags & ITEM_SHAPES) != 0;
-        placed->radius =
-            own ? placed->radius : stp_max(placed->radius, reached + known->candidate_radius);
-        item->level_least = stp_max(item->level_least, reached);
-    }
-    item->count = prefix;
-    item->colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave, true));
-    item->blend = choice.blend;
-    if (choice.blend < 1.0f && choice.low_count > 0) {
-        item->low_count = choice.low_count;
-        item->low_colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave - 1, true));
-    }
-    stp_result result = bring_large(r, index, here.places);
-    gl_splat_groups groups = {.groups = NULL};
-    result = result == STP_OK ? gl_splat_groups_make(r, index, here.places, &groups) : result;
-    if (result != STP_OK) {
-        return result;
-    }
-    item->first_chunk = (uint32_t)r->frame.chunk_count;
-    for (uint32_t k = 0, begin = 0; k < here.places && begin < prefix; ++k) {
-        chunk_block* chunk = add_chunk(r, item);
-        if (chunk == NULL) {
-            return stp_fail_memory(r->base.context);
-        }
-        *chunk = (chunk_block){.begin = begin,
-                               .end = known->octave_ends[k],
-                               .address = gl_address(r, gl_octave_entry(r, draw->index, k, false))};
-        begin = chunk->end;
-        hold_octave(r, draw->index, k, item);
-        gl_splat_chunk splats = find_chunk(r, draw->index, k, chunk, prefix);
-        if (!gl_splat_commands_add(r, index, &splats, &groups)) {
-            return stp_fail_memory(r->base.context);
-        }
-    }
-    return STP_OK;
 }
 
 static stp_result make_points(gl_renderer* r, uint32_t index)
@@ -272,7 +101,7 @@ static stp_result make_points(gl_renderer* r, uint32_t index)
             r->frame.missing += 1;
             break;
         }
-        chunk_block* chunk = add_chunk(r, item);
+        chunk_block* chunk = gl_frame_add_chunk(r, item);
         if (chunk == NULL) {
             return stp_fail_memory(r->base.context);
         }
@@ -425,7 +254,7 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
                          .emissive = NO_ADDRESS};
     switch (draw->kind) {
     case STP_DRAW_SURFELS:
-        return make_surfels(r, index);
+        return gl_set_item_make(r, index);
     case STP_DRAW_POINTS:
         return make_points(r, index);
     case STP_DRAW_MESH:

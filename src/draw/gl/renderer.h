@@ -254,6 +254,8 @@ void gl_frame_destroy(gl_renderer* r);
 record_block* gl_frame_add_command(gl_renderer* r, gl_command_kind kind, uint32_t count);
 /// Another command for the last record. @return false where memory runs out
 bool gl_frame_repeat_command(gl_renderer* r, gl_command_kind kind, uint32_t count);
+/// Appends a chunk of an item's splats. NULL where memory runs out.
+chunk_block* gl_frame_add_chunk(gl_renderer* r, item_block* item);
 
 /// Samples of a picture that are drawn, each by itself.
 typedef struct gl_sample_range {
