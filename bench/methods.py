@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Methods against each other: likeness and time of pictures, by splat size, on the views of several scenes.
 
-usage: bench/methods.py [--sizes 1,2,4,8,16] [--repeats N] SCENE...
+usage: bench/methods.py [--sizes 1,2,4,8,16 | --counts N,N...] [--repeats N] SCENE...
 
 SCENE is a .stip that holds several methods, a model, or a named scene; those are built with `--method blue,spt`. Each view of
 a scene (iso where it has none) is drawn at each size by each method and compared with its reference. Times are the least of
-the repeats. Prints a table at sizes 2 and 8; writes methods.svg, likeness over time.
+the repeats. Prints a table at sizes 2 and 8; writes methods.svg, likeness over time. With --counts, each view is drawn with so many
+splats instead (`render --splats N`; spt takes as many at most), and without triangles.
 """
 import pathlib
 import subprocess
@@ -27,14 +28,24 @@ def build(scene, folder):
     return out
 
 
-def measure(given, stored, view, size, method, truth, picture):
-    """Likeness and figures of one picture."""
-    call = ("render", stored, "-o", picture, "--view", view, "--size", given.size, "--splat-size", size, "--method", method, "--once")
+def measure(given, stored, view, quality, method, truth, picture):
+    """Likeness and figures of one picture of a quality: an option and its value."""
+    call = ("render", stored, "-o", picture, "--view", view, "--size", given.size, *quality, "--method", method, "--once")
     frames = [kit.stipple(*call, threads=given.threads) for _ in range(given.repeats)]
     best = min(frames, key=lambda frame: frame["frame_ms"])
     likeness = kit.compare(picture, truth)
     return {"ssim": likeness["ssim"], "ssim_covered": likeness["ssim_covered"], "frame_ms": best["frame_ms"], "splats": best["splats"],
             "triangles": best["triangles"]}
+
+
+def compare_counts(given, told, stored, view, folder):
+    """Both methods at equal numbers of splats, beside the picture in `folder`."""
+    results = []
+    for count in map(int, given.counts.split(",")):
+        pair = [measure(given, stored, view, ("--splats", count), method, folder / "truth.png", folder / "ours.png") for method in METHODS]
+        results.append(kit.result("methods-counts", {"scene": told, "view": view, "size": given.size, "splats": count},
+                                  {key: [figures[key] for figures in pair] for key in pair[0]}))
+    return results
 
 
 def plot(results, path):
@@ -70,9 +81,10 @@ def main():
     parser = kit.options(__doc__, size="1280x720")
     parser.add_argument("scenes", nargs="+", metavar="SCENE")
     parser.add_argument("--sizes", default="1,2,4,8,16")
+    parser.add_argument("--counts", help="compare at equal numbers of splats instead, as 10000,100000")
     parser.add_argument("--repeats", type=int, default=5)
     given = parser.parse_args()
-    results, rows = [], []
+    results, rows, counted = [], [], []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for scene in given.scenes:
@@ -82,8 +94,11 @@ def main():
                 truth = folder / "truth.png"
                 kit.stipple("render", stored, "-o", truth, "--view", view, "--size", given.size, "--reference", "--once",
                             threads=given.threads)
+                if given.counts:
+                    counted += compare_counts(given, told, stored, view, folder)
+                    continue
                 for size in given.sizes.split(","):
-                    pair = [measure(given, stored, view, size, method, truth, folder / "ours.png") for method in METHODS]
+                    pair = [measure(given, stored, view, ("--splat-size", size), method, truth, folder / "ours.png") for method in METHODS]
                     for method, figures in zip(METHODS, pair):
                         results.append(kit.result("methods", {"scene": told, "view": view, "size": given.size, "splat_size": float(size),
                                                               "method": method}, figures))
@@ -91,6 +106,12 @@ def main():
                         rows.append([told, view, size, *(f"{f['ssim_covered']:.3f}" for f in pair), *(f"{f['frame_ms']:.0f}" for f in pair),
                                      *(f"{f['splats']:,}" for f in pair), *(f"{f['triangles']:,}" for f in pair)])
                 kit.say(f"{told} {view}")
+    if given.counts:
+        kit.table(["scene", "view", "splats", "SSIM blue", "SSIM spt", "ms blue", "ms spt", "splats of spt"],
+                  [[r["params"]["scene"], r["params"]["view"], f"{r['params']['splats']:,}", *(f"{x:.3f}" for x in r["figures"]["ssim_covered"]),
+                    *(f"{x:.1f}" for x in r["figures"]["frame_ms"]), f"{r['figures']['splats'][1]:,}"] for r in counted])
+        kit.keep("methods-counts", counted, given.out)
+        return
     kit.table(["scene", "view", "px", "SSIM blue", "SSIM spt", "ms blue", "ms spt", "splats blue", "splats spt", "triangles blue",
                "triangles spt"], rows)
     kit.keep("methods", results, given.out)
