@@ -42,15 +42,15 @@ static bool find_set(run* r, stp_hash key, stp_splats* set)
 }
 
 static stp_result make_within(run* r, const stp_method* method, size_t step, double level,
-                              stp_hash key, stp_splats* set)
+                              uint32_t triangles, stp_hash key, stp_splats* set)
 {
     stp_context* context = r->scene->context;
     stp_splats made;
     stp_node_triangles large = {0};
     stp_result result = STP_OK;
-    if ((method->columns & STP_SPLATS_REPLACED) != 0) {
+    if (triangles != 0) {
         uint32_t node = r->desc->plan->steps[step].node;
-        result = stp_take_node_triangles(r->scene, node, level, &large);
+        result = stp_take_node_triangles(r->scene, node, level, triangles, &large);
     }
     if (result == STP_OK) {
         const stp_method_source source = {.samples = &r->desc->samples[step],
@@ -73,7 +73,7 @@ static stp_result make_set(run* r, const stp_method* method, size_t step, stp_ha
     double level = samples->count > 0
                        ? (double)stp_prefix_table_radius(&samples->table, samples->count)
                        : HUGE_VAL;
-    uint64_t triangles = 0;
+    uint32_t triangles = 0;
     if ((method->columns & STP_SPLATS_REPLACED) != 0) {
         uint32_t node = r->desc->plan->steps[step].node;
         triangles = stp_count_node_triangles(r->scene, node, level);
@@ -81,7 +81,7 @@ static stp_result make_set(run* r, const stp_method* method, size_t step, stp_ha
     stp_gate_ticket ticket;
     stp_result result = stp_gate_enter(r->gate, method->bytes(samples->count, triangles), &ticket);
     if (result == STP_OK) {
-        result = make_within(r, method, step, level, key, set);
+        result = make_within(r, method, step, level, triangles, key, set);
         stp_gate_leave(r->gate, &ticket);
     }
     return result;

@@ -79,11 +79,10 @@ uint32_t stp_count_node_triangles(const stp_scene* scene, uint32_t node, double 
 }
 
 stp_result stp_take_node_triangles(const stp_scene* scene, uint32_t node, double level,
-                                   stp_node_triangles* triangles)
+                                   uint32_t count, stp_node_triangles* triangles)
 {
-    size_t count = look_below(scene, node, level, NULL);
-    *triangles =
-        (stp_node_triangles){.corners = STP_NEW_ARRAY(scene->context, float, 9 * count + 1)};
+    *triangles = (stp_node_triangles){
+        .corners = STP_NEW_ARRAY(scene->context, float, 9 * (size_t)count + 1)};
     if (triangles->corners == NULL) {
         return stp_fail_memory(scene->context);
     }
