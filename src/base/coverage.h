@@ -64,14 +64,18 @@ static inline stp_vec3 stp_octahedral_unfold(float u, float v)
     return (stp_vec3){u + (u >= 0.0f ? -fold : fold), v + (v >= 0.0f ? -fold : fold), z};
 }
 
-// After Duff et al. Building an Orthonormal Basis, Revisited. 2017.
+/// Axes across a normal of unit length. After Duff et al. Building an Orthonormal Basis, Revisited. 2017.
+static inline stp_disk_axes stp_disk_axes_across(stp_vec3 n)
+{
+    float side = n.z < 0.0f ? -1.0f : 1.0f;
+    float a = -1.0f / (side + n.z), b = (n.x * n.y) * a;
+    return (stp_disk_axes){{1.0f + (side * (n.x * n.x)) * a, side * b, -(side * n.x)},
+                           {b, side + (n.y * n.y) * a, -n.y}};
+}
+
 static inline stp_disk_axes stp_disk_axes_of(float u, float v)
 {
     stp_vec3 n = stp_octahedral_unfold(u, v);
     float inverse = 1.0f / sqrtf((n.x * n.x + n.y * n.y) + n.z * n.z);
-    float nx = n.x * inverse, ny = n.y * inverse, nz = n.z * inverse;
-    float side = nz < 0.0f ? -1.0f : 1.0f;
-    float a = -1.0f / (side + nz), b = (nx * ny) * a;
-    return (stp_disk_axes){{1.0f + (side * (nx * nx)) * a, side * b, -(side * nx)},
-                           {b, side + (ny * ny) * a, -ny}};
+    return stp_disk_axes_across((stp_vec3){n.x * inverse, n.y * inverse, n.z * inverse});
 }

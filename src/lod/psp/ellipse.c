@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/ellipse.h"
 
+#include "base/coverage.h"
+
 #define PI 3.14159265358979323846f
 #define THIN 1e-3f ///< of the major axis: the least minor axis
 enum { SWEEPS_MOST = 32 };
@@ -25,19 +27,11 @@ void stp_ellipse_sample(const stp_ellipse* e, stp_vec3 samples[STP_ELLIPSE_SAMPL
     }
 }
 
-/// Two directions of unit length across a normal (Duff et al. 2017).
-static void find_axes(stp_vec3 n, stp_vec3* x, stp_vec3* y)
-{
-    float side = n.z < 0.0f ? -1.0f : 1.0f, a = -1.0f / (side + n.z), b = n.x * n.y * a;
-    *x = (stp_vec3){1.0f + side * n.x * n.x * a, side * b, -side * n.x};
-    *y = (stp_vec3){b, side + n.y * n.y * a, -n.y};
-}
-
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
                               size_t count, float least)
 {
-    stp_vec3 x, y;
-    find_axes(normal, &x, &y);
+    stp_disk_axes axes = stp_disk_axes_across(normal);
+    stp_vec3 x = axes.x, y = axes.y;
     double xx = 0.0, xy = 0.0, yy = 0.0;
     for (size_t i = 0; i < count; ++i) {
         stp_vec3 d = stp_sub(points[i], center);

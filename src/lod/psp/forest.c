@@ -89,7 +89,7 @@ static double find_plane(const moments* m, stp_vec3d* normal)
     return sums[0] > 0.0 ? sums[0] : 0.0;
 }
 
-/// How much harm a merge does, before it is weighted by the distance of the two.
+/// The error of a merge, before it is weighted by the distance of the two splats.
 static double measure(const maker* m, uint32_t left, uint32_t right)
 {
     if (m->moments != NULL) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The merge forest of a set of splats: neighbouring splats are merged two by two, the pair first that does least harm
-// (Wu, Zhang, Kobbelt 2005, 2 to 4).
+// The merge forest of a set of splats: neighbouring splats are merged in pairs, the pair with the least error first (Wu, Zhang, Kobbelt 2005, 2 to 4).
 #pragma once
 
 #include "base/context.h"
@@ -14,7 +13,7 @@ typedef struct stp_psp_points {
     const uint8_t* colors;  ///< NULL: white, or 3 a point, sRGB
 } stp_psp_points;
 
-/// By what the harm of a merge is measured.
+/// How the error of a merge is measured.
 typedef enum stp_psp_metric {
     STP_PSP_NORMALS,   ///< deviation of normals, by area (4.2, "L2,1")
     STP_PSP_DISTANCES, ///< distances of all points from the splat that stands for them (4.1, "L2")
