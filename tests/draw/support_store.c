@@ -87,6 +87,21 @@ void made_free_surfels(stp_context* context, stp_splats* s)
     stp_free(context, s->coverages);
 }
 
+void made_one_node(made_scene* s, const stp_store_mesh* mesh, const stp_splats* set)
+{
+    s->material_count = s->shading_count = s->mesh_count = s->part_count = s->node_count = 1;
+    s->materials[0] = made_material();
+    s->shadings[0] = (stp_shading){.roughness = 1, .flags = STP_SHADING_UNLIT};
+    s->meshes[0] = *mesh;
+    s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
+    s->nodes[0] = (stp_store_node){
+        .part_count = 1, .triangle_count = 1000000, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
+    s->surfels[0] = *set;
+    s->surfels_count = 1;
+    s->method =
+        (stp_store_method){.name = "spt", .id = STP_METHOD_SPT, .columns = STP_SPLATS_COLUMNS};
+}
+
 stp_store* made_open(stp_context* context, made_scene* scene)
 {
     int file = -1;

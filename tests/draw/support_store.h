@@ -37,6 +37,9 @@ stp_store_mesh made_square(uint32_t material);
 stp_splats made_square_surfels(stp_context* context, uint32_t log_side, const uint8_t color[3]);
 void made_free_surfels(stp_context* context, stp_splats* surfels);
 
+/// Makes the scene one node over the square from -1 to 1 that stands for a million triangles: the mesh, with a set of `spt`.
+void made_one_node(made_scene* scene, const stp_store_mesh* mesh, const stp_splats* set);
+
 /// Writes and opens the scene; the last node is the root. NULL on failure.
 stp_store* made_open(stp_context* context, made_scene* scene);
 /// The same; `file` receives a descriptor of the file, to read and write, which the caller closes.

@@ -34,19 +34,9 @@ static bool set_up(fixture* f)
     if (stp_spt_make(f->context, &f->samples, &desc, &f->set) != STP_OK) {
         return false;
     }
-    made_scene* s = &f->scene;
-    s->material_count = s->shading_count = s->mesh_count = s->part_count = s->node_count = 1;
-    s->materials[0] = made_material();
-    s->shadings[0] = (stp_shading){.roughness = 1, .flags = STP_SHADING_UNLIT};
-    s->meshes[0] = made_square(0);
-    s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
-    s->nodes[0] = (stp_store_node){
-        .part_count = 1, .triangle_count = 1000000, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
-    s->surfels[0] = f->set;
-    s->surfels_count = 1;
-    s->method =
-        (stp_store_method){.name = "spt", .id = STP_METHOD_SPT, .columns = STP_SPLATS_COLUMNS};
-    f->store = made_open(f->context, s);
+    stp_store_mesh square = made_square(0);
+    made_one_node(&f->scene, &square, &f->set);
+    f->store = made_open(f->context, &f->scene);
     f->view = (stp_view){
         .eye = {0, 0, 5}, .up = {0, 1, 0}, .fov_degrees = 60, .width = SIDE, .height = SIDE};
     f->quality = (stp_quality){.splat_size = 1.0f, .spare = 1};

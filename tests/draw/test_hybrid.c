@@ -78,30 +78,20 @@ static bool set_up(fixture* f)
     f->samples = made_square_surfels(f->context, LOG_SIDE, red);
     const stp_spt_desc desc = {
         .tree = {STP_TREE_GEOMETRIC, 255}, .corners = f->mesh.corners, .triangle_count = 2};
-    made_scene* s = &f->scene;
-    s->material_count = s->shading_count = s->mesh_count = s->part_count = s->node_count = 1;
-    s->materials[0] = made_material();
-    s->materials[0].base_color[1] = s->materials[0].base_color[2] = 0.0f;
-    s->shadings[0] = (stp_shading){.roughness = 1, .flags = STP_SHADING_UNLIT};
-    s->meshes[0] = (stp_store_mesh){.vertex_count = 4 + (ROWS + 1) * (ROWS + 1),
-                                    .triangle_count = 2 + SMALL,
-                                    .positions = f->mesh.positions,
-                                    .indices = f->mesh.indices,
-                                    .bounds = {{-1, -1, 0}, {1, 1, 0}}};
+    const stp_store_mesh mesh = {.vertex_count = 4 + (ROWS + 1) * (ROWS + 1),
+                                 .triangle_count = 2 + SMALL,
+                                 .positions = f->mesh.positions,
+                                 .indices = f->mesh.indices,
+                                 .bounds = {{-1, -1, 0}, {1, 1, 0}}};
     double step = stp_choose_grid_step(f->mesh.positions, f->mesh.indices, 2 + SMALL);
     if (stp_spt_make(f->context, &f->samples, &desc, &f->set) != STP_OK ||
-        stp_clusters_encode(f->context, &s->meshes[0], step, &f->coded) != STP_OK) {
+        stp_clusters_encode(f->context, &mesh, step, &f->coded) != STP_OK) {
         return false;
     }
-    s->coded_meshes = &f->coded;
-    s->parts[0] = (stp_store_part){STP_STORE_PART_MESH, 0};
-    s->nodes[0] = (stp_store_node){
-        .part_count = 1, .triangle_count = 1000000, .bounds = {{-1, -1, 0}, {1, 1, 0}}};
-    s->surfels[0] = f->set;
-    s->surfels_count = 1;
-    s->method =
-        (stp_store_method){.name = "spt", .id = STP_METHOD_SPT, .columns = STP_SPLATS_COLUMNS};
-    f->store = made_open(f->context, s);
+    made_one_node(&f->scene, &mesh, &f->set);
+    f->scene.materials[0].base_color[1] = f->scene.materials[0].base_color[2] = 0.0f;
+    f->scene.coded_meshes = &f->coded;
+    f->store = made_open(f->context, &f->scene);
     f->view = (stp_view){
         .eye = {0, 0, 6}, .up = {0, 1, 0}, .fov_degrees = 60, .width = SIDE, .height = SIDE};
     f->quality = (stp_quality){.splat_size = 1.0f, .spare = 1};

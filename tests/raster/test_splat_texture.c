@@ -6,6 +6,7 @@
 #include "base/processor.h"
 #include "base/rng.h"
 #include "raster/splats_blend_kernel.h"
+#include "raster/support_blend.h"
 
 #include <string.h>
 
@@ -27,36 +28,22 @@ typedef struct textured_scene {
     stp_raster_splats splats;
 } textured_scene;
 
-static double uniform(uint64_t seed, uint64_t index, double low, double high)
-{
-    return low + (high - low) * ((double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53);
-}
-
-static void color_splats(void* user, uint32_t first, uint32_t count, const float* x, const float* y,
-                         uint32_t (*out)[3])
-{
-    (void)user, (void)x, (void)y;
-    for (uint32_t i = 0; i < count; ++i) {
-        for (uint32_t k = 0; k < 3; ++k) {
-            out[i][k] = (uint32_t)(stp_rng_hash(first + i, k) % STP_BLEND_COLORS);
-        }
-    }
-}
-
 /// Ellipses in a slanted wall.
 static void make_scene(textured_scene* s, uint64_t seed, float step_radius)
 {
     *s = (textured_scene){.camera = {.pixel_scale = FOCAL, .nearness_limit = 1.0f}};
     for (uint32_t i = 0; i < SPLATS; ++i) {
-        double across = uniform(seed, 2 * i, -0.4, 0.4), down = uniform(seed, 2 * i + 1, -0.3, 0.3);
+        double across = blend_uniform(seed, 2 * i, -0.4, 0.4),
+               down = blend_uniform(seed, 2 * i + 1, -0.3, 0.3);
         double depth = 1.0 + 0.5 * across;
         s->positions[3 * i] = (uint16_t)(32768.0 + 30000.0 * across);
         s->positions[3 * i + 1] = (uint16_t)(32768.0 + 30000.0 * down);
         s->positions[3 * i + 2] = (uint16_t)(30000.0 * depth);
-        stp_octahedral_encode((stp_vec3){0.45f, (float)uniform(seed + 1, i, -0.2, 0.2), -0.9f},
-                              s->normals + 2 * (size_t)i);
+        stp_octahedral_encode(
+            (stp_vec3){0.45f, (float)blend_uniform(seed + 1, i, -0.2, 0.2), -0.9f},
+            s->normals + 2 * (size_t)i);
         uint32_t larger = stp_shape_code(1.0f);
-        uint32_t smaller = stp_shape_code((float)uniform(seed + 2, i, 0.4, 1.0));
+        uint32_t smaller = stp_shape_code((float)blend_uniform(seed + 2, i, 0.4, 1.0));
         s->shapes[i] = larger | smaller << 12 | (uint32_t)(stp_rng_hash(seed + 3, i) & 255) << 24;
     }
     const float rows[4][4] = {
@@ -90,7 +77,7 @@ static stp_raster_blend begin(textured_scene* s, const stp_splat_texture* textur
                               .height = HEIGHT,
                               .planes = s->planes,
                               .sums = (_Atomic uint64_t*)s->sums,
-                              .colors = color_splats,
+                              .colors = blend_color_splats,
                               .texture = texture};
     stp_raster_find_planes(&blend, &s->camera, &s->splats);
     return blend;
@@ -119,7 +106,7 @@ void test_splat_texture_constant_gives_equal_weights(test_state* test)
             s.splats.begin = i;
             s.splats.end = i + 1;
             stp_raster_blend_splats(&blend, &s.camera, &s.splats);
-            color_splats(NULL, i, 1, NULL, NULL, color);
+            blend_color_splats(NULL, i, 1, NULL, NULL, color);
             for (int at = 0; at < PIXELS; ++at) {
                 bool there = weight_at(&s, at) > 0;
                 counts[at] += there;

@@ -6,6 +6,7 @@
 #include "base/processor.h"
 #include "base/rng.h"
 #include "raster/splats_blend_kernel.h"
+#include "raster/support_blend.h"
 
 #include <string.h>
 
@@ -29,35 +30,20 @@ typedef struct blend_scene {
     stp_raster_occluder occluder;
 } blend_scene;
 
-static double uniform(uint64_t seed, uint64_t index, double low, double high)
-{
-    return low + (high - low) * ((double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53);
-}
-
-static void color_splats(void* user, uint32_t first, uint32_t count, const float* x, const float* y,
-                         uint32_t (*out)[3])
-{
-    (void)user, (void)x, (void)y;
-    for (uint32_t i = 0; i < count; ++i) {
-        for (uint32_t k = 0; k < 3; ++k) {
-            out[i][k] = (uint32_t)(stp_rng_hash(first + i, k) % STP_BLEND_COLORS);
-        }
-    }
-}
-
 /// Two bumpy walls, one behind the other, with gaps.
 static void make_scene(blend_scene* s, uint64_t seed)
 {
     *s = (blend_scene){.camera = {.pixel_scale = FOCAL, .nearness_limit = 1.0f}};
     for (uint32_t i = 0; i < SPLATS; ++i) {
         double depth = i % 6 != 0 ? 0.5 : 0.6;
-        double across = uniform(seed, 4 * i, -1, 1), down = uniform(seed, 4 * i + 1, -1, 1);
-        depth += 0.02 * uniform(seed, 4 * i + 2, 0, 1) + 0.1 * across;
+        double across = blend_uniform(seed, 4 * i, -1, 1),
+               down = blend_uniform(seed, 4 * i + 1, -1, 1);
+        depth += 0.02 * blend_uniform(seed, 4 * i + 2, 0, 1) + 0.1 * across;
         s->positions[3 * i] = (uint16_t)(32768.0 + 30000.0 * across * 0.4);
         s->positions[3 * i + 1] = (uint16_t)(32768.0 + 30000.0 * down * 0.4);
         s->positions[3 * i + 2] = (uint16_t)(depth * 30000.0);
-        stp_vec3 n = {(float)uniform(seed + 1, 3 * i, -0.7, 0.7),
-                      (float)uniform(seed + 1, 3 * i + 1, -0.7, 0.7), -1.0f};
+        stp_vec3 n = {(float)blend_uniform(seed + 1, 3 * i, -0.7, 0.7),
+                      (float)blend_uniform(seed + 1, 3 * i + 1, -0.7, 0.7), -1.0f};
         stp_octahedral_encode(n, s->normals + 2 * (size_t)i);
         s->coverages[i] = i % 5 == 0 ? 120 : 255;
     }
@@ -116,7 +102,7 @@ static stp_raster_blend filter(blend_scene* s)
                               .planes = s->planes,
                               .first_id = 7,
                               .sums = (_Atomic uint64_t*)s->sums,
-                              .colors = color_splats};
+                              .colors = blend_color_splats};
 }
 
 static void make_windows(blend_scene* s)

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// What tests of blended splats share.
+#pragma once
+
+#include "base/rng.h"
+#include "raster/splats_blend.h"
+
+static inline double blend_uniform(uint64_t seed, uint64_t index, double low, double high)
+{
+    return low + (high - low) * ((double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53);
+}
+
+/// A colour that follows from a splat's number.
+static inline void blend_color_splats(void* user, uint32_t first, uint32_t count, const float* x,
+                                      const float* y, uint32_t (*out)[3])
+{
+    (void)user, (void)x, (void)y;
+    for (uint32_t i = 0; i < count; ++i) {
+        for (uint32_t k = 0; k < 3; ++k) {
+            out[i][k] = (uint32_t)(stp_rng_hash(first + i, k) % STP_BLEND_COLORS);
+        }
+    }
+}
