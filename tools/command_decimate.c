@@ -2,7 +2,6 @@
 //
 // stipple decimate: few elliptical splats that stand for many points.
 #include "command.h"
-#include "overwrite.h"
 #include "point_file.h"
 #include "splat_file.h"
 #include "tool.h"
@@ -48,8 +47,9 @@ static const option* options(void)
         {.name = "metric",
          .type = OPTION_CHOICE,
          .words = "normals|distances",
-         .help = "what merging keeps small: the change of normals, or the distances of the points; "
-                 "default normals",
+         .help =
+             "the error of a merge: how much normals change, or how far points lie from the splat; "
+             "default normals",
          .value = &args.metric},
         {.name = "neighbours",
          .type = OPTION_COUNT,
@@ -115,8 +115,9 @@ static uint8_t* drop_alpha(stp_context* context, const tool_points* points)
     return colors;
 }
 
-static int decimate(stp_context* context, const tool_points* from)
+static int decimate(stp_context* context, const char* path, const tool_points* from)
 {
+    (void)path;
     uint32_t target = args.splats != 0 ? (uint32_t)args.splats : DEFAULT_SPLATS;
     uint8_t* colors = from->colors != NULL ? drop_alpha(context, from) : NULL;
     const stp_psp_points points = {from->count, from->positions, from->normals, colors};
@@ -153,31 +154,8 @@ static int decimate(stp_context* context, const tool_points* from)
 
 static int run(int argc, char** argv)
 {
-    if (argc != 1) {
-        return tool_usage_error("decimate: expected one model");
-    }
-    if (args.output == NULL) {
-        return tool_usage_error("decimate: expected -o SPLATS.ply");
-    }
-    if (strcmp(args.output, "-") == 0) {
-        return tool_usage_error("decimate cannot write to standard output; name a file");
-    }
-    int refused = overwrite_check(argv[0], args.output);
-    if (refused != 0) {
-        return refused;
-    }
-    stp_context* context = tool_context_create((uint32_t)args.threads, 0, NULL);
-    if (context == NULL) {
-        return 1;
-    }
-    tool_points points;
-    int code = 1;
-    if (tool_read_points(context, argv[0], NULL, &points) == STP_OK) {
-        code = decimate(context, &points);
-        tool_points_destroy(context, &points);
-    }
-    stp_context_destroy(context);
-    return code;
+    static const tool_points_command task = {"decimate", "model", "SPLATS.ply", decimate};
+    return tool_run_on_points(&task, argc, argv, args.output, args.threads);
 }
 
 const command command_decimate = {
@@ -190,8 +168,9 @@ const command command_decimate = {
         "\n"
         "psp is Progressive Splatting (Wu, Zhang, Kobbelt 2005): each point becomes a disk as wide "
         "as "
-        "the farthest of its nearest neighbours; then two neighbouring splats become one again "
-        "and again, the pair first that does least harm. Points need not have normals.",
+        "the farthest of its nearest neighbours; then pairs of "
+        "neighbouring splats are merged, the pair with the least error first. Points need not have "
+        "normals.",
     .examples = "A statue in 5,000 splats:\n"
                 "$ stipple decimate statue.ply -o splats.ply --splats 5000\n"
                 "The vertices of a mesh are few where it is flat; candidates are spread evenly:\n"

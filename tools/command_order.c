@@ -2,7 +2,6 @@
 //
 // stipple order: the points of a file in such an order that every prefix covers them all evenly.
 #include "command.h"
-#include "overwrite.h"
 #include "point_file.h"
 #include "tool.h"
 
@@ -114,8 +113,11 @@ static int print_report(const stp_order_desc* desc, const stp_order_report* repo
     return json != NULL ? tool_print_json(json) : tool_error("out of memory");
 }
 
-static int order_points(stp_context* context, const tool_points* points)
+static int order_points(stp_context* context, const char* path, const tool_points* points)
 {
+    if (args.metric_given && args.metric == 0 && points->normals == NULL) {
+        stp_warn(context, "%s: there are no normals: the metric is euclidean", path);
+    }
     static const stp_order_kind kinds[] = {STP_ORDER_EXACT, STP_ORDER_PAPER_FAST,
                                            STP_ORDER_PAPER_TEXT, STP_ORDER_RANDOM,
                                            STP_ORDER_BEST_OF_K};
@@ -151,34 +153,9 @@ static int order_points(stp_context* context, const tool_points* points)
 
 static int run(int argc, char** argv)
 {
-    if (argc != 1) {
-        return tool_usage_error("order: expected one file of points");
-    }
-    if (args.output == NULL) {
-        return tool_usage_error("order: expected -o ORDERED.ply");
-    }
-    if (strcmp(args.output, "-") == 0) {
-        return tool_usage_error("order cannot write to standard output; name a file");
-    }
-    int refused = overwrite_check(argv[0], args.output);
-    if (refused != 0) {
-        return refused;
-    }
-    stp_context* context = tool_context_create((uint32_t)args.threads, 0, NULL);
-    if (context == NULL) {
-        return 1;
-    }
-    tool_points points;
-    int code = 1;
-    if (tool_read_points(context, argv[0], NULL, &points) == STP_OK) {
-        if (args.metric_given && args.metric == 0 && points.normals == NULL) {
-            stp_warn(context, "%s: there are no normals: the metric is euclidean", argv[0]);
-        }
-        code = order_points(context, &points);
-        tool_points_destroy(context, &points);
-    }
-    stp_context_destroy(context);
-    return code;
+    static const tool_points_command task = {"order", "file of points", "ORDERED.ply",
+                                             order_points};
+    return tool_run_on_points(&task, argc, argv, args.output, args.threads);
 }
 
 const command command_order = {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "point_file.h"
 
+#include "overwrite.h"
 #include "scene_file.h"
+#include "tool.h"
 
 #include "base/bytes.h"
 #include "base/file.h"
@@ -133,6 +135,36 @@ stp_result tool_read_points(stp_context* context, const char* path, const double
         tool_points_destroy(context, points);
     }
     return result;
+}
+
+int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
+                       uint64_t threads)
+{
+    if (argc != 1) {
+        return tool_usage_error("%s: expected one %s", task->name, task->input);
+    }
+    if (path == NULL) {
+        return tool_usage_error("%s: expected -o %s", task->name, task->output);
+    }
+    if (strcmp(path, "-") == 0) {
+        return tool_usage_error("%s cannot write to standard output; name a file", task->name);
+    }
+    int refused = overwrite_check(argv[0], path);
+    if (refused != 0) {
+        return refused;
+    }
+    stp_context* context = tool_context_create((uint32_t)threads, 0, NULL);
+    if (context == NULL) {
+        return 1;
+    }
+    tool_points points;
+    int code = 1;
+    if (tool_read_points(context, argv[0], NULL, &points) == STP_OK) {
+        code = task->work(context, argv[0], &points);
+        tool_points_destroy(context, &points);
+    }
+    stp_context_destroy(context);
+    return code;
 }
 
 void tool_points_destroy(stp_context* context, tool_points* points)

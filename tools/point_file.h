@@ -18,6 +18,20 @@ typedef struct tool_points {
 /// that two files can be compared. Failures are logged by the context.
 STP_MUST_USE stp_result tool_read_points(stp_context* context, const char* path,
                                          const double* origin, tool_points* points);
+/// What a command does with the points of a file. @return the exit status
+typedef int (*tool_points_worker)(stp_context* context, const char* path,
+                                  const tool_points* points);
+
+/// A command that reads one file of points and writes another file.
+typedef struct tool_points_command {
+    const char *name, *input,
+        *output; ///< as help names them, such as "order", "file of points", "ORDERED.ply"
+    tool_points_worker work;
+} tool_points_command;
+
+/// Runs it. @param path of the output; NULL: none was given. @return the exit status; what is wrong is printed
+int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
+                       uint64_t threads);
 void tool_points_destroy(stp_context* context, tool_points* points);
 
 /// Writes points in the given order as a binary PLY.

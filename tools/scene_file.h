@@ -49,7 +49,8 @@ typedef struct scene_watcher {
     void* user;
 } scene_watcher;
 
-/// As tool_locate_scene for SCENE_FOR_METHODS or SCENE_FOR_SPLATS. `draft` (PATH_MAX bytes) is where drafts are, the caller's to remove; empty
+/// As tool_locate_scene for SCENE_FOR_METHODS or SCENE_FOR_SPLATS.
+/// `draft` (PATH_MAX bytes) is where drafts are, the caller's to remove; empty
 /// where none were made. @return STP_ERROR_BUSY (logged) where another process builds the same
 STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* path, scene_use use,
                                             const scene_watcher* watcher, char* located,

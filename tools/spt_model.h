@@ -42,7 +42,7 @@ typedef struct spt_view {
     uint32_t prefix;
 } spt_view;
 
-/// `tree` was made of `samples`, and outlives the model. Destroy it whatever is returned.
+/// @param tree made from `samples`; must outlive the model. The caller destroys the model, also after a failure.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result spt_model_create(stp_context* context, const stp_point_tree* tree,
                                          const stp_splats* samples, spt_model* model);
