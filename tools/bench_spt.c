@@ -11,7 +11,7 @@
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
 #include "lod/blue/blue.h"
-#include "lod/spt/samples.h"
+#include "lod/samples.h"
 #include "lod/spt/sequence.h"
 #include "lod/spt/splats.h"
 #include "lod/surfels.h"
@@ -35,7 +35,7 @@ static const double distances[DISTANCES] = {0.75, 1.5, 3, 6, 12, 24, 48}; // in 
 
 typedef struct spt_bench {
     stp_context* context;
-    stp_spt_samples samples;
+    stp_method_samples samples;
     stp_splats surfels; ///< that they are taken from
     stp_point_tree by_error, by_diameter;
     stp_point_sequence sequence;
@@ -72,8 +72,9 @@ static stp_result make_points(spt_bench* b, const stp_scene* scene, const bench_
         stp_vec3d size = stp_subd(box->max, box->min);
         b->center = stp_scaled(stp_addd(box->min, box->max), 0.5);
         b->size = sqrt(size.x * size.x + size.y * size.y + size.z * size.z);
-        result = b->surfels.count > 0 ? stp_spt_samples_take(b->context, &b->surfels, &b->samples)
-                                      : STP_OK;
+        result = b->surfels.count > 0
+                     ? stp_method_samples_take(b->context, &b->surfels, &b->samples)
+                     : STP_OK;
     }
     stp_free(b->context, shadings);
     return result;
@@ -265,7 +266,7 @@ static int run_spt(const bench_options* options, json_t* results)
     stp_point_sequence_destroy(b.context, &b.sequence);
     stp_point_tree_destroy(b.context, &b.by_error);
     stp_point_tree_destroy(b.context, &b.by_diameter);
-    stp_spt_samples_destroy(b.context, &b.samples);
+    stp_method_samples_destroy(b.context, &b.samples);
     stp_context_destroy(b.context);
     if (scene != NULL && result == STP_OK && !any) {
         return tool_error("bench spt: nothing can be seen of the model");

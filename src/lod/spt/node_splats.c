@@ -16,7 +16,7 @@ enum {
 
 typedef struct splat_maker {
     const stp_point_tree* tree;
-    const stp_spt_samples* samples;
+    const stp_method_samples* samples;
     const stp_node_splats_desc* desc;
     double* areas;    ///< of nodes before each: the shares of leaves' disks that are drawn, summed
     uint32_t* leaves; ///< of nodes before each: leaves
@@ -161,7 +161,7 @@ static void find_replaced(const splat_maker* m)
 }
 
 stp_result stp_node_splats_make(stp_context* context, const stp_point_tree* tree,
-                                const stp_spt_samples* samples, const stp_node_splats_desc* desc,
+                                const stp_method_samples* samples, const stp_node_splats_desc* desc,
                                 stp_node_splat** splats)
 {
     size_t count = tree->count;

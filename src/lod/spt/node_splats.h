@@ -2,7 +2,7 @@
 // What the nodes of a point tree are drawn as, all but their ranges of levels.
 #pragma once
 
-#include "lod/spt/samples.h"
+#include "lod/samples.h"
 
 typedef struct stp_node_splat {
     uint16_t position[3]; ///< on the grid of the set
@@ -26,6 +26,6 @@ typedef struct stp_node_splats_desc {
 /// @param splats one for each node of the tree; from stp_alloc
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_node_splats_make(stp_context* context, const stp_point_tree* tree,
-                                             const stp_spt_samples* samples,
+                                             const stp_method_samples* samples,
                                              const stp_node_splats_desc* desc,
                                              stp_node_splat** splats);

@@ -27,7 +27,7 @@ typedef struct bounds {
 } bounds;
 
 typedef struct replaced {
-    const stp_spt_samples* samples;
+    const stp_method_samples* samples;
     const float* corners;
     const uint32_t* order; ///< of triangles, along the curve
     bounds* tree;          ///< of ranges of triangles, as a heap
@@ -208,8 +208,8 @@ static stp_result find_all(stp_context* context, replaced* r)
     return result;
 }
 
-stp_result stp_spt_find_replaced(stp_context* context, const stp_spt_samples* samples, float step,
-                                 const float* corners, uint32_t count, float* levels)
+stp_result stp_spt_find_replaced(stp_context* context, const stp_method_samples* samples,
+                                 float step, const float* corners, uint32_t count, float* levels)
 {
     size_t sample_count = samples->points.count;
     for (size_t i = 0; i < sample_count; ++i) {

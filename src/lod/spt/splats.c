@@ -25,7 +25,7 @@ typedef struct spt_maker {
     stp_context* context;
     const stp_splats* samples;
     stp_splats* splats;
-    stp_spt_samples points; ///< the samples as points
+    stp_method_samples points; ///< the samples as points
     stp_point_tree tree;
     stp_point_sequence sequence;
     stp_node_splat* nodes;    ///< the splats of the tree's nodes
@@ -199,7 +199,7 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
 static stp_result make(spt_maker* m, const stp_spt_desc* desc)
 {
     stp_splats* s = m->splats;
-    stp_result result = stp_spt_samples_take(m->context, m->samples, &m->points);
+    stp_result result = stp_method_samples_take(m->context, m->samples, &m->points);
     result = result == STP_OK ? make_tree(m, &desc->tree) : result;
     result = result == STP_OK ? make_nodes(m, desc) : result;
     s->columns = STP_SPLATS_COLUMNS;
@@ -233,7 +233,7 @@ stp_result stp_spt_make(stp_context* context, const stp_splats* samples, const s
     stp_free(context, m.nodes);
     stp_free(context, m.keys);
     stp_free(context, m.scratch);
-    stp_spt_samples_destroy(context, &m.points);
+    stp_method_samples_destroy(context, &m.points);
     if (result != STP_OK) {
         stp_splats_destroy(context, splats);
     }

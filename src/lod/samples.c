@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/spt/samples.h"
+#include "lod/samples.h"
 
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
@@ -7,11 +7,11 @@
 
 #include <string.h>
 
-stp_result stp_spt_samples_take(stp_context* context, const stp_splats* set,
-                                stp_spt_samples* samples)
+stp_result stp_method_samples_take(stp_context* context, const stp_splats* set,
+                                   stp_method_samples* samples)
 {
     size_t count = set->count, finest = stp_set_look_at(set, set->count).first;
-    *samples = (stp_spt_samples){
+    *samples = (stp_method_samples){
         .coverages = set->coverages + finest,
         .positions = STP_NEW_ARRAY(context, float, 3 * count),
         .normals = STP_NEW_ARRAY(context, float, 3 * count),
@@ -37,9 +37,9 @@ stp_result stp_spt_samples_take(stp_context* context, const stp_splats* set,
     return STP_OK;
 }
 
-void stp_spt_samples_destroy(stp_context* context, stp_spt_samples* samples)
+void stp_method_samples_destroy(stp_context* context, stp_method_samples* samples)
 {
     stp_free(context, samples->positions);
     stp_free(context, samples->normals);
-    *samples = (stp_spt_samples){.coverages = NULL};
+    *samples = (stp_method_samples){.coverages = NULL};
 }
