@@ -52,7 +52,8 @@ static const option* options(void)
          .type = OPTION_TEXT,
          .argument = "NAME,...",
          .help = "how the scene becomes splats: blue (Progressive Blue Surfels), spt (Sequential "
-                 "Point Trees), or several for the same nodes; default blue",
+                 "Point Trees), psp (Progressive Splatting), or several for the same nodes; "
+                 "default blue",
          .value = &args.method},
         {.name = "error",
          .type = OPTION_CHOICE,
@@ -356,8 +357,8 @@ static int run(int argc, char** argv)
     const stp_method* chosen[STP_METHOD_COUNT];
     uint32_t count = choose_methods(chosen);
     if (count == 0) {
-        return tool_usage_error("--method is a list of blue and spt, each at most once, not %s",
-                                args.method);
+        return tool_usage_error(
+            "--method is a list of blue, spt and psp, each at most once, not %s", args.method);
     }
     bool point_trees = false;
     for (uint32_t i = 0; i < count; ++i) {

@@ -120,7 +120,10 @@ static int decimate(stp_context* context, const char* path, const tool_points* f
     (void)path;
     uint32_t target = args.splats != 0 ? (uint32_t)args.splats : DEFAULT_SPLATS;
     uint8_t* colors = from->colors != NULL ? drop_alpha(context, from) : NULL;
-    const stp_psp_points points = {from->count, from->positions, from->normals, colors};
+    const stp_psp_points points = {.count = from->count,
+                                   .positions = from->positions,
+                                   .normals = from->normals,
+                                   .colors = colors};
     stp_psp_desc desc = make_desc();
     stp_psp_forest forest = {0};
     double start = stp_clock_ms();

@@ -43,7 +43,7 @@ typedef struct draw_options {
 } draw_options;
 
 /// Names of stp_methods, as words of an option.
-#define TOOL_METHOD_WORDS "blue|spt"
+#define TOOL_METHOD_WORDS "blue|spt|psp"
 
 enum { DRAW_OPTION_ROOM = 96 }; ///< entries of a table
 

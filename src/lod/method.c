@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/method.h"
 
+#include "lod/psp/splats.h"
 #include "lod/spt/splats.h"
 
 #include <string.h>
@@ -9,6 +10,8 @@ enum {
     SPT_VERSION = 6,          ///< raised where sets change
     SPT_BYTES = 2 * 120,      ///< of a sample: two nodes in tree, sequence and columns
     SPT_TRIANGLE_BYTES = 100, ///< of a large triangle: in boxes, and their order
+    PSP_VERSION = 1,
+    PSP_BYTES = 1000, ///< of a sample
     SPT_COLORS =
         48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter
 };
@@ -39,6 +42,27 @@ static stp_result make_spt(stp_context* context, const stp_method_source* source
     return stp_spt_make(context, source->samples, &desc, splats);
 }
 
+static stp_hash hash_psp(stp_hash key, const stp_method_options* options)
+{
+    const uint32_t version = PSP_VERSION;
+    (void)options;
+    key = stp_hash_bytes(key, "psp", 3);
+    return stp_hash_bytes(key, &version, sizeof(version));
+}
+
+static uint64_t psp_bytes(uint64_t samples, uint64_t triangles)
+{
+    (void)triangles;
+    return PSP_BYTES * samples;
+}
+
+static stp_result make_psp(stp_context* context, const stp_method_source* source,
+                           const stp_method_options* options, stp_splats* splats)
+{
+    (void)options;
+    return stp_psp_make(context, source->samples, splats);
+}
+
 const stp_method stp_methods[STP_METHOD_COUNT] = {
     {.name = "blue", .title = "Progressive Blue Surfels", .id = STP_METHOD_BLUE},
     {.name = "spt",
@@ -48,6 +72,13 @@ const stp_method stp_methods[STP_METHOD_COUNT] = {
      .hash = hash_spt,
      .bytes = spt_bytes,
      .make = make_spt},
+    {.name = "psp",
+     .title = "Progressive Splatting",
+     .id = STP_METHOD_PSP,
+     .columns = STP_PSP_COLUMNS,
+     .hash = hash_psp,
+     .bytes = psp_bytes,
+     .make = make_psp},
 };
 
 const stp_method* stp_method_by_name(const char* name)

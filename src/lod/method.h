@@ -40,7 +40,7 @@ typedef struct stp_method {
                        const stp_method_options* options, stp_splats* splats);
 } stp_method;
 
-enum { STP_METHOD_COUNT = 2 };
+enum { STP_METHOD_COUNT = 3 };
 
 /// All methods; the first is `blue`.
 extern const stp_method stp_methods[STP_METHOD_COUNT];

@@ -6,7 +6,13 @@
 
 const stp_select_rule* stp_select_rule_of(uint32_t id)
 {
-    return id == STP_METHOD_SPT ? &stp_select_rule_spt : &stp_select_rule_blue;
+    switch (id) {
+    case STP_METHOD_SPT:
+    case STP_METHOD_PSP:
+        return &stp_select_rule_levels;
+    default:
+        return &stp_select_rule_blue;
+    }
 }
 
 bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfels)

@@ -12,7 +12,7 @@
 
 enum { POINTS = 2000, K = 8 };
 
-static float positions[3 * POINTS], normals[3 * POINTS];
+static float positions[3 * POINTS], normals[3 * POINTS], areas[POINTS];
 static uint8_t colors[3 * POINTS];
 
 static double unit(uint64_t seed, uint64_t at)
@@ -30,10 +30,15 @@ static stp_psp_points make_sphere(void)
                              (float)(across * sin(around))};
         memcpy(positions + 3 * i, at, sizeof(at));
         memcpy(normals + 3 * i, at, sizeof(at));
+        areas[i] = 12.566f / POINTS;
         colors[3 * i] = 255;
         colors[3 * i + 1] = colors[3 * i + 2] = at[0] > 0.0f ? 0 : 255;
     }
-    return (stp_psp_points){POINTS, positions, normals, colors};
+    return (stp_psp_points){.count = POINTS,
+                            .positions = positions,
+                            .normals = normals,
+                            .colors = colors,
+                            .areas = areas};
 }
 
 static void make_random(uint64_t seed)
@@ -160,7 +165,7 @@ void test_psp_merges_a_sphere(test_state* test)
     static uint32_t cut[POINTS], other[POINTS];
     stp_psp_points points = make_sphere();
     stp_context* context = test_context(NULL, 2, NULL);
-    for (int metric = 0; metric < 2; ++metric) {
+    for (int metric = 0; metric < 3; ++metric) {
         stp_psp_desc desc = stp_psp_desc_default();
         stp_psp_forest f, eager;
         desc.metric = (stp_psp_metric)metric;
@@ -221,7 +226,7 @@ void test_psp_keeps_sides_apart(test_state* test)
         memcpy(positions + 3 * i, at, sizeof(at));
         memcpy(normals + 3 * i, n, sizeof(n));
     }
-    stp_psp_points points = {2 * SIDE * SIDE, positions, normals, NULL};
+    stp_psp_points points = {.count = 2 * SIDE * SIDE, .positions = positions, .normals = normals};
     stp_context* context = test_context(NULL, 1, NULL);
     stp_psp_desc desc = stp_psp_desc_default();
     stp_psp_forest f;
@@ -246,18 +251,22 @@ void test_psp_takes_any_points(test_state* test)
     static const uint32_t counts[] = {0, 1, 2, 3, 100, 1000};
     for (int shape = 0; shape < 3; ++shape) {
         for (size_t c = 0; c < sizeof(counts) / sizeof(counts[0]); ++c) {
-            for (int metric = 0; metric < 2; ++metric) {
+            for (int metric = 0; metric < 3; ++metric) {
                 for (uint32_t i = 0; i < counts[c]; ++i) {
                     positions[3 * i] = shape == 0 ? 5.0f : (float)i;
                     positions[3 * i + 1] = shape == 2 ? (float)(i * i % 17) : 0.0f;
                     positions[3 * i + 2] = 1.0f;
+                    areas[i] = 1.0f;
                 }
-                stp_psp_points points = {counts[c], positions, NULL, NULL};
+                stp_psp_points points = {
+                    .count = counts[c], .positions = positions, .areas = areas};
                 stp_psp_desc desc = stp_psp_desc_default();
                 stp_psp_forest f;
                 desc.metric = (stp_psp_metric)metric;
+                desc.joins_all = metric == STP_PSP_REGIONS;
                 CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
                 CHECK(is_forest(&f));
+                CHECK(!desc.joins_all || counts[c] == 0 || f.merge_count == counts[c] - 1);
                 for (uint32_t i = 0; i < counts[c] + f.merge_count; ++i) {
                     const stp_ellipse* e = &f.ellipses[i];
                     CHECK(isfinite(e->center.x) && isfinite(e->minor) && e->minor > 0.0f);

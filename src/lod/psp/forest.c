@@ -6,6 +6,7 @@
 #include "lod/psp/initial.h"
 #include "lod/psp/nearest_points.h"
 #include "lod/psp/queue.h"
+#include "lod/psp/region.h"
 
 #include <string.h>
 
@@ -25,7 +26,6 @@ typedef struct splat_state {
     link* links;
     uint32_t link_count;
     bool alive;
-    float area;
     float color[3]; ///< linear
 } splat_state;
 
@@ -41,8 +41,9 @@ typedef struct maker {
     stp_psp_desc desc;
     stp_psp_forest* forest;
     splat_state* splats;
-    moments* moments; ///< NULL: not of distances
-    uint32_t* next;   ///< of a point, in the list of its splat; UINT32_MAX ends it
+    moments* moments;        ///< NULL: not of distances
+    stp_psp_region* regions; ///< NULL: not of regions
+    uint32_t* next;          ///< of a point, in the list of its splat; UINT32_MAX ends it
     stp_vec3* gathered;
     stp_arena arena;
     stp_psp_queue queue;
@@ -89,16 +90,29 @@ static double find_plane(const moments* m, stp_vec3d* normal)
     return sums[0] > 0.0 ? sums[0] : 0.0;
 }
 
+static stp_ellipse find_region_ellipse(const maker* m, const stp_psp_region* region,
+                                       stp_vec3 fallback)
+{
+    stp_ellipse e = stp_psp_region_ellipse(region, fallback);
+    e.center = stp_add(e.center, m->middle);
+    return e;
+}
+
 /// The error of a merge, before it is weighted by the distance of the two splats.
 static double measure(const maker* m, uint32_t left, uint32_t right)
 {
+    if (m->regions != NULL) {
+        stp_psp_region both = stp_psp_region_add(&m->regions[left], &m->regions[right]);
+        stp_ellipse e = stp_psp_region_ellipse(&both, m->forest->ellipses[left].normal);
+        return stp_psp_region_error(&both, &e);
+    }
     if (m->moments != NULL) {
         stp_vec3d normal;
         moments both = add_moments(&m->moments[left], &m->moments[right]);
         return find_plane(&both, &normal);
     }
     stp_vec3 d = stp_sub(m->forest->ellipses[left].normal, m->forest->ellipses[right].normal);
-    return (double)m->splats[left].area * (double)m->splats[right].area * (double)stp_dot(d, d);
+    return (double)m->forest->areas[left] * (double)m->forest->areas[right] * (double)stp_dot(d, d);
 }
 
 /// Queues the merge of two splats, if it is allowed.
@@ -110,9 +124,10 @@ static stp_result add_edge(maker* m, uint32_t left, uint32_t right, uint32_t* nu
         return STP_OK;
     }
     double length = (double)stp_length(stp_sub(r->center, l->center));
-    double areas = (double)m->splats[left].area * (double)m->splats[right].area;
+    double areas = (double)m->forest->areas[left] * (double)m->forest->areas[right];
+    double weight = m->regions != NULL ? 1.0 : length;
     return stp_psp_queue_add(&m->queue,
-                             (stp_psp_edge){.error = length * measure(m, left, right),
+                             (stp_psp_edge){.error = weight * measure(m, left, right),
                                             .weight = length * areas,
                                             .left = left,
                                             .right = right},
@@ -129,10 +144,13 @@ static bool is_linked(const splat_state* s, uint32_t to)
     return false;
 }
 
-/// Links splats whose points are neighbours, in either direction.
-static stp_result link_points(maker* m, const uint32_t* neighbours)
+/// Links splats that are neighbours, in either direction.
+/// @param splats their numbers
+/// @param neighbours k places in `splats` for each of them; UINT32_MAX ends them
+static stp_result link_splats(maker* m, const uint32_t* splats, uint32_t count,
+                              const uint32_t* neighbours)
 {
-    uint32_t count = m->points->count, k = m->desc.neighbours;
+    uint32_t k = m->desc.neighbours;
     uint32_t* degrees = STP_NEW_ZEROED(m->context, uint32_t, (size_t)count + 1);
     if (degrees == NULL) {
         return stp_fail_memory(m->context);
@@ -145,20 +163,23 @@ static stp_result link_points(maker* m, const uint32_t* neighbours)
     }
     bool made = true;
     for (uint32_t i = 0; i < count && made; ++i) {
-        m->splats[i].links = STP_ARENA_ARRAY(&m->arena, link, (size_t)degrees[i] + 1);
-        made = m->splats[i].links != NULL;
+        splat_state* s = &m->splats[splats[i]];
+        s->links = STP_ARENA_ARRAY(&m->arena, link, (size_t)degrees[i] + 1);
+        s->link_count = 0;
+        made = s->links != NULL;
     }
     stp_free(m->context, degrees);
     stp_result result = made ? STP_OK : stp_fail_memory(m->context);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         for (uint32_t n = 0; n < k && result == STP_OK; ++n) {
-            uint32_t other = neighbours[(size_t)k * i + n], edge;
-            if (other == UINT32_MAX || is_linked(&m->splats[i], other)) {
+            uint32_t at = neighbours[(size_t)k * i + n], edge;
+            if (at == UINT32_MAX || is_linked(&m->splats[splats[i]], splats[at])) {
                 continue;
             }
-            result = add_edge(m, i < other ? i : other, i < other ? other : i, &edge);
-            m->splats[i].links[m->splats[i].link_count++] = (link){other, edge};
-            m->splats[other].links[m->splats[other].link_count++] = (link){i, edge};
+            uint32_t a = splats[i < at ? i : at], b = splats[i < at ? at : i];
+            result = add_edge(m, a, b, &edge);
+            m->splats[a].links[m->splats[a].link_count++] = (link){b, edge};
+            m->splats[b].links[m->splats[b].link_count++] = (link){a, edge};
         }
     }
     return result;
@@ -215,7 +236,7 @@ static stp_result link_merged(maker* m, uint32_t left, uint32_t right, uint32_t 
 static stp_ellipse merge_by_area(const maker* m, uint32_t left, uint32_t right)
 {
     const stp_ellipse *l = &m->forest->ellipses[left], *r = &m->forest->ellipses[right];
-    float share = m->splats[left].area / (m->splats[left].area + m->splats[right].area);
+    float share = m->forest->areas[left] / (m->forest->areas[left] + m->forest->areas[right]);
     stp_vec3 center = stp_add(stp_scale(l->center, share), stp_scale(r->center, 1.0f - share));
     stp_vec3 normal = stp_add(stp_scale(l->normal, share), stp_scale(r->normal, 1.0f - share));
     stp_vec3 samples[2 * STP_ELLIPSE_SAMPLES];
@@ -236,8 +257,8 @@ static stp_ellipse merge_by_points(maker* m, uint32_t left, uint32_t right, uint
     (void)find_plane(both, &found);
     stp_vec3 normal = {(float)found.x, (float)found.y, (float)found.z};
     const stp_ellipse *l = &m->forest->ellipses[left], *r = &m->forest->ellipses[right];
-    stp_vec3 side = stp_add(stp_scale(l->normal, m->splats[left].area),
-                            stp_scale(r->normal, m->splats[right].area));
+    stp_vec3 side = stp_add(stp_scale(l->normal, m->forest->areas[left]),
+                            stp_scale(r->normal, m->forest->areas[right]));
     // of few points, or along a line, the plane may stand across the surface: then as the two face
     if (!(fabsf(stp_dot(normal, side)) > UPRIGHT * stp_length(side))) {
         normal = stp_dot(side, side) > 0.0f ? side : l->normal;
@@ -255,7 +276,8 @@ static stp_ellipse merge_by_points(maker* m, uint32_t left, uint32_t right, uint
 static void mix_colors(maker* m, uint32_t left, uint32_t right, uint32_t merged)
 {
     const splat_state *l = &m->splats[left], *r = &m->splats[right];
-    float share = l->area / (l->area + r->area);
+    const float* areas = m->forest->areas;
+    float share = areas[left] / (areas[left] + areas[right]);
     for (int k = 0; k < 3; ++k) {
         float mixed = share * l->color[k] + (1.0f - share) * r->color[k];
         m->splats[merged].color[k] = mixed;
@@ -267,15 +289,52 @@ static stp_result merge(maker* m, const stp_psp_edge* edge)
 {
     stp_psp_forest* f = m->forest;
     uint32_t left = edge->left, right = edge->right, merged = f->point_count + f->merge_count;
-    f->ellipses[merged] = m->moments != NULL ? merge_by_points(m, left, right, merged)
-                                             : merge_by_area(m, left, right);
+    if (m->regions != NULL) {
+        m->regions[merged] = stp_psp_region_add(&m->regions[left], &m->regions[right]);
+        f->ellipses[merged] = find_region_ellipse(m, &m->regions[merged], f->ellipses[left].normal);
+        f->areas[merged] = (float)m->regions[merged].area;
+    } else {
+        f->ellipses[merged] = m->moments != NULL ? merge_by_points(m, left, right, merged)
+                                                 : merge_by_area(m, left, right);
+        f->areas[merged] = stp_ellipse_area(&f->ellipses[merged]);
+    }
     f->parents[left] = f->parents[right] = f->merge_count;
     f->merges[f->merge_count++] = (stp_psp_merge){left, right, edge->error};
     m->splats[left].alive = m->splats[right].alive = false;
     m->splats[merged].alive = true;
-    m->splats[merged].area = stp_ellipse_area(&f->ellipses[merged]);
     mix_colors(m, left, right, merged);
     return link_merged(m, left, right, merged);
+}
+
+/// Links the splats that are left by their nearest centres. @param left how many there are
+static stp_result join_all(maker* m, uint32_t left)
+{
+    const stp_psp_forest* f = m->forest;
+    uint32_t k = m->desc.neighbours, count = 0;
+    uint32_t* splats = STP_NEW_ARRAY(m->context, uint32_t, (size_t)left + 1);
+    float* centers = STP_NEW_ARRAY(m->context, float, 3 * (size_t)left + 1);
+    uint32_t* neighbours = STP_NEW_ARRAY(m->context, uint32_t, (size_t)left * k + 1);
+    stp_result result = STP_OK;
+    if (splats == NULL || centers == NULL || neighbours == NULL) {
+        result = stp_fail_memory(m->context);
+    }
+    for (uint32_t i = 0; i < f->point_count + f->merge_count && result == STP_OK; ++i) {
+        if (m->splats[i].alive) {
+            memcpy(centers + 3 * (size_t)count, &f->ellipses[i].center, sizeof(stp_vec3));
+            splats[count++] = i;
+        }
+    }
+    if (result == STP_OK) {
+        result = stp_find_nearest_points(m->context, centers, count, k, neighbours);
+    }
+    if (result == STP_OK) {
+        m->desc.least_cosine = -2.0f;
+        result = link_splats(m, splats, count, neighbours);
+    }
+    stp_free(m->context, splats);
+    stp_free(m->context, centers);
+    stp_free(m->context, neighbours);
+    return result;
 }
 
 static stp_result merge_all(maker* m, uint32_t target)
@@ -284,6 +343,10 @@ static stp_result merge_all(maker* m, uint32_t target)
     uint32_t left = m->points->count;
     while (left > target && result == STP_OK) {
         uint32_t number = stp_psp_queue_take(&m->queue);
+        if (number == UINT32_MAX && m->desc.joins_all && left > 1) {
+            result = join_all(m, left);
+            continue;
+        }
         if (number == UINT32_MAX) {
             break;
         }
@@ -296,30 +359,55 @@ static stp_result merge_all(maker* m, uint32_t target)
     return result;
 }
 
-static void begin_splats(maker* m)
+static void begin_moments(const maker* m, uint32_t point)
+{
+    stp_vec3 d = stp_sub(vector_at(m->points->positions, point), m->middle);
+    const double at[3] = {(double)d.x, (double)d.y, (double)d.z};
+    moments* own = &m->moments[point];
+    *own = (moments){.count = 1.0, .first = point, .last = point};
+    for (int a = 0, place = 0; a < 3; ++a) {
+        own->sum[a] = at[a];
+        for (int b = a; b < 3; ++b) {
+            own->squares[place++] = at[a] * at[b];
+        }
+    }
+    m->next[point] = UINT32_MAX;
+}
+
+static void begin_region(const maker* m, uint32_t point)
 {
     const stp_psp_points* p = m->points;
+    stp_psp_forest* f = m->forest;
+    stp_psp_sample sample = {.position = stp_sub(vector_at(p->positions, point), m->middle),
+                             .normal = f->ellipses[point].normal,
+                             .area = p->areas[point]};
+    if (p->normals != NULL) {
+        stp_vec3 given = vector_at(p->normals, point);
+        sample.normal = stp_dot(given, given) > 0.0f ? given : sample.normal;
+    }
+    memcpy(sample.color, f->colors + 3 * (size_t)point, 3);
+    m->regions[point] = stp_psp_region_of(&sample);
+    f->ellipses[point] = find_region_ellipse(m, &m->regions[point], sample.normal);
+    f->areas[point] = sample.area;
+}
+
+static void begin_splats(const maker* m)
+{
+    const stp_psp_points* p = m->points;
+    stp_psp_forest* f = m->forest;
     for (uint32_t i = 0; i < p->count; ++i) {
         splat_state* s = &m->splats[i];
         s->alive = true;
-        s->area = stp_ellipse_area(&m->forest->ellipses[i]);
+        f->areas[i] = stp_ellipse_area(&f->ellipses[i]);
         for (size_t k = 0; k < 3; ++k) {
             uint8_t color = p->colors != NULL ? p->colors[3 * (size_t)i + k] : 255;
             s->color[k] = stp_srgb8_to_linear(color);
-            m->forest->colors[3 * (size_t)i + k] = color;
+            f->colors[3 * (size_t)i + k] = color;
         }
         if (m->moments != NULL) {
-            stp_vec3 d = stp_sub(vector_at(p->positions, i), m->middle);
-            const double at[3] = {(double)d.x, (double)d.y, (double)d.z};
-            moments* own = &m->moments[i];
-            *own = (moments){.count = 1.0, .first = i, .last = i};
-            for (int a = 0, place = 0; a < 3; ++a) {
-                own->sum[a] = at[a];
-                for (int b = a; b < 3; ++b) {
-                    own->squares[place++] = at[a] * at[b];
-                }
-            }
-            m->next[i] = UINT32_MAX;
+            begin_moments(m, i);
+        } else if (m->regions != NULL) {
+            begin_region(m, i);
         }
     }
 }
@@ -333,9 +421,10 @@ static bool make_room(maker* m)
     f->colors = STP_NEW_ARRAY(context, uint8_t, 6 * count + 1);
     f->merges = STP_NEW_ARRAY(context, stp_psp_merge, count + 1);
     f->parents = STP_NEW_ARRAY(context, uint32_t, 2 * count + 1);
+    f->areas = STP_NEW_ARRAY(context, float, 2 * count + 1);
     m->splats = STP_NEW_ZEROED(context, splat_state, 2 * count + 1);
     bool made = f->ellipses != NULL && f->colors != NULL && f->merges != NULL &&
-                f->parents != NULL && m->splats != NULL;
+                f->parents != NULL && f->areas != NULL && m->splats != NULL;
     for (size_t i = 0; made && i < 2 * count + 1; ++i) {
         f->parents[i] = UINT32_MAX;
     }
@@ -345,7 +434,28 @@ static bool make_room(maker* m)
         m->gathered = STP_NEW_ARRAY(context, stp_vec3, count + 1);
         made = m->moments != NULL && m->next != NULL && m->gathered != NULL;
     }
+    if (made && m->desc.metric == STP_PSP_REGIONS) {
+        m->regions = STP_NEW_ARRAY(context, stp_psp_region, 2 * count + 1);
+        made = m->regions != NULL;
+    }
     return made;
+}
+
+/// Links the splats of points.
+static stp_result link_points(maker* m, const uint32_t* neighbours)
+{
+    uint32_t count = m->points->count;
+    uint32_t* splats = STP_NEW_ARRAY(m->context, uint32_t, (size_t)count + 1);
+    stp_result result = STP_OK;
+    if (splats == NULL) {
+        return stp_fail_memory(m->context);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        splats[i] = i;
+    }
+    result = link_splats(m, splats, count, neighbours);
+    stp_free(m->context, splats);
+    return result;
 }
 
 static stp_result make(maker* m, uint32_t target)
@@ -394,6 +504,7 @@ stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* point
     stp_free(context, m.splats);
     stp_free(context, m.moments);
     stp_free(context, m.next);
+    stp_free(context, m.regions);
     stp_free(context, m.gathered);
     if (result != STP_OK) {
         stp_psp_forest_destroy(context, forest);
@@ -407,6 +518,7 @@ void stp_psp_forest_destroy(stp_context* context, stp_psp_forest* forest)
     stp_free(context, forest->colors);
     stp_free(context, forest->merges);
     stp_free(context, forest->parents);
+    stp_free(context, forest->areas);
     *forest = (stp_psp_forest){0};
 }
 

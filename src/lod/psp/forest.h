@@ -11,12 +11,15 @@ typedef struct stp_psp_points {
     const float* positions; ///< 3 a point; finite
     const float* normals;   ///< NULL, or 3 a point: of unit length, or zero where nobody knows
     const uint8_t* colors;  ///< NULL: white, or 3 a point, sRGB
+    const float*
+        areas; ///< of STP_PSP_REGIONS: area of the surface that a point stands for; above 0
 } stp_psp_points;
 
 /// How the error of a merge is measured.
 typedef enum stp_psp_metric {
     STP_PSP_NORMALS,   ///< deviation of normals, by area (4.2, "L2,1")
     STP_PSP_DISTANCES, ///< distances of all points from the splat that stands for them (4.1, "L2")
+    STP_PSP_REGIONS, ///< how much a picture of the splat differs from one of its points (region.h)
 } stp_psp_metric;
 
 typedef struct stp_psp_desc {
@@ -24,6 +27,8 @@ typedef struct stp_psp_desc {
     uint32_t neighbours; ///< of a point, 1 to STP_NEIGHBOURS_MOST; the paper's k is 8
     float
         least_cosine; ///< of the normals of splats that may be merged; the default is 0: a right angle
+    /// When no pair of neighbours may be merged, links what is left anew by the nearest centres, whatever the normals.
+    bool joins_all;
     bool
         eager; ///< merges that are no longer possible leave the queue at once, not when they come up; same result
 } stp_psp_desc;
@@ -33,12 +38,14 @@ stp_psp_desc stp_psp_desc_default(void);
 /// Two splats become one. Splats have numbers: those of points first, then that of each merge in order.
 typedef struct stp_psp_merge {
     uint32_t left, right;
-    double error; ///< as the metric has it, weighted by the distance of the two (formulas 1 and 2)
+    double
+        error; ///< by the metric, weighted by the distance of the two (formulas 1 and 2) but for regions
 } stp_psp_merge;
 
 typedef struct stp_psp_forest {
     uint32_t point_count, merge_count;
     stp_ellipse* ellipses; ///< of points, then of merges
+    float* areas;          ///< of regions the surface that a splat stands for, else of its ellipse
     uint8_t* colors;       ///< 3 a splat, sRGB; means by area
     stp_psp_merge* merges;
     uint32_t* parents; ///< of a splat the merge that took it; UINT32_MAX: none

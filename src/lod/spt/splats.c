@@ -5,6 +5,7 @@
 #include "base/parallel_sort.h"
 #include "base/prefix_table.h"
 #include "base/splat_codes.h"
+#include "lod/set_table.h"
 #include "lod/spt/node_splats.h"
 #include "lod/spt/replaced.h"
 #include "lod/spt/sequence.h"
@@ -13,10 +14,7 @@
 #include <string.h>
 
 enum {
-    FIRST_OCTAVE = 64, ///< splats; the next ones are four times as many
-    OCTAVE_GROWTH = 4,
-    GRAIN = 4096,    ///< splats
-    FINEST_STEP = 8, ///< of the prefix table: an eighth more
+    GRAIN = 4096, ///< splats
 };
 
 #define ROUNDED 1.05f ///< a 64th of an edge at both ends, and more
@@ -75,59 +73,6 @@ static stp_result make_columns(spt_maker* m)
     bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
                 s->colors != NULL && s->coverages != NULL && s->shapes != NULL && s->ranges != NULL;
     return made ? STP_OK : stp_fail_memory(m->context);
-}
-
-/// The count of the next breakpoint: larger by one part in `part`. Octave ends are always breakpoints, because sets are loaded
-/// by octaves.
-static uint32_t next_count(const stp_splats* s, uint32_t count, uint32_t part)
-{
-    uint64_t next = (uint64_t)count + (count / part > 1 ? count / part : 1);
-    for (uint32_t k = 0; k < s->octave_count; ++k) {
-        uint32_t end = s->octave_ends[k];
-        next = count < end && end < next ? end : next;
-    }
-    return (uint32_t)next;
-}
-
-/// The finest step for which the table holds all breakpoints.
-static uint32_t choose_part(const stp_splats* s)
-{
-    for (uint32_t part = FINEST_STEP; part > 1; --part) {
-        uint32_t steps = 1;
-        for (uint32_t count = 1; count < s->count; count = next_count(s, count, part)) {
-            steps += 1;
-        }
-        if (steps <= STP_PREFIX_TABLE_SIZE) {
-            return part;
-        }
-    }
-    return 1; // doubling: 32 steps, and the octaves'
-}
-
-/// Fills the prefix table. A prefix reaches the level of the first splat after it, rounded as ranges are.
-static void make_table(spt_maker* m)
-{
-    stp_splats* s = m->splats;
-    stp_prefix_table* table = &s->table;
-    float reach = stp_prefix_table_radius(&m->samples->table, m->samples->count);
-    uint32_t part = choose_part(s);
-    for (uint32_t count = 1; count < s->count; count = next_count(s, count, part)) {
-        uint32_t code = stp_range_code(0.0f, 0.5f * m->sequence.highest[count]);
-        float left = stp_range_level(code >> 16);
-        table->count[table->size] = count;
-        table->radius[table->size++] = left > reach ? left : reach;
-    }
-    table->count[table->size] = s->count;
-    table->radius[table->size++] = reach;
-}
-
-static void make_octaves(stp_splats* s)
-{
-    for (uint64_t end = FIRST_OCTAVE; end < s->count && s->octave_count + 1 < STP_OCTAVE_LIMIT;
-         end *= OCTAVE_GROWTH) {
-        s->octave_ends[s->octave_count++] = (uint32_t)end;
-    }
-    s->octave_ends[s->octave_count++] = s->count;
 }
 
 /// The place of a splat along a curve through the grid: the upper bits of its Morton code.
@@ -209,8 +154,9 @@ static stp_result make(spt_maker* m, const stp_spt_desc* desc)
     s->count = m->sequence.count;
     result = result == STP_OK ? make_columns(m) : result;
     if (result == STP_OK) {
-        make_octaves(s);
-        make_table(m);
+        stp_set_octaves_make(s);
+        stp_set_table_make(s, m->sequence.highest, 0.5f,
+                           stp_prefix_table_radius(&m->samples->table, m->samples->count));
         result = arrange(m);
     }
     if (result == STP_OK) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Method `spt`: of a sequence the prefix whose ranges reach the nearest depth; each splat is tested where it is drawn
-// (Dachsbacher et al. 2003, 3.6 and 3.7). Where all splats of a set do not suffice, the node is opened.
+// Sets whose splats have ranges of levels, `spt` and `psp`: a view takes the prefix whose ranges reach the nearest depth;
+// each splat is tested where it is drawn (Dachsbacher et al. 2003, 3.6 and 3.7). Where all splats of a set do not suffice,
+// the node is opened.
 #include "base/prefix_table.h"
 #include "select/rule.h"
 
@@ -77,22 +78,28 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
     use_from(at, nearest, use);
 }
 
+static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* at,
+                               const stp_set_use* use)
+{
+    return (stp_draw_item){.kind = STP_DRAW_SURFELS,
+                           .index = stp_select_set_of(s, at->node),
+                           .prefix = use->count,
+                           .full_prefix = use->count,
+                           .radius = (float)use->radius,
+                           .level_per_depth = (float)use->level_per_depth,
+                           .level_least = (float)use->level_least,
+                           .sections = at->sections,
+                           .ghost = at->shown == STP_SHOW_GHOST,
+                           .one_sided = !s->quality->all_sides &&
+                                        s->directory->nodes[at->node].point_count == 0,
+                           .transform = at->transform};
+}
+
 static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
                       const stp_sight* sight)
 {
-    stp_draw_item item = {.kind = STP_DRAW_SURFELS,
-                          .index = stp_select_set_of(s, at->node),
-                          .prefix = use->count,
-                          .full_prefix = use->count,
-                          .radius = (float)use->radius,
-                          .level_per_depth = (float)use->level_per_depth,
-                          .level_least = (float)use->level_least,
-                          .beside_triangles = stp_select_uses_triangles(s, at, use, sight),
-                          .sections = at->sections,
-                          .ghost = at->shown == STP_SHOW_GHOST,
-                          .one_sided = !s->quality->all_sides &&
-                                       s->directory->nodes[at->node].point_count == 0,
-                          .transform = at->transform};
+    stp_draw_item item = make_item(s, at, use);
+    item.beside_triangles = stp_select_uses_triangles(s, at, use, sight);
     stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
                              at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};
     drawn.near = drawn.near <= sight->range.near ? 0.0 : drawn.near;
@@ -112,4 +119,4 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                                                      : result;
 }
 
-const stp_select_rule stp_select_rule_spt = {use_set, use_count, limit, add};
+const stp_select_rule stp_select_rule_levels = {use_set, use_count, limit, add};

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "lod/set_table.h"
+
+#include "base/splat_codes.h"
+
+enum {
+    FIRST_OCTAVE = 64, ///< splats
+    OCTAVE_GROWTH = 4,
+    FINEST_STEP = 8, ///< of the prefix table: an eighth more
+};
+
+void stp_set_octaves_make(stp_splats* set)
+{
+    for (uint64_t end = FIRST_OCTAVE; end < set->count && set->octave_count + 1 < STP_OCTAVE_LIMIT;
+         end *= OCTAVE_GROWTH) {
+        set->octave_ends[set->octave_count++] = (uint32_t)end;
+    }
+    set->octave_ends[set->octave_count++] = set->count;
+}
+
+/// The count of the next breakpoint: larger by one part in `part`. Octave ends are always breakpoints, because sets are
+/// loaded by octaves.
+static uint32_t next_count(const stp_splats* s, uint32_t count, uint32_t part)
+{
+    uint64_t next = (uint64_t)count + (count / part > 1 ? count / part : 1);
+    for (uint32_t k = 0; k < s->octave_count; ++k) {
+        uint32_t end = s->octave_ends[k];
+        next = count < end && end < next ? end : next;
+    }
+    return (uint32_t)next;
+}
+
+/// The finest step for which the table holds all breakpoints.
+static uint32_t choose_part(const stp_splats* s)
+{
+    for (uint32_t part = FINEST_STEP; part > 1; --part) {
+        uint32_t steps = 1;
+        for (uint32_t count = 1; count < s->count; count = next_count(s, count, part)) {
+            steps += 1;
+        }
+        if (steps <= STP_PREFIX_TABLE_SIZE) {
+            return part;
+        }
+    }
+    return 1; // doubling: 32 steps, and the octaves'
+}
+
+void stp_set_table_make(stp_splats* set, const float* highest_left, float scale, float reach)
+{
+    stp_prefix_table* table = &set->table;
+    uint32_t part = choose_part(set);
+    for (uint32_t count = 1; count < set->count; count = next_count(set, count, part)) {
+        float left = stp_range_level(stp_range_code(0.0f, scale * highest_left[count]) >> 16);
+        table->count[table->size] = count;
+        table->radius[table->size++] = left > reach ? left : reach;
+    }
+    table->count[table->size] = set->count;
+    table->radius[table->size++] = reach;
+}

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+// Sets of method psp (src/lod/psp/splats.c): the implied forest, levels, coverage, and determinism.
+#include "tests.h"
+
+#include "base/coverage.h"
+#include "base/octahedral.h"
+#include "base/rng.h"
+#include "base/splat_codes.h"
+#include "lod/psp/region.h"
+#include "lod/psp/splats.h"
+#include "lod/surfels.h"
+
+#include <string.h>
+
+enum { SAMPLES = 3000 };
+
+typedef struct samples {
+    uint16_t positions[3 * SAMPLES];
+    int8_t normals[2 * SAMPLES];
+    uint8_t materials[SAMPLES], colors[3 * SAMPLES], coverages[SAMPLES];
+    stp_splats set;
+} samples;
+
+static double unit(uint64_t seed, uint64_t at)
+{
+    return (double)(stp_rng_hash(seed, at) >> 11) * 0x1p-53;
+}
+
+/// Samples along a spiral on a sphere of radius 0.9, half of it red.
+static void make_sphere(samples* s, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        double y = 1.0 - 2.0 * ((double)i + 0.5) / count, around = 2.399963229728653 * i;
+        double across = sqrt(1.0 - y * y);
+        stp_vec3 n = {(float)(across * cos(around)), (float)y, (float)(across * sin(around))};
+        s->positions[3 * i] = (uint16_t)(32768.0 + 29491.0 * (double)n.x);
+        s->positions[3 * i + 1] = (uint16_t)(32768.0 + 29491.0 * (double)n.y);
+        s->positions[3 * i + 2] = (uint16_t)(32768.0 + 29491.0 * (double)n.z);
+        stp_octahedral_encode(n, s->normals + 2 * i);
+        s->materials[i] = n.x > 0.0f ? 1 : 2;
+        s->colors[3 * i] = 200;
+        s->colors[3 * i + 1] = s->colors[3 * i + 2] = n.x > 0.0f ? 0 : 200;
+        s->coverages[i] = STP_COVERAGE_WHOLE;
+    }
+    float reach = (float)(0.9 * sqrt(12.0 / (double)count));
+    s->set = (stp_splats){.count = count,
+                          .origin = {-1.0f, -1.0f, -1.0f},
+                          .step = 1.0f / 32768.0f,
+                          .positions = s->positions,
+                          .normals = s->normals,
+                          .materials = s->materials,
+                          .octave_count = 1,
+                          .octave_ends = {count},
+                          .colors = s->colors,
+                          .coverages = s->coverages,
+                          .table = {.size = 1, .count = {count}, .radius = {reach}},
+                          .candidate_radius = 0.001f};
+}
+
+static stp_vec3 place_of(const stp_splats* s, uint32_t i)
+{
+    const uint16_t* p = s->positions + 3 * (size_t)i;
+    return (stp_vec3){s->origin.x + s->step * (float)p[0], s->origin.y + s->step * (float)p[1],
+                      s->origin.z + s->step * (float)p[2]};
+}
+
+static float lowest_of(const stp_splats* s, uint32_t i)
+{
+    return stp_range_level(s->ranges[i] & 0xFFFFu);
+}
+
+static float highest_of(const stp_splats* s, uint32_t i)
+{
+    return stp_range_level(s->ranges[i] >> 16);
+}
+
+/// The splat that is split next: of those before `end` that are not split yet, the one with the highest lowest level.
+static uint32_t find_next(const stp_splats* s, uint32_t end, const bool* is_split)
+{
+    uint32_t best = UINT32_MAX;
+    for (uint32_t i = 0; i < end; ++i) {
+        if (!is_split[i] && (s->ranges[i] & 0xFFFFu) != 0 &&
+            (best == UINT32_MAX || lowest_of(s, i) > lowest_of(s, best))) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+// One root; split by split, two splats replace an earlier one, in the order that ranges imply.
+void test_psp_sets_imply_their_forest(test_state* test)
+{
+    static samples from;
+    static bool is_split[2 * SAMPLES];
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    make_sphere(&from, SAMPLES);
+    stp_splats s;
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, &s));
+    CHECK_EQUAL(2 * SAMPLES - 1, s.count);
+    CHECK_EQUAL(STP_PSP_COLUMNS, s.columns);
+    CHECK_EQUAL(STP_RANGE_INFINITE, s.ranges[0] >> 16);
+    uint32_t leaves = 0;
+    for (uint32_t i = 0; i < s.count; ++i) {
+        CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
+        CHECK(s.materials[i] == 1 || s.materials[i] == 2);
+        CHECK(i == 0 || s.ranges[i] >> 16 < STP_RANGE_INFINITE);
+        leaves += (s.ranges[i] & 0xFFFFu) == 0;
+    }
+    CHECK_EQUAL(SAMPLES, leaves);
+    memset(is_split, 0, sizeof(is_split));
+    for (uint32_t child = 1; child < s.count; child += 2) {
+        uint32_t parent = find_next(&s, child, is_split);
+        CHECK(parent != UINT32_MAX);
+        is_split[parent] = true;
+        for (uint32_t k = 0; k < 2; ++k) { // a child may be drawn wherever its parent is not
+            CHECK(lowest_of(&s, child + k) <= lowest_of(&s, parent));
+            float apart =
+                stp_length(stp_sub(place_of(&s, child + k), place_of(&s, parent))) - 2.0f * s.step;
+            CHECK(highest_of(&s, child + k) >=
+                  lowest_of(&s, parent) + STP_LEVEL_SLOPE * fmaxf(apart, 0.0f));
+        }
+    }
+    for (uint32_t k = 0; k < s.table.size; ++k) {
+        for (uint32_t i = s.table.count[k]; i < s.count; ++i) {
+            CHECK(highest_of(&s, i) <= s.table.radius[k]);
+        }
+    }
+    stp_splats_destroy(context, &s);
+    stp_context_destroy(context);
+}
+
+// Seen from anywhere, each sample has a splat that is drawn near it, and far fewer splats are drawn at a high level.
+void test_psp_sets_cover_at_every_level(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    make_sphere(&from, SAMPLES);
+    stp_splats s;
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, &s));
+    uint32_t before = UINT32_MAX;
+    for (int round = 0; round < 24; ++round) {
+        bool by_depth = round >= 12;
+        float level = 0.01f * powf(1.6f, (float)(round % 12));
+        stp_vec3 eye = {(float)(4.0 * unit(1, (uint64_t)round)), 2.0f, 3.0f};
+        float slope = STP_LEVEL_SLOPE * (round % 2 == 0 ? 1.0f : 0.3f);
+        uint32_t count = 0, uncovered = 0;
+        static bool drawn[2 * SAMPLES];
+        for (uint32_t i = 0; i < s.count; ++i) {
+            float at = by_depth ? slope * stp_length(stp_sub(place_of(&s, i), eye)) : level;
+            drawn[i] = at >= lowest_of(&s, i) && at <= highest_of(&s, i);
+            count += drawn[i];
+        }
+        CHECK(count > 0 && (by_depth || count <= before));
+        before = by_depth ? before : count;
+        for (uint32_t k = 0; k < SAMPLES; k += 7) {
+            bool covered = false;
+            for (uint32_t i = 0; i < s.count && !covered; ++i) {
+                float reach = s.step * stp_shape_radius(s.shapes[i] & 0xFFFu);
+                stp_vec3 d = stp_sub(place_of(&from.set, k), place_of(&s, i));
+                covered = drawn[i] && stp_dot(d, d) <= 1.2f * reach * reach;
+            }
+            uncovered += !covered;
+        }
+        CHECK(uncovered <= SAMPLES / 7 / 50);
+    }
+    CHECK(before < SAMPLES / 20);
+    stp_splats_destroy(context, &s);
+    stp_context_destroy(context);
+}
+
+static bool is_same(const stp_splats* a, const stp_splats* b)
+{
+    size_t n = a->count;
+    return a->count == b->count && memcmp(a->positions, b->positions, 6 * n) == 0 &&
+           memcmp(a->normals, b->normals, 2 * n) == 0 && memcmp(a->colors, b->colors, 3 * n) == 0 &&
+           memcmp(a->materials, b->materials, n) == 0 &&
+           memcmp(a->coverages, b->coverages, n) == 0 && memcmp(a->shapes, b->shapes, 4 * n) == 0 &&
+           memcmp(a->ranges, b->ranges, 4 * n) == 0 &&
+           memcmp(&a->table, &b->table, sizeof(a->table)) == 0;
+}
+
+void test_psp_sets_do_not_depend_on_threads(test_state* test)
+{
+    static samples from;
+    stp_context* contexts[3];
+    stp_splats sets[3];
+    make_sphere(&from, SAMPLES);
+    for (uint32_t i = 0; i < 3; ++i) {
+        contexts[i] = test_context(NULL, i + 1, NULL);
+        CHECK_EQUAL(STP_OK, stp_psp_make(contexts[i], &from.set, &sets[i]));
+        CHECK(is_same(&sets[0], &sets[i]));
+    }
+    for (uint32_t i = 0; i < 3; ++i) {
+        stp_splats_destroy(contexts[i], &sets[i]);
+        stp_context_destroy(contexts[i]);
+    }
+}
+
+// None, one, two samples, and samples in one place.
+void test_psp_sets_of_few_samples(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 1, NULL);
+    for (uint32_t count = 0; count < 4; ++count) {
+        for (int shape = 0; shape < 2; ++shape) {
+            stp_splats s;
+            make_sphere(&from, count > 0 ? count : 1);
+            from.set.count = count;
+            for (uint32_t i = 0; i < 3 * count && shape == 1; ++i) {
+                from.positions[i] = 7;
+                from.set.table.radius[0] = 0.0f;
+            }
+            CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, &s));
+            CHECK_EQUAL(count > 0 ? 2 * count - 1 : 0, s.count);
+            for (uint32_t i = 0; i < s.count; ++i) {
+                CHECK(stp_range_is_valid(s.ranges[i]) && stp_shape_is_valid(s.shapes[i]));
+            }
+            stp_splats_destroy(context, &s);
+        }
+    }
+    stp_context_destroy(context);
+}
+
+void test_psp_sets_survive_failing_allocator(test_state* test)
+{
+    static samples from;
+    make_sphere(&from, 200);
+    bool made = false;
+    for (int n = 1; !made && n < 300; ++n) {
+        test_heap heap = TEST_HEAP(n);
+        stp_context* context = test_context(&heap, 1, NULL);
+        stp_splats s = {0};
+        if (context != NULL) {
+            made = stp_psp_make(context, &from.set, &s) == STP_OK && heap.count <= n;
+            stp_splats_destroy(context, &s);
+        }
+        stp_context_destroy(context);
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+    CHECK(made);
+}
+
+// Sums of parts are the sums of all samples; an ellipse that is sampled evenly is found again.
+void test_psp_regions_find_their_ellipse(test_state* test)
+{
+    const float major = 3.0f, minor = 0.5f;
+    stp_psp_region halves[2] = {{.area = 0.0}, {.area = 0.0}};
+    uint32_t count = 0;
+    for (int y = -60; y <= 60; ++y) {
+        for (int x = -60; x <= 60; ++x) {
+            float u = (float)x / 60.5f, v = (float)y / 60.5f;
+            if (u * u + v * v > 1.0f) {
+                continue;
+            }
+            stp_psp_sample sample = {.position = {5.0f, major * u, minor * v},
+                                     .normal = {1.0f, 0.0f, 0.0f},
+                                     .color = {100, 100, 100},
+                                     .area = 1e-6f};
+            stp_psp_region one = stp_psp_region_of(&sample);
+            stp_psp_region* half = &halves[count++ % 2];
+            *half = half->area > 0.0 ? stp_psp_region_add(half, &one) : one;
+        }
+    }
+    stp_psp_region sum = stp_psp_region_add(&halves[0], &halves[1]);
+    stp_ellipse e = stp_psp_region_ellipse(&sum, (stp_vec3){0, 0, 1});
+    CHECK(fabs((double)e.center.x - 5.0) < 1e-4);
+    CHECK(fabs((double)e.center.y - 0.0) < 1e-3);
+    CHECK(fabs((double)e.normal.x - 1.0) < 1e-6);
+    CHECK(fabs((double)fabsf(e.major.y) - (double)major) < 0.02 * (double)major);
+    CHECK(fabs((double)e.minor - (double)minor) < 0.02 * (double)minor);
+}
