@@ -35,10 +35,16 @@ typedef struct stp_decimate_output {
 typedef stp_result (*stp_decimate_function)(stp_context* context, const stp_decimate_input* input,
                                             uint32_t target, stp_decimate_output* output);
 
-/// The cells of an octree, one ellipse each; those that are most in error are opened first (Pajarola 2003).
+/// One ellipse for each cell of an octree (Pajarola 2003). The largest cell is opened first, until no cell can be opened without
+/// passing `target`: at least target - 6 splats, where there are so many cells with different points.
 STP_MUST_USE stp_result stp_decimate_by_octree(stp_context* context,
                                                const stp_decimate_input* input, uint32_t target,
                                                stp_decimate_output* output);
+/// One ellipse for each cell of one level of the octree (Wu, Zhang, Kobbelt 2005, 6.1): that whose number of cells is nearest to
+/// `target`.
+STP_MUST_USE stp_result stp_decimate_by_octree_level(stp_context* context,
+                                                     const stp_decimate_input* input,
+                                                     uint32_t target, stp_decimate_output* output);
 /// Pairs of neighbouring points are contracted by quadric error (Pauly, Gross, Kobbelt 2002, 3.2).
 STP_MUST_USE stp_result stp_decimate_by_quadric(stp_context* context,
                                                 const stp_decimate_input* input, uint32_t target,
