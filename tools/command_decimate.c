@@ -2,6 +2,7 @@
 //
 // stipple decimate: few elliptical splats that stand for many points.
 #include "command.h"
+#include "decimators.h"
 #include "point_file.h"
 #include "splat_file.h"
 #include "tool.h"
@@ -35,8 +36,8 @@ static const option* options(void)
          .value = &args.output},
         {.name = "by",
          .type = OPTION_CHOICE,
-         .words = "psp",
-         .help = "the method; psp: pairs of neighbouring splats are merged (Progressive Splatting)",
+         .words = DECIMATOR_WORDS,
+         .help = "the method; default psp, Progressive Splatting. The others are for comparison",
          .value = &args.by},
         {.name = "splats",
          .type = OPTION_COUNT,
@@ -115,9 +116,32 @@ static uint8_t* drop_alpha(stp_context* context, const tool_points* points)
     return colors;
 }
 
+static int decimate_by_other(stp_context* context, const tool_points* from)
+{
+    uint8_t* colors = from->colors != NULL ? drop_alpha(context, from) : NULL;
+    int code = 1;
+    if (from->colors != NULL && colors == NULL) {
+        (void)stp_fail_memory(context);
+    } else {
+        code = tool_decimate_by(
+            context,
+            &(tool_decimation){.by = args.by,
+                               .points = from,
+                               .colors = colors,
+                               .target = args.splats != 0 ? (uint32_t)args.splats : DEFAULT_SPLATS,
+                               .output = args.output,
+                               .json = args.json});
+    }
+    stp_free(context, colors);
+    return code;
+}
+
 static int decimate(stp_context* context, const char* path, const tool_points* from)
 {
     (void)path;
+    if (args.by != 0) {
+        return decimate_by_other(context, from);
+    }
     uint32_t target = args.splats != 0 ? (uint32_t)args.splats : DEFAULT_SPLATS;
     uint8_t* colors = from->colors != NULL ? drop_alpha(context, from) : NULL;
     const stp_psp_points points = {.count = from->count,
@@ -157,7 +181,12 @@ static int decimate(stp_context* context, const char* path, const tool_points* f
 
 static int run(int argc, char** argv)
 {
-    static const tool_points_command task = {"decimate", "model", "SPLATS.ply", decimate};
+    if (args.by != 0 &&
+        (args.metric != 0 || args.queue != 0 || args.neighbours != 0 || args.has_angle)) {
+        return tool_usage_error(
+            "decimate: --metric, --neighbours, --merge-angle and --queue need --by psp");
+    }
+    const tool_points_command task = {"decimate", "model", "SPLATS.ply", decimate, args.by != 0};
     return tool_run_on_points(&task, argc, argv, args.output, args.threads);
 }
 
@@ -173,16 +202,37 @@ const command command_decimate = {
         "as "
         "the farthest of its nearest neighbours; then pairs of "
         "neighbouring splats are merged, the pair with the least error first. Points need not have "
-        "normals.",
+        "normals.\n"
+        "\n"
+        "The other methods are what it is compared with:\n"
+        "\n"
+        "octree: one ellipse for each cell of an octree (Pajarola 2003). The largest cell is "
+        "opened first, as long as no more than N splats come of it: up to six fewer.\n"
+        "\n"
+        "octree-level: the same for all cells of one level, that whose number of cells is nearest "
+        "to N.\n"
+        "\n"
+        "quadric: pairs of neighbouring points are contracted by quadric error (Pauly, Gross, "
+        "Kobbelt 2002), then each point becomes a disk as wide as the farthest of its nearest "
+        "neighbours.\n"
+        "\n"
+        "mesh: edges of the triangles are collapsed by quadric error (Garland, Heckbert 1997, by "
+        "libmeshoptimizer) until N vertices are left; the PLY holds triangles.\n"
+        "\n"
+        "blue: the first N points of `stipple order`, with the smallest disks that cover the "
+        "points nearest to each.",
     .examples = "A statue in 5,000 splats:\n"
                 "$ stipple decimate statue.ply -o splats.ply --splats 5000\n"
                 "The vertices of a mesh are few where it is flat; candidates are spread evenly:\n"
                 "$ stipple capture plant.glb -o points.ply\n"
-                "$ stipple decimate points.ply -o splats.ply\n",
+                "$ stipple decimate points.ply -o splats.ply\n"
+                "The same number of splats by an octree, to compare:\n"
+                "$ stipple decimate statue.ply -o octree.ply --splats 5000 --by octree\n",
     .files = "MODEL\t"
              "any model that can be imported\n"
              "SPLATS.ply\t"
-             "binary PLY: centre, normal, major axis, length of the minor axis, colour\n",
+             "binary PLY: centre, normal, major axis, length of the minor axis, colour; of mesh, "
+             "vertices with colours, and triangles\n",
     .options = options,
     .run = run,
 };

@@ -153,8 +153,8 @@ static int order_points(stp_context* context, const char* path, const tool_point
 
 static int run(int argc, char** argv)
 {
-    static const tool_points_command task = {"order", "file of points", "ORDERED.ply",
-                                             order_points};
+    static const tool_points_command task = {
+        .name = "order", .input = "file of points", .output = "ORDERED.ply", .work = order_points};
     return tool_run_on_points(&task, argc, argv, args.output, args.threads);
 }
 

@@ -112,8 +112,54 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
     return STP_OK;
 }
 
-stp_result tool_read_points(stp_context* context, const char* path, const double* origin,
-                            tool_points* points)
+// Of mirrored parts the corners are swapped, so that triangles face outside as before.
+static uint32_t copy_part_triangles(const stp_mesh* mesh, const stp_affine* transform,
+                                    uint32_t first, uint32_t* to)
+{
+    bool mirrored = stp_affine_determinant(transform) < 0.0;
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i += 3) {
+        to[i] = first + mesh->indices[i];
+        to[i + 1] = first + mesh->indices[i + (mirrored ? 2 : 1)];
+        to[i + 2] = first + mesh->indices[i + (mirrored ? 1 : 2)];
+    }
+    return mesh->triangle_count;
+}
+
+static stp_result copy_triangles(const stp_scene* scene, const char* path,
+                                 const stp_placed_part* parts, size_t part_count,
+                                 tool_points* points)
+{
+    uint64_t count = 0;
+    for (size_t i = 0; i < part_count; ++i) {
+        bool is_mesh = parts[i].part.kind == STP_PART_MESH;
+        count += is_mesh ? scene->meshes[parts[i].part.index].triangle_count : 0;
+    }
+    if (count > UINT32_MAX) {
+        return stp_fail(scene->context, STP_ERROR_LIMIT,
+                        "%s: expected at most 2^32 - 1 triangles, found %llu", path,
+                        (unsigned long long)count);
+    }
+    if (count == 0) {
+        return STP_OK;
+    }
+    points->triangles = STP_NEW_ARRAY(scene->context, uint32_t, 3 * count);
+    if (points->triangles == NULL) {
+        return stp_fail_memory(scene->context);
+    }
+    uint32_t first = 0;
+    for (size_t i = 0; i < part_count; ++i) {
+        if (parts[i].part.kind == STP_PART_MESH) {
+            points->triangle_count +=
+                copy_part_triangles(&scene->meshes[parts[i].part.index], &parts[i].transform, first,
+                                    points->triangles + 3 * (size_t)points->triangle_count);
+        }
+        first += look_up(scene, parts[i].part).count;
+    }
+    return STP_OK;
+}
+
+static stp_result read_file(stp_context* context, const char* path, const double* origin,
+                            bool triangles, tool_points* points)
 {
     *points = (tool_points){0};
     stp_scene* scene = NULL;
@@ -129,12 +175,21 @@ stp_result tool_read_points(stp_context* context, const char* path, const double
     if (result == STP_OK) {
         result = copy_parts(scene, path, parts, part_count, origin, points);
     }
+    if (result == STP_OK && triangles) {
+        result = copy_triangles(scene, path, parts, part_count, points);
+    }
     stp_free(context, parts);
     stp_scene_destroy(scene);
     if (result != STP_OK) {
         tool_points_destroy(context, points);
     }
     return result;
+}
+
+stp_result tool_read_points(stp_context* context, const char* path, const double* origin,
+                            tool_points* points)
+{
+    return read_file(context, path, origin, false, points);
 }
 
 int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
@@ -159,7 +214,7 @@ int tool_run_on_points(const tool_points_command* task, int argc, char** argv, c
     }
     tool_points points;
     int code = 1;
-    if (tool_read_points(context, argv[0], NULL, &points) == STP_OK) {
+    if (read_file(context, argv[0], NULL, task->triangles, &points) == STP_OK) {
         code = task->work(context, argv[0], &points);
         tool_points_destroy(context, &points);
     }
@@ -172,6 +227,7 @@ void tool_points_destroy(stp_context* context, tool_points* points)
     stp_free(context, points->positions);
     stp_free(context, points->normals);
     stp_free(context, points->colors);
+    stp_free(context, points->triangles);
     *points = (tool_points){0};
 }
 

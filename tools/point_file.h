@@ -9,9 +9,11 @@ typedef struct tool_points {
     uint32_t count;
     double origin
         [3]; ///< to be added to the positions; not 0 only where floats would lose digits without it
-    float* positions; ///< 3 a point, along the file's own axes
-    float* normals;   ///< 3 a point, unit or zero; NULL: the file has none
-    uint8_t* colors;  ///< RGBA a point, sRGB; NULL: the file has none
+    float* positions;    ///< 3 a point, along the file's own axes
+    float* normals;      ///< 3 a point, unit or zero; NULL: the file has none
+    uint8_t* colors;     ///< RGBA a point, sRGB; NULL: the file has none
+    uint32_t* triangles; ///< 3 points each; NULL: the file has none, or nobody asked
+    uint32_t triangle_count;
 } tool_points;
 
 /// Reads a file of any importable format. `origin` (may be NULL: the file's own choice) replaces the origin, so
@@ -27,6 +29,7 @@ typedef struct tool_points_command {
     const char *name, *input,
         *output; ///< as help names them, such as "order", "file of points", "ORDERED.ply"
     tool_points_worker work;
+    bool triangles; ///< it needs those of meshes, too
 } tool_points_command;
 
 /// Runs it. @param path of the output; NULL: none was given. @return the exit status; what is wrong is printed

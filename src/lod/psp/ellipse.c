@@ -27,19 +27,10 @@ void stp_ellipse_sample(const stp_ellipse* e, stp_vec3 samples[STP_ELLIPSE_SAMPL
     }
 }
 
-stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
-                              size_t count, float least)
+stp_ellipse_fit stp_ellipse_fit_begin(stp_vec3 center, stp_vec3 normal, double xx, double xy,
+                                      double yy, float least)
 {
     stp_disk_axes axes = stp_disk_axes_across(normal);
-    stp_vec3 x = axes.x, y = axes.y;
-    double xx = 0.0, xy = 0.0, yy = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        stp_vec3 d = stp_sub(points[i], center);
-        double u = (double)stp_dot(d, x), v = (double)stp_dot(d, y);
-        xx += u * u;
-        xy += u * v;
-        yy += v * v;
-    }
     // eigenvalues of the scatter, and the direction of the larger one
     double half = 0.5 * (xx - yy), root = sqrt(half * half + xy * xy), mean = 0.5 * (xx + yy);
     double large = mean + root, small = mean - root > 0.0 ? mean - root : 0.0;
@@ -49,19 +40,48 @@ stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* 
     float s = length > 0.0 ? (float)(beside / length) : 0.0f;
     float ratio = large > 0.0 ? (float)sqrt(small / large) : 1.0f;
     ratio = ratio < THIN ? THIN : ratio;
-    stp_vec3 major = stp_add(stp_scale(x, c), stp_scale(y, s));
-    stp_vec3 minor = stp_cross(normal, major);
-    float scale = least / ratio;
+    stp_vec3 major = stp_add(stp_scale(axes.x, c), stp_scale(axes.y, s));
+    return (stp_ellipse_fit){.center = center,
+                             .normal = normal,
+                             .major = major,
+                             .minor = stp_cross(normal, major),
+                             .ratio = ratio,
+                             .scale = least / ratio};
+}
+
+void stp_ellipse_fit_add(stp_ellipse_fit* fit, stp_vec3 point)
+{
+    stp_vec3 d = stp_sub(point, fit->center);
+    float u = stp_dot(d, fit->major), v = stp_dot(d, fit->minor) / fit->ratio;
+    float reach = sqrtf(u * u + v * v);
+    fit->scale = reach > fit->scale ? reach : fit->scale;
+}
+
+stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* fit)
+{
+    return (stp_ellipse){.center = fit->center,
+                         .normal = fit->normal,
+                         .major = stp_scale(fit->major, fit->scale),
+                         .minor = fit->scale * fit->ratio};
+}
+
+stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
+                              size_t count, float least)
+{
+    stp_disk_axes axes = stp_disk_axes_across(normal);
+    double xx = 0.0, xy = 0.0, yy = 0.0;
     for (size_t i = 0; i < count; ++i) {
         stp_vec3 d = stp_sub(points[i], center);
-        float u = stp_dot(d, major), v = stp_dot(d, minor) / ratio;
-        float reach = sqrtf(u * u + v * v);
-        scale = reach > scale ? reach : scale;
+        double u = (double)stp_dot(d, axes.x), v = (double)stp_dot(d, axes.y);
+        xx += u * u;
+        xy += u * v;
+        yy += v * v;
     }
-    return (stp_ellipse){.center = center,
-                         .normal = normal,
-                         .major = stp_scale(major, scale),
-                         .minor = scale * ratio};
+    stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal, xx, xy, yy, least);
+    for (size_t i = 0; i < count; ++i) {
+        stp_ellipse_fit_add(&fit, points[i]);
+    }
+    return stp_ellipse_fit_end(&fit);
 }
 
 /// Turns rows and columns p and q of a symmetric matrix so that a[p][q] is 0 (Jacobi).

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// The distinct places of points: points in one place become one.
+#pragma once
+
+#include "lod/decimate/parts.h"
+
+typedef struct stp_distinct {
+    uint32_t count;
+    float* positions;      ///< 3 a place
+    float* normals;        ///< 3 a place: sums over its points; NULL: the input has none
+    stp_color_mean* means; ///< of its points
+} stp_distinct;
+
+/// Lists places in the order of their first points.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); freed by stp_distinct_destroy, also after a failure
+STP_MUST_USE stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* input,
+                                          stp_distinct* distinct);
+void stp_distinct_destroy(stp_context* context, stp_distinct* distinct);

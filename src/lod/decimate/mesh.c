@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997, by libmeshoptimizer: what splats are compared with
+// in Figure 9 of the paper, at an equal number of vertices.
+#include "lod/decimate/parts.h"
+#include "lod/decimate/simplify.h"
+
+#include <string.h>
+
+enum { ATTEMPTS = 8 };
+
+typedef struct mesh_maker {
+    stp_context* context;
+    const stp_decimate_input* input;
+    uint32_t* welded;    ///< triangles without repeated places
+    size_t welded_count; ///< of indices
+    uint32_t *found, *best;
+    size_t best_count;
+    uint32_t best_vertices;
+    uint32_t* numbers; ///< of used vertices in the output
+} mesh_maker;
+
+/// Welds vertices in one place, and leaves out triangles without area in their corners.
+static stp_result weld(mesh_maker* m)
+{
+    size_t count = 3 * (size_t)m->input->triangle_count;
+    if (stp_simplify_weld(m->welded, m->input->triangles, count, m->input->positions,
+                          m->input->count) != 0) {
+        return stp_fail_memory(m->context);
+    }
+    for (size_t i = 0; i + 2 < count; i += 3) {
+        uint32_t t[3] = {m->welded[i], m->welded[i + 1], m->welded[i + 2]};
+        if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+            memcpy(m->welded + m->welded_count, t, sizeof(t));
+            m->welded_count += 3;
+        }
+    }
+    return STP_OK;
+}
+
+/// Numbers the vertices that are used, ascending. @return how many
+static uint32_t number_vertices(mesh_maker* m, const uint32_t* indices, size_t count)
+{
+    uint32_t used = 0;
+    memset(m->numbers, 0, m->input->count * sizeof(*m->numbers));
+    for (size_t i = 0; i < count; ++i) {
+        m->numbers[indices[i]] = 1;
+    }
+    for (uint32_t i = 0; i < m->input->count; ++i) {
+        m->numbers[i] = m->numbers[i] != 0 ? used++ : UINT32_MAX;
+    }
+    return used;
+}
+
+static uint32_t distance(uint32_t a, uint32_t b)
+{
+    return a > b ? a - b : b - a;
+}
+
+/// Simplifies to several numbers of triangles, until the number of vertices is right. Each begins with all triangles.
+static stp_result find_best(mesh_maker* m, uint32_t target)
+{
+    memcpy(m->best, m->welded, m->welded_count * sizeof(*m->best));
+    m->best_count = m->welded_count;
+    m->best_vertices = number_vertices(m, m->best, m->best_count);
+    int64_t wanted = 2 * (int64_t)target;
+    for (int attempt = 0; attempt < ATTEMPTS && m->best_vertices > target && wanted > 0;
+         ++attempt) {
+        size_t count = 0;
+        if (stp_simplify_triangles(m->found, &count, m->welded, m->welded_count,
+                                   m->input->positions, m->input->count, 3 * (size_t)wanted) != 0) {
+            return stp_fail_memory(m->context);
+        }
+        uint32_t vertices = number_vertices(m, m->found, count);
+        if (distance(vertices, target) < distance(m->best_vertices, target)) {
+            uint32_t* swap = m->best;
+            m->best = m->found;
+            m->found = swap;
+            m->best_count = count;
+            m->best_vertices = vertices;
+        }
+        if (vertices == target || (vertices > target && (int64_t)count / 3 > wanted)) {
+            break; // exact, or it cannot collapse more
+        }
+        wanted += 2 * ((int64_t)target - (int64_t)vertices); // a collapse takes two triangles
+        if (vertices < target && wanted >= (int64_t)m->welded_count / 3) {
+            break;
+        }
+    }
+    return STP_OK;
+}
+
+static stp_result copy_best(mesh_maker* m, stp_decimate_output* output)
+{
+    const stp_decimate_input* input = m->input;
+    uint32_t vertices = number_vertices(m, m->best, m->best_count);
+    output->vertices = STP_NEW_ARRAY(m->context, float, 3 * (size_t)vertices + 1);
+    output->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * (size_t)vertices + 1);
+    output->triangles = STP_NEW_ARRAY(m->context, uint32_t, m->best_count + 1);
+    if (output->vertices == NULL || output->colors == NULL || output->triangles == NULL) {
+        return stp_fail_memory(m->context);
+    }
+    for (size_t i = 0; i < input->count; ++i) {
+        if (m->numbers[i] == UINT32_MAX) {
+            continue;
+        }
+        size_t to = 3 * (size_t)m->numbers[i];
+        memcpy(output->vertices + to, input->positions + 3 * i, 3 * sizeof(float));
+        if (input->colors != NULL) {
+            memcpy(output->colors + to, input->colors + 3 * i, 3);
+        } else {
+            memset(output->colors + to, 255, 3);
+        }
+    }
+    for (size_t i = 0; i < m->best_count; ++i) {
+        output->triangles[i] = m->numbers[m->best[i]];
+    }
+    output->vertex_count = vertices;
+    output->triangle_count = (uint32_t)(m->best_count / 3);
+    return STP_OK;
+}
+
+stp_result stp_decimate_by_mesh(stp_context* context, const stp_decimate_input* input,
+                                uint32_t target, stp_decimate_output* output)
+{
+    *output = (stp_decimate_output){0};
+    stp_result result = stp_decimate_check(context, input);
+    if (result == STP_OK && input->triangles == NULL) {
+        result = stp_fail(context, STP_ERROR_ARGUMENT,
+                          "mesh simplification: expected triangles, found points alone");
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    size_t indices = 3 * (size_t)input->triangle_count;
+    uint64_t bytes = stp_simplify_bytes(indices, input->count);
+    if (!stp_reserve(context, bytes)) {
+        return stp_fail_memory(context);
+    }
+    mesh_maker m = {.context = context,
+                    .input = input,
+                    .welded = STP_NEW_ARRAY(context, uint32_t, indices + 1),
+                    .found = STP_NEW_ARRAY(context, uint32_t, indices + 1),
+                    .best = STP_NEW_ARRAY(context, uint32_t, indices + 1),
+                    .numbers = STP_NEW_ARRAY(context, uint32_t, (size_t)input->count + 1)};
+    if (m.welded == NULL || m.found == NULL || m.best == NULL || m.numbers == NULL) {
+        result = stp_fail_memory(context);
+    }
+    result = result == STP_OK && indices > 0 ? weld(&m) : result;
+    result = result == STP_OK ? find_best(&m, target) : result;
+    result = result == STP_OK ? copy_best(&m, output) : result;
+    stp_release(context, bytes);
+    stp_free(context, m.welded);
+    stp_free(context, m.found);
+    stp_free(context, m.best);
+    stp_free(context, m.numbers);
+    return result;
+}

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Sums of squared distances from planes (Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997).
+#pragma once
+
+#include "base/math.h"
+
+/// x' A x + 2 b' x + c.
+typedef struct stp_quadric {
+    double a[6]; ///< xx, xy, xz, yy, yz, zz
+    stp_vec3d b;
+    double c;
+} stp_quadric;
+
+/// Adds the plane through a point across a normal of unit length.
+void stp_quadric_add_plane(stp_quadric* quadric, stp_vec3d point, stp_vec3d normal);
+stp_quadric stp_quadric_sum(const stp_quadric* a, const stp_quadric* b);
+/// The value at a point; never below 0.
+double stp_quadric_at(const stp_quadric* quadric, stp_vec3d point);
+/// The sum of the squares of the planes' normals: how many planes.
+double stp_quadric_planes(const stp_quadric* quadric);
+/// The point of least value. Along directions in which the value hardly changes (less than a thousandth of the mean) it stays
+/// near `start`; where it would lie farther from there than `reach`, it is `start`.
+stp_vec3d stp_quadric_least(const stp_quadric* quadric, stp_vec3d start, double reach);

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// The methods of `stipple decimate` that Progressive Splatting is compared with.
+#pragma once
+
+#include "point_file.h"
+
+/// Values of --by. The first one is psp, which has options and a report of its own.
+#define DECIMATOR_WORDS "psp|octree|octree-level|quadric|mesh|blue"
+
+/// What a decimator is run on.
+typedef struct tool_decimation {
+    int by; ///< index of a word, 1 or more
+    const tool_points* points;
+    const uint8_t* colors; ///< 3 a point, sRGB; NULL: white
+    uint32_t target;       ///< splats, or vertices of `mesh`
+    const char* output;
+    bool json;
+} tool_decimation;
+
+/// Decimates, writes the file, and prints figures. @return the exit status; what is wrong is logged
+int tool_decimate_by(stp_context* context, const tool_decimation* task);
