@@ -95,7 +95,8 @@ static double measure_diagonal(const stp_subsample_field* field)
         stp_boxd_add(&box, stp_to_double(stp_subsample_position(field, i)));
     }
     stp_vec3d extent = stp_subd(box.max, box.min);
-    return field->count > 0 ? sqrt(stp_dotd(extent, extent)) : 0.0;
+    double diagonal = field->count > 0 ? sqrt(stp_dotd(extent, extent)) : 0.0;
+    return diagonal > 0.0 ? diagonal : 1.0;
 }
 
 stp_result stp_subsample_field_make(stp_context* context, const stp_decimate_input* input,

@@ -15,7 +15,7 @@ typedef struct stp_subsample_field {
     uint32_t* weights;      ///< area of each point, in 1/256 of the mean; 1 to 2^16
     float* margins;         ///< radius of the piece of surface that each point stands for
     uint32_t* order;        ///< points along a curve that keeps near what is near
-    double diagonal;        ///< of the bounding box
+    double diagonal;        ///< of the bounding box; 1 where all points are one
 } stp_subsample_field;
 
 /// Finds neighbours, normals and areas. On all threads; results do not depend on their number.
