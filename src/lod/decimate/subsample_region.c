@@ -7,6 +7,7 @@
 
 enum {
     UNKNOWNS = 6, ///< of a quadric over a plane
+    ROUNDS = 3, ///< of fitting and growing
     FIT_LEAST = 8 ///< points that a quadric is fitted to
 };
 #define RATIO_MOST 4.0f ///< of the axes of a candidate
@@ -224,21 +225,26 @@ uint32_t stp_subsample_find_region(const stp_subsample_field* field, stp_subsamp
     if (!grow(field, s, seed, &f, 2.0 * tolerance, most, 0, &best)) {
         return 0;
     }
-    if (fit_quadric(field, s->members[0], &best, &f, q) && turn_frame(q, &turned) &&
-        stp_subsample_same_side(field, seed, stp_to_float(turned.normal))) {
+    for (int round = 0; round < ROUNDS; ++round) {
+        turned = f;
+        if (!fit_quadric(field, s->members[0], &best, &f, q) || !turn_frame(q, &turned) ||
+            !stp_subsample_same_side(field, seed, stp_to_float(turned.normal))) {
+            break;
+        }
         if (!grow(field, s, seed, &turned, 2.0 * tolerance, most, 1, &other)) {
             return 0;
         }
-        if (other.area > best.area) {
-            uint32_t* list = s->members[0];
-            size_t capacity = s->capacity[0];
-            s->members[0] = s->members[1];
-            s->capacity[0] = s->capacity[1];
-            s->members[1] = list;
-            s->capacity[1] = capacity;
-            best = other;
-            f = turned;
+        if (other.area <= best.area) {
+            break;
         }
+        uint32_t* list = s->members[0];
+        size_t capacity = s->capacity[0];
+        s->members[0] = s->members[1];
+        s->capacity[0] = s->capacity[1];
+        s->members[1] = list;
+        s->capacity[1] = capacity;
+        best = other;
+        f = turned;
     }
     stp_vec3d middle = stp_addd(f.origin, stp_scaled(f.normal, 0.5 * (best.low + best.high)));
     *shape = (stp_subsample_candidate){.center = stp_to_float(middle),
