@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "lod/decimate/subsample_attempt.h"
+
+#include <string.h>
+
+enum {
+    COARSE_STEPS = 12, ///< greedy covers until the tolerance is about right
+    FINE_STEPS = 7, ///< relaxed covers between the tolerances that are too small and large enough
+    PATIENCE = 12,  ///< more of them while none is large enough
+};
+#define START 1e-3       ///< first tolerance, of the diagonal
+#define LEAST 1e-7       ///< least tolerance, of the diagonal: about the rounding of positions
+#define STEP_MOST 8.0    ///< greatest change of the tolerance at once
+#define GREEDY_MORE 1.08 ///< sets of a greedy cover that is worth relaxing, of the target
+#define GREEDY_NEAR 0.04 ///< and how near to that is near enough
+#define FINE_RATIO 1.01  ///< of the two tolerances in the end
+
+/// A search for the least tolerance that needs no more splats than wanted. More tolerance mostly needs fewer.
+typedef struct search {
+    stp_context* context;
+    stp_subsample_field field;
+    uint32_t target;
+    double low, high;             ///< tolerances that are too small, and large enough; 0: not known
+    stp_subsample_attempt best;   ///< with the tolerance `high`
+    stp_subsample_attempt fewest; ///< where none is good enough
+} search;
+
+static double clamp(double x, double low, double high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/// Finds a tolerance whose greedy cover has somewhat more sets than wanted. Counts are about inversely proportional to
+/// the tolerance (the deviation of a curved surface grows with the area of a splat).
+/// @param attempt receives the last cover
+static stp_result search_coarse(search* s, stp_subsample_attempt* attempt)
+{
+    double wanted = GREEDY_MORE * (double)s->target, low = 0.0, high = 0.0;
+    double least = LEAST * s->field.diagonal, most = s->field.diagonal;
+    double tolerance = START * s->field.diagonal;
+    for (int step = 0;; ++step) {
+        stp_result result =
+            stp_subsample_attempt_make(s->context, &s->field, tolerance, s->target, attempt);
+        if (result == STP_OK) {
+            result = stp_progress(s->context, "splats", 0.5 * step / COARSE_STEPS);
+        }
+        double count = (double)attempt->cover.count;
+        bool near = fabs(count - wanted) <= GREEDY_NEAR * wanted;
+        bool above = count > wanted;
+        if (result != STP_OK || near || step == COARSE_STEPS || (above && tolerance >= most) ||
+            (!above && tolerance <= least)) {
+            return result;
+        }
+        low = above ? tolerance : low;
+        high = above ? high : tolerance;
+        double next = tolerance * clamp(count / wanted, 1.0 / STEP_MOST, STEP_MOST);
+        if (low > 0.0 && high > 0.0) { // stay inside, and come from both ends
+            double inside = 0.1 * (high - low);
+            next = step % 3 == 2 ? sqrt(low * high) : clamp(next, low + inside, high - inside);
+        }
+        tolerance = clamp(next, least, most);
+        stp_subsample_attempt_destroy(s->context, attempt);
+    }
+}
+
+/// Keeps an attempt that is good enough, or the one with fewest splats.
+static void keep(search* s, stp_subsample_attempt* attempt)
+{
+    bool enough = attempt->cover.count <= s->target;
+    stp_subsample_attempt* place = enough ? &s->best : &s->fewest;
+    if (enough) {
+        s->high = attempt->tolerance;
+    } else {
+        s->low = attempt->tolerance;
+    }
+    if (enough || !place->made || attempt->cover.count < place->cover.count) {
+        stp_subsample_attempt other = *place;
+        *place = *attempt;
+        *attempt = other;
+    }
+    stp_subsample_attempt_destroy(s->context, attempt);
+}
+
+/// Relaxes covers until the least tolerance is known well, or the greatest does not help.
+static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
+{
+    double least = LEAST * s->field.diagonal, most = s->field.diagonal;
+    for (int step = 0;; ++step) {
+        stp_result result = stp_subsample_attempt_relax(s->context, s->target, attempt);
+        if (result == STP_OK) {
+            result = stp_progress(s->context, "splats", 0.5 + 0.5 * step / (FINE_STEPS + PATIENCE));
+        }
+        if (result != STP_OK) {
+            return result;
+        }
+        double tolerance = attempt->tolerance, count = (double)attempt->cover.count;
+        keep(s, attempt);
+        double next;
+        if (s->low > 0.0 && s->high > 0.0) {
+            next = sqrt(s->low * s->high);
+        } else if (s->low > 0.0) {
+            next = tolerance * clamp(1.02 * count / (double)s->target, 1.0, STEP_MOST);
+            next = step >= FINE_STEPS ? STEP_MOST * tolerance : next;
+        } else {
+            next = tolerance * clamp(count / (double)s->target, 1.0 / STEP_MOST, 0.94);
+        }
+        bool known = s->low > 0.0 && s->high > 0.0 && s->high < FINE_RATIO * s->low;
+        bool ended = s->high > 0.0 ? step >= FINE_STEPS || s->high <= least
+                                   : step >= FINE_STEPS + PATIENCE || s->low >= most;
+        if (known || ended) {
+            return STP_OK;
+        }
+        next = clamp(next, least, most);
+        result = stp_subsample_attempt_make(s->context, &s->field, next, s->target, attempt);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+}
+
+static stp_result run_search(search* s)
+{
+    stp_subsample_attempt attempt = {0};
+    s->low = s->high = 0.0;
+    stp_result result = search_coarse(s, &attempt);
+    if (result == STP_OK) {
+        result = search_fine(s, &attempt);
+    }
+    stp_subsample_attempt_destroy(s->context, &attempt);
+    return result;
+}
+
+/// Searches; where separate parts need too many splats, again with splats that may reach over gaps.
+static stp_result search_cover(search* s)
+{
+    uint32_t added = 0;
+    stp_result result = run_search(s);
+    if (result == STP_OK && s->high == 0.0) {
+        result = stp_subsample_field_connect(s->context, &s->field, &added);
+    }
+    return result == STP_OK && added > 0 ? run_search(s) : result;
+}
+
+static bool make_room(stp_context* context, uint32_t count, stp_decimate_output* output)
+{
+    output->ellipses = STP_NEW_ARRAY(context, stp_ellipse, (size_t)count + 1);
+    output->colors = STP_NEW_ARRAY(context, uint8_t, 3 * (size_t)count + 1);
+    return output->ellipses != NULL && output->colors != NULL;
+}
+
+/// Each point becomes a splat.
+static stp_result take_all(stp_context* context, const stp_decimate_input* input,
+                           const stp_subsample_field* field, stp_decimate_output* output)
+{
+    if (!make_room(context, input->count, output)) {
+        return stp_fail_memory(context);
+    }
+    memcpy(output->ellipses, field->own, input->count * sizeof(*output->ellipses));
+    memset(output->colors, 255, 3 * (size_t)input->count);
+    if (input->colors != NULL && input->count > 0) {
+        memcpy(output->colors, input->colors, 3 * (size_t)input->count);
+    }
+    output->count = input->count;
+    return STP_OK;
+}
+
+static stp_result take_cover(search* s, const stp_decimate_input* input,
+                             stp_decimate_output* output)
+{
+    const stp_subsample_attempt* a = s->high > 0.0 ? &s->best : &s->fewest;
+    if (a->cover.count > s->target) {
+        stp_warn(s->context,
+                 "splat sub-sampling: %u splats are wanted, but points that face apart need %u",
+                 s->target, a->cover.count);
+    }
+    if (!make_room(s->context, a->cover.count, output)) {
+        return stp_fail_memory(s->context);
+    }
+    stp_subsample_choice choice = {&s->field, &a->candidates, &a->problem, &a->cover};
+    return stp_subsample_fit(s->context, &choice, input->colors, output->ellipses, output->colors,
+                             &output->count);
+}
+
+stp_result stp_decimate_by_subsample(stp_context* context, const stp_decimate_input* input,
+                                     uint32_t target, stp_decimate_output* output)
+{
+    search s = {.context = context, .target = target};
+    *output = (stp_decimate_output){0};
+    if (target == 0 && input->count > 0) {
+        return stp_fail(context, STP_ERROR_ARGUMENT,
+                        "splat sub-sampling: at least one splat must be wanted");
+    }
+    if (input->count >= STP_SUBSAMPLE_POINTS_MOST) {
+        return stp_fail(context, STP_ERROR_LIMIT,
+                        "splat sub-sampling: %u points (fewer than %d are allowed)", input->count,
+                        STP_SUBSAMPLE_POINTS_MOST);
+    }
+    stp_result result = stp_subsample_field_make(context, input, &s.field);
+    if (result == STP_OK && target >= input->count) {
+        result = take_all(context, input, &s.field, output);
+    } else if (result == STP_OK) {
+        result = search_cover(&s);
+        if (result == STP_OK) {
+            result = take_cover(&s, input, output);
+        }
+    }
+    stp_subsample_attempt_destroy(context, &s.best);
+    stp_subsample_attempt_destroy(context, &s.fewest);
+    stp_subsample_field_destroy(context, &s.field);
+    return result;
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Final splats of chosen candidates: no larger than their points need.
+#pragma once
+
+#include "lod/decimate/subsample_cover.h"
+#include "lod/decimate/subsample_grow.h"
+
+/// A cover by candidates of a field.
+typedef struct stp_subsample_choice {
+    const stp_subsample_field* field;
+    const stp_subsample_candidates* candidates;
+    const stp_cover_problem* problem;
+    const stp_cover* cover;
+} stp_subsample_choice;
+
+/// Gives each point to one of the chosen candidates that cover it, moves each candidate in its plane to the middle of its
+/// points, and repeats. The final ellipses hold their points with margins. A candidate left without points has no splat.
+/// On all threads; results do not depend on their number.
+/// @param ellipses room for as many as are chosen
+/// @param colors   3 a splat, sRGB: means, in linear light, of the covered points
+/// @param from     3 a point, sRGB; NULL: white
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_subsample_fit(stp_context* context, const stp_subsample_choice* choice,
+                                          const uint8_t* from, stp_ellipse* ellipses,
+                                          uint8_t* colors, uint32_t* count);

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: MIT
+#include "base/rng.h"
+#include "base/team.h"
+#include "lod/decimate/subsample_cover.h"
+
+#include <string.h>
+
+enum {
+    GROUP_LEAST = 3, ///< sets that are taken out together
+    GROUP_MOST = 10,
+    BATCH_MOST = 64,  ///< proposals that are made against the same cover
+    BATCH_SHARE = 48, ///< a batch has at most one in so many of the sets
+    IDLE_PASSES = 3,  ///< passes without a gain before the end
+    NOISE = 256,      ///< greatest change of a weight, of 1024
+};
+
+/// Sets that may leave the cover, and those that would come in their place.
+typedef struct proposal {
+    uint32_t removed_count, added_count;
+    uint32_t removed[GROUP_MOST], added[GROUP_MOST];
+} proposal;
+
+/// Memory of one worker. `gains` and `missing` are zero between proposals.
+typedef struct relax_scratch {
+    uint64_t* gains;   ///< of each set: weight of the points that it would cover
+    uint32_t* missing; ///< of each point: how many of its chosen sets are out
+    uint32_t* touched; ///< sets with points that are not covered
+    uint32_t* open;    ///< points that are not covered
+} relax_scratch;
+
+typedef struct relaxation {
+    const stp_cover_problem* problem;
+    const stp_cover* cover;
+    const uint32_t* seeds; ///< sets of this batch
+    uint64_t seed;         ///< of the random numbers of this batch
+    proposal* proposals;
+    relax_scratch* scratch;
+} relaxation;
+
+/// Lists a set and chosen ones that share points with it, in the order of the points from a random one on.
+static uint32_t pick_group(const stp_cover_problem* p, const stp_cover* cover, uint32_t set,
+                           uint64_t seed, uint32_t group[GROUP_MOST])
+{
+    uint32_t wanted = GROUP_LEAST + stp_rng_below(seed, 0, GROUP_MOST - GROUP_LEAST + 1);
+    size_t begin = p->starts[set], size = p->starts[set + 1] - begin;
+    size_t from = stp_rng_below(seed, 1, (uint32_t)size);
+    uint32_t count = 0;
+    group[count++] = set;
+    for (size_t i = 0; i < size && count < wanted; ++i) {
+        uint32_t point = p->members[begin + (from + i) % size];
+        for (size_t s = p->set_starts[point];
+             cover->depths[point] > 1 && s < p->set_starts[point + 1] && count < wanted; ++s) {
+            uint32_t other = p->sets[s];
+            bool known = cover->places[other] == UINT32_MAX;
+            for (uint32_t g = 0; !known && g < count; ++g) {
+                known = group[g] == other;
+            }
+            if (!known) {
+                group[count++] = other;
+            }
+        }
+    }
+    return count;
+}
+
+/// Takes the group out. @return the number of points that are not covered then, listed in `open`
+static uint32_t open_points(const stp_cover_problem* p, const stp_cover* cover, relax_scratch* s,
+                            const proposal* out)
+{
+    uint32_t count = 0;
+    for (uint32_t g = 0; g < out->removed_count; ++g) {
+        for (size_t i = p->starts[out->removed[g]]; i < p->starts[out->removed[g] + 1]; ++i) {
+            uint32_t point = p->members[i];
+            if (++s->missing[point] == cover->depths[point]) {
+                s->open[count++] = point;
+            }
+        }
+    }
+    return count;
+}
+
+/// Counts the open points of each set that has any.
+static uint32_t touch_sets(const stp_cover_problem* p, relax_scratch* s, uint32_t open_count)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < open_count; ++i) {
+        uint32_t point = s->open[i];
+        for (size_t k = p->set_starts[point]; k < p->set_starts[point + 1]; ++k) {
+            uint32_t set = p->sets[k];
+            if (s->gains[set] == 0) {
+                s->touched[count++] = set;
+            }
+            s->gains[set] += p->weights[point];
+        }
+    }
+    return count;
+}
+
+/// The set that covers most, of those touched, with a random change of all weights.
+static uint32_t find_best(const relax_scratch* s, uint32_t touched_count, uint64_t seed)
+{
+    uint32_t best = UINT32_MAX;
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < touched_count; ++i) {
+        uint32_t set = s->touched[i];
+        uint64_t gain = s->gains[set] * (1024 + stp_rng_below(seed, set, NOISE));
+        if (gain > most || (gain == most && gain > 0 && set < best)) {
+            most = gain;
+            best = set;
+        }
+    }
+    return best;
+}
+
+/// Covers the open points again. @return false: it takes more sets than were taken out
+static bool cover_open(const stp_cover_problem* p, const stp_cover* cover, relax_scratch* s,
+                       uint32_t touched_count, uint64_t seed, proposal* out)
+{
+    for (;;) {
+        uint32_t set = find_best(s, touched_count, seed);
+        if (set == UINT32_MAX) {
+            return true;
+        }
+        if (out->added_count == out->removed_count) {
+            return false;
+        }
+        out->added[out->added_count++] = set;
+        for (size_t i = p->starts[set]; i < p->starts[set + 1]; ++i) {
+            uint32_t point = p->members[i];
+            if (s->missing[point] == 0 || s->missing[point] != cover->depths[point]) {
+                continue;
+            }
+            s->missing[point]--; // covered
+            for (size_t k = p->set_starts[point]; k < p->set_starts[point + 1]; ++k) {
+                s->gains[p->sets[k]] -= p->weights[point];
+            }
+        }
+    }
+}
+
+/// Leaves out the sets that are on both sides.
+static void cancel(proposal* out)
+{
+    for (uint32_t r = 0; r < out->removed_count;) {
+        uint32_t a = 0;
+        while (a < out->added_count && out->added[a] != out->removed[r]) {
+            a++;
+        }
+        if (a < out->added_count) {
+            out->added[a] = out->added[--out->added_count];
+            out->removed[r] = out->removed[--out->removed_count];
+        } else {
+            r++;
+        }
+    }
+}
+
+static double sum_areas(const stp_cover_problem* p, const uint32_t* sets, uint32_t count)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        sum += (double)p->areas[sets[i]];
+    }
+    return sum;
+}
+
+static void propose(const relaxation* r, relax_scratch* s, uint32_t set, uint64_t seed,
+                    proposal* out)
+{
+    const stp_cover_problem* p = r->problem;
+    out->added_count = 0;
+    out->removed_count = pick_group(p, r->cover, set, seed, out->removed);
+    uint32_t open_count = open_points(p, r->cover, s, out);
+    uint32_t touched_count = touch_sets(p, s, open_count);
+    bool covered = cover_open(p, r->cover, s, touched_count, stp_rng_hash(seed, 2), out);
+    for (uint32_t i = 0; i < touched_count; ++i) {
+        s->gains[s->touched[i]] = 0;
+    }
+    for (uint32_t g = 0; g < out->removed_count; ++g) {
+        for (size_t i = p->starts[out->removed[g]]; i < p->starts[out->removed[g] + 1]; ++i) {
+            s->missing[p->members[i]] = 0;
+        }
+    }
+    cancel(out);
+    bool smaller = out->added_count < out->removed_count;
+    if (!covered || (!smaller && !(sum_areas(p, out->added, out->added_count) <
+                                   sum_areas(p, out->removed, out->removed_count)))) {
+        out->removed_count = out->added_count = 0;
+    }
+}
+
+static void propose_some(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const relaxation* r = user;
+    for (size_t i = begin; i < end; ++i) {
+        propose(r, &r->scratch[worker], r->seeds[i], stp_rng_hash(r->seed, i), &r->proposals[i]);
+    }
+}
+
+/// Changes the cover as proposed, unless another change came first and points would be left open.
+/// @return whether it did
+static bool apply(const stp_cover_problem* p, stp_cover* cover, const proposal* change)
+{
+    bool valid = change->removed_count > 0;
+    for (uint32_t i = 0; valid && i < change->removed_count; ++i) {
+        valid = cover->places[change->removed[i]] != UINT32_MAX;
+    }
+    for (uint32_t i = 0; valid && i < change->added_count; ++i) {
+        valid = cover->places[change->added[i]] == UINT32_MAX;
+    }
+    if (!valid) {
+        return false;
+    }
+    for (uint32_t i = 0; i < change->added_count; ++i) {
+        stp_cover_add(p, cover, change->added[i]);
+    }
+    uint32_t out = 0;
+    while (out < change->removed_count && stp_cover_is_redundant(p, cover, change->removed[out])) {
+        stp_cover_remove(p, cover, change->removed[out++]);
+    }
+    if (out == change->removed_count) {
+        return true;
+    }
+    while (out > 0) {
+        stp_cover_add(p, cover, change->removed[--out]);
+    }
+    for (uint32_t i = 0; i < change->added_count; ++i) {
+        stp_cover_remove(p, cover, change->added[i]);
+    }
+    return false;
+}
+
+/// Removes sets that are not needed, the last ones first.
+static void drop_redundant(const stp_cover_problem* p, stp_cover* cover, uint32_t enough)
+{
+    for (uint32_t i = cover->count; i-- > 0 && cover->count > enough;) {
+        if (stp_cover_is_redundant(p, cover, cover->chosen[i])) {
+            stp_cover_remove(p, cover, cover->chosen[i]);
+        }
+    }
+}
+
+static void shuffle(uint32_t* sets, uint32_t count, uint64_t seed)
+{
+    for (uint32_t i = count; i > 1; --i) {
+        uint32_t other = stp_rng_below(seed, i, i), set = sets[i - 1];
+        sets[i - 1] = sets[other];
+        sets[other] = set;
+    }
+}
+
+/// Makes a proposal around each set of the cover, batch by batch. @return how many were taken
+static uint32_t run_pass(const stp_team* team, relaxation* r, stp_cover* cover, uint32_t enough,
+                         uint32_t* seeds, uint64_t seed)
+{
+    uint32_t count = cover->count, taken = 0;
+    uint32_t batch = count / BATCH_SHARE < BATCH_MOST ? count / BATCH_SHARE + 1 : BATCH_MOST;
+    memcpy(seeds, cover->chosen, count * sizeof(*seeds));
+    shuffle(seeds, count, seed);
+    for (uint32_t at = 0; at < count && cover->count > enough;) {
+        uint32_t size = 0; // those of the next seeds that are still chosen
+        while (at + size < count && size < batch) {
+            if (cover->places[seeds[at + size]] != UINT32_MAX) {
+                size++;
+            } else {
+                seeds[at + size] = seeds[at];
+                at++;
+            }
+        }
+        r->seeds = seeds + at;
+        r->seed = stp_rng_hash(seed, (uint64_t)at << 32);
+        stp_team_run(team, size, 1, propose_some, r);
+        for (uint32_t i = 0; i < size && cover->count > enough; ++i) {
+            taken += apply(r->problem, cover, &r->proposals[i]) ? 1 : 0;
+        }
+        at += size;
+    }
+    drop_redundant(r->problem, cover, enough);
+    return taken;
+}
+
+static bool make_scratch(stp_context* context, const stp_cover_problem* p, const stp_team* team,
+                         relaxation* r)
+{
+    r->scratch = STP_NEW_ZEROED(context, relax_scratch, team->threads);
+    r->proposals = STP_NEW_ARRAY(context, proposal, BATCH_MOST);
+    bool made = r->scratch != NULL && r->proposals != NULL;
+    for (uint32_t w = 0; made && w < team->threads; ++w) {
+        relax_scratch* s = &r->scratch[w];
+        s->gains = STP_NEW_ZEROED(context, uint64_t, (size_t)p->set_count + 1);
+        s->missing = STP_NEW_ZEROED(context, uint32_t, (size_t)p->point_count + 1);
+        s->touched = STP_NEW_ARRAY(context, uint32_t, (size_t)p->set_count + 1);
+        s->open = STP_NEW_ARRAY(context, uint32_t, (size_t)p->point_count + 1);
+        made = s->gains != NULL && s->missing != NULL && s->touched != NULL && s->open != NULL;
+    }
+    return made;
+}
+
+static void free_scratch(stp_context* context, const stp_team* team, relaxation* r)
+{
+    for (uint32_t w = 0; r->scratch != NULL && w < team->threads; ++w) {
+        stp_free(context, r->scratch[w].gains);
+        stp_free(context, r->scratch[w].missing);
+        stp_free(context, r->scratch[w].touched);
+        stp_free(context, r->scratch[w].open);
+    }
+    stp_free(context, r->scratch);
+    stp_free(context, r->proposals);
+}
+
+stp_result stp_cover_relax(stp_context* context, const stp_cover_problem* problem, uint32_t enough,
+                           uint32_t passes, stp_cover* cover)
+{
+    stp_team team = stp_team_create_useful(context);
+    relaxation r = {.problem = problem, .cover = cover};
+    uint32_t* seeds = STP_NEW_ARRAY(context, uint32_t, (size_t)cover->count + 1);
+    bool made = make_scratch(context, problem, &team, &r) && seeds != NULL;
+    if (made) {
+        drop_redundant(problem, cover, enough);
+    }
+    for (uint32_t pass = 0, idle = 0; made && pass < passes && cover->count > enough; ++pass) {
+        uint32_t before = cover->count;
+        uint32_t taken = run_pass(&team, &r, cover, enough, seeds, stp_rng_hash(0x5eed, pass));
+        idle = cover->count < before ? 0 : idle + 1;
+        if (taken == 0 || idle == IDLE_PASSES) {
+            break;
+        }
+    }
+    free_scratch(context, &team, &r);
+    stp_free(context, seeds);
+    return made ? STP_OK : stp_fail_memory(context);
+}
