@@ -4,6 +4,7 @@
 #include "command.h"
 #include "point_file.h"
 #include "splat_file.h"
+#include "splat_store.h"
 #include "tool.h"
 
 #include "base/clock.h"
@@ -30,8 +31,8 @@ static const option* options(void)
         {.name = "output",
          .letter = 'o',
          .type = OPTION_TEXT,
-         .argument = "SPLATS.ply",
-         .help = "where to write the splats",
+         .argument = "SPLATS.ply|SPLATS.stip",
+         .help = "where to write the splats: a PLY, or a .stip, which render and view draw",
          .value = &args.output},
         {.name = "by",
          .type = OPTION_CHOICE,
@@ -141,7 +142,7 @@ static int decimate(stp_context* context, const char* path, const tool_points* f
             stp_notice(context, "%u splats are left: their points lie apart, or face apart",
                        splats.count);
         }
-        result = tool_write_splats(context, args.output, &splats);
+        result = tool_write_any_splats(context, args.output, &splats, from->up);
         code = result == STP_OK ? print_report(&splats, from->count, seconds) : 1;
     } else if (result == STP_OK) {
         (void)stp_fail_memory(context);
@@ -170,16 +171,25 @@ const command command_decimate = {
         "as "
         "the farthest of its nearest neighbours; then pairs of "
         "neighbouring splats are merged, the pair with the least error first. Points need not have "
-        "normals.",
+        "normals.\n"
+        "\n"
+        "Written to a .stip, the splats are one set, which render, view and compare-splats draw: "
+        "all of them, or with --splats "
+        "the first N. --splat-scale 0.3 shows how they are spread.",
     .examples = "A statue in 5,000 splats:\n"
                 "$ stipple decimate statue.ply -o splats.ply --splats 5000\n"
+                "A picture of how they are spread:\n"
+                "$ stipple decimate statue.ply -o splats.stip --splats 5000\n"
+                "$ stipple render splats.stip -o splats.png --splat-scale 0.3\n"
                 "The vertices of a mesh are few where it is flat; candidates are spread evenly:\n"
                 "$ stipple capture plant.glb -o points.ply\n"
                 "$ stipple decimate points.ply -o splats.ply\n",
     .files = "MODEL\t"
              "any model that can be imported\n"
              "SPLATS.ply\t"
-             "binary PLY: centre, normal, major axis, length of the minor axis, colour\n",
+             "binary PLY: centre, normal, major axis, length of the minor axis, colour\n"
+             "SPLATS.stip\t"
+             "the same splats as a scene: positions in 16 bits, radii up to 0.8 % too large\n",
     .options = options,
     .run = run,
 };
