@@ -23,6 +23,7 @@ static struct {
     uint64_t splats, samples, threads;
     int method;
     bool has_method, no_pictures, json;
+    uint32_t size[2];
 } args;
 
 static const option* options(void)
@@ -47,6 +48,11 @@ static const option* options(void)
          .help = "samples of the model's area, besides its vertices; default ten a triangle, "
                  "200,000 to 4,000,000",
          .value = &args.samples},
+        {.name = "size",
+         .type = OPTION_PIXELS,
+         .argument = "WxH",
+         .help = "of the pictures; default 512x512",
+         .value = args.size},
         {.name = "no-pictures",
          .help = "measure distances and areas only, without pictures",
          .value = &args.no_pictures},
@@ -238,7 +244,9 @@ static stp_result compare_pictures(comparison* c)
     if (result == STP_OK) {
         const splat_scene splats = {shown, c->quality};
         const splat_scene model = {original, {.splat_size = 1.0f, .reference = true}};
-        result = splat_pictures_compare(c->context, &splats, &model, &c->pictures);
+        const uint32_t size[2] = {args.size[0] > 0 ? args.size[0] : 512,
+                                  args.size[1] > 0 ? args.size[1] : 512};
+        result = splat_pictures_compare(c->context, &splats, &model, size, &c->pictures);
     }
     if (shown != c->store && shown != NULL) {
         stp_store_close(shown);
@@ -373,7 +381,7 @@ const command command_compare_splats = {
         "splats "
         "overlap. For a MODEL without triangles the ratio is null in JSON.\n"
         "\n"
-        "ssim and ssim_covered are means over seven standard views, 512 x 512 pixels, of pictures "
+        "ssim and ssim_covered are means over seven standard views of pictures "
         "of FILE and of MODEL's triangles and points (render --reference), as stipple compare has "
         "them. Colours count.\n"
         "\n"

@@ -15,6 +15,7 @@ const char* const splat_picture_views[SPLAT_PICTURES] = {"front", "back",   "lef
 /// The two scenes, the splats first.
 typedef struct pair {
     const splat_scene* scenes[2];
+    const uint32_t* size;
     frame_maker makers[2];
     stp_image images[2];
 } pair;
@@ -28,7 +29,7 @@ static stp_view find_view(const pair* p, int index, const char* name)
 {
     const stp_store_directory* original = stp_store_get_directory(p->scenes[1]->store);
     const stp_store_directory* own = stp_store_get_directory(p->scenes[index]->store);
-    stp_view view = {.width = SPLAT_PICTURE_SIZE, .height = SPLAT_PICTURE_SIZE};
+    stp_view view = {.width = p->size[0], .height = p->size[1]};
     stp_boxd box = stp_visible_bounds(p->scenes[1]->store, NULL);
     (void)stp_camera_frame(name, &box, &view);
     view.eye = change_axes(original->up, own->up, view.eye);
@@ -39,11 +40,10 @@ static stp_view find_view(const pair* p, int index, const char* name)
 
 static stp_result draw(pair* p, int index, const char* name)
 {
-    frame_figures figures;
     frame_maker* maker = &p->makers[index];
     const stp_quality* quality = &p->scenes[index]->quality;
     stp_view view = find_view(p, index, name);
-    stp_result result = frame_draw(maker, &view, quality, &p->images[index], &figures);
+    stp_result result = STP_OK;
     for (int i = 0; i < SAMPLES && result == STP_OK; ++i) {
         result = tool_is_interrupted()
                      ? STP_ERROR_CANCELLED
@@ -58,17 +58,18 @@ static stp_result begin(stp_context* context, pair* p)
     stp_result result = STP_OK;
     for (int i = 0; i < 2 && result == STP_OK; ++i) {
         result = frame_maker_create(context, p->scenes[i]->store, &style, &p->makers[i]);
-        bool made = result == STP_OK && frame_image_create(context, SPLAT_PICTURE_SIZE,
-                                                           SPLAT_PICTURE_SIZE, &p->images[i]);
+        bool made =
+            result == STP_OK && frame_image_create(context, p->size[0], p->size[1], &p->images[i]);
         result = result == STP_OK && !made ? STP_ERROR_OUT_OF_MEMORY : result;
     }
     return result;
 }
 
 stp_result splat_pictures_compare(stp_context* context, const splat_scene* splats,
-                                  const splat_scene* original, splat_pictures* found)
+                                  const splat_scene* original, const uint32_t size[2],
+                                  splat_pictures* found)
 {
-    pair p = {.scenes = {splats, original}};
+    pair p = {.scenes = {splats, original}, .size = size};
     *found = (splat_pictures){0};
     stp_result result = begin(context, &p);
     for (int v = 0; v < SPLAT_PICTURES && result == STP_OK; ++v) {
@@ -78,9 +79,11 @@ stp_result splat_pictures_compare(stp_context* context, const splat_scene* splat
         result = result == STP_OK
                      ? stp_image_compare(context, &p.images[0], &p.images[1], NULL, NULL, quality)
                      : result;
-        found->ssim += quality->ssim / SPLAT_PICTURES;
-        found->ssim_covered += quality->ssim_covered / SPLAT_PICTURES;
+        found->ssim += quality->ssim;
+        found->ssim_covered += quality->ssim_covered;
     }
+    found->ssim /= SPLAT_PICTURES;
+    found->ssim_covered /= SPLAT_PICTURES;
     for (int i = 0; i < 2; ++i) {
         stp_free(context, p.images[i].pixels);
         frame_maker_destroy(&p.makers[i]);
