@@ -5,6 +5,7 @@
 #include "decimators.h"
 #include "point_file.h"
 #include "splat_file.h"
+#include "splat_store.h"
 #include "tool.h"
 
 #include "base/clock.h"
@@ -31,8 +32,8 @@ static const option* options(void)
         {.name = "output",
          .letter = 'o',
          .type = OPTION_TEXT,
-         .argument = "SPLATS.ply",
-         .help = "where to write the splats",
+         .argument = "SPLATS.ply|SPLATS.stip",
+         .help = "where to write the splats: a PLY, or a .stip, which render and view draw",
          .value = &args.output},
         {.name = "by",
          .type = OPTION_CHOICE,
@@ -168,7 +169,7 @@ static int decimate(stp_context* context, const char* path, const tool_points* f
             stp_notice(context, "%u splats are left: their points lie apart, or face apart",
                        splats.count);
         }
-        result = tool_write_splats(context, args.output, &splats);
+        result = tool_write_any_splats(context, args.output, &splats, from->up);
         code = result == STP_OK ? print_report(&splats, from->count, seconds) : 1;
     } else if (result == STP_OK) {
         (void)stp_fail_memory(context);
@@ -220,9 +221,22 @@ const command command_decimate = {
         "libmeshoptimizer) until N vertices are left; the PLY holds triangles.\n"
         "\n"
         "blue: the first N points of `stipple order`, with the smallest disks that cover the "
-        "points nearest to each.",
+        "points nearest to each.\n"
+        "\n"
+        "subsample: the splats that cover most points are chosen until all points are covered, "
+        "then "
+        "they are moved so that fewer suffice (Wu, Kobbelt 2004). The tolerance is searched so "
+        "that at "
+        "most N are left."
+        "\n\n"
+        "Written to a .stip, the splats are one set, which render, view and compare-splats draw: "
+        "all of them, or with --splats "
+        "the first N. --splat-scale 0.3 shows how they are spread.",
     .examples = "A statue in 5,000 splats:\n"
                 "$ stipple decimate statue.ply -o splats.ply --splats 5000\n"
+                "A picture of how they are spread:\n"
+                "$ stipple decimate statue.ply -o splats.stip --splats 5000\n"
+                "$ stipple render splats.stip -o splats.png --splat-scale 0.3\n"
                 "The vertices of a mesh are few where it is flat; candidates are spread evenly:\n"
                 "$ stipple capture plant.glb -o points.ply\n"
                 "$ stipple decimate points.ply -o splats.ply\n"
@@ -232,7 +246,9 @@ const command command_decimate = {
              "any model that can be imported\n"
              "SPLATS.ply\t"
              "binary PLY: centre, normal, major axis, length of the minor axis, colour; of mesh, "
-             "vertices with colours, and triangles\n",
+             "vertices with colours, and triangles\n"
+             "SPLATS.stip\t"
+             "the same splats as a scene: positions in 16 bits, radii up to 0.8 % too large\n",
     .options = options,
     .run = run,
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "decimators.h"
 
-#include "splat_file.h"
+#include "splat_store.h"
 #include "tool.h"
 #include "triangle_file.h"
 
@@ -19,7 +19,7 @@ static const struct {
 } table[] = {
     {"octree", stp_decimate_by_octree},   {"octree-level", stp_decimate_by_octree_level},
     {"quadric", stp_decimate_by_quadric}, {"mesh", stp_decimate_by_mesh},
-    {"blue", stp_decimate_by_blue},
+    {"blue", stp_decimate_by_blue},       {"subsample", stp_decimate_by_subsample},
 };
 
 static stp_vec3d vertex_at(const float* vertices, size_t i)
@@ -86,7 +86,7 @@ static stp_result write_splats(stp_context* context, const tool_decimation* task
     tool_splats splats = {
         .ellipses = out->ellipses, .colors = out->colors, .indices = indices, .count = out->count};
     memcpy(splats.origin, task->points->origin, sizeof(splats.origin));
-    stp_result result = tool_write_splats(context, task->output, &splats);
+    stp_result result = tool_write_any_splats(context, task->output, &splats, task->points->up);
     stp_free(context, indices);
     return result;
 }

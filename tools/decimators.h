@@ -5,7 +5,7 @@
 #include "point_file.h"
 
 /// Values of --by. The first one is psp, which has options and a report of its own.
-#define DECIMATOR_WORDS "psp|octree|octree-level|quadric|mesh|blue"
+#define DECIMATOR_WORDS "psp|octree|octree-level|quadric|mesh|blue|subsample"
 
 /// What a decimator is run on.
 typedef struct tool_decimation {

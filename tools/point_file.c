@@ -30,11 +30,14 @@ static part_points look_up(const stp_scene* scene, stp_part part)
     return (part_points){set->point_count, set->positions, set->normals, set->colors};
 }
 
-// The file's own axes: the scene turned z to y where the file's up is z.
-static stp_vec3d own_axes(const stp_scene* scene, stp_vec3d p)
+stp_vec3d tool_own_axes(char up, stp_vec3d p)
 {
-    bool z_up = scene->up != NULL && strcmp(scene->up, "z") == 0;
-    return z_up ? (stp_vec3d){p.x, -p.z, p.y} : p;
+    return up == 'z' ? (stp_vec3d){p.x, -p.z, p.y} : p;
+}
+
+stp_vec3d tool_scene_axes(char up, stp_vec3d p)
+{
+    return up == 'z' ? (stp_vec3d){p.x, p.z, -p.y} : p;
 }
 
 static void copy_part(const stp_scene* scene, const stp_placed_part* placed, tool_points* points,
@@ -47,7 +50,7 @@ static void copy_part(const stp_scene* scene, const stp_placed_part* placed, too
         size_t from = 3 * (size_t)i, to = 3 * ((size_t)first + i);
         stp_vec3d p = {(double)part.positions[from], (double)part.positions[from + 1],
                        (double)part.positions[from + 2]};
-        p = own_axes(scene, stp_affine_point(&placed->transform, p));
+        p = tool_own_axes(points->up, stp_affine_point(&placed->transform, p));
         points->positions[to] = (float)(p.x - points->origin[0]);
         points->positions[to + 1] = (float)(p.y - points->origin[1]);
         points->positions[to + 2] = (float)(p.z - points->origin[2]);
@@ -60,7 +63,7 @@ static void copy_part(const stp_scene* scene, const stp_placed_part* placed, too
                     v[r] = turn[r][0] * (double)m[0] + turn[r][1] * (double)m[1] +
                            turn[r][2] * (double)m[2];
                 }
-                n = own_axes(scene, stp_normalized((stp_vec3d){v[0], v[1], v[2]}));
+                n = tool_own_axes(points->up, stp_normalized((stp_vec3d){v[0], v[1], v[2]}));
             }
             points->normals[to] = (float)n.x;
             points->normals[to + 1] = (float)n.y;
@@ -92,9 +95,10 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
                         (unsigned long long)count);
     }
     points->count = (uint32_t)count;
+    points->up = scene->up != NULL ? scene->up[0] : 'y';
     stp_vec3d shift = {parts[0].transform.m[0][3], parts[0].transform.m[1][3],
                        parts[0].transform.m[2][3]};
-    shift = own_axes(scene, shift);
+    shift = tool_own_axes(points->up, shift);
     memcpy(points->origin, origin != NULL ? origin : (double[3]){shift.x, shift.y, shift.z},
            sizeof(points->origin));
     points->positions = STP_NEW_ARRAY(context, float, 3 * count);

@@ -4,6 +4,8 @@
 
 #include "command.h"
 
+#include <stipple/types.h>
+
 /// The points of a file: of its point sets, and the vertices of its meshes.
 typedef struct tool_points {
     uint32_t count;
@@ -14,7 +16,14 @@ typedef struct tool_points {
     uint8_t* colors;     ///< RGBA a point, sRGB; NULL: the file has none
     uint32_t* triangles; ///< 3 points each; NULL: the file has none, or nobody asked
     uint32_t triangle_count;
+    char up; ///< the file's up axis: x, y or z
 } tool_points;
+
+/// A place of a scene along the axes of the file that it was imported from, as far as these are known: a scene's y is up. `up`:
+/// the file's up axis.
+stp_vec3d tool_own_axes(char up, stp_vec3d place);
+/// The way back.
+stp_vec3d tool_scene_axes(char up, stp_vec3d place);
 
 /// Reads a file of any importable format. `origin` (may be NULL: the file's own choice) replaces the origin, so
 /// that two files can be compared. Failures are logged by the context.

@@ -19,3 +19,20 @@ typedef struct tool_splats {
 /// (minor), red, green, blue. Written aside and renamed.
 STP_MUST_USE stp_result tool_write_splats(stp_context* context, const char* path,
                                           const tool_splats* splats);
+
+/// Splats of a file.
+typedef struct tool_splat_set {
+    stp_ellipse* ellipses; ///< `minor` and the length of `major` may be 0
+    uint8_t* colors;       ///< 3 each, sRGB; white where the file has none
+    uint32_t count;
+    double origin[3]; ///< to be added to centres
+} tool_splat_set;
+
+/// Whether a file is a PLY whose points have axes, as tool_write_splats makes it.
+bool tool_is_splat_file(const char* path);
+
+/// Reads such a file: binary, little-endian, properties in any order.
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY; logged. Nothing is to be destroyed after a failure
+STP_MUST_USE stp_result tool_read_splats(stp_context* context, const char* path,
+                                         tool_splat_set* splats);
+void tool_splat_set_destroy(stp_context* context, tool_splat_set* splats);

@@ -27,7 +27,10 @@ stp_box stp_decimate_box(const stp_decimate_input* input)
 stp_result stp_decimate_make_disks(stp_context* context, const stp_decimate_input* input,
                                    stp_ellipse** disks, uint32_t** neighbours)
 {
-    const stp_psp_points points = {input->count, input->positions, input->normals, input->colors};
+    const stp_psp_points points = {.count = input->count,
+                                   .positions = input->positions,
+                                   .normals = input->normals,
+                                   .colors = input->colors};
     size_t links = (size_t)input->count * STP_DECIMATE_NEIGHBOURS;
     uint32_t* near = STP_NEW_ARRAY(context, uint32_t, links + 1);
     *disks = STP_NEW_ARRAY(context, stp_ellipse, (size_t)input->count + 1);

@@ -117,7 +117,8 @@ stp_result stp_subsample_field_make(stp_context* context, const stp_decimate_inp
         result = stp_fail_memory(context);
     }
     if (result == STP_OK) {
-        stp_psp_points points = {input->count, input->positions, input->normals, NULL};
+        stp_psp_points points = {
+            .count = input->count, .positions = input->positions, .normals = input->normals};
         result = stp_psp_make_initial(context, &points, NEIGHBOURS, field->own, nearest);
     }
     if (result == STP_OK) {

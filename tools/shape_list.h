@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Splats, triangles and points of a file to the command line, for measuring distances.
+#pragma once
+
+#include "command.h"
+#include "splat_file.h"
+
+#include "base/math.h"
+#include "measure/hausdorff.h"
+#include "scene/scene.h"
+#include "select/select.h"
+
+/// What a file shows, along its own axes (tool_own_axes). All zero at first, but for the origin.
+typedef struct tool_shape_list {
+    double origin[3]; ///< to be added to all places
+    stp_disk_shape* disks;
+    float* positions;  ///< 3 a vertex
+    uint32_t* indices; ///< 3 a triangle
+    float* points;     ///< 3 a point
+    size_t disk_count, vertex_count, triangle_count, point_count;
+    size_t disk_capacity, position_capacity, index_capacity,
+        point_capacity; ///< of numbers but for disks
+} tool_shape_list;
+
+/// Adds the triangles and points of a scene. @return STP_OK, or a failure that was logged
+STP_MUST_USE stp_result tool_shapes_add_scene(tool_shape_list* list, const stp_scene* scene);
+
+/// Adds what a list of items draws: splats as ellipses with the sizes that they are drawn with, triangles, and points. Coverage
+/// (cuts, holes, opacity) is ignored: an ellipse counts as a whole. Ranges of levels hold for an error that is the same
+/// everywhere, as in lists of a number of splats.
+STP_MUST_USE stp_result tool_shapes_add_items(stp_context* context, tool_shape_list* list,
+                                              stp_store* store, const stp_draw_list* items);
+
+/// Adds all that a file shows from any place: `splats` of a method (0: as many as there are), or its triangles and points.
+STP_MUST_USE stp_result tool_shapes_add_store(stp_context* context, tool_shape_list* list,
+                                              stp_store* store, const stp_quality* quality);
+
+/// Adds splats of a file.
+STP_MUST_USE stp_result tool_shapes_add_splats(stp_context* context, tool_shape_list* list,
+                                               const tool_splat_set* splats);
+
+/// Makes disks without extent of the points.
+STP_MUST_USE stp_result tool_shapes_draw_points(stp_context* context, tool_shape_list* list);
+
+/// The box of all triangles and points, without the origin; empty where there are none.
+stp_boxd tool_shapes_bounds(const tool_shape_list* list);
+stp_shapes tool_shapes_drawn(const tool_shape_list* list);
+stp_measured_surface tool_shapes_surface(const tool_shape_list* list);
+void tool_shapes_destroy(stp_context* context, tool_shape_list* list);

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "splat_store.h"
+
+#include "point_file.h"
+
+#include "base/coverage.h"
+#include "base/octahedral.h"
+#include "base/splat_codes.h"
+#include "lod/surfels.h"
+#include "store/writer.h"
+
+#include <string.h>
+
+enum { GRID_STEPS = 65535 };
+
+typedef struct store_maker {
+    stp_context* context;
+    const tool_splats* splats;
+    char up;
+    stp_vec3d origin;                       ///< of the node in the scene, along the scene's axes
+    stp_boxd bounds, room;                  ///< of the ellipses, and of their centres
+    stp_shape_axis smaller[STP_SHAPE_TURN]; ///< by direction
+    stp_splats set;
+} store_maker;
+
+/// An ellipse along the axes of the scene, less the origin.
+typedef struct scene_ellipse {
+    stp_vec3d center, normal, larger, smaller;
+} scene_ellipse;
+
+static scene_ellipse turn_ellipse(const store_maker* m, uint32_t i)
+{
+    const stp_ellipse* e = &m->splats->ellipses[m->splats->indices[i]];
+    stp_vec3d normal = stp_to_double(e->normal), major = stp_to_double(e->major);
+    stp_vec3d across = stp_normalized(stp_crossd(normal, major));
+    return (scene_ellipse){tool_scene_axes(m->up, stp_to_double(e->center)),
+                           tool_scene_axes(m->up, normal), tool_scene_axes(m->up, major),
+                           tool_scene_axes(m->up, stp_scaled(across, (double)e->minor))};
+}
+
+static void measure_splats(store_maker* m)
+{
+    m->bounds = m->room = stp_boxd_empty();
+    for (uint32_t i = 0; i < m->splats->count; ++i) {
+        scene_ellipse e = turn_ellipse(m, i);
+        stp_vec3d u = e.larger, v = e.smaller;
+        stp_vec3d reach = {sqrt(u.x * u.x + v.x * v.x), sqrt(u.y * u.y + v.y * v.y),
+                           sqrt(u.z * u.z + v.z * v.z)};
+        stp_boxd_add(&m->room, e.center);
+        stp_boxd_add(&m->bounds, stp_subd(e.center, reach));
+        stp_boxd_add(&m->bounds, stp_addd(e.center, reach));
+    }
+}
+
+// The least power of two by which all centres lie on the grid, and radii can be told: not above 2^29 steps.
+static float choose_step(const store_maker* m)
+{
+    stp_vec3d size = stp_subd(m->room.max, m->room.min);
+    stp_vec3d whole = stp_subd(m->bounds.max, m->bounds.min);
+    double least = fmax(size.x, fmax(size.y, size.z)) / (double)(GRID_STEPS - 1);
+    least = fmax(least, fmax(whole.x, fmax(whole.y, whole.z)) * 0x1p-28);
+    int exponent = 0;
+    (void)frexp(fmax(least, 0x1p-100), &exponent);
+    return (float)ldexp(1.0, exponent);
+}
+
+static uint16_t grid_place(double at, float origin, float step)
+{
+    double steps = (at - (double)origin) / (double)step + 0.5;
+    return steps > 0.0 ? steps < (double)GRID_STEPS ? (uint16_t)steps : GRID_STEPS : 0;
+}
+
+// The direction, of half a turn, from which that of the larger axis differs least.
+static uint32_t find_direction(const store_maker* m, double along_x, double along_y)
+{
+    uint32_t best = 0;
+    double least = (double)INFINITY;
+    for (uint32_t code = 0; code < STP_SHAPE_TURN; ++code) {
+        const stp_shape_axis* a = &m->smaller[code];
+        double off = fabs((double)a->along_x * along_x + (double)a->along_y * along_y);
+        best = off < least ? code : best;
+        least = off < least ? off : least;
+    }
+    return best;
+}
+
+static uint32_t make_shape(const store_maker* m, const scene_ellipse* e, const int8_t normal[2])
+{
+    double step = (double)m->set.step;
+    uint32_t larger = stp_shape_code((float)(sqrt(stp_dotd(e->larger, e->larger)) / step));
+    uint32_t smaller = stp_shape_code((float)(sqrt(stp_dotd(e->smaller, e->smaller)) / step));
+    smaller = smaller < larger ? smaller : larger;
+    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
+    if (smaller == larger) { // a disk has no direction: the normals below it may be any
+        return larger | larger << 12 | 255u << 24;
+    }
+    uint32_t direction = find_direction(m, stp_dotd(e->larger, stp_to_double(axes.x)),
+                                        stp_dotd(e->larger, stp_to_double(axes.y)));
+    return larger | smaller << 12 | direction << 24;
+}
+
+static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const store_maker* m = user;
+    const stp_splats* set = &m->set;
+    for (size_t i = begin; i < end; ++i) {
+        scene_ellipse e = turn_ellipse(m, (uint32_t)i);
+        set->positions[3 * i] = grid_place(e.center.x, set->origin.x, set->step);
+        set->positions[3 * i + 1] = grid_place(e.center.y, set->origin.y, set->step);
+        set->positions[3 * i + 2] = grid_place(e.center.z, set->origin.z, set->step);
+        stp_octahedral_encode(stp_to_float(e.normal), set->normals + 2 * i);
+        set->shapes[i] = make_shape(m, &e, set->normals + 2 * i);
+        set->ranges[i] = (uint32_t)STP_RANGE_ANY;
+        set->materials[i] = 0;
+        set->coverages[i] = STP_COVERAGE_WHOLE;
+        size_t splat = m->splats->indices[i];
+        static const uint8_t white[3] = {255, 255, 255};
+        memcpy(set->colors + 3 * i,
+               m->splats->colors != NULL ? m->splats->colors + 3 * splat : white, 3);
+    }
+}
+
+static stp_result make_set(store_maker* m)
+{
+    stp_splats* s = &m->set;
+    size_t count = m->splats->count;
+    *s = (stp_splats){.count = m->splats->count,
+                      .columns = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT_COLORS,
+                      .octave_count = 1,
+                      .octave_ends = {m->splats->count},
+                      .table = {.size = 1, .count = {m->splats->count}}};
+    s->step = choose_step(m);
+    s->origin = stp_to_float(m->room.min);
+    s->positions = STP_NEW_ARRAY(m->context, uint16_t, 3 * count);
+    s->normals = STP_NEW_ARRAY(m->context, int8_t, 2 * count);
+    s->materials = STP_NEW_ARRAY(m->context, uint8_t, count);
+    s->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * count);
+    s->coverages = STP_NEW_ARRAY(m->context, uint8_t, count);
+    s->shapes = STP_NEW_ARRAY(m->context, uint32_t, count);
+    s->ranges = STP_NEW_ARRAY(m->context, uint32_t, count);
+    bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
+                s->colors != NULL && s->coverages != NULL && s->shapes != NULL && s->ranges != NULL;
+    if (!made) {
+        return stp_fail_memory(m->context);
+    }
+    for (uint32_t code = 0; code < STP_SHAPE_TURN; ++code) {
+        m->smaller[code] = stp_shape_smaller(code << 24);
+    }
+    stp_parallel_for(m->context, count, 4096, fill_splats, m);
+    return STP_OK;
+}
+
+static stp_result write_set(const store_maker* m, const char* path)
+{
+    static const stp_shading shading = {.roughness = 1.0f, .flags = STP_SHADING_DOUBLE_SIDED};
+    stp_affine placed = stp_affine_identity();
+    placed.m[0][3] = m->origin.x;
+    placed.m[1][3] = m->origin.y;
+    placed.m[2][3] = m->origin.z;
+    const stp_store_edge edge = {.node = 0, .transform = placed};
+    const stp_store_node nodes[2] = {
+        {.surfels = 0, .bounds = m->bounds},
+        {.surfels = STP_STORE_NONE, .edge_count = 1, .bounds = stp_affine_box(&placed, m->bounds)},
+    };
+    const stp_store_object object = {
+        .name = "splats", .parent = STP_STORE_NONE, .node = 1, .transform = stp_affine_identity()};
+    const stp_store_method method = {
+        .name = "psp", .id = STP_METHOD_PSP, .columns = m->set.columns, .set_count = 1};
+    const stp_store_content content = {.directory = {.node_count = 2,
+                                                     .edge_count = 1,
+                                                     .object_count = 1,
+                                                     .shading_count = 1,
+                                                     .surfels_count = 1,
+                                                     .method_count = 1,
+                                                     .nodes = nodes,
+                                                     .edges = &edge,
+                                                     .objects = &object,
+                                                     .shadings = &shading,
+                                                     .methods = &method,
+                                                     .root = 1,
+                                                     .up = m->up,
+                                                     .build_json = "{\"method\":\"psp\"}"},
+                                       .surfels = &m->set};
+    return stp_store_write(m->context, &content, path);
+}
+
+stp_result tool_write_splat_store(stp_context* context, const char* path, const tool_splats* splats,
+                                  char up)
+{
+    store_maker m = {.context = context, .splats = splats, .up = up};
+    const double* o = splats->origin;
+    m.origin = tool_scene_axes(up, (stp_vec3d){o[0], o[1], o[2]});
+    if (splats->count == 0) {
+        return stp_fail(context, STP_ERROR_ARGUMENT, "%s: there is no splat to write", path);
+    }
+    measure_splats(&m);
+    stp_result result = make_set(&m);
+    result = result == STP_OK ? write_set(&m, path) : result;
+    stp_splats_destroy(context, &m.set);
+    return result;
+}
+
+stp_result tool_write_any_splats(stp_context* context, const char* path, const tool_splats* splats,
+                                 char up)
+{
+    size_t length = strlen(path);
+    bool store = length > 5 && strcmp(path + length - 5, ".stip") == 0;
+    return store ? tool_write_splat_store(context, path, splats, up)
+                 : tool_write_splats(context, path, splats);
+}
