@@ -52,7 +52,7 @@ void test_psp_finds_nearest_points(test_state* test)
         CHECK_EQUAL(STP_OK, stp_find_nearest_points(context, positions, POINTS, K, near));
         for (uint32_t i = 0; i < POINTS; i += 7) {
             float last = -1.0f;
-            uint32_t before = 0, closer = 0;
+            uint32_t before = 0, closer = 0, as_near = 0;
             for (uint32_t k = 0; k < K; ++k) {
                 uint32_t n = near[K * i + k];
                 CHECK(n < POINTS && n != i);
@@ -71,9 +71,10 @@ void test_psp_finds_nearest_points(test_state* test)
                     float x = positions[3 * n + (uint32_t)c] - positions[3 * i + (uint32_t)c];
                     d += x * x;
                 }
-                closer += n != i && (d < last || (d == last && n <= before)) ? 1 : 0;
+                closer += n != i && d < last ? 1 : 0;
+                as_near += n != i && d == last ? 1 : 0;
             }
-            CHECK_EQUAL(K, closer);
+            CHECK(closer < K && closer + as_near >= K); // of equally near ones any may be listed
         }
         stp_context_destroy(context);
     }

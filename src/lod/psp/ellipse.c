@@ -27,41 +27,83 @@ void stp_ellipse_sample(const stp_ellipse* e, stp_vec3 samples[STP_ELLIPSE_SAMPL
     }
 }
 
-stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
-                              size_t count, float least)
+stp_ellipse_fit stp_ellipse_fit_begin(stp_vec3 center, stp_vec3 normal)
 {
     stp_disk_axes axes = stp_disk_axes_across(normal);
-    stp_vec3 x = axes.x, y = axes.y;
-    double xx = 0.0, xy = 0.0, yy = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        stp_vec3 d = stp_sub(points[i], center);
-        double u = (double)stp_dot(d, x), v = (double)stp_dot(d, y);
-        xx += u * u;
-        xy += u * v;
-        yy += v * v;
-    }
+    return (stp_ellipse_fit){.center = center, .normal = normal, .x = axes.x, .y = axes.y};
+}
+
+static inline void scatter(stp_ellipse_fit* f, stp_vec3 point)
+{
+    stp_vec3 d = stp_sub(point, f->center);
+    double u = (double)stp_dot(d, f->x), v = (double)stp_dot(d, f->y);
+    f->xx += u * u;
+    f->xy += u * v;
+    f->yy += v * v;
+}
+
+void stp_ellipse_fit_scatter(stp_ellipse_fit* fit, stp_vec3 point)
+{
+    scatter(fit, point);
+}
+
+void stp_ellipse_fit_turn(stp_ellipse_fit* f, float least)
+{
     // eigenvalues of the scatter, and the direction of the larger one
-    double half = 0.5 * (xx - yy), root = sqrt(half * half + xy * xy), mean = 0.5 * (xx + yy);
+    double half = 0.5 * (f->xx - f->yy), root = sqrt(half * half + f->xy * f->xy);
+    double mean = 0.5 * (f->xx + f->yy);
     double large = mean + root, small = mean - root > 0.0 ? mean - root : 0.0;
-    double along = half >= 0.0 ? half + root : xy, beside = half >= 0.0 ? xy : root - half;
+    double along = half >= 0.0 ? half + root : f->xy, beside = half >= 0.0 ? f->xy : root - half;
     double length = sqrt(along * along + beside * beside);
     float c = length > 0.0 ? (float)(along / length) : 1.0f;
     float s = length > 0.0 ? (float)(beside / length) : 0.0f;
     float ratio = large > 0.0 ? (float)sqrt(small / large) : 1.0f;
-    ratio = ratio < THIN ? THIN : ratio;
-    stp_vec3 major = stp_add(stp_scale(x, c), stp_scale(y, s));
-    stp_vec3 minor = stp_cross(normal, major);
-    float scale = least / ratio;
+    f->ratio = ratio < THIN ? THIN : ratio;
+    f->major = stp_add(stp_scale(f->x, c), stp_scale(f->y, s));
+    f->minor = stp_cross(f->normal, f->major);
+    f->scale = least / f->ratio;
+}
+
+static inline void reach(stp_ellipse_fit* f, stp_vec3 point)
+{
+    stp_vec3 d = stp_sub(point, f->center);
+    float u = stp_dot(d, f->major), v = stp_dot(d, f->minor) / f->ratio;
+    float away = sqrtf(u * u + v * v);
+    f->scale = away > f->scale ? away : f->scale;
+}
+
+void stp_ellipse_fit_reach(stp_ellipse_fit* fit, stp_vec3 point)
+{
+    reach(fit, point);
+}
+
+stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* f)
+{
+    return (stp_ellipse){.center = f->center,
+                         .normal = f->normal,
+                         .major = stp_scale(f->major, f->scale),
+                         .minor = f->scale * f->ratio};
+}
+
+stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
+                              size_t count, float least)
+{
+    stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal);
     for (size_t i = 0; i < count; ++i) {
-        stp_vec3 d = stp_sub(points[i], center);
-        float u = stp_dot(d, major), v = stp_dot(d, minor) / ratio;
-        float reach = sqrtf(u * u + v * v);
-        scale = reach > scale ? reach : scale;
+        scatter(&fit, points[i]);
     }
-    return (stp_ellipse){.center = center,
-                         .normal = normal,
-                         .major = stp_scale(major, scale),
-                         .minor = scale * ratio};
+    stp_ellipse_fit_turn(&fit, least);
+    for (size_t i = 0; i < count; ++i) {
+        reach(&fit, points[i]);
+    }
+    return stp_ellipse_fit_end(&fit);
+}
+
+double stp_least_eigenvalue(const double m[6])
+{
+    double eigenvalues[3];
+    (void)stp_least_direction(m, eigenvalues);
+    return eigenvalues[0];
 }
 
 /// Turns rows and columns p and q of a symmetric matrix so that a[p][q] is 0 (Jacobi).
