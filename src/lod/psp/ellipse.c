@@ -5,7 +5,9 @@
 
 #define PI 3.14159265358979323846f
 #define THIN 1e-3f ///< of the major axis: the least minor axis
-enum { SWEEPS_MOST = 32 };
+#define CERTAIN                                                                                    \
+    1e-5 ///< of the square of the largest eigenvalue: products of the others below it lose digits
+enum { SWEEPS_MOST = 32, NEWTON_MOST = 16 };
 
 float stp_ellipse_area(const stp_ellipse* ellipse)
 {
@@ -99,13 +101,6 @@ stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* 
     return stp_ellipse_fit_end(&fit);
 }
 
-double stp_least_eigenvalue(const double m[6])
-{
-    double eigenvalues[3];
-    (void)stp_least_direction(m, eigenvalues);
-    return eigenvalues[0];
-}
-
 /// Turns rows and columns p and q of a symmetric matrix so that a[p][q] is 0 (Jacobi).
 static void turn(double a[3][3], double v[3][3], int p, int q)
 {
@@ -150,4 +145,60 @@ stp_vec3d stp_least_direction(const double m[6], double eigenvalues[3])
     eigenvalues[1] = low < high ? low : high;
     eigenvalues[2] = low < high ? high : low;
     return (stp_vec3d){v[0][least], v[1][least], v[2][least]};
+}
+
+/// The least root of the characteristic polynomial of a matrix without negative eigenvalues, by Newton's method from 0: left of
+/// all roots the polynomial is concave, so the steps never pass the first one.
+/// @return false where they converge slowly or digits are lost: two eigenvalues are almost equal, or two almost 0
+static bool find_least_root(const double m[6], double* root)
+{
+    double sum = m[0] + m[3] + m[5];
+    double squares =
+        (m[0] * m[3] - m[1] * m[1]) + (m[0] * m[5] - m[2] * m[2]) + (m[3] * m[5] - m[4] * m[4]);
+    double det = m[0] * (m[3] * m[5] - m[4] * m[4]) - m[1] * (m[1] * m[5] - m[4] * m[2]) +
+                 m[2] * (m[1] * m[4] - m[3] * m[2]);
+    double x = 0.0;
+    if (!(squares > CERTAIN * sum * sum)) {
+        return false;
+    }
+    for (int step = 0; step < NEWTON_MOST; ++step) {
+        double value = ((x - sum) * x + squares) * x - det;
+        double slope = (3.0 * x - 2.0 * sum) * x + squares;
+        double next = x - value / slope;
+        if (!(fabs(next - x) > 1e-15 * sum)) {
+            *root = next;
+            return true;
+        }
+        x = next;
+    }
+    return false;
+}
+
+double stp_least_eigenvalue(const double m[6])
+{
+    double eigenvalues[3];
+    if (!find_least_root(m, &eigenvalues[0])) {
+        (void)stp_least_direction(m, eigenvalues);
+    }
+    return eigenvalues[0];
+}
+
+stp_vec3d stp_scatter_normal(const double m[6])
+{
+    double least, eigenvalues[3];
+    if (find_least_root(m, &least)) {
+        // across two rows of the matrix less the eigenvalue
+        const stp_vec3d rows[3] = {
+            {m[0] - least, m[1], m[2]}, {m[1], m[3] - least, m[4]}, {m[2], m[4], m[5] - least}};
+        stp_vec3d best = {0};
+        for (int i = 0; i < 3; ++i) {
+            stp_vec3d across = stp_crossd(rows[i], rows[(i + 1) % 3]);
+            best = stp_dotd(across, across) > stp_dotd(best, best) ? across : best;
+        }
+        double sum = m[0] + m[3] + m[5];
+        if (stp_dotd(best, best) > CERTAIN * CERTAIN * (sum * sum) * (sum * sum)) {
+            return stp_normalized(best);
+        }
+    }
+    return stp_least_direction(m, eigenvalues);
 }

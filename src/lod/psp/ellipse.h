@@ -48,3 +48,6 @@ double stp_least_eigenvalue(const double matrix[6]);
 /// The direction in which points spread least about their mean: the eigenvector of the least eigenvalue of a symmetric
 /// matrix (xx, xy, xz, yy, yz, zz), of unit length, and all eigenvalues, ascending.
 stp_vec3d stp_least_direction(const double matrix[6], double eigenvalues[3]);
+
+/// The same direction alone, of a matrix that has no negative eigenvalues, such as a scatter.
+stp_vec3d stp_scatter_normal(const double matrix[6]);

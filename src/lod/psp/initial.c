@@ -7,7 +7,7 @@
 static stp_vec3 find_normal(const stp_kd_tree* tree, stp_vec3 p, const uint32_t* places,
                             uint32_t count, stp_vec3 given)
 {
-    double sum[3] = {0}, m[6] = {0}, eigenvalues[3];
+    double sum[3] = {0}, m[6] = {0};
     for (uint32_t i = 0; i < count; ++i) {
         stp_vec3 q = stp_sub(stp_kd_at(tree, places[i]), p);
         double x = (double)q.x, y = (double)q.y, z = (double)q.z;
@@ -30,7 +30,7 @@ static stp_vec3 find_normal(const stp_kd_tree* tree, stp_vec3 p, const uint32_t*
     if (!(m[0] + m[3] + m[5] > 0.0) && stp_dot(given, given) > 0.0f) {
         return stp_normalize(given); // all are in one place
     }
-    stp_vec3 n = stp_normalize(stp_to_float(stp_least_direction(m, eigenvalues)));
+    stp_vec3 n = stp_normalize(stp_to_float(stp_scatter_normal(m)));
     float side = stp_dot(n, given);
     if (side == 0.0f) {
         float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
@@ -70,10 +70,11 @@ typedef struct initial {
 static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const initial* in = user;
+    stp_kd_path path = {.leaf = UINT32_MAX};
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         uint32_t place = (uint32_t)i, places[STP_NEIGHBOURS_MOST];
-        uint32_t count = stp_kd_nearest(in->tree, place, in->k, places);
+        uint32_t count = stp_kd_nearest(in->tree, &path, place, in->k, places);
         uint32_t point = stp_kd_index(in->tree, place);
         const float* n =
             in->points->normals != NULL ? in->points->normals + 3 * (size_t)point : NULL;

@@ -2,7 +2,6 @@
 #include "lod/psp/kd_tree.h"
 
 enum {
-    DEPTH_MOST = 40,
     PARALLEL_RANGES = 256, ///< so many parts are built at a time
 };
 
@@ -81,7 +80,7 @@ static void build_ranges(size_t begin, size_t end, uint32_t worker, void* user)
     const builder* b = user;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        range stack[DEPTH_MOST] = {b->ranges[i]};
+        range stack[STP_KD_DEPTH] = {b->ranges[i]};
         for (uint32_t size = 1; size > 0;) {
             range of = stack[--size];
             if (of.end - of.begin > 1) {
@@ -183,38 +182,28 @@ static inline void search_leaf(const stp_kd_tree* t, uint32_t number, const floa
     }
 }
 
-uint32_t stp_kd_nearest(const stp_kd_tree* t, uint32_t place, uint32_t k, uint32_t* places)
+/// Searches leaves whose cell has the given distances from the point along the axes.
+static void search_range(const stp_kd_tree* t, range whole, const float beyond[3], const float p[3],
+                         uint32_t self, found* f)
 {
     // distances to cells are rounded as those to points are, so no nearer point is passed over
     struct {
         range of;
         float square, away[3]; ///< distance from the point to the cell, and along each axis
-    } stack[DEPTH_MOST];
-    stp_vec3 at = stp_kd_at(t, place);
-    const float p[3] = {at.x, at.y, at.z};
-    found f;
-    f.k = k;
-    f.count = 0;
-    f.limit = HUGE_VALF;
-    f.places = places;
-    stack[0].of = (range){0, t->leaf_count};
-    stack[0].square = stack[0].away[0] = stack[0].away[1] = stack[0].away[2] = 0.0f;
-    for (uint32_t size = 1; size > 0;) {
-        size -= 1;
-        if (!(stack[size].square < f.limit)) {
-            continue;
-        }
-        range of = stack[size].of;
-        float away[3] = {stack[size].away[0], stack[size].away[1], stack[size].away[2]};
+    } stack[STP_KD_DEPTH];
+    range of = whole;
+    float away[3] = {beyond[0], beyond[1], beyond[2]};
+    uint32_t size = 0;
+    for (;;) {
         while (of.end - of.begin > 1) {
             uint32_t middle = middle_of(of);
             stp_kd_node node = t->nodes[middle];
-            float beyond = p[node.axis] - node.split, kept = away[node.axis];
+            float from = p[node.axis] - node.split, kept = away[node.axis];
             range low = {of.begin, middle}, high = {middle, of.end};
-            away[node.axis] = fabsf(beyond);
+            away[node.axis] = stp_max(fabsf(from), kept);
             float square = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
-            if (square < f.limit) {
-                stack[size].of = beyond < 0.0f ? high : low;
+            if (square < f->limit) {
+                stack[size].of = from < 0.0f ? high : low;
                 stack[size].square = square;
                 stack[size].away[0] = away[0];
                 stack[size].away[1] = away[1];
@@ -222,9 +211,60 @@ uint32_t stp_kd_nearest(const stp_kd_tree* t, uint32_t place, uint32_t k, uint32
                 size += 1;
             }
             away[node.axis] = kept;
-            of = beyond < 0.0f ? low : high;
+            of = from < 0.0f ? low : high;
         }
-        search_leaf(t, of.begin, p, place, &f);
+        search_leaf(t, of.begin, p, self, f);
+        do {
+            if (size == 0) {
+                return;
+            }
+            size -= 1;
+        } while (!(stack[size].square < f->limit));
+        of = stack[size].of;
+        away[0] = stack[size].away[0];
+        away[1] = stack[size].away[1];
+        away[2] = stack[size].away[2];
+    }
+}
+
+static void find_path(const stp_kd_tree* t, uint32_t leaf, stp_kd_path* path)
+{
+    range of = {0, t->leaf_count};
+    path->leaf = leaf;
+    for (path->depth = 0; of.end - of.begin > 1; ++path->depth) {
+        uint32_t middle = middle_of(of);
+        range low = {of.begin, middle}, high = {middle, of.end};
+        range other = leaf < middle ? high : low;
+        path->steps[path->depth].begin = other.begin;
+        path->steps[path->depth].end = other.end;
+        path->steps[path->depth].node = t->nodes[middle];
+        of = leaf < middle ? low : high;
+    }
+}
+
+uint32_t stp_kd_nearest(const stp_kd_tree* t, stp_kd_path* path, uint32_t place, uint32_t k,
+                        uint32_t* places)
+{
+    stp_vec3 at = stp_kd_at(t, place);
+    const float p[3] = {at.x, at.y, at.z};
+    found f;
+    f.k = k;
+    f.count = 0;
+    f.limit = HUGE_VALF;
+    f.places = places;
+    if (path->leaf != place / STP_KD_LEAF) {
+        find_path(t, place / STP_KD_LEAF, path);
+    }
+    search_leaf(t, path->leaf, p, place, &f);
+    for (uint32_t step = path->depth; step-- > 0;) { // from the smallest cell outwards
+        stp_kd_node node = path->steps[step].node;
+        float from = fabsf(p[node.axis] - node.split);
+        if (from * from < f.limit) {
+            float away[3] = {0};
+            away[node.axis] = from;
+            search_range(t, (range){path->steps[step].begin, path->steps[step].end}, away, p, place,
+                         &f);
+        }
     }
     return f.count;
 }

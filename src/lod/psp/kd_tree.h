@@ -5,7 +5,7 @@
 #include "base/context.h"
 #include "lod/psp/kd_split.h"
 
-enum { STP_KD_LEAF = 8, STP_NEIGHBOURS_MOST = 32 };
+enum { STP_KD_LEAF = 8, STP_KD_DEPTH = 40, STP_NEIGHBOURS_MOST = 32 };
 
 /// The points of a leaf, by coordinate. The last leaf is filled with points at infinity.
 typedef struct stp_kd_leaf {
@@ -55,8 +55,21 @@ static inline uint32_t stp_kd_index(const stp_kd_tree* tree, uint32_t place)
 /// The box of all points; empty without points.
 stp_box stp_kd_box(const stp_kd_tree* tree);
 
-/// Finds the k points nearest to the one at a place, without itself. Which of equally near points are found depends on the tree.
+/// How the search came to a leaf. Searches of one leaf after another share it.
+typedef struct stp_kd_path {
+    uint32_t leaf;  ///< UINT32_MAX: none yet
+    uint32_t depth; ///< of steps, from the root
+    struct {
+        uint32_t begin, end; ///< leaves on the other side
+        stp_kd_node node;
+    } steps[STP_KD_DEPTH];
+} stp_kd_path;
+
+/// Finds the k points nearest to the one at a place, without itself. Which of equally near points are found depends on the tree
+/// alone.
+/// @param path of the thread; begins with leaf UINT32_MAX. Searches in the order of places are faster
 /// @param k 1 to STP_NEIGHBOURS_MOST
 /// @param places receives them, nearest first
 /// @return how many: k, or all other points
-uint32_t stp_kd_nearest(const stp_kd_tree* tree, uint32_t place, uint32_t k, uint32_t* places);
+uint32_t stp_kd_nearest(const stp_kd_tree* tree, stp_kd_path* path, uint32_t place, uint32_t k,
+                        uint32_t* places);

@@ -91,6 +91,7 @@ static bool link_points(stp_psp_piece* p, uint32_t begin, uint32_t k)
 static bool load_points(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begin)
 {
     uint32_t k = neighbours_of(r);
+    stp_kd_path path = {.leaf = UINT32_MAX};
     size_t most = (size_t)p->count * k + 1;
     if (p->near_room < most) {
         p->near_room = 0;
@@ -104,7 +105,7 @@ static bool load_points(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begi
     for (uint32_t i = 0; i < p->count; ++i) {
         uint32_t* near = p->near + (size_t)i * k;
         if (k > 0) {
-            (void)stp_kd_nearest(&r->tree, begin + i, k, near);
+            (void)stp_kd_nearest(&r->tree, &path, begin + i, k, near);
         }
         begin_splat(r, begin + i, near, k, &p->splats[i], stp_psp_state(p, i));
         if (r->initial != NULL) {
@@ -318,11 +319,12 @@ static float best_of_point(const stp_psp_rounds* r, uint32_t place, void* states
 {
     uint32_t near[STP_NEIGHBOURS_MOST], others[STP_NEIGHBOURS_MOST], k = neighbours_of(r);
     stp_psp_splat own, other;
+    stp_kd_path path = {.leaf = UINT32_MAX};
     float best = HUGE_VALF;
-    (void)stp_kd_nearest(&r->tree, place, k, near);
+    (void)stp_kd_nearest(&r->tree, &path, place, k, near);
     begin_splat(r, place, near, k, &own, states[0]);
     for (uint32_t n = 0; n < k; ++n) {
-        (void)stp_kd_nearest(&r->tree, near[n], k, others);
+        (void)stp_kd_nearest(&r->tree, &path, near[n], k, others);
         begin_splat(r, near[n], others, k, &other, states[1]);
         best = stp_min(
             best, stp_psp_pair_error(&r->shared, r->metric, &own, states[0], &other, states[1]));

@@ -39,10 +39,11 @@ void stp_list_neighbours(const stp_kd_tree* tree, uint32_t place, const uint32_t
 static void search_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const search* s = user;
+    stp_kd_path path = {.leaf = UINT32_MAX};
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         uint32_t place = (uint32_t)i, places[STP_NEIGHBOURS_MOST];
-        uint32_t count = stp_kd_nearest(s->tree, place, s->k, places);
+        uint32_t count = stp_kd_nearest(s->tree, &path, place, s->k, places);
         size_t point = stp_kd_index(s->tree, place);
         stp_list_neighbours(s->tree, place, places, count, s->k, s->neighbours + s->k * point);
     }
