@@ -8,15 +8,18 @@
 enum {
     SAMPLES_MOST = 31, ///< from which a pivot is chosen
     SAMPLED_LEAST = 64,
+    SPREAD_SAMPLES = 64,
     SMALL = 12, ///< sorted by insertion
 };
 
 int stp_kd_widest(const stp_kd_point* points, size_t count)
 {
+    // of many points a sample shows it
+    size_t step = count > SPREAD_SAMPLES ? count / SPREAD_SAMPLES : 1;
     float low[3], high[3];
     memcpy(low, points[0].at, sizeof(low));
     memcpy(high, points[0].at, sizeof(high));
-    for (size_t i = 1; i < count; ++i) {
+    for (size_t i = step; i < count; i += step) {
         for (int axis = 0; axis < 3; ++axis) {
             float x = points[i].at[axis];
             low[axis] = x < low[axis] ? x : low[axis];

@@ -10,7 +10,7 @@ typedef struct stp_kd_point {
     uint32_t index;
 } stp_kd_point;
 
-/// The axis along which the points spread most. `count` is at least 1.
+/// The axis along which the points spread most; of many points, a sample of them. `count` is at least 1.
 int stp_kd_widest(const stp_kd_point* points, size_t count);
 
 /// Reorders points along an axis: smaller ones before `place`, larger ones behind it. `place` is below `count`.

@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum {
-    PIECE_SIZE = 16384, ///< the default
+    PIECE_SIZE = 8192, ///< the default
     SAMPLES = 1024,     ///< of errors, from which the limit of a round is chosen
 };
 
