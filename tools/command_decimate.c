@@ -21,9 +21,9 @@ enum { DEFAULT_SPLATS = 2000 };
 static struct {
     const char* output;
     int by, metric, queue;
-    uint64_t splats, neighbours, threads;
+    uint64_t splats, neighbours, threads, memory;
     double merge_angle;
-    bool has_angle, json;
+    bool has_angle, connect, json;
 } args;
 
 static const option* options(void)
@@ -66,13 +66,20 @@ static const option* options(void)
          .help = "splats whose normals lie farther apart are not merged; default 90",
          .value = &args.merge_angle,
          .given = &args.has_angle},
+        {.name = "connect",
+         .help = "merge also splats that lie or face apart, where no others are left, so that "
+                 "there are "
+                 "no more than asked for",
+         .value = &args.connect},
         {.name = "queue",
          .type = OPTION_CHOICE,
          .words = "eager|lazy",
-         .help = "merges that became impossible leave the queue at once, or when they come up; the "
-                 "result is the same; default eager",
+         .help =
+             "splats whose best merge became worse move back in the queue at once, or when they "
+             "come up; the result is the same; default eager",
          .value = &args.queue},
         OPTION_THREADS(&args.threads),
+        OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
         {0},
     };
@@ -85,6 +92,7 @@ static stp_psp_desc make_desc(void)
     desc.metric = args.metric == 0 ? STP_PSP_NORMALS : STP_PSP_DISTANCES;
     desc.neighbours = args.neighbours != 0 ? (uint32_t)args.neighbours : desc.neighbours;
     desc.eager = args.queue == 0;
+    desc.connect_components = args.connect;
     if (args.has_angle) {
         desc.least_cosine =
             args.merge_angle < 180.0 ? (float)cos(args.merge_angle * 0.017453292519943295) : -2.0f;
@@ -92,17 +100,19 @@ static stp_psp_desc make_desc(void)
     return desc;
 }
 
-static int print_report(const tool_splats* splats, uint32_t points, double seconds)
+static int print_report(stp_context* context, const stp_psp_splats* splats, uint32_t points,
+                        double seconds)
 {
-    double area = 0.0;
+    double area = 0.0, rate = seconds > 0.0 ? points / seconds : 0.0;
     for (uint32_t i = 0; i < splats->count; ++i) {
-        area += (double)stp_ellipse_area(&splats->ellipses[splats->indices[i]]);
+        area += (double)stp_ellipse_area(&splats->ellipses[i]);
     }
     if (args.json) {
-        return tool_print_json(json_pack("{s:s, s:s, s:I, s:I, s:f, s:f}", "by", "psp", "metric",
-                                         args.metric == 0 ? "normals" : "distances", "points",
-                                         (json_int_t)points, "splats", (json_int_t)splats->count,
-                                         "area", area, "seconds", seconds));
+        return tool_print_json(json_pack(
+            "{s:s, s:s, s:I, s:I, s:f, s:f, s:f, s:I}", "by", "psp", "metric",
+            args.metric == 0 ? "normals" : "distances", "points", (json_int_t)points, "splats",
+            (json_int_t)splats->count, "area", area, "seconds", seconds, "points_per_second", rate,
+            "peak_bytes", (json_int_t)stp_context_peak_bytes(context)));
     }
     printf("%u splats for %u points, area %.4g, in %.2f s\n", splats->count, points, area, seconds);
     return 0;
@@ -150,33 +160,33 @@ static int decimate(stp_context* context, const char* path, const tool_points* f
                                    .normals = from->normals,
                                    .colors = colors};
     stp_psp_desc desc = make_desc();
-    stp_psp_forest forest = {0};
+    stp_psp_splats left = {0};
     double start = stp_clock_ms();
     stp_result result = from->colors != NULL && colors == NULL ? stp_fail_memory(context) : STP_OK;
-    result =
-        result == STP_OK ? stp_psp_forest_make(context, &points, &desc, target, &forest) : result;
+    result = result == STP_OK ? stp_psp_decimate(context, &points, &desc, target, &left) : result;
     double seconds = 1e-3 * (stp_clock_ms() - start);
-    uint32_t* cut =
-        result == STP_OK ? STP_NEW_ARRAY(context, uint32_t, (size_t)forest.point_count + 1) : NULL;
+    uint32_t* all =
+        result == STP_OK ? STP_NEW_ARRAY(context, uint32_t, (size_t)left.count + 1) : NULL;
     int code = 1;
-    if (cut != NULL) {
-        tool_splats splats = {.ellipses = forest.ellipses,
-                              .colors = forest.colors,
-                              .indices = cut,
-                              .count = stp_psp_forest_cut(&forest, target, cut)};
+    if (all != NULL) {
+        for (uint32_t i = 0; i < left.count; ++i) {
+            all[i] = i;
+        }
+        tool_splats splats = {
+            .ellipses = left.ellipses, .colors = left.colors, .indices = all, .count = left.count};
         memcpy(splats.origin, from->origin, sizeof(splats.origin));
         if (splats.count > target) {
             stp_notice(context, "%u splats are left: their points lie apart, or face apart",
                        splats.count);
         }
         result = tool_write_any_splats(context, args.output, &splats, from->up);
-        code = result == STP_OK ? print_report(&splats, from->count, seconds) : 1;
+        code = result == STP_OK ? print_report(context, &left, from->count, seconds) : 1;
     } else if (result == STP_OK) {
         (void)stp_fail_memory(context);
     }
-    stp_free(context, cut);
+    stp_free(context, all);
     stp_free(context, colors);
-    stp_psp_forest_destroy(context, &forest);
+    stp_psp_splats_destroy(context, &left);
     return code;
 }
 
@@ -188,7 +198,7 @@ static int run(int argc, char** argv)
             "decimate: --metric, --neighbours, --merge-angle and --queue need --by psp");
     }
     const tool_points_command task = {"decimate", "model", "SPLATS.ply", decimate, args.by != 0};
-    return tool_run_on_points(&task, argc, argv, args.output, args.threads);
+    return tool_run_on_points(&task, argc, argv, args.output, args.threads, args.memory);
 }
 
 const command command_decimate = {

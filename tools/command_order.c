@@ -155,7 +155,7 @@ static int run(int argc, char** argv)
 {
     static const tool_points_command task = {
         .name = "order", .input = "file of points", .output = "ORDERED.ply", .work = order_points};
-    return tool_run_on_points(&task, argc, argv, args.output, args.threads);
+    return tool_run_on_points(&task, argc, argv, args.output, args.threads, 0);
 }
 
 const command command_order = {

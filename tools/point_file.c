@@ -197,7 +197,7 @@ stp_result tool_read_points(stp_context* context, const char* path, const double
 }
 
 int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
-                       uint64_t threads)
+                       uint64_t threads, uint64_t memory)
 {
     if (argc != 1) {
         return tool_usage_error("%s: expected one %s", task->name, task->input);
@@ -212,7 +212,7 @@ int tool_run_on_points(const tool_points_command* task, int argc, char** argv, c
     if (refused != 0) {
         return refused;
     }
-    stp_context* context = tool_context_create((uint32_t)threads, 0, NULL);
+    stp_context* context = tool_context_create((uint32_t)threads, memory, NULL);
     if (context == NULL) {
         return 1;
     }

@@ -41,9 +41,10 @@ typedef struct tool_points_command {
     bool triangles; ///< it needs those of meshes, too
 } tool_points_command;
 
-/// Runs it. @param path of the output; NULL: none was given. @return the exit status; what is wrong is printed
+/// Runs it. @param path of the output; NULL: none was given. @param memory the most bytes to use; 0: no limit
+/// @return the exit status; what is wrong is printed
 int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
-                       uint64_t threads);
+                       uint64_t threads, uint64_t memory);
 void tool_points_destroy(stp_context* context, tool_points* points);
 
 /// Writes points in the given order as a binary PLY.

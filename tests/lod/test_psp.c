@@ -57,7 +57,7 @@ void test_psp_finds_nearest_points(test_state* test)
         CHECK_EQUAL(STP_OK, stp_find_nearest_points(context, positions, POINTS, K, near));
         for (uint32_t i = 0; i < POINTS; i += 7) {
             float last = -1.0f;
-            uint32_t before = 0, closer = 0;
+            uint32_t before = 0, closer = 0, as_near = 0;
             for (uint32_t k = 0; k < K; ++k) {
                 uint32_t n = near[K * i + k];
                 CHECK(n < POINTS && n != i);
@@ -76,9 +76,10 @@ void test_psp_finds_nearest_points(test_state* test)
                     float x = positions[3 * n + (uint32_t)c] - positions[3 * i + (uint32_t)c];
                     d += x * x;
                 }
-                closer += n != i && (d < last || (d == last && n <= before)) ? 1 : 0;
+                closer += n != i && d < last ? 1 : 0;
+                as_near += n != i && d == last ? 1 : 0;
             }
-            CHECK_EQUAL(K, closer);
+            CHECK(closer < K && closer + as_near >= K); // of equally near ones any may be listed
         }
         stp_context_destroy(context);
     }
@@ -263,10 +264,10 @@ void test_psp_takes_any_points(test_state* test)
                 stp_psp_desc desc = stp_psp_desc_default();
                 stp_psp_forest f;
                 desc.metric = (stp_psp_metric)metric;
-                desc.joins_all = metric == STP_PSP_REGIONS;
+                desc.connect_components = metric == STP_PSP_REGIONS;
                 CHECK_EQUAL(STP_OK, stp_psp_forest_make(context, &points, &desc, 1, &f));
                 CHECK(is_forest(&f));
-                CHECK(!desc.joins_all || counts[c] == 0 || f.merge_count == counts[c] - 1);
+                CHECK(!desc.connect_components || counts[c] == 0 || f.merge_count == counts[c] - 1);
                 for (uint32_t i = 0; i < counts[c] + f.merge_count; ++i) {
                     const stp_ellipse* e = &f.ellipses[i];
                     CHECK(isfinite(e->center.x) && isfinite(e->minor) && e->minor > 0.0f);

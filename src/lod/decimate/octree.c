@@ -63,12 +63,16 @@ static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cel
         xy += area * (u * v - own * nu * nv);
         yy += area * (v * v + own * (1.0 - nv * nv));
     }
-    stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal, xx, xy, yy, m->least);
+    stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal);
+    fit.xx = xx;
+    fit.xy = xy;
+    fit.yy = yy;
+    stp_ellipse_fit_turn(&fit, m->least);
     for (uint32_t i = cell->begin; i < cell->end; ++i) {
         stp_vec3 samples[STP_ELLIPSE_SAMPLES];
         stp_ellipse_sample(&t->disks[t->order[i]], samples);
         for (int s = 0; s < STP_ELLIPSE_SAMPLES; ++s) {
-            stp_ellipse_fit_add(&fit, samples[s]);
+            stp_ellipse_fit_reach(&fit, samples[s]);
         }
     }
     return stp_ellipse_fit_end(&fit);

@@ -5,7 +5,9 @@
 
 #define PI 3.14159265358979323846f
 #define THIN 1e-3f ///< of the major axis: the least minor axis
-enum { SWEEPS_MOST = 32 };
+#define CERTAIN                                                                                    \
+    1e-5 ///< of the square of the largest eigenvalue: products of the others below it lose digits
+enum { SWEEPS_MOST = 32, NEWTON_MOST = 16 };
 
 float stp_ellipse_area(const stp_ellipse* ellipse)
 {
@@ -27,59 +29,74 @@ void stp_ellipse_sample(const stp_ellipse* e, stp_vec3 samples[STP_ELLIPSE_SAMPL
     }
 }
 
-stp_ellipse_fit stp_ellipse_fit_begin(stp_vec3 center, stp_vec3 normal, double xx, double xy,
-                                      double yy, float least)
+stp_ellipse_fit stp_ellipse_fit_begin(stp_vec3 center, stp_vec3 normal)
 {
     stp_disk_axes axes = stp_disk_axes_across(normal);
+    return (stp_ellipse_fit){.center = center, .normal = normal, .x = axes.x, .y = axes.y};
+}
+
+static inline void scatter(stp_ellipse_fit* f, stp_vec3 point)
+{
+    stp_vec3 d = stp_sub(point, f->center);
+    double u = (double)stp_dot(d, f->x), v = (double)stp_dot(d, f->y);
+    f->xx += u * u;
+    f->xy += u * v;
+    f->yy += v * v;
+}
+
+void stp_ellipse_fit_scatter(stp_ellipse_fit* fit, stp_vec3 point)
+{
+    scatter(fit, point);
+}
+
+void stp_ellipse_fit_turn(stp_ellipse_fit* f, float least)
+{
     // eigenvalues of the scatter, and the direction of the larger one
-    double half = 0.5 * (xx - yy), root = sqrt(half * half + xy * xy), mean = 0.5 * (xx + yy);
+    double half = 0.5 * (f->xx - f->yy), root = sqrt(half * half + f->xy * f->xy);
+    double mean = 0.5 * (f->xx + f->yy);
     double large = mean + root, small = mean - root > 0.0 ? mean - root : 0.0;
-    double along = half >= 0.0 ? half + root : xy, beside = half >= 0.0 ? xy : root - half;
+    double along = half >= 0.0 ? half + root : f->xy, beside = half >= 0.0 ? f->xy : root - half;
     double length = sqrt(along * along + beside * beside);
     float c = length > 0.0 ? (float)(along / length) : 1.0f;
     float s = length > 0.0 ? (float)(beside / length) : 0.0f;
     float ratio = large > 0.0 ? (float)sqrt(small / large) : 1.0f;
-    ratio = ratio < THIN ? THIN : ratio;
-    stp_vec3 major = stp_add(stp_scale(axes.x, c), stp_scale(axes.y, s));
-    return (stp_ellipse_fit){.center = center,
-                             .normal = normal,
-                             .major = major,
-                             .minor = stp_cross(normal, major),
-                             .ratio = ratio,
-                             .scale = least / ratio};
+    f->ratio = ratio < THIN ? THIN : ratio;
+    f->major = stp_add(stp_scale(f->x, c), stp_scale(f->y, s));
+    f->minor = stp_cross(f->normal, f->major);
+    f->scale = least / f->ratio;
 }
 
-void stp_ellipse_fit_add(stp_ellipse_fit* fit, stp_vec3 point)
+static inline void reach(stp_ellipse_fit* f, stp_vec3 point)
 {
-    stp_vec3 d = stp_sub(point, fit->center);
-    float u = stp_dot(d, fit->major), v = stp_dot(d, fit->minor) / fit->ratio;
-    float reach = sqrtf(u * u + v * v);
-    fit->scale = reach > fit->scale ? reach : fit->scale;
+    stp_vec3 d = stp_sub(point, f->center);
+    float u = stp_dot(d, f->major), v = stp_dot(d, f->minor) / f->ratio;
+    float away = sqrtf(u * u + v * v);
+    f->scale = away > f->scale ? away : f->scale;
 }
 
-stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* fit)
+void stp_ellipse_fit_reach(stp_ellipse_fit* fit, stp_vec3 point)
 {
-    return (stp_ellipse){.center = fit->center,
-                         .normal = fit->normal,
-                         .major = stp_scale(fit->major, fit->scale),
-                         .minor = fit->scale * fit->ratio};
+    reach(fit, point);
+}
+
+stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* f)
+{
+    return (stp_ellipse){.center = f->center,
+                         .normal = f->normal,
+                         .major = stp_scale(f->major, f->scale),
+                         .minor = f->scale * f->ratio};
 }
 
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
                               size_t count, float least)
 {
-    stp_disk_axes axes = stp_disk_axes_across(normal);
-    double xx = 0.0, xy = 0.0, yy = 0.0;
+    stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal);
     for (size_t i = 0; i < count; ++i) {
-        stp_vec3 d = stp_sub(points[i], center);
-        double u = (double)stp_dot(d, axes.x), v = (double)stp_dot(d, axes.y);
-        xx += u * u;
-        xy += u * v;
-        yy += v * v;
+        scatter(&fit, points[i]);
     }
-    stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal, xx, xy, yy, least);
+    stp_ellipse_fit_turn(&fit, least);
     for (size_t i = 0; i < count; ++i) {
-        stp_ellipse_fit_add(&fit, points[i]);
+        reach(&fit, points[i]);
     }
     return stp_ellipse_fit_end(&fit);
 }
@@ -128,4 +145,60 @@ stp_vec3d stp_least_direction(const double m[6], double eigenvalues[3])
     eigenvalues[1] = low < high ? low : high;
     eigenvalues[2] = low < high ? high : low;
     return (stp_vec3d){v[0][least], v[1][least], v[2][least]};
+}
+
+/// The least root of the characteristic polynomial of a matrix without negative eigenvalues, by Newton's method from 0: left of
+/// all roots the polynomial is concave, so the steps never pass the first one.
+/// @return false where they converge slowly or digits are lost: two eigenvalues are almost equal, or two almost 0
+static bool find_least_root(const double m[6], double* root)
+{
+    double sum = m[0] + m[3] + m[5];
+    double squares =
+        (m[0] * m[3] - m[1] * m[1]) + (m[0] * m[5] - m[2] * m[2]) + (m[3] * m[5] - m[4] * m[4]);
+    double det = m[0] * (m[3] * m[5] - m[4] * m[4]) - m[1] * (m[1] * m[5] - m[4] * m[2]) +
+                 m[2] * (m[1] * m[4] - m[3] * m[2]);
+    double x = 0.0;
+    if (!(squares > CERTAIN * sum * sum)) {
+        return false;
+    }
+    for (int step = 0; step < NEWTON_MOST; ++step) {
+        double value = ((x - sum) * x + squares) * x - det;
+        double slope = (3.0 * x - 2.0 * sum) * x + squares;
+        double next = x - value / slope;
+        if (!(fabs(next - x) > 1e-15 * sum)) {
+            *root = next;
+            return true;
+        }
+        x = next;
+    }
+    return false;
+}
+
+double stp_least_eigenvalue(const double m[6])
+{
+    double eigenvalues[3];
+    if (!find_least_root(m, &eigenvalues[0])) {
+        (void)stp_least_direction(m, eigenvalues);
+    }
+    return eigenvalues[0];
+}
+
+stp_vec3d stp_scatter_normal(const double m[6])
+{
+    double least, eigenvalues[3];
+    if (find_least_root(m, &least)) {
+        // across two rows of the matrix less the eigenvalue
+        const stp_vec3d rows[3] = {
+            {m[0] - least, m[1], m[2]}, {m[1], m[3] - least, m[4]}, {m[2], m[4], m[5] - least}};
+        stp_vec3d best = {0};
+        for (int i = 0; i < 3; ++i) {
+            stp_vec3d across = stp_crossd(rows[i], rows[(i + 1) % 3]);
+            best = stp_dotd(across, across) > stp_dotd(best, best) ? across : best;
+        }
+        double sum = m[0] + m[3] + m[5];
+        if (stp_dotd(best, best) > CERTAIN * CERTAIN * (sum * sum) * (sum * sum)) {
+            return stp_normalized(best);
+        }
+    }
+    return stp_least_direction(m, eigenvalues);
 }

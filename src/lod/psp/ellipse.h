@@ -27,22 +27,27 @@ void stp_ellipse_sample(const stp_ellipse* ellipse, stp_vec3 samples[STP_ELLIPSE
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
                               size_t count, float least);
 
-/// An ellipse of known directions that grows until it covers what is added.
+/// stp_ellipse_cover in steps, for points that are not in one array: begin, scatter all points, turn, reach all points, end.
 typedef struct stp_ellipse_fit {
-    stp_vec3 center, normal;
-    stp_vec3 major, minor; ///< directions of the axes, of unit length
-    float ratio;           ///< of the minor axis to the major one, 0.001 to 1
-    float scale;           ///< length of the major axis so far
+    stp_vec3 center, normal, x, y;
+    double xx, xy, yy;
+    stp_vec3 major, minor; ///< of unit length
+    float ratio, scale;    ///< minor to major axis; length of the major axis
 } stp_ellipse_fit;
 
-/// Begins with axes that are `least` long or longer. Their directions and ratio are those of a scatter in the plane across
-/// `normal`, along the axes of stp_disk_axes_across (base/coverage.h): the sums of squares xx and yy, and of products xy.
-stp_ellipse_fit stp_ellipse_fit_begin(stp_vec3 center, stp_vec3 normal, double xx, double xy,
-                                      double yy, float least);
-/// Grows until the ellipse covers the projection of a point.
-void stp_ellipse_fit_add(stp_ellipse_fit* fit, stp_vec3 point);
+stp_ellipse_fit stp_ellipse_fit_begin(stp_vec3 center, stp_vec3 normal);
+void stp_ellipse_fit_scatter(stp_ellipse_fit* fit, stp_vec3 point);
+void stp_ellipse_fit_turn(stp_ellipse_fit* fit, float least);
+void stp_ellipse_fit_reach(stp_ellipse_fit* fit, stp_vec3 point);
 stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* fit);
+
+/// The least eigenvalue of a symmetric matrix (xx, xy, xz, yy, yz, zz) that has no negative ones; rounding may make it slightly
+/// negative.
+double stp_least_eigenvalue(const double matrix[6]);
 
 /// The direction in which points spread least about their mean: the eigenvector of the least eigenvalue of a symmetric
 /// matrix (xx, xy, xz, yy, yz, zz), of unit length, and all eigenvalues, ascending.
 stp_vec3d stp_least_direction(const double matrix[6], double eigenvalues[3]);
+
+/// The same direction alone, of a matrix that has no negative eigenvalues, such as a scatter.
+stp_vec3d stp_scatter_normal(const double matrix[6]);

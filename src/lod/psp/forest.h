@@ -27,10 +27,15 @@ typedef struct stp_psp_desc {
     uint32_t neighbours; ///< of a point, 1 to STP_NEIGHBOURS_MOST; the paper's k is 8
     float
         least_cosine; ///< of the normals of splats that may be merged; the default is 0: a right angle
-    /// When no pair of neighbours may be merged, links what is left anew by the nearest centres, whatever the normals.
-    bool joins_all;
-    bool
-        eager; ///< merges that are no longer possible leave the queue at once, not when they come up; same result
+    /// A splat whose best merge became worse moves back in the queue at once, not when it comes up. The result is the same.
+    bool eager;
+    /// Where no merge is possible and more than the target are left, each splat is linked with the nearest ones anew, and
+    /// merging goes on, so the target is always reached. From then on `least_cosine` holds only with `keep_angle`, and then
+    /// more splats than the target may be left.
+    bool connect_components;
+    bool keep_angle;
+    uint32_t
+        piece_size; ///< splats that one queue merges, 8 and more; 0: the default. More are merged in pieces
 } stp_psp_desc;
 
 stp_psp_desc stp_psp_desc_default(void);
@@ -39,20 +44,25 @@ stp_psp_desc stp_psp_desc_default(void);
 typedef struct stp_psp_merge {
     uint32_t left, right;
     double
-        error; ///< by the metric, weighted by the distance of the two (formulas 1 and 2) but for regions
+        error; ///< as the metric has it, weighted by the distance of the two (formulas 1 and 2); in
+               ///< model units, and rounded to a float in those of the merge
+    double
+        level; ///< the largest error of the merge and of all below it. Never decreases from merge to merge
 } stp_psp_merge;
 
 typedef struct stp_psp_forest {
     uint32_t point_count, merge_count;
     stp_ellipse* ellipses; ///< of points, then of merges
-    float* areas;          ///< of regions the surface that a splat stands for, else of its ellipse
     uint8_t* colors;       ///< 3 a splat, sRGB; means by area
     stp_psp_merge* merges;
     uint32_t* parents; ///< of a splat the merge that took it; UINT32_MAX: none
 } stp_psp_forest;
 
 /// Merges until `target` splats are left, or none can be merged. Points without neighbours, or with those alone that face
-/// elsewhere, stay. Deterministic.
+/// elsewhere, stay. One queue merges up to `piece_size` splats; more are merged in pieces on all threads. Deterministic; the
+/// result does not depend on the number of threads, but it depends on `piece_size`.
+///
+/// Coordinates that are not numbers count as 0; magnitudes beyond 1e18 of the merge's units are cut to that.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^30 points and more; logged). Freed by
 ///         stp_psp_forest_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* points,
@@ -64,3 +74,18 @@ void stp_psp_forest_destroy(stp_context* context, stp_psp_forest* forest);
 /// @param splats room for as many as `count`, or as there are roots, whichever is more
 /// @return how many: `count`; the number of points or of roots where it is more or less than those
 uint32_t stp_psp_forest_cut(const stp_psp_forest* forest, uint32_t count, uint32_t* splats);
+
+/// The splats that are left, without their history.
+typedef struct stp_psp_splats {
+    uint32_t count;
+    stp_ellipse* ellipses;
+    uint8_t* colors; ///< 3 a splat, sRGB
+} stp_psp_splats;
+
+/// Merges as stp_psp_forest_make does, and keeps only what is left: the same splats as those of stp_psp_forest_cut at the
+/// target, in order of the least index of the points they stand for. Takes far less memory (docs/algorithms.md).
+/// @return as stp_psp_forest_make. Freed by stp_psp_splats_destroy, also after a failure
+STP_MUST_USE stp_result stp_psp_decimate(stp_context* context, const stp_psp_points* points,
+                                         const stp_psp_desc* desc, uint32_t target,
+                                         stp_psp_splats* splats);
+void stp_psp_splats_destroy(stp_context* context, stp_psp_splats* splats);

@@ -1,52 +1,37 @@
 // SPDX-License-Identifier: MIT
 #include "lod/psp/initial.h"
 
-#include "base/jobs.h"
 #include "lod/psp/nearest_points.h"
 
-typedef struct initial {
-    const stp_psp_points* points;
-    stp_ellipse* ellipses;
-    const uint32_t* neighbours;
-    uint32_t k;
-    float alone; ///< radius of a splat without neighbours
-} initial;
-
-static stp_vec3 vector_at(const float* values, size_t index)
-{
-    return (stp_vec3){values[3 * index], values[3 * index + 1], values[3 * index + 2]};
-}
-
 /// The normal of the plane nearest to a point and its neighbours.
-static stp_vec3 find_normal(const initial* in, uint32_t point)
+static stp_vec3 find_normal(const stp_kd_tree* tree, stp_vec3 p, const uint32_t* places,
+                            uint32_t count, stp_vec3 given)
 {
-    const uint32_t* near = in->neighbours + (size_t)in->k * point;
-    stp_vec3 p = vector_at(in->points->positions, point);
-    double sum[3] = {0}, m[6] = {0}, count = 1.0, eigenvalues[3];
-    for (uint32_t i = 0; i < in->k && near[i] != UINT32_MAX; ++i) {
-        stp_vec3 q = stp_sub(vector_at(in->points->positions, near[i]), p);
-        const double d[3] = {(double)q.x, (double)q.y, (double)q.z};
-        for (int a = 0, at = 0; a < 3; ++a) {
-            sum[a] += d[a];
-            for (int b = a; b < 3; ++b) {
-                m[at++] += d[a] * d[b];
-            }
-        }
-        count += 1.0;
+    double sum[3] = {0}, m[6] = {0};
+    for (uint32_t i = 0; i < count; ++i) {
+        stp_vec3 q = stp_sub(stp_kd_at(tree, places[i]), p);
+        double x = (double)q.x, y = (double)q.y, z = (double)q.z;
+        sum[0] += x;
+        sum[1] += y;
+        sum[2] += z;
+        m[0] += x * x;
+        m[1] += x * y;
+        m[2] += x * z;
+        m[3] += y * y;
+        m[4] += y * z;
+        m[5] += z * z;
     }
+    double share = 1.0 / ((double)count + 1.0);
     for (int a = 0, at = 0; a < 3; ++a) {
         for (int b = a; b < 3; ++b) {
-            m[at++] -= sum[a] * sum[b] / count;
+            m[at++] -= sum[a] * sum[b] * share;
         }
     }
-    stp_vec3d found = stp_least_direction(m, eigenvalues);
-    stp_vec3 n = stp_normalize((stp_vec3){(float)found.x, (float)found.y, (float)found.z});
-    stp_vec3 given =
-        in->points->normals != NULL ? vector_at(in->points->normals, point) : (stp_vec3){0};
-    float side = stp_dot(n, given);
     if (!(m[0] + m[3] + m[5] > 0.0) && stp_dot(given, given) > 0.0f) {
         return stp_normalize(given); // all are in one place
     }
+    stp_vec3 n = stp_normalize(stp_to_float(stp_scatter_normal(m)));
+    float side = stp_dot(n, given);
     if (side == 0.0f) {
         float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
         side = x >= y && x >= z ? n.x : y >= z ? n.y : n.z;
@@ -54,40 +39,64 @@ static stp_vec3 find_normal(const initial* in, uint32_t point)
     return side < 0.0f ? stp_scale(n, -1.0f) : n;
 }
 
+stp_ellipse stp_psp_initial_splat(const stp_kd_tree* tree, uint32_t place, const uint32_t* places,
+                                  uint32_t count, stp_vec3 given, float alone)
+{
+    stp_vec3 p = stp_kd_at(tree, place), n = find_normal(tree, p, places, count, given);
+    float square = 0.0f;
+    for (uint32_t i = 0; i < count; ++i) {
+        stp_vec3 d = stp_sub(stp_kd_at(tree, places[i]), p);
+        d = stp_sub(d, stp_scale(n, stp_dot(d, n)));
+        square = stp_max(square, stp_dot(d, d));
+    }
+    float radius = sqrtf(square);
+    return stp_ellipse_cover(p, n, NULL, 0, radius > 0.0f ? radius : alone);
+}
+
+float stp_psp_radius_alone(float size)
+{
+    return size > 0.0f && size < HUGE_VALF ? 1e-3f * size : 1.0f;
+}
+
+typedef struct initial {
+    const stp_psp_points* points;
+    const stp_kd_tree* tree;
+    stp_ellipse* ellipses;
+    uint32_t* neighbours;
+    uint32_t k;
+    float alone;
+} initial;
+
 static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const initial* in = user;
+    stp_kd_path path = {.leaf = UINT32_MAX};
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        const uint32_t* near = in->neighbours + in->k * i;
-        stp_vec3 p = vector_at(in->points->positions, i), n = find_normal(in, (uint32_t)i);
-        float radius = 0.0f;
-        for (uint32_t k = 0; k < in->k && near[k] != UINT32_MAX; ++k) {
-            stp_vec3 d = stp_sub(vector_at(in->points->positions, near[k]), p);
-            d = stp_sub(d, stp_scale(n, stp_dot(d, n)));
-            radius = fmaxf(radius, stp_length(d));
-        }
-        in->ellipses[i] = stp_ellipse_cover(p, n, NULL, 0, radius > 0.0f ? radius : in->alone);
+        uint32_t place = (uint32_t)i, places[STP_NEIGHBOURS_MOST];
+        uint32_t count = stp_kd_nearest(in->tree, &path, place, in->k, places);
+        uint32_t point = stp_kd_index(in->tree, place);
+        const float* n =
+            in->points->normals != NULL ? in->points->normals + 3 * (size_t)point : NULL;
+        stp_vec3 given = n != NULL ? (stp_vec3){n[0], n[1], n[2]} : (stp_vec3){0};
+        in->ellipses[point] =
+            stp_psp_initial_splat(in->tree, place, places, count, given, in->alone);
+        stp_list_neighbours(in->tree, place, places, count, in->k,
+                            in->neighbours + (size_t)in->k * point);
     }
 }
 
 stp_result stp_psp_make_initial(stp_context* context, const stp_psp_points* points, uint32_t k,
                                 stp_ellipse* ellipses, uint32_t* neighbours)
 {
-    stp_box box = stp_box_empty();
-    for (size_t i = 0; i < points->count; ++i) {
-        stp_box_add(&box, vector_at(points->positions, i));
-    }
-    float size = points->count > 0 ? stp_length(stp_sub(box.max, box.min)) : 0.0f;
-    initial in = {.points = points,
-                  .ellipses = ellipses,
-                  .neighbours = neighbours,
-                  .k = k,
-                  .alone = size > 0.0f && size < HUGE_VALF ? 1e-3f * size : 1.0f};
-    stp_result result =
-        stp_find_nearest_points(context, points->positions, points->count, k, neighbours);
+    stp_kd_tree tree;
+    stp_result result = stp_kd_tree_make(context, points->positions, points->count, 1.0f, &tree);
     if (result == STP_OK) {
-        stp_parallel_for(context, points->count, 256, make_some, &in);
+        stp_box box = stp_kd_box(&tree);
+        float size = points->count > 0 ? stp_length(stp_sub(box.max, box.min)) : 0.0f;
+        initial in = {points, &tree, ellipses, neighbours, k, stp_psp_radius_alone(size)};
+        stp_parallel_for(context, points->count, 1024, make_some, &in);
     }
+    stp_kd_tree_destroy(context, &tree);
     return result;
 }

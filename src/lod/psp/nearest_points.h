@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
-// The k nearest neighbours of each point of a set: a balanced kd-tree without pointers.
+// The k nearest neighbours of each point of a set.
 #pragma once
 
-#include "base/context.h"
+#include "lod/psp/kd_tree.h"
 
-enum { STP_NEIGHBOURS_MOST = 32 };
+/// Lists the neighbours that stp_kd_nearest found as stp_find_nearest_points does, in k places.
+void stp_list_neighbours(const stp_kd_tree* tree, uint32_t place, const uint32_t* places,
+                         uint32_t count, uint32_t k, uint32_t* neighbours);
 
-/// Lists for each point the nearest other ones, nearest first; of points as near, the lower index first. On all threads; results
-/// do not depend on their number.
-/// @param positions 3 floats a point, finite
+/// Lists for each point the nearest other ones, nearest first; of equally near ones that are listed, the lower index first. Where
+/// several are equally far as the last, any of them may be listed; which one depends on the points alone. Runs on all
+/// threads; results do not depend on their number.
+/// @param positions 3 floats a point, read as stp_kd_tree_make does
 /// @param k 1 to STP_NEIGHBOURS_MOST
 /// @param neighbours receives k a point; UINT32_MAX where there are fewer
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

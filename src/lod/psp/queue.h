@@ -1,30 +1,27 @@
 // SPDX-License-Identifier: MIT
-// A priority queue of merges: a binary heap that knows where each of them is.
+// A priority queue of splats by the error of their best merge: a heap with four children a node that knows where each splat is.
 #pragma once
 
-#include "base/context.h"
+#include "lod/psp/metric.h"
 
-/// A merge that is possible. The one of least error comes first; of equal ones that of least weight, then of least numbers,
-/// so that the order is the same everywhere, and a plane is merged evenly.
-typedef struct stp_psp_edge {
-    double error, weight;
-    uint32_t left, right; ///< splats
-    uint32_t place;       ///< in the heap; UINT32_MAX: not in it
-} stp_psp_edge;
+typedef struct stp_psp_queue_entry {
+    float error;
+    uint32_t splat;
+} stp_psp_queue_entry;
 
+/// Of equal errors, the splat of lower key comes first.
 typedef struct stp_psp_queue {
-    stp_context* context;
-    stp_psp_edge* edges;
-    uint32_t* heap; ///< of edges
-    uint32_t edge_count, heap_count;
-    size_t edge_capacity, heap_capacity;
+    stp_psp_queue_entry* heap; ///< room for all splats
+    uint32_t* places;          ///< of a splat in the heap; UINT32_MAX: it is not queued
+    const stp_psp_splat* splats;
+    uint32_t count;
 } stp_psp_queue;
 
-/// Adds an edge, which keeps its number. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged)
-STP_MUST_USE stp_result stp_psp_queue_add(stp_psp_queue* queue, stp_psp_edge edge,
-                                          uint32_t* number);
-/// Takes the first one out. @return its number; UINT32_MAX: there is none
-uint32_t stp_psp_queue_take(stp_psp_queue* queue);
-/// Takes out one that is no longer possible; nothing if it is not in the heap.
-void stp_psp_queue_remove(stp_psp_queue* queue, uint32_t number);
-void stp_psp_queue_destroy(stp_psp_queue* queue);
+/// Appends an entry of a splat that is not queued. Call stp_psp_queue_order after the last one.
+void stp_psp_queue_append(stp_psp_queue* queue, uint32_t splat, float error);
+void stp_psp_queue_order(stp_psp_queue* queue);
+
+/// Queues a splat, or moves it to another error.
+void stp_psp_queue_set(stp_psp_queue* queue, uint32_t splat, float error);
+/// Takes a splat out; nothing if it is not queued.
+void stp_psp_queue_remove(stp_psp_queue* queue, uint32_t splat);

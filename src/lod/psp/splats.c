@@ -29,7 +29,7 @@ typedef struct psp_maker {
     const stp_splats* samples;
     stp_splats* splats;
     stp_method_samples points;
-    float* areas;
+    float* areas; ///< of splats of the forest: the surface that they stand for
     stp_psp_forest forest;
     stp_psp_sequence sequence;
     uint32_t* counts;                    ///< of merges: samples
@@ -46,7 +46,7 @@ static stp_result make_forest(psp_maker* m)
     if (!(m->cell > FLT_MIN)) { // samples of few places
         m->cell = fmaxf(m->samples->step * m->samples->step, FLT_MIN);
     }
-    m->areas = STP_NEW_ARRAY(m->context, float, (size_t)p->count + 1);
+    m->areas = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
     if (m->areas == NULL) {
         return stp_fail_memory(m->context);
     }
@@ -60,7 +60,7 @@ static stp_result make_forest(psp_maker* m)
                                  .areas = m->areas};
     stp_psp_desc desc = stp_psp_desc_default();
     desc.metric = STP_PSP_REGIONS;
-    desc.joins_all = true;
+    desc.connect_components = true;
     return stp_psp_forest_make(m->context, &from, &desc, 1, &m->forest);
 }
 
@@ -121,7 +121,7 @@ static uint32_t find_shape(const psp_maker* m, float major, float minor, const i
 static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
 {
     const stp_ellipse* e = &m->forest.ellipses[splat];
-    float major = stp_length(e->major), minor = e->minor, area = m->forest.areas[splat];
+    float major = stp_length(e->major), minor = e->minor, area = m->areas[splat];
     float share = area / (float)(PI * (double)major * (double)minor);
     bool scattered = share < SCATTERED;
     // what covers a small part of its samples' disks, such as wires, does not reach out by all of the margin
@@ -171,9 +171,10 @@ static void find_materials(const psp_maker* m)
     memcpy(m->materials, m->samples->materials, f->point_count);
     for (uint32_t i = 0; i < f->merge_count; ++i) {
         const uint32_t parts[2] = {f->merges[i].left, f->merges[i].right};
-        uint32_t larger = f->areas[parts[0]] >= f->areas[parts[1]] ? parts[0] : parts[1];
+        uint32_t larger = m->areas[parts[0]] >= m->areas[parts[1]] ? parts[0] : parts[1];
         m->materials[f->point_count + i] = m->materials[larger];
         m->counts[i] = 0;
+        m->areas[f->point_count + i] = m->areas[parts[0]] + m->areas[parts[1]];
         for (int k = 0; k < 2; ++k) {
             m->counts[i] += parts[k] < f->point_count ? 1 : m->counts[parts[k] - f->point_count];
         }

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// Splits points in space: the step that kd-trees and the pieces of a large merge share.
+#pragma once
+
+#include "base/math.h"
+
+/// A point and its number. The number also breaks ties, so each order along an axis is total.
+typedef struct stp_kd_point {
+    float at[3];
+    uint32_t index;
+} stp_kd_point;
+
+/// The axis along which the points spread most; of many points, a sample of them. `count` is at least 1.
+int stp_kd_widest(const stp_kd_point* points, size_t count);
+
+/// Reorders points along an axis: smaller ones before `place`, larger ones behind it. `place` is below `count`.
+/// Expected linear time for any input. The result depends on the input alone.
+void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis);

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// A balanced kd-tree with eight points a leaf: the order of its leaves is also an order of the points in space.
+#pragma once
+
+#include "base/context.h"
+#include "lod/psp/kd_split.h"
+
+enum { STP_KD_LEAF = 8, STP_KD_DEPTH = 40, STP_NEIGHBOURS_MOST = 32 };
+
+/// The points of a leaf, by coordinate. The last leaf is filled with points at infinity.
+typedef struct stp_kd_leaf {
+    float at[3][STP_KD_LEAF];
+    uint32_t index[STP_KD_LEAF]; ///< of the points as they were given
+} stp_kd_leaf;
+
+typedef struct stp_kd_node {
+    float split;   ///< points before the middle are at most this, those from the middle on at least
+    uint32_t axis; ///< 0 to 2
+} stp_kd_node;
+
+/// A range of leaves [b, e) is split at its middle leaf (b + e) / 2, where the node of the range lies.
+typedef struct stp_kd_tree {
+    stp_kd_leaf* leaves;
+    stp_kd_node* nodes; ///< one a leaf; the first is unused
+    uint32_t count, leaf_count;
+} stp_kd_tree;
+
+/// Reads coordinates times `scale`. What is not a number counts as 0; magnitudes above 1e18 are cut to that. On all threads;
+/// the tree does not depend on their number.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_kd_tree_destroy, also after a failure
+STP_MUST_USE stp_result stp_kd_tree_make(stp_context* context, const float* positions,
+                                         uint32_t count, float scale, stp_kd_tree* tree);
+void stp_kd_tree_destroy(stp_context* context, stp_kd_tree* tree);
+
+/// A coordinate as the tree reads it.
+static inline float stp_kd_clean(float x, float scale)
+{
+    x *= scale;
+    return x >= -1e18f && x <= 1e18f ? x : x > 0.0f ? 1e18f : x < 0.0f ? -1e18f : 0.0f;
+}
+
+/// The point at a place: leaf place / 8, and there place % 8.
+static inline stp_vec3 stp_kd_at(const stp_kd_tree* tree, uint32_t place)
+{
+    const stp_kd_leaf* leaf = &tree->leaves[place / STP_KD_LEAF];
+    uint32_t i = place % STP_KD_LEAF;
+    return (stp_vec3){leaf->at[0][i], leaf->at[1][i], leaf->at[2][i]};
+}
+
+static inline uint32_t stp_kd_index(const stp_kd_tree* tree, uint32_t place)
+{
+    return tree->leaves[place / STP_KD_LEAF].index[place % STP_KD_LEAF];
+}
+
+/// The box of all points; empty without points.
+stp_box stp_kd_box(const stp_kd_tree* tree);
+
+/// How the search came to a leaf. Searches of one leaf after another share it.
+typedef struct stp_kd_path {
+    uint32_t leaf;  ///< UINT32_MAX: none yet
+    uint32_t depth; ///< of steps, from the root
+    struct {
+        uint32_t begin, end; ///< leaves on the other side
+        stp_kd_node node;
+    } steps[STP_KD_DEPTH];
+} stp_kd_path;
+
+/// Finds the k points nearest to the one at a place, without itself. Which of equally near points are found depends on the tree
+/// alone.
+/// @param path of the thread; begins with leaf UINT32_MAX. Searches in the order of places are faster
+/// @param k 1 to STP_NEIGHBOURS_MOST
+/// @param places receives them, nearest first
+/// @return how many: k, or all other points
+uint32_t stp_kd_nearest(const stp_kd_tree* tree, stp_kd_path* path, uint32_t place, uint32_t k,
+                        uint32_t* places);

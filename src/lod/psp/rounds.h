@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Merges a large cloud in rounds. Each round cuts the splats into pieces in space and merges every piece up to one common
+// error. What crosses a seam waits for the next round, whose seams lie elsewhere.
+#pragma once
+
+#include "lod/psp/kd_tree.h"
+#include "lod/psp/piece.h"
+
+/// What a piece leaves behind: the splats that live, and their links.
+typedef struct stp_psp_block {
+    void* memory; ///< of all arrays
+    stp_psp_splat* splats;
+    uint8_t* states;
+    uint32_t* begins; ///< of links, count + 1
+    uint32_t* links;  ///< slots of the round that made the block; STP_PSP_OUTSIDE: of another piece
+    uint32_t count;
+    uint32_t first; ///< number of the first splat, of all blocks
+} stp_psp_block;
+
+/// Merges of a piece, in order.
+typedef struct stp_psp_history {
+    stp_psp_record* records;
+    uint32_t count, first; ///< number of the first one, of all merges
+} stp_psp_history;
+
+/// Splats have slots in each round: their places in the order in which the round cuts them into pieces. What a round leaves is numbered
+/// block by block.
+typedef struct stp_psp_rounds {
+    stp_psp_shared shared;
+    const stp_psp_metric_table* metric;
+    bool keep_history;
+    uint32_t target;
+    stp_ellipse* initial; ///< NULL, or receives the points' splats, in units of the merge
+    float alone;          ///< radius of splats without neighbours
+    stp_kd_tree tree;     ///< of the points; empty after the first round
+    uint32_t live;        ///< splats
+    uint32_t round;
+    // what the last round left
+    stp_psp_block* blocks;
+    uint32_t block_count, slot_count;
+    uint32_t*
+        survivors; ///< of a slot of the last round: the number of the splat that stands for it, then its slot
+    // of the round that runs
+    stp_kd_point* order; ///< of a slot, in `index`, the number of the splat; NULL: they are equal
+    uint64_t*
+        reverse; ///< links across seams of the first round, backwards: slot << 32 | other slot; ascending
+    size_t reverse_count;
+    // history
+    stp_psp_history* histories;
+    size_t history_room;
+    uint32_t history_count, merge_count;
+} stp_psp_rounds;
+
+/// Merges until the target is reached or nothing can be merged. The caller sets the fields up to `alone`, and makes the tree.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_rounds_destroy, also after a failure
+STP_MUST_USE stp_result stp_psp_rounds_run(stp_psp_rounds* rounds);
+void stp_psp_rounds_destroy(stp_psp_rounds* rounds);

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// Units of a merge: model units times a power of two.
+#pragma once
+
+#include "lod/psp/ellipse.h"
+
+/// The power of two by which a box of that diagonal gets one between 2^19 and 2^20; 1 where it is 0 or not finite.
+static inline float stp_psp_choose_scale(float diagonal)
+{
+    if (!(diagonal > 0.0f) || diagonal > FLT_MAX) {
+        return 1.0f;
+    }
+    int exponent;
+    (void)frexpf(diagonal, &exponent);
+    exponent = 20 - exponent;
+    return ldexpf(1.0f, exponent < 126 ? exponent : 126);
+}
+
+/// An ellipse in model units.
+static inline stp_ellipse stp_psp_scale_ellipse(const stp_ellipse* e, float scale)
+{
+    float back = 1.0f / scale;
+    return (stp_ellipse){.center = stp_scale(e->center, back),
+                         .normal = e->normal,
+                         .major = stp_scale(e->major, back),
+                         .minor = stp_max(e->minor * back, FLT_MIN)};
+}
+
+/// What an error of 1 is in model units.
+static inline double stp_psp_error_unit(int power, float scale)
+{
+    double unit = 1.0;
+    for (int i = 0; i < power; ++i) {
+        unit /= (double)scale;
+    }
+    return unit;
+}
