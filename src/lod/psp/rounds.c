@@ -465,6 +465,8 @@ static stp_result link_anew(stp_psp_rounds* r)
             survivors[i] = (uint32_t)i;
         }
         result = stp_find_nearest_points(context, centers, count, k, near);
+    }
+    if (result == STP_OK) {
         linked.memory =
             stp_alloc(context, splat_bytes + state_bytes +
                                    (count + 1 + 2 * (size_t)k * count) * sizeof(uint32_t));
