@@ -62,7 +62,7 @@ typedef struct stp_psp_forest {
 /// elsewhere, stay. One queue merges up to `piece_size` splats; more are merged in pieces on all threads. Deterministic; the
 /// result does not depend on the number of threads, but it depends on `piece_size`.
 ///
-/// Coordinates that are not numbers count as 0; magnitudes beyond 1e18 of the merge's units are cut to that.
+/// Coordinates that are not numbers count as 0; magnitudes above 1e18 are cut to that.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^30 points and more; logged). Freed by
 ///         stp_psp_forest_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* points,

@@ -25,7 +25,7 @@ typedef struct stp_kd_tree {
     uint32_t count, leaf_count;
 } stp_kd_tree;
 
-/// Reads coordinates times `scale`. What is not a number counts as 0; magnitudes above 1e18 are cut to that. On all threads;
+/// Reads coordinates times `scale`. What is not a number counts as 0; magnitudes above 1e18 are cut to that before. On all threads;
 /// the tree does not depend on their number.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_kd_tree_destroy, also after a failure
 STP_MUST_USE stp_result stp_kd_tree_make(stp_context* context, const float* positions,
@@ -35,8 +35,7 @@ void stp_kd_tree_destroy(stp_context* context, stp_kd_tree* tree);
 /// A coordinate as the tree reads it.
 static inline float stp_kd_clean(float x, float scale)
 {
-    x *= scale;
-    return x >= -1e18f && x <= 1e18f ? x : x > 0.0f ? 1e18f : x < 0.0f ? -1e18f : 0.0f;
+    return scale * (x >= -1e18f && x <= 1e18f ? x : x > 0.0f ? 1e18f : x < 0.0f ? -1e18f : 0.0f);
 }
 
 /// The point at a place: leaf place / 8, and there place % 8.

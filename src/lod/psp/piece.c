@@ -3,6 +3,7 @@
 
 #include "base/color.h"
 
+#include <assert.h>
 #include <string.h>
 
 static const stp_psp_best no_best = {HUGE_VALF, UINT32_MAX};
@@ -184,6 +185,7 @@ static void relink(stp_psp_piece* p, uint32_t splat, uint32_t a, uint32_t b, flo
         at_a = links[i].to == a ? i : at_a;
         at_b = links[i].to == b ? i : at_b;
     }
+    assert(at_a != UINT32_MAX || at_b != UINT32_MAX); // links lead both ways
     links[at_a != UINT32_MAX ? at_a : at_b] = (stp_psp_link){a, error};
     if (at_a != UINT32_MAX && at_b != UINT32_MAX) {
         links[at_b] = links[--s->count];
@@ -239,14 +241,14 @@ static bool merge(stp_psp_piece* p, uint32_t a, uint32_t b, float limit)
     }
     p->splats[a] = *merged;
     memcpy(stp_psp_state(p, a), state, p->metric->state_bytes);
-    p->forward[b] = a;
-    p->live -= 1;
     if (p->shared->desc.eager) {
         stp_psp_queue_remove(&p->queue, b);
     }
     if (!join_links(p, a, b)) {
         return false;
     }
+    p->forward[b] = a; // only now: its links were still in use
+    p->live -= 1;
     stp_psp_link* links = p->links + p->spans[a].begin;
     p->bests[a] = no_best;
     for (uint32_t i = 0; i < p->spans[a].count; ++i) {

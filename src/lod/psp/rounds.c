@@ -387,10 +387,8 @@ static bool turn_links(numbering* n)
         stp_parallel_for(context, r->block_count, 1, reverse_links, n);
         sorted = stp_parallel_sort_u64(context, n->reverse, scratch, total, 32, 31);
     }
-    stp_free(context, sorted == scratch ? n->reverse : scratch);
-    if (sorted == NULL) {
-        stp_free(context, n->reverse);
-    }
+    stp_free(context, sorted != scratch ? scratch : NULL);
+    stp_free(context, sorted != n->reverse ? n->reverse : NULL);
     stp_free(context, n->starts);
     r->reverse = sorted;
     r->reverse_count = sorted != NULL ? total : 0;
@@ -505,7 +503,9 @@ static stp_result link_anew(stp_psp_rounds* r)
         r->survivors = survivors;
         r->slot_count = count;
         survivors = NULL;
+        linked.memory = NULL;
     }
+    stp_free(context, linked.memory);
     stp_free(context, centers);
     stp_free(context, near);
     stp_free(context, survivors);
