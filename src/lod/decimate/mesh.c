@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { ATTEMPTS = 8 };
+enum { ATTEMPTS = 12 };
 
 typedef struct mesh_maker {
     stp_context* context;
@@ -75,14 +75,24 @@ static uint32_t distance(uint32_t a, uint32_t b)
     return a > b ? a - b : b - a;
 }
 
-/// Simplifies to several numbers of triangles, until the number of vertices is right. Each begins with all triangles.
+/// The next number of triangles to try, between one that leaves too few vertices and one that leaves too many.
+static int64_t next_wanted(int64_t wanted, int64_t missing, int64_t low, int64_t high)
+{
+    int64_t next = wanted + 2 * missing; // within a closed surface, a collapse takes two triangles
+    return next > low && next < high ? next : low + (high - low) / 2;
+}
+
+/// Simplifies to several numbers of triangles, until the number of vertices is right, or no number is left to try. Each attempt
+/// begins with all triangles.
 static stp_result find_best(mesh_maker* m, uint32_t target)
 {
     memcpy(m->best, m->welded, m->welded_count * sizeof(*m->best));
     m->best_count = m->welded_count;
     m->best_vertices = m->vertex_count;
-    int64_t wanted = 2 * (int64_t)target;
-    for (int attempt = 0; attempt < ATTEMPTS && m->best_vertices > target && wanted > 0;
+    int64_t low = 0, high = (int64_t)m->welded_count / 3;
+    int64_t wanted = next_wanted(0, target, low, high);
+    for (int attempt = 0; attempt < ATTEMPTS && m->vertex_count > target &&
+                          m->best_vertices != target && wanted > low && wanted < high;
          ++attempt) {
         size_t count = 0;
         if (stp_simplify_triangles(m->found, &count, m->welded, m->welded_count, m->positions,
@@ -97,13 +107,12 @@ static stp_result find_best(mesh_maker* m, uint32_t target)
             m->best_count = count;
             m->best_vertices = vertices;
         }
-        if (vertices == target || (vertices > target && (int64_t)count / 3 > wanted)) {
-            break; // exact, or it cannot collapse more
+        if (vertices > target && (int64_t)count / 3 > wanted) {
+            break; // it cannot collapse more
         }
-        wanted += 2 * ((int64_t)target - (int64_t)vertices); // a collapse takes two triangles
-        if (vertices < target && wanted >= (int64_t)m->welded_count / 3) {
-            break;
-        }
+        low = vertices < target ? wanted : low;
+        high = vertices > target ? wanted : high;
+        wanted = next_wanted(wanted, (int64_t)target - (int64_t)vertices, low, high);
     }
     return STP_OK;
 }
