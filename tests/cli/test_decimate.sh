@@ -64,6 +64,60 @@ for threads in 1 3; do
     "$stipple" -q decimate ball.ply -o threads.ply --splats 200 --threads $threads > out || fail "--threads $threads"
     cmp -s threads.ply normals-lazy.ply || fail "$threads threads give other splats"
 done
+# the methods that psp is compared with
+refused 2 'need --by psp' decimate ball.ply -o a.ply --by octree --metric distances
+refused 2 'need --by psp' decimate ball.ply -o a.ply --by blue --neighbours 4
+refused 1 'expected triangles' decimate ball.ply -o a.ply --by mesh
+[ ! -e a.ply ] || fail "a refused call left a file"
+for by in octree octree-level quadric blue; do
+    "$stipple" -q decimate ball.ply -o $by.ply --splats 200 --by $by --json > $by.json || fail "decimate --by $by"
+    count=$(python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); print(d["splats"]); assert d["by"] == sys.argv[2] and d["points"] == 3000 and 8 < d["area"] < 130 and "surface" not in d, d' $by.json $by) ||
+        fail "figures of $by: $(cat $by.json)"
+    case $by in
+    octree) [ "$count" -le 200 ] && [ "$count" -ge 194 ] ;;
+    octree-level) [ "$count" -gt 50 ] && [ "$count" -lt 400 ] ;;
+    *) [ "$count" -eq 200 ] ;;
+    esac || fail "$by makes $count splats, not 200"
+    check $by.ply "$count"
+    "$stipple" -q decimate ball.ply -o threads.ply --splats 200 --by $by --threads 1 > out || fail "$by with one thread"
+    grep -q "^$count splats for 3000 points" out || fail "$by prints $(cat out)"
+    cmp -s threads.ply $by.ply || fail "one thread gives other splats of $by"
+done
+"$stipple" order ball.ply -o ordered.ply --count 200 > out || fail "order"
+python3 - << 'END' || fail "blue does not take the first points of the order"
+import struct
+def points(path, size):
+    head, body = open(path, "rb").read().split(b"end_header\n", 1)
+    count = int(head.split(b"element vertex ")[1].split()[0])
+    assert len(body) % count == 0 and (size == 0 or len(body) == count * size)
+    return [struct.unpack_from("<3f", body, i * (len(body) // count)) for i in range(count)]
+assert points("blue.ply", 43) == points("ordered.ply", 0)
+END
+python3 - << 'END' # a bent sheet
+with open("sheet.obj", "w") as file:
+    for i in range(900):
+        file.write(f"v {i % 30} {i // 30} {(i % 30) ** 2 / 100}\n")
+    for i in range(870):
+        if i % 30 < 29:
+            file.write(f"f {i + 1} {i + 2} {i + 32}\nf {i + 1} {i + 32} {i + 31}\n")
+END
+"$stipple" -q decimate sheet.obj -o mesh.ply --splats 100 --by mesh --json > mesh.json || fail "decimate --by mesh"
+python3 - << 'END' || fail "mesh is not as it says: $(cat mesh.json)"
+import json, struct
+figures = json.load(open("mesh.json"))
+head, body = open("mesh.ply", "rb").read().split(b"end_header\n", 1)
+vertices, faces = (int(head.split(b"element %b " % e)[1].split()[0]) for e in (b"vertex", b"face"))
+assert figures["by"] == "mesh" and figures["points"] == 900 and figures["splats"] == 0, figures
+assert figures["vertices"] == vertices and abs(vertices - 100) <= 3 and figures["triangles"] == faces, figures
+assert abs(figures["area"] / figures["surface"] - 1) < 0.02 and 841 < figures["surface"] < 1100, figures
+assert len(body) == vertices * 15 + faces * 13
+points = [struct.unpack_from("<3f", body, 15 * i) for i in range(vertices)]
+for i in range(faces):
+    count, *corners = struct.unpack_from("<B3I", body, 15 * vertices + 13 * i)
+    a, b, c = (points[k] for k in corners)  # fails beyond the last vertex
+    assert count == 3 and (b[0] - a[0]) * (c[1] - a[1]) > (c[0] - a[0]) * (b[1] - a[1]), (a, b, c)  # faces up
+END
+"$stipple" info mesh.ply > out || fail "a mesh that was written cannot be read"
 # as many as there are, and no fewer than can be
 "$stipple" -q decimate ball.ply -o all.ply --splats 5000 > out || fail "more splats than points"
 check all.ply 3000

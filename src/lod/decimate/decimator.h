@@ -49,7 +49,9 @@ STP_MUST_USE stp_result stp_decimate_by_octree_level(stp_context* context,
 STP_MUST_USE stp_result stp_decimate_by_quadric(stp_context* context,
                                                 const stp_decimate_input* input, uint32_t target,
                                                 stp_decimate_output* output);
-/// Edges of the triangles are collapsed by quadric error (Garland, Heckbert 1997), by libmeshoptimizer.
+/// Edges of the triangles are collapsed by quadric error (Garland, Heckbert 1997), by libmeshoptimizer, until `target` vertices
+/// are left. There may be a few more or fewer at borders, and many more where no edge can be collapsed without changing what is
+/// connected. Vertices keep their places and colours. The same bytes on any machine need the same libmeshoptimizer.
 STP_MUST_USE stp_result stp_decimate_by_mesh(stp_context* context, const stp_decimate_input* input,
                                              uint32_t target, stp_decimate_output* output);
 /// The first points of the exact order, each as wide as the points nearest to it need.

@@ -2,6 +2,7 @@
 #include "lod/decimate/distinct.h"
 
 #include "base/rng.h"
+#include "lod/grid.h"
 
 #include <string.h>
 
@@ -42,10 +43,15 @@ stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* inp
         .normals = input->normals != NULL ? STP_NEW_ZEROED(context, float, 3 * count + 1) : NULL,
         .means = STP_NEW_ZEROED(context, stp_color_mean, count + 1)};
     uint32_t* slots = STP_NEW_ZEROED(context, uint32_t, mask + 1); // a place + 1
-    bool made = d->positions != NULL && d->means != NULL && slots != NULL &&
+    uint32_t* order = STP_NEW_ARRAY(context, uint32_t, count + 1);
+    bool made = d->positions != NULL && d->means != NULL && slots != NULL && order != NULL &&
                 (input->normals == NULL || d->normals != NULL);
-    for (size_t i = 0; made && i < count; ++i) {
-        const float* p = input->positions + 3 * i;
+    stp_result result = made ? STP_OK : stp_fail_memory(context);
+    if (result == STP_OK) {
+        result = stp_sort_spatially(context, input->positions, input->count, order);
+    }
+    for (size_t i = 0; result == STP_OK && i < count; ++i) {
+        const float* p = input->positions + 3 * (size_t)order[i];
         size_t slot = hash_place(p) & mask;
         while (slots[slot] != 0 && !is_same(d->positions + 3 * ((size_t)slots[slot] - 1), p)) {
             slot = (slot + 1) & mask;
@@ -54,10 +60,11 @@ stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* inp
             memcpy(d->positions + 3 * (size_t)d->count, p, 3 * sizeof(*p));
             slots[slot] = ++d->count;
         }
-        add_point(input, i, slots[slot] - 1, d);
+        add_point(input, order[i], slots[slot] - 1, d);
     }
     stp_free(context, slots);
-    return made ? STP_OK : stp_fail_memory(context);
+    stp_free(context, order);
+    return result;
 }
 
 void stp_distinct_destroy(stp_context* context, stp_distinct* d)

@@ -11,7 +11,7 @@ typedef struct stp_distinct {
     stp_color_mean* means; ///< of its points
 } stp_distinct;
 
-/// Lists places in the order of their first points.
+/// Lists places along a curve: what is near is near in memory (stp_sort_spatially).
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); freed by stp_distinct_destroy, also after a failure
 STP_MUST_USE stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* input,
                                           stp_distinct* distinct);

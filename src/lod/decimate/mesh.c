@@ -6,25 +6,47 @@
 
 #include <string.h>
 
-enum { ATTEMPTS = 8 };
+enum { ATTEMPTS = 12 };
 
 typedef struct mesh_maker {
     stp_context* context;
     const stp_decimate_input* input;
-    uint32_t* welded;    ///< triangles without repeated places
+    // vertices that are used, one in each place, and triangles of them
+    uint32_t* originals; ///< numbers in the input, ascending
+    float* positions;
+    uint32_t vertex_count;
+    uint32_t* welded;    ///< triangles
     size_t welded_count; ///< of indices
     uint32_t *found, *best;
     size_t best_count;
     uint32_t best_vertices;
-    uint32_t* numbers; ///< of used vertices in the output
+    uint32_t*
+        numbers; ///< of vertices that are used, in the order of vertices; UINT32_MAX: not used
 } mesh_maker;
 
-/// Welds vertices in one place, and leaves out triangles without area in their corners.
+/// Numbers the vertices that are used, of `vertex_count`. @return how many
+static uint32_t number_vertices(const mesh_maker* m, const uint32_t* indices, size_t count,
+                                uint32_t vertex_count)
+{
+    uint32_t used = 0;
+    memset(m->numbers, 0, vertex_count * sizeof(*m->numbers));
+    for (size_t i = 0; i < count; ++i) {
+        m->numbers[indices[i]] = 1;
+    }
+    for (uint32_t i = 0; i < vertex_count; ++i) {
+        m->numbers[i] = m->numbers[i] != 0 ? used++ : UINT32_MAX;
+    }
+    return used;
+}
+
+/// Welds vertices in one place, leaves out triangles of which two corners are one, and vertices that nobody uses: the simplifier
+/// would keep vertices that share a place with those.
 static stp_result weld(mesh_maker* m)
 {
-    size_t count = 3 * (size_t)m->input->triangle_count;
-    if (stp_simplify_weld(m->welded, m->input->triangles, count, m->input->positions,
-                          m->input->count) != 0) {
+    const stp_decimate_input* input = m->input;
+    size_t count = 3 * (size_t)input->triangle_count;
+    if (count > 0 && stp_simplify_weld(m->welded, input->triangles, count, input->positions,
+                                       input->count) != 0) {
         return stp_fail_memory(m->context);
     }
     for (size_t i = 0; i + 2 < count; i += 3) {
@@ -34,21 +56,18 @@ static stp_result weld(mesh_maker* m)
             m->welded_count += 3;
         }
     }
+    m->vertex_count = number_vertices(m, m->welded, m->welded_count, input->count);
+    for (uint32_t i = 0; i < input->count; ++i) {
+        if (m->numbers[i] != UINT32_MAX) {
+            m->originals[m->numbers[i]] = i;
+            memcpy(m->positions + 3 * (size_t)m->numbers[i], input->positions + 3 * (size_t)i,
+                   3 * sizeof(float));
+        }
+    }
+    for (size_t i = 0; i < m->welded_count; ++i) {
+        m->welded[i] = m->numbers[m->welded[i]];
+    }
     return STP_OK;
-}
-
-/// Numbers the vertices that are used, ascending. @return how many
-static uint32_t number_vertices(mesh_maker* m, const uint32_t* indices, size_t count)
-{
-    uint32_t used = 0;
-    memset(m->numbers, 0, m->input->count * sizeof(*m->numbers));
-    for (size_t i = 0; i < count; ++i) {
-        m->numbers[indices[i]] = 1;
-    }
-    for (uint32_t i = 0; i < m->input->count; ++i) {
-        m->numbers[i] = m->numbers[i] != 0 ? used++ : UINT32_MAX;
-    }
-    return used;
 }
 
 static uint32_t distance(uint32_t a, uint32_t b)
@@ -56,21 +75,31 @@ static uint32_t distance(uint32_t a, uint32_t b)
     return a > b ? a - b : b - a;
 }
 
-/// Simplifies to several numbers of triangles, until the number of vertices is right. Each begins with all triangles.
+/// The next number of triangles to try, between one that leaves too few vertices and one that leaves too many.
+static int64_t next_wanted(int64_t wanted, int64_t missing, int64_t low, int64_t high)
+{
+    int64_t next = wanted + 2 * missing; // within a closed surface, a collapse takes two triangles
+    return next > low && next < high ? next : low + (high - low) / 2;
+}
+
+/// Simplifies to several numbers of triangles, until the number of vertices is right, or no number is left to try. Each attempt
+/// begins with all triangles.
 static stp_result find_best(mesh_maker* m, uint32_t target)
 {
     memcpy(m->best, m->welded, m->welded_count * sizeof(*m->best));
     m->best_count = m->welded_count;
-    m->best_vertices = number_vertices(m, m->best, m->best_count);
-    int64_t wanted = 2 * (int64_t)target;
-    for (int attempt = 0; attempt < ATTEMPTS && m->best_vertices > target && wanted > 0;
+    m->best_vertices = m->vertex_count;
+    int64_t low = 0, high = (int64_t)m->welded_count / 3;
+    int64_t wanted = next_wanted(0, target, low, high);
+    for (int attempt = 0; attempt < ATTEMPTS && m->vertex_count > target &&
+                          m->best_vertices != target && wanted > low && wanted < high;
          ++attempt) {
         size_t count = 0;
-        if (stp_simplify_triangles(m->found, &count, m->welded, m->welded_count,
-                                   m->input->positions, m->input->count, 3 * (size_t)wanted) != 0) {
+        if (stp_simplify_triangles(m->found, &count, m->welded, m->welded_count, m->positions,
+                                   m->vertex_count, 3 * (size_t)wanted) != 0) {
             return stp_fail_memory(m->context);
         }
-        uint32_t vertices = number_vertices(m, m->found, count);
+        uint32_t vertices = number_vertices(m, m->found, count, m->vertex_count);
         if (distance(vertices, target) < distance(m->best_vertices, target)) {
             uint32_t* swap = m->best;
             m->best = m->found;
@@ -78,13 +107,12 @@ static stp_result find_best(mesh_maker* m, uint32_t target)
             m->best_count = count;
             m->best_vertices = vertices;
         }
-        if (vertices == target || (vertices > target && (int64_t)count / 3 > wanted)) {
-            break; // exact, or it cannot collapse more
+        if (vertices > target && (int64_t)count / 3 > wanted) {
+            break; // it cannot collapse more
         }
-        wanted += 2 * ((int64_t)target - (int64_t)vertices); // a collapse takes two triangles
-        if (vertices < target && wanted >= (int64_t)m->welded_count / 3) {
-            break;
-        }
+        low = vertices < target ? wanted : low;
+        high = vertices > target ? wanted : high;
+        wanted = next_wanted(wanted, (int64_t)target - (int64_t)vertices, low, high);
     }
     return STP_OK;
 }
@@ -92,21 +120,21 @@ static stp_result find_best(mesh_maker* m, uint32_t target)
 static stp_result copy_best(mesh_maker* m, stp_decimate_output* output)
 {
     const stp_decimate_input* input = m->input;
-    uint32_t vertices = number_vertices(m, m->best, m->best_count);
+    uint32_t vertices = number_vertices(m, m->best, m->best_count, m->vertex_count);
     output->vertices = STP_NEW_ARRAY(m->context, float, 3 * (size_t)vertices + 1);
     output->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * (size_t)vertices + 1);
     output->triangles = STP_NEW_ARRAY(m->context, uint32_t, m->best_count + 1);
     if (output->vertices == NULL || output->colors == NULL || output->triangles == NULL) {
         return stp_fail_memory(m->context);
     }
-    for (size_t i = 0; i < input->count; ++i) {
+    for (size_t i = 0; i < m->vertex_count; ++i) {
         if (m->numbers[i] == UINT32_MAX) {
             continue;
         }
         size_t to = 3 * (size_t)m->numbers[i];
-        memcpy(output->vertices + to, input->positions + 3 * i, 3 * sizeof(float));
+        memcpy(output->vertices + to, m->positions + 3 * i, 3 * sizeof(float));
         if (input->colors != NULL) {
-            memcpy(output->colors + to, input->colors + 3 * i, 3);
+            memcpy(output->colors + to, input->colors + 3 * (size_t)m->originals[i], 3);
         } else {
             memset(output->colors + to, 255, 3);
         }
@@ -136,19 +164,25 @@ stp_result stp_decimate_by_mesh(stp_context* context, const stp_decimate_input* 
     if (!stp_reserve(context, bytes)) {
         return stp_fail_memory(context);
     }
+    size_t vertices = (size_t)input->count + 1;
     mesh_maker m = {.context = context,
                     .input = input,
+                    .originals = STP_NEW_ARRAY(context, uint32_t, vertices),
+                    .positions = STP_NEW_ARRAY(context, float, 3 * vertices),
                     .welded = STP_NEW_ARRAY(context, uint32_t, indices + 1),
                     .found = STP_NEW_ARRAY(context, uint32_t, indices + 1),
                     .best = STP_NEW_ARRAY(context, uint32_t, indices + 1),
-                    .numbers = STP_NEW_ARRAY(context, uint32_t, (size_t)input->count + 1)};
-    if (m.welded == NULL || m.found == NULL || m.best == NULL || m.numbers == NULL) {
+                    .numbers = STP_NEW_ARRAY(context, uint32_t, vertices)};
+    if (m.originals == NULL || m.positions == NULL || m.welded == NULL || m.found == NULL ||
+        m.best == NULL || m.numbers == NULL) {
         result = stp_fail_memory(context);
     }
-    result = result == STP_OK && indices > 0 ? weld(&m) : result;
+    result = result == STP_OK ? weld(&m) : result;
     result = result == STP_OK ? find_best(&m, target) : result;
     result = result == STP_OK ? copy_best(&m, output) : result;
     stp_release(context, bytes);
+    stp_free(context, m.originals);
+    stp_free(context, m.positions);
     stp_free(context, m.welded);
     stp_free(context, m.found);
     stp_free(context, m.best);
