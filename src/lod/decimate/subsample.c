@@ -6,14 +6,15 @@
 enum {
     COARSE_STEPS = 12, ///< greedy covers until the tolerance is about right
     FINE_STEPS = 7, ///< relaxed covers between the tolerances that are too small and large enough
-    PATIENCE = 12,  ///< more of them while none is large enough
+    TIGHTEN_PASSES = 4, ///< of the final cover
+    PATIENCE = 12,      ///< more of them while none is large enough
 };
 #define START 1e-3       ///< first tolerance, of the diagonal
 #define LEAST 1e-7       ///< least tolerance, of the diagonal: about the rounding of positions
 #define STEP_MOST 8.0    ///< greatest change of the tolerance at once
-#define GREEDY_MORE 1.08 ///< sets of a greedy cover that is worth relaxing, of the target
+#define GREEDY_MORE 1.12 ///< sets of a greedy cover that is worth relaxing, of the target
 #define GREEDY_NEAR 0.04 ///< and how near to that is near enough
-#define FINE_RATIO 1.01  ///< of the two tolerances in the end
+#define FINE_RATIO 1.02  ///< of the two tolerances in the end
 
 /// A search for the least tolerance that needs no more splats than wanted. More tolerance mostly needs fewer.
 typedef struct search {
@@ -167,11 +168,15 @@ static stp_result take_all(stp_context* context, const stp_decimate_input* input
 static stp_result take_cover(search* s, const stp_decimate_input* input,
                              stp_decimate_output* output)
 {
-    const stp_subsample_attempt* a = s->high > 0.0 ? &s->best : &s->fewest;
+    stp_subsample_attempt* a = s->high > 0.0 ? &s->best : &s->fewest;
     if (a->cover.count > s->target) {
         stp_warn(s->context,
                  "splat sub-sampling: %u splats are wanted, but points that face apart need %u",
                  s->target, a->cover.count);
+    }
+    stp_result result = stp_cover_tighten(s->context, &a->problem, TIGHTEN_PASSES, &a->cover);
+    if (result != STP_OK) {
+        return result;
     }
     if (!make_room(s->context, a->cover.count, output)) {
         return stp_fail_memory(s->context);

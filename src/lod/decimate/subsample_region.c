@@ -7,7 +7,7 @@
 
 enum {
     UNKNOWNS = 6, ///< of a quadric over a plane
-    ROUNDS = 3, ///< of fitting and growing
+    ROUNDS = 3,   ///< of fitting and growing
     FIT_LEAST = 8 ///< points that a quadric is fitted to
 };
 #define RATIO_MOST 4.0f ///< of the axes of a candidate
