@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "lod/decimate/subsample_attempt.h"
 
-#include <string.h>
-
 enum {
     COARSE_STEPS = 12, ///< greedy covers until the tolerance is about right
     FINE_STEPS = 7, ///< relaxed covers between the tolerances that are too small and large enough
-    PATIENCE = 12,  ///< more of them while none is large enough
+    TIGHTEN_PASSES = 4, ///< of the final cover
+    PATIENCE = 12,      ///< more of them while none is large enough
 };
 #define START 1e-3       ///< first tolerance, of the diagonal
 #define LEAST 1e-7       ///< least tolerance, of the diagonal: about the rounding of positions
 #define STEP_MOST 8.0    ///< greatest change of the tolerance at once
-#define GREEDY_MORE 1.08 ///< sets of a greedy cover that is worth relaxing, of the target
+#define GREEDY_MORE 1.12 ///< sets of a greedy cover that is worth relaxing, of the target
 #define GREEDY_NEAR 0.04 ///< and how near to that is near enough
-#define FINE_RATIO 1.01  ///< of the two tolerances in the end
+#define FINE_RATIO 1.02  ///< of the two tolerances in the end
 
 /// A search for the least tolerance that needs no more splats than wanted. More tolerance mostly needs fewer.
 typedef struct search {
@@ -130,7 +129,8 @@ static stp_result run_search(search* s)
     return result;
 }
 
-/// Searches; where separate parts need too many splats, again with splats that may reach over gaps.
+/// Searches. Where separate parts need too many splats, again with splats that may reach over gaps; where those are too many
+/// as well, for as many as there must be.
 static stp_result search_cover(search* s)
 {
     uint32_t added = 0;
@@ -138,7 +138,18 @@ static stp_result search_cover(search* s)
     if (result == STP_OK && s->high == 0.0) {
         result = stp_subsample_field_connect(s->context, &s->field, &added);
     }
-    return result == STP_OK && added > 0 ? run_search(s) : result;
+    if (result == STP_OK && added > 0) {
+        result = run_search(s);
+    }
+    if (result == STP_OK && s->high == 0.0) {
+        uint32_t wanted = s->target;
+        s->target = s->fewest.cover.count;
+        stp_warn(s->context,
+                 "splat sub-sampling: %u splats are wanted, but it takes %u to cover all sides",
+                 wanted, s->target);
+        result = run_search(s);
+    }
+    return result;
 }
 
 static bool make_room(stp_context* context, uint32_t count, stp_decimate_output* output)
@@ -149,42 +160,44 @@ static bool make_room(stp_context* context, uint32_t count, stp_decimate_output*
 }
 
 /// Each point becomes a splat.
-static stp_result take_all(stp_context* context, const stp_decimate_input* input,
-                           const stp_subsample_field* field, stp_decimate_output* output)
+static stp_result take_all(stp_context* context, const stp_subsample_field* field,
+                           stp_decimate_output* output)
 {
-    if (!make_room(context, input->count, output)) {
+    if (!make_room(context, field->count, output)) {
         return stp_fail_memory(context);
     }
-    memcpy(output->ellipses, field->own, input->count * sizeof(*output->ellipses));
-    memset(output->colors, 255, 3 * (size_t)input->count);
-    if (input->colors != NULL && input->count > 0) {
-        memcpy(output->colors, input->colors, 3 * (size_t)input->count);
+    for (size_t i = 0; i < field->count; ++i) {
+        uint8_t* color = output->colors + 3 * i;
+        output->ellipses[i] = field->own[i];
+        color[0] = color[1] = color[2] = 255;
+        if (field->colors != NULL) {
+            stp_subsample_mean_color(&field->colors[i], color);
+        }
     }
-    output->count = input->count;
+    output->count = field->count;
     return STP_OK;
 }
 
-static stp_result take_cover(search* s, const stp_decimate_input* input,
-                             stp_decimate_output* output)
+static stp_result take_cover(search* s, stp_decimate_output* output)
 {
-    const stp_subsample_attempt* a = s->high > 0.0 ? &s->best : &s->fewest;
-    if (a->cover.count > s->target) {
-        stp_warn(s->context,
-                 "splat sub-sampling: %u splats are wanted, but points that face apart need %u",
-                 s->target, a->cover.count);
+    stp_subsample_attempt* a = s->high > 0.0 ? &s->best : &s->fewest;
+    stp_result result = stp_cover_tighten(s->context, &a->problem, TIGHTEN_PASSES, &a->cover);
+    if (result == STP_OK && !make_room(s->context, a->cover.count, output)) {
+        result = stp_fail_memory(s->context);
     }
-    if (!make_room(s->context, a->cover.count, output)) {
-        return stp_fail_memory(s->context);
+    if (result == STP_OK) {
+        stp_subsample_choice choice = {&s->field, &a->candidates, &a->problem, &a->cover};
+        result = stp_subsample_fit(s->context, &choice, output->ellipses, output->colors,
+                                   &output->count);
     }
-    stp_subsample_choice choice = {&s->field, &a->candidates, &a->problem, &a->cover};
-    return stp_subsample_fit(s->context, &choice, input->colors, output->ellipses, output->colors,
-                             &output->count);
+    return result;
 }
 
 stp_result stp_decimate_by_subsample(stp_context* context, const stp_decimate_input* input,
                                      uint32_t target, stp_decimate_output* output)
 {
     search s = {.context = context, .target = target};
+    stp_subsample_unique points;
     *output = (stp_decimate_output){0};
     if (target == 0 && input->count > 0) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
@@ -195,17 +208,21 @@ stp_result stp_decimate_by_subsample(stp_context* context, const stp_decimate_in
                         "splat sub-sampling: %u points (fewer than %d are allowed)", input->count,
                         STP_SUBSAMPLE_POINTS_MOST);
     }
-    stp_result result = stp_subsample_field_make(context, input, &s.field);
-    if (result == STP_OK && target >= input->count) {
-        result = take_all(context, input, &s.field, output);
+    stp_result result = stp_subsample_unique_make(context, input, &points);
+    if (result == STP_OK) {
+        result = stp_subsample_field_make(context, &points, &s.field);
+    }
+    if (result == STP_OK && target >= points.count) {
+        result = take_all(context, &s.field, output);
     } else if (result == STP_OK) {
         result = search_cover(&s);
         if (result == STP_OK) {
-            result = take_cover(&s, input, output);
+            result = take_cover(&s, output);
         }
     }
     stp_subsample_attempt_destroy(context, &s.best);
     stp_subsample_attempt_destroy(context, &s.fewest);
     stp_subsample_field_destroy(context, &s.field);
+    stp_subsample_unique_destroy(context, &points);
     return result;
 }

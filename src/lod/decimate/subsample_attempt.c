@@ -2,7 +2,7 @@
 #include "lod/decimate/subsample_attempt.h"
 
 enum {
-    CANDIDATES = 16,  ///< for each splat that is wanted
+    CANDIDATES = 24,  ///< for each splat that is wanted
     CROWD = 8,        ///< points of a candidate, of the mean number for each splat that is wanted
     CROWD_LEAST = 16, ///< and so many more
     PASSES_MOST = 24, ///< of the relaxation

@@ -38,10 +38,15 @@ void stp_cover_remove(const stp_cover_problem* problem, stp_cover* cover, uint32
 /// Whether all points of a chosen set are in other chosen ones too.
 bool stp_cover_is_redundant(const stp_cover_problem* problem, const stp_cover* cover, uint32_t set);
 
-/// Global relaxation: takes neighbouring sets out together, covers their points anew, and keeps what has fewer sets, or as
-/// many with less area. Ends when the count has reached `enough`, or when passes over all sets improve it no more.
+/// Global relaxation: takes neighbouring sets out together, covers their points anew, and keeps what has no more sets. Exchanges
+/// for as many sets lead on to those that save one. Ends when the count has reached `enough`, or falls no more.
 /// On all threads; results do not depend on their number.
 /// @param enough  the count that is wanted; 0: as few as possible
-/// @param passes  caps the number of passes
+/// @param passes  caps the number of passes over all sets
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cover_relax(stp_context* context, const stp_cover_problem* problem,
                                         uint32_t enough, uint32_t passes, stp_cover* cover);
+
+/// The same with exchanges that keep the count and lower the sum of the areas.
+STP_MUST_USE stp_result stp_cover_tighten(stp_context* context, const stp_cover_problem* problem,
+                                          uint32_t passes, stp_cover* cover);

@@ -99,13 +99,14 @@ static double measure_diagonal(const stp_subsample_field* field)
     return diagonal > 0.0 ? diagonal : 1.0;
 }
 
-stp_result stp_subsample_field_make(stp_context* context, const stp_decimate_input* input,
+stp_result stp_subsample_field_make(stp_context* context, const stp_subsample_unique* points,
                                     stp_subsample_field* field)
 {
-    size_t count = input->count;
-    *field = (stp_subsample_field){.count = input->count,
-                                   .positions = input->positions,
-                                   .normals = input->normals,
+    size_t count = points->count;
+    *field = (stp_subsample_field){.count = points->count,
+                                   .positions = points->positions,
+                                   .normals = points->normals,
+                                   .colors = points->colors,
                                    .own = STP_NEW_ARRAY(context, stp_ellipse, count + 1),
                                    .weights = STP_NEW_ARRAY(context, uint32_t, count + 1),
                                    .margins = STP_NEW_ARRAY(context, float, count + 1),
@@ -117,9 +118,9 @@ stp_result stp_subsample_field_make(stp_context* context, const stp_decimate_inp
         result = stp_fail_memory(context);
     }
     if (result == STP_OK) {
-        stp_psp_points points = {
-            .count = input->count, .positions = input->positions, .normals = input->normals};
-        result = stp_psp_make_initial(context, &points, NEIGHBOURS, field->own, nearest);
+        stp_psp_points given = {
+            .count = points->count, .positions = points->positions, .normals = points->normals};
+        result = stp_psp_make_initial(context, &given, NEIGHBOURS, field->own, nearest);
     }
     if (result == STP_OK) {
         result = make_graph(context, nearest, field);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "lod/decimate/subsample_fit.h"
 
-#include "base/color.h"
-
 enum {
     ROUNDS = 4,        ///< of giving points away and moving splats
     CENTER_STEPS = 48, ///< towards the centre of the smallest circle around points
@@ -176,23 +174,23 @@ static bool holds(const fit* f, const shape* s, uint32_t point)
 }
 
 /// The mean colour of the candidate's points that are still in its splat.
-static void mix_color(const fit* f, uint32_t place, const uint8_t* from, uint8_t color[3])
+static void mix_color(const fit* f, uint32_t place, uint8_t color[3])
 {
     const stp_subsample_candidates* c = f->choice->candidates;
+    const stp_subsample_color* colors = f->choice->field->colors;
     uint32_t set = f->choice->cover->chosen[place];
     double sum[3] = {0}, count = 0.0;
     for (size_t i = c->starts[set]; i < c->starts[set + 1]; ++i) {
         uint32_t point = c->members[i];
         if (f->owners[point] == place || holds(f, &f->shapes[place], point)) {
             for (int k = 0; k < 3; ++k) {
-                sum[k] += (double)stp_srgb8_to_linear(from[3 * (size_t)point + (size_t)k]);
+                sum[k] += (double)colors[point].sum[k];
             }
-            count += 1.0;
+            count += (double)colors[point].count;
         }
     }
-    for (int k = 0; k < 3; ++k) {
-        color[k] = stp_linear_to_srgb8((float)(sum[k] / count));
-    }
+    stp_subsample_color all = {{(float)sum[0], (float)sum[1], (float)sum[2]}, (float)count};
+    stp_subsample_mean_color(&all, color);
 }
 
 static void begin_shapes(const fit* f)
@@ -213,8 +211,7 @@ static void begin_shapes(const fit* f)
 }
 
 stp_result stp_subsample_fit(stp_context* context, const stp_subsample_choice* choice,
-                             const uint8_t* from, stp_ellipse* ellipses, uint8_t* colors,
-                             uint32_t* count)
+                             stp_ellipse* ellipses, uint8_t* colors, uint32_t* count)
 {
     size_t points = choice->field->count, splats = choice->cover->count;
     fit f = {.choice = choice,
@@ -237,8 +234,8 @@ stp_result stp_subsample_fit(stp_context* context, const stp_subsample_choice* c
         if (f.starts[i + 1] > f.starts[i]) {
             uint8_t* color = colors + 3 * (size_t)*count;
             color[0] = color[1] = color[2] = 255;
-            if (from != NULL) {
-                mix_color(&f, i, from, color);
+            if (choice->field->colors != NULL) {
+                mix_color(&f, i, color);
             }
             bool wide = s->major >= s->minor;
             stp_vec3d axis = stp_scaled(wide ? s->x : s->y, wide ? s->major : s->minor);

@@ -72,8 +72,10 @@ static uint64_t pop(stp_subsample_scratch* s)
     return first;
 }
 
-/// The square of a distance and a point, to be sorted as one number.
-static uint64_t make_item(const stp_subsample_field* field, const frame* f, uint32_t point)
+/// The square of a distance and a point, to be sorted as one number. Points as far away follow in the order from the seed on,
+/// so that the caps of regions around points in one place do not all cut off the same points.
+static uint64_t make_item(const stp_subsample_field* field, const frame* f, uint32_t seed,
+                          uint32_t point)
 {
     stp_vec3d d = stp_subd(stp_to_double(stp_subsample_position(field, point)), f->origin);
     double u = stp_dotd(d, f->x), v = stp_dotd(d, f->y) * f->ratio;
@@ -81,7 +83,7 @@ static uint64_t make_item(const stp_subsample_field* field, const frame* f, uint
     uint32_t bits;
     square = square < FLT_MAX ? square : FLT_MAX; // also where it is not a number
     memcpy(&bits, &square, sizeof(bits));
-    return (uint64_t)bits << 32 | point;
+    return (uint64_t)bits << 32 | (point >= seed ? point - seed : point + (field->count - seed));
 }
 
 /// Takes points in the order of their distance as long as they fit in the slab.
@@ -92,11 +94,12 @@ static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uin
     *r = (region){0};
     s->heap_count = 0;
     s->visited[seed] = ++s->region;
-    if (!push(s, seed)) {
+    if (!push(s, 0)) {
         return false;
     }
     while (s->heap_count > 0 && r->count < most) {
-        uint32_t point = (uint32_t)pop(s);
+        uint32_t after = (uint32_t)pop(s), left = field->count - seed;
+        uint32_t point = after < left ? seed + after : after - left;
         stp_vec3d d = stp_subd(stp_to_double(stp_subsample_position(field, point)), f->origin);
         double height = stp_dotd(d, f->normal);
         double low = height < r->low ? height : r->low, high = height > r->high ? height : r->high;
@@ -125,7 +128,7 @@ static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uin
             uint32_t next = field->neighbours[n];
             if (s->visited[next] != s->region && stp_subsample_same_side(field, next, facing)) {
                 s->visited[next] = s->region;
-                if (!push(s, make_item(field, f, next))) {
+                if (!push(s, make_item(field, f, seed, next))) {
                     return false;
                 }
             }

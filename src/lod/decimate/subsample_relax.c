@@ -31,6 +31,7 @@ typedef struct relax_scratch {
 typedef struct relaxation {
     const stp_cover_problem* problem;
     const stp_cover* cover;
+    bool tighten;          ///< the count stays, the area falls
     const uint32_t* seeds; ///< sets of this batch
     uint64_t seed;         ///< of the random numbers of this batch
     proposal* proposals;
@@ -182,9 +183,13 @@ static void propose(const relaxation* r, relax_scratch* s, uint32_t set, uint64_
         }
     }
     cancel(out);
-    bool smaller = out->added_count < out->removed_count;
-    if (!covered || (!smaller && !(sum_areas(p, out->added, out->added_count) <
-                                   sum_areas(p, out->removed, out->removed_count)))) {
+    bool good = covered;
+    if (r->tighten) {
+        good = covered && out->added_count == out->removed_count &&
+               sum_areas(p, out->added, out->added_count) <
+                   sum_areas(p, out->removed, out->removed_count);
+    }
+    if (!good) {
         out->removed_count = out->added_count = 0;
     }
 }
@@ -257,7 +262,7 @@ static uint32_t run_pass(const stp_team* team, relaxation* r, stp_cover* cover, 
     uint32_t batch = count / BATCH_SHARE < BATCH_MOST ? count / BATCH_SHARE + 1 : BATCH_MOST;
     memcpy(seeds, cover->chosen, count * sizeof(*seeds));
     shuffle(seeds, count, seed);
-    for (uint32_t at = 0; at < count && cover->count > enough;) {
+    for (uint32_t at = 0; at < count && (r->tighten || cover->count > enough);) {
         uint32_t size = 0; // those of the next seeds that are still chosen
         while (at + size < count && size < batch) {
             if (cover->places[seeds[at + size]] != UINT32_MAX) {
@@ -270,12 +275,14 @@ static uint32_t run_pass(const stp_team* team, relaxation* r, stp_cover* cover, 
         r->seeds = seeds + at;
         r->seed = stp_rng_hash(seed, (uint64_t)at << 32);
         stp_team_run(team, size, 1, propose_some, r);
-        for (uint32_t i = 0; i < size && cover->count > enough; ++i) {
+        for (uint32_t i = 0; i < size && (r->tighten || cover->count > enough); ++i) {
             taken += apply(r->problem, cover, &r->proposals[i]) ? 1 : 0;
         }
         at += size;
     }
-    drop_redundant(r->problem, cover, enough);
+    if (!r->tighten) {
+        drop_redundant(r->problem, cover, enough);
+    }
     return taken;
 }
 
@@ -308,25 +315,38 @@ static void free_scratch(stp_context* context, const stp_team* team, relaxation*
     stp_free(context, r->proposals);
 }
 
+/// Runs passes until the count has reached `enough`, or does not fall for a while.
+static stp_result run_passes(stp_context* context, relaxation* r, uint32_t enough, uint32_t passes,
+                             stp_cover* cover)
+{
+    stp_team team = stp_team_create_useful(context);
+    uint32_t* seeds = STP_NEW_ARRAY(context, uint32_t, (size_t)cover->count + 1);
+    bool made = make_scratch(context, r->problem, &team, r) && seeds != NULL;
+    uint32_t idle = 0;
+    r->cover = cover;
+    for (uint32_t pass = 0; made && pass < passes && idle < IDLE_PASSES; ++pass) {
+        uint32_t before = cover->count;
+        uint32_t taken = run_pass(&team, r, cover, enough, seeds, stp_rng_hash(r->tighten, pass));
+        bool ended = taken == 0 || (!r->tighten && cover->count <= enough);
+        idle = r->tighten || cover->count < before ? 0 : idle + 1;
+        idle = ended ? IDLE_PASSES : idle;
+    }
+    free_scratch(context, &team, r);
+    stp_free(context, seeds);
+    return made ? STP_OK : stp_fail_memory(context);
+}
+
 stp_result stp_cover_relax(stp_context* context, const stp_cover_problem* problem, uint32_t enough,
                            uint32_t passes, stp_cover* cover)
 {
-    stp_team team = stp_team_create_useful(context);
-    relaxation r = {.problem = problem, .cover = cover};
-    uint32_t* seeds = STP_NEW_ARRAY(context, uint32_t, (size_t)cover->count + 1);
-    bool made = make_scratch(context, problem, &team, &r) && seeds != NULL;
-    if (made) {
-        drop_redundant(problem, cover, enough);
-    }
-    for (uint32_t pass = 0, idle = 0; made && pass < passes && cover->count > enough; ++pass) {
-        uint32_t before = cover->count;
-        uint32_t taken = run_pass(&team, &r, cover, enough, seeds, stp_rng_hash(0x5eed, pass));
-        idle = cover->count < before ? 0 : idle + 1;
-        if (taken == 0 || idle == IDLE_PASSES) {
-            break;
-        }
-    }
-    free_scratch(context, &team, &r);
-    stp_free(context, seeds);
-    return made ? STP_OK : stp_fail_memory(context);
+    relaxation r = {.problem = problem};
+    drop_redundant(problem, cover, enough);
+    return cover->count > enough ? run_passes(context, &r, enough, passes, cover) : STP_OK;
+}
+
+stp_result stp_cover_tighten(stp_context* context, const stp_cover_problem* problem,
+                             uint32_t passes, stp_cover* cover)
+{
+    relaxation r = {.problem = problem, .tighten = true};
+    return run_passes(context, &r, 0, passes, cover);
 }
