@@ -98,6 +98,29 @@ void test_hausdorff_of_a_surface_and_itself(test_state* test)
     stp_context_destroy(context);
 }
 
+// The place that is farthest from the corners of a triangle lies between them: the middle of the circle through them.
+void test_hausdorff_finds_the_farthest_between_samples(test_state* test)
+{
+    static const float corners[] = {0, 0, 0, 1, 0, 0, 0.5f, 0.9f, 0};
+    static const uint32_t triangle[] = {0, 1, 2};
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    stp_disk_shape points[3] = {0};
+    for (int k = 0; k < 3; ++k) {
+        points[k].center = (stp_vec3){corners[3 * k], corners[3 * k + 1], 0};
+    }
+    stp_shapes shapes = {.disks = points, .disk_count = 3};
+    stp_measured_surface surface = {
+        .positions = corners, .vertex_count = 3, .indices = triangle, .triangle_count = 1};
+    double height = (double)corners[7], radius = (0.25 + height * height) / (2.0 * height);
+    stp_hausdorff found;
+    CHECK(measure(context, &surface, &shapes, 0, &found));
+    CHECK(found.max <= radius + 1e-12 && found.max > 0.9989 * radius);
+    CHECK(found.bound >= radius && found.bound < 1.0011 * found.max);
+    CHECK(fabs(found.farthest.x - 0.5) < 0.01 && fabs(found.farthest.y - (height - radius)) < 0.01);
+    stp_context_destroy(context);
+}
+
 void test_hausdorff_of_points_and_unused_vertices(test_state* test)
 {
     static const float points[] = {0, 0, 1, 0, 0, 2, 0, 0, 6};
@@ -108,7 +131,7 @@ void test_hausdorff_of_points_and_unused_vertices(test_state* test)
     stp_measured_surface cloud = {.points = points, .point_count = 3};
     stp_hausdorff found;
     CHECK(measure(context, &cloud, &shapes, 1000, &found));
-    CHECK(found.max == 6.0 && found.mean == 3.0 && found.area == 0.0);
+    CHECK(found.max == 6.0 && found.bound == 6.0 && found.mean == 3.0 && found.area == 0.0);
     CHECK_EQUAL(3, found.samples);
     CHECK(found.farthest.z == 6.0);
     // triangles without area: their vertices count, and no others
@@ -172,6 +195,7 @@ void test_hausdorff_is_the_same_for_any_threads(test_state* test)
     }
     for (uint32_t i = 1; i < 3; ++i) {
         CHECK(memcmp(&found[0].max, &found[i].max, sizeof(double)) == 0);
+        CHECK(found[0].bound >= found[0].max && found[0].bound == found[i].bound);
         CHECK(memcmp(&found[0].mean, &found[i].mean, sizeof(double)) == 0);
         CHECK(memcmp(&found[0].farthest, &found[i].farthest, sizeof(stp_vec3d)) == 0);
     }
