@@ -15,7 +15,7 @@ typedef struct cell {
     stp_vec3d corners[3];
     stp_vec3d middle;
     double distance; ///< of the middle
-    double reach;    ///< how far the farthest corner lies from it
+    double most;     ///< no place of the cell is farther
 } cell;
 
 typedef struct prover {
@@ -42,11 +42,14 @@ static void measure_cell(const prover* p, cell* c, uint32_t* hint)
 {
     stp_vec3d sum = stp_addd(stp_addd(c->corners[0], c->corners[1]), c->corners[2]);
     c->middle = stp_scaled(sum, 1.0 / 3.0);
-    c->reach = 0.0;
-    for (int k = 0; k < 3; ++k) {
-        c->reach = fmax(c->reach, length_of(stp_subd(c->corners[k], c->middle)));
-    }
     c->distance = sqrt(stp_shape_tree_distance_squared(p->tree, c->middle, hint));
+    double reach = 0.0, farthest = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        reach = fmax(reach, length_of(stp_subd(c->corners[k], c->middle)));
+        farthest =
+            fmax(farthest, stp_shape_tree_distance_squared_to(p->tree, *hint, c->corners[k]));
+    }
+    c->most = fmin(c->distance + reach, sqrt(farthest));
 }
 
 // The fourth in the middle of the others.
@@ -101,7 +104,7 @@ static stp_result measure_cells(prover* p, size_t count)
         p->stack = stack;
     }
     for (size_t i = 0; i < count; ++i) {
-        if (p->block[i].distance + p->block[i].reach > limit_of(p)) {
+        if (p->block[i].most > limit_of(p)) {
             p->stack[p->count++] = p->block[i];
         }
     }
@@ -117,12 +120,11 @@ static stp_result cut_cells(prover* p)
         size_t taken = 0;
         while (p->count > 0 && taken < CUT) {
             const cell* c = &p->stack[--p->count];
-            double farthest = c->distance + c->reach;
-            if (farthest > limit_of(p) && p->places >= 4) {
+            if (c->most > limit_of(p) && p->places >= 4) {
                 parents[taken++] = *c;
                 p->places -= 4;
-            } else if (farthest > limit_of(p)) {
-                p->left_out = fmax(p->left_out, farthest);
+            } else if (c->most > limit_of(p)) {
+                p->left_out = fmax(p->left_out, c->most);
             }
         }
         p->parents = parents;

@@ -88,6 +88,9 @@ if __name__ == "__main__":
     open("cut.ply", "wb").write(open("above.ply", "rb").read()[:-1])
     cloud("cloud.ply", [(0, 0, 0), (1, 0, 0.2), (1, 1, 0.4)])
     cloud("one.ply", [(1, 2, 3)])
+    tilted = (3, 2, 1, 0.6, 0, 0.8, 0.8 * 0.8, 0.6, -0.6 * 0.8, 0.3)
+    splats("tilted.ply", [tilted])
+    mesh("fan.ply", *(lambda p, f: ([tuple(q) for q in p], f))(*fans([tilted])))
     points, faces = stone(30, 50)
     mesh("stone.ply", points, faces)
     gts("stone.gts", points, faces)
@@ -134,6 +137,11 @@ figures middle.json 'near(d["hausdorff_max_percent"], 100 * (math.sqrt(0.5) - 0.
 figures middle.json 'near(d["hausdorff_mean_percent"], 100 * (0.3825978 - 0.25 + math.pi * 0.25 ** 3 / 3) / math.sqrt(2), 2e-3)'
 "$stipple" compare-splats above.ply square.ply --no-pictures > text || fail "text"
 grep -q '^area .*6.283 times' text || fail "text: $(cat text)"
+
+# an ellipse that is drawn lies where its triangles do, in each view
+"$stipple" compare-splats tilted.ply fan.ply --size 160x160 --json > tilted.json || fail "tilted"
+figures tilted.json 'd["hausdorff_max_percent"] < 0.2 and d["hausdorff_bound_percent"] < 0.21 and near(d["area_ratio"], 1, 2e-3)'
+figures tilted.json 'all(v["ssim"] > 0.9 and v["ssim_covered"] > 0.9 for v in d["views"])'
 
 # a cloud: each of its points counts, and there is no area
 "$stipple" compare-splats above.ply cloud.ply --no-pictures --json > cloud.json || fail "cloud"
