@@ -379,7 +379,7 @@ const command command_compare_splats = {
         "counts as well. "
         "Each point of a cloud counts once. "
         "Where the largest distance may lie between samples, more places are measured; no place "
-        "is farther than hausdorff_bound_percent, which is mostly a thousandth above it. "
+        "is farther than hausdorff_bound_percent, a thousandth above it. "
         "The figures are the same on every machine and for any number of threads.\n"
         "\n"
         "The area is the sum over all ellipses, divided by that of MODEL's triangles: how often "

@@ -23,13 +23,12 @@ typedef struct stp_measured_surface {
 } stp_measured_surface;
 
 typedef struct stp_hausdorff {
-    double
-        max; ///< largest distance that was found: of a vertex, sample or point, or between samples
-    double
-        bound; ///< no place of the surface is farther. At most a thousandth above `max`, but where very much of the
-               ///< surface is about as far
-    double
-        mean; ///< over samples and points, each counted once; of a surface without area over its vertices
+    /// Largest distance that was found: of a vertex, sample or point, or between samples.
+    double max;
+    /// No place of the surface is farther: a thousandth above `max`, or more where the search ended early.
+    double bound;
+    /// Over samples and points, each counted once; of a surface without area over its vertices.
+    double mean;
     stp_vec3d farthest; ///< where the largest is; of several the first
     double area;        ///< of the triangles
     uint64_t samples;   ///< distances that `mean` is of
