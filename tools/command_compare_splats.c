@@ -44,7 +44,7 @@ static const option* options(void)
         {.name = "samples",
          .type = OPTION_COUNT,
          .argument = "N",
-         .words = "auto|0..1000000000",
+         .words = "auto|1..1000000000",
          .help = "samples of the model's area, besides its vertices; default ten a triangle, "
                  "200,000 to 4,000,000",
          .value = &args.samples},
@@ -288,13 +288,14 @@ static int print_json(const comparison* c)
     const double* origin = c->drawn.origin;
     stp_vec3d at = c->found.farthest;
     return tool_print_json(json_pack(
-        "{s:I, s:I, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:f, s:f, s:f, s:I, s:[f, f, f]}", "splats",
-        (json_int_t)c->drawn.disk_count, "triangles", (json_int_t)c->drawn.triangle_count,
+        "{s:I, s:I, s:f, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:f, s:f, s:f, s:I, s:[f, f, f]}",
+        "splats", (json_int_t)c->drawn.disk_count, "triangles", (json_int_t)c->drawn.triangle_count,
         "hausdorff_max_percent", percent_of(c, c->found.max), "hausdorff_mean_percent",
-        percent_of(c, c->found.mean), "area_ratio", ratio, "area_ratio_missing", why, "ssim", ssim,
-        "ssim_covered", covered, "views", views, "diagonal", c->diagonal, "area", c->found.area,
-        "splat_area", c->drawn_area, "samples", (json_int_t)c->found.samples, "farthest",
-        at.x + origin[0], at.y + origin[1], at.z + origin[2]));
+        percent_of(c, c->found.mean), "hausdorff_bound_percent", percent_of(c, c->found.bound),
+        "area_ratio", ratio, "area_ratio_missing", why, "ssim", ssim, "ssim_covered", covered,
+        "views", views, "diagonal", c->diagonal, "area", c->found.area, "splat_area", c->drawn_area,
+        "samples", (json_int_t)c->found.samples, "farthest", at.x + origin[0], at.y + origin[1],
+        at.z + origin[2]));
 }
 
 static int print(const comparison* c)
@@ -374,7 +375,11 @@ const command command_compare_splats = {
         ".stip draws as triangles or points, because it is so small, counts as such.\n"
         "\n"
         "The surface of MODEL is every vertex of a triangle, and samples that are spread evenly "
-        "over its area; only the samples count for the mean. Each point of a cloud counts once. "
+        "over its area; only the samples count for the mean. Surface that nobody sees from outside "
+        "counts as well. "
+        "Each point of a cloud counts once. "
+        "Where the largest distance may lie between samples, more places are measured; no place "
+        "is farther than hausdorff_bound_percent, a thousandth above it. "
         "The figures are the same on every machine and for any number of threads.\n"
         "\n"
         "The area is the sum over all ellipses, divided by that of MODEL's triangles: how often "
@@ -383,7 +388,8 @@ const command command_compare_splats = {
         "\n"
         "ssim and ssim_covered are means over seven standard views of pictures "
         "of FILE and of MODEL's triangles and points (render --reference), as stipple compare has "
-        "them. Colours count.\n"
+        "them. Colours count. Points of a cloud are single pixels there, so compare such figures "
+        "with each other only.\n"
         "\n"
         "Files may be in different formats: places are compared along the files' own axes.",
     .examples = "How well 2,000 splats stand for a statue:\n"

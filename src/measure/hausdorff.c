@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "measure/hausdorff.h"
+#include "measure/hausdorff_bound.h"
 
 enum {
     GRAIN = 2048,
     EACH_TRIANGLE = 10,
     LEAST_SAMPLES = 200000,
     MOST_SAMPLES = 4000000,
+    PROOF_SAMPLES = 4, ///< places that may be measured besides, for each sample, and in all
+    PROOF_LEAST = 65536,
 };
 
 // Fractions of 2^64: the plastic number's inverse and its square.
@@ -191,7 +193,9 @@ static stp_result measure(measurement* m, stp_hausdorff* hausdorff, double* area
         sum = of_vertices.sum;
     }
     hausdorff->mean = sum / (double)hausdorff->samples;
-    return result;
+    uint64_t places = PROOF_SAMPLES * m->samples + PROOF_LEAST;
+    return result == STP_OK ? stp_hausdorff_prove(m->context, s, m->tree, places, hausdorff)
+                            : result;
 }
 
 static size_t largest_of(size_t a, size_t b)

@@ -6,7 +6,8 @@
 // A surface of triangles is sampled: every vertex of a triangle, and samples spread evenly over the area. Sample i of n
 // belongs to the triangle that holds the area (i + 1/2) / n, triangles being laid in a row; within it, samples lie as a
 // sequence of low discrepancy (Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018). So each triangle has
-// as many samples as its share of the area, give or take one, and no random number is drawn.
+// as many samples as its share of the area, give or take one, and no random number is drawn. Where the largest distance may
+// lie between samples, more is measured there (hausdorff_bound.h).
 #pragma once
 
 #include "measure/shape_tree.h"
@@ -22,9 +23,12 @@ typedef struct stp_measured_surface {
 } stp_measured_surface;
 
 typedef struct stp_hausdorff {
-    double max; ///< largest distance of a vertex, sample or point
-    double
-        mean; ///< over samples and points, each counted once; of a surface without area over its vertices
+    /// Largest distance that was found: of a vertex, sample or point, or between samples.
+    double max;
+    /// No place of the surface is farther: a thousandth above `max`, or more where the search ended early.
+    double bound;
+    /// Over samples and points, each counted once; of a surface without area over its vertices.
+    double mean;
     stp_vec3d farthest; ///< where the largest is; of several the first
     double area;        ///< of the triangles
     uint64_t samples;   ///< distances that `mean` is of

@@ -270,6 +270,12 @@ static double distance_to_shape(const stp_shape_tree* tree, uint32_t place, stp_
     return stp_triangle_distance_squared(corners, point);
 }
 
+double stp_shape_tree_distance_squared_to(const stp_shape_tree* tree, uint32_t place,
+                                          stp_vec3d point)
+{
+    return distance_to_shape(tree, place, point, (double)INFINITY);
+}
+
 typedef struct search_entry {
     double distance;
     uint32_t level, node;

@@ -31,3 +31,7 @@ void stp_shape_tree_destroy(stp_context* context, stp_shape_tree* tree);
 /// @param hint in: a place in `order` that is likely near, such as that of a point nearby, or UINT32_MAX; out: that of the
 ///        nearest shape. It changes how long the search takes. NULL: none
 double stp_shape_tree_distance_squared(const stp_shape_tree* tree, stp_vec3d point, uint32_t* hint);
+
+/// Squared distance from a point to one shape. @param place in `order`, below `count`
+double stp_shape_tree_distance_squared_to(const stp_shape_tree* tree, uint32_t place,
+                                          stp_vec3d point);

@@ -88,6 +88,9 @@ if __name__ == "__main__":
     open("cut.ply", "wb").write(open("above.ply", "rb").read()[:-1])
     cloud("cloud.ply", [(0, 0, 0), (1, 0, 0.2), (1, 1, 0.4)])
     cloud("one.ply", [(1, 2, 3)])
+    tilted = (3, 2, 1, 0.6, 0, 0.8, 0.8 * 0.8, 0.6, -0.6 * 0.8, 0.3)
+    splats("tilted.ply", [tilted])
+    mesh("fan.ply", *(lambda p, f: ([tuple(q) for q in p], f))(*fans([tilted])))
     points, faces = stone(30, 50)
     mesh("stone.ply", points, faces)
     gts("stone.gts", points, faces)
@@ -121,7 +124,7 @@ refused 1 'of a .stip' compare-splats above.ply square.ply --splats 1
 "$stipple" compare-splats above.ply square.ply --size 99x99 --json > above.json 2> err || fail "above: $(cat err)"
 [ ! -s err ] || fail "messages: $(cat err)"
 keys=$(python3 -c 'import json; print(*sorted(json.load(open("above.json"))))')
-[ "$keys" = "area area_ratio area_ratio_missing diagonal farthest hausdorff_max_percent hausdorff_mean_percent samples splat_area splats ssim ssim_covered triangles views" ] ||
+[ "$keys" = "area area_ratio area_ratio_missing diagonal farthest hausdorff_bound_percent hausdorff_max_percent hausdorff_mean_percent samples splat_area splats ssim ssim_covered triangles views" ] ||
     fail "keys: $keys"
 figures above.json 'd["splats"] == 1 and d["triangles"] == 0 and near(d["area"], 1) and near(d["diagonal"], math.sqrt(2))'
 figures above.json 'near(d["hausdorff_max_percent"], 10 / math.sqrt(2)) and near(d["hausdorff_mean_percent"], 10 / math.sqrt(2))'
@@ -134,6 +137,11 @@ figures middle.json 'near(d["hausdorff_max_percent"], 100 * (math.sqrt(0.5) - 0.
 figures middle.json 'near(d["hausdorff_mean_percent"], 100 * (0.3825978 - 0.25 + math.pi * 0.25 ** 3 / 3) / math.sqrt(2), 2e-3)'
 "$stipple" compare-splats above.ply square.ply --no-pictures > text || fail "text"
 grep -q '^area .*6.283 times' text || fail "text: $(cat text)"
+
+# an ellipse that is drawn lies where its triangles do, in each view
+"$stipple" compare-splats tilted.ply fan.ply --size 160x160 --json > tilted.json || fail "tilted"
+figures tilted.json 'd["hausdorff_max_percent"] < 0.2 and d["hausdorff_bound_percent"] < 0.21 and near(d["area_ratio"], 1, 2e-3)'
+figures tilted.json 'all(v["ssim"] > 0.9 and v["ssim_covered"] > 0.9 for v in d["views"])'
 
 # a cloud: each of its points counts, and there is no area
 "$stipple" compare-splats above.ply cloud.ply --no-pictures --json > cloud.json || fail "cloud"
@@ -151,13 +159,23 @@ for threads in 1 2 3; do
     cmp -s threads1.json threads$threads.json || fail "$threads threads give other figures"
 done
 figures stone-psp.json 'd["splats"] == 90 and 0.1 < d["hausdorff_max_percent"] < 20 and 0.001 < d["hausdorff_mean_percent"] < 1 and 1 < d["area_ratio"] < 9'
-figures stone-psp.json '0.5 < d["ssim"] < 1 and d["samples"] == 200000'
+figures stone-psp.json '0.5 < d["ssim"] < 1 and d["samples"] == 200000 and d["hausdorff_max_percent"] <= d["hausdorff_bound_percent"] < 1.0011 * d["hausdorff_max_percent"]'
 "$stipple" -q decimate stone.ply -o more.ply --splats 700 > out || fail "decimate"
 "$stipple" compare-splats more.ply stone.ply --samples 20000 --size 160x160 --json > more.json || fail "more splats"
 python3 -c 'import json; a, b = (json.load(open(f)) for f in ("stone-psp.json", "more.json")); assert b["ssim"] > a["ssim"] + 0.05 and b["ssim_covered"] > a["ssim_covered"] + 0.1 and 3 * b["hausdorff_mean_percent"] < a["hausdorff_mean_percent"], (a, b)' ||
     fail "more splats are no better: $(cat more.json)"
 "$stipple" compare-splats stone-psp.ply stone.ply --no-pictures --samples 400000 --json > dense.json || fail "--samples"
 figures dense.json 'd["samples"] == 400000'
+python3 -c 'import json; a, b = (json.load(open(f)) for f in ("stone-psp.json", "dense.json")); assert abs(a["hausdorff_max_percent"] / b["hausdorff_max_percent"] - 1) < 0.0011 and abs(a["hausdorff_mean_percent"] / b["hausdorff_mean_percent"] - 1) < 0.002, (a, b)' ||
+    fail "figures depend on the number of samples"
+# files that end early
+python3 -c '
+data = open("above.ply", "rb").read()
+for size in range(4, len(data), 37): open(f"cut{size}.ply", "wb").write(data[:size])'
+for cut in cut[0-9]*.ply; do
+    "$stipple" compare-splats "$cut" square.ply > out 2> err
+    [ $? -eq 1 ] && [ ! -s out ] && grep -q "^stipple: " err || fail "$cut: $(cat err)"
+done
 
 # the same splats as a .stip, which rounds; whole and in part
 "$stipple" -q decimate stone.ply -o stone-psp.stip --splats 90 > out || fail "decimate to a .stip"
@@ -212,7 +230,7 @@ import json, re, sys
 d = json.load(open(sys.argv[1]))
 text = open("gts.txt").read().split("Distance between faces")[1].split("boundaries")[0]
 mean, most = (float(re.search(name + r":\s*(\S+)", text)[1]) * 100 / d["diagonal"] for name in (r"Average", "Maximum"))
-assert abs(most - d["hausdorff_max_percent"]) < 0.03 * most, (most, d)
+assert abs(most - d["hausdorff_max_percent"]) < 0.02 * most, (most, d)
 assert abs(mean - d["hausdorff_mean_percent"]) < 0.02 * mean, (mean, d)
 END
     done

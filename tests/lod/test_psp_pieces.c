@@ -41,7 +41,8 @@ static stp_psp_points make_bumps(uint32_t count, uint64_t seed)
             colors[3 * i + k] = (uint8_t)stp_rng_below(seed + 1, 3 * i + k, 256);
         }
     }
-    return (stp_psp_points){count, positions, normals, colors};
+    return (stp_psp_points){
+        .count = count, .positions = positions, .normals = normals, .colors = colors};
 }
 
 // The greedy merge, as slowly and plainly as can be.
@@ -316,7 +317,8 @@ void test_psp_connects_components(test_state* test)
         const float n[3] = {0.0f, i % 4 < 2 ? 1.0f : -1.0f, 0.0f};
         memcpy(normals + 3 * i, n, sizeof(n));
     }
-    stp_psp_points points = {COUNT, positions, normals, NULL};
+    stp_psp_points points = {
+        .count = COUNT, .positions = positions, .normals = normals, .colors = NULL};
     for (int n = 0; n < 4; ++n) {
         stp_psp_desc desc = stp_psp_desc_default();
         stp_psp_forest f;
@@ -367,7 +369,8 @@ void test_psp_pieces_take_any_points(test_state* test)
                         positions[3 * i + i % 3] = i % 2 == 0 ? (float)NAN : HUGE_VALF;
                     }
                 }
-                stp_psp_points points = {counts[c], positions, normals, NULL};
+                stp_psp_points points = {
+                    .count = counts[c], .positions = positions, .normals = normals, .colors = NULL};
                 stp_psp_desc desc = stp_psp_desc_default();
                 stp_psp_forest f;
                 desc.metric = (stp_psp_metric)metric;

@@ -59,6 +59,7 @@ void test_hausdorff_of_a_square_and_a_disk(test_state* test)
     stp_shapes shapes = {.disks = &disk, .disk_count = 1};
     CHECK(measure(context, &square, &shapes, 10000, &found));
     CHECK(fabs(found.max - 0.25) < 1e-12 && fabs(found.mean - 0.25) < 1e-12);
+    CHECK(found.bound >= 0.25 && found.bound < 0.2503); // one disk is nearest to all of it
     CHECK(fabs(found.area - 1.0) < 1e-6);
     CHECK_EQUAL(10000, found.samples);
     CHECK(fabs(stp_shapes_area(&shapes) - STP_PI) < 1e-12);
@@ -86,7 +87,7 @@ void test_hausdorff_of_a_surface_and_itself(test_state* test)
     stp_shapes shapes = {.positions = positions, .indices = indices, .triangle_count = TRIANGLES};
     stp_hausdorff found;
     CHECK(measure(context, &square, &shapes, 20000, &found));
-    CHECK(found.max < 1e-12 && found.mean < 1e-12);
+    CHECK(found.max < 1e-12 && found.mean < 1e-12 && found.bound < 1e-5);
     CHECK(fabs(stp_shapes_area(&shapes) - found.area) < 1e-12);
     // without one of its triangles the distance is the radius of that triangle's inscribed circle at most
     indices[0] = indices[1];
@@ -95,6 +96,29 @@ void test_hausdorff_of_a_surface_and_itself(test_state* test)
     square = make_square();
     CHECK(measure(context, &square, &shapes, 20000, &found));
     CHECK(found.max > 0.0 && found.max < 0.05);
+    stp_context_destroy(context);
+}
+
+// The place that is farthest from the corners of a triangle lies between them: the middle of the circle through them.
+void test_hausdorff_finds_the_farthest_between_samples(test_state* test)
+{
+    static const float corners[] = {0, 0, 0, 1, 0, 0, 0.5f, 0.9f, 0};
+    static const uint32_t triangle[] = {0, 1, 2};
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    stp_disk_shape points[3] = {0};
+    for (int k = 0; k < 3; ++k) {
+        points[k].center = (stp_vec3){corners[3 * k], corners[3 * k + 1], 0};
+    }
+    stp_shapes shapes = {.disks = points, .disk_count = 3};
+    stp_measured_surface surface = {
+        .positions = corners, .vertex_count = 3, .indices = triangle, .triangle_count = 1};
+    double height = (double)corners[7], radius = (0.25 + height * height) / (2.0 * height);
+    stp_hausdorff found;
+    CHECK(measure(context, &surface, &shapes, 0, &found));
+    CHECK(found.max <= radius + 1e-12 && found.max > 0.9989 * radius);
+    CHECK(found.bound >= radius && found.bound < 1.0011 * found.max);
+    CHECK(fabs(found.farthest.x - 0.5) < 0.01 && fabs(found.farthest.y - (height - radius)) < 0.01);
     stp_context_destroy(context);
 }
 
@@ -108,7 +132,7 @@ void test_hausdorff_of_points_and_unused_vertices(test_state* test)
     stp_measured_surface cloud = {.points = points, .point_count = 3};
     stp_hausdorff found;
     CHECK(measure(context, &cloud, &shapes, 1000, &found));
-    CHECK(found.max == 6.0 && found.mean == 3.0 && found.area == 0.0);
+    CHECK(found.max == 6.0 && found.bound == 6.0 && found.mean == 3.0 && found.area == 0.0);
     CHECK_EQUAL(3, found.samples);
     CHECK(found.farthest.z == 6.0);
     // triangles without area: their vertices count, and no others
@@ -159,6 +183,31 @@ static stp_shapes make_disks(void)
     return (stp_shapes){.disks = disks, .disk_count = 500};
 }
 
+// No place that is tried at random is farther than what is proven.
+void test_hausdorff_bound_holds_everywhere(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    CHECK(context != NULL);
+    stp_shapes shapes = make_disks();
+    stp_shape_tree tree;
+    stp_measured_surface square = make_square();
+    stp_hausdorff found;
+    CHECK_EQUAL(STP_OK, stp_shape_tree_create(context, &shapes, &tree));
+    CHECK_EQUAL(STP_OK, stp_hausdorff_measure(context, &square, &tree, 300, &found));
+    CHECK(found.bound >= found.max && found.bound < 1.0011 * found.max + 1e-5);
+    double farthest = 0.0;
+    for (uint32_t i = 0; i < 20000; ++i) {
+        stp_vec3d place = {(double)stp_rng_below(5, i, 1u << 30) * 0x1p-30,
+                           (double)stp_rng_below(6, i, 1u << 30) * 0x1p-30, 0.0};
+        farthest = fmax(farthest, stp_shape_tree_distance_squared(&tree, place, NULL));
+    }
+    CHECK(sqrt(farthest) <= found.bound && sqrt(farthest) > 0.9 * found.max);
+    double at = stp_shape_tree_distance_squared(&tree, found.farthest, NULL);
+    CHECK(fabs(sqrt(at) - found.max) < 1e-12);
+    stp_shape_tree_destroy(context, &tree);
+    stp_context_destroy(context);
+}
+
 void test_hausdorff_is_the_same_for_any_threads(test_state* test)
 {
     stp_hausdorff found[3];
@@ -172,6 +221,7 @@ void test_hausdorff_is_the_same_for_any_threads(test_state* test)
     }
     for (uint32_t i = 1; i < 3; ++i) {
         CHECK(memcmp(&found[0].max, &found[i].max, sizeof(double)) == 0);
+        CHECK(found[0].bound >= found[0].max && found[0].bound == found[i].bound);
         CHECK(memcmp(&found[0].mean, &found[i].mean, sizeof(double)) == 0);
         CHECK(memcmp(&found[0].farthest, &found[i].farthest, sizeof(stp_vec3d)) == 0);
     }
