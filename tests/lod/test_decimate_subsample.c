@@ -391,6 +391,16 @@ void test_subsample_mixes_colors_in_linear_light(test_state* test)
     CHECK(out.count == 1 && out.colors[0] == 188 && out.colors[2] == 188);
     CHECK(measure(out.ellipses, 1, &input) == 0.0f);
     destroy(context, &out);
+    // copies of a point count, though they are one point for everything else: a third of white makes 156
+    static const float three[] = {0, 0, 0, 1, 0, 0, -0.0f, 0, 0};
+    static const uint8_t with_copy[] = {0, 0, 0, 255, 255, 255, 0, 0, 0};
+    input = (stp_decimate_input){.count = 3, .positions = three, .colors = with_copy};
+    CHECK_EQUAL(STP_OK, stp_decimate_by_subsample(context, &input, 1, &out));
+    CHECK(out.count == 1 && out.colors[0] == 156 && out.colors[2] == 156);
+    destroy(context, &out);
+    CHECK_EQUAL(STP_OK, stp_decimate_by_subsample(context, &input, 3, &out));
+    CHECK(out.count == 2 && out.colors[0] == 0 && out.colors[3] == 255);
+    destroy(context, &out);
     stp_context_destroy(context);
 }
 
