@@ -131,8 +131,8 @@ static int32_t code_number(codec* c, number_model* m, int32_t value)
         c->failed = c->failed || bits != 0;
         return 0;
     }
-    bool negative = stp_range_code_bit(&c->coder, &m->negative[bits], value < 0 ? 1 : 0) != 0;
-    uint32_t learnt = bits - 1 < LEARNT ? bits - 1 : LEARNT, left = bits - 1 - learnt;
+    bool negative = stp_range_code_bit(&c->coder, &m->negative[bits], value < 0 ? 1u : 0u) != 0;
+    uint32_t learnt = bits > LEARNT ? (uint32_t)LEARNT : bits - 1, left = bits - 1 - learnt;
     for (uint32_t i = 0; i < learnt; ++i) {
         uint32_t bit = magnitude >> (bits - 2 - i) & 1u;
         made = made << 1 | stp_range_code_bit(&c->coder, &m->upper[bits][made], bit);
@@ -365,6 +365,26 @@ size_t stp_operators_encode(const stp_operator_run* run, const uint32_t* parents
     return stp_range_encode_end(&c.coder);
 }
 
+/// Finds the parent of the next splat.
+static void find_parent(stp_operator_reader* reader, uint32_t index, bool in_base)
+{
+    if (in_base) {
+        reader->base += 1;
+        reader->parent = UINT32_MAX;
+    } else if ((index - reader->base) % 2 == 0) {
+        reader->parent = stp_progressive_queue_take(&reader->queue);
+    }
+}
+
+void stp_operators_skip(stp_operator_reader* reader, uint32_t begin, uint32_t end)
+{
+    const uint32_t* ranges = reader->queue.ranges;
+    for (uint32_t i = begin; i < end; ++i) {
+        find_parent(reader, i, reader->base == i && ranges[i] >> 16 >= STP_RANGE_INFINITE);
+        stp_progressive_queue_add(&reader->queue, i);
+    }
+}
+
 bool stp_operators_decode(const stp_operator_run* run, stp_operator_reader* reader,
                           const void* bytes, size_t size)
 {
@@ -375,20 +395,15 @@ bool stp_operators_decode(const stp_operator_run* run, stp_operator_reader* read
     for (uint32_t i = run->begin; i < run->end && !c.failed; ++i) {
         context x;
         splat s = {.position = {0}};
-        uint32_t parent = reader->parent;
         bool in_base = reader->base == i && code_flag(&c, &c.models.is_base, false);
-        reader->base += in_base ? 1 : 0;
-        if (!in_base && (i - reader->base) % 2 == 0) {
-            parent = stp_progressive_queue_take(&reader->queue);
-            if (parent == UINT32_MAX) {
-                return false;
-            }
+        find_parent(reader, i, in_base);
+        if (!in_base && reader->parent == UINT32_MAX) {
+            return false;
         }
-        find_context(set, reader->base, i, in_base ? UINT32_MAX : parent, &x);
+        find_context(set, reader->base, i, reader->parent, &x);
         code_splat(&c, &x, &s);
         store(set, i, &s);
         stp_progressive_queue_add(&reader->queue, i);
-        reader->parent = parent;
     }
     return !c.failed && stp_range_decode_ends_well(&c.coder);
 }

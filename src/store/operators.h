@@ -39,6 +39,9 @@ typedef struct stp_operator_reader {
 void stp_operators_begin(stp_operator_reader* reader, const uint32_t* ranges, uint32_t count,
                          uint32_t* room);
 
+/// Takes note of splats [begin, end), which are in the set's columns already. They follow those that `reader` has seen.
+void stp_operators_skip(stp_operator_reader* reader, uint32_t begin, uint32_t end);
+
 /// Decodes the splats of a run into the columns of the set. Runs follow each other. Any bytes are safe to decode; materials,
 /// shapes and ranges must be judged afterwards. Any thread.
 /// @return whether the bytes are exactly such a run
