@@ -60,5 +60,5 @@ bool stp_range_decode_ends_well(const stp_range_coder* c)
             return false;
         }
     }
-    return c->at <= c->size;
+    return c->at <= c->size && c->code == 0;
 }

@@ -36,7 +36,7 @@ void stp_range_encode_begin(stp_range_coder* coder, unsigned char* output, size_
 /// Ends what was encoded. @return its bytes; 0 if there was not enough room
 size_t stp_range_encode_end(stp_range_coder* coder);
 void stp_range_decode_begin(stp_range_coder* coder, const unsigned char* input, size_t size);
-/// Whether what was decoded ends within the input, and only zeros follow.
+/// Whether what was decoded ends where an encoder ended it, and only zeros follow.
 bool stp_range_decode_ends_well(const stp_range_coder* coder);
 
 void stp_range_put_byte(stp_range_coder* coder);
