@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Progressive sets coded as operators: nothing is lost, any prefix decodes, and forged bytes do no harm.
+#include "support_expected.h"
 #include "support_progressive.h"
 #include "support_reader.h"
 #include "support_reseal.h"
@@ -331,6 +332,31 @@ void test_operators_come_back_from_files(test_state* test)
         file_tear_down(&f);
     }
     free(first);
+}
+
+void test_store_writes_operators_for_another_reader(test_state* test)
+{
+    const char* name = getenv("STP_STORE_SAMPLE");
+    if (name == NULL) {
+        SKIP("STP_STORE_SAMPLE is not set");
+    }
+    stp_context* context = test_context(NULL, 1, NULL);
+    char path[512];
+    file_fixture f;
+    stp_store* store = NULL;
+    CHECK(make_content(&f, context, false));
+    CHECK(progressive_sample_of_forest(&f.arena, context, 700, 20, &f.sets[0]));
+    progressive_sample_octaves(&f.sets[0], 16);
+    snprintf(path, sizeof(path), "%s-operators.stip", name);
+    CHECK_EQUAL(STP_OK, stp_store_write(context, &f.content, path));
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    json_t* expected = sample_expected_json(&f.content, stp_store_get_summary(store));
+    stp_store_close(store);
+    CHECK(expected != NULL);
+    snprintf(path, sizeof(path), "%s-operators.json", name);
+    CHECK_EQUAL(0, json_dump_file(expected, path, JSON_INDENT(1) | JSON_REAL_PRECISION(17)));
+    json_decref(expected);
+    file_tear_down(&f);
 }
 
 // A file that ends early has the first octaves of each set.
