@@ -14,6 +14,8 @@ import struct
 import sys
 import zlib
 
+from read_operators import Operators
+
 NONE = 0xFFFFFFFF
 MAGIC = b"\x89STP\r\n\x1a\n"
 
@@ -464,12 +466,23 @@ def unpack_octave(record, block, stored, place):
         need(at <= len(stored) and zlib.crc32(stored[:at]) == block["crc"], f"{place}: chunk table")
         table = list(struct.iter_unpack("<2I", stored[:at]))
     columns = {name: b"" for name in ("positions", "normals", "materials", "colors", "coverages", "shapes", "ranges")}
+    operators = record.setdefault("operators", Operators(record["step"])) if has == 7 else None
+    need(block["encoding"] == 1 or operators, f"{place}: encoding")
     for begin, stop, (size, crc) in zip([start] + ends, ends, table):
         chunk, at = stored[at:at + size], at + size
         places, colors = max(0, stop - max(begin, first)), stop - begin
         length = (9 + shape + level) * places + 4 * colors
         need(len(chunk) == size and zlib.crc32(chunk) == crc, f"{place}: chunk")
-        chunk = unpack(chunk, length, f"{place}: chunk")
+        if block["encoding"] == 1 or size == length:
+            chunk = unpack(chunk, length, f"{place}: chunk")
+            if operators:
+                operators.skip(chunk, places)
+        else:
+            need(length > size >= length // 32, f"{place}: size")
+            try:
+                chunk = operators.decode(chunk, places)
+            except (ValueError, struct.error) as fault:
+                raise ValueError(f"{place}: operators: {fault}") from fault
         part = 0
         for name, step in (("positions", 6 * places), ("normals", 2 * places), ("materials", places), ("colors", 3 * colors),
                            ("coverages", colors), ("shapes", shape * places), ("ranges", level * places)):
@@ -487,7 +500,7 @@ def read_blocks(data, header, t):
         need(begin == align(end) and begin + block["size"] <= len(data), f"{place}: is not in its place")
         need(not any(data[end:begin]), f"{place}: bytes before it")
         end = begin + block["size"]
-        chunked = block["kind"] == 4 and block["encoding"] == 1
+        chunked = block["kind"] == 4 and block["encoding"] in (1, 2)
         need(chunked or zlib.crc32(data[begin:end]) == block["crc"], f"{place}: wrong checksum")
         need(0 <= block["radius"] <= radius, f"{place}: radius ascends")
         radius = block["radius"]
@@ -509,6 +522,9 @@ def read_blocks(data, header, t):
                 raise ValueError(f"{place}: clusters: {fault}") from fault
             continue
         plain = unpack_octave(record, block, data[begin:end], place) if chunked else data[begin:end]
+        if block["kind"] == 4 and not chunked and record["method_columns"] == 7:
+            operators = record.setdefault("operators", Operators(record["step"]))
+            operators.skip(plain, record["octave_ends"][block["octave"]] - len(operators.splats))
         at, sums = 0, record.setdefault("columns", {})
         for name, size in columns:
             start = align(at, alignment) if size else at
@@ -520,6 +536,10 @@ def read_blocks(data, header, t):
         need(at == len(plain), f"{place}: size")
     need(end == len(data), "bytes after the last block")
     check_textures(t)
+    for i, surfels in enumerate(t["surfels"]):
+        operators = surfels.pop("operators", None)
+        if operators and any(t["blocks"][b]["encoding"] == 2 for b in surfels["blocks"]):
+            need(not operators.waiting and (len(operators.splats) - operators.base) % 2 == 0, f"surfel set {i}: splits")
     owners = len({texture["block"] for texture in t["textures"]})
     wanted = len(t["meshes"]) + len(t["point_sets"]) + owners + len(t["octaves"])
     need(len(owned) == wanted, "a mesh, point set, texture or octave has no block")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Goes through a whole file: every checksum, every padding byte, every invariant.
+#include "base/progressive.h"
 #include "store/chunks.h"
 #include "store/internal.h"
 
@@ -37,6 +38,27 @@ static stp_result check_surfels(stp_store* store, const stp_store_block* block)
                                       : stp_store_judge_surfel_data(&judge, block->owner, &data,
                                                                     store->directory.shading_count);
     stp_free(store->context, materials);
+    return result;
+}
+
+// A set of operators is decoded whole when its first octave comes: each octave needs those before it.
+static stp_result check_operators(stp_store* store, uint32_t index)
+{
+    stp_splats set = *stp_store_describe_surfels(store, index);
+    stp_store_joined* joined = stp_store_reserve_columns(store->context, &set);
+    stp_result result = joined != NULL ? STP_OK : stp_fail_memory(store->context);
+    for (uint32_t k = 0; k < set.octave_count && result == STP_OK; ++k) {
+        result = stp_store_add_octave(store, index, k, &set);
+    }
+    if (result == STP_OK) {
+        stp_progressive_counts counts = stp_progressive_count(set.ranges, set.count);
+        if (counts.parents != counts.splits || set.count != counts.base + 2 * counts.splits) {
+            result = stp_fail(store->context, STP_ERROR_FORMAT,
+                              "%s: surfel set %u: has %u parents and %u splits", store->path, index,
+                              counts.parents, counts.splits);
+        }
+    }
+    stp_free(store->context, joined);
     return result;
 }
 
@@ -115,6 +137,9 @@ static stp_result check_block(stp_store* store, const stp_store_block* block)
     case STP_BLOCK_POINT_SET:
         return check_points(store, block);
     case STP_BLOCK_SURFELS:
+        if (stp_store_has_operators(store, block->owner, STP_OCTAVE_LIMIT)) {
+            return block->octave == 0 ? check_operators(store, block->owner) : STP_OK;
+        }
         return check_surfels(store, block);
     case STP_BLOCK_TEXTURE:
         return check_texture(store, block);

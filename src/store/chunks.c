@@ -3,6 +3,7 @@
 
 #include "base/bytes.h"
 #include "store/internal.h"
+#include "store/operators.h"
 
 #include <string.h>
 
@@ -142,6 +143,8 @@ const char* const stp_store_unreadable = "bytes";
 typedef struct block_reader {
     const stp_store_block_source* source;
     uint64_t read_bytes;
+    stp_store_unpacker* unpacker; ///< made when first needed
+    stp_operator_reader operators;
 } block_reader;
 
 /// Reads bytes of the block from `offset` on.
@@ -216,12 +219,41 @@ static const char* find_chunk(block_reader* at, const stp_store_octave_span* spa
     return table == 0 || end == block->size ? NULL : "size";
 }
 
+/// Puts what is stored of a chunk where its columns belong. @return what is wrong, or NULL
+static const char* decode_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
+                                const unsigned char* stored, size_t stored_size,
+                                unsigned char* const* targets)
+{
+    unsigned char decoded[STP_STORE_PIECE_BYTES];
+    stp_store_column columns[STP_STORE_COLUMN_LIMIT];
+    size_t size = (size_t)stp_store_chunk_columns(span, chunk, columns);
+    bool operators = span->encoding == STP_STORE_ENCODING_OPERATORS;
+    uint32_t begin = chunk_begin(span, chunk), end = stp_store_chunk_end(span, chunk);
+    if (stored_size == size) {
+        scatter(columns, targets, stored, 0, size);
+        if (operators) {
+            stp_operators_skip(&at->operators, begin, end);
+        }
+        return NULL;
+    }
+    if (operators) {
+        stp_operator_run run = {.set = at->source->set, .begin = begin, .end = end};
+        bool right = stored_size >= size / STP_STORE_PIECE_RATIO &&
+                     stp_operators_decode(&run, &at->operators, stored, stored_size);
+        return right ? NULL : "coding of a chunk";
+    }
+    if (!stp_store_unpack(&at->unpacker, stored, stored_size, decoded, size)) {
+        return "compression of a chunk";
+    }
+    scatter(columns, targets, decoded, 0, size);
+    return NULL;
+}
+
 /// Reads and decodes one chunk, at `offset` of the block. @return what is wrong, or NULL
 static const char* read_chunk(block_reader* at, const stp_store_octave_span* span, uint32_t chunk,
-                              uint64_t* offset, stp_store_unpacker** unpacker,
-                              unsigned char* const* targets)
+                              uint64_t* offset, unsigned char* const* targets)
 {
-    unsigned char stored[STP_STORE_PIECE_BYTES], decoded[STP_STORE_PIECE_BYTES];
+    unsigned char stored[STP_STORE_PIECE_BYTES];
     unsigned char entry[STP_STORE_PIECE_ENTRY];
     stp_store_column columns[STP_STORE_COLUMN_LIMIT];
     const stp_store_block* block = at->source->block;
@@ -244,16 +276,8 @@ static const char* read_chunk(block_reader* at, const stp_store_octave_span* spa
     if (stp_store_crc(0, stored, (size_t)stored_size) != crc) {
         return "checksum";
     }
-    const unsigned char* bytes = stored;
-    if (stored_size < size) {
-        if (!stp_store_unpack(unpacker, stored, (size_t)stored_size, decoded, (size_t)size)) {
-            return "compression of a chunk";
-        }
-        bytes = decoded;
-    }
-    scatter(columns, targets, bytes, 0, size);
     *offset += stored_size;
-    return NULL;
+    return decode_chunk(at, span, chunk, stored, (size_t)stored_size, targets);
 }
 
 const char* stp_store_read_chunks(const stp_store_block_source* source,
@@ -261,7 +285,6 @@ const char* stp_store_read_chunks(const stp_store_block_source* source,
                                   void* const targets[STP_SURFEL_COLUMNS], uint64_t* read_bytes)
 {
     block_reader at = {.source = source};
-    stp_store_unpacker* unpacker = NULL;
     unsigned char* places[STP_SURFEL_COLUMNS];
     uint64_t sizes[STP_SURFEL_COLUMNS], offset = 0;
     const char* fault = NULL;
@@ -273,15 +296,19 @@ const char* stp_store_read_chunks(const stp_store_block_source* source,
         fault = begin < end ? read_plain(&at, span, places) : NULL;
     } else {
         fault = find_chunk(&at, span, begin, &offset);
+        if (span->encoding == STP_STORE_ENCODING_OPERATORS) {
+            stp_operators_begin(&at.operators, source->set->ranges, chunk_begin(span, begin),
+                                source->waiting);
+        }
         for (uint32_t chunk = begin; fault == NULL && chunk < end; ++chunk) {
-            fault = read_chunk(&at, span, chunk, &offset, &unpacker, places);
+            fault = read_chunk(&at, span, chunk, &offset, places);
             measure(span, chunk_begin(span, chunk), stp_store_chunk_end(span, chunk), sizes);
             for (int i = 0; i < STP_SURFEL_COLUMNS; ++i) {
                 places[i] = places[i] != NULL ? places[i] + sizes[i] : NULL;
             }
         }
     }
-    stp_store_unpacker_destroy(unpacker);
+    stp_store_unpacker_destroy(at.unpacker);
     *read_bytes += at.read_bytes;
     return fault;
 }

@@ -12,6 +12,7 @@
 enum {
     STP_STORE_ENCODING_PLAIN = 0,
     STP_STORE_ENCODING_CHUNKS = 1,
+    STP_STORE_ENCODING_OPERATORS = 2, ///< chunks of a progressive set (store/operators.h)
 };
 
 /// An octave of a set: what its block holds.
@@ -41,7 +42,17 @@ typedef struct stp_store_block_source {
     /// Reads a part of the file. @return false where it cannot
     bool (*read)(void* user, uint64_t offset, void* bytes, size_t size);
     void* user;
+    // Of operators alone:
+    const stp_splats*
+        set; ///< holds all splats before the first chunk read; the targets are its columns
+    uint32_t* waiting; ///< room for an index for each splat up to the octave's end
 } stp_store_block_source;
+
+/// Room in bytes for `waiting` in that many splats.
+static inline uint64_t stp_store_waiting_bytes(uint64_t splats)
+{
+    return splats * sizeof(uint32_t);
+}
 
 /// Of stp_store_read_chunks: the source could not give the bytes.
 extern const char* const stp_store_unreadable;

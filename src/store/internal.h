@@ -139,6 +139,12 @@ static inline uint64_t stp_store_group_count(uint64_t splats)
 /// Makes the groups of a set with ranges that splats [first, end) are in; those before `end` are there.
 void stp_store_make_groups(const stp_splats* surfels, uint32_t first, uint32_t end);
 
+/// Checks an octave's block and puts its columns in their places. The octaves before it are there.
+STP_MUST_USE stp_result stp_store_add_octave(stp_store* store, uint32_t index, uint32_t octave,
+                                             const stp_splats* surfels);
+/// Whether any of the first octaves of a set is coded as operators.
+bool stp_store_has_operators(const stp_store* store, uint32_t index, uint32_t octave_count);
+
 /// Where in a set's columns those of an octave's block belong.
 void stp_store_octave_targets(const stp_splats* surfels, uint32_t octave,
                               void* targets[STP_SURFEL_COLUMNS]);

@@ -3,6 +3,7 @@
 // blocks.
 #include "store/chunks.h"
 #include "store/internal.h"
+#include "store/operators.h"
 #include "store/pictures.h"
 
 static stp_result fail_format(const stp_store* store, const char* what, uint32_t index,
@@ -59,8 +60,13 @@ static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_
         block->octave != wanted.octave) {
         return fail_format(store, names[wanted.kind], wanted.owner, "its block is another's");
     }
-    uint32_t known =
-        wanted.kind == STP_BLOCK_SURFELS ? STP_STORE_ENCODING_CHUNKS : STP_STORE_ENCODING_PLAIN;
+    const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
+    uint32_t known = STP_STORE_ENCODING_PLAIN;
+    if (wanted.kind == STP_BLOCK_SURFELS) {
+        known = sets[wanted.owner].surfels.columns == STP_OPERATOR_COLUMNS
+                    ? STP_STORE_ENCODING_OPERATORS
+                    : STP_STORE_ENCODING_CHUNKS;
+    }
     if (block->encoding > known) {
         return stp_fail(store->context, STP_ERROR_UNSUPPORTED,
                         "%s: %s %u: encoding %u of its block is not known", store->path,
@@ -68,7 +74,6 @@ static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_
     }
     bool fits = block->size == wanted.size;
     if (wanted.kind == STP_BLOCK_SURFELS) {
-        const stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
         stp_store_octave_span span =
             stp_store_span_of(&sets[wanted.owner].surfels, wanted.octave, block->encoding);
         fits = stp_store_can_hold(&span, block->size);

@@ -188,18 +188,36 @@ const stp_store_block* stp_store_octave_block(const stp_store* store, uint32_t i
     return stp_store_block_at(store, octaves[records[index].first_octave + octave].block);
 }
 
-// Checks an octave's block and puts its columns in their places.
-static stp_result add_octave(stp_store* store, uint32_t index, uint32_t octave,
-                             const stp_splats* surfels)
+bool stp_store_has_operators(const stp_store* store, uint32_t index, uint32_t octave_count)
+{
+    const stp_store_surfels_record* records = store->tables[STP_SECTION_SURFELS];
+    bool found = false;
+    for (uint32_t k = 0; k < octave_count && k < records[index].surfels.octave_count; ++k) {
+        found = found ||
+                stp_store_octave_block(store, index, k)->encoding == STP_STORE_ENCODING_OPERATORS;
+    }
+    return found;
+}
+
+stp_result stp_store_add_octave(stp_store* store, uint32_t index, uint32_t octave,
+                                const stp_splats* surfels)
 {
     const stp_store_block* block = stp_store_octave_block(store, index, octave);
     stp_store_octave_span span = stp_store_span_of(surfels, octave, block->encoding);
-    stp_store_block_source source = {.block = block, .read = stp_store_read_mapped, .user = store};
+    stp_store_block_source source = {
+        .block = block, .read = stp_store_read_mapped, .user = store, .set = surfels};
+    if (block->encoding == STP_STORE_ENCODING_OPERATORS) {
+        source.waiting = stp_alloc(store->context, (size_t)stp_store_waiting_bytes(span.end));
+        if (source.waiting == NULL) {
+            return stp_fail_memory(store->context);
+        }
+    }
     void* targets[STP_SURFEL_COLUMNS];
     uint64_t read_bytes = 0;
     stp_store_octave_targets(surfels, octave, targets);
     const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
                                               targets, &read_bytes);
+    stp_free(store->context, source.waiting);
     if (fault != NULL) {
         return stp_store_fail_block(store, block, fault);
     }
@@ -225,7 +243,7 @@ static stp_result join_octaves(stp_store* store, uint32_t index, uint32_t octave
         stp_store_copy_columns(&made, &record->surfels, record->ready);
     }
     for (uint32_t octave = record->ready; octave < octave_count; ++octave) {
-        stp_result result = add_octave(store, index, octave, &made);
+        stp_result result = stp_store_add_octave(store, index, octave, &made);
         if (result != STP_OK) {
             stp_free(store->context, joined);
             return result;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A residency from beginning to end, and what is asked of it.
+#include "store/chunks.h"
 #include "store/pictures.h"
 #include "store/residency_internal.h"
 
@@ -65,8 +66,15 @@ uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing)
                                    whole ? (size_t)block->size : 0);
 }
 
-uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing)
+uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing, uint32_t level)
 {
+    if (stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS) {
+        const stp_splats* surfels = stp_residency_surfels(r, thing);
+        return stp_store_has_operators(r->store, thing - r->firsts[STP_RESIDENT_SURFELS], level)
+                   ? stp_store_waiting_bytes(stp_store_octave_begin(surfels, level)) +
+                         ALLOCATION_BYTES
+                   : 0;
+    }
     bool decodes = stp_residency_kind(r, thing) == STP_RESIDENT_TEXTURE &&
                    stp_residency_texture(r, thing)->encoding != 0;
     return decodes ? stp_residency_block(r, thing, 0)->size + ALLOCATION_BYTES +

@@ -23,7 +23,8 @@ typedef struct stp_load {
     uint64_t read_bytes; ///< from the file
     unsigned char*
         picture;        ///< memory for the encoded bytes of a texture; NULL: it is read as it is
-    uint64_t transient; ///< bytes of those, and of the decoder
+    uint32_t* waiting;  ///< surfels: stp_store_block_source; NULL: there are no operators
+    uint64_t transient; ///< bytes of both, and of the decoder
     stp_splats columns; ///< surfels: in `memory`, cut to `to`
     stp_splats before;  ///< and the columns that are resident, of which `from` octaves are copied
     stp_clusters clusters; ///< a coded mesh, opened
@@ -108,8 +109,9 @@ const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thin
 uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t level);
 /// What the decoder of a texture's picture takes, as the head of the mapped file tells.
 uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing);
-/// Memory that is needed beside it only while it is loaded: the picture file of a texture, and its decoder.
-uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing);
+/// Memory that is needed beside it only while it is loaded: the picture file of a texture, and its decoder; of a set of
+/// operators the parents that wait.
+uint64_t stp_residency_transient(const stp_residency* r, uint32_t thing, uint32_t level);
 /// The need of the octave after `level`.
 float stp_residency_need(const stp_residency* r, uint32_t thing, uint32_t level);
 

@@ -69,7 +69,11 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
     uint32_t index = load->thing - r->firsts[STP_RESIDENT_SURFELS];
     const stp_store_block* block = stp_residency_block(r, load->thing, octave);
     stp_store_octave_span span = stp_store_span_of(&load->columns, octave, block->encoding);
-    stp_store_block_source source = {.block = block, .read = read_part, .user = r};
+    stp_store_block_source source = {.block = block,
+                                     .read = read_part,
+                                     .user = r,
+                                     .set = &load->columns,
+                                     .waiting = load->waiting};
     void* targets[STP_SURFEL_COLUMNS];
     stp_store_octave_targets(&load->columns, octave, targets);
     const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),

@@ -222,6 +222,7 @@ static stp_load* new_load(stp_residency* r, uint32_t thing)
         load->bytes = 0;
         load->memory = NULL;
         load->picture = NULL;
+        load->waiting = NULL;
         load->transient = 0;
         r->things[thing].load = load;
         *(r->first_load == NULL ? &r->first_load : &r->last_load->next) = load;
@@ -240,7 +241,7 @@ static bool plan_step(stp_residency* r, uint32_t* skips)
     uint32_t to = stp_residency_kind(r, thing) == STP_RESIDENT_SURFELS
                       ? find_next(r, thing, from, target)
                       : 1;
-    uint64_t bytes = stp_residency_bytes(r, thing, to) + stp_residency_transient(r, thing) -
+    uint64_t bytes = stp_residency_bytes(r, thing, to) + stp_residency_transient(r, thing, to) -
                      (load != NULL ? load->bytes : 0);
     if (r->under_way > 0 && r->under_way + bytes > r->desc.batch_bytes) {
         return false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What comes and goes in the store's tables. Between frames only, on the thread that updates.
+#include "store/chunks.h"
 #include "store/residency_internal.h"
 
 static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t thing)
@@ -20,7 +21,7 @@ static bool prepare_texture(stp_residency* r, stp_load* load)
     if (stp_reserve(r->context, stp_residency_decoder_bytes(r, load->thing))) {
         load->picture = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
         if (load->picture != NULL) {
-            load->transient = stp_residency_transient(r, load->thing);
+            load->transient = stp_residency_transient(r, load->thing, 1);
             return true;
         }
         stp_release(r->context, stp_residency_decoder_bytes(r, load->thing));
@@ -30,15 +31,35 @@ static bool prepare_texture(stp_residency* r, stp_load* load)
     return false;
 }
 
+/// Memory for the columns, and where operators are decoded also for the parents that wait.
+static bool prepare_surfels(stp_residency* r, stp_load* load)
+{
+    const stp_splats* surfels = &surfels_record(r, load->thing)->surfels;
+    uint64_t transient = stp_residency_transient(r, load->thing, load->to);
+    load->before = *surfels;
+    load->columns = *surfels;
+    stp_store_cut_surfels(&load->columns, load->to);
+    if (transient != 0) {
+        load->waiting = stp_alloc(r->context, (size_t)stp_store_waiting_bytes(load->columns.count));
+        if (load->waiting == NULL) {
+            return false;
+        }
+        load->transient = transient;
+    }
+    load->memory = stp_store_reserve_columns(r->context, &load->columns);
+    if (load->memory == NULL) {
+        stp_free(r->context, load->waiting);
+        load->waiting = NULL;
+    }
+    return load->memory != NULL;
+}
+
 bool stp_residency_prepare(stp_residency* r, stp_load* load)
 {
     if (stp_residency_kind(r, load->thing) == STP_RESIDENT_SURFELS) {
-        const stp_splats* surfels = &surfels_record(r, load->thing)->surfels;
-        load->before = *surfels;
-        load->columns = *surfels;
-        stp_store_cut_surfels(&load->columns, load->to);
-        load->memory = stp_store_reserve_columns(r->context, &load->columns);
-    } else if (stp_residency_kind(r, load->thing) == STP_RESIDENT_TEXTURE) {
+        return prepare_surfels(r, load);
+    }
+    if (stp_residency_kind(r, load->thing) == STP_RESIDENT_TEXTURE) {
         return prepare_texture(r, load);
     } else {
         uint64_t size = stp_residency_block(r, load->thing, 0)->size;
@@ -54,6 +75,8 @@ void stp_residency_end_load(stp_residency* r, stp_load* load)
         stp_release(r->context, stp_residency_decoder_bytes(r, load->thing));
         load->picture = NULL;
     }
+    stp_free(r->context, load->waiting);
+    load->waiting = NULL;
 }
 
 static void publish_mesh(const stp_residency* r, uint32_t index, void* memory,

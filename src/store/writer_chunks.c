@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: MIT
-// Octaves on their way into a file: gathered chunk by chunk, compressed on all threads, written in order.
+// Octaves on their way into a file: gathered chunk by chunk, compressed on all threads, written in order. Progressive sets
+// are coded as operators, others by DEFLATE.
 #include "base/bytes.h"
 #include "store/chunks.h"
 #include "store/internal.h"
+#include "store/operators.h"
 #include "store/writing.h"
 
 #include <string.h>
 
-enum { BATCH = 32 }; ///< chunks that are compressed at once
+enum {
+    BATCH = 32,                                   ///< chunks that are compressed at once
+    SPLITS_MOST = STP_STORE_PIECE_BYTES / 42 + 2, ///< of the splats of a chunk: two take 42 bytes
+};
 
 typedef struct packed_chunk {
     uint32_t block, chunk;
     uint32_t size, crc; ///< as stored; size 0: there was no memory
+    uint32_t encoding;
+    uint32_t base; ///< of operators: splats of the base set before the chunk
 } packed_chunk;
 
 struct stp_store_batch {
@@ -19,6 +26,7 @@ struct stp_store_batch {
     packed_chunk chunks[BATCH];
     size_t count;
     unsigned char* bytes; ///< room for BATCH chunks
+    uint32_t* parents;    ///< SPLITS_MOST a chunk, of operators
     unsigned char* table; ///< of the block being written
     size_t table_capacity;
     stp_store_packer** packers; ///< one a thread, made when first needed
@@ -55,6 +63,7 @@ void stp_store_batch_destroy(stp_store_batch* b)
         stp_store_packer_destroy(b->packers[i]);
     }
     stp_free(context, b->packers);
+    stp_free(context, b->parents);
     stp_free(context, b->table);
     stp_free(context, b->bytes);
     stp_free(context, b);
@@ -86,6 +95,32 @@ static size_t gather(const stp_splats* surfels, const stp_store_block* block,
     return size;
 }
 
+/// Codes a chunk as operators. Where that takes no less than `size` bytes, its columns are kept.
+static size_t pack_operators(const stp_store_batch* b, size_t index, const unsigned char* columns,
+                             size_t size, unsigned char* out)
+{
+    const packed_chunk* chunk = &b->chunks[index];
+    const stp_store_block* block = &b->w->plan.blocks[chunk->block];
+    stp_store_octave_span span = span_of(b->w, block);
+    stp_operator_run run = {
+        .set = &b->w->content->surfels[block->owner],
+        .begin = chunk->chunk == 0 ? span.begin : stp_store_chunk_end(&span, chunk->chunk - 1),
+        .end = stp_store_chunk_end(&span, chunk->chunk),
+        .base = chunk->base,
+    };
+    size_t least = size / STP_STORE_PIECE_RATIO;
+    size_t made = stp_operators_encode(&run, b->parents + index * SPLITS_MOST, out, size - 1);
+    if (made == 0) {
+        memcpy(out, columns, size);
+        return size;
+    }
+    if (made < least) { // as stp_store_pack does
+        memset(out + made, 0, least - made);
+        made = least;
+    }
+    return made;
+}
+
 static void pack_chunks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_store_batch* b = user;
@@ -101,18 +136,23 @@ static void pack_chunks(size_t begin, size_t end, uint32_t worker, void* user)
         unsigned char* out = b->bytes + i * STP_STORE_PIECE_BYTES;
         size_t size = gather(&w->content->surfels[block->owner], block, &span, chunk->chunk, bytes);
         bool good = b->packers[worker] != NULL || w->content->passing;
-        chunk->size = good ? (uint32_t)stp_store_pack(b->packers[worker], bytes, size, out) : 0;
+        if (chunk->encoding == STP_STORE_ENCODING_OPERATORS) {
+            chunk->size = (uint32_t)pack_operators(b, i, bytes, size, out);
+        } else {
+            chunk->size = good ? (uint32_t)stp_store_pack(b->packers[worker], bytes, size, out) : 0;
+        }
         chunk->crc = stp_store_crc(0, out, chunk->size);
     }
 }
 
 /// Begins a block at the end of the file, with room for its chunk table.
-static stp_result begin_block(stp_store_batch* b, stp_store_block* block, size_t table_bytes)
+static stp_result begin_block(stp_store_batch* b, stp_store_block* block, uint32_t encoding,
+                              size_t table_bytes)
 {
     stp_store_writing* w = b->w;
     stp_result result = stp_store_pad(w);
     block->offset = stp_file_writer_size(w->file);
-    block->encoding = STP_STORE_ENCODING_CHUNKS;
+    block->encoding = encoding;
     unsigned char* table = stp_grow_array(w->context, b->table, &b->table_capacity, table_bytes, 1);
     if (table == NULL && table_bytes != 0) {
         return stp_fail_memory(w->context);
@@ -135,7 +175,8 @@ static stp_result write_chunk(stp_store_batch* b, const packed_chunk* chunk,
     if (chunk->size == 0) {
         return stp_fail_memory(w->context);
     }
-    stp_result result = chunk->chunk == 0 ? begin_block(b, block, table_bytes) : STP_OK;
+    stp_result result =
+        chunk->chunk == 0 ? begin_block(b, block, chunk->encoding, table_bytes) : STP_OK;
     if (result == STP_OK) {
         result = stp_file_writer_append(w->file, bytes, chunk->size);
     }
@@ -164,16 +205,66 @@ stp_result stp_store_batch_flush(stp_store_batch* b)
     return result;
 }
 
+/// Finds the order in which the parents of a set are split; `*order` stays NULL where it is no progressive set.
+static stp_result find_order(stp_store_batch* b, const stp_splats* set, uint32_t** order)
+{
+    stp_context* context = b->w->context;
+    *order = NULL;
+    if (set->columns != STP_OPERATOR_COLUMNS || b->w->content->passing) {
+        return STP_OK;
+    }
+    if (b->parents == NULL) {
+        b->parents = STP_NEW_ARRAY(context, uint32_t, (size_t)BATCH * SPLITS_MOST);
+    }
+    uint32_t* found = STP_NEW_ARRAY(context, uint32_t, set->count);
+    uint32_t* scratch = STP_NEW_ARRAY(context, uint32_t, set->count);
+    bool made = b->parents != NULL && found != NULL && scratch != NULL;
+    if (made) {
+        stp_progressive_order(set->ranges, set->count, found, scratch);
+    }
+    if (made && stp_progressive_is_whole(set->ranges, set->count, found)) {
+        *order = found;
+        found = NULL;
+    }
+    stp_free(context, found);
+    stp_free(context, scratch);
+    return made ? STP_OK : stp_fail_memory(context);
+}
+
+/// Keeps the parents of the splits that a chunk begins or goes on with.
+static void take_parents(stp_store_batch* b, uint32_t base, uint32_t begin, uint32_t end,
+                         const uint32_t* order)
+{
+    packed_chunk* chunk = &b->chunks[b->count];
+    chunk->encoding = STP_STORE_ENCODING_OPERATORS;
+    chunk->base = begin < base ? begin : base;
+    if (end > base) {
+        uint32_t first = begin > base ? (begin - base) / 2 : 0, last = (end - base + 1) / 2;
+        memcpy(b->parents + b->count * SPLITS_MOST, order + first, (last - first) * sizeof(*order));
+    }
+}
+
 stp_result stp_store_batch_add(stp_store_batch* b, uint32_t block)
 {
+    const stp_splats* set = &b->w->content->surfels[b->w->plan.blocks[block].owner];
     stp_store_octave_span span = span_of(b->w, &b->w->plan.blocks[block]);
-    uint32_t count = stp_store_chunk_count(&span);
-    stp_result result = STP_OK;
+    uint32_t count = stp_store_chunk_count(&span), begin = span.begin;
+    uint32_t* order = NULL;
+    stp_result result = find_order(b, set, &order);
+    uint32_t base = order != NULL ? stp_progressive_count(set->ranges, set->count).base : 0;
     for (uint32_t chunk = 0; chunk < count && result == STP_OK; ++chunk) {
-        b->chunks[b->count++] = (packed_chunk){.block = block, .chunk = chunk};
+        uint32_t end = stp_store_chunk_end(&span, chunk);
+        b->chunks[b->count] =
+            (packed_chunk){.block = block, .chunk = chunk, .encoding = STP_STORE_ENCODING_CHUNKS};
+        if (order != NULL) {
+            take_parents(b, base, begin, end, order);
+        }
+        b->count += 1;
+        begin = end;
         if (b->count == BATCH) {
             result = stp_store_batch_flush(b);
         }
     }
+    stp_free(b->w->context, order);
     return result;
 }

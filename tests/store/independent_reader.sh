@@ -12,6 +12,7 @@ cp "$source"/tests/golden/store/v1/sample.json "$folder/golden.json"
 cp "$source"/tests/golden/store/v1/sample-1.1.stip "$folder/golden-1.1.stip"
 cp "$source"/tests/golden/store/v1/sample-1.1.json "$folder/golden-1.1.json"
 STP_STORE_SAMPLE="$folder/sample" "$tests" store_writes_chunks_for_another_reader >> "$folder/log"
+STP_STORE_SAMPLE="$folder/sample" "$tests" store_writes_operators_for_another_reader >> "$folder/log"
 cp "$source"/tests/golden/store/v1/sample-1.2.stip "$folder/golden-1.2.stip"
 cp "$source"/tests/golden/store/v1/sample-1.2.json "$folder/golden-1.2.json"
 cp "$source"/tests/golden/store/v1/packed-1.2.stip "$folder/packed.stip"
@@ -39,7 +40,7 @@ picture = open(folder + "/first.ppm", "rb").read()
 assert len(picture) == len(b"P6 64 48 255\n") + 3 * 64 * 48 and len(set(picture[13:])) > 3
 END
 done
-test "$count" -ge 14
+test "$count" -ge 15
 # it must be able to fail: one byte wrong in the middle of the last file
 size=$(stat -c %s "$file")
 byte=$(od -An -tu1 -j $((size / 2)) -N 1 "$file")

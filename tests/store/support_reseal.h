@@ -55,8 +55,9 @@ static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t off
     for (uint64_t at = 0; at + record_size <= length; at += record_size) {
         unsigned char* record = bytes + offset + at;
         uint64_t begin = stp_read_u64(record + 16), length_of_block = stp_read_u64(record + 24);
-        uint64_t table =
-            stp_read_u32(record + 36) == 1 ? reseal_chunks(bytes, size, begin, length_of_block) : 0;
+        uint64_t table = stp_read_u32(record + 36) - 1 < 2
+                             ? reseal_chunks(bytes, size, begin, length_of_block)
+                             : 0;
         stp_write_u32(record + 12,
                       reseal_crc(bytes, size, begin, table != 0 ? table : length_of_block));
     }

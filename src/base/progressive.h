@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+//
+// Sets of splats that are refined and coarsened one split at a time (Wu, Zhang, Kobbelt 2005, 5). Their order and their
+// ranges of levels imply which splat each split replaces:
+//
+//   splats  [0 .. base) | 2 of split 0 | 2 of split 1 | ...
+//
+// A splat whose lowest level is 0 is a leaf. All others are parents. Split s replaces parent s of the split order: the higher
+// lowest level first; of equal ones, the lower index. Splats of the base set are drawn up to an infinite level, all others
+// up to a finite one. A child's lowest level is at most its parent's. So a prefix of a set is a set that can be refined less.
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/// How many splats of a prefix do what.
+typedef struct stp_progressive_counts {
+    uint32_t base;   ///< splats of the base set
+    uint32_t splits; ///< splits whose two splats are in the prefix
+    uint32_t
+        parents; ///< splats that are not leaves; as many as `splits` in a whole set, else perhaps more
+} stp_progressive_counts;
+
+/// Counts the base set, the splits and the parents in the first `count` splats of a set.
+/// @param ranges codes of ranges (base/splat_codes.h), 1 a splat
+stp_progressive_counts stp_progressive_count(const uint32_t* ranges, uint32_t count);
+
+/// Lists all parents in the order in which they are split: parent s is the splat that split s replaces.
+/// @param order room for `count` indices
+/// @param scratch room for `count` indices
+/// @return how many parents there are
+uint32_t stp_progressive_order(const uint32_t* ranges, uint32_t count, uint32_t* order,
+                               uint32_t* scratch);
+
+/// Whether a splat may be a child of another, by the ranges of the two.
+bool stp_progressive_fits(uint32_t parent, uint32_t child);
+
+/// Checks that a prefix of a set can be split in its order: each parent lies before its two children, is at least as high
+/// as they are, and there are enough parents.
+/// @param order of stp_progressive_order
+/// @return whether all that holds
+bool stp_progressive_is_valid(const uint32_t* ranges, uint32_t count, const uint32_t* order);
+/// Checks the same of a whole set: there are no more parents than splits.
+bool stp_progressive_is_whole(const uint32_t* ranges, uint32_t count, const uint32_t* order);
+
+/// A state with some count of splats as two runs of the set, each of which is drawn at one level. With lo the lowest level
+/// of a splat as a code, splat i < end is drawn if lo < code, or if lo = code and i >= divide.
+typedef struct stp_progressive_cut {
+    uint32_t end;    ///< splats of the prefix that holds the state
+    uint32_t code;   ///< of the level of the next split's parent; 0 if nothing is left to split
+    uint32_t divide; ///< index of that parent; 0 if nothing is left to split
+    float below;     ///< the level at which splats [0, divide) are drawn
+    float level;     ///< the level at which splats [divide, end) are drawn
+    uint32_t splats; ///< of the state; what was asked for, within what the prefix has
+} stp_progressive_cut;
+
+/// Finds the state with `wanted` splats, or the nearest that the prefix has. Takes time in proportion to `count`, and no
+/// memory. The two levels suit a test that draws a splat if lowest <= level <= highest, with bounds as stp_range_level
+/// gives them.
+/// @param ranges of a valid prefix of a set
+stp_progressive_cut stp_progressive_find_cut(const uint32_t* ranges, uint32_t count,
+                                             uint32_t wanted);
+
+/// A state of a set that is refined and coarsened. Equal counts give equal lists, whatever came before.
+typedef struct stp_progressive_walk {
+    const uint32_t* order; ///< of stp_progressive_order
+    uint32_t base, splits; ///< of stp_progressive_count
+    uint32_t split;        ///< splits that are done
+    uint32_t*
+        alive; ///< the splats of the state: base + split indices. On a split the first child takes the parent's place, and the second comes last
+    uint32_t* slots; ///< where in `alive` the parent of each split done was
+} stp_progressive_walk;
+
+/// Begins with the base set.
+/// @param alive room for base + splits indices, the caller's
+/// @param slots room for `splits` indices, the caller's
+stp_progressive_walk stp_progressive_begin(stp_progressive_counts counts, const uint32_t* order,
+                                           uint32_t* alive, uint32_t* slots);
+/// Splats of the state.
+static inline uint32_t stp_progressive_size(const stp_progressive_walk* walk)
+{
+    return walk->base + walk->split;
+}
+/// Splits at most `steps` splats, each into two. @return how many
+uint32_t stp_progressive_refine(stp_progressive_walk* walk, uint32_t steps);
+/// Undoes at most `steps` splits. @return how many
+uint32_t stp_progressive_coarsen(stp_progressive_walk* walk, uint32_t steps);
+/// Refines or coarsens to `count` splats, or as near as the set allows. @return splats of the state
+uint32_t stp_progressive_walk_to(stp_progressive_walk* walk, uint32_t count);
+
+/// The parents that wait to be split while a set is read in its order.
+typedef struct stp_progressive_queue {
+    const uint32_t* ranges;
+    uint32_t* heap; ///< the caller's: room for all parents that may wait
+    uint32_t count;
+} stp_progressive_queue;
+
+/// Begins with the parents of a prefix, less those of the first `done` splits.
+/// @param heap room for `count` indices, and for one more with each splat that is added
+stp_progressive_queue stp_progressive_queue_begin(const uint32_t* ranges, uint32_t count,
+                                                  uint32_t done, uint32_t* heap);
+/// Adds a splat, unless it is a leaf.
+void stp_progressive_queue_add(stp_progressive_queue* queue, uint32_t splat);
+/// Takes the parent that is split next; UINT32_MAX if none waits.
+uint32_t stp_progressive_queue_take(stp_progressive_queue* queue);
