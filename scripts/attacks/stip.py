@@ -78,7 +78,7 @@ class Stip:
             data += bytes(at - data_offset - len(data)) + block
             encoding, = struct.unpack_from("<I", table.content, record + 36)
             kind, = struct.unpack_from("<I", table.content, record)
-            crc = chunk_checksums(block) if kind == 4 and encoding == 1 else zlib.crc32(block)
+            crc = chunk_checksums(block) if kind == 4 and encoding in (1, 2) else zlib.crc32(block)
             for field, layout, value in (("crc", "<I", crc), ("offset", "<Q", at), ("size", "<Q", len(block))):
                 if (i, field) not in keep:
                     struct.pack_into(layout, table.content, record + {"crc": 12, "offset": 16, "size": 24}[field], value)
