@@ -21,7 +21,7 @@ enum { DEFAULT_SPLATS = 2000 };
 static struct {
     const char* output;
     int by, metric, queue;
-    uint64_t splats, neighbours, threads, memory;
+    uint64_t splats, neighbours, piece_size, threads, memory;
     double merge_angle;
     bool has_angle, connect, json;
 } args;
@@ -78,6 +78,13 @@ static const option* options(void)
              "splats whose best merge became worse move back in the queue at once, or when they "
              "come up; the result is the same; default eager",
          .value = &args.queue},
+        {.name = "piece-size",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "auto|8..1073741824",
+         .help = "splats that one queue merges; more are merged in pieces on all threads; default "
+                 "8192",
+         .value = &args.piece_size},
         OPTION_THREADS(&args.threads),
         OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
@@ -92,6 +99,7 @@ static stp_psp_desc make_desc(void)
     desc.metric = args.metric == 0 ? STP_PSP_NORMALS : STP_PSP_DISTANCES;
     desc.neighbours = args.neighbours != 0 ? (uint32_t)args.neighbours : desc.neighbours;
     desc.eager = args.queue == 0;
+    desc.piece_size = (uint32_t)args.piece_size;
     desc.connect_components = args.connect;
     if (args.has_angle) {
         desc.least_cosine =

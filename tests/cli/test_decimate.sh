@@ -121,4 +121,30 @@ END
 # as many as there are, and no fewer than can be
 "$stipple" -q decimate ball.ply -o all.ply --splats 5000 > out || fail "more splats than points"
 check all.ply 3000
+# pieces, on any number of threads, give as many
+for threads in 1 3; do
+    "$stipple" -q decimate ball.ply -o pieces-$threads.ply --splats 200 --piece-size 128 --threads $threads --json > pieces.json || fail "--piece-size"
+done
+check pieces-1.ply 200
+cmp -s pieces-1.ply pieces-3.ply || fail "3 threads give other pieces"
+cmp -s pieces-1.ply normals-lazy.ply && fail "--piece-size changes nothing"
+python3 -c 'import json; d = json.load(open("pieces.json")); assert d["points_per_second"] > 0 and d["peak_bytes"] > 36000, d' || fail "figures: $(cat pieces.json)"
+# two balls far apart: two splats are left, or one where that is asked for
+python3 - << 'END'
+lines = open("ball.ply").read().replace("vertex 3000", "vertex 6000").splitlines()
+body = lines[lines.index("end_header") + 1:]
+far = [" ".join([str(float(line.split()[0]) + 1000)] + line.split()[1:]) for line in body]
+open("balls.ply", "w").write("\n".join(lines + far) + "\n")
+END
+count() # FILE
+{
+    python3 -c 'import sys; print(open(sys.argv[1], "rb").read().split(b"element vertex ")[1].split()[0].decode())' "$1"
+}
+"$stipple" -q decimate balls.ply -o two.ply --splats 1 --merge-angle 180 > out || fail "two balls"
+[ "$(count two.ply)" = 2 ] || fail "expected two splats, got $(count two.ply)"
+"$stipple" -q decimate balls.ply -o one.ply --splats 1 --connect > out || fail "--connect"
+[ "$(count one.ply)" = 1 ] || fail "expected one splat, got $(count one.ply)"
+# too little memory is said, and leaves no file
+refused 1 'memory' decimate balls.ply -o little.ply --memory 600K
+[ ! -e little.ply ] || fail "a call without memory left a file"
 exit $((failures > 0))

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// Links across the seams of the first round, and slots from round to round.
+#include "base/parallel_sort.h"
+#include "lod/psp/cut.h"
+
+typedef struct numbering {
+    stp_psp_rounds* rounds;
+    uint32_t* slots; ///< of splats by number
+    size_t* starts;  ///< of blocks: where their links across seams go
+    uint64_t* reverse;
+} numbering;
+
+static void number_slots(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const numbering* n = user;
+    (void)worker;
+    for (size_t slot = begin; slot < end; ++slot) {
+        n->slots[n->rounds->order[slot].index] = (uint32_t)slot;
+    }
+}
+
+static void number_survivors(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const numbering* n = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        n->rounds->survivors[i] = n->slots[n->rounds->survivors[i]];
+    }
+}
+
+static void reverse_links(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const numbering* n = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_psp_block* b = &n->rounds->blocks[i];
+        size_t at = n->starts[i];
+        for (uint32_t s = 0; s < b->count; ++s) {
+            for (uint32_t l = b->begins[s]; l < b->begins[s + 1]; ++l) {
+                if ((b->links[l] & STP_PSP_OUTSIDE) != 0) {
+                    uint32_t to = n->rounds->survivors[b->links[l] & ~STP_PSP_OUTSIDE];
+                    n->reverse[at++] = (uint64_t)to << 32 | n->slots[b->first + s];
+                }
+            }
+        }
+    }
+}
+
+static void count_links(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    const numbering* n = user;
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_psp_block* b = &n->rounds->blocks[i];
+        n->starts[i] = 0;
+        for (uint32_t l = 0; l < b->begins[b->count]; ++l) {
+            n->starts[i] += (b->links[l] & STP_PSP_OUTSIDE) != 0 ? 1 : 0;
+        }
+    }
+}
+
+/// After the first round: a point may be among the nearest of another one across a seam, where only the other knows it.
+static bool turn_links(numbering* n)
+{
+    stp_psp_rounds* r = n->rounds;
+    stp_context* context = r->shared.context;
+    size_t total = 0;
+    n->starts = STP_NEW_ARRAY(context, size_t, (size_t)r->block_count + 1);
+    if (n->starts == NULL) {
+        return false;
+    }
+    stp_parallel_for(context, r->block_count, 1, count_links, n);
+    for (uint32_t i = 0; i < r->block_count; ++i) {
+        size_t count = n->starts[i];
+        n->starts[i] = total;
+        total += count;
+    }
+    uint64_t* scratch = STP_NEW_ARRAY(context, uint64_t, total + 1);
+    uint64_t* sorted = NULL;
+    n->reverse = STP_NEW_ARRAY(context, uint64_t, total + 1);
+    if (n->reverse != NULL && scratch != NULL) {
+        stp_parallel_for(context, r->block_count, 1, reverse_links, n);
+        sorted = stp_parallel_sort_u64(context, n->reverse, scratch, total, 32, 31);
+    }
+    stp_free(context, sorted != scratch ? scratch : NULL);
+    stp_free(context, sorted != n->reverse ? n->reverse : NULL);
+    stp_free(context, n->starts);
+    r->reverse = sorted;
+    r->reverse_count = sorted != NULL ? total : 0;
+    return sorted != NULL;
+}
+
+stp_result stp_psp_renumber(stp_psp_rounds* r)
+{
+    stp_context* context = r->shared.context;
+    numbering n = {.rounds = r, .slots = STP_NEW_ARRAY(context, uint32_t, (size_t)r->live + 1)};
+    bool made = n.slots != NULL;
+    if (made) {
+        stp_parallel_for(context, r->live, 1 << 16, number_slots, &n);
+        stp_parallel_for(context, r->slot_count, 1 << 16, number_survivors, &n);
+        made = r->round != 1 || r->block_count == 1 || turn_links(&n);
+    }
+    stp_free(context, n.slots);
+    return made ? STP_OK : stp_fail_memory(context);
+}
