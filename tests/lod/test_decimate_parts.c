@@ -300,3 +300,48 @@ void test_decimate_cells_know_sides(test_state* test)
     }
     stp_context_destroy(context);
 }
+
+// Points in one place share a disk, whose neighbours are in other places; each faces as its own normal does.
+void test_decimate_disks_of_shared_places(test_state* test)
+{
+    enum { PLACES = 200, COUNT = 3 * PLACES };
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        for (uint32_t k = 0; k < 3; ++k) {
+            double at = decimate_unit(11, 3 * (i % PLACES) + k);
+            model.positions[3 * i + k] = k == 1 ? 0.01f * (float)at : (float)at;
+            model.normals[3 * i + k] = k != 1 ? 0.0f : i < PLACES ? -1.0f : 1.0f;
+        }
+    }
+    // two of a place face up, one down
+    stp_decimate_input input = {COUNT, model.positions, model.normals, NULL, NULL, 0};
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_distinct distinct;
+    CHECK_EQUAL(STP_OK, stp_distinct_make(context, &input, &distinct));
+    CHECK_EQUAL(PLACES, distinct.count);
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        uint32_t place = distinct.places[i];
+        CHECK(place < PLACES && distinct.points[place] % PLACES == i % PLACES);
+        CHECK(memcmp(distinct.positions + 3 * place, model.positions + 3 * i, 12) == 0);
+        CHECK(distinct.normals[3 * place + 1] == 1.0f && distinct.means[place].weight == 3.0);
+    }
+    stp_distinct_destroy(context, &distinct);
+    stp_ellipse *disks = NULL, *alone = NULL;
+    uint32_t *near = NULL, *near_alone = NULL;
+    CHECK_EQUAL(STP_OK, stp_decimate_make_disks(context, &input, &disks, &near));
+    input.count = PLACES;
+    CHECK_EQUAL(STP_OK, stp_decimate_make_distinct_disks(context, &input, &alone, &near_alone));
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        const stp_ellipse* expected = &alone[i % PLACES];
+        CHECK(disks[i].minor == expected->minor && disks[i].center.x == expected->center.x);
+        CHECK((disks[i].normal.y > 0.0f) == (i >= PLACES));
+        for (uint32_t n = 0; n < STP_DECIMATE_NEIGHBOURS; ++n) {
+            CHECK_EQUAL(near_alone[STP_DECIMATE_NEIGHBOURS * (i % PLACES) + n],
+                        near[STP_DECIMATE_NEIGHBOURS * i + n] % PLACES);
+        }
+    }
+    stp_free(context, disks);
+    stp_free(context, alone);
+    stp_free(context, near);
+    stp_free(context, near_alone);
+    stp_context_destroy(context);
+}

@@ -48,7 +48,7 @@ static stp_result make_splats(const stp_contraction* c, stp_decimate_output* out
     if (result == STP_OK) {
         const stp_decimate_input input = {
             .count = c->left, .positions = left.positions, .normals = left.normals};
-        result = stp_decimate_make_disks(c->context, &input, &output->ellipses, NULL);
+        result = stp_decimate_make_distinct_disks(c->context, &input, &output->ellipses, NULL);
     }
     output->colors =
         result == STP_OK ? STP_NEW_ARRAY(c->context, uint8_t, 3 * (size_t)c->left + 1) : NULL;
@@ -68,17 +68,6 @@ static stp_result make_splats(const stp_contraction* c, stp_decimate_output* out
     return result;
 }
 
-static void normalize_all(stp_distinct* points)
-{
-    for (uint32_t i = 0; i < points->count && points->normals != NULL; ++i) {
-        stp_vec3 n = stp_normalize(stp_decimate_vector(points->normals, i));
-        float* to = points->normals + 3 * (size_t)i;
-        to[0] = n.x;
-        to[1] = n.y;
-        to[2] = n.z;
-    }
-}
-
 stp_result stp_decimate_by_quadric(stp_context* context, const stp_decimate_input* input,
                                    uint32_t target, stp_decimate_output* output)
 {
@@ -89,10 +78,9 @@ stp_result stp_decimate_by_quadric(stp_context* context, const stp_decimate_inpu
     stp_result result = stp_decimate_check(context, input);
     result = result == STP_OK ? stp_distinct_make(context, input, &points) : result;
     if (result == STP_OK) {
-        normalize_all(&points);
         const stp_decimate_input places = {
             .count = points.count, .positions = points.positions, .normals = points.normals};
-        result = stp_decimate_make_disks(context, &places, &disks, &neighbours);
+        result = stp_decimate_make_distinct_disks(context, &places, &disks, &neighbours);
     }
     stp_contraction c = {.context = context, .points = &points, .disks = disks};
     if (result == STP_OK) {

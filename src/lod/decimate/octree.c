@@ -63,18 +63,22 @@ static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cel
         xy += area * (u * v - own * nu * nv);
         yy += area * (v * v + own * (1.0 - nv * nv));
     }
-    stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal);
+    // about the centre: far from the origin, floats are coarser than disks may be wide
+    stp_ellipse_fit fit = stp_ellipse_fit_begin((stp_vec3){0}, normal);
     fit.xx = xx;
     fit.xy = xy;
     fit.yy = yy;
     stp_ellipse_fit_turn(&fit, m->least);
     for (uint32_t i = cell->begin; i < cell->end; ++i) {
         stp_vec3 samples[STP_ELLIPSE_SAMPLES];
-        stp_ellipse_sample(&t->disks[t->order[i]], samples);
+        stp_ellipse disk = t->disks[t->order[i]];
+        disk.center = stp_sub(disk.center, center);
+        stp_ellipse_sample(&disk, samples);
         for (int s = 0; s < STP_ELLIPSE_SAMPLES; ++s) {
             stp_ellipse_fit_reach(&fit, samples[s]);
         }
     }
+    fit.center = center;
     return stp_ellipse_fit_end(&fit);
 }
 

@@ -24,8 +24,8 @@ stp_box stp_decimate_box(const stp_decimate_input* input)
     return input->count > 0 ? box : (stp_box){0};
 }
 
-stp_result stp_decimate_make_disks(stp_context* context, const stp_decimate_input* input,
-                                   stp_ellipse** disks, uint32_t** neighbours)
+stp_result stp_decimate_make_distinct_disks(stp_context* context, const stp_decimate_input* input,
+                                            stp_ellipse** disks, uint32_t** neighbours)
 {
     const stp_psp_points points = {.count = input->count,
                                    .positions = input->positions,
