@@ -147,18 +147,22 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
     static columns made;
     static uint32_t room[MOST];
-    if (size < 6) {
-        return 0;
+    uint8_t head[6] = {0};
+    size_t taken = size < sizeof(head) ? size : sizeof(head);
+    if (taken > 0) { // an empty input has no bytes to point to
+        memcpy(head, data, taken);
+        data += taken;
+        size -= taken;
     }
-    uint32_t many = data[0] | (uint32_t)data[1] << 8, some = data[2] | (uint32_t)data[3] << 8;
-    uint32_t flip = data[4] | (uint32_t)data[5] << 8;
+    uint32_t many = head[0] | (uint32_t)head[1] << 8, some = head[2] | (uint32_t)head[3] << 8;
+    uint32_t flip = head[4] | (uint32_t)head[5] << 8;
     memset(&made, 0, sizeof(made));
-    uint32_t count = make_set(data + 6, size - 6, &made, room);
+    uint32_t count = make_set(data, size, &made, room);
     if (count > 0) {
         use_set(&made, count, some % count, flip);
     }
     memset(&made, 0, sizeof(made));
     count = many % MOST + 1;
-    use_bytes(data + 6, size - 6, &made, some % count, count);
+    use_bytes(data, size, &made, some % count, count);
     return 0;
 }

@@ -67,6 +67,11 @@ bool stp_progressive_is_valid(const uint32_t* ranges, uint32_t count, const uint
     if (c.base == 0 || c.parents < (count - c.base + 1) / 2) {
         return count == 0;
     }
+    for (uint32_t i = 0; i < c.base; ++i) {
+        if (!stp_range_is_valid(ranges[i])) {
+            return false;
+        }
+    }
     for (uint32_t i = c.base; i < count; ++i) {
         uint32_t split = (i - c.base) / 2, parent = order[split];
         if (parent >= c.base + 2 * split || !stp_progressive_fits(ranges[parent], ranges[i])) {

@@ -35,8 +35,8 @@ uint32_t stp_progressive_order(const uint32_t* ranges, uint32_t count, uint32_t*
 /// Whether a splat may be a child of another, by the ranges of the two.
 bool stp_progressive_fits(uint32_t parent, uint32_t child);
 
-/// Checks that a prefix of a set can be split in its order: each parent lies before its two children, is at least as high
-/// as they are, and there are enough parents.
+/// Checks that a prefix of a set can be split in its order: all levels are levels, each parent lies before its two children
+/// and is at least as high as they are, and there are enough parents.
 /// @param order of stp_progressive_order
 /// @return whether all that holds
 bool stp_progressive_is_valid(const uint32_t* ranges, uint32_t count, const uint32_t* order);

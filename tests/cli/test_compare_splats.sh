@@ -230,7 +230,8 @@ import json, re, sys
 d = json.load(open(sys.argv[1]))
 text = open("gts.txt").read().split("Distance between faces")[1].split("boundaries")[0]
 mean, most = (float(re.search(name + r":\s*(\S+)", text)[1]) * 100 / d["diagonal"] for name in (r"Average", "Maximum"))
-assert abs(most - d["hausdorff_max_percent"]) < 0.02 * most, (most, d)
+# it samples every 0.5 % of the diagonal, so it may miss the maximum by as much as a place lies from the next sample
+assert -0.02 * most < d["hausdorff_max_percent"] - most < 0.02 * most + 0.5 * 0.71, (most, d)
 assert abs(mean - d["hausdorff_mean_percent"]) < 0.02 * mean, (mean, d)
 END
     done

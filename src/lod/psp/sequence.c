@@ -7,6 +7,8 @@
 
 #include <stdlib.h>
 
+#define LEAST_CODE                                                                                 \
+    0x100u ///< of the level of a merge: that of the least float that no processor takes for 0
 #define PI 3.14159265358979323846
 
 /// A splat that waits to be split. Splats are split by falling level, then by rising place.
@@ -78,8 +80,11 @@ static void append(splitter* s, uint32_t splat, float highest)
     stp_psp_sequence* q = s->sequence;
     bool merged = splat >= f->point_count;
     uint32_t code = stp_range_code(merged ? s->levels[splat - f->point_count] : 0.0f, highest);
-    if (merged && (code & 0xFFFFu) == 0) {
-        code += 1;
+    if (merged && (code & 0xFFFFu) < LEAST_CODE) {
+        code = (code & 0xFFFF0000u) | LEAST_CODE;
+    }
+    if (code >> 16 < LEAST_CODE) {
+        code = (code & 0xFFFFu) | LEAST_CODE << 16;
     }
     q->splats[q->count] = splat;
     q->ranges[q->count] = code;
