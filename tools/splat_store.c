@@ -5,7 +5,7 @@
 
 #include "base/coverage.h"
 #include "base/octahedral.h"
-#include "base/splat_codes.h"
+#include "lod/shape_coding.h"
 #include "lod/surfels.h"
 #include "store/writer.h"
 
@@ -17,9 +17,9 @@ typedef struct store_maker {
     stp_context* context;
     const tool_splats* splats;
     char up;
-    stp_vec3d origin;                       ///< of the node in the scene, along the scene's axes
-    stp_boxd bounds, room;                  ///< of the ellipses, and of their centres
-    stp_shape_axis smaller[STP_SHAPE_TURN]; ///< by direction
+    stp_vec3d origin;      ///< of the node in the scene, along the scene's axes
+    stp_boxd bounds, room; ///< of the ellipses, and of their centres
+    stp_shape_directions directions;
     stp_splats set;
 } store_maker;
 
@@ -64,41 +64,6 @@ static float choose_step(const store_maker* m)
     return (float)ldexp(1.0, exponent);
 }
 
-static uint16_t grid_place(double at, float origin, float step)
-{
-    double steps = (at - (double)origin) / (double)step + 0.5;
-    return steps > 0.0 ? steps < (double)GRID_STEPS ? (uint16_t)steps : GRID_STEPS : 0;
-}
-
-// The direction, of half a turn, from which that of the larger axis differs least.
-static uint32_t find_direction(const store_maker* m, double along_x, double along_y)
-{
-    uint32_t best = 0;
-    double least = (double)INFINITY;
-    for (uint32_t code = 0; code < STP_SHAPE_TURN; ++code) {
-        const stp_shape_axis* a = &m->smaller[code];
-        double off = fabs((double)a->along_x * along_x + (double)a->along_y * along_y);
-        best = off < least ? code : best;
-        least = off < least ? off : least;
-    }
-    return best;
-}
-
-static uint32_t make_shape(const store_maker* m, const scene_ellipse* e, const int8_t normal[2])
-{
-    double step = (double)m->set.step;
-    uint32_t larger = stp_shape_code((float)(sqrt(stp_dotd(e->larger, e->larger)) / step));
-    uint32_t smaller = stp_shape_code((float)(sqrt(stp_dotd(e->smaller, e->smaller)) / step));
-    smaller = smaller < larger ? smaller : larger;
-    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
-    if (smaller == larger) { // a disk has no direction: the normals below it may be any
-        return larger | larger << 12 | 255u << 24;
-    }
-    uint32_t direction = find_direction(m, stp_dotd(e->larger, stp_to_double(axes.x)),
-                                        stp_dotd(e->larger, stp_to_double(axes.y)));
-    return larger | smaller << 12 | direction << 24;
-}
-
 static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -106,11 +71,17 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
     const stp_splats* set = &m->set;
     for (size_t i = begin; i < end; ++i) {
         scene_ellipse e = turn_ellipse(m, (uint32_t)i);
-        set->positions[3 * i] = grid_place(e.center.x, set->origin.x, set->step);
-        set->positions[3 * i + 1] = grid_place(e.center.y, set->origin.y, set->step);
-        set->positions[3 * i + 2] = grid_place(e.center.z, set->origin.z, set->step);
+        set->positions[3 * i] = stp_splats_grid_place((float)e.center.x, set->origin.x, set->step);
+        set->positions[3 * i + 1] =
+            stp_splats_grid_place((float)e.center.y, set->origin.y, set->step);
+        set->positions[3 * i + 2] =
+            stp_splats_grid_place((float)e.center.z, set->origin.z, set->step);
         stp_octahedral_encode(stp_to_float(e.normal), set->normals + 2 * i);
-        set->shapes[i] = make_shape(m, &e, set->normals + 2 * i);
+        double step = (double)set->step;
+        set->shapes[i] =
+            stp_shape_of_ellipse(&m->directions, (float)(sqrt(stp_dotd(e.larger, e.larger)) / step),
+                                 (float)(sqrt(stp_dotd(e.smaller, e.smaller)) / step),
+                                 stp_to_float(e.larger), set->normals + 2 * i);
         set->ranges[i] = (uint32_t)STP_RANGE_ANY;
         set->materials[i] = 0;
         set->coverages[i] = STP_COVERAGE_WHOLE;
@@ -132,21 +103,11 @@ static stp_result make_set(store_maker* m)
                       .table = {.size = 1, .count = {m->splats->count}}};
     s->step = choose_step(m);
     s->origin = stp_to_float(m->room.min);
-    s->positions = STP_NEW_ARRAY(m->context, uint16_t, 3 * count);
-    s->normals = STP_NEW_ARRAY(m->context, int8_t, 2 * count);
-    s->materials = STP_NEW_ARRAY(m->context, uint8_t, count);
-    s->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * count);
-    s->coverages = STP_NEW_ARRAY(m->context, uint8_t, count);
-    s->shapes = STP_NEW_ARRAY(m->context, uint32_t, count);
-    s->ranges = STP_NEW_ARRAY(m->context, uint32_t, count);
-    bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
-                s->colors != NULL && s->coverages != NULL && s->shapes != NULL && s->ranges != NULL;
-    if (!made) {
-        return stp_fail_memory(m->context);
+    stp_result result = stp_splats_make_columns(m->context, s);
+    if (result != STP_OK) {
+        return result;
     }
-    for (uint32_t code = 0; code < STP_SHAPE_TURN; ++code) {
-        m->smaller[code] = stp_shape_smaller(code << 24);
-    }
+    stp_shape_directions_make(&m->directions);
     stp_parallel_for(m->context, count, 4096, fill_splats, m);
     return STP_OK;
 }

@@ -10,7 +10,7 @@ enum {
     SPT_VERSION = 6,          ///< raised where sets change
     SPT_BYTES = 2 * 120,      ///< of a sample: two nodes in tree, sequence and columns
     SPT_TRIANGLE_BYTES = 100, ///< of a large triangle: in boxes, and their order
-    PSP_VERSION = 1,
+    PSP_VERSION = 2,
     PSP_BYTES = 1000, ///< of a sample
     SPT_COLORS =
         48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter

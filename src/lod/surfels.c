@@ -12,3 +12,18 @@ void stp_splats_destroy(stp_context* context, stp_splats* surfels)
     stp_free(context, surfels->ranges);
     *surfels = (stp_splats){0};
 }
+
+stp_result stp_splats_make_columns(stp_context* context, stp_splats* s)
+{
+    size_t count = s->count;
+    s->positions = STP_NEW_ARRAY(context, uint16_t, 3 * count);
+    s->normals = STP_NEW_ARRAY(context, int8_t, 2 * count);
+    s->materials = STP_NEW_ARRAY(context, uint8_t, count);
+    s->colors = STP_NEW_ARRAY(context, uint8_t, 3 * count);
+    s->coverages = STP_NEW_ARRAY(context, uint8_t, count);
+    s->shapes = STP_NEW_ARRAY(context, uint32_t, count);
+    s->ranges = STP_NEW_ARRAY(context, uint32_t, count);
+    bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
+                s->colors != NULL && s->coverages != NULL && s->shapes != NULL && s->ranges != NULL;
+    return made ? STP_OK : stp_fail_memory(context);
+}

@@ -4,11 +4,11 @@
 #include "base/coverage.h"
 #include "base/octahedral.h"
 #include "base/prefix_table.h"
-#include "base/splat_codes.h"
 #include "lod/psp/forest.h"
 #include "lod/psp/sequence.h"
 #include "lod/samples.h"
 #include "lod/set_table.h"
+#include "lod/shape_coding.h"
 #include "lod/surfels.h"
 
 #include <float.h>
@@ -32,10 +32,10 @@ typedef struct psp_maker {
     float* areas; ///< of splats of the forest: the surface that they stand for
     stp_psp_forest forest;
     stp_psp_sequence sequence;
-    uint32_t* counts;                    ///< of merges: samples
-    uint8_t* materials;                  ///< of splats of the forest
-    float reach, cell;                   ///< to what all samples cover; area of a sample
-    stp_shape_axis axes[STP_SHAPE_TURN]; ///< directions of the larger radius, by code
+    uint32_t* counts;   ///< of merges: samples
+    uint8_t* materials; ///< of splats of the forest
+    float reach, cell;  ///< to what all samples cover; area of a sample
+    stp_shape_directions directions;
 } psp_maker;
 
 static stp_result make_forest(psp_maker* m)
@@ -64,59 +64,6 @@ static stp_result make_forest(psp_maker* m)
     return stp_psp_forest_make(m->context, &from, &desc, 1, &m->forest);
 }
 
-static stp_result make_columns(psp_maker* m)
-{
-    stp_splats* s = m->splats;
-    size_t count = s->count;
-    s->positions = STP_NEW_ARRAY(m->context, uint16_t, 3 * count);
-    s->normals = STP_NEW_ARRAY(m->context, int8_t, 2 * count);
-    s->materials = STP_NEW_ARRAY(m->context, uint8_t, count);
-    s->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * count);
-    s->coverages = STP_NEW_ARRAY(m->context, uint8_t, count);
-    s->shapes = STP_NEW_ARRAY(m->context, uint32_t, count);
-    s->ranges = STP_NEW_ARRAY(m->context, uint32_t, count);
-    m->materials = STP_NEW_ARRAY(m->context, uint8_t, count);
-    m->counts = STP_NEW_ARRAY(m->context, uint32_t, count);
-    bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
-                s->colors != NULL && s->coverages != NULL && s->shapes != NULL &&
-                s->ranges != NULL && m->materials != NULL && m->counts != NULL;
-    return made ? STP_OK : stp_fail_memory(m->context);
-}
-
-static uint16_t to_grid(float x, float origin, float step)
-{
-    float value = (x - origin) / step + 0.5f;
-    return value > 0.0f ? (value < 65535.0f ? (uint16_t)value : 65535) : 0;
-}
-
-/// The code of the direction nearest to the larger axis of an ellipse.
-static uint32_t find_direction(const psp_maker* m, const int8_t* normal, stp_vec3 major)
-{
-    stp_disk_axes axes = stp_disk_axes_of((float)normal[0], (float)normal[1]);
-    float x = stp_dot(major, axes.x), y = stp_dot(major, axes.y), best = -1.0f;
-    uint32_t code = 0;
-    for (uint32_t i = 0; i < STP_SHAPE_TURN; ++i) {
-        float along = fabsf(x * m->axes[i].along_x + y * m->axes[i].along_y);
-        if (along > best) {
-            best = along;
-            code = i;
-        }
-    }
-    return code;
-}
-
-static uint32_t find_shape(const psp_maker* m, float major, float minor, const int8_t* normal,
-                           stp_vec3 axis)
-{
-    float step = m->splats->step;
-    uint32_t larger = stp_shape_code(major / step + HALF_DIAGONAL);
-    uint32_t smaller = stp_shape_code(minor / step + HALF_DIAGONAL);
-    if (smaller >= larger) {
-        return stp_shape_disk(stp_shape_radius(larger), STP_SHAPE_SPREAD_ANY, false);
-    }
-    return larger | smaller << 12 | find_direction(m, normal, axis) << 24;
-}
-
 /// The shape and the coverage of a splat that was merged.
 static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
 {
@@ -130,8 +77,11 @@ static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
     float scale = scattered ? 1.0f : GROWTH;
     m->splats->coverages[at] =
         scattered ? stp_coverage_of_share((double)share) : STP_COVERAGE_WHOLE;
-    m->splats->shapes[at] = find_shape(m, major * scale + margin, minor * scale + margin,
-                                       m->splats->normals + 2 * (size_t)at, e->major);
+    float step = m->splats->step; // centres are rounded by up to half the diagonal of a cell
+    m->splats->shapes[at] =
+        stp_shape_of_ellipse(&m->directions, (major * scale + margin) / step + HALF_DIAGONAL,
+                             (minor * scale + margin) / step + HALF_DIAGONAL, e->major,
+                             m->splats->normals + 2 * (size_t)at);
 }
 
 static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
@@ -143,23 +93,23 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
         uint32_t splat = m->sequence.splats[at];
         const stp_ellipse* e = &m->forest.ellipses[splat];
         bool merged = splat >= m->forest.point_count;
-        // samples stay as they are
-        memcpy(s->positions + 3 * at, m->samples->positions + 3 * (size_t)(merged ? 0 : splat),
-               3 * sizeof(uint16_t));
-        memcpy(s->normals + 2 * at, m->samples->normals + 2 * (size_t)(merged ? 0 : splat), 2);
-        memcpy(s->colors + 3 * at, m->forest.colors + 3 * (size_t)splat, 3);
         s->materials[at] = m->materials[splat];
         s->ranges[at] = m->sequence.ranges[at];
+        memcpy(s->colors + 3 * at, m->forest.colors + 3 * (size_t)splat, 3);
         if (merged) {
-            s->positions[3 * at] = to_grid(e->center.x, s->origin.x, s->step);
-            s->positions[3 * at + 1] = to_grid(e->center.y, s->origin.y, s->step);
-            s->positions[3 * at + 2] = to_grid(e->center.z, s->origin.z, s->step);
+            s->positions[3 * at] = stp_splats_grid_place(e->center.x, s->origin.x, s->step);
+            s->positions[3 * at + 1] = stp_splats_grid_place(e->center.y, s->origin.y, s->step);
+            s->positions[3 * at + 2] = stp_splats_grid_place(e->center.z, s->origin.z, s->step);
             stp_octahedral_encode(e->normal, s->normals + 2 * at);
             fill_merged(m, splat, (uint32_t)at);
-        } else {
+        } else { // samples stay as they are
             float radius = m->points.points.radius / s->step;
+            memcpy(s->positions + 3 * at, m->samples->positions + 3 * (size_t)splat,
+                   3 * sizeof(uint16_t));
+            memcpy(s->normals + 2 * at, m->samples->normals + 2 * (size_t)splat, 2);
             s->coverages[at] = m->points.coverages[splat];
-            s->shapes[at] = stp_shape_disk(radius, STP_SHAPE_SPREAD_ANY, false);
+            s->shapes[at] =
+                stp_shape_of_ellipse(&m->directions, radius, radius, e->major, s->normals + 2 * at);
         }
     }
 }
@@ -181,14 +131,6 @@ static void find_materials(const psp_maker* m)
     }
 }
 
-static void find_axes(psp_maker* m)
-{
-    for (uint32_t i = 0; i < STP_SHAPE_TURN; ++i) {
-        stp_shape_axis smaller = stp_shape_smaller(i << 24);
-        m->axes[i] = (stp_shape_axis){-smaller.along_y, smaller.along_x};
-    }
-}
-
 static stp_result make(psp_maker* m)
 {
     stp_splats* s = m->splats;
@@ -204,12 +146,17 @@ static stp_result make(psp_maker* m)
     s->step = m->samples->step;
     s->candidate_radius = m->samples->candidate_radius;
     s->count = m->sequence.count;
-    result = make_columns(m);
+    m->materials = STP_NEW_ARRAY(m->context, uint8_t, (size_t)s->count);
+    m->counts = STP_NEW_ARRAY(m->context, uint32_t, (size_t)m->forest.merge_count + 1);
+    result = stp_splats_make_columns(m->context, s);
+    if (result == STP_OK && (m->materials == NULL || m->counts == NULL)) {
+        result = stp_fail_memory(m->context);
+    }
     if (result == STP_OK) {
         stp_set_octaves_make(s);
         stp_set_table_make(s, m->sequence.highest_left, 1.0f, m->reach);
         find_materials(m);
-        find_axes(m);
+        stp_shape_directions_make(&m->directions);
         stp_parallel_for(m->context, s->count, GRAIN, fill_some, m);
     }
     return result;

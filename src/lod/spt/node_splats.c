@@ -4,6 +4,7 @@
 #include "base/coverage.h"
 #include "base/octahedral.h"
 #include "base/splat_codes.h"
+#include "lod/surfels.h"
 
 #include <string.h>
 
@@ -37,12 +38,6 @@ static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
     }
     float sine = sqrtf(fmaxf(1.0f - least * least, 0.0f)) * (float)STP_SHAPE_SPREAD_ANY + 0.999f;
     return sine < (float)STP_SHAPE_SPREAD_ANY ? (uint8_t)sine : STP_SHAPE_SPREAD_ANY;
-}
-
-static uint16_t to_grid(float x, float origin, float step)
-{
-    float value = (x - origin) / step + 0.5f;
-    return value > 0.0f ? (value < 65535.0f ? (uint16_t)value : 65535) : 0;
 }
 
 /// The first leaf below a node, or itself.
@@ -114,9 +109,9 @@ static stp_vec3 make_splat(const splat_maker* m, uint32_t node, stp_node_splat* 
     const stp_disk* disk = &m->tree->disks[node];
     const stp_node_splats_desc* grid = m->desc;
     uint32_t leaf = first_leaf(m->tree, node);
-    splat->position[0] = to_grid(disk->center.x, grid->origin.x, grid->step);
-    splat->position[1] = to_grid(disk->center.y, grid->origin.y, grid->step);
-    splat->position[2] = to_grid(disk->center.z, grid->origin.z, grid->step);
+    splat->position[0] = stp_splats_grid_place(disk->center.x, grid->origin.x, grid->step);
+    splat->position[1] = stp_splats_grid_place(disk->center.y, grid->origin.y, grid->step);
+    splat->position[2] = stp_splats_grid_place(disk->center.z, grid->origin.z, grid->step);
     memcpy(splat->color, m->tree->colors + 3 * (size_t)node, 3);
     splat->material = m->desc->materials[m->tree->points[leaf]];
     splat->coverage = find_coverage(m, node);

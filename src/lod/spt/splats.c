@@ -59,22 +59,6 @@ static stp_result make_nodes(spt_maker* m, const stp_spt_desc* desc)
     return result;
 }
 
-static stp_result make_columns(spt_maker* m)
-{
-    stp_splats* s = m->splats;
-    size_t count = s->count;
-    s->positions = STP_NEW_ARRAY(m->context, uint16_t, 3 * count);
-    s->normals = STP_NEW_ARRAY(m->context, int8_t, 2 * count);
-    s->materials = STP_NEW_ARRAY(m->context, uint8_t, count);
-    s->colors = STP_NEW_ARRAY(m->context, uint8_t, 3 * count);
-    s->coverages = STP_NEW_ARRAY(m->context, uint8_t, count);
-    s->shapes = STP_NEW_ARRAY(m->context, uint32_t, count);
-    s->ranges = STP_NEW_ARRAY(m->context, uint32_t, count);
-    bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
-                s->colors != NULL && s->coverages != NULL && s->shapes != NULL && s->ranges != NULL;
-    return made ? STP_OK : stp_fail_memory(m->context);
-}
-
 /// The place of a splat along a curve through the grid: the upper bits of its Morton code.
 static uint32_t find_place(const uint16_t* position)
 {
@@ -152,7 +136,7 @@ static stp_result make(spt_maker* m, const stp_spt_desc* desc)
     s->step = m->samples->step;
     s->candidate_radius = m->samples->candidate_radius;
     s->count = m->sequence.count;
-    result = result == STP_OK ? make_columns(m) : result;
+    result = result == STP_OK ? stp_splats_make_columns(m->context, s) : result;
     if (result == STP_OK) {
         stp_set_octaves_make(s);
         stp_set_table_make(s, m->sequence.highest, 0.5f,

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Codes of elliptical splats (base/splat_codes.h).
+#pragma once
+
+#include "base/splat_codes.h"
+
+/// Directions of the smaller radius by their codes.
+typedef struct stp_shape_directions {
+    stp_shape_axis smaller[STP_SHAPE_TURN];
+} stp_shape_directions;
+
+void stp_shape_directions_make(stp_shape_directions* directions);
+
+/// The code of an ellipse in a set that does not tell which splats large triangles replace. A disk may stand for any normals.
+/// @param larger, smaller radii in steps of the set
+/// @param major direction of the larger radius, of any length
+/// @param normal octahedral code of the splat's normal
+uint32_t stp_shape_of_ellipse(const stp_shape_directions* directions, float larger, float smaller,
+                              stp_vec3 major, const int8_t normal[2]);
