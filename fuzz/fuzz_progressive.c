@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Operators of progressive sets: sets made of the input come back from their own coding, and arbitrary bytes are decoded.
+// Operators of progressive sets: sets made of the input come back from their own coding, and
+// arbitrary bytes are decoded.
 //
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_progressive
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_progressive -max_total_time=60 -max_len=4000 corpus
@@ -71,7 +72,8 @@ static void use_ranges(const uint32_t* ranges, uint32_t count, bool valid)
     }
 }
 
-// Columns and levels from the input: splats until it ends, or nothing is left to split. @return how many
+// Columns and levels from the input: splats until it ends, or nothing is left to split. @return how
+// many
 static uint32_t make_set(const uint8_t* data, size_t size, columns* made, uint32_t* room)
 {
     stp_progressive_queue queue = {.ranges = made->ranges, .heap = room};

@@ -219,4 +219,4 @@ class Operators:
             if not s.lowest <= parent.lowest <= s.highest < INFINITE:
                 raise ValueError("levels of a child")
         if (s.lowest == 0) != bool(leaf):
-            raise ValueError("a leaf that is none")
+            raise ValueError("an invalid leaf")

@@ -26,7 +26,8 @@ static stp_vec3d place(const placing* p, stp_vec3d at)
     return stp_subd(at, (stp_vec3d){origin[0], origin[1], origin[2]});
 }
 
-// Room for `count` more elements of `size` bytes. @return the first of them; NULL: memory ran out (logged)
+// Room for `count` more elements of `size` bytes. @return the first of them; NULL: memory ran out
+// (logged)
 static void* add_room(stp_context* context, void** array, size_t* capacity, size_t used,
                       size_t count, size_t size)
 {
@@ -201,7 +202,8 @@ static stp_disk_shape make_disk(const item_splats* s, uint32_t i)
                             stp_to_float(tool_own_axes(up, stp_scaled(along, smaller * s->scale)))};
 }
 
-// The levels of lists of a number of splats are the same everywhere. As raster/splats_levels_kernel.h compares them.
+// The levels of lists of a number of splats are the same everywhere. As
+// raster/splats_levels_kernel.h compares them.
 static bool is_drawn(const stp_splats* set, const stp_draw_item* item, uint32_t i)
 {
     if (set->ranges == NULL) {

@@ -25,13 +25,15 @@ typedef struct tool_shape_list {
 /// Adds the triangles and points of a scene. @return STP_OK, or a failure that was logged
 STP_MUST_USE stp_result tool_shapes_add_scene(tool_shape_list* list, const stp_scene* scene);
 
-/// Adds what a list of items draws: splats as ellipses with the sizes that they are drawn with, triangles, and points. Coverage
-/// (cuts, holes, opacity) is ignored: an ellipse counts as a whole. Ranges of levels hold for an error that is the same
-/// everywhere, as in lists of a number of splats.
+/// Adds what a list of items draws: splats as ellipses with the sizes that they are drawn with,
+/// triangles, and points. Coverage (cuts, holes, opacity) is ignored: an ellipse counts as a whole.
+/// Ranges of levels hold for an error that is the same everywhere, as in lists of a number of
+/// splats.
 STP_MUST_USE stp_result tool_shapes_add_items(stp_context* context, tool_shape_list* list,
                                               stp_store* store, const stp_draw_list* items);
 
-/// Adds all that a file shows from any place: `splats` of a method (0: as many as there are), or its triangles and points.
+/// Adds all that a file shows from any place: `splats` of a method (0: as many as there are), or
+/// its triangles and points.
 STP_MUST_USE stp_result tool_shapes_add_store(stp_context* context, tool_shape_list* list,
                                               stp_store* store, const stp_quality* quality);
 

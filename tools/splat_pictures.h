@@ -23,8 +23,8 @@ typedef struct splat_pictures {
     double ssim, ssim_covered; ///< means over the views
 } splat_pictures;
 
-/// Draws both from each view, framed by the bounds of the original, with four samples a pixel, and compares. Where their up
-/// axes differ, pictures are taken along the axes of the files.
+/// Draws both from each view, framed by the bounds of the original, with four samples a pixel, and
+/// compares. Where their up axes differ, pictures are taken along the axes of the files.
 /// @param size width and height, pixels
 /// @return STP_OK, or a failure that was logged
 STP_MUST_USE stp_result splat_pictures_compare(stp_context* context, const splat_scene* splats,

@@ -4,9 +4,10 @@
 
 #include "splat_file.h"
 
-/// Writes a .stip whose only node has these splats as its set, in their order, of method `psp`: all of them are drawn from any
-/// distance, or the first N with --splats N. The file's own precision holds: 16 bits a coordinate, 8 bits for each number of a
-/// normal and for the direction of the larger axis, radii up to 0.8 % too large. Neither points nor triangles are in it.
+/// Writes a .stip whose only node has these splats as its set, in their order, of method `psp`: all
+/// of them are drawn from any distance, or the first N with --splats N. The file's own precision
+/// holds: 16 bits a coordinate, 8 bits for each number of a normal and for the direction of the
+/// larger axis, radii up to 0.8 % too large. Neither points nor triangles are in it.
 /// @param up the file's up axis: splats lie along its own axes (tool_own_axes)
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result tool_write_splat_store(stp_context* context, const char* path,

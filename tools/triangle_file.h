@@ -13,6 +13,7 @@ typedef struct tool_triangles {
     double origin[3]; ///< to be added to vertices
 } tool_triangles;
 
-/// Writes a binary PLY: vertices with colours, and faces as lists of indices. Written aside and renamed.
+/// Writes a binary PLY: vertices with colours, and faces as lists of indices. Written aside and
+/// renamed.
 STP_MUST_USE stp_result tool_write_triangles(stp_context* context, const char* path,
                                              const tool_triangles* triangles);

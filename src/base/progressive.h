@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Sets of splats that are refined and coarsened one split at a time (Wu, Zhang, Kobbelt 2005, 5). Their order and their
-// ranges of levels imply which splat each split replaces:
+// Sets of splats that are refined and coarsened one split at a time (Wu, Zhang, Kobbelt 2005, 5).
+// Their order and their ranges of levels imply which splat each split replaces:
 //
 //   splats  [0 .. base) | 2 of split 0 | 2 of split 1 | ...
 //
-// A splat whose lowest level is 0 is a leaf. All others are parents. Split s replaces parent s of the split order: the higher
-// lowest level first; of equal ones, the lower index. Splats of the base set are drawn up to an infinite level, all others
-// up to a finite one. A child's lowest level is at most its parent's. So a prefix of a set is a set that can be refined less.
+// A splat whose lowest level is 0 is a leaf. All others are parents. Split s replaces parent s of
+// the split order: the higher lowest level first; of equal ones, the lower index. Splats of the
+// base set are drawn up to an infinite level, all others up to a finite one. A child's lowest level
+// is at most its parent's. So a prefix of a set is a set that can be refined less.
 #pragma once
 
 #include <stdbool.h>
@@ -25,7 +26,8 @@ typedef struct stp_progressive_counts {
 /// @param ranges codes of ranges (base/splat_codes.h), 1 a splat
 stp_progressive_counts stp_progressive_count(const uint32_t* ranges, uint32_t count);
 
-/// Lists all parents in the order in which they are split: parent s is the splat that split s replaces.
+/// Lists all parents in the order in which they are split: parent s is the splat that split s
+/// replaces.
 /// @param order room for `count` indices
 /// @param scratch room for `count` indices
 /// @return how many parents there are
@@ -35,16 +37,17 @@ uint32_t stp_progressive_order(const uint32_t* ranges, uint32_t count, uint32_t*
 /// Whether a splat may be a child of another, by the ranges of the two.
 bool stp_progressive_fits(uint32_t parent, uint32_t child);
 
-/// Checks that a prefix of a set can be split in its order: all levels are levels, each parent lies before its two children
-/// and is at least as high as they are, and there are enough parents.
+/// Checks that a prefix of a set can be split in its order: all levels are levels, each parent lies
+/// before its two children and is at least as high as they are, and there are enough parents.
 /// @param order of stp_progressive_order
 /// @return whether all that holds
 bool stp_progressive_is_valid(const uint32_t* ranges, uint32_t count, const uint32_t* order);
 /// Checks the same of a whole set: there are no more parents than splits.
 bool stp_progressive_is_whole(const uint32_t* ranges, uint32_t count, const uint32_t* order);
 
-/// A state with some count of splats as two runs of the set, each of which is drawn at one level. With lo the lowest level
-/// of a splat as a code, splat i < end is drawn if lo < code, or if lo = code and i >= divide.
+/// A state with some count of splats as two runs of the set, each of which is drawn at one level.
+/// With lo the lowest level of a splat as a code, splat i < end is drawn if lo < code, or if lo =
+/// code and i >= divide.
 typedef struct stp_progressive_cut {
     uint32_t end;    ///< splats of the prefix that holds the state
     uint32_t code;   ///< of the level of the next split's parent; 0 if nothing is left to split
@@ -54,14 +57,15 @@ typedef struct stp_progressive_cut {
     uint32_t splats; ///< of the state; what was asked for, within what the prefix has
 } stp_progressive_cut;
 
-/// Finds the state with `wanted` splats, or the nearest that the prefix has. Takes time in proportion to `count`, and no
-/// memory. The two levels suit a test that draws a splat if lowest <= level <= highest, with bounds as stp_range_level
-/// gives them.
+/// Finds the state with `wanted` splats, or the nearest that the prefix has. Takes time in
+/// proportion to `count`, and no memory. The two levels suit a test that draws a splat if lowest <=
+/// level <= highest, with bounds as stp_range_level gives them.
 /// @param ranges of a valid prefix of a set
 stp_progressive_cut stp_progressive_find_cut(const uint32_t* ranges, uint32_t count,
                                              uint32_t wanted);
 
-/// A state of a set that is refined and coarsened. Equal counts give equal lists, whatever came before.
+/// A state of a set that is refined and coarsened. Equal counts give equal lists, whatever came
+/// before.
 typedef struct stp_progressive_walk {
     const uint32_t* order; ///< of stp_progressive_order
     uint32_t base, splits; ///< of stp_progressive_count

@@ -11,7 +11,8 @@ typedef struct stp_shape_directions {
 
 void stp_shape_directions_make(stp_shape_directions* directions);
 
-/// The code of an ellipse in a set that does not tell which splats large triangles replace. A disk may stand for any normals.
+/// The code of an ellipse in a set that does not tell which splats large triangles replace. A disk
+/// may stand for any normals.
 /// @param larger, smaller radii in steps of the set
 /// @param major direction of the larger radius, of any length
 /// @param normal octahedral code of the splat's normal

@@ -111,7 +111,8 @@ static stp_result measure_cells(prover* p, size_t count)
     return STP_OK;
 }
 
-// Cuts what is on the stack until nothing is left. What is cut last was pushed last, so the stack stays short.
+// Cuts what is on the stack until nothing is left. What is cut last was pushed last, so the stack
+// stays short.
 static stp_result cut_cells(prover* p)
 {
     cell parents[CUT];

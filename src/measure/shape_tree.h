@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The nearest of many disks and triangles: a tree of boxes over shapes that lie along a Morton curve. The tree is balanced,
-// so its depth and the time to make it do not depend on how shapes lie.
+// The nearest of many disks and triangles: a tree of boxes over shapes that lie along a Morton
+// curve. The tree is balanced, so its depth and the time to make it do not depend on how shapes
+// lie.
 #pragma once
 
 #include "base/context.h"
@@ -21,14 +22,16 @@ typedef struct stp_shape_tree {
 } stp_shape_tree;
 
 /// The arrays of `shapes` must outlive the tree. The same tree for any number of threads.
-/// @return STP_OK, STP_ERROR_ARGUMENT (a number is not finite), STP_ERROR_LIMIT (2^32 - 1 shapes and more),
+/// @return STP_OK, STP_ERROR_ARGUMENT (a number is not finite), STP_ERROR_LIMIT (2^32 - 1 shapes
+///         and more),
 ///         STP_ERROR_OUT_OF_MEMORY; logged. On failure nothing is to be destroyed
 STP_MUST_USE stp_result stp_shape_tree_create(stp_context* context, const stp_shapes* shapes,
                                               stp_shape_tree* tree);
 void stp_shape_tree_destroy(stp_context* context, stp_shape_tree* tree);
 
 /// Squared distance from a point to the nearest shape; infinity where there is none. Any thread.
-/// @param hint in: a place in `order` that is likely near, such as that of a point nearby, or UINT32_MAX; out: that of the
+/// @param hint in: a place in `order` that is likely near, such as that of a point nearby, or
+///         UINT32_MAX; out: that of the
 ///        nearest shape. It changes how long the search takes. NULL: none
 double stp_shape_tree_distance_squared(const stp_shape_tree* tree, stp_vec3d point, uint32_t* hint);
 

@@ -8,9 +8,10 @@ static double square(double x)
     return x * x;
 }
 
-// Squared distance in the plane of an ellipse from (x, y), which lies outside, x and y at least 0, to its boundary.
-// The nearest place is (a a x / (t + a a), b b y / (t + b b)), where F(t) = (a x / (t + a a))^2 + (b y / (t + b b))^2 - 1 is
-// 0. F falls and is convex, so Newton's method from a place where F >= 0 ascends to the root. t is in units of b b.
+// Squared distance in the plane of an ellipse from (x, y), which lies outside, x and y at least 0,
+// to its boundary. The nearest place is (a a x / (t + a a), b b y / (t + b b)), where F(t) = (a x /
+// (t + a a))^2 + (b y / (t + b b))^2 - 1 is 0. F falls and is convex, so Newton's method from a
+// place where F >= 0 ascends to the root. t is in units of b b.
 static double boundary_distance_squared(double a, double b, double x, double y)
 {
     double r = square(a / b), u = r * (x / a), v = y / b;

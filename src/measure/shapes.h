@@ -7,8 +7,8 @@
 
 #include <stddef.h>
 
-/// An elliptical disk: centre + s * larger + t * smaller, where s s + t t <= 1. The axes are at right angles. Either may be
-/// zero: then the disk is a segment, or a point.
+/// An elliptical disk: centre + s * larger + t * smaller, where s s + t t <= 1. The axes are at
+/// right angles. Either may be zero: then the disk is a segment, or a point.
 typedef struct stp_disk_shape {
     stp_vec3 center;
     stp_vec3 larger;  ///< semi-axis with its length
@@ -24,10 +24,12 @@ typedef struct stp_shapes {
     size_t triangle_count;
 } stp_shapes;
 
-/// Squared distance from a point to the nearest place of a disk, its inside and its plane included. Outside, the nearest place
-/// of the boundary is a root of a convex function (Eberly, Distance from a Point to an Ellipse, 2013), which Newton's method
-/// reaches from one side. Exact but for rounding, for any ratio of the axes.
-/// @param most where the result is larger than this, it may be anything that is larger; infinity: exact in any case
+/// Squared distance from a point to the nearest place of a disk, its inside and its plane included.
+/// Outside, the nearest place of the boundary is a root of a convex function (Eberly, Distance from
+/// a Point to an Ellipse, 2013), which Newton's method reaches from one side. Exact but for
+/// rounding, for any ratio of the axes.
+/// @param most where the result is larger than this, it may be anything that is larger; infinity:
+///         exact in any case
 double stp_disk_distance_squared(const stp_disk_shape* disk, stp_vec3d point, double most);
 
 /// Squared distance from a point to the nearest place of a triangle, which may be degenerate

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// A binary arithmetic coder whose probabilities follow what was coded (docs/format.md, Operators). One function codes a bit in
-// both directions, so that a reader and a writer of a format are one text.
-// After Martin. Range encoding: an algorithm for removing redundancy from a digitised message. 1979.
+// A binary arithmetic coder whose probabilities follow what was coded (docs/format.md, Operators).
+// One function codes a bit in both directions, so that a reader and a writer of a format are one
+// text. After Martin. Range encoding: an algorithm for removing redundancy from a digitised
+// message. 1979.
 #pragma once
 
 #include <stdbool.h>

@@ -122,7 +122,7 @@ void test_progressive_damage_is_found(test_state* test)
     CHECK(!stp_progressive_is_whole(ranges, count, order));
     tear_down(&f);
     CHECK(set_up(&f, 3));
-    f.set.ranges[0] = 0xFF00FF83u; // a lowest level that is none
+    f.set.ranges[0] = 0xFF00FF83u; // an invalid lowest level
     stp_progressive_order(f.set.ranges, count, order, f.scratch);
     CHECK(!stp_progressive_is_valid(f.set.ranges, count, order));
     tear_down(&f);

@@ -22,7 +22,8 @@ static inline double decimate_unit(uint64_t seed, uint64_t at)
     return (double)(stp_rng_hash(seed, at) >> 11) * 0x1p-53;
 }
 
-/// A torus around the y axis, of radii 1 and 0.4: closed, with normals; red where x > 0, else green.
+/// A torus around the y axis, of radii 1 and 0.4: closed, with normals; red where x > 0, else
+/// green.
 static inline stp_decimate_input decimate_torus(decimate_model* m)
 {
     for (uint32_t i = 0; i < DECIMATE_POINTS; ++i) {

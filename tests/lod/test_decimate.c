@@ -80,7 +80,8 @@ void test_decimators_do_not_depend_on_threads(test_state* test)
     }
 }
 
-// Points of some shape: in one place, in a line, on a parabola, in a few places, on a coarse grid. Some have no known normal.
+// Points of some shape: in one place, in a line, on a parabola, in a few places, on a coarse grid.
+// Some have no known normal.
 static void place_points(uint32_t shape, uint32_t count, float scale)
 {
     for (uint32_t i = 0; i < count; ++i) {

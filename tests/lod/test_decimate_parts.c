@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Parts of decimators (src/lod/decimate) against brute force: quadrics, links, contractions, octree cells, cells of chosen points.
+// Parts of decimators (src/lod/decimate) against brute force: quadrics, links, contractions, octree
+// cells, cells of chosen points.
 #include "decimate_helpers.h"
 
 #include "lod/decimate/cells.h"
@@ -301,7 +302,8 @@ void test_decimate_cells_know_sides(test_state* test)
     stp_context_destroy(context);
 }
 
-// Points in one place share a disk, whose neighbours are in other places; each faces as its own normal does.
+// Points in one place share a disk, whose neighbours are in other places; each faces as its own
+// normal does.
 void test_decimate_disks_of_shared_places(test_state* test)
 {
     enum { PLACES = 200, COUNT = 3 * PLACES };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Splat sub-sampling (src/lod/decimate/subsample*): covers against brute force, counts, sides, colours, any points.
+// Splat sub-sampling (src/lod/decimate/subsample*): covers against brute force, counts, sides,
+// colours, any points.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -90,7 +91,8 @@ static bool is_sound(const stp_decimate_output* output)
     return true;
 }
 
-// Every member of a candidate lies in its ellipse and slab, and faces its side; each point is in one.
+// Every member of a candidate lies in its ellipse and slab, and faces its side; each point is in
+// one.
 void test_subsample_candidates_stay_within_tolerance(test_state* test)
 {
     stp_decimate_input input = make_ellipsoid(1500);
@@ -253,7 +255,8 @@ void test_subsample_covers_points_with_few_sets(test_state* test)
     CHECK(relaxed < greedy);
 }
 
-// The splats of a tolerance cover all points within it; relaxing needs fewer, and fitting makes them smaller.
+// The splats of a tolerance cover all points within it; relaxing needs fewer, and fitting makes
+// them smaller.
 void test_subsample_keeps_a_tolerance(test_state* test)
 {
     static stp_ellipse ellipses[POINTS];
@@ -293,7 +296,8 @@ void test_subsample_keeps_a_tolerance(test_state* test)
     stp_context_destroy(context);
 }
 
-// As many splats as wanted, or at most one in a hundred fewer; more splats are nearer to the surface.
+// As many splats as wanted, or at most one in a hundred fewer; more splats are nearer to the
+// surface.
 void test_subsample_reaches_counts(test_state* test)
 {
     static const uint32_t targets[] = {40, 200, 700, 1300, 2000};
@@ -342,7 +346,8 @@ void test_subsample_is_the_same_on_any_threads(test_state* test)
     stp_context_destroy(keeper);
 }
 
-// Two sheets close together that face apart, red and blue: no splat mixes them. Without normals, splats stand for both.
+// Two sheets close together that face apart, red and blue: no splat mixes them. Without normals,
+// splats stand for both.
 void test_subsample_keeps_sides_apart(test_state* test)
 {
     enum { SIDE = 16 };
@@ -391,7 +396,8 @@ void test_subsample_mixes_colors_in_linear_light(test_state* test)
     CHECK(out.count == 1 && out.colors[0] == 188 && out.colors[2] == 188);
     CHECK(measure(out.ellipses, 1, &input) == 0.0f);
     destroy(context, &out);
-    // copies of a point count, though they are one point for everything else: a third of white makes 156
+    // copies of a point count, though they are one point for everything else: a third of white
+    // makes 156
     static const float three[] = {0, 0, 0, 1, 0, 0, -0.0f, 0, 0};
     static const uint8_t with_copy[] = {0, 0, 0, 255, 255, 255, 0, 0, 0};
     input = (stp_decimate_input){.count = 3, .positions = three, .colors = with_copy};

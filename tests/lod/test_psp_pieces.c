@@ -60,7 +60,8 @@ static float plain_error(plain* p, uint32_t a, uint32_t b)
                               p->states[b]);
 }
 
-// Merges the linked pair of least error, of equal ones that of the lower keys. The lower one stands for both.
+// Merges the linked pair of least error, of equal ones that of the lower keys. The lower one stands
+// for both.
 static bool plain_merge(plain* p, uint32_t id, stp_psp_merge* made)
 {
     float least = HUGE_VALF;
@@ -220,7 +221,8 @@ static bool same_splats(const stp_psp_forest* f, const uint32_t* cut, uint32_t c
     return sums[0] == sums[1];
 }
 
-// Pieces of any size: exactly as many splats as asked for, the same for any number of threads and either queue.
+// Pieces of any size: exactly as many splats as asked for, the same for any number of threads and
+// either queue.
 void test_psp_pieces_do_not_depend_on_threads(test_state* test)
 {
     static uint32_t cut[MANY];
@@ -279,8 +281,8 @@ static double mean_distance(const stp_psp_forest* f, uint32_t count)
     return sum / f->point_count;
 }
 
-// Pieces give about what one queue gives, also before the last merge. Where few merges are made, seams of small pieces count
-// most.
+// Pieces give about what one queue gives, also before the last merge. Where few merges are made,
+// seams of small pieces count most.
 void test_psp_pieces_are_as_good_as_one_queue(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
@@ -304,7 +306,8 @@ void test_psp_pieces_are_as_good_as_one_queue(test_state* test)
     stp_context_destroy(context);
 }
 
-// Pairs of points far apart, and points alone in one place: with `connect_components` one splat is left.
+// Pairs of points far apart, and points alone in one place: with `connect_components` one splat is
+// left.
 void test_psp_connects_components(test_state* test)
 {
     enum { COUNT = 2000 };

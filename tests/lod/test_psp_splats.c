@@ -74,7 +74,8 @@ static float highest_of(const stp_splats* s, uint32_t i)
     return stp_range_level(s->ranges[i] >> 16);
 }
 
-/// The splat that is split next: of those before `end` that are not split yet, the one with the highest lowest level.
+/// The splat that is split next: of those before `end` that are not split yet, the one with the
+/// highest lowest level.
 static uint32_t find_next(const stp_splats* s, uint32_t end, const bool* is_split)
 {
     uint32_t best = UINT32_MAX;
@@ -130,7 +131,8 @@ void test_psp_sets_imply_their_forest(test_state* test)
     stp_context_destroy(context);
 }
 
-// Seen from anywhere, each sample has a splat that is drawn near it, and far fewer splats are drawn at a high level.
+// Seen from anywhere, each sample has a splat that is drawn near it, and far fewer splats are drawn
+// at a high level.
 void test_psp_sets_cover_at_every_level(test_state* test)
 {
     static samples from;

@@ -63,7 +63,8 @@ void test_hausdorff_of_a_square_and_a_disk(test_state* test)
     CHECK(fabs(found.area - 1.0) < 1e-6);
     CHECK_EQUAL(10000, found.samples);
     CHECK(fabs(stp_shapes_area(&shapes) - STP_PI) < 1e-12);
-    // a point in the corner: the mean distance in a unit square is (sqrt(2) + ln(1 + sqrt(2))) / 3, the largest sqrt(2)
+    // a point in the corner: the mean distance in a unit square is (sqrt(2) + ln(1 + sqrt(2))) / 3,
+    // the largest sqrt(2)
     disk = (stp_disk_shape){{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     CHECK(measure(context, &square, &shapes, 100000, &found));
     CHECK(fabs(found.max - sqrt(2.0)) < 1e-12);
@@ -89,7 +90,8 @@ void test_hausdorff_of_a_surface_and_itself(test_state* test)
     CHECK(measure(context, &square, &shapes, 20000, &found));
     CHECK(found.max < 1e-12 && found.mean < 1e-12 && found.bound < 1e-5);
     CHECK(fabs(stp_shapes_area(&shapes) - found.area) < 1e-12);
-    // without one of its triangles the distance is the radius of that triangle's inscribed circle at most
+    // without one of its triangles the distance is the radius of that triangle's inscribed circle
+    // at most
     indices[0] = indices[1];
     shapes.triangle_count -= 1;
     shapes.indices += 3;
@@ -99,7 +101,8 @@ void test_hausdorff_of_a_surface_and_itself(test_state* test)
     stp_context_destroy(context);
 }
 
-// The place that is farthest from the corners of a triangle lies between them: the middle of the circle through them.
+// The place that is farthest from the corners of a triangle lies between them: the middle of the
+// circle through them.
 void test_hausdorff_finds_the_farthest_between_samples(test_state* test)
 {
     static const float corners[] = {0, 0, 0, 1, 0, 0, 0.5f, 0.9f, 0};

@@ -139,7 +139,8 @@ void test_disk_distances_agree_with_search(test_state* test)
     }
 }
 
-// Thin ellipses are searched by angle badly; points above and beyond their ends have simple distances.
+// Thin ellipses are searched by angle badly; points above and beyond their ends have simple
+// distances.
 void test_disk_distances_of_degenerate_disks(test_state* test)
 {
     const double limit = (double)INFINITY;

@@ -16,7 +16,8 @@ typedef struct progressive_desc {
 /// Makes a valid set. @return false where memory runs out
 bool progressive_sample_make(stp_arena* arena, const progressive_desc* desc, stp_splats* set);
 
-/// Makes a set of the merge forest over `count` points of a bumpy surface with colours: a whole set, base and operators.
+/// Makes a set of the merge forest over `count` points of a bumpy surface with colours: a whole
+/// set, base and operators.
 bool progressive_sample_of_forest(stp_arena* arena, stp_context* context, uint32_t count,
                                   uint32_t base, stp_splats* set);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Progressive sets coded as operators: nothing is lost, any prefix decodes, and forged bytes do no harm.
+// Progressive sets coded as operators: nothing is lost, any prefix decodes, and forged bytes do no
+// harm.
 #include "support_expected.h"
 #include "support_progressive.h"
 #include "support_reader.h"
@@ -148,7 +149,8 @@ void test_operators_lose_nothing(test_state* test)
     }
 }
 
-// Shorter, longer, or with a bit turned over: no read or write beyond the ends, and what is accepted is a valid prefix.
+// Shorter, longer, or with a bit turned over: no read or write beyond the ends, and what is
+// accepted is a valid prefix.
 void test_operators_that_are_damaged_do_no_harm(test_state* test)
 {
     fixture f;

@@ -40,7 +40,8 @@ static stp_result gather(const stp_contraction* c, left_points* left)
     return STP_OK;
 }
 
-/// Turns the points that are left into splats, in the way of initial splats (Wu, Zhang, Kobbelt 2005, 3 and 6.1).
+/// Turns the points that are left into splats, in the way of initial splats (Wu, Zhang, Kobbelt
+/// 2005, 3 and 6.1).
 static stp_result make_splats(const stp_contraction* c, stp_decimate_output* output)
 {
     left_points left = {0};

@@ -4,17 +4,20 @@
 
 #include "lod/decimate/decimator.h"
 
-/// The points of each chosen one, itself among them: members from starts[i] to before starts[i + 1], ascending.
+/// The points of each chosen one, itself among them: members from starts[i] to before starts[i +
+/// 1], ascending.
 typedef struct stp_decimate_cells {
     uint32_t* owners; ///< of each point, the number of a chosen one
     uint32_t* starts;
     uint32_t* members;
 } stp_decimate_cells;
 
-/// Gives each point to the nearest chosen one that does not face apart from it; where there is none, to the nearest one.
-/// @param chosen points, of which no two of the same side are nearer to each other than `radius`
+/// Gives each point to the nearest chosen one that does not face apart from it; where there is
+/// none, to the nearest one.
+/// @param chosen points that are at least `radius` apart, unless they face apart
 /// @param radius no point is farther from the chosen ones
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); freed by stp_decimate_cells_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); freed by stp_decimate_cells_destroy, also
+///         after a failure
 STP_MUST_USE stp_result stp_decimate_cells_make(stp_context* context,
                                                 const stp_decimate_input* input,
                                                 const uint32_t* chosen, uint32_t count,

@@ -176,7 +176,8 @@ bool stp_contraction_step(stp_contraction* c)
     return true;
 }
 
-/// The planes through a point and each neighbour that lie as near to the point's own plane as they can.
+/// The planes through a point and each neighbour that lie as near to the point's own plane as they
+/// can.
 static void make_quadrics(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_contraction* c = user;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pairs of neighbouring points are contracted, that of least quadric error first (Pauly, Gross, Kobbelt. Efficient Simplification of
-// Point-Sampled Surfaces. 2002, 3.2).
+// Pairs of neighbouring points are contracted, that of least quadric error first (Pauly, Gross,
+// Kobbelt. Efficient Simplification of Point-Sampled Surfaces. 2002, 3.2).
 #pragma once
 
 #include "lod/decimate/distinct.h"
@@ -33,10 +33,12 @@ typedef struct stp_contraction {
     uint32_t left; ///< how many points there are
 } stp_contraction;
 
-/// Prepares all pairs. `context`, `points` and `disks` are set; neighbours as in stp_point_links_make.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged); freed by stp_contraction_destroy, also after a failure
+/// Prepares all pairs. `context`, `points` and `disks` are set; neighbours as in
+/// stp_point_links_make.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged); freed by
+///         stp_contraction_destroy, also after a failure
 STP_MUST_USE stp_result stp_contraction_make(stp_contraction* c, const uint32_t* neighbours,
                                              uint32_t k);
-/// Contracts the best pair. @return false: there is none
+/// Contracts the best pair. @return false if no pair is left
 bool stp_contraction_step(stp_contraction* c);
 void stp_contraction_destroy(stp_contraction* c);

@@ -15,7 +15,8 @@ typedef struct stp_distinct {
 } stp_distinct;
 
 /// Lists places along a curve: what is near is near in memory (stp_sort_spatially).
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); freed by stp_distinct_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); freed by stp_distinct_destroy, also after a
+///         failure
 STP_MUST_USE stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* input,
                                           stp_distinct* distinct);
 void stp_distinct_destroy(stp_context* context, stp_distinct* distinct);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997, by libmeshoptimizer: what splats are compared with
-// in Figure 9 of the paper, at an equal number of vertices.
+// Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997, by libmeshoptimizer:
+// what splats are compared with in Figure 9 of the paper, at an equal number of vertices.
 #include "lod/decimate/parts.h"
 #include "lod/decimate/simplify.h"
 
@@ -39,8 +39,8 @@ static uint32_t number_vertices(const mesh_maker* m, const uint32_t* indices, si
     return used;
 }
 
-/// Welds vertices in one place, leaves out triangles of which two corners are one, and vertices that nobody uses: the simplifier
-/// would keep vertices that share a place with those.
+/// Welds vertices in one place. Drops degenerate triangles and unused vertices, because the
+/// simplifier would keep vertices that share a place with them.
 static stp_result weld(mesh_maker* m)
 {
     const stp_decimate_input* input = m->input;
@@ -75,15 +75,16 @@ static uint32_t distance(uint32_t a, uint32_t b)
     return a > b ? a - b : b - a;
 }
 
-/// The next number of triangles to try, between one that leaves too few vertices and one that leaves too many.
+/// The next number of triangles to try, between one that leaves too few vertices and one that
+/// leaves too many.
 static int64_t next_wanted(int64_t wanted, int64_t missing, int64_t low, int64_t high)
 {
     int64_t next = wanted + 2 * missing; // within a closed surface, a collapse takes two triangles
     return next > low && next < high ? next : low + (high - low) / 2;
 }
 
-/// Simplifies to several numbers of triangles, until the number of vertices is right, or no number is left to try. Each attempt
-/// begins with all triangles.
+/// Simplifies to several numbers of triangles, until the number of vertices is right, or no number
+/// is left to try. Each attempt begins with all triangles.
 static stp_result find_best(mesh_maker* m, uint32_t target)
 {
     memcpy(m->best, m->welded, m->welded_count * sizeof(*m->best));

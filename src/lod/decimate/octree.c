@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pajarola. Efficient Level-of-Details for Point Based Rendering. 2003: the points of an octree's cell become one ellipse.
+// Pajarola. Efficient Level-of-Details for Point Based Rendering. 2003: the points of an octree's
+// cell become one ellipse.
 #include "base/coverage.h"
 #include "base/jobs.h"
 #include "lod/decimate/octree_cells.h"
@@ -31,7 +32,7 @@ static void add_disk(const ellipse_maker* m, const stp_octree_cell* cell, uint32
     double area = (double)stp_ellipse_area(disk);
     stp_vec3d d = stp_subd(stp_to_double(disk->center), stp_to_double(first->center));
     sums->center = stp_addd(sums->center, stp_scaled(d, area));
-    // without normals nobody knows which side is outside: then as the first one faces
+    // without normals the outside is unknown: face as the first disk does
     bool turned = input->normals == NULL && stp_dot(disk->normal, first->normal) < 0.0f;
     sums->normal =
         stp_addd(sums->normal, stp_scaled(stp_to_double(disk->normal), turned ? -area : area));
@@ -39,7 +40,8 @@ static void add_disk(const ellipse_maker* m, const stp_octree_cell* cell, uint32
     stp_color_mean_add(&sums->color, input, point, area);
 }
 
-/// The ellipse that covers the disks of a cell. Its axes are those of the disks' scatter in its plane.
+/// The ellipse that covers the disks of a cell. Its axes are those of the disks' scatter in its
+/// plane.
 static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cell,
                               const cell_sums* sums)
 {

@@ -124,8 +124,8 @@ static stp_octree_cell make_cell(const stp_octree_cells* t, uint32_t begin, uint
     return cell;
 }
 
-/// The nearest cells below a cell, of which there are two or more.
-/// @return how many; 1: its points all lie in one place
+/// Finds the cells on the first level below that splits a cell's points.
+/// @return how many: at least 2, or 1 if all points of the cell lie in one place
 static uint32_t find_children(const stp_octree_cells* t, const stp_octree_cell* cell,
                               stp_octree_cell children[CHILDREN])
 {

@@ -25,8 +25,10 @@ typedef struct stp_octree_cells {
 
 /// Sorts points along the octree's curve. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_octree_cells_make(stp_octree_cells* tree);
-/// Chooses cells: from the root on, the largest one is replaced by its children, as long as there are at most `target`.
+/// Chooses cells: from the root on, the largest one is replaced by its children, as long as there
+/// are at most `target`.
 STP_MUST_USE stp_result stp_octree_cells_open(stp_octree_cells* tree, uint32_t target);
-/// Chooses all cells of the level whose number of cells is nearest to `target`; of two, the one with fewer.
+/// Chooses all cells of the level whose number of cells is nearest to `target`; of two, the one
+/// with fewer.
 STP_MUST_USE stp_result stp_octree_cells_take_level(stp_octree_cells* tree, uint32_t target);
 void stp_octree_cells_destroy(stp_octree_cells* tree);

@@ -17,15 +17,18 @@ STP_MUST_USE stp_result stp_decimate_check(stp_context* context, const stp_decim
 /// The box of all points; of none, one point at 0.
 stp_box stp_decimate_box(const stp_decimate_input* input);
 
-/// A disk for each point (Wu, Zhang, Kobbelt 2005, 3). Points in one place have the same neighbours, which lie in other places.
-/// @param disks receives an array of input->count. @param neighbours receives STP_DECIMATE_NEIGHBOURS a point, UINT32_MAX where
+/// A disk for each point (Wu, Zhang, Kobbelt 2005, 3). Points in one place have the same
+/// neighbours, which lie in other places.
+/// @param disks receives an array of input->count. @param neighbours receives
+///         STP_DECIMATE_NEIGHBOURS a point, UINT32_MAX where
 ///        there are fewer; NULL: not wanted. The caller frees both, also after a failure
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_decimate_make_disks(stp_context* context,
                                                 const stp_decimate_input* input,
                                                 stp_ellipse** disks, uint32_t** neighbours);
 
-/// The same for points of which no two, or few, share a place: time grows with the square of those that do.
+/// The same for points that rarely coincide. Takes time quadratic in the number of points at one
+/// place.
 STP_MUST_USE stp_result stp_decimate_make_distinct_disks(stp_context* context,
                                                          const stp_decimate_input* input,
                                                          stp_ellipse** disks,

@@ -16,7 +16,8 @@ typedef struct stp_point_links {
 
 /// Links points, where one is among the nearest of the other.
 /// @param neighbours k a point, other points without repeats; UINT32_MAX where there are fewer
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged); freed by stp_point_links_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (logged); freed by
+///         stp_point_links_destroy, also after a failure
 STP_MUST_USE stp_result stp_point_links_make(stp_context* context, const uint32_t* neighbours,
                                              uint32_t count, uint32_t k, stp_point_links* links);
 /// `gone` becomes `kept`, which takes its neighbours. Both must be points that became no other.

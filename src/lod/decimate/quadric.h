@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sums of squared distances from planes (Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997).
+// Sums of squared distances from planes (Garland, Heckbert. Surface Simplification Using Quadric
+// Error Metrics. 1997).
 #pragma once
 
 #include "base/math.h"
@@ -18,6 +19,7 @@ stp_quadric stp_quadric_sum(const stp_quadric* a, const stp_quadric* b);
 double stp_quadric_at(const stp_quadric* quadric, stp_vec3d point);
 /// The sum of the squares of the planes' normals: how many planes.
 double stp_quadric_planes(const stp_quadric* quadric);
-/// The point of least value. Along directions in which the value hardly changes (less than a thousandth of the mean) it stays
-/// near `start`; where it would lie farther from there than `reach`, it is `start`.
+/// The point of least value. Along directions in which the value hardly changes (less than a
+/// thousandth of the mean) it stays near `start`; where it would lie farther from there than
+/// `reach`, it is `start`.
 stp_vec3d stp_quadric_least(const stp_quadric* quadric, stp_vec3d start, double reach);

@@ -14,7 +14,8 @@ enum {
 #define GREEDY_NEAR 0.04 ///< and how near to that is near enough
 #define FINE_RATIO 1.02  ///< of the two tolerances in the end
 
-/// A search for the least tolerance that needs no more splats than wanted. More tolerance mostly needs fewer.
+/// A search for the least tolerance that needs no more splats than wanted. More tolerance mostly
+/// needs fewer.
 typedef struct search {
     stp_context* context;
     stp_subsample_field field;
@@ -29,8 +30,9 @@ static double clamp(double x, double low, double high)
     return x < low ? low : x > high ? high : x;
 }
 
-/// Finds a tolerance whose greedy cover has somewhat more sets than wanted. Counts are about inversely proportional to
-/// the tolerance (the deviation of a curved surface grows with the area of a splat).
+/// Finds a tolerance whose greedy cover has somewhat more sets than wanted. Counts are about
+/// inversely proportional to the tolerance (the deviation of a curved surface grows with the area
+/// of a splat).
 /// @param attempt receives the last cover
 static stp_result search_coarse(search* s, stp_subsample_attempt* attempt)
 {
@@ -129,8 +131,8 @@ static stp_result run_search(search* s)
     return result;
 }
 
-/// Searches. Where separate parts need too many splats, again with splats that may reach over gaps; where those are too many
-/// as well, for as many as there must be.
+/// Searches. Where separate parts need too many splats, again with splats that may reach over gaps;
+/// where those are too many as well, for as many as there must be.
 static stp_result search_cover(search* s)
 {
     uint32_t added = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A cover of all points by splats within one tolerance: the whole method of Wu and Kobbelt 2004, except the final fit.
+// A cover of all points by splats within one tolerance: the whole method of Wu and Kobbelt 2004,
+// except the final fit.
 #pragma once
 
 #include "lod/decimate/subsample_fit.h"
@@ -16,13 +17,16 @@ typedef struct stp_subsample_attempt {
 } stp_subsample_attempt;
 
 /// Grows candidates and covers all points greedily.
-/// @param target about how many splats are wanted: bounds the number of candidates and the points of each
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_attempt_destroy, also after a failure
+/// @param target about how many splats are wanted: bounds the number of candidates and the points
+///         of each
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_attempt_destroy, also
+///         after a failure
 STP_MUST_USE stp_result stp_subsample_attempt_make(stp_context* context,
                                                    const stp_subsample_field* field,
                                                    double tolerance, uint32_t target,
                                                    stp_subsample_attempt* attempt);
-/// Improves the cover until it has `enough` splats, or no fewer can be found; 0: as few as possible.
+/// Improves the cover until it has `enough` splats, or no fewer can be found; 0: as few as
+/// possible.
 STP_MUST_USE stp_result stp_subsample_attempt_relax(stp_context* context, uint32_t enough,
                                                     stp_subsample_attempt* attempt);
 void stp_subsample_attempt_destroy(stp_context* context, stp_subsample_attempt* attempt);

@@ -63,8 +63,8 @@ bool stp_cover_is_redundant(const stp_cover_problem* p, const stp_cover* cover, 
     return true;
 }
 
-/// A set and the weight it had when it was put in the heap. Weights only fall, so the first one whose weight is still right
-/// is the greatest.
+/// A set and the weight it had when it was put in the heap. Weights only fall, so the first one
+/// whose weight is still right is the greatest.
 typedef struct entry {
     uint64_t gain;
     uint32_t set;

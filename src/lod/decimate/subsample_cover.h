@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Choosing few of many sets so that they cover all points: greedily, and then better (Wu and Kobbelt 2004).
+// Choosing few of many sets so that they cover all points: greedily, and then better (Wu and
+// Kobbelt 2004).
 #pragma once
 
 #include "base/context.h"
@@ -26,9 +27,10 @@ typedef struct stp_cover {
 STP_MUST_USE stp_result stp_cover_problem_index(stp_context* context, stp_cover_problem* problem);
 void stp_cover_problem_destroy(stp_context* context, stp_cover_problem* problem);
 
-/// Takes the set with the greatest weight of points that are not covered yet, until all are. Of equal ones the lower
-/// number is taken. Each point must be in a set.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_cover_destroy, also after a failure
+/// Takes the set with the greatest weight of points that are not covered yet, until all are. Of
+/// equal ones the lower number is taken. Each point must be in a set.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_cover_destroy, also after a
+///         failure
 STP_MUST_USE stp_result stp_cover_greedily(stp_context* context, const stp_cover_problem* problem,
                                            stp_cover* cover);
 void stp_cover_destroy(stp_context* context, stp_cover* cover);
@@ -38,9 +40,10 @@ void stp_cover_remove(const stp_cover_problem* problem, stp_cover* cover, uint32
 /// Whether all points of a chosen set are in other chosen ones too.
 bool stp_cover_is_redundant(const stp_cover_problem* problem, const stp_cover* cover, uint32_t set);
 
-/// Global relaxation: takes neighbouring sets out together, covers their points anew, and keeps what has no more sets. Exchanges
-/// for as many sets lead on to those that save one. Ends when the count has reached `enough`, or falls no more.
-/// On all threads; results do not depend on their number.
+/// Global relaxation: takes neighbouring sets out together, covers their points anew, and keeps
+/// what has no more sets. Exchanges for as many sets lead on to those that save one. Ends when the
+/// count has reached `enough`, or falls no more. On all threads; results do not depend on their
+/// number.
 /// @param enough  the count that is wanted; 0: as few as possible
 /// @param passes  caps the number of passes over all sets
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

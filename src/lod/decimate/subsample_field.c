@@ -40,7 +40,8 @@ static stp_result make_graph(stp_context* context, const uint32_t* nearest,
     if (starts == NULL) {
         return stp_fail_memory(context);
     }
-    // the first pass counts edges at starts[i + 2]; the second one fills, and moves starts[i + 1] to the end of i
+    // the first pass counts edges at starts[i + 2]; the second one fills, and moves starts[i + 1]
+    // to the end of i
     for (int fill = 0; fill < 2; ++fill) {
         for (uint32_t i = 0; i < count; ++i) {
             const uint32_t* near = nearest + NEIGHBOURS * (size_t)i;
@@ -71,7 +72,8 @@ static stp_result make_graph(stp_context* context, const uint32_t* nearest,
     return STP_OK;
 }
 
-/// The area of a point is that of a disk which reaches to its farthest neighbour, up to a common factor.
+/// The area of a point is that of a disk which reaches to its farthest neighbour, up to a common
+/// factor.
 static void weigh(stp_subsample_field* field)
 {
     double mean = 0.0;

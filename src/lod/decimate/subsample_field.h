@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What splat sub-sampling knows about the points before it chooses splats: neighbours, own splats, areas and margins.
+// What splat sub-sampling knows about the points before it chooses splats: neighbours, own splats,
+// areas and margins.
 #pragma once
 
 #include "lod/decimate/subsample_unique.h"
@@ -20,14 +21,15 @@ typedef struct stp_subsample_field {
 } stp_subsample_field;
 
 /// Finds neighbours, normals and areas. On all threads; results do not depend on their number.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_field_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_field_destroy, also
+///         after a failure
 STP_MUST_USE stp_result stp_subsample_field_make(stp_context* context,
                                                  const stp_subsample_unique* points,
                                                  stp_subsample_field* field);
 void stp_subsample_field_destroy(stp_context* context, stp_subsample_field* field);
 
-/// Adds edges between the parts of the graph until all points are connected. Needed only where a target is lower than the
-/// number of separate parts allows.
+/// Adds edges between the parts of the graph until all points are connected. Needed only where a
+/// target is lower than the number of separate parts allows.
 /// @param added receives the number of new edges; 0: the graph was connected
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); the field stays valid
 STP_MUST_USE stp_result stp_subsample_field_connect(stp_context* context,

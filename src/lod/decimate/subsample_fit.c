@@ -7,7 +7,8 @@ enum {
 };
 #define RATIO_MOST 4.0f
 
-/// A splat while it is fitted. Its plane stays that of the candidate, so no distance grows beyond the tolerance.
+/// A splat while it is fitted. Its plane stays that of the candidate, so no distance grows beyond
+/// the tolerance.
 typedef struct shape {
     stp_vec3d center, x, y, normal;
     double ratio,
@@ -72,7 +73,8 @@ static void list_owned(const fit* f)
     }
 }
 
-/// Moves a shape to the middle of the smallest circle around its points (Badoiu and Clarkson 2003), and measures it.
+/// Moves a shape to the middle of the smallest circle around its points (Badoiu and Clarkson 2003),
+/// and measures it.
 static void center_shape(const fit* f, shape* s, const uint32_t* points, uint32_t count)
 {
     const stp_subsample_field* field = f->choice->field;

@@ -13,9 +13,10 @@ typedef struct stp_subsample_choice {
     const stp_cover* cover;
 } stp_subsample_choice;
 
-/// Gives each point to one of the chosen candidates that cover it, moves each candidate in its plane to the middle of its
-/// points, and repeats. The final ellipses hold their points with margins. A candidate left without points has no splat.
-/// On all threads; results do not depend on their number.
+/// Gives each point to one of the chosen candidates that cover it, moves each candidate in its
+/// plane to the middle of its points, and repeats. The final ellipses hold their points with
+/// margins. A candidate left without points has no splat. On all threads; results do not depend on
+/// their number.
 /// @param ellipses room for as many as are chosen
 /// @param colors   3 a splat, sRGB: means, in linear light, of the covered points; white where those have none
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

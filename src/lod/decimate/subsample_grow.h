@@ -4,7 +4,8 @@
 
 #include "lod/decimate/subsample_field.h"
 
-/// The plane and the shape of a candidate. Distances in its plane are measured so that its ellipse is a circle.
+/// The plane and the shape of a candidate. Distances in its plane are measured so that its ellipse
+/// is a circle.
 typedef struct stp_subsample_candidate {
     stp_vec3 center; ///< the middle of the slab that holds all covered points
     stp_vec3 normal; ///< of unit length
@@ -21,12 +22,14 @@ typedef struct stp_subsample_candidates {
     uint32_t* members; ///< points
 } stp_subsample_candidates;
 
-/// Grows candidates until each point is covered by one at least: from points spread evenly over the set, and from all
-/// points that none of those covers. On all threads; results do not depend on their number.
+/// Grows candidates until each point is covered by one at least: from points spread evenly over the
+/// set, and from all points that none of those covers. On all threads; results do not depend on
+/// their number.
 /// @param tolerance half the width of the slab that holds the points of a splat; 0 or more
 /// @param wanted    how many points to begin with
 /// @param most      caps the points of a candidate; 1 or more
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_candidates_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_candidates_destroy,
+///         also after a failure
 STP_MUST_USE stp_result stp_subsample_grow(stp_context* context, const stp_subsample_field* field,
                                            double tolerance, uint32_t wanted, uint32_t most,
                                            stp_subsample_candidates* candidates);

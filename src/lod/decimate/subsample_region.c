@@ -72,8 +72,9 @@ static uint64_t pop(stp_subsample_scratch* s)
     return first;
 }
 
-/// The square of a distance and a point, to be sorted as one number. Points as far away follow in the order from the seed on,
-/// so that the caps of regions around points in one place do not all cut off the same points.
+/// The square of a distance and a point, to be sorted as one number. Points as far away follow in
+/// the order from the seed on, so that the caps of regions around points in one place do not all
+/// cut off the same points.
 static uint64_t make_item(const stp_subsample_field* field, const frame* f, uint32_t seed,
                           uint32_t point)
 {
@@ -188,7 +189,8 @@ static bool fit_quadric(const stp_subsample_field* field, const uint32_t* member
     return solve(m, q);
 }
 
-/// The tangent plane of a quadric at the seed, with x along its least curvature, and the axes' ratio that makes heights at both ends of an ellipse equal.
+/// The tangent plane of a quadric at the seed, with x along its least curvature, and the axes'
+/// ratio that makes heights at both ends of an ellipse equal.
 static bool turn_frame(const double q[UNKNOWNS], frame* f)
 {
     stp_vec3d n = stp_subd(f->normal, stp_addd(stp_scaled(f->x, q[1]), stp_scaled(f->y, q[2])));

@@ -16,8 +16,9 @@ typedef struct stp_subsample_scratch {
     size_t capacity[2];
 } stp_subsample_scratch;
 
-/// Grows a circle from a point over the neighbour graph until the next point does not fit in the slab. Then fits a quadric
-/// to its points, and grows an ellipse with the tangent plane and the curvatures of that. The larger one is kept.
+/// Grows a circle from a point over the neighbour graph until the next point does not fit in the
+/// slab. Then fits a quadric to its points, and grows an ellipse with the tangent plane and the
+/// curvatures of that. The larger one is kept.
 /// @param members receives the covered points, in scratch memory that lasts until the next call
 /// @return the number of points, the seed first; 0: out of memory (not logged)
 uint32_t stp_subsample_find_region(const stp_subsample_field* field, stp_subsample_scratch* scratch,

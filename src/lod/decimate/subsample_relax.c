@@ -38,7 +38,8 @@ typedef struct relaxation {
     relax_scratch* scratch;
 } relaxation;
 
-/// Lists a set and chosen ones that share points with it, in the order of the points from a random one on.
+/// Lists a set and chosen ones that share points with it, in the order of the points from a random
+/// one on.
 static uint32_t pick_group(const stp_cover_problem* p, const stp_cover* cover, uint32_t set,
                            uint64_t seed, uint32_t group[GROUP_MOST])
 {

@@ -18,7 +18,8 @@ typedef struct stp_subsample_unique {
 } stp_subsample_unique;
 
 /// Keeps one of all points with the same position and normal.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_unique_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_unique_destroy, also
+///         after a failure
 STP_MUST_USE stp_result stp_subsample_unique_make(stp_context* context,
                                                   const stp_decimate_input* input,
                                                   stp_subsample_unique* unique);

@@ -73,7 +73,8 @@ static size_t choose_pivot(const stp_kd_point* points, size_t count, size_t plac
     return places[place * samples / count];
 }
 
-/// Puts what is before the pivot first. Branch-free: the outcome of a comparison cannot be predicted here.
+/// Puts what is before the pivot first. Branch-free: the outcome of a comparison cannot be
+/// predicted here.
 /// @return where the pivot goes
 static size_t partition(stp_kd_point* points, size_t count, size_t pivot, int axis)
 {

@@ -10,9 +10,10 @@ typedef struct stp_kd_point {
     uint32_t index;
 } stp_kd_point;
 
-/// The axis along which the points spread most; of many points, a sample of them. `count` is at least 1.
+/// The axis along which the points spread most; of many points, a sample of them. `count` is at
+/// least 1.
 int stp_kd_widest(const stp_kd_point* points, size_t count);
 
-/// Reorders points along an axis: smaller ones before `place`, larger ones behind it. `place` is below `count`.
-/// Expected linear time for any input. The result depends on the input alone.
+/// Reorders points along an axis: smaller ones before `place`, larger ones behind it. `place` is
+/// below `count`. Expected linear time for any input. The result depends on the input alone.
 void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis);

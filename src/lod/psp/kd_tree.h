@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A balanced kd-tree with eight points a leaf: the order of its leaves is also an order of the points in space.
+// A balanced kd-tree with eight points a leaf: the order of its leaves is also an order of the
+// points in space.
 #pragma once
 
 #include "base/context.h"
@@ -18,16 +19,18 @@ typedef struct stp_kd_node {
     uint32_t axis; ///< 0 to 2
 } stp_kd_node;
 
-/// A range of leaves [b, e) is split at its middle leaf (b + e) / 2, where the node of the range lies.
+/// A range of leaves [b, e) is split at its middle leaf (b + e) / 2, where the node of the range
+/// lies.
 typedef struct stp_kd_tree {
     stp_kd_leaf* leaves;
     stp_kd_node* nodes; ///< one a leaf; the first is unused
     uint32_t count, leaf_count;
 } stp_kd_tree;
 
-/// Reads coordinates times `scale`. What is not a number counts as 0; magnitudes above 1e18 are cut to that before. On all threads;
-/// the tree does not depend on their number.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_kd_tree_destroy, also after a failure
+/// Reads coordinates times `scale`. What is not a number counts as 0; magnitudes above 1e18 are cut
+/// to that before. On all threads; the tree does not depend on their number.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_kd_tree_destroy, also after a
+///         failure
 STP_MUST_USE stp_result stp_kd_tree_make(stp_context* context, const float* positions,
                                          uint32_t count, float scale, stp_kd_tree* tree);
 void stp_kd_tree_destroy(stp_context* context, stp_kd_tree* tree);
@@ -64,9 +67,10 @@ typedef struct stp_kd_path {
     } steps[STP_KD_DEPTH];
 } stp_kd_path;
 
-/// Finds the k points nearest to the one at a place, without itself. Which of equally near points are found depends on the tree
-/// alone.
-/// @param path of the thread; begins with leaf UINT32_MAX. Searches in the order of places are faster
+/// Finds the k points nearest to the one at a place, without itself. Which of equally near points
+/// are found depends on the tree alone.
+/// @param path of the thread; begins with leaf UINT32_MAX. Searches in the order of places are
+///         faster
 /// @param k 1 to STP_NEIGHBOURS_MOST
 /// @param places receives them, nearest first
 /// @return how many: k, or all other points

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Error metrics of a merge, each behind one table of functions (Wu, Zhang, Kobbelt 2005, 4).
 //
-// All geometry is in units of the merge: model units times a power of two, so that the diagonal of all points' box is
-// about 2^20. Errors then fit in floats, and no product of areas vanishes.
+// All geometry is in units of the merge: model units times a power of two, so that the diagonal of
+// all points' box is about 2^20. Errors then fit in floats, and no product of areas vanishes.
 #pragma once
 
 #include "lod/psp/forest.h"
@@ -32,8 +32,8 @@ stp_vec3 stp_psp_point_at(const stp_psp_shared* shared, uint32_t point);
 
 enum { STP_PSP_STATE_MOST = 512 }; ///< bytes of a state
 
-/// An error metric. Each splat may carry a state of the metric's own. Functions run on several threads at once, for
-/// different splats.
+/// An error metric. Each splat may carry a state of the metric's own. Functions run on several
+/// threads at once, for different splats.
 typedef struct stp_psp_metric_table {
     size_t
         state_bytes; ///< of a splat's state, a multiple of 8, at most STP_PSP_STATE_MOST; may be 0
@@ -44,11 +44,13 @@ typedef struct stp_psp_metric_table {
     void (*close)(stp_psp_shared* shared);
     /// Makes the state of a point's splat; may also change the splat. NULL where there is no state.
     void (*begin)(const stp_psp_shared* shared, uint32_t point, stp_psp_splat* splat, void* state);
-    /// The error of a merge, at least 0, without the weight by length. Called with the splat of lower key first.
+    /// The error of a merge, at least 0, without the weight by length. Called with the splat of
+    /// lower key first.
     double (*error)(const stp_psp_shared* shared, const stp_psp_splat* a, const void* a_state,
                     const stp_psp_splat* b, const void* b_state);
-    /// Makes the ellipse, the area and the state of two splats merged. `merged` comes with colours mixed by area, and may get
-    /// others. Called once for each merge, lower key first; what is read and written differs.
+    /// Makes the ellipse, the area and the state of two splats merged. `merged` comes with colours
+    /// mixed by area, and may get others. Called once for each merge, lower key first; what is read
+    /// and written differs.
     void (*merge)(const stp_psp_shared* shared, const stp_psp_splat* a, const void* a_state,
                   const stp_psp_splat* b, const void* b_state, stp_psp_splat* merged,
                   void* merged_state);
@@ -59,8 +61,8 @@ extern const stp_psp_metric_table stp_psp_metric_normals, stp_psp_metric_distanc
 
 const stp_psp_metric_table* stp_psp_metric_find(stp_psp_metric metric);
 
-/// The error of a merge as the queue orders it: weighted, as a float at most FLT_MAX. Infinite where the merge is not allowed
-/// (stp_psp_desc.least_cosine). The two may come in any order.
+/// The error of a merge as the queue orders it: weighted, as a float at most FLT_MAX. Infinite
+/// where the merge is not allowed (stp_psp_desc.least_cosine). The two may come in any order.
 float stp_psp_pair_error(const stp_psp_shared* shared, const stp_psp_metric_table* metric,
                          const stp_psp_splat* a, const void* a_state, const stp_psp_splat* b,
                          const void* b_state);

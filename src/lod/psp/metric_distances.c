@@ -5,8 +5,8 @@
 #define LINE 1e-4 ///< how little points spread across a line, of what they spread along it
 #define UPRIGHT                                                                                    \
     0.7f ///< cosine to the mean normal of two splats, below which that of the points is not believed
-/// Added to each sum of squares, times the geometric mean of both areas: sums below this are noise, and a plane is merged
-/// evenly.
+/// Added to each sum of squares, times the geometric mean of both areas: sums below this are noise,
+/// and a plane is merged evenly.
 #define FLAT 1e-8
 
 /// The points that a splat stands for, and their moments about the middle of all.

@@ -2,8 +2,8 @@
 // L2,1: how much the normals of two splats differ, by their areas (Wu, Zhang, Kobbelt 2005, 4.2).
 #include "lod/psp/metric.h"
 
-/// Squares of differences of unit normals below this are noise. It is added to all, so that a plane is merged evenly: the
-/// smallest splats first.
+/// Squares of differences of unit normals below this are noise. It is added to all, so that a plane
+/// is merged evenly: the smallest splats first.
 #define FLAT 1e-12
 
 static double measure(const stp_psp_shared* shared, const stp_psp_splat* a, const void* a_state,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How much a picture of a splat differs from a picture of the surface that it stands for (region.h).
+// How much a picture of a splat differs from a picture of the surface that it stands for
+// (region.h).
 #include "lod/psp/metric.h"
 #include "lod/psp/region.h"
 

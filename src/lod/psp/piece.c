@@ -159,7 +159,8 @@ static bool join_links(stp_psp_piece* p, uint32_t a, uint32_t b)
     return true;
 }
 
-/// Queues a splat by its best merge. A lazy queue only moves splats forwards: those that move back wait until they come up.
+/// Queues a splat by its best merge. A lazy queue only moves splats forwards: those that move back
+/// wait until they come up.
 static void requeue(stp_psp_piece* p, uint32_t splat, float limit)
 {
     float error = p->bests[splat].error;

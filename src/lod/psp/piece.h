@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One piece of a merge: splats, the links between them, and the queue that merges them. A small cloud is one piece; of a large
-// one, several pieces are merged at a time.
+// One piece of a merge: splats, the links between them, and the queue that merges them. A small
+// cloud is one piece; of a large one, several pieces are merged at a time.
 #pragma once
 
 #include "lod/psp/queue.h"
@@ -9,7 +9,8 @@
     0x80000000u ///< of a link: it leads to a splat of another piece, by its slot
 #define STP_PSP_RECORDED 0x80000000u ///< of an id: it is the number of a record of the same piece
 
-/// A splat that is beside another, and the error of merging the two; infinite where that is not allowed.
+/// A splat that is beside another, and the error of merging the two; infinite where that is not
+/// allowed.
 typedef struct stp_psp_link {
     uint32_t to;
     float error;
@@ -55,14 +56,16 @@ typedef struct stp_psp_piece {
     size_t link_count, splat_room, link_room, near_room, record_room;
 } stp_psp_piece;
 
-/// Begins another piece in the same memory, for so many splats without links. @return false where memory runs out
+/// Begins another piece in the same memory, for so many splats without links. @return false where
+/// memory runs out
 bool stp_psp_piece_begin(stp_psp_piece* piece, uint32_t count);
-/// Makes room for so many links in all, and for the lists of merges. What was there is lost. @return false where memory runs out
+/// Makes room for so many links in all, and for the lists of merges. What was there is lost.
+/// @return false where memory runs out
 bool stp_psp_piece_make_links(stp_psp_piece* piece, size_t count);
 void stp_psp_piece_destroy(stp_psp_piece* piece);
 
-/// Merges pairs within the piece, the least error first, until the next one is above `limit` or `least` splats are left. Links have
-/// their errors. @return false where memory runs out
+/// Merges pairs within the piece, the least error first, until the next one is above `limit` or
+/// `least` splats are left. Links have their errors. @return false where memory runs out
 bool stp_psp_piece_run(stp_psp_piece* piece, float limit, uint32_t least);
 
 static inline void* stp_psp_state(const stp_psp_piece* piece, uint32_t splat)

@@ -13,7 +13,8 @@ enum {
 
 /// The part of the splats whose best merge may be made in a round, at most.
 #define PART_MOST 0.9
-/// Merges for each splat whose best merge is within the limit; found by measuring, and only used to aim.
+/// Merges for each splat whose best merge is within the limit; found by measuring, and only used to
+/// aim.
 #define MERGES_EACH 0.6
 
 /// A round that runs.
@@ -209,7 +210,8 @@ static void read_centers(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// The limit of a round: such that about half of the splats are merged, but fewer than to the target.
+/// The limit of a round: such that about half of the splats are merged, but fewer than to the
+/// target.
 static stp_result choose_limit(stp_psp_rounds* r, float* limit)
 {
     float* errors = STP_NEW_ARRAY(r->shared.context, float, SAMPLES);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Merges a large cloud in rounds. Each round cuts the splats into pieces in space and merges every piece up to one common
-// error. What crosses a seam waits for the next round, whose seams lie elsewhere.
+// Merges a large cloud in rounds. Each round cuts the splats into pieces in space and merges every
+// piece up to one common error. What crosses a seam waits for the next round, whose seams lie
+// elsewhere.
 #pragma once
 
 #include "lod/psp/kd_tree.h"
@@ -23,8 +24,8 @@ typedef struct stp_psp_history {
     uint32_t count, first; ///< number of the first one, of all merges
 } stp_psp_history;
 
-/// Splats have slots in each round: their places in the order in which the round cuts them into pieces. What a round leaves is numbered
-/// block by block.
+/// Splats have slots in each round: their places in the order in which the round cuts them into
+/// pieces. What a round leaves is numbered block by block.
 typedef struct stp_psp_rounds {
     stp_psp_shared shared;
     const stp_psp_metric_table* metric;
@@ -51,7 +52,9 @@ typedef struct stp_psp_rounds {
     uint32_t history_count, merge_count;
 } stp_psp_rounds;
 
-/// Merges until the target is reached or nothing can be merged. The caller sets the fields up to `alone`, and makes the tree.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_rounds_destroy, also after a failure
+/// Merges until the target is reached or nothing can be merged. The caller sets the fields up to
+/// `alone`, and makes the tree.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_rounds_destroy, also after a
+///         failure
 STP_MUST_USE stp_result stp_psp_rounds_run(stp_psp_rounds* rounds);
 void stp_psp_rounds_destroy(stp_psp_rounds* rounds);

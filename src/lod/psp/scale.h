@@ -4,7 +4,8 @@
 
 #include "lod/psp/ellipse.h"
 
-/// The power of two by which a box of that diagonal gets one between 2^19 and 2^20; 1 where it is 0 or not finite.
+/// The power of two by which a box of that diagonal gets one between 2^19 and 2^20; 1 where it is 0
+/// or not finite.
 static inline float stp_psp_choose_scale(float diagonal)
 {
     if (!(diagonal > 0.0f) || diagonal > FLT_MAX) {

@@ -59,7 +59,8 @@ static void count_links(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// After the first round: a point may be among the nearest of another one across a seam, where only the other knows it.
+/// After the first round: a point may be among the nearest of another one across a seam, where only
+/// the other knows it.
 static bool turn_links(numbering* n)
 {
     stp_psp_rounds* r = n->rounds;

@@ -25,7 +25,8 @@ typedef struct splitter {
     stp_progressive_queue queue; ///< of places in the sequence
 } splitter;
 
-/// The level of a merge: the radius of a disk as large as the largest error of it and of all below it. 0 of samples.
+/// The level of a merge: the radius of a disk as large as the largest error of it and of all below
+/// it. 0 of samples.
 static float level_of(const stp_psp_forest* f, uint32_t splat)
 {
     if (splat < f->point_count) {
@@ -78,8 +79,8 @@ static void append_roots(splitter* s, root* roots)
     }
 }
 
-/// The highest level of a part is the one below which its merge is not drawn, and more by how much levels may differ because
-/// the two lie in different places.
+/// The highest level of a part is the one below which its merge is not drawn, and more by how much
+/// levels may differ because the two lie in different places.
 static float find_highest(const splitter* s, uint32_t merge, uint32_t part)
 {
     const stp_psp_forest* f = s->forest;

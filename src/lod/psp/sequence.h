@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The order in which a merge forest is split again, and the levels at which each splat is drawn (Wu, Zhang, Kobbelt 2005, 5).
+// The order in which a merge forest is split again, and the levels at which each splat is drawn
+// (Wu, Zhang, Kobbelt 2005, 5).
 #pragma once
 
 #include "lod/psp/forest.h"
 
-/// Splats of a forest: first those that remain, then two for each merge, which it is split into. The merge with the highest
-/// level is split first.
+/// Splats of a forest: first those that remain, then two for each merge, which it is split into.
+/// The merge with the highest level is split first.
 typedef struct stp_psp_sequence {
     uint32_t count;
     uint32_t* splats; ///< numbers in the forest
@@ -14,7 +15,8 @@ typedef struct stp_psp_sequence {
     float* highest_left; ///< highest level of a splat and of all after it
 } stp_psp_sequence;
 
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_sequence_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_sequence_destroy, also after
+///         a failure
 STP_MUST_USE stp_result stp_psp_sequence_make(stp_context* context, const stp_psp_forest* forest,
                                               stp_psp_sequence* sequence);
 void stp_psp_sequence_destroy(stp_context* context, stp_psp_sequence* sequence);

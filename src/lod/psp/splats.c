@@ -71,7 +71,8 @@ static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
     float major = stp_length(e->major), minor = e->minor, area = m->areas[splat];
     float share = area / (float)(PI * (double)major * (double)minor);
     bool scattered = share < SCATTERED;
-    // what covers a small part of its samples' disks, such as wires, does not reach out by all of the margin
+    // what covers a small part of its samples' disks, such as wires, does not reach out by all of
+    // the margin
     float filled = area / ((float)m->counts[splat - m->forest.point_count] * m->cell);
     float margin = MARGIN * m->reach * fminf(filled, 1.0f);
     float scale = scattered ? 1.0f : GROWTH;
