@@ -235,6 +235,20 @@ void tool_points_destroy(stp_context* context, tool_points* points)
     *points = (tool_points){0};
 }
 
+size_t tool_put_position(unsigned char* bytes, const float* position, const double* origin,
+                         bool doubles)
+{
+    size_t size = doubles ? 8 : 4;
+    for (size_t k = 0; k < 3; ++k) {
+        if (doubles) {
+            stp_write_f64(bytes + size * k, (double)position[k] + origin[k]);
+        } else {
+            stp_write_f32(bytes + size * k, position[k]);
+        }
+    }
+    return 3 * size;
+}
+
 static stp_result write_header(stp_file_writer* writer, const tool_points* points, uint32_t count,
                                bool doubles)
 {
@@ -256,16 +270,7 @@ static stp_result write_point(stp_file_writer* writer, const tool_points* points
                               bool doubles)
 {
     unsigned char bytes[40];
-    size_t size = 0;
-    for (size_t k = 0; k < 3; ++k) {
-        float value = points->positions[3 * i + k];
-        if (doubles) {
-            stp_write_f64(bytes + size, (double)value + points->origin[k]);
-        } else {
-            stp_write_f32(bytes + size, value);
-        }
-        size += doubles ? 8 : 4;
-    }
+    size_t size = tool_put_position(bytes, points->positions + 3 * i, points->origin, doubles);
     for (size_t k = 0; k < 3 && points->normals != NULL; ++k, size += 4) {
         stp_write_f32(bytes + size, points->normals[3 * i + k]);
     }

@@ -47,6 +47,11 @@ int tool_run_on_points(const tool_points_command* task, int argc, char** argv, c
                        uint64_t threads, uint64_t memory);
 void tool_points_destroy(stp_context* context, tool_points* points);
 
+/// Puts a position of a PLY as three floats or, with the origin added, as three doubles.
+/// @return bytes put
+size_t tool_put_position(unsigned char* bytes, const float* position, const double* origin,
+                         bool doubles);
+
 /// Writes points in the given order as a binary PLY.
 STP_MUST_USE stp_result tool_write_points(stp_context* context, const char* path,
                                           const tool_points* points, const uint32_t* order,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "splat_file.h"
 
+#include "point_file.h"
+
 #include "base/bytes.h"
 #include "base/file.h"
 
@@ -35,15 +37,8 @@ static stp_result write_splat(stp_file_writer* writer, const tool_splats* s, siz
 {
     unsigned char bytes[64];
     const stp_ellipse* e = &s->ellipses[index];
-    size_t size = 0;
-    if (doubles) {
-        stp_write_f64(bytes, (double)e->center.x + s->origin[0]);
-        stp_write_f64(bytes + 8, (double)e->center.y + s->origin[1]);
-        stp_write_f64(bytes + 16, (double)e->center.z + s->origin[2]);
-        size = 24;
-    } else {
-        size = put_vector(bytes, e->center);
-    }
+    const float center[3] = {e->center.x, e->center.y, e->center.z};
+    size_t size = tool_put_position(bytes, center, s->origin, doubles);
     size += put_vector(bytes + size, e->normal);
     size += put_vector(bytes + size, e->major);
     stp_write_f32(bytes + size, e->minor);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "triangle_file.h"
 
+#include "point_file.h"
+
 #include "base/bytes.h"
 #include "base/file.h"
 
@@ -23,16 +25,7 @@ static stp_result write_vertex(stp_file_writer* writer, const tool_triangles* t,
                                bool doubles)
 {
     unsigned char bytes[32];
-    size_t size = 0;
-    for (size_t k = 0; k < 3; ++k) {
-        float value = t->vertices[3 * index + k];
-        if (doubles) {
-            stp_write_f64(bytes + size, (double)value + t->origin[k]);
-        } else {
-            stp_write_f32(bytes + size, value);
-        }
-        size += doubles ? 8 : 4;
-    }
+    size_t size = tool_put_position(bytes, t->vertices + 3 * index, t->origin, doubles);
     memcpy(bytes + size, t->colors + 3 * index, 3);
     return stp_file_writer_append(writer, bytes, size + 3);
 }

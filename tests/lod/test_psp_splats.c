@@ -3,65 +3,31 @@
 #include "tests.h"
 
 #include "base/coverage.h"
-#include "base/octahedral.h"
-#include "base/rng.h"
 #include "base/splat_codes.h"
 #include "lod/psp/region.h"
 #include "lod/psp/splats.h"
+#include "lod/sphere_samples.h"
 #include "lod/surfels.h"
 
 #include <string.h>
 
-enum { SAMPLES = 3000 };
-
-typedef struct samples {
-    uint16_t positions[3 * SAMPLES];
-    int8_t normals[2 * SAMPLES];
-    uint8_t materials[SAMPLES], colors[3 * SAMPLES], coverages[SAMPLES];
-    stp_splats set;
-} samples;
-
-static double unit(uint64_t seed, uint64_t at)
-{
-    return (double)(stp_rng_hash(seed, at) >> 11) * 0x1p-53;
-}
-
-/// Samples along a spiral on a sphere of radius 0.9, half of it red.
+/// Half of the sphere is red. Samples cover as evenly spread ones do.
 static void make_sphere(samples* s, uint32_t count)
 {
+    make_sphere_samples(s, count, (float)(0.9 * sqrt(12.0 / (double)count)));
     for (uint32_t i = 0; i < count; ++i) {
-        double y = 1.0 - 2.0 * ((double)i + 0.5) / count, around = 2.399963229728653 * i;
-        double across = sqrt(1.0 - y * y);
-        stp_vec3 n = {(float)(across * cos(around)), (float)y, (float)(across * sin(around))};
-        s->positions[3 * i] = (uint16_t)(32768.0 + 29491.0 * (double)n.x);
-        s->positions[3 * i + 1] = (uint16_t)(32768.0 + 29491.0 * (double)n.y);
-        s->positions[3 * i + 2] = (uint16_t)(32768.0 + 29491.0 * (double)n.z);
-        stp_octahedral_encode(n, s->normals + 2 * i);
-        s->materials[i] = n.x > 0.0f ? 1 : 2;
+        bool red = sample_normal(i, count).x > 0.0f;
+        s->materials[i] = red ? 1 : 2;
         s->colors[3 * i] = 200;
-        s->colors[3 * i + 1] = s->colors[3 * i + 2] = n.x > 0.0f ? 0 : 200;
+        s->colors[3 * i + 1] = s->colors[3 * i + 2] = red ? 0 : 200;
         s->coverages[i] = STP_COVERAGE_WHOLE;
     }
-    float reach = (float)(0.9 * sqrt(12.0 / (double)count));
-    s->set = (stp_splats){.count = count,
-                          .origin = {-1.0f, -1.0f, -1.0f},
-                          .step = 1.0f / 32768.0f,
-                          .positions = s->positions,
-                          .normals = s->normals,
-                          .materials = s->materials,
-                          .octave_count = 1,
-                          .octave_ends = {count},
-                          .colors = s->colors,
-                          .coverages = s->coverages,
-                          .table = {.size = 1, .count = {count}, .radius = {reach}},
-                          .candidate_radius = 0.001f};
 }
 
-static stp_vec3 place_of(const stp_splats* s, uint32_t i)
+static float distance_of(stp_vec3d a, stp_vec3d b)
 {
-    const uint16_t* p = s->positions + 3 * (size_t)i;
-    return (stp_vec3){s->origin.x + s->step * (float)p[0], s->origin.y + s->step * (float)p[1],
-                      s->origin.z + s->step * (float)p[2]};
+    stp_vec3d d = stp_subd(a, b);
+    return (float)sqrt(stp_dotd(d, d));
 }
 
 static float lowest_of(const stp_splats* s, uint32_t i)
@@ -117,7 +83,7 @@ void test_psp_sets_imply_their_forest(test_state* test)
         for (uint32_t k = 0; k < 2; ++k) { // a child may be drawn wherever its parent is not
             CHECK(lowest_of(&s, child + k) <= lowest_of(&s, parent));
             float apart =
-                stp_length(stp_sub(place_of(&s, child + k), place_of(&s, parent))) - 2.0f * s.step;
+                distance_of(place_of(&s, child + k), place_of(&s, parent)) - 2.0f * s.step;
             CHECK(highest_of(&s, child + k) >=
                   lowest_of(&s, parent) + STP_LEVEL_SLOPE * fmaxf(apart, 0.0f));
         }
@@ -145,12 +111,12 @@ void test_psp_sets_cover_at_every_level(test_state* test)
     for (int round = 0; round < 24; ++round) {
         bool by_depth = round >= 12;
         float level = 0.01f * powf(1.6f, (float)(round % 12));
-        stp_vec3 eye = {(float)(4.0 * unit(1, (uint64_t)round)), 2.0f, 3.0f};
+        stp_vec3d eye = {4.0 * unit(1, (uint64_t)round), 2.0, 3.0};
         float slope = STP_LEVEL_SLOPE * (round % 2 == 0 ? 1.0f : 0.3f);
         uint32_t count = 0, uncovered = 0;
         static bool drawn[2 * SAMPLES];
         for (uint32_t i = 0; i < s.count; ++i) {
-            float at = by_depth ? slope * stp_length(stp_sub(place_of(&s, i), eye)) : level;
+            float at = by_depth ? slope * distance_of(place_of(&s, i), eye) : level;
             drawn[i] = at >= lowest_of(&s, i) && at <= highest_of(&s, i);
             count += drawn[i];
         }
@@ -160,8 +126,8 @@ void test_psp_sets_cover_at_every_level(test_state* test)
             bool covered = false;
             for (uint32_t i = 0; i < s.count && !covered; ++i) {
                 float reach = s.step * stp_shape_radius(s.shapes[i] & 0xFFFu);
-                stp_vec3 d = stp_sub(place_of(&from.set, k), place_of(&s, i));
-                covered = drawn[i] && stp_dot(d, d) <= 1.2f * reach * reach;
+                float apart = distance_of(place_of(&from.set, k), place_of(&s, i));
+                covered = drawn[i] && apart * apart <= 1.2f * reach * reach;
             }
             uncovered += !covered;
         }

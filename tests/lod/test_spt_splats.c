@@ -3,68 +3,27 @@
 #include "tests.h"
 
 #include "base/coverage.h"
-#include "base/octahedral.h"
 #include "base/prefix_table.h"
-#include "base/rng.h"
 #include "base/splat_codes.h"
 #include "lod/method.h"
+#include "lod/sphere_samples.h"
 #include "lod/spt/splats.h"
 #include "lod/surfels.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES = 3000 };
-
-typedef struct samples {
-    uint16_t positions[3 * SAMPLES];
-    int8_t normals[2 * SAMPLES];
-    uint8_t materials[SAMPLES], colors[3 * SAMPLES], coverages[SAMPLES];
-    stp_splats set;
-} samples;
-
-static double unit(uint64_t seed, uint64_t at)
-{
-    return (double)(stp_rng_hash(seed, at) >> 11) * 0x1p-53;
-}
-
-// A sphere, evenly but not exactly so: along a spiral.
 static void make_samples(samples* s)
 {
+    make_sphere_samples(s, SAMPLES, 0.06f);
     for (uint32_t i = 0; i < SAMPLES; ++i) {
-        double y = 1.0 - 2.0 * ((double)i + 0.5) / SAMPLES, around = 2.399963229728653 * i;
-        double across = sqrt(1.0 - y * y);
-        stp_vec3 n = {(float)(across * cos(around)), (float)y, (float)(across * sin(around))};
-        s->positions[3 * i] = (uint16_t)(32768.0 + 30000.0 * (double)n.x);
-        s->positions[3 * i + 1] = (uint16_t)(32768.0 + 30000.0 * (double)n.y);
-        s->positions[3 * i + 2] = (uint16_t)(32768.0 + 30000.0 * (double)n.z);
-        stp_octahedral_encode(n, s->normals + 2 * i);
+        stp_vec3 n = sample_normal(i, SAMPLES);
         s->materials[i] = (uint8_t)(i % 3);
         s->colors[3 * i] = 200;
         s->colors[3 * i + 1] = (uint8_t)(n.x > 0.0f ? 255 : 0);
         s->colors[3 * i + 2] = 10;
         s->coverages[i] = n.y > 0.0f ? STP_COVERAGE_WHOLE : stp_coverage_of_share(0.5);
     }
-    s->set = (stp_splats){.count = SAMPLES,
-                          .origin = {-1.0f, -1.0f, -1.0f},
-                          .step = 1.0f / 32768.0f,
-                          .positions = s->positions,
-                          .normals = s->normals,
-                          .materials = s->materials,
-                          .octave_count = 1,
-                          .octave_ends = {SAMPLES},
-                          .colors = s->colors,
-                          .coverages = s->coverages,
-                          .table = {.size = 1, .count = {SAMPLES}, .radius = {0.06f}},
-                          .candidate_radius = 0.001f};
-}
-
-static stp_vec3d place_of(const stp_splats* s, uint32_t i)
-{
-    const uint16_t* p = s->positions + 3 * (size_t)i;
-    return (stp_vec3d){(double)s->origin.x + (double)s->step * p[0],
-                       (double)s->origin.y + (double)s->step * p[1],
-                       (double)s->origin.z + (double)s->step * p[2]};
 }
 
 static bool is_drawn(const stp_splats* s, uint32_t i, double level)
