@@ -17,7 +17,7 @@ import kit
 TESTMODELS = pathlib.Path("/usr/share/assimp/models")
 MODELS = ["PLY/Wuson.ply", "OBJ/spider.obj"]
 METHODS = {"psp": ["--by", "psp"], "psp distances": ["--by", "psp", "--metric", "distances"]} | {
-    by: ["--by", by] for by in ("octree", "octree-level", "quadric", "blue", "mesh")}
+    by: ["--by", by] for by in ("octree", "octree-level", "quadric", "blue", "mesh", "subsample")}
 
 
 def main():

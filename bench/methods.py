@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Methods against each other: likeness and time of pictures, by splat size, on the views of several scenes.
 
-usage: bench/methods.py [--sizes 1,2,4,8,16 | --counts N,N...] [--repeats N] SCENE...
+usage: bench/methods.py [--methods blue,spt] [--sizes 1,2,4,8,16 | --counts N,N...] [--repeats N] SCENE...
 
-SCENE is a .stip that holds several methods, a model, or a named scene; those are built with `--method blue,spt`. Each view of
+SCENE is a .stip that holds both methods, a model, or a named scene; those are built with both. Each view of
 a scene (iso where it has none) is drawn at each size by each method and compared with its reference. Times are the least of
 the repeats. Prints a table at sizes 2 and 8; writes methods.svg, likeness over time. With --counts, each view is drawn with so many
-splats instead (`render --splats N`; spt takes as many at most), and without triangles.
+splats instead (`render --splats N`; spt and psp take as many at most), and without triangles.
 """
 import pathlib
 import subprocess
@@ -15,15 +15,14 @@ import tempfile
 import kit
 
 PANEL_WIDTH, PANEL_HEIGHT, GAP, TOP = 250, 150, 46, 66
-METHODS = ("blue", "spt")
 
 
-def build(scene, folder):
+def build(given, scene, folder):
     if str(scene).endswith(".stip"):
         return pathlib.Path(scene)
     out = folder / (pathlib.Path(str(scene).replace(":", "-").replace(",", "-").replace("/", "-")).stem + ".stip")
     kit.say(f"{scene} ...")
-    subprocess.run([kit.STIPPLE, "build", scene, "-o", out, "--method", ",".join(METHODS), "--progress", "none"], check=True,
+    subprocess.run([kit.STIPPLE, "build", scene, "-o", out, "--method", given.methods, "--progress", "none"], check=True,
                    stdout=subprocess.DEVNULL)
     return out
 
@@ -42,19 +41,19 @@ def compare_counts(given, told, stored, view, folder):
     """Both methods at equal numbers of splats, beside the picture in `folder`."""
     results = []
     for count in map(int, given.counts.split(",")):
-        pair = [measure(given, stored, view, ("--splats", count), method, folder / "truth.png", folder / "ours.png") for method in METHODS]
+        pair = [measure(given, stored, view, ("--splats", count), method, folder / "truth.png", folder / "ours.png") for method in given.methods.split(",")]
         results.append(kit.result("methods-counts", {"scene": told, "view": view, "size": given.size, "splats": count},
                                   {key: [figures[key] for figures in pair] for key in pair[0]}))
     return results
 
 
-def plot(results, path):
+def plot(results, methods, path):
     panels = sorted({(r["params"]["scene"], r["params"]["view"]) for r in results})
     columns = 3
     rows = -(-len(panels) // columns)
     drawing = kit.Drawing(columns * (PANEL_WIDTH + GAP) + 30, TOP + rows * (PANEL_HEIGHT + 70))
     drawing.text(40, 22, "likeness (SSIM of covered pixels) over the time of a frame, by splat size", more='font-weight="bold"')
-    for i, method in enumerate(METHODS):
+    for i, method in enumerate(methods):
         drawing.line([(40 + 90 * i, 40), (60 + 90 * i, 40)], kit.COLORS[i], 2)
         drawing.text(66 + 90 * i, 44, method)
     for k, panel in enumerate(panels):
@@ -68,7 +67,7 @@ def plot(results, path):
             drawing.text(left - 6, y + 4, f"{1 - i / 2:.1f}", "end")
         drawing.text(left, top + PANEL_HEIGHT + 16, "0")
         drawing.text(left + PANEL_WIDTH, top + PANEL_HEIGHT + 16, f"{most:.0f} ms", "end")
-        for i, method in enumerate(METHODS):
+        for i, method in enumerate(methods):
             points = [(left + PANEL_WIDTH * r["figures"]["frame_ms"] / most,
                        top + PANEL_HEIGHT * (1 - max(0.0, r["figures"]["ssim_covered"]))) for r in mine if r["params"]["method"] == method]
             drawing.line(points, kit.COLORS[i], 2)
@@ -80,15 +79,18 @@ def plot(results, path):
 def main():
     parser = kit.options(__doc__, size="1280x720")
     parser.add_argument("scenes", nargs="+", metavar="SCENE")
+    parser.add_argument("--methods", default="blue,spt", help="two of them")
     parser.add_argument("--sizes", default="1,2,4,8,16")
     parser.add_argument("--counts", help="compare at equal numbers of splats instead, as 10000,100000")
     parser.add_argument("--repeats", type=int, default=5)
     given = parser.parse_args()
+    methods = given.methods.split(",")
+    first, second = methods
     results, rows, counted = [], [], []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         for scene in given.scenes:
-            stored = build(scene, folder)
+            stored = build(given, scene, folder)
             told = kit.name_of(scene).removesuffix(".stip")
             for view in kit.stipple("info", stored)["views"] or ["iso"]:
                 truth = folder / "truth.png"
@@ -98,8 +100,8 @@ def main():
                     counted += compare_counts(given, told, stored, view, folder)
                     continue
                 for size in given.sizes.split(","):
-                    pair = [measure(given, stored, view, ("--splat-size", size), method, truth, folder / "ours.png") for method in METHODS]
-                    for method, figures in zip(METHODS, pair):
+                    pair = [measure(given, stored, view, ("--splat-size", size), method, truth, folder / "ours.png") for method in methods]
+                    for method, figures in zip(methods, pair):
                         results.append(kit.result("methods", {"scene": told, "view": view, "size": given.size, "splat_size": float(size),
                                                               "method": method}, figures))
                     if float(size) in (2, 8):
@@ -107,15 +109,14 @@ def main():
                                      *(f"{f['splats']:,}" for f in pair), *(f"{f['triangles']:,}" for f in pair)])
                 kit.say(f"{told} {view}")
     if given.counts:
-        kit.table(["scene", "view", "splats", "SSIM blue", "SSIM spt", "ms blue", "ms spt", "splats of spt"],
+        kit.table(["scene", "view", "splats", f"SSIM {first}", f"SSIM {second}", f"ms {first}", f"ms {second}", f"splats of {second}"],
                   [[r["params"]["scene"], r["params"]["view"], f"{r['params']['splats']:,}", *(f"{x:.3f}" for x in r["figures"]["ssim_covered"]),
                     *(f"{x:.1f}" for x in r["figures"]["frame_ms"]), f"{r['figures']['splats'][1]:,}"] for r in counted])
-        kit.keep("methods-counts", counted, given.out)
+        kit.keep("methods-counts" if methods == ["blue", "spt"] else f"methods-counts-{second}", counted, given.out)
         return
-    kit.table(["scene", "view", "px", "SSIM blue", "SSIM spt", "ms blue", "ms spt", "splats blue", "splats spt", "triangles blue",
-               "triangles spt"], rows)
-    kit.keep("methods", results, given.out)
-    plot(results, given.images / "methods.svg")
+    kit.table(["scene", "view", "px", *(f"{what} {method}" for what in ("SSIM", "ms", "splats", "triangles") for method in methods)], rows)
+    kit.keep("methods" if methods == ["blue", "spt"] else f"methods-{second}", results, given.out)
+    plot(results, methods, given.images / ("methods.svg" if methods == ["blue", "spt"] else f"methods-{second}.svg"))
 
 
 if __name__ == "__main__":
