@@ -26,7 +26,8 @@ static inline stp_vec3 sample_normal(uint32_t i, uint32_t count)
     return (stp_vec3){(float)(across * cos(around)), (float)y, (float)(across * sin(around))};
 }
 
-/// Samples on a sphere of about 0.92 around the origin that cover to `reach`. Materials, colours and coverages are zero.
+/// Samples on a sphere of about 0.92 around the origin that cover to `reach`. Materials, colours
+/// and coverages are zero.
 static inline void make_sphere_samples(samples* s, uint32_t count, float reach)
 {
     *s = (samples){.set = {.count = count,
