@@ -13,11 +13,8 @@
 #include "base/file.h"
 #include "lod/method.h"
 
-#include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static struct {
     uint64_t splats, samples, threads;
@@ -82,9 +79,9 @@ typedef struct comparison {
 
 static input_kind find_kind(const char* path)
 {
-    unsigned char magic[4] = {0};
-    bool store = stp_file_peek(path, magic, 4) == 4 && memcmp(magic, "\x89STP", 4) == 0;
-    return store ? INPUT_STORE : tool_is_splat_file(path) ? INPUT_SPLATS : INPUT_MODEL;
+    return tool_is_store_file(path)   ? INPUT_STORE
+           : tool_is_splat_file(path) ? INPUT_SPLATS
+                                      : INPUT_MODEL;
 }
 
 static void set_origin(comparison* c, stp_boxd bounds)
@@ -194,37 +191,22 @@ static stp_result measure(comparison* c)
     return result;
 }
 
-/// Splats of a PLY as a scene, in a file that has no name any more.
+/// Splats of a PLY as a scene.
 static stp_result open_splats(comparison* c, stp_store** store)
 {
-    char path[PATH_MAX];
-    const char* folder = getenv("TMPDIR");
-    snprintf(path, sizeof(path), "%s/stipple-splats-XXXXXX",
-             folder != NULL && folder[0] != '\0' ? folder : "/tmp");
-    int descriptor = mkstemp(path);
     uint32_t* indices = STP_NEW_ARRAY(c->context, uint32_t, c->splats.count);
-    stp_result result = STP_OK;
-    if (descriptor < 0) {
-        result = stp_fail(c->context, STP_ERROR_IO, "%s: cannot be made", path);
-    } else if (indices == NULL) {
-        result = stp_fail_memory(c->context);
+    if (indices == NULL) {
+        return stp_fail_memory(c->context);
     }
-    if (result == STP_OK) {
-        for (uint32_t i = 0; i < c->splats.count; ++i) {
-            indices[i] = i;
-        }
-        tool_splats splats = {.ellipses = c->splats.ellipses,
-                              .colors = c->splats.colors,
-                              .indices = indices,
-                              .count = c->splats.count};
-        memcpy(splats.origin, c->splats.origin, sizeof(splats.origin));
-        result = tool_write_splat_store(c->context, path, &splats, c->up);
-        result = result == STP_OK ? stp_store_open(c->context, path, store) : result;
+    for (uint32_t i = 0; i < c->splats.count; ++i) {
+        indices[i] = i;
     }
-    if (descriptor >= 0) {
-        (void)unlink(path);
-        (void)close(descriptor);
-    }
+    tool_splats splats = {.ellipses = c->splats.ellipses,
+                          .colors = c->splats.colors,
+                          .indices = indices,
+                          .count = c->splats.count};
+    memcpy(splats.origin, c->splats.origin, sizeof(splats.origin));
+    stp_result result = tool_open_splat_store(c->context, &splats, c->up, store);
     stp_free(c->context, indices);
     return result;
 }

@@ -40,12 +40,12 @@ typedef struct wish {
     bool drafted;                 ///< one was written
 } wish;
 
-/// What ends within its first bytes is one by its name.
-static bool is_stip(const char* path, const stp_mapped_file* file)
+bool tool_is_store_file(const char* path)
 {
+    unsigned char magic[4];
     size_t length = strlen(path);
     bool named = length > 5 && strcmp(path + length - 5, ".stip") == 0;
-    return file->size >= 4 ? memcmp(file->bytes, "\x89STP", 4) == 0 : named;
+    return stp_file_peek(path, magic, 4) == 4 ? memcmp(magic, "\x89STP", 4) == 0 : named;
 }
 
 /// Makes a folder and those above it.
@@ -259,7 +259,7 @@ static stp_result locate(stp_context* context, const char* path, wish* w, char* 
         if (mapped != STP_OK) {
             return mapped;
         }
-        built = is_stip(path, &file);
+        built = tool_is_store_file(path);
         known = built || cache_paths(context, path, &file, cached);
         stp_file_unmap(&file);
     }

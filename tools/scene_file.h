@@ -10,6 +10,9 @@
 
 #include <stipple/view.h>
 
+/// Whether a file is a .stip, by its first bytes; what ends within these, by its name.
+bool tool_is_store_file(const char* path);
+
 /// Opens `path`. A model (anything that is not a .stip) is built first, unless the cache already holds what the
 /// same bytes gave: $XDG_CACHE_HOME/stipple, or ~/.cache/stipple. Failures are logged by the context.
 STP_MUST_USE stp_result tool_open_scene(stp_context* context, const char* path, stp_store** store);

@@ -6,6 +6,8 @@
 
 #include "lod/psp/ellipse.h"
 
+#include <stipple/surfels.h>
+
 /// Splats with colours, of which those that are listed are written.
 typedef struct tool_splats {
     const stp_ellipse* ellipses;
@@ -13,6 +15,11 @@ typedef struct tool_splats {
     const uint32_t* indices; ///< of those that are written
     uint32_t count;          ///< of indices
     double origin[3];        ///< to be added to centres
+    // for a .stip only; by splat, as ellipses are
+    const uint8_t* coverages;    ///< codes (base/coverage.h); NULL: all are whole
+    const uint8_t* materials;    ///< indices of shadings; NULL: the first of all
+    const stp_shading* shadings; ///< NULL: one, rough and not metallic
+    uint32_t shading_count;
 } tool_splats;
 
 /// Writes a binary PLY: centre, normal, the major axis with its length (axis_x, axis_y, axis_z), the length of the minor axis

@@ -9,7 +9,11 @@
 #include "lod/surfels.h"
 #include "store/writer.h"
 
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { GRID_STEPS = 65535 };
 
@@ -84,9 +88,10 @@ static void fill_splats(size_t begin, size_t end, uint32_t worker, void* user)
                                  (float)(sqrt(stp_dotd(e.smaller, e.smaller)) / step),
                                  stp_to_float(e.larger), set->normals + 2 * i);
         set->ranges[i] = (uint32_t)STP_RANGE_ANY;
-        set->materials[i] = 0;
-        set->coverages[i] = STP_COVERAGE_WHOLE;
         size_t splat = m->splats->indices[i];
+        set->materials[i] = m->splats->materials != NULL ? m->splats->materials[splat] : 0;
+        set->coverages[i] =
+            m->splats->coverages != NULL ? m->splats->coverages[splat] : STP_COVERAGE_WHOLE;
         static const uint8_t white[3] = {255, 255, 255};
         memcpy(set->colors + 3 * i,
                m->splats->colors != NULL ? m->splats->colors + 3 * splat : white, 3);
@@ -115,7 +120,8 @@ static stp_result make_set(store_maker* m)
 
 static stp_result write_set(const store_maker* m, const char* path)
 {
-    static const stp_shading shading = {.roughness = 1.0f, .flags = STP_SHADING_DOUBLE_SIDED};
+    static const stp_shading plain = {.roughness = 1.0f, .flags = STP_SHADING_DOUBLE_SIDED};
+    const stp_shading* shadings = m->splats->shadings;
     stp_affine placed = stp_affine_identity();
     placed.m[0][3] = m->origin.x;
     placed.m[1][3] = m->origin.y;
@@ -129,21 +135,22 @@ static stp_result write_set(const store_maker* m, const char* path)
         .name = "splats", .parent = STP_STORE_NONE, .node = 1, .transform = stp_affine_identity()};
     const stp_store_method method = {
         .name = "psp", .id = STP_METHOD_PSP, .columns = m->set.columns, .set_count = 1};
-    const stp_store_content content = {.directory = {.node_count = 2,
-                                                     .edge_count = 1,
-                                                     .object_count = 1,
-                                                     .shading_count = 1,
-                                                     .surfels_count = 1,
-                                                     .method_count = 1,
-                                                     .nodes = nodes,
-                                                     .edges = &edge,
-                                                     .objects = &object,
-                                                     .shadings = &shading,
-                                                     .methods = &method,
-                                                     .root = 1,
-                                                     .up = m->up,
-                                                     .build_json = "{\"method\":\"psp\"}"},
-                                       .surfels = &m->set};
+    const stp_store_content content = {
+        .directory = {.node_count = 2,
+                      .edge_count = 1,
+                      .object_count = 1,
+                      .shading_count = shadings != NULL ? m->splats->shading_count : 1,
+                      .surfels_count = 1,
+                      .method_count = 1,
+                      .nodes = nodes,
+                      .edges = &edge,
+                      .objects = &object,
+                      .shadings = shadings != NULL ? shadings : &plain,
+                      .methods = &method,
+                      .root = 1,
+                      .up = m->up,
+                      .build_json = "{\"method\":\"psp\"}"},
+        .surfels = &m->set};
     return stp_store_write(m->context, &content, path);
 }
 
@@ -170,4 +177,22 @@ stp_result tool_write_any_splats(stp_context* context, const char* path, const t
     bool store = length > 5 && strcmp(path + length - 5, ".stip") == 0;
     return store ? tool_write_splat_store(context, path, splats, up)
                  : tool_write_splats(context, path, splats);
+}
+
+stp_result tool_open_splat_store(stp_context* context, const tool_splats* splats, char up,
+                                 stp_store** store)
+{
+    char path[PATH_MAX];
+    const char* folder = getenv("TMPDIR");
+    snprintf(path, sizeof(path), "%s/stipple-splats-XXXXXX",
+             folder != NULL && folder[0] != '\0' ? folder : "/tmp");
+    int descriptor = mkstemp(path);
+    if (descriptor < 0) {
+        return stp_fail(context, STP_ERROR_IO, "%s: cannot be made", path);
+    }
+    stp_result result = tool_write_splat_store(context, path, splats, up);
+    result = result == STP_OK ? stp_store_open(context, path, store) : result;
+    (void)unlink(path);
+    (void)close(descriptor);
+    return result;
 }

@@ -4,6 +4,8 @@
 
 #include "splat_file.h"
 
+#include "store/store.h"
+
 /// Writes a .stip whose only node has these splats as its set, in their order, of method `psp`: all
 /// of them are drawn from any distance, or the first N with --splats N. The file's own precision
 /// holds: 16 bits a coordinate, 8 bits for each number of a normal and for the direction of the
@@ -16,3 +18,8 @@ STP_MUST_USE stp_result tool_write_splat_store(stp_context* context, const char*
 /// Writes splats to a .stip where the name ends so, else as tool_write_splats.
 STP_MUST_USE stp_result tool_write_any_splats(stp_context* context, const char* path,
                                               const tool_splats* splats, char up);
+
+/// Opens splats as a scene: of tool_write_splat_store, in a file of $TMPDIR that has no name any more.
+/// @return as that and stp_store_open; logged
+STP_MUST_USE stp_result tool_open_splat_store(stp_context* context, const tool_splats* splats,
+                                              char up, stp_store** store);

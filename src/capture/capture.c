@@ -5,6 +5,8 @@
 #include "capture/capture_internal.h"
 #include "capture/fill.h"
 
+#include <string.h>
+
 #define DEFAULT_CANDIDATES UINT64_C(1750000)
 #define HALF_DIAGONAL 0.70710678118654752
 
@@ -180,7 +182,11 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
         stp_free(context, directions);
         return stp_fail_memory(context);
     }
-    stp_capture_directions(count, directions);
+    if (desc->directions != NULL && desc->direction_count != 0) {
+        memcpy(directions, desc->directions, count * sizeof(directions[0]));
+    } else {
+        stp_capture_directions(count, directions);
+    }
     double area, widest = stp_capture_widest(job, directions, count, &area), resolution = 1.0;
     stp_result result = STP_OK;
     if (!(widest > 0.0)) { // everything in one point
@@ -228,8 +234,8 @@ static stp_result make_candidates(stp_capture_job* job, const stp_capture_desc* 
     if (first == 0 && job->set_count == 0) {
         return STP_OK;
     }
-    bool fill = !desc->no_fill && candidates->direction_count < STP_CAPTURE_FILL_DIRECTIONS &&
-                !is_point(job);
+    bool fill = !desc->no_fill && desc->directions == NULL &&
+                candidates->direction_count < STP_CAPTURE_FILL_DIRECTIONS && !is_point(job);
     stp_fill_map map = {0};
     stp_result result = find_view_starts(job, candidates);
     if (result == STP_OK && fill) {

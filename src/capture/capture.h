@@ -25,6 +25,9 @@ typedef struct stp_capture_textures stp_capture_textures;
 typedef struct stp_capture_desc {
     uint32_t direction_count; ///< default 8: a cube's corners. 14: and its faces. 26: and its
                               ///< edges' middles. Any other: well spread over the sphere.
+    /// Unit vectors towards the viewer, `direction_count` of them, instead of those; what they miss
+    /// is not filled in. NULL: none were chosen.
+    const stp_vec3d* directions;
     uint32_t resolution; ///< pixels along the longer side of the widest picture; one scale for all
         ///< directions. Default: chosen so that about `wanted_candidates` come out.
     double pixel_size;          ///< side of a pixel in scene units; 0: from `resolution`

@@ -112,7 +112,10 @@ static stp_result list_splats(const stp_psp_rounds* r, stp_psp_splats* splats)
     const stp_psp_splat** all = STP_NEW_ARRAY(context, const stp_psp_splat*, count + 1);
     splats->ellipses = STP_NEW_ARRAY(context, stp_ellipse, count + 1);
     splats->colors = STP_NEW_ARRAY(context, uint8_t, 3 * count + 1);
-    bool made = items != NULL && all != NULL && splats->ellipses != NULL && splats->colors != NULL;
+    splats->areas = STP_NEW_ARRAY(context, float, count + 1);
+    splats->firsts = STP_NEW_ARRAY(context, uint32_t, count + 1);
+    bool made = items != NULL && all != NULL && splats->ellipses != NULL &&
+                splats->colors != NULL && splats->areas != NULL && splats->firsts != NULL;
     for (uint32_t b = 0; made && b < r->block_count; ++b) {
         for (uint32_t i = 0; i < r->blocks[b].count; ++i, ++numbered) {
             all[numbered] = &r->blocks[b].splats[i];
@@ -124,6 +127,8 @@ static stp_result list_splats(const stp_psp_rounds* r, stp_psp_splats* splats)
         for (size_t i = 0; i < count; ++i) {
             const stp_psp_splat* s = all[(uint32_t)sorted[i]];
             splats->ellipses[i] = stp_psp_scale_ellipse(&s->ellipse, r->shared.scale);
+            splats->areas[i] = s->area / r->shared.scale / r->shared.scale;
+            splats->firsts[i] = s->key;
             for (size_t k = 0; k < 3; ++k) {
                 splats->colors[3 * i + k] = stp_linear_to_srgb8(s->color[k]);
             }
@@ -153,5 +158,7 @@ void stp_psp_splats_destroy(stp_context* context, stp_psp_splats* splats)
 {
     stp_free(context, splats->ellipses);
     stp_free(context, splats->colors);
+    stp_free(context, splats->areas);
+    stp_free(context, splats->firsts);
     *splats = (stp_psp_splats){0};
 }

@@ -79,7 +79,9 @@ uint32_t stp_psp_forest_cut(const stp_psp_forest* forest, uint32_t count, uint32
 typedef struct stp_psp_splats {
     uint32_t count;
     stp_ellipse* ellipses;
-    uint8_t* colors; ///< 3 a splat, sRGB
+    uint8_t* colors;  ///< 3 a splat, sRGB
+    float* areas;     ///< by STP_PSP_REGIONS of the surface that it stands for, else of the ellipse
+    uint32_t* firsts; ///< the least index of the points that it stands for
 } stp_psp_splats;
 
 /// Merges as stp_psp_forest_make does, and keeps only what is left: the same splats as those of stp_psp_forest_cut at the
