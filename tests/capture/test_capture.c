@@ -537,6 +537,30 @@ void test_capture_hidden_parts_change_nothing(test_state* test)
     stp_context_destroy(context);
 }
 
+// A view of the caller's own: nothing of the far side, also not to fill in.
+void test_capture_looks_where_it_is_told(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    test_scene t = scene_over(context);
+    uint32_t ball;
+    CHECK(add_sphere(&t, 16, false, 0, &ball));
+    place(&t, STP_PART_MESH, ball, scaled_and_moved(1.0, 1.0, 1.0, 3.0, 0.0, 0.0));
+    const stp_vec3d toward = stp_normalized((stp_vec3d){1.0, 0.8, 1.2});
+    stp_capture_desc desc = {.directions = &toward, .direction_count = 1, .pixel_size = 0.02};
+    stp_candidates seen;
+    CHECK_EQUAL(STP_OK, stp_capture_parts(t.scene, t.parts, t.part_count, &desc, &seen));
+    CHECK_EQUAL(1, seen.direction_count);
+    CHECK_EQUAL(0, seen.filled);
+    CHECK(seen.count > 7500 && seen.count < 8000); // a disk of radius 50 pixels
+    for (uint32_t i = 0; i < seen.count; ++i) {
+        CHECK(stp_dotd(stp_to_double(candidate_position(&seen, i)), toward) > -0.1);
+        CHECK(stp_dotd(stp_to_double(candidate_normal(&seen, i)), toward) > -0.1);
+    }
+    stp_candidates_destroy(context, &seen);
+    stp_scene_destroy(t.scene);
+    stp_context_destroy(context);
+}
+
 static int stop(const stp_progress_report* report, void* user)
 {
     return report->fraction >= *(const double*)user;

@@ -264,6 +264,39 @@ void test_psp_pieces_do_not_depend_on_threads(test_state* test)
     }
 }
 
+// The surface that splats stand for is that of the points, and each point is of one splat.
+void test_psp_splats_keep_the_area_of_their_points(test_state* test)
+{
+    enum { COUNT = 900, TARGET = 40 };
+    float places[3 * COUNT], areas[COUNT];
+    double sum = 0.0, left_sum = 0.0;
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        places[3 * i] = (float)(i % 30);
+        places[3 * i + 1] = 0.01f * (float)(stp_rng_hash(3, i) % 100);
+        places[3 * i + 2] = (float)(i / 30);
+        areas[i] = 0.5f + 0.25f * (float)(i % 5);
+        sum += (double)areas[i];
+    }
+    const stp_psp_points points = {.count = COUNT, .positions = places, .areas = areas};
+    stp_psp_desc desc = stp_psp_desc_default();
+    desc.metric = STP_PSP_REGIONS;
+    desc.piece_size = 64;
+    desc.connect_components = true;
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_psp_splats left;
+    CHECK_EQUAL(STP_OK, stp_psp_decimate(context, &points, &desc, TARGET, &left));
+    CHECK_EQUAL(TARGET, left.count);
+    CHECK_EQUAL(0, left.firsts[0]);
+    for (uint32_t i = 0; i < TARGET; ++i) {
+        left_sum += (double)left.areas[i];
+        CHECK(left.areas[i] > 0.0f && left.firsts[i] < COUNT);
+        CHECK(i == 0 || left.firsts[i] > left.firsts[i - 1]);
+    }
+    CHECK(fabs(left_sum - sum) < 1e-4 * sum);
+    stp_psp_splats_destroy(context, &left);
+    stp_context_destroy(context);
+}
+
 // The mean distance of points from the splats that stand for them.
 static double mean_distance(const stp_psp_forest* f, uint32_t count)
 {
