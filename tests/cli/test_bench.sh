@@ -97,4 +97,15 @@ refused 2 "--memory" bench frame --memory much
 "$stipple" bench frame --model nothing.stip --quick > out 2> err
 [ $? -eq 1 ] || fail "a model that is not there is not refused"
 grep -q "nothing.stip" err || fail "a model that is not there is not named: $(cat err)"
+bench psp psp --quick --threads 2
+python3 - << 'END' || fail "figures of psp"
+import json
+results = json.load(open("psp.json"))["results"]
+assert [(r["name"], r["params"]) for r in results] == [
+    ("psp", {"points": 100000, "metric": metric, "threads": 2}) for metric in ("normals", "regions")], results
+for f in (r["figures"] for r in results):
+    assert set(f) == {"input_points", "splats", "seconds", "points_per_second", "bytes_per_operator"}, f
+    assert f["input_points"] == 100000 and f["splats"] == 1000 and f["seconds"] > 0, f
+    assert abs(f["points_per_second"] * f["seconds"] / 100000 - 1) < 1e-6 and 3 < f["bytes_per_operator"] < 40, f
+END
 exit $((failures > 0))

@@ -27,6 +27,7 @@ enum { GRAIN = 1024 }; ///< splats
 typedef struct psp_maker {
     stp_context* context;
     const stp_splats* samples;
+    stp_psp_metric metric;
     stp_splats* splats;
     stp_method_samples points;
     float* areas; ///< of splats of the forest: the surface that they stand for
@@ -59,7 +60,7 @@ static stp_result make_forest(psp_maker* m)
                                  .colors = p->colors,
                                  .areas = m->areas};
     stp_psp_desc desc = stp_psp_desc_default();
-    desc.metric = STP_PSP_REGIONS;
+    desc.metric = m->metric;
     desc.connect_components = true;
     return stp_psp_forest_make(m->context, &from, &desc, 1, &m->forest);
 }
@@ -165,7 +166,13 @@ static stp_result make(psp_maker* m)
 
 stp_result stp_psp_make(stp_context* context, const stp_splats* samples, stp_splats* splats)
 {
-    psp_maker m = {.context = context, .samples = samples, .splats = splats};
+    return stp_psp_make_by(context, samples, STP_PSP_REGIONS, splats);
+}
+
+stp_result stp_psp_make_by(stp_context* context, const stp_splats* samples, stp_psp_metric metric,
+                           stp_splats* splats)
+{
+    psp_maker m = {.context = context, .samples = samples, .metric = metric, .splats = splats};
     *splats = (stp_splats){.columns = STP_PSP_COLUMNS};
     if (samples->count == 0) {
         return STP_OK;

@@ -8,7 +8,7 @@
 // with any smaller count, and nothing but ranges is stored.
 #pragma once
 
-#include "base/context.h"
+#include "lod/psp/forest.h"
 
 #include <stipple/surfels.h>
 
@@ -20,3 +20,7 @@ enum { STP_PSP_COLUMNS = STP_SPLATS_SHAPES | STP_SPLATS_RANGES | STP_SPLATS_FLAT
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_psp_make(stp_context* context, const stp_splats* samples,
                                      stp_splats* splats);
+
+/// The same by a metric; sets of the method are made by STP_PSP_REGIONS.
+STP_MUST_USE stp_result stp_psp_make_by(stp_context* context, const stp_splats* samples,
+                                        stp_psp_metric metric, stp_splats* splats);
