@@ -8,6 +8,8 @@
 #include "base/octahedral.h"
 #include "draw/draw.h"
 #include "draw/support_store.h"
+#include "lod/psp/splats.h"
+#include "lod/surfels.h"
 #include "present/camera.h"
 #include "present/png.h"
 #include "select/sections.h"
@@ -136,8 +138,8 @@ static bool make_ball_surfels(stp_context* context, ball* b, stp_splats* s)
     return true;
 }
 
-// Two balls side by side: triangles on the left, surfels on the right.
-static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alpha)
+// Two balls side by side: triangles on the left, surfels on the right, or those merged by a method.
+static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alpha, uint32_t method)
 {
     static made_scene s;
     s = (made_scene){.material_count = 1,
@@ -151,6 +153,15 @@ static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alph
     make_ball_mesh(b);
     if (!make_ball_surfels(context, b, &s.surfels[0])) {
         return NULL;
+    }
+    stp_splats merged = {0};
+    if (method == STP_METHOD_PSP) {
+        if (stp_psp_make(context, &s.surfels[0], &merged) != STP_OK) {
+            return NULL;
+        }
+        s.surfels[0] = merged;
+        s.method =
+            (stp_store_method){.name = "psp", .id = STP_METHOD_PSP, .columns = STP_PSP_COLUMNS};
     }
     s.materials[0] = made_material();
     s.materials[0].roughness = 0.4f;
@@ -184,7 +195,9 @@ static stp_store* open_balls(stp_context* context, ball* b, stp_store_alpha alph
                                   .surfels = STP_STORE_NONE,
                                   .triangle_count = 2 * BALL_TRIANGLES,
                                   .bounds = {{-2.1, -1, -1}, {2.1, 1, 1}}};
-    return made_open(context, &s);
+    stp_store* store = made_open(context, &s);
+    stp_splats_destroy(context, &merged);
+    return store;
 }
 
 // Pixels that differ by more than is tolerated.
@@ -268,11 +281,12 @@ typedef struct golden {
     stp_draw_style style;
 } golden;
 
-static const char* draw_all(const golden* cases, size_t count, stp_store_alpha alpha)
+static const char* draw_all(const golden* cases, size_t count, stp_store_alpha alpha,
+                            uint32_t method)
 {
     static ball b;
     stp_context* context = test_context(NULL, 2, NULL);
-    stp_store* store = context != NULL ? open_balls(context, &b, alpha) : NULL;
+    stp_store* store = context != NULL ? open_balls(context, &b, alpha, method) : NULL;
     const char* wrong = store != NULL ? NULL : "cannot be opened";
     for (size_t i = 0; i < count && wrong == NULL; ++i) {
         wrong = draw_and_compare(context, store, cases[i].name, cases[i].view, cases[i].quality,
@@ -310,7 +324,7 @@ void test_pictures_look_as_they_did(test_state* test)
          {.supersample = 3, .background = true, .background_color = {40, 60, 90}}},
         {"balls_far", far, {.reference = true}, {.background = true}},
     };
-    CHECK(draw_all(cases, sizeof(cases) / sizeof(cases[0]), STP_STORE_MASK) == NULL);
+    CHECK(draw_all(cases, sizeof(cases) / sizeof(cases[0]), STP_STORE_MASK, 0) == NULL);
 }
 
 void test_pictures_of_glass_and_caps_look_as_they_did(test_state* test)
@@ -327,9 +341,20 @@ void test_pictures_of_glass_and_caps_look_as_they_did(test_state* test)
     const golden solid[] = {{"balls_open", cut, {.reference = true}, plain},
                             {"balls_capped", cut, {.reference = true}, caps},
                             {"balls_capped_splats", cut, {.splat_size = 8}, caps}};
-    CHECK(draw_all(solid, 3, STP_STORE_OPAQUE) == NULL);
+    CHECK(draw_all(solid, 3, STP_STORE_OPAQUE, 0) == NULL);
     const golden glass[] = {{"balls_glass", view, {.reference = true}, plain},
                             {"balls_glass_pattern", view, {.reference = true}, pattern},
                             {"balls_glass_cut", cut, {.reference = true}, caps}};
-    CHECK(draw_all(glass, 3, STP_STORE_BLEND) == NULL);
+    CHECK(draw_all(glass, 3, STP_STORE_BLEND, 0) == NULL);
+}
+
+void test_pictures_of_merged_splats_look_as_they_did(test_state* test)
+{
+    stp_view view = {.width = SIDE, .height = SIDE, .fov_degrees = 40};
+    CHECK(stp_camera_frame("iso", &balls_box, &view));
+    const golden cases[] = {
+        {"balls_merged", view, {.splat_size = 8}, {.splat_scale = 1}},
+        {"balls_merged_few", view, {.splat_size = 1, .splat_count = 150}, {.supersample = 2}},
+    };
+    CHECK(draw_all(cases, 2, STP_STORE_OPAQUE, STP_METHOD_PSP) == NULL);
 }

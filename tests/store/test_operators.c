@@ -361,6 +361,40 @@ void test_store_writes_operators_for_another_reader(test_state* test)
     file_tear_down(&f);
 }
 
+// A file of version 1.2 with operators opens for ever. STP_WRITE_GOLDEN writes it, and what is in it.
+void test_operators_of_version_1_2_open_for_ever(test_state* test)
+{
+    static const char golden[] = STP_TEST_SOURCE_DIR "/tests/golden/store/v1/operators-1.2";
+    stp_context* context = test_context(NULL, 1, NULL);
+    file_fixture f;
+    stp_store* store = NULL;
+    char path[512];
+    CHECK(context != NULL && make_content(&f, context, true));
+    snprintf(path, sizeof(path), "%s.stip", golden);
+    if (getenv("STP_WRITE_GOLDEN") != NULL) {
+        CHECK_EQUAL(STP_OK, stp_store_write(context, &f.content, path));
+    }
+    CHECK_EQUAL(STP_OK, stp_store_open(context, path, &store));
+    CHECK_EQUAL(2, stp_store_format_minor(store));
+    for (uint32_t i = 0; i < SETS; ++i) {
+        stp_splats got;
+        CHECK_EQUAL(STP_OK, stp_store_get_surfels(store, i, &got));
+        CHECK_EQUAL(f.sets[i].count, got.count);
+        CHECK(progressive_sample_is_same(&f.sets[i], &got, got.count));
+        CHECK_EQUAL(STP_STORE_ENCODING_OPERATORS, stp_store_octave_block(store, i, 0)->encoding);
+    }
+    if (getenv("STP_WRITE_GOLDEN") != NULL) {
+        json_t* expected = sample_expected_json(&f.content, stp_store_get_summary(store));
+        snprintf(path, sizeof(path), "%s.json", golden);
+        CHECK(expected != NULL);
+        CHECK_EQUAL(0, json_dump_file(expected, path, JSON_INDENT(1) | JSON_REAL_PRECISION(17)));
+        json_decref(expected);
+    }
+    stp_store_close(store);
+    f.bytes = NULL;
+    file_tear_down(&f);
+}
+
 // A file that ends early has the first octaves of each set.
 void test_operators_of_short_files_are_prefixes(test_state* test)
 {
