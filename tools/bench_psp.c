@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Progressive Splatting (Wu, Zhang, Kobbelt 2005): how fast points of a ball with bumps are merged to a hundredth of
-// them, by the paper's metric of normals ("L2,1") and by that of the method's sets, and how many bytes a file takes for each
-// operator that splits a splat again.
+// Progressive Splatting (Wu, Zhang, Kobbelt 2005): how fast points of a ball with bumps are merged
+// to a hundredth of them, by the paper's metric of normals ("L2,1") and by that of the method's
+// sets, and how many bytes a file takes for each operator that splits a splat again.
 #include "bench.h"
 
 #include "base/clock.h"
@@ -36,7 +36,7 @@ static stp_vec3d ball_point(uint32_t i, uint32_t count)
     return (stp_vec3d){away * x, away * y, away * z};
 }
 
-/// Normals and colours are those of a sphere; that bumps tilt the surface is what the positions tell.
+/// Normals and colours are those of a sphere; positions have the bumps.
 static void fill_points(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;

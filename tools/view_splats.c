@@ -152,8 +152,8 @@ static float measure_cloud(const splat_maker* m)
     return median;
 }
 
-/// Turns a normal to the viewer's side, and away from the rim: a smooth normal may lie far from that
-/// of the surface there, and its disk would cover nothing. @return the cosine with the view
+/// Turns a normal to the viewer's side, and away from the rim: a smooth normal may lie far from
+/// that of the surface there, and its disk would cover nothing. @return the cosine with the view
 static double face_viewer(const splat_maker* m, size_t i)
 {
     float* n = m->candidates.normals + 3 * i;
@@ -178,8 +178,8 @@ static double face_viewer(const splat_maker* m, size_t i)
     return cosine;
 }
 
-/// What each candidate stands for: of a mesh the surface behind its pixel, of a cloud that around its
-/// point.
+/// What each candidate stands for: of a mesh the surface behind its pixel, of a cloud that around
+/// its point.
 static stp_result measure_candidates(splat_maker* m)
 {
     const stp_candidates* c = &m->candidates;

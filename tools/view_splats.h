@@ -23,7 +23,8 @@ typedef struct view_splats {
 
 /// Captures what a parallel view sees, in two by two pixels for each of the picture at its usual
 /// size, and merges every second one (STP_PSP_REGIONS) until `count` splats are left. Pixels are at
-/// most 128 a splat, or 2^18 where that is more. The result does not depend on the number of threads.
+/// most 128 a splat, or 2^18 where that is more. The result does not depend on the number of
+/// threads.
 /// @param view a parallel one that shows all of the scene; its sections are not looked at
 /// @return STP_OK, STP_ERROR_LIMIT (more than 2^22 uses of parts), or another failure; logged. The
 ///         caller destroys what was made
@@ -31,8 +32,8 @@ STP_MUST_USE stp_result view_splats_make(const stp_scene* scene, const stp_view*
                                          uint32_t count, view_splats* made);
 void view_splats_destroy(stp_context* context, view_splats* made);
 
-/// Gives a picture of the view the outline of what was captured: splats at the border of a face stand
-/// over, and leave pixels between them where they are few. These get the colours beside them.
+/// Gives a picture of the view the outline of what was captured: splats at the border of a face
+/// stand over, and leave pixels between them where they are few. These get the colours beside them.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result view_splats_trim(stp_context* context, const view_splats* made,
                                          const stp_view* view, stp_image* image);
