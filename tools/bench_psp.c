@@ -181,7 +181,8 @@ static int run_psp(const bench_options* options, json_t* results)
          count *= POINTS / QUICK_POINTS) {
         result = make_ball(&b, count);
         for (int i = 0; i < 2 && result == STP_OK; ++i) {
-            result = measure(&b, metrics[i], options->quick ? 1 : REPEATS, results);
+            result =
+                measure(&b, metrics[i], options->quick || count == POINTS ? 1 : REPEATS, results);
         }
         destroy_ball(&b);
     }
