@@ -71,12 +71,12 @@ xdotool key shift+Next
 drawn 1231
 # no budget changes the number while the camera moves
 keep
-xdotool keydown d
+xdotool keydown s # away: all stays in the picture, however long that is
 for more in 2 5 9; do
     wait_until "picture['frames'] >= k['picture']['frames'] + $more"
     check "a camera that moves" 'picture["splats"] == 1231 and r["splats"]["count"] == 1231'
 done
-xdotool keyup d
+xdotool keyup s
 drawn 1231
 # by size, and back to as many as that gave, but no more than there are
 xdotool key Home
