@@ -66,3 +66,14 @@ search_for "coal mill"
 xdotool mousemove 1200 690
 picture viewer-measure
 close_viewer
+
+# a number of splats
+open_viewer $scene --backend cpu --method psp --splats 2000
+wait_until 'r["loading"] == "done" and r["rests"] and picture["complete"]'
+xdotool key F2
+wait_until 'r["page"] == "quality" and "slider" in r["splats"]["places"]'
+xdotool mousemove 620 400 click 4 click 4
+wait_until 'r["rests"] and picture["complete"]'
+xdotool mousemove 1200 690
+picture viewer-splats
+close_viewer

@@ -12,8 +12,8 @@ static struct {
     uint32_t size[2];
     int backend, gl_splats, method;
     double budget_ms, scale;
-    bool software, has_method;
-    uint64_t threads, memory;
+    bool software, has_method, has_splats;
+    uint64_t splats, threads, memory;
 } args;
 
 static const option* options(void)
@@ -45,6 +45,13 @@ static const option* options(void)
          .words = "4..500",
          .help = "what a frame may take while the camera moves; default what it was last time",
          .value = &args.budget_ms},
+        {.name = "splats",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "2..4294967294",
+         .help = "draw N splats, or all where there are fewer; default what it was last time",
+         .value = &args.splats,
+         .given = &args.has_splats},
         {.name = "method",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -79,6 +86,9 @@ static int run(int argc, char** argv)
     if (argc > 1) {
         return tool_usage_error("view shows one file, and got %d", argc);
     }
+    if (args.has_splats && args.budget_ms > 0.0) {
+        return tool_usage_error("--budget-ms and --splats exclude each other");
+    }
     viewer_options o = {.file = argc == 1 ? argv[0] : NULL,
                         .view = args.view,
                         .width = args.size[0] != 0 ? args.size[0] : 1280,
@@ -89,6 +99,7 @@ static int run(int argc, char** argv)
                         .gl_splats = args.gl_splats,
                         .budget_ms = (float)args.budget_ms,
                         .method = args.has_method ? stp_methods[args.method].id : 0,
+                        .splat_count = (uint32_t)args.splats,
                         .thread_count = (uint32_t)args.threads,
                         .memory_limit = args.memory,
                         .report = args.report};

@@ -134,7 +134,10 @@ void gui_begin_frame(int width, int height, float density)
     io.DisplaySize = ImVec2(float(width), float(height));
     io.DisplayFramebufferScale = ImVec2(1.0f, 1.0f);
     if (ImGui::IsMousePosValid(&io.MousePos)) {
-        io.MousePos = ImVec2(io.MousePos.x * density, io.MousePos.y * density);
+        // what ImGui asks for, the place on the desktop, stands still on X11 while a button is down
+        int x, y;
+        SDL_GetMouseState(&x, &y);
+        io.MousePos = ImVec2(float(x) * density, float(y) * density);
     }
     ImGui::NewFrame();
 }

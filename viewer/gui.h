@@ -81,6 +81,14 @@ bool gui_slider(const char* label, float* value, float least, float most, const 
 /// The same where a step is a factor.
 bool gui_log_slider(const char* label, float* value, float least, float most, const char* format,
                     const char* tooltip);
+/// The same of a whole number; `most` is at most 2^63 - 1.
+bool gui_log_count(const char* label, uint64_t* value, uint64_t least, uint64_t most,
+                   const char* tooltip);
+/// A field that such a number is typed into, with buttons for one more and one less.
+bool gui_count(const char* label, uint64_t* value, uint64_t least, uint64_t most,
+               const char* tooltip);
+/// Where the widget before is, without its label, as x0, y0, x1, y1; all 0 where it is out of sight.
+void gui_last_place(float place[4]);
 bool gui_number(const char* label, double* value, double step, const char* format,
                 const char* tooltip);
 bool gui_whole_number(const char* label, int* value, int least, int most, const char* tooltip);

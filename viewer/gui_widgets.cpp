@@ -185,6 +185,38 @@ bool gui_log_slider(const char* label, float* value, float least, float most, co
     return changed;
 }
 
+bool gui_log_count(const char* label, uint64_t* value, uint64_t least, uint64_t most,
+                   const char* tooltip)
+{
+    ImU64 number = *value, from = least, to = most;
+    bool changed = ImGui::SliderScalar(label, ImGuiDataType_U64, &number, &from, &to, "%llu",
+                                       ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+    *value = number;
+    gui_tooltip(tooltip);
+    return changed;
+}
+
+bool gui_count(const char* label, uint64_t* value, uint64_t least, uint64_t most,
+               const char* tooltip)
+{
+    ImU64 number = *value, step = 1, fast_step = 100;
+    bool changed = ImGui::InputScalar(label, ImGuiDataType_U64, &number, &step, &fast_step, "%llu");
+    *value = number < least ? least : number > most ? most : number;
+    gui_tooltip(tooltip);
+    return changed;
+}
+
+void gui_last_place(float place[4])
+{
+    ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+    float end = from.x + ImGui::CalcItemWidth();
+    bool visible = ImGui::IsItemVisible();
+    place[0] = visible ? from.x : 0.0f;
+    place[1] = visible ? from.y : 0.0f;
+    place[2] = visible ? (end < to.x ? end : to.x) : 0.0f;
+    place[3] = visible ? to.y : 0.0f;
+}
+
 bool gui_number(const char* label, double* value, double step, const char* format,
                 const char* tooltip)
 {

@@ -197,7 +197,6 @@ static void switch_fullscreen(viewer* v)
     SDL_SetWindowFullscreen(v->window.handle, full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
 }
 
-/// Keys of panels and tools. @return whether it was one
 /// Draws the splats of the file's next method.
 static void show_next_method(viewer* v)
 {
@@ -212,6 +211,7 @@ static void show_next_method(viewer* v)
     viewer_say(v, false, "Splats by %s", d->methods[next].name);
 }
 
+/// Keys of panels and tools. @return whether it was one
 static bool take_tool_key(viewer* v, SDL_Keycode key)
 {
     switch (key) {
@@ -256,6 +256,9 @@ static bool take_tool_key(viewer* v, SDL_Keycode key)
         break;
     case SDLK_n:
         show_next_method(v);
+        break;
+    case SDLK_c:
+        splats_switch(v);
         break;
     case SDLK_F12:
         shot_begin(v);
@@ -343,6 +346,9 @@ void input_take(viewer* v, const SDL_Event* e)
     bool control = e->type == SDL_KEYDOWN && (e->key.keysym.mod & KMOD_CTRL) != 0;
     if (e->type == SDL_KEYDOWN && e->key.keysym.sym == SDLK_ESCAPE && start_has_dialog(v)) {
         start_show_dialog(v, false);
+    } else if (e->type == SDL_KEYDOWN && !control && !gui_wants_keys() &&
+               splats_take_key(v, e->key.keysym.sym, (e->key.keysym.mod & KMOD_SHIFT) != 0)) {
+        return; // also while it is held
     } else if (e->type == SDL_KEYDOWN && e->key.repeat == 0 && (control || !gui_wants_keys())) {
         take_key(v, e->key.keysym.sym, control);
     } else if (e->type == SDL_CONTROLLERBUTTONDOWN) {

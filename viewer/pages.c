@@ -87,7 +87,9 @@ void page_statistics(viewer* v)
     show_count("Triangles", f->triangles);
     show_count("Nodes", f->nodes);
     show_count("Draw calls", f->draw_calls);
-    gui_value("Splat size", "%.2f px", (double)f->splat_size);
+    if (splats_count(v) == 0) {
+        gui_value("Splat size", "%.2f px", (double)f->splat_size);
+    }
     gui_value("Samples", "%u per pixel", f->samples);
     gui_separator();
     show_bytes("Memory", resident_bytes());
@@ -144,15 +146,18 @@ static void show_look(viewer* v)
 static void show_speed(viewer* v)
 {
     viewer_settings* s = &v->settings;
+    bool counted = splats_count(v) > 0;
+    gui_disable(counted);
     gui_check("Limit frame time", &s->adapts,
-              "While the camera moves, splats grow until frames are fast enough. At rest, the "
-              "picture is refined to full quality");
-    gui_disable(!s->adapts);
+              counted ? "Splats are drawn by number: it is the same however long a frame takes"
+                      : "While the camera moves, splats grow until frames are fast enough. At "
+                        "rest, the picture is refined to full quality");
+    gui_enable();
+    gui_disable(!s->adapts || counted);
     gui_log_slider("Frame time", &s->budget_ms, 8.0f, 200.0f, "%.0f ms",
                    "Longest time of a frame while the camera moves");
     gui_enable();
-    gui_slider("Splat size", &s->splat_size, 1.0f, 16.0f, "%.1f px",
-               "Size of splats at rest; the size always, where frame time is not limited");
+    splats_show(v);
     int samples = s->samples;
     if (gui_whole_number("Antialiasing", &samples, 1, 8,
                          "Samples per pixel at rest, in each direction")) {
@@ -163,13 +168,12 @@ static void show_speed(viewer* v)
 /// Whose splats are drawn, where the file holds several methods'.
 static void show_methods(viewer* v)
 {
-    enum { MOST = 8 };
-    const char* names[MOST];
+    const char* names[SCENE_METHODS];
     if (v->scene == NULL || v->scene->directory->method_count < 2) {
         return;
     }
     const stp_store_directory* d = v->scene->directory;
-    uint32_t count = d->method_count < MOST ? d->method_count : MOST;
+    uint32_t count = d->method_count < SCENE_METHODS ? d->method_count : SCENE_METHODS;
     int chosen = (int)stp_store_find_method(d, (uint32_t)v->settings.splats_by);
     for (uint32_t i = 0; i < count; ++i) {
         const stp_method* method = stp_method_by_id(d->methods[i].id);
@@ -197,12 +201,15 @@ static void show_advanced(viewer* v)
                "transitions. Brandt 2019: the estimate of the paper. Hard switch: no transitions. "
                "Off: all original triangles and points");
     show_methods(v);
-    gui_choice("Splats", &s->filter, filters, 2, "How overlapping splats are combined");
-    gui_check("Foveated", &s->fovea, "Larger splats away from the middle of the picture");
+    gui_choice("Overlaps", &s->filter, filters, 2, "How overlapping splats are combined");
+    gui_disable(splats_count(v) > 0);
+    gui_check("Foveated", &s->fovea,
+              "Larger splats away from the middle of the picture, where they are drawn by size");
     if (s->fovea) {
         gui_slider("Edge size", &s->fovea_factor, 1.0f, 8.0f, "%.1f x",
                    "Size of splats at the edge of the picture, relative to the middle");
     }
+    gui_enable();
 }
 
 void page_quality(viewer* v)

@@ -16,12 +16,15 @@
 
 typedef struct painter painter;
 
+enum { SCENE_METHODS = 8 }; ///< of a file, that are offered
+
 /// An opened file. What the window may read of it while it is the newest that the window adopted.
 typedef struct painter_scene {
     uint32_t serial; ///< never 0
     const stp_store* store;
     const stp_store_directory* directory;
-    stp_boxd bounds; ///< empty where the scene is
+    stp_boxd bounds;                      ///< empty where the scene is
+    uint32_t splat_counts[SCENE_METHODS]; ///< of each method of the directory (splat_count.h)
     char path[PATH_MAX];
 } painter_scene;
 

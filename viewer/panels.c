@@ -48,6 +48,8 @@ static const shortcut key_shortcuts[] = {
     {"F12", "save a picture"},
     {"B", "switch between CPU and OpenGL"},
     {"N", "splats of the next method"},
+    {"C", "splats by size or by number"},
+    {"Page Up, Page Down", "more or fewer; Shift: by less"},
     {"P, Ctrl+F", "parts, search parts"},
     {"F2 to F6", "panels on the right"},
     {"Tab", "hide or show all panels"},
@@ -218,6 +220,24 @@ static const char* name_stage(const viewer* v)
     return v->news.stage[0] != 0 ? v->news.stage : "opening the file";
 }
 
+/// What the picture is and how it was drawn.
+static void show_picture_line(const viewer* v)
+{
+    const paint_figures* f = &v->picture->figures;
+    const char* more = v->picture->complete ? "" : "   refining...";
+    uint32_t width = v->picture->image.width, height = v->picture->image.height;
+    if (splats_count(v) > 0) {
+        char drawn[32], all[32];
+        splats_print(drawn, sizeof(drawn), f->splats);
+        splats_print(all, sizeof(all), splats_all(v));
+        gui_faint("%u x %u   %.1f ms   %s of %s splats%s", width, height, f->frame_ms, drawn, all,
+                  more);
+    } else {
+        gui_faint("%u x %u   %.1f ms   splat size %.1f px%s", width, height, f->frame_ms,
+                  (double)f->splat_size, more);
+    }
+}
+
 static void show_status(viewer* v)
 {
     float height = status_height(v);
@@ -230,10 +250,7 @@ static void show_status(viewer* v)
         gui_text("Building: %s %.0f %%", name_stage(v),
                  100.0 * (v->news.overall >= 0.0 ? v->news.overall : v->news.fraction));
     } else if (v->picture != NULL && v->scene != NULL) {
-        const paint_figures* f = &v->picture->figures;
-        gui_faint("%u x %u   %.1f ms   splat size %.1f px%s", v->picture->image.width,
-                  v->picture->image.height, f->frame_ms, (double)f->splat_size,
-                  v->picture->complete ? "" : "   refining...");
+        show_picture_line(v);
     } else {
         gui_faint("Drop a model or a .stip file onto the window, or press Ctrl+O");
     }
@@ -303,6 +320,7 @@ static void show_waiting(viewer* v)
 void panels_show(viewer* v)
 {
     v->picture_area = panels_layout(v);
+    memset(v->splat_places, 0, sizeof(v->splat_places));
     bool has_picture =
         v->scene != NULL && v->picture != NULL && v->shown_file_number == v->file_number;
     overlay_show(v);

@@ -26,6 +26,20 @@ void messages_overlay(const viewer* v);
 /// "12.3 M": a count for people.
 void page_print_count(char* text, size_t size, uint64_t count);
 
+// splats.c
+/// The most splats that can be asked for by number; 0: there is no choice.
+uint32_t splats_all(const viewer* v);
+/// The number in effect; 0: they are drawn by size.
+uint32_t splats_count(const viewer* v);
+/// From size to number and back.
+void splats_switch(viewer* v);
+/// @return whether the key was one that changes the number; `fine`: by less
+bool splats_take_key(viewer* v, SDL_Keycode key, bool fine);
+/// "1,234": a whole number for people.
+void splats_print(char* text, size_t size, uint64_t count);
+/// The part of the Display panel.
+void splats_show(viewer* v);
+
 // section.c
 void section_begin(viewer* v); ///< of a new scene
 void page_section(viewer* v);

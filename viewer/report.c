@@ -141,6 +141,23 @@ static json_t* describe_method(const viewer* v)
                : json_null();
 }
 
+/// How many splats are asked for (0: by size), how many there are, and where the widgets are.
+static json_t* describe_splats(const viewer* v)
+{
+    static const char* const names[SPLAT_PLACES] = {"choice", "slider", "field"};
+    json_t* places = json_object();
+    for (int i = 0; places != NULL && i < SPLAT_PLACES; ++i) {
+        const float* p = v->splat_places[i];
+        if (p[2] > p[0]) {
+            json_object_set_new(
+                places, names[i],
+                json_pack("[f, f, f, f]", (double)p[0], (double)p[1], (double)p[2], (double)p[3]));
+        }
+    }
+    return json_pack("{s:I, s:I, s:o}", "count", (json_int_t)splats_count(v), "all",
+                     (json_int_t)splats_all(v), "places", places);
+}
+
 static json_t* describe(const viewer* v)
 {
     static const char* const states[] = {"idle", "working", "refining", "done", "failed"};
@@ -150,7 +167,7 @@ static json_t* describe(const viewer* v)
         "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:o, s:s, s:o, s:o, "
         "s:o, "
         "s:o, "
-        "s:o, s:o, s:o}",
+        "s:o, s:o, s:o, s:o}",
         "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
         (json_int_t)v->news.serial, "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete",
         (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
@@ -160,7 +177,8 @@ static json_t* describe(const viewer* v)
         describe_method(v), "message", describe_json_text(v->messages[0].text), "hint",
         messages_why_empty(v) != NULL ? messages_why_empty(v) : "", "camera", describe_camera(v),
         "picture", describe_picture(v), "tools", describe_tools(v), "guides", describe_guides(v),
-        "match", describe_match(v), "start", describe_start(v), "handles", describe_handles(v));
+        "match", describe_match(v), "start", describe_start(v), "handles", describe_handles(v),
+        "splats", describe_splats(v));
 }
 
 void report_write(viewer* v, bool last)

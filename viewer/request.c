@@ -29,6 +29,7 @@ paint_request request_make(const viewer* v)
 {
     const viewer_settings* s = &v->settings;
     bool original = s->method == METHOD_ORIGINAL;
+    uint32_t splats = splats_count(v);
     paint_request request = {
         .scene = v->scene->serial,
         .style = {.headlight = s->light == 1,
@@ -40,11 +41,12 @@ paint_request request_make(const viewer* v)
                   .eye_dome = s->eye_dome,
                   .ambient_occlusion = 0.01f * s->ambient_occlusion},
         .quality = {.splat_size = s->splat_size,
+                    .splat_count = splats,
                     .method = (uint32_t)s->splats_by,
                     .policy = original ? STP_POLICY_INSERTION : (stp_policy)s->method,
                     .reference = original,
-                    .fovea = original ? (stp_fovea){0} : make_fovea(s)},
-        .budget_ms = s->adapts && !original ? (double)s->budget_ms : 0.0,
+                    .fovea = original || splats > 0 ? (stp_fovea){0} : make_fovea(s)},
+        .budget_ms = s->adapts && !original && splats == 0 ? (double)s->budget_ms : 0.0,
         .samples = (uint32_t)s->samples,
     };
     if (v->scene->directory->point_set_count > 0 && s->point_scale != 1.0f) {

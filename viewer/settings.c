@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "settings.h"
 
+#include "splat_count.h"
+
 #include "base/file.h"
 
 #include <jansson.h>
@@ -11,7 +13,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-typedef enum field_type { FIELD_BOOL, FIELD_INT, FIELD_FLOAT } field_type;
+typedef enum field_type { FIELD_BOOL, FIELD_INT, FIELD_WHOLE, FIELD_FLOAT } field_type;
 
 typedef struct field {
     const char* name;
@@ -28,6 +30,7 @@ static const field fields[] = {
     {"adapts", FIELD_BOOL, PLACE(adapts), 0, 0},
     {"budget_ms", FIELD_FLOAT, PLACE(budget_ms), 4, 500},
     {"splat_size", FIELD_FLOAT, PLACE(splat_size), 1, 16},
+    {"splat_count", FIELD_WHOLE, PLACE(splat_count), 0, SPLAT_COUNT_MOST},
     {"samples", FIELD_INT, PLACE(samples), 1, 8},
     {"method", FIELD_INT, PLACE(method), 0, METHOD_COUNT - 1},
     {"splats_by", FIELD_INT, PLACE(splats_by), 0, STP_METHOD_STOCHASTIC},
@@ -83,9 +86,13 @@ bool viewer_settings_parse(viewer_settings* settings, const char* text)
         } else if (f->type != FIELD_BOOL && json_is_number(value)) {
             double number = json_number_value(value);
             if (number >= f->least && number <= f->most) {
-                int whole = (int)number;
+                int whole = f->type == FIELD_INT ? (int)number : 0;
+                uint32_t count = f->type == FIELD_WHOLE ? (uint32_t)number : 0;
                 float real = (float)number;
-                memcpy(place, f->type == FIELD_INT ? (const void*)&whole : (const void*)&real,
+                memcpy(place,
+                       f->type == FIELD_INT     ? (const void*)&whole
+                       : f->type == FIELD_WHOLE ? (const void*)&count
+                                                : (const void*)&real,
                        sizeof(whole));
             }
         }
@@ -103,13 +110,16 @@ char* viewer_settings_print(const viewer_settings* settings)
         const char* place = (const char*)settings + f->offset;
         bool on;
         int number;
+        uint32_t count;
         float real;
         memcpy(&on, place, sizeof(on));
         memcpy(&number, place, sizeof(number));
+        memcpy(&count, place, sizeof(count));
         memcpy(&real, place, sizeof(real));
-        json_t* value = f->type == FIELD_BOOL  ? json_boolean(on)
-                        : f->type == FIELD_INT ? json_integer(number)
-                                               : json_real((double)real);
+        json_t* value = f->type == FIELD_BOOL    ? json_boolean(on)
+                        : f->type == FIELD_INT   ? json_integer(number)
+                        : f->type == FIELD_WHOLE ? json_integer((json_int_t)count)
+                                                 : json_real((double)real);
         whole = json_object_set_new(root, f->name, value) == 0;
     }
     char* text = whole ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) : NULL;

@@ -27,8 +27,9 @@ typedef struct viewer_settings {
     viewer_page page; ///< of the panel on the right
     bool adapts;      ///< splats grow while the camera moves, as the budget wants
     float budget_ms, splat_size;
-    int samples;   ///< a side, at rest
-    int method;    ///< stp_policy; beyond it: original geometry only
+    uint32_t splat_count; ///< so many splats are drawn in all; 0: as their size asks
+    int samples;          ///< a side, at rest
+    int method;           ///< stp_policy; beyond it: original geometry only
     int splats_by; ///< whose splats are drawn (STP_METHOD_*); 0, or none of the file's: its first
     int filter, light;
     int unit;          ///< UNIT_*

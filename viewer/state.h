@@ -75,6 +75,9 @@ typedef struct flight_record {
 
 typedef struct shot shot;
 
+/// Widgets of the number of splats.
+enum { SPLAT_PLACE_CHOICE, SPLAT_PLACE_SLIDER, SPLAT_PLACE_NUMBER, SPLAT_PLACES };
+
 typedef struct viewer {
     viewer_options options;
     viewer_settings settings;
@@ -125,6 +128,7 @@ typedef struct viewer {
     char last_shot[PATH_ROOM + 512];
     // the panels
     bool shows_help, shows_panels;
+    float splat_places[SPLAT_PLACES][4]; ///< x0, y0, x1, y1; all 0: not in sight
     float frame_times[FRAME_HISTORY];
     int newest_time;
     viewer_message messages[MESSAGES]; ///< the newest first

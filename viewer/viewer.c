@@ -324,6 +324,12 @@ static void set_options(viewer* v)
     v->settings.backend = o->backend > 0 ? o->backend : v->settings.backend;
     v->settings.budget_ms = o->budget_ms > 0.0f ? o->budget_ms : v->settings.budget_ms;
     v->settings.adapts = o->budget_ms > 0.0f ? true : v->settings.adapts;
+    if (o->splat_count > 0) {
+        v->settings.method = v->settings.method == METHOD_ORIGINAL ? 0 : v->settings.method;
+        v->settings.splat_count = o->splat_count;
+    } else if (o->budget_ms > 0.0f) {
+        v->settings.splat_count = 0;
+    }
     v->settings.splats_by = o->method != 0 ? (int)o->method : v->settings.splats_by;
     v->shows_panels = true;
     v->measure.snaps = true;

@@ -17,4 +17,8 @@ env -u WAYLAND_DISPLAY DISPLAY=:4242 "$stipple" view > out 2> err
 [ $? -eq 1 ] && grep -q '^stipple: there is no display' err || fail "a display that is none: $(cat err)"
 "$stipple" view a b > out 2> err
 [ $? -eq 2 ] || fail "two files are shown"
+"$stipple" view --splats 1 > out 2> err
+[ $? -eq 2 ] && grep -q 'splats' err || fail "one splat: $(cat err)"
+"$stipple" view --splats 100 --budget-ms 20 > out 2> err
+[ $? -eq 2 ] && grep -q 'exclude each other' err || fail "a number of splats and a budget: $(cat err)"
 [ $failures -eq 0 ]

@@ -18,12 +18,14 @@ void test_viewer_settings_are_kept(test_state* test)
     s.unit = UNIT_FT;
     s.point_scale = 2.5f;
     s.guides = false;
+    s.splat_count = 4294967294u;
     char* text = viewer_settings_print(&s);
     CHECK(text != NULL);
     CHECK(viewer_settings_parse(&again, text));
     CHECK(again.budget_ms == 12.5f && again.page == PAGE_MEASURE && !again.adapts && again.fovea);
     CHECK(again.background[1] == 0.25f && again.samples == 7 && again.backend == BACKEND_OPENGL);
     CHECK(again.unit == UNIT_FT && again.point_scale == 2.5f && !again.guides);
+    CHECK(again.splat_count == 4294967294u && viewer_settings_default().splat_count == 0);
     CHECK(again.parts == s.parts && again.splat_size == s.splat_size);
     free(text);
 }
@@ -38,11 +40,14 @@ void test_viewer_settings_that_are_wrong_change_nothing(test_state* test)
         "{\"budget_ms\": 1e9, \"page\": -1, \"samples\": 0}",
         "{\"budget_ms\": \"fast\", \"page\": true, \"adapts\": 3}",
         "{\"budget_ms\": 1e999}",
+        "{\"splat_count\": -1}",
+        "{\"splat_count\": 4294967295}",
+        "{\"splat_count\": \"all\"}",
     };
     for (size_t i = 0; i < sizeof(texts) / sizeof(texts[0]); ++i) {
         viewer_settings s = viewer_settings_default(), fresh = viewer_settings_default();
-        CHECK(viewer_settings_parse(&s, texts[i]) == (i == 4 || i == 5));
+        CHECK(viewer_settings_parse(&s, texts[i]) == (i == 4 || i == 5 || i >= 7));
         CHECK(s.budget_ms == fresh.budget_ms && s.page == fresh.page && s.samples == fresh.samples);
-        CHECK(s.adapts == fresh.adapts);
+        CHECK(s.adapts == fresh.adapts && s.splat_count == 0);
     }
 }

@@ -1,0 +1,121 @@
+#!/usr/bin/env bash
+# How many splats are drawn, chosen in the viewer: by an option, on the slider, typed, by keys. What is drawn is what was chosen,
+# whoever draws, and while the camera moves. Arguments: executable, scratch folder.
+set -u
+VIEW_SIZE=700x520
+. "$(dirname "$0")/view_window.sh"
+
+# place NAME X Y: a point of a widget, in parts of its box
+place()
+{
+    "$python" -S -E -c 'import json, sys
+x0, y0, x1, y1 = json.load(open("report.json"))["splats"]["places"][sys.argv[1]]
+print(round(x0 + (x1 - x0) * float(sys.argv[2])), round(y0 + (y1 - y0) * float(sys.argv[3])))' "$@"
+}
+
+# drawn COUNT: an expression; so many splats are drawn, and the picture becomes as fine as can be
+drawn()
+{
+    wait_until "r['splats']['count'] == $1 and r['rests'] and picture['complete'] and picture['samples'] == 4"
+    check "$1 splats are drawn" "picture['splats'] == $1 and picture['triangles'] == 0"
+}
+
+"$stipple" -q build scene:spheres,scale=0.2 -o all.stip --method blue,spt,psp || exit 1
+printf '{"samples": 2, "budget_ms": 4}' > config/stipple/viewer.json
+open_viewer all.stip --backend cpu --splats 500
+wait_until 'r["rests"] and picture["complete"]'
+check "there are more" 'r["splats"]["all"] > 10000'
+drawn 500
+# the slider: two at its left end, all at the right one, the square root of their product in the middle
+xdotool key F2
+wait_until 'r["page"] == "quality" and "slider" in r["splats"]["places"]'
+set -- $(place slider 0.01 0.5)
+xdotool mousemove "$1" "$2" click 1
+drawn 2
+check "two splats show something" 'r["hint"] == ""'
+shot two.png
+set -- $(place slider 0.99 0.5)
+xdotool mousemove "$1" "$2" click 1
+drawn 'r["splats"]["all"]'
+shot all.png
+other two.png all.png 0.95
+# while the hand holds it
+xdotool mousedown 1
+for part in 0.2 0.7 0.5; do
+    keep
+    # shellcheck disable=SC2046
+    xdotool mousemove $(place slider $part 0.5)
+    wait_until 'r["splats"]["count"] != k["splats"]["count"] and picture["splats"] == r["splats"]["count"]'
+done
+xdotool mouseup 1
+drawn 'r["splats"]["count"]'
+check "steps are factors" '0.5 < r["splats"]["count"] / (2 * r["splats"]["all"]) ** 0.5 < 2'
+# a number that is typed, and others than there are
+set -- $(place field 0.1 0.5)
+xdotool mousemove "$1" "$2" click 1
+wait_until 'tools["types"]'
+xdotool key ctrl+a
+xdotool type 1234
+xdotool key Return
+wait_until 'not tools["types"]'
+drawn 1234
+xdotool mousemove 400 300
+# keys: twice and half as many, and by a twentieth
+xdotool key Prior
+drawn 2468
+xdotool key Next
+drawn 1234
+xdotool key shift+Prior
+drawn 1295
+xdotool key shift+Next
+drawn 1231
+# no budget changes the number while the camera moves
+keep
+xdotool keydown s # away: all stays in the picture, however long that is
+for more in 2 5 9; do
+    wait_until "picture['frames'] >= k['picture']['frames'] + $more"
+    check "a camera that moves" 'picture["splats"] == 1231 and r["splats"]["count"] == 1231'
+done
+xdotool keyup s
+drawn 1231
+# by size, and back to as many as that gave, but no more than there are
+xdotool key Home
+wait_until 'r["rests"] and picture["complete"]'
+xdotool key c
+wait_until 'r["splats"]["count"] == 0 and r["rests"] and picture["complete"] and picture["splats"] > 1231'
+xdotool key c
+drawn 'min(r["splats"]["all"], k["splats"]["all"])'
+# other methods: at most so many of spt
+xdotool key Next Next Next
+drawn 'r["splats"]["all"] // 8'
+xdotool key n
+wait_until 'r["method"] == "spt" and r["rests"] and picture["complete"] and r["splats"]["count"] > 1000'
+check "splats of spt" '0 < picture["splats"] <= r["splats"]["count"] and picture["triangles"] == 0'
+xdotool key n
+wait_until 'r["method"] == "psp" and r["rests"] and picture["complete"] and r["splats"]["count"] > 1000'
+check "splats of psp" '0 < picture["splats"] <= r["splats"]["count"] and picture["triangles"] == 0'
+xdotool key n b
+wait_until 'r["method"] == "blue" and (r["backend"] == "gl" or "not available" in r["message"]) and r["rests"] and picture["complete"]'
+check "so many by OpenGL, too" 'picture["splats"] == r["splats"]["count"] == r["splats"]["all"] // 8'
+keep
+close_viewer
+# it is kept; a budget that is asked for is kept to
+open_viewer all.stip --backend cpu
+wait_until 'r["rests"] and picture["complete"] and r["splats"]["count"] == k["splats"]["count"]'
+close_viewer
+open_viewer all.stip --backend cpu --budget-ms 100
+wait_until 'r["rests"] and picture["complete"] and r["splats"]["count"] == 0'
+close_viewer
+# original triangles have no splats to count, unless their number is asked for
+printf '{"samples": 2, "method": 3, "splat_count": 700}' > config/stipple/viewer.json
+"$stipple" -q build scene:boxes -o few.stip || exit 1
+open_viewer few.stip --backend cpu
+wait_until 'r["rests"] and picture["complete"] and r["splats"]["count"] == 0 and r["splats"]["all"] == 0'
+xdotool key Prior
+wait_until '"no splats" in r["message"]'
+check "nothing is counted" 'r["splats"]["count"] == 0'
+close_viewer
+open_viewer all.stip --backend cpu --splats 800
+drawn 800
+close_viewer
+[ $failures -eq 0 ]
