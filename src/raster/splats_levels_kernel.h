@@ -16,17 +16,16 @@ typedef struct levels_frame {
     stp_raster_groups groups; ///< with levels.groups
 } levels_frame;
 
-/// A bit for each of sixteen splats whose ranges hold their levels. The first `below` of them lie before the divide.
-static inline uint32_t pick_sixteen(const levels_frame* restrict f, int32_t below,
-                                    const float* restrict x, const float* restrict y,
-                                    const float* restrict z, const uint32_t* restrict ranges)
+/// A bit for each of sixteen splats whose ranges hold their levels.
+static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float* restrict x,
+                                    const float* restrict y, const float* restrict z,
+                                    const uint32_t* restrict ranges)
 {
     int32_t in[SPLAT_BATCH];
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         float W = ((f->w[0] * x[i] + f->w[1] * y[i]) + f->w[2] * z[i]) + f->w[3];
         float level = f->levels.per_depth * W;
         level = level > f->levels.least ? level : f->levels.least;
-        level = i < below ? f->levels.below : level;
         // of positive floats the bits are in the order of the numbers
         int32_t bits = (int32_t)stp_bits_of_float(level);
         int32_t lowest = (int32_t)((ranges[i] & 0xFFFFu) << 15);
@@ -40,11 +39,17 @@ static inline uint32_t pick_sixteen(const levels_frame* restrict f, int32_t belo
     return bits;
 }
 
-/// How many of sixteen splats lie before a divide.
-static inline int32_t count_below(uint32_t divide, uint32_t first)
+/// What was picked of sixteen splats, but with those before the divide held against the other level. Apart from the loop above,
+/// which few pictures need it in and which would take half as long again.
+static inline uint32_t pick_below(const levels_frame* f, uint32_t first, const uint32_t* ranges,
+                                  uint32_t picked)
 {
-    uint32_t below = divide > first ? divide - first : 0;
-    return below < SPLAT_BATCH ? (int32_t)below : SPLAT_BATCH;
+    uint32_t level = stp_bits_of_float(f->levels.below), count = f->levels.divide - first;
+    for (uint32_t i = 0; i < SPLAT_BATCH && i < count; ++i) {
+        bool in = level >= (ranges[i] & 0xFFFFu) << 15 && level <= ranges[i] >> 16 << 15;
+        picked = (picked & ~(1u << i)) | (uint32_t)in << i;
+    }
+    return picked;
 }
 
 static inline bool pick_all(const levels_frame* f, uint16_t* bits)
@@ -77,7 +82,11 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
             z[i] = (float)positions[3 * at + 2];
             ranges[i] = f->ranges[first + at];
         }
-        wanted &= pick_sixteen(f, count_below(f->levels.divide, first), x, y, z, ranges);
+        uint32_t picked = pick_sixteen(f, x, y, z, ranges);
+        if (first < f->levels.divide) {
+            picked = pick_below(f, first, ranges, picked);
+        }
+        wanted &= picked;
         bits[first / SPLAT_BATCH] = (uint16_t)wanted;
         any |= wanted;
     }

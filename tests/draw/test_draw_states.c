@@ -179,6 +179,31 @@ void test_states_are_drawn_splat_by_splat(test_state* test)
     free_sets();
 }
 
+void test_states_survive_failing_allocator(test_state* test)
+{
+    static made_gl m;
+    bool failed = true;
+    for (int n = 0; failed && !test->failed; ++n) {
+        test_heap heap = TEST_HEAP(-1);
+        CHECK(made_picture_begin(&m.picture, &heap, 2));
+        add_sets(&m.picture);
+        CHECK_EQUAL(STP_OK, made_picture_open(&m.picture));
+        m.picture.quality.splat_count = 90;
+        heap.fail_at = heap.count + n;
+        stp_result result = made_picture_draw(&m.picture);
+        heap.fail_at = -1;
+        failed = result != STP_OK;
+        CHECK(!failed || result == STP_ERROR_OUT_OF_MEMORY);
+        CHECK(failed || n >= 8);
+        check_count(test, &m, false, 90);
+        check_count(test, &m, false, 50);
+        m.picture.scene.surfels_count = 0;
+        made_picture_end(&m.picture);
+        free_sets();
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+}
+
 static bool begin_gl(test_state* test, made_gl* m)
 {
     bool failed;
