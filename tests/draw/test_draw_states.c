@@ -179,6 +179,36 @@ void test_states_are_drawn_splat_by_splat(test_state* test)
     free_sets();
 }
 
+static void add_broken(made_picture* p)
+{
+    add_sets(p);
+    for (uint32_t k = 0; k < SETS; ++k) {
+        stp_splats* set = &p->scene.surfels[k];
+        for (uint32_t i = descs[k].base + 1; i < set->count; i += 5) {
+            set->ranges[i] = (uint32_t)STP_RANGE_INFINITE << 16; // drawn at any level
+        }
+    }
+}
+
+// Sets whose ranges are no split sequence have no states: at most so many splats are drawn.
+void test_states_of_sets_that_have_none(test_state* test)
+{
+    static made_picture p;
+    CHECK(made_picture_begin(&p, NULL, 2));
+    add_broken(&p);
+    CHECK_EQUAL(STP_OK, made_picture_open(&p));
+    for (uint64_t n = 31; n < STATE_MOST; n += 6) { // more than lie before the first that is wrong
+        p.quality.splat_count = n;
+        CHECK_EQUAL(STP_OK, made_picture_draw(&p));
+        CHECK(p.stats.splats > 0 && p.stats.splats <= n);
+        CHECK(p.stats.covered_pixels > 0);
+        CHECK_EQUAL(0, p.list.items[0].divide);
+    }
+    p.scene.surfels_count = 0;
+    made_picture_end(&p);
+    free_sets();
+}
+
 void test_states_survive_failing_allocator(test_state* test)
 {
     static made_gl m;
