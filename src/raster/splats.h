@@ -73,6 +73,8 @@ typedef struct stp_raster_camera {
 typedef struct stp_raster_levels {
     float per_depth; ///< at depth 1 (W of the matrix)
     float least;     ///< nowhere less
+    uint32_t divide; ///< splats before it are held against `below`, at any depth; 0: none are
+    float below;
     /// NULL, or one for each STP_GROUP_SPLATS splats (from splat 0 on): groups out of the picture are left out; and, where
     /// `one_sided`, those of which all splats face away.
     const stp_splat_group* groups;

@@ -8,8 +8,9 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
 {
     switch (id) {
     case STP_METHOD_SPT:
-    case STP_METHOD_PSP:
         return &stp_select_rule_levels;
+    case STP_METHOD_PSP:
+        return &stp_select_rule_splits;
     default:
         return &stp_select_rule_blue;
     }

@@ -11,7 +11,7 @@ typedef struct stp_select_rule {
     /// entry `use` holds the set, opens the node, and has per_depth > 0.
     void (*use)(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                 bool cloud, stp_set_use* use);
-    /// Uses the first `count` splats wherever they are.
+    /// Uses `count` splats wherever they are: the first, or as many as `use` says otherwise.
     void (*use_count)(stp_set_use* use, uint32_t count);
     /// Adapts `use` to a set of which only the first `here` splats are loaded, or to a node that cannot be opened yet. The
     /// splats are seen at depth `nearest` and beyond.
@@ -21,7 +21,7 @@ typedef struct stp_select_rule {
                       const stp_sight* sight);
 } stp_select_rule;
 
-extern const stp_select_rule stp_select_rule_blue, stp_select_rule_levels;
+extern const stp_select_rule stp_select_rule_blue, stp_select_rule_levels, stp_select_rule_splits;
 
 /// By the id of a method (STP_METHOD_*); that of `blue` for others.
 const stp_select_rule* stp_select_rule_of(uint32_t id);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sets whose splats have ranges of levels, `spt` and `psp`: a view takes the prefix whose ranges reach the nearest depth;
 // each splat is tested where it is drawn (Dachsbacher et al. 2003, 3.6 and 3.7). Where all splats of a set do not suffice,
-// the node is opened.
+// the node is opened. Of `psp`, a state has any number of splats that is asked for (Wu et al. 2005, 5).
 #include "base/prefix_table.h"
 #include "select/rule.h"
 
@@ -34,6 +34,14 @@ static void use_count(stp_set_use* use, uint32_t count)
     use->count = count;
     use->level_least = find_level(use->surfels, count);
     use->radius = fmax(use->level_least, (double)use->surfels->candidate_radius);
+}
+
+/// Uses the state with `count` splats. It lies in the first 2 count - base splats, and a base set has at least one.
+static void use_state(stp_set_use* use, uint32_t count)
+{
+    uint32_t all = use->surfels->count;
+    use_count(use, count <= all / 2 ? 2 * count - 1 : all);
+    use->state = count;
 }
 
 /// The prefix for views from `nearest` on.
@@ -78,6 +86,12 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
     use_from(at, nearest, use);
 }
 
+/// Uses the first `count` splats, or as many as are used now.
+static void use_at_most(stp_set_use* use, uint32_t count)
+{
+    use_count(use, count < use->count ? count : use->count);
+}
+
 static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* at,
                                const stp_set_use* use)
 {
@@ -99,6 +113,16 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                       const stp_sight* sight)
 {
     stp_draw_item item = make_item(s, at, use);
+    bool found = true;
+    stp_result result = use->state > 0 ? stp_select_cut_item(s, use->state, &item, &found) : STP_OK;
+    if (result != STP_OK) {
+        return result;
+    }
+    if (!found) {
+        stp_set_use less = *use;
+        use_at_most(&less, use->state);
+        item = make_item(s, at, &less);
+    }
     item.beside_triangles = stp_select_uses_triangles(s, at, use, sight);
     stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
                              at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};
@@ -106,17 +130,18 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     drawn.far = drawn.far >= sight->range.far ? HUGE_VAL : drawn.far;
     if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {
         size_t first = s->list->run_count;
-        stp_result result = stp_select_add_run(s, 0, item.prefix, drawn);
+        result = stp_select_add_run(s, 0, item.prefix, drawn);
         if (result != STP_OK) {
             return result;
         }
         item.first_run = (uint32_t)first;
         item.run_count = 1;
     }
-    s->list->extra_splats += at->extra || use->extra ? item.prefix : 0;
-    stp_result result = stp_select_add_item(s, item, item.prefix);
+    s->list->extra_splats += at->extra || use->extra ? item.prefix - item.split_count : 0;
+    result = stp_select_add_item(s, item, item.prefix);
     return result == STP_OK && item.beside_triangles ? stp_select_add_triangles(s, at, use, sight)
                                                      : result;
 }
 
 const stp_select_rule stp_select_rule_levels = {use_set, use_count, limit, add};
+const stp_select_rule stp_select_rule_splits = {use_set, use_state, limit, add};

@@ -2,7 +2,7 @@
 // Both passes of a selection, from beginning to end.
 #include "select/rule.h"
 
-static stp_result begin(stp_selection* s, stp_context* context, const stp_store* store,
+static stp_result begin(stp_selection* s, stp_context* context, stp_store* store,
                         const stp_view* view, const stp_quality* quality, stp_draw_list* list,
                         bool second_pass)
 {
@@ -42,7 +42,7 @@ static stp_result begin(stp_selection* s, stp_context* context, const stp_store*
                                                                     : stp_select_find_graph(s);
 }
 
-stp_result stp_select(stp_context* context, const stp_store* store, const stp_view* view,
+stp_result stp_select(stp_context* context, stp_store* store, const stp_view* view,
                       const stp_quality* quality, stp_draw_list* list)
 {
     stp_selection s;
@@ -68,7 +68,7 @@ stp_result stp_select(stp_context* context, const stp_store* store, const stp_vi
     return result;
 }
 
-stp_result stp_select_rejected(stp_context* context, const stp_store* store, const stp_view* view,
+stp_result stp_select_rejected(stp_context* context, stp_store* store, const stp_view* view,
                                const stp_quality* quality, stp_draw_list* list)
 {
     stp_selection s;
@@ -89,6 +89,7 @@ void stp_draw_list_destroy(stp_context* context, stp_draw_list* list)
     stp_free(context, list->rejected);
     stp_free(context, list->wants);
     stp_free(context, list->want_slots);
+    stp_free(context, list->cuts);
     stp_select_destroy_graph(context, list->graph);
     *list = (stp_draw_list){0};
 }

@@ -21,8 +21,9 @@ typedef enum stp_policy {
 } stp_policy;
 
 typedef struct stp_quality {
-    float splat_size;     ///< pixels, at least 1; default 1
-    uint64_t splat_count; ///< exactly so many splats instead, in all; 0: by size
+    float splat_size; ///< pixels, at least 1; default 1
+    /// Exactly so many splats instead, in all, or what there is; of `spt`, at most so many. 0: by size.
+    uint64_t splat_count;
     stp_policy policy;
     uint32_t method;  ///< whose sets are drawn (STP_METHOD_*); 0, or none of the file's: its first
     bool reference;   ///< original triangles and points only
@@ -57,6 +58,10 @@ typedef struct stp_draw_item {
     /// The levels that ranges of splats are held against: an error in the item's space that is allowed at depth 1, and one
     /// that is allowed anywhere. Of sets without ranges they mean nothing.
     float level_per_depth, level_least;
+    // A state of a set that is refined by splits (base/progressive.h): splats before `divide` are held against another level.
+    uint32_t divide;      ///< 0: there is one level for all, as with all other sets
+    float level_below;    ///< of splats [0, divide), anywhere
+    uint32_t split_count; ///< splats of the prefix that are not of the state
     /// Mesh: of its triangles those are drawn whose level (store/large_triangles.h) is at least that of the item at their
     /// nearest corner. Such items follow that of the set that they are drawn beside.
     bool large;
@@ -86,13 +91,14 @@ typedef struct stp_draw_list {
     size_t run_count, run_capacity;
     size_t
         first_pass_count; ///< items before are those of stp_select, the others of stp_select_rejected
-    uint64_t splat_count, triangle_count; ///< without large triangles
-    uint64_t id_count;                    ///< of all items
-    uint64_t extra_splats;                ///< of splat_count, listed because levels blend
-    uint64_t extra_triangles;             ///< the same of triangle_count
-    uint32_t node_count;                  ///< nodes looked at
-    uint32_t hidden_count;                ///< nodes that the pyramid hid, in the last pass
-    float splat_size;                     ///< the size in effect where an eye looks
+    uint64_t splat_count; ///< of prefixes; of states of sets that are refined by splits, of these
+    uint64_t triangle_count;  ///< without large triangles
+    uint64_t id_count;        ///< of all items
+    uint64_t extra_splats;    ///< of splat_count, listed because levels blend
+    uint64_t extra_triangles; ///< the same of triangle_count
+    uint32_t node_count;      ///< nodes looked at
+    uint32_t hidden_count;    ///< nodes that the pyramid hid, in the last pass
+    float splat_size;         ///< the size in effect where an eye looks
     bool mixes; ///< there may be splats beside triangles, in this list or in one of another view
     /// Of a store that streams, each thing once: what the view would draw, here or not (stp_residency_update).
     stp_want* wants;
@@ -103,6 +109,8 @@ typedef struct stp_draw_list {
     struct stp_select_entry *stack, *rejected;
     size_t stack_capacity, rejected_count, rejected_capacity;
     struct stp_select_graph* graph; ///< of the store that the list is used with
+    struct stp_select_cut* cuts;    ///< the last ones, in the order of items
+    size_t cut_capacity;
 } stp_draw_list;
 
 /// The part of a mesh item's triangles that is drawn at a depth: where the cluster (or mesh) they belong to is nearest.
@@ -136,19 +144,20 @@ static inline bool stp_draw_keeps(uint32_t index, float share)
 /// Of a store that streams (store/residency.h), what is resident is drawn: a node whose stand-ins are not all here is
 /// not opened, and a set that is not all here is drawn as far as it is, with larger splats. References take no notice.
 ///
+/// With a count of splats, sets of `psp` are read as far as their states reach.
+///
 /// With a pyramid, nodes that it hides are set aside. It may be of any earlier frame: what it hides wrongly is
 /// found by stp_select_rejected.
 /// @return STP_OK, STP_ERROR_ARGUMENT (a view or a fovea that is none), STP_ERROR_LIMIT (more than 2^32 - 2 splats and
-/// triangles), STP_ERROR_OUT_OF_MEMORY; logged
-STP_MUST_USE stp_result stp_select(stp_context* context, const stp_store* store,
-                                   const stp_view* view, const stp_quality* quality,
-                                   stp_draw_list* list);
+/// triangles), STP_ERROR_OUT_OF_MEMORY, or as stp_store_get_surfels_prefix; logged
+STP_MUST_USE stp_result stp_select(stp_context* context, stp_store* store, const stp_view* view,
+                                   const stp_quality* quality, stp_draw_list* list);
 
 /// The second pass: appends to `list`, which stp_select filled for the same view and quality, what that call set aside
 /// and `quality->occlusion` (now made of the picture of the first pass; NULL: nothing) does not hide. Items before
 /// keep their places and ids, and first_pass_count says how many they are. Both passes' items drawn together give the
 /// picture that selecting without a pyramid gives, but for what lies at equal depths.
-STP_MUST_USE stp_result stp_select_rejected(stp_context* context, const stp_store* store,
+STP_MUST_USE stp_result stp_select_rejected(stp_context* context, stp_store* store,
                                             const stp_view* view, const stp_quality* quality,
                                             stp_draw_list* list);
 void stp_draw_list_destroy(stp_context* context, stp_draw_list* list);

@@ -60,7 +60,7 @@ enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };
 
 typedef struct stp_selection {
     stp_context* context;
-    const stp_store* store;
+    stp_store* store; ///< read, unless a set's columns are needed (cuts.c)
     const stp_store_directory* directory;
     const stp_quality* quality;
     const stp_sections* sections;
@@ -72,6 +72,7 @@ typedef struct stp_selection {
     uint32_t eye_count;
     size_t stack_count;
     uint64_t visits;
+    size_t cut_count; ///< of states, in this call
     bool second_pass;
     bool streams; ///< what is resident is drawn, and what would be is asked for
 } stp_selection;
@@ -93,8 +94,9 @@ typedef struct stp_sight {
 /// How a node's surfels are used. They are drawn beyond switch_depth, what is below the node is drawn nearer.
 typedef struct stp_set_use {
     const stp_splats* surfels;
-    uint32_t count;                      ///< prefix; 0: not drawn
-    double radius;                       ///< of its splats, node units
+    uint32_t count; ///< prefix; 0: not drawn
+    uint32_t state; ///< splats of the state of a progressive set that is drawn; 0: by levels
+    double radius;  ///< of its splats, node units
     double level_per_depth, level_least; ///< of the item
     double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
     double switch_depth; ///< 0: nothing below is drawn; infinite: all of it
@@ -146,6 +148,12 @@ double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entr
 /// Appends a run of an item that is to be added: splats [begin, end) are drawn between two depths.
 STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end,
                                            stp_depth_range range);
+
+/// Makes an item draw the state with `wanted` splats of a progressive set, or the nearest that the item's prefix has. With fewer
+/// than the base set has, the first of these. The item's prefix becomes that of the state. @return STP_OK, or as
+/// stp_store_get_surfels_prefix; `*found`: whether the set has states; else the item stays as it is
+STP_MUST_USE stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item* item,
+                                            bool* found);
 
 /// How much of what lies below a node is there at a depth, by the depth beyond which the node suffices.
 double stp_select_growth(double ceiling, double depth);

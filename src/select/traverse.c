@@ -67,7 +67,8 @@ stp_result stp_select_add_item(stp_selection* s, stp_draw_item item, uint64_t id
     list->items[list->count++] = item;
     list->id_count += id_count;
     if (!item.large) {
-        *(item.kind == STP_DRAW_MESH ? &list->triangle_count : &list->splat_count) += id_count;
+        uint64_t drawn = id_count - item.split_count;
+        *(item.kind == STP_DRAW_MESH ? &list->triangle_count : &list->splat_count) += drawn;
     }
     return STP_OK;
 }

@@ -119,6 +119,8 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
     }
     stp_raster_levels levels = {.per_depth = item->draw->level_per_depth,
                                 .least = item->draw->level_least,
+                                .divide = item->draw->divide,
+                                .below = item->draw->level_below,
                                 .groups = item->surfels.groups,
                                 .one_sided = stp_draw_one_sided(item->draw, r->layers.of_splats),
                                 .beside_triangles = item->draw->beside_triangles,

@@ -2,6 +2,7 @@
 #include "draw/gl/set_items.h"
 
 #include "base/prefix_table.h"
+#include "base/progressive.h"
 #include "base/splat_codes.h"
 #include "draw/gl/splat_commands.h"
 #include "draw/gl/upload.h"
@@ -128,9 +129,28 @@ static stp_result find_octaves(gl_renderer* r, const stp_draw_item* draw, uint32
     return STP_OK;
 }
 
-/// Colours and size of an item's prefix. @return how much of it is drawn
-static uint32_t begin_item(gl_renderer* r, uint32_t index, uint32_t prefix,
-                           const set_octaves* octaves)
+/// Makes an item that draws a state of a set draw the nearest that a shorter prefix has. `*prefix` becomes that of the state.
+static stp_result cut_shorter(gl_renderer* r, const stp_draw_item* draw, uint32_t octaves,
+                              uint32_t* prefix, item_block* item)
+{
+    stp_splats got;
+    stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &got);
+    if (result != STP_OK || got.ranges == NULL) {
+        return result;
+    }
+    uint32_t here = *prefix < got.count ? *prefix : got.count;
+    stp_progressive_cut cut =
+        stp_progressive_find_cut(got.ranges, here, draw->prefix - draw->split_count);
+    item->level_least = cut.level;
+    item->level_below = cut.below;
+    item->divide = cut.divide;
+    *prefix = cut.end;
+    return STP_OK;
+}
+
+/// Colours and size of an item's prefix, which becomes how much of it is drawn.
+static stp_result begin_item(gl_renderer* r, uint32_t index, const set_octaves* octaves,
+                             uint32_t* prefix)
 {
     gl_placed* placed = &r->frame.placed[index];
     const stp_draw_item* draw = placed->draw;
@@ -139,22 +159,28 @@ static uint32_t begin_item(gl_renderer* r, uint32_t index, uint32_t prefix,
     stp_octave_choice choice = octaves->choice;
     uint32_t most = known->octave_ends[octaves->here.places - 1];
     most = most < known->octave_ends[choice.octave] ? most : known->octave_ends[choice.octave];
-    if (most < prefix) { // fewer and larger ones
-        prefix = most;
-        float reached = stp_prefix_table_radius(&known->table, prefix);
+    if (most < *prefix) { // fewer and larger ones
+        *prefix = most;
+        float reached = stp_prefix_table_radius(&known->table, most);
         bool own = (item->flags & ITEM_SHAPES) != 0;
         placed->radius =
             own ? placed->radius : stp_max(placed->radius, reached + known->candidate_radius);
         item->level_least = stp_max(item->level_least, reached);
+        stp_result result = draw->split_count > 0
+                                ? cut_shorter(r, draw, octaves->here.places, prefix, item)
+                                : STP_OK;
+        if (result != STP_OK) {
+            return result;
+        }
     }
-    item->count = prefix;
+    item->count = *prefix;
     item->colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave, true));
     item->blend = choice.blend;
     if (choice.blend < 1.0f && choice.low_count > 0) {
         item->low_count = choice.low_count;
         item->low_colors = gl_address(r, gl_octave_entry(r, draw->index, choice.octave - 1, true));
     }
-    return prefix;
+    return STP_OK;
 }
 
 static stp_result add_octaves(gl_renderer* r, uint32_t index, uint32_t prefix, uint32_t octaves)
@@ -204,6 +230,8 @@ stp_result gl_set_item_make(gl_renderer* r, uint32_t index)
         item->flags |= ITEM_RANGES;
         item->level_per_depth = draw->level_per_depth;
         item->level_least = draw->level_least;
+        item->level_below = draw->level_below;
+        item->divide = draw->divide;
     }
     uint32_t prefix = draw->prefix < known->count ? draw->prefix : known->count;
     set_octaves octaves;
@@ -214,6 +242,6 @@ stp_result gl_set_item_make(gl_renderer* r, uint32_t index)
     if (result != STP_OK || !octaves.drawn) {
         return result;
     }
-    prefix = begin_item(r, index, prefix, &octaves);
-    return add_octaves(r, index, prefix, octaves.here.places);
+    result = begin_item(r, index, &octaves, &prefix);
+    return result == STP_OK ? add_octaves(r, index, prefix, octaves.here.places) : result;
 }

@@ -164,7 +164,8 @@ struct item_block {
     vec4 box_low, box_high; // of splats that are drawn, as the rows take them
     float level_least;      // but at least this
     float large_from;       // of large triangles: the least depth of the nearest corner
-    float item_spare0, item_spare1;
+    float level_below;      // of splats before `divide`, at any depth
+    uint divide;
 };
 
 // One command of a multi-draw, or one part of it: splats, or a cluster.

@@ -111,7 +111,7 @@ void find_options(const record_block record, const item_block item, uint local, 
     if (ranges) {
         uint range = fetch(at);
         precise float level = max(item.level_per_depth * splat.w, item.level_least);
-        int bits = floatBitsToInt(level); // in the order of the numbers
+        int bits = floatBitsToInt(record.first + local < item.divide ? item.level_below : level); // in the order of the numbers
         splat.there = splat.there && bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
     }
 }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// States of progressive sets (base/progressive.h) in a view: where a count of splats divides a set. That is told by the ranges of
+// all splats before, so what was found is kept for the next view, which often has the same items.
+#include "base/progressive.h"
+#include "base/splat_codes.h"
+#include "select/select_internal.h"
+
+/// A state that was found.
+typedef struct stp_select_cut {
+    uint32_t set, here, wanted; ///< here: splats of the prefix that it was looked for in
+    stp_progressive_cut cut;
+} stp_select_cut;
+
+/// Splats of a prefix that are drawn at the levels of a cut. A set that is no progressive one has others than a state.
+static uint32_t count_drawn(const uint32_t* ranges, const stp_progressive_cut* cut)
+{
+    uint32_t below = stp_bits_of_float(cut->below), level = stp_bits_of_float(cut->level);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < cut->end; ++i) {
+        uint32_t at = i < cut->divide ? below : level;
+        count += at >= (ranges[i] & 0xFFFFu) << 15 && at <= ranges[i] >> 16 << 15 ? 1 : 0;
+    }
+    return count;
+}
+
+/// @return a cut of no splats where the set has no states
+static stp_progressive_cut find(const uint32_t* ranges, uint32_t here, uint32_t wanted)
+{
+    stp_progressive_cut cut = stp_progressive_find_cut(ranges, here, wanted);
+    if (cut.splats > wanted) {
+        cut = stp_progressive_find_cut(ranges, wanted, wanted);
+    }
+    return count_drawn(ranges, &cut) == cut.splats ? cut : (stp_progressive_cut){0};
+}
+
+/// Room for one more than `count`.
+static bool make_room(stp_selection* s, size_t count)
+{
+    stp_draw_list* list = s->list;
+    if (count < list->cut_capacity) {
+        return true;
+    }
+    size_t before = list->cut_capacity;
+    stp_select_cut* cuts =
+        stp_grow_array(s->context, list->cuts, &list->cut_capacity, count + 1, sizeof(*cuts));
+    if (cuts == NULL) {
+        return false;
+    }
+    for (size_t i = before; i < list->cut_capacity; ++i) {
+        cuts[i] = (stp_select_cut){.set = STP_STORE_NONE};
+    }
+    list->cuts = cuts;
+    return true;
+}
+
+stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item* item, bool* found)
+{
+    const stp_splats* known = stp_store_describe_surfels(s->store, item->index);
+    uint32_t octaves = stp_store_octaves_for(known, item->prefix);
+    stp_splats got;
+    stp_result result = stp_store_get_surfels_prefix(s->store, item->index, octaves, &got);
+    *found = false;
+    if (result != STP_OK || got.ranges == NULL) {
+        return result;
+    }
+    if (!make_room(s, s->cut_count)) {
+        return stp_fail_memory(s->context);
+    }
+    stp_select_cut* kept = &s->list->cuts[s->cut_count++];
+    uint32_t here = item->prefix < got.count ? item->prefix : got.count;
+    if (kept->set != item->index || kept->here != here || kept->wanted != wanted) {
+        *kept = (stp_select_cut){item->index, here, wanted, find(got.ranges, here, wanted)};
+    }
+    const stp_progressive_cut* cut = &kept->cut;
+    *found = cut->splats > 0;
+    if (!*found) {
+        return STP_OK;
+    }
+    item->prefix = item->full_prefix = cut->end;
+    item->split_count = cut->end - cut->splats;
+    item->divide = cut->divide;
+    item->level_below = cut->below;
+    item->level_least = cut->level;
+    item->radius = stp_max(cut->level, known->candidate_radius);
+    return STP_OK;
+}

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# --splats N draws exactly N splats of a set of psp, or all there are, also where several nodes share them; by both backends,
+# on any number of threads, of files that are read in part, and in flights.
+# Arguments: executable, scratch folder.
+set -u
+stipple=$1
+# shellcheck source=/dev/null
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$2" && cd "$2" || exit 1
+rm -rf ./*
+command -v python3 > /dev/null || exit 77
+
+value() # FILE KEY: of a JSON object
+{
+    python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))[sys.argv[2]])' "$1" "$2"
+}
+
+# a ball that rests, and one that moves: the picture has a set of each
+python3 - << 'END'
+import base64, json, math, struct
+
+SIDE = 40
+points = [(math.cos(2 * math.pi * i / SIDE) * math.sin(math.pi * k / SIDE), math.cos(math.pi * k / SIDE),
+           math.sin(2 * math.pi * i / SIDE) * math.sin(math.pi * k / SIDE))
+          for k in range(SIDE + 1) for i in range(SIDE + 1)]
+corners = []
+for k in range(SIDE):
+    for i in range(SIDE):
+        a = k * (SIDE + 1) + i
+        corners += [a, a + 1, a + SIDE + 1, a + 1, a + SIDE + 2, a + SIDE + 1]
+columns = [b"".join(struct.pack("<3f", *p) for p in points), struct.pack(f"<{len(corners)}H", *corners),
+           struct.pack("<2f", 0, 1), struct.pack("<6f", 3, 0, 0, 4, 0, 0)]
+data, views = b"", []
+for column in columns:
+    views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(column)})
+    data += column
+json.dump({
+    "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+    "nodes": [{"mesh": 0, "name": "rests"}, {"mesh": 0, "name": "moves", "translation": [3, 0, 0]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+    "animations": [{"channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}],
+                    "samplers": [{"input": 2, "output": 3}]}],
+    "accessors": [
+        {"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3", "min": [-1, -1, -1], "max": [1, 1, 1]},
+        {"bufferView": 1, "componentType": 5123, "count": len(corners), "type": "SCALAR"},
+        {"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+        {"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"}],
+    "bufferViews": views,
+    "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
+}, open("balls.gltf", "w"))
+END
+"$stipple" -q build balls.gltf -o balls.stip --method psp --surfels 2000 || fail "no build of balls"
+"$stipple" -q build scene:spheres,scale=0.2 -o spheres.stip --method psp --surfels 8000 || fail "no build of spheres"
+
+draw() # FILE NAME COUNT OPTIONS...: a picture of so many splats
+{
+    "$stipple" render "$1" -o "$2.png" --size 240x160 --splats "$3" --once --json "${@:4}" > "$2.json" 2> err ||
+        fail "render $*: $(cat err)"
+}
+
+counts() # FILE BACKEND ALL COUNTS...
+{
+    local n
+    for n in "${@:4}"; do
+        draw "$1" "$2-$n" "$n" --backend "$2"
+        [ "$(value "$2-$n.json" splats)" = $((n < $3 ? n : $3)) ] ||
+            fail "$1 by $2: $(value "$2-$n.json" splats) splats are not $n"
+    done
+}
+
+likeness() # PICTURE: to the original triangles
+{
+    "$stipple" compare "$1" whole.png --json > compare.json || fail "compare $1"
+    value compare.json ssim_covered
+}
+
+backends=cpu
+if "$stipple" render spheres.stip -o gl.png --size 8x8 --once --backend gl 2> /dev/null; then
+    backends="cpu gl"
+fi
+for file in balls spheres; do
+    all=$([ $file = balls ] && echo 4000 || echo 8000)
+    "$stipple" -q render $file.stip -o whole.png --size 240x160 --once --reference || fail "no original of $file"
+    counts $file.stip cpu "$all" 1 2 7 64 333 1001 1999 2500 1000000
+    [ "$backends" = cpu ] || counts $file.stip gl "$all" 1 64 1001 2500 1000000
+    python3 -c 'import sys; a = [float(x) for x in sys.argv[1:]]; assert a == sorted(a) and a[0] < a[-1], a' \
+        "$(likeness cpu-7.png)" "$(likeness cpu-64.png)" "$(likeness cpu-333.png)" "$(likeness cpu-1999.png)" ||
+        fail "$file: more splats are no nearer to the original"
+    for n in 64 1001; do
+        for threads in 1 3; do
+            draw $file.stip threads $n --threads $threads
+            cmp -s threads.png cpu-$n.png || fail "$file: $n splats by $threads threads are others"
+        done
+        draw $file.stip limited $n --memory 64M
+        cmp -s limited.png cpu-$n.png || fail "$file: $n splats under a limit of memory are others"
+        [ "$(value limited.json splats)" = $n ] || fail "$file under a limit: $(value limited.json splats) splats"
+        if [ "$backends" != cpu ]; then
+            "$stipple" compare cpu-$n.png gl-$n.png --json > compare.json || fail "compare"
+            python3 -c 'import sys; assert float(sys.argv[1]) > 0.98' "$(value compare.json ssim)" ||
+                fail "$file: backends differ at $n splats"
+        fi
+    done
+done
+
+# of a file that ends early, as many as its prefix has
+[ "$(value cpu-1001.json triangles)" = 0 ] || fail "triangles beside so many splats"
+draw spheres.stip part 6000 --prefix 10%
+drawn=$(value part.json splats)
+if [ "$drawn" -lt 100 ] || [ "$drawn" -ge 6000 ]; then
+    fail "$drawn splats of a tenth of a file"
+fi
+draw spheres.stip part 50 --prefix 10%
+draw spheres.stip whole 50
+cmp -s part.png whole.png || fail "50 splats of a tenth of a file are others"
+
+# what compare-splats measures, and what flies by
+"$stipple" compare-splats balls.stip balls.gltf --splats 1234 --json > compare.json || fail "compare-splats"
+[ "$(value compare.json splats)" = 1234 ] || fail "compare-splats takes $(value compare.json splats) splats"
+cat > path.json << 'END'
+{"fov": 60, "fps": 10, "keys": [{"t": 0, "eye": [0, 1, 9], "target": [2, 0, 0]}, {"t": 1, "eye": [4, 2, 9], "target": [2, 0, 0]}]}
+END
+for backend in $backends; do
+    "$stipple" -q fly balls.stip --path path.json --splats 2345 --frames 3 --size 64x48 --backend "$backend" --json > fly.json ||
+        fail "fly by $backend"
+    python3 -c 'import json; assert [f["splats"] for f in json.load(open("fly.json"))["per_frame"]] == [2345] * 3' ||
+        fail "fly by $backend draws other numbers of splats"
+done
+[ $failures -eq 0 ]

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: MIT
+// Views of a number of splats of progressive sets: the picture shows the splats of that state, no more and no fewer, by both
+// backends. Each splat is a dot of its own colour and place, so the picture tells which are drawn.
+#include "tests.h"
+
+#include "base/progressive.h"
+#include "base/splat_codes.h"
+#include "draw/support_gl.h"
+#include "store/support_progressive.h"
+
+#include <string.h>
+
+enum {
+    PIXELS = PICTURE_SIDE * PICTURE_SIDE,
+    COLUMNS = 16,
+    SETS = 2,
+    MOST = 128,
+    ALL = SETS * MOST
+};
+
+static const progressive_desc descs[SETS] = {{.seed = 3, .base = 7, .splits = 60},
+                                             {.seed = 4, .base = 3, .splits = 50, .coarse = true}};
+enum { STATE_MOST = 67 + 53 };
+
+/// The sets; the second one's node moves.
+typedef struct two_sets {
+    stp_context* context;
+    stp_arena arena;
+    stp_splats sets[SETS];
+    uint32_t order[SETS][MOST];
+} two_sets;
+
+static two_sets made;
+
+/// A dot a splat, four pixels from the next.
+static void spread(stp_splats* set, int which)
+{
+    set->origin = (stp_vec3){-1, -1, 0};
+    set->step = 0x1p-15f;
+    for (uint32_t i = 0; i < set->count; ++i) {
+        uint32_t row = i / COLUMNS + (which == 0 ? 0 : MOST / COLUMNS),
+                 radius = stp_shape_code(1300);
+        set->positions[3 * i] = (uint16_t)(4096 * (i % COLUMNS) + 2048);
+        set->positions[3 * i + 1] = (uint16_t)(4096 * row + 2048);
+        set->positions[3 * i + 2] = 0;
+        set->normals[2 * i] = set->normals[2 * i + 1] = 0;
+        set->shapes[i] = radius | radius << 12;
+        set->colors[3 * i] = (uint8_t)(8 + 16 * (i % COLUMNS));
+        set->colors[3 * i + 1] = (uint8_t)(8 + 16 * (i / COLUMNS));
+        set->colors[3 * i + 2] = which == 0 ? 255 : 100;
+    }
+}
+
+static void add_sets(made_picture* p)
+{
+    made_scene* s = &p->scene;
+    two_sets* m = &made;
+    m->context = test_context(NULL, 1, NULL);
+    m->arena = stp_arena_create(m->context, 1 << 20);
+    for (uint32_t k = 0; k < SETS; ++k) {
+        uint32_t scratch[MOST];
+        stp_splats* set = &m->sets[k];
+        if (!progressive_sample_make(&m->arena, &descs[k], set)) {
+            return;
+        }
+        stp_progressive_order(set->ranges, set->count, m->order[k], scratch);
+        spread(set, (int)k);
+        progressive_sample_octaves(set, 16);
+        s->surfels[s->surfels_count++] = *set;
+        s->nodes[s->node_count++] = (stp_store_node){.surfels = k,
+                                                     .flags = k,
+                                                     .triangle_count = 1000000,
+                                                     .bounds = {{-1, -1, 0}, {1, 1, 0}}};
+        s->edges[s->edge_count++] = (stp_store_edge){k, stp_affine_identity()};
+    }
+    s->method = (stp_store_method){.name = "psp",
+                                   .id = STP_METHOD_PSP,
+                                   .columns = STP_SPLATS_SHAPES | STP_SPLATS_RANGES |
+                                              STP_SPLATS_FLAT_COLORS};
+    p->view.ortho_height = 2.0;
+    p->quality.all_sides = true;
+}
+
+/// Splats of the state of a set, by walking to it; of fewer than the base set has, the first ones.
+static uint32_t mark_state(int which, uint32_t wanted, uint32_t prefix, bool* marks)
+{
+    const stp_splats* set = &made.sets[which];
+    uint32_t alive[MOST], slots[MOST];
+    stp_progressive_counts counts = stp_progressive_count(set->ranges, prefix);
+    stp_progressive_walk walk = stp_progressive_begin(counts, made.order[which], alive, slots);
+    uint32_t size = stp_progressive_walk_to(&walk, wanted);
+    size = size < wanted ? size : wanted;
+    memset(marks, 0, MOST * sizeof(*marks));
+    for (uint32_t i = 0; i < size; ++i) {
+        marks[alive[i]] = true;
+    }
+    return size;
+}
+
+/// The splats that a view of so many draws, of both sets. @return how many
+static uint32_t mark_both(uint64_t wanted, uint32_t prefix, bool marks[ALL])
+{
+    uint32_t first = mark_state(0, wanted < MOST ? (uint32_t)wanted : MOST,
+                                prefix < made.sets[0].count ? prefix : made.sets[0].count, marks);
+    uint64_t left = wanted - first;
+    return first + mark_state(1, left < MOST ? (uint32_t)left : MOST,
+                              prefix < made.sets[1].count ? prefix : made.sets[1].count,
+                              marks + MOST);
+}
+
+/// Compares the dots of a picture with those marked, right of the middle only if `half`. @return dots that are wrong
+static int compare(const uint8_t* pixels, const bool marks[ALL], bool half)
+{
+    bool seen[ALL] = {false};
+    int wrong = 0;
+    for (int i = 0; i < PIXELS; ++i) {
+        const uint8_t* p = pixels + 4 * i;
+        if (p[3] != 0) {
+            uint32_t at = (uint32_t)p[1] / 16 * COLUMNS + (uint32_t)p[0] / 16;
+            seen[(p[2] > 180 ? 0u : MOST) + at % MOST] = true;
+        }
+    }
+    for (int i = 0; i < ALL; ++i) {
+        bool cut = half && i % COLUMNS < COLUMNS / 2;
+        wrong += seen[i] != (marks[i] && !cut) ? 1 : 0;
+    }
+    return wrong;
+}
+
+static void free_sets(void)
+{
+    if (made.context != NULL) {
+        stp_arena_destroy(&made.arena);
+        stp_context_destroy(made.context);
+    }
+    made = (two_sets){.context = NULL};
+}
+
+static void tear_down(made_gl* m)
+{
+    m->picture.scene.surfels_count = 0; // they are in the arena
+    made_gl_end(m);
+    free_sets();
+}
+
+/// Draws a number of splats by either backend and compares the dots, and the count that is told.
+static void check_count(test_state* test, made_gl* m, bool gl, uint64_t wanted)
+{
+    made_picture* p = &m->picture;
+    bool marks[ALL], half = p->view.sections.count > 0;
+    p->quality.splat_count = wanted;
+    CHECK_EQUAL(STP_OK, gl ? made_gl_draw(m) : made_picture_draw(p));
+    uint32_t expected = mark_both(wanted, MOST, marks);
+    CHECK_EQUAL(wanted < STATE_MOST ? wanted : STATE_MOST, expected);
+    CHECK_EQUAL(expected, p->stats.splats);
+    CHECK_EQUAL(0, compare(gl ? m->pixels : p->pixels, marks, half));
+}
+
+// Each count there is, then at random, refined and coarsened.
+void test_states_are_drawn_splat_by_splat(test_state* test)
+{
+    static made_gl m;
+    CHECK(made_picture_begin(&m.picture, NULL, 2));
+    add_sets(&m.picture);
+    CHECK_EQUAL(STP_OK, made_picture_open(&m.picture));
+    for (uint64_t n = 1; n < STATE_MOST + 4 && !test->failed; ++n) {
+        check_count(test, &m, false, n);
+    }
+    for (uint64_t n = UINT64_MAX; n > 0 && !test->failed; n /= 3) {
+        check_count(test, &m, false, n);
+    }
+    // a section leaves those of one half
+    m.picture.view.sections = (stp_sections){.count = 1, .planes = {{{-1, 0, 0}, 0}}};
+    for (uint64_t n = 5; n < STATE_MOST; n += 13) {
+        check_count(test, &m, false, n);
+    }
+    m.picture.scene.surfels_count = 0;
+    made_picture_end(&m.picture);
+    free_sets();
+}
+
+static void add_broken(made_picture* p)
+{
+    add_sets(p);
+    for (uint32_t k = 0; k < SETS; ++k) {
+        stp_splats* set = &p->scene.surfels[k];
+        for (uint32_t i = descs[k].base + 1; i < set->count; i += 5) {
+            set->ranges[i] = (uint32_t)STP_RANGE_INFINITE << 16; // drawn at any level
+        }
+    }
+}
+
+// Sets whose ranges are no split sequence have no states: at most so many splats are drawn.
+void test_states_of_sets_that_have_none(test_state* test)
+{
+    static made_picture p;
+    CHECK(made_picture_begin(&p, NULL, 2));
+    add_broken(&p);
+    CHECK_EQUAL(STP_OK, made_picture_open(&p));
+    for (uint64_t n = 31; n < STATE_MOST; n += 6) { // more than lie before the first that is wrong
+        p.quality.splat_count = n;
+        CHECK_EQUAL(STP_OK, made_picture_draw(&p));
+        CHECK(p.stats.splats > 0 && p.stats.splats <= n);
+        CHECK(p.stats.covered_pixels > 0);
+        CHECK_EQUAL(0, p.list.items[0].divide);
+    }
+    p.scene.surfels_count = 0;
+    made_picture_end(&p);
+    free_sets();
+}
+
+void test_states_survive_failing_allocator(test_state* test)
+{
+    static made_gl m;
+    bool failed = true;
+    for (int n = 0; failed && !test->failed; ++n) {
+        test_heap heap = TEST_HEAP(-1);
+        CHECK(made_picture_begin(&m.picture, &heap, 2));
+        add_sets(&m.picture);
+        CHECK_EQUAL(STP_OK, made_picture_open(&m.picture));
+        m.picture.quality.splat_count = 90;
+        heap.fail_at = heap.count + n;
+        stp_result result = made_picture_draw(&m.picture);
+        heap.fail_at = -1;
+        failed = result != STP_OK;
+        CHECK(!failed || result == STP_ERROR_OUT_OF_MEMORY);
+        CHECK(failed || n >= 8);
+        check_count(test, &m, false, 90);
+        check_count(test, &m, false, 50);
+        m.picture.scene.surfels_count = 0;
+        made_picture_end(&m.picture);
+        free_sets();
+        CHECK_EQUAL(0, heap.live_bytes);
+    }
+}
+
+static bool begin_gl(test_state* test, made_gl* m)
+{
+    bool failed;
+    if (made_gl_begin_with(m, add_sets, NULL, NULL, &failed)) {
+        return true;
+    }
+    tear_down(m);
+    test->failed = failed ? 1 : 0;
+    test->skipped = failed ? NULL : "there is no OpenGL";
+    return false;
+}
+
+void test_gl_states_are_drawn_splat_by_splat(test_state* test)
+{
+    static const stp_gl_splats ways[] = {STP_GL_SPLATS_POINTS, STP_GL_SPLATS_COMPUTE};
+    static made_gl m;
+    if (!begin_gl(test, &m)) {
+        return;
+    }
+    for (int i = 0; i < 2; ++i) {
+        stp_draw_gl_set_splats(m.renderer, ways[i]);
+        for (uint64_t n = 1; n < STATE_MOST + 4 && !test->failed; n += 3) {
+            check_count(test, &m, true, n);
+        }
+    }
+    m.picture.view.sections = (stp_sections){.count = 1, .planes = {{{-1, 0, 0}, 0}}};
+    check_count(test, &m, true, 41);
+    tear_down(&m);
+}
+
+// While octaves are still to come, what is there is a state of fewer splats, without gaps.
+void test_gl_states_are_coarser_until_octaves_come(test_state* test)
+{
+    const stp_draw_gl_desc settings = {.upload_bytes = 1};
+    static made_gl m;
+    bool marks[ALL];
+    if (!begin_gl(test, &m)) {
+        return;
+    }
+    CHECK_EQUAL(STP_OK, made_gl_renew(&m, &settings));
+    m.picture.quality.splat_count = 110;
+    CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    CHECK(stp_draw_gl_get_stats(m.renderer).missing > 0);
+    bool part = false; // the first octave, or it and the next one, of each
+    for (uint32_t i = 0; i < 4; ++i) {
+        (void)mark_state(0, 67, i % 2 == 0 ? 16 : 64, marks);
+        (void)mark_state(1, 110 - 67, i / 2 == 0 ? 16 : 64, marks + MOST);
+        part = part || compare(m.pixels, marks, false) == 0;
+    }
+    CHECK(part);
+    for (int i = 0; i < 20 && stp_draw_gl_get_stats(m.renderer).missing > 0; ++i) {
+        CHECK_EQUAL(STP_OK, made_gl_draw(&m));
+    }
+    check_count(test, &m, true, 110);
+    tear_down(&m);
+}
