@@ -4,11 +4,11 @@
 usage: MODELS=FOLDER bench/psp_figures.py [PART...]
 
 PARTs, default all:
-  table      Table 1, Figures 2, 7, 8 and 10: all decimators on the bunny at three counts; psp-decimators.png, psp-errors.svg
-  metrics    Figure 4: the dragon in a tenth of its points by both metrics; psp-metrics.png
-  progress   Figures 1 and 5: the dragon and another model with more and more splats; psp-progress.png
+  table      Table 1, Figures 2, 7, 8 and 10: all decimators on the bunny at three counts; psp-decimators.jpg, psp-errors.svg
+  metrics    Figure 4: the dragon in a tenth of its points by both metrics; psp-metrics.jpg
+  progress   Figures 1 and 5: the dragon and another model with more and more splats; psp-progress.jpg
   time       Figure 6: seconds to 1 % by points; psp-time.svg
-  mesh       Figure 9: splats and triangles at equal counts and bytes; psp-mesh.png
+  mesh       Figure 9: splats and triangles at equal counts and bytes; psp-mesh.jpg
   sweep      distance and SSIM of psp, blue and spt from 10 to 100,000 splats, a row of plots for each model; psp-sweep.svg
 
 MODELS holds bunny.ply and dragon.ply, which bench/psp_models.py makes; its other models (.glb, .obj, .ply) join `sweep`. Parts
@@ -123,7 +123,7 @@ def measure_table(given):
                      ", ".join(f"{f['hausdorff_max_percent']:.2f}" for f in found), ", ".join(f"{f['ssim']:.3f}" for f in found)])
     kit.table(["method", *(f"{count:,}" for count in COUNTS), "the paper", "largest distance, %", "SSIM"], rows)
     ways = ("octree-level", "quadric", "psp", "subsample")
-    sheet(given.images / "psp-decimators.png", [pictures[way, count, 0.3] for way in ways for count in COUNTS], 3, 240)
+    sheet(given.images / "psp-decimators.jpg", [pictures[way, count, 0.3] for way in ways for count in COUNTS], 3, 240)
     sheet(given.images / "psp-decimators-full.png", [pictures[way, COUNTS[0], 1] for way in ("octree-level", "quadric", "psp", "subsample")], 4, 240)
     curves = []
     for way in ERROR_WAYS:
@@ -153,7 +153,7 @@ def measure_metrics(given):
     kit.table(["metric", "splats", "seconds", "largest distance, %", "mean, %", "SSIM", "area ratio"],
               [[r["params"]["metric"], f"{r['figures']['splats']:,}", f"{r['figures']['seconds']:.2f}",
                 *(f"{r['figures'][k]:.3f}" for k in ("hausdorff_max_percent", "hausdorff_mean_percent", "ssim", "area_ratio"))] for r in results])
-    sheet(given.images / "psp-metrics.png", top + bottom, 2, 420)
+    sheet(given.images / "psp-metrics.jpg", top + bottom, 2, 420)
     return results
 
 
@@ -171,7 +171,7 @@ def measure_progress(given):
         results.append(kit.result("psp progress", {"model": "dragon", "asked": count}, {**figures, "seconds": made["seconds"]}))
         for scale in (1, 0.3):
             pictures.append((draw(given, path, f"progress-{count}", scale, "480x340"), f"{count:,} splats" + (", shrunk to 0.3" if scale < 1 else f", SSIM {figures['ssim']:.3f}")))
-    sheet(given.images / "psp-progress.png", pictures[0::2] + pictures[1::2], 4, 260)
+    sheet(given.images / "psp-progress.jpg", pictures[0::2] + pictures[1::2], 4, 260)
     return results
 
 
@@ -216,7 +216,7 @@ def measure_mesh(given):
     kit.table(["splats", "", "vertices", "bytes", "seconds", "largest distance, %", "mean, %", "SSIM"],
               [[r["params"]["asked"], r["params"]["by"], r["figures"]["vertices"], f"{r['figures']['bytes']:,}", f"{r['figures']['seconds']:.2f}",
                 *(f"{r['figures'][k]:.3f}" for k in ("hausdorff_max_percent", "hausdorff_mean_percent", "ssim"))] for r in results])
-    sheet(given.images / "psp-mesh.png", pictures, 3, 320)
+    sheet(given.images / "psp-mesh.jpg", pictures, 3, 320)
     return results
 
 

