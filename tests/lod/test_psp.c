@@ -90,6 +90,59 @@ void test_psp_finds_nearest_points(test_state* test)
     stp_context_destroy(context);
 }
 
+/// A bound from below on the area of ellipses around points of a plane: that of the ellipse whose scatter has the largest
+/// determinant over all weights of the points.
+static float bound_area(const stp_vec3* points, uint32_t count, stp_vec3 x, stp_vec3 y)
+{
+    double u[16], v[16], weight[16], det = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        u[i] = (double)stp_dot(points[i], x);
+        v[i] = (double)stp_dot(points[i], y);
+        weight[i] = 1.0 / count;
+    }
+    for (int round = 0; round < 2000; ++round) {
+        double mu = 0.0, mv = 0.0, uu = 0.0, uv = 0.0, vv = 0.0;
+        for (uint32_t i = 0; i < count; ++i) {
+            mu += weight[i] * u[i];
+            mv += weight[i] * v[i];
+        }
+        for (uint32_t i = 0; i < count; ++i) {
+            uu += weight[i] * (u[i] - mu) * (u[i] - mu);
+            uv += weight[i] * (u[i] - mu) * (v[i] - mv);
+            vv += weight[i] * (v[i] - mv) * (v[i] - mv);
+        }
+        det = uu * vv - uv * uv;
+        for (uint32_t i = 0; i < count; ++i) {
+            double a = u[i] - mu, b = v[i] - mv;
+            weight[i] *= (vv * a * a - 2.0 * uv * a * b + uu * b * b) / (2.0 * det);
+        }
+    }
+    return (float)(2.0 * 3.14159265358979 * sqrt(det));
+}
+
+/// The ellipse around two others is almost the smallest there is.
+void test_psp_ellipses_are_small(test_state* test)
+{
+    for (uint64_t seed = 0; seed < 300; ++seed) {
+        stp_vec3 n = {0, 0, 1}, points[16];
+        stp_ellipse pair[2];
+        for (uint64_t i = 0; i < 2; ++i) {
+            float angle = 6.2831853f * (float)unit(seed, 8 * i),
+                  major = 0.2f + (float)unit(seed, 8 * i + 1);
+            pair[i] = (stp_ellipse){
+                .center = {(float)unit(seed, 8 * i + 2), (float)unit(seed, 8 * i + 3), 0},
+                .normal = n,
+                .major = {major * cosf(angle), major * sinf(angle), 0},
+                .minor = major * (0.1f + 0.9f * (float)unit(seed, 8 * i + 4))};
+            stp_ellipse_sample(&pair[i], points + 8 * i);
+        }
+        stp_ellipse e = stp_ellipse_cover(pair[seed % 2].center, n, points, 16, 1e-6f);
+        float ratio =
+            stp_ellipse_area(&e) / bound_area(points, 16, (stp_vec3){1, 0, 0}, (stp_vec3){0, 1, 0});
+        CHECK(ratio > 0.999f && ratio < 1.12f);
+    }
+}
+
 void test_psp_ellipses_cover(test_state* test)
 {
     for (uint64_t seed = 0; seed < 200; ++seed) {

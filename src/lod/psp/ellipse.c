@@ -7,7 +7,9 @@
 #define THIN 1e-3f ///< of the major axis: the least minor axis
 #define CERTAIN                                                                                    \
     1e-5 ///< of the square of the largest eigenvalue: products of the others below it lose digits
-enum { SWEEPS_MOST = 32, NEWTON_MOST = 16 };
+#define LINE 1e-12 ///< of the square of both variances: a determinant below it is that of a line
+
+enum { SWEEPS_MOST = 32, NEWTON_MOST = 16, ROUNDS = 6 };
 
 float stp_ellipse_area(const stp_ellipse* ellipse)
 {
@@ -87,12 +89,108 @@ stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* f)
                          .minor = f->scale * f->ratio};
 }
 
+enum { MOST = STP_ELLIPSE_COVER_MOST };
+
+/// Points of a plane with weights whose sum is 1, their mean, and their scatter about it. Arrays are always full, so that loops
+/// over them become vector instructions.
+typedef struct weighed {
+    double x[MOST], y[MOST], weight[MOST];
+    double mean_x, mean_y, xx, xy, yy;
+} weighed;
+
+/// The sum of an array, in one order on every machine.
+static inline double add_up(double a[MOST])
+{
+    for (int half = MOST / 2; half > 0; half /= 2) {
+        for (int i = 0; i < half; ++i) {
+            a[i] += a[i + half];
+        }
+    }
+    return a[0];
+}
+
+static void find_spread(weighed* w)
+{
+    double a[MOST], b[MOST], c[MOST];
+    for (int i = 0; i < MOST; ++i) {
+        a[i] = w->weight[i] * w->x[i];
+        b[i] = w->weight[i] * w->y[i];
+    }
+    double x = add_up(a), y = add_up(b);
+    for (int i = 0; i < MOST; ++i) {
+        double dx = w->x[i] - x, dy = w->y[i] - y;
+        a[i] = w->weight[i] * (dx * dx);
+        b[i] = w->weight[i] * (dx * dy);
+        c[i] = w->weight[i] * (dy * dy);
+    }
+    w->mean_x = x;
+    w->mean_y = y;
+    w->xx = add_up(a);
+    w->xy = add_up(b);
+    w->yy = add_up(c);
+}
+
+/// Gives the points farther from the mean more weight, as measured by their spread: the scatter tends to the shape of the
+/// smallest ellipse around them (the dual problem; Dette, Pepelyshev, Zhigljavsky 2008).
+/// @return false where they lie along a line
+static bool weigh_anew(weighed* w)
+{
+    double far[MOST], a[MOST];
+    double det = w->xx * w->yy - w->xy * w->xy, both = w->xx + w->yy;
+    if (!(det > LINE * both * both)) {
+        return false;
+    }
+    double xx = w->yy / det, xy = -2.0 * w->xy / det, yy = w->xx / det;
+    for (int i = 0; i < MOST; ++i) {
+        double x = w->x[i] - w->mean_x, y = w->y[i] - w->mean_y;
+        double away = xx * (x * x) + xy * (x * y) + yy * (y * y); // the weighed mean is 2
+        far[i] = away > 0.0 ? away : 0.0;
+        a[i] = far[i];
+    }
+    for (int half = MOST / 2; half > 0; half /= 2) {
+        for (int i = 0; i < half; ++i) {
+            a[i] = a[i] < a[i + half] ? a[i] : a[i + half];
+        }
+    }
+    double nearest = a[0];
+    for (int i = 0; i < MOST; ++i) {
+        w->weight[i] *= far[i] - 0.5 * nearest;
+        a[i] = w->weight[i];
+    }
+    double share = 1.0 / add_up(a);
+    for (int i = 0; i < MOST; ++i) {
+        w->weight[i] *= share;
+    }
+    return true;
+}
+
+/// Puts the centre where that of the smallest ellipse is, and the scatter in its shape.
+static void find_smallest(stp_ellipse_fit* f, const stp_vec3* points, size_t count)
+{
+    weighed w;
+    for (size_t i = 0; i < MOST; ++i) { // the last one fills what is left, without weight
+        stp_vec3 d = stp_sub(points[i < count ? i : count - 1], f->center);
+        w.x[i] = (double)stp_dot(d, f->x);
+        w.y[i] = (double)stp_dot(d, f->y);
+        w.weight[i] = i < count ? 1.0 / (double)count : 0.0;
+    }
+    find_spread(&w);
+    for (int round = 0; round < ROUNDS && weigh_anew(&w); ++round) {
+        find_spread(&w);
+    }
+    stp_vec3 along = stp_scale(f->x, (float)w.mean_x), beside = stp_scale(f->y, (float)w.mean_y);
+    f->center = stp_add(f->center, stp_add(along, beside));
+    f->xx = w.xx;
+    f->xy = w.xy;
+    f->yy = w.yy;
+}
+
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
                               size_t count, float least)
 {
     stp_ellipse_fit fit = stp_ellipse_fit_begin(center, normal);
-    for (size_t i = 0; i < count; ++i) {
-        scatter(&fit, points[i]);
+    if (count > 0) {
+        find_smallest(&fit, points, count);
     }
     stp_ellipse_fit_turn(&fit, least);
     for (size_t i = 0; i < count; ++i) {

@@ -19,15 +19,19 @@ float stp_ellipse_area(const stp_ellipse* ellipse);
 /// Points spread evenly over the boundary, by angle from the major axis.
 void stp_ellipse_sample(const stp_ellipse* ellipse, stp_vec3 samples[STP_ELLIPSE_SAMPLES]);
 
-/// The ellipse in the plane through `center` across `normal` that covers the projections of points: its axes are those
-/// of the points' scatter about the centre, as long to each other as its square roots, and scaled together. Where points lie
-/// along a line, the minor axis is a thousandth of the major one; where all are one point, both are `least`.
+enum { STP_ELLIPSE_COVER_MOST = 2 * STP_ELLIPSE_SAMPLES }; ///< points that an ellipse is put around
+
+/// An ellipse in the plane through `center` across `normal` that covers the projections of points, and has almost the smallest
+/// area of all that do. Its centre is not `center`, but lies in that plane. Where points lie along a line, the minor axis is a
+/// thousandth of the major one; where all are one point, both are `least`. Without points, it is a disk around `center`.
 /// @param normal of unit length
+/// @param count at most STP_ELLIPSE_COVER_MOST
 /// @param least above 0: the least length of an axis
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
                               size_t count, float least);
 
-/// stp_ellipse_cover in steps, for points that are not in one array: begin, scatter all points, turn, reach all points, end.
+/// An ellipse around points that are not in one array: begin, scatter all points, turn, reach all points, end. Its axes are those
+/// of the points' scatter about the centre, as long to each other as its square roots, and scaled together.
 typedef struct stp_ellipse_fit {
     stp_vec3 center, normal, x, y;
     double xx, xy, yy;

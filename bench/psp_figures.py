@@ -1,0 +1,278 @@
+#!/usr/bin/env python3
+"""The figures and the table of Wu, Zhang, Kobbelt 2005 on real models: pictures, plots, tables, and one JSON.
+
+usage: MODELS=FOLDER bench/psp_figures.py [PART...]
+
+PARTs, default all:
+  table      Table 1, Figures 2, 7, 8 and 10: all decimators on the bunny at three counts; psp-decimators.jpg, psp-errors.svg
+  metrics    Figure 4: the dragon in a tenth of its points by both metrics; psp-metrics.jpg
+  progress   Figures 1 and 5: the dragon and another model with more and more splats; psp-progress.jpg
+  time       Figure 6: seconds to 1 % by points; psp-time.svg
+  mesh       Figure 9: splats and triangles at equal counts and bytes; psp-mesh.jpg
+  sweep      distance and SSIM of psp, blue and spt from 10 to 100,000 splats, a row of plots for each model; psp-sweep.svg
+
+MODELS holds bunny.ply and dragon.ply, which bench/psp_models.py makes; its other models (.glb, .obj, .ply) join `sweep`. Parts
+that are not measured stay in the JSON as they are.
+"""
+import math
+import os
+import pathlib
+import subprocess
+import tempfile
+
+import kit
+
+COUNTS = (415, 2591, 11588)
+DECIMATORS = {"psp": ("--by", "psp"), "psp, 4 neighbours": ("--by", "psp", "--neighbours", "4"),
+              "psp, distances": ("--by", "psp", "--metric", "distances"), "octree-level": ("--by", "octree-level"),
+              "octree": ("--by", "octree"), "quadric": ("--by", "quadric"), "subsample": ("--by", "subsample"), "blue": ("--by", "blue"),
+              "mesh": ("--by", "mesh")}
+PAPER = {"psp": (2.18, 2.52, 3.23), "octree-level": (2.34, 2.71, 3.22), "quadric": (4.14, 4.12, 4.23), "subsample": (1.63, 2.15, 3.13)}
+ERROR_COUNTS = (100, 300, 1000, 3000, 10000)
+ERROR_WAYS = ("psp", "octree", "quadric", "subsample", "blue")
+SWEEP_COUNTS = (10, 30, 100, 300, 1000, 3000, 10000, 30000, 100000)
+SWEEP_WAYS = ("psp", "blue", "spt")
+SPLAT_BYTES, MESH_VERTEX_BYTES, TRIANGLE_BYTES = 40, 12, 12 # ten floats; three floats; three indices of 32 bits
+FIGURES = ("splats", "area_ratio", "hausdorff_max_percent", "hausdorff_mean_percent", "ssim", "ssim_covered")
+
+
+def model(name):
+    return pathlib.Path(os.environ["MODELS"]) / f"{name}.ply"
+
+
+def others():
+    """Models besides those of the packages."""
+    return sorted(p for p in pathlib.Path(os.environ["MODELS"]).iterdir() if p.suffix in (".glb", ".obj", ".ply") and p.stem not in ("bunny", "dragon"))
+
+
+def decimate(given, source, count, words, form="stip"):
+    """A file of splats, and what decimate printed."""
+    path = given.folder / f"{source.stem}-{count}-{'-'.join(words).replace('-', '')}.{form}"
+    return path, kit.stipple("decimate", source, "-o", path, "--splats", count, *words, threads=given.threads)
+
+
+def measure(given, splats, source, *more):
+    figures = kit.stipple("compare-splats", splats, source, "--size", "384x384", *more, threads=given.threads)
+    return {key: figures[key] for key in FIGURES}
+
+
+def draw(given, stored, name, scale=1, size="400x400", view="front"):
+    """A picture of splats, or of the triangles of a mesh, in full size or shrunken."""
+    picture = given.folder / f"{name}-{scale}.png"
+    kit.stipple("render", stored, "-o", picture, "--size", size, "--view", view, "--background", "white", "--splat-scale", scale,
+                *(["--reference"] if stored.suffix != ".stip" else []), "--supersample", 2, threads=given.threads)
+    return picture
+
+
+def sheet(path, pictures, columns, width):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    subprocess.run([kit.STIPPLE, "sheet", *(f"{picture}={caption}" for picture, caption in pictures), "--columns", str(columns), "--width",
+                    str(width), "-o", path, "--quiet"], check=True)
+    kit.say(path)
+
+
+class Panels:
+    """Plots beside each other with a logarithmic axis of counts; each has an axis of its own."""
+    width, height, left, gap, top = 230, 150, 60, 56, 78
+
+    def __init__(self, title, curves, rows, columns):
+        self.drawing = kit.Drawing(self.left + columns * (self.width + self.gap) - 20, self.top + rows * (self.height + 56) - 14)
+        self.drawing.text(self.left, 20, title, more='font-weight="bold"')
+        for i, curve in enumerate(curves):
+            self.drawing.line([(self.left + 110 * i, 38), (self.left + 20 + 110 * i, 38)], kit.COLORS[i], 2)
+            self.drawing.text(self.left + 26 + 110 * i, 42, curve)
+
+    def add(self, row, column, name, curves, logarithmic):
+        """Curves of (count, value)."""
+        left, top = self.left + column * (self.width + self.gap), self.top + row * (self.height + 56)
+        places = [x for curve in curves for x, _ in curve]
+        values = [y for curve in curves for _, y in curve if y > 0 or not logarithmic]
+        first, last = math.floor(math.log10(min(places))), math.ceil(math.log10(max(places)))
+        low, high = (math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))) if logarithmic else (math.floor(10 * min(values)) / 10, 1)
+        self.drawing.text(left, top - 8, name)
+        steps = range(low, high + 1) if logarithmic else [low + (high - low) * k / 4 for k in range(5)]
+        for step in steps:
+            y = top + self.height * (high - step) / (high - low)
+            self.drawing.line([(left, y), (left + self.width, y)], "#ddd")
+            self.drawing.text(left - 5, y + 4, f"{10.0 ** step:g}" if logarithmic else f"{step:.2f}", "end", 'font-size="10"')
+        for power in range(first, last + 1):
+            x = left + self.width * (power - first) / (last - first)
+            self.drawing.line([(x, top + self.height), (x, top + self.height + 4)], "#888")
+            self.drawing.text(x, top + self.height + 16, f"{10 ** power:,}", "middle", 'font-size="10"')
+        for i, curve in enumerate(curves):
+            points = [(left + self.width * (math.log10(x) - first) / (last - first),
+                       top + self.height * (high - (math.log10(max(y, 10.0 ** low)) if logarithmic else y)) / (high - low)) for x, y in curve]
+            if points:
+                self.drawing.line(points, kit.COLORS[i], 2)
+            for x, y in points:
+                self.drawing.put(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{kit.COLORS[i]}"/>')
+
+
+def measure_table(given):
+    results, rows, pictures, source = [], [], {}, model("bunny")
+    for name, words in DECIMATORS.items():
+        found = []
+        for count in COUNTS:
+            path, made = decimate(given, source, count, words, "ply" if name == "mesh" else "stip")
+            figures = {**measure(given, path, source), "seconds": made["seconds"]}
+            found.append(figures)
+            results.append(kit.result("psp table", {"model": "bunny", "by": name, "asked": count}, figures))
+            for scale in (0.3, 1):
+                pictures[name, count, scale] = (draw(given, path, f"{name}-{count}", scale, view="front"), f"{name}, {figures['splats'] or count:,}")
+        rows.append([name, *(f"{f['area_ratio']:.2f}" for f in found), ", ".join(map(str, PAPER.get(name, ("-",)))),
+                     ", ".join(f"{f['hausdorff_max_percent']:.2f}" for f in found), ", ".join(f"{f['ssim']:.3f}" for f in found)])
+    kit.table(["method", *(f"{count:,}" for count in COUNTS), "the paper", "largest distance, %", "SSIM"], rows)
+    ways = ("octree-level", "quadric", "psp", "subsample")
+    sheet(given.images / "psp-decimators.jpg", [pictures[way, count, 0.3] for way in ways for count in COUNTS], 3, 240)
+    sheet(given.images / "psp-decimators-full.png", [pictures[way, COUNTS[0], 1] for way in ("octree-level", "quadric", "psp", "subsample")], 4, 240)
+    curves = []
+    for way in ERROR_WAYS:
+        curve = []
+        for count in ERROR_COUNTS:
+            path, _ = decimate(given, source, count, DECIMATORS[way])
+            figures = measure(given, path, source, "--no-pictures")
+            curve.append((figures["splats"], figures))
+            results.append(kit.result("psp table errors", {"model": "bunny", "by": way, "asked": count}, {k: v for k, v in figures.items() if v is not None}))
+        curves.append(curve)
+    panels = Panels("distance from the bunny to its splats, % of the diagonal, by splats", ERROR_WAYS, 1, 2)
+    for column, key in enumerate(("hausdorff_max_percent", "hausdorff_mean_percent")):
+        panels.add(0, column, ("largest", "mean")[column], [[(n, f[key]) for n, f in curve] for curve in curves], True)
+    panels.drawing.write(given.images / "psp-errors.svg")
+    return results
+
+
+def measure_metrics(given):
+    source, results, top, bottom = model("dragon"), [], [], []
+    for metric in ("distances", "normals"):
+        path, made = decimate(given, source, made_of(source) // 10, ("--metric", metric))
+        figures = {**measure(given, path, source), "seconds": made["seconds"]}
+        results.append(kit.result("psp metrics", {"model": "dragon", "metric": metric}, figures))
+        told = f"{metric}: {figures['splats']:,}, {figures['seconds']:.1f} s, {figures['hausdorff_max_percent']:.3f} %"
+        top.append((draw(given, path, metric, 1, "560x400"), told))
+        bottom.append((draw(given, path, metric, 0.3, "560x400"), "shrunk to 0.3"))
+    kit.table(["metric", "splats", "seconds", "largest distance, %", "mean, %", "SSIM", "area ratio"],
+              [[r["params"]["metric"], f"{r['figures']['splats']:,}", f"{r['figures']['seconds']:.2f}",
+                *(f"{r['figures'][k]:.3f}" for k in ("hausdorff_max_percent", "hausdorff_mean_percent", "ssim", "area_ratio"))] for r in results])
+    sheet(given.images / "psp-metrics.jpg", top + bottom, 2, 420)
+    return results
+
+
+def made_of(source):
+    """How many points decimate reads."""
+    with tempfile.TemporaryDirectory() as folder:
+        return kit.stipple("decimate", source, "-o", f"{folder}/out.ply", "--splats", 10, "--by", "octree")["points"]
+
+
+def measure_progress(given):
+    results, pictures, source = [], [], model("dragon")
+    for count in (2000, 6000, 20000, 70000):
+        path, made = decimate(given, source, count, ())
+        figures = measure(given, path, source)
+        results.append(kit.result("psp progress", {"model": "dragon", "asked": count}, {**figures, "seconds": made["seconds"]}))
+        for scale in (1, 0.3):
+            pictures.append((draw(given, path, f"progress-{count}", scale, "480x340"), f"{count:,} splats" + (", shrunk to 0.3" if scale < 1 else f", SSIM {figures['ssim']:.3f}")))
+    sheet(given.images / "psp-progress.jpg", pictures[0::2] + pictures[1::2], 4, 260)
+    return results
+
+
+def measure_time(given):
+    """Seconds to 1 %; methods take turns."""
+    results, ways, sources = [], ("psp", "psp, distances", "octree", "quadric", "subsample", "blue", "mesh"), [model("bunny"), *others(), model("dragon")]
+    found = {way: [] for way in ways}
+    for source in sources:
+        points = made_of(source)
+        for way in ways:
+            if way == "subsample" and points > 200_000:
+                continue # minutes
+            runs = [decimate(given, source, points // 100, DECIMATORS[way], "ply")[1] for _ in range(given.repeats)]
+            seconds = sorted(r["seconds"] for r in runs)[0]
+            found[way].append((points, seconds))
+            results.append(kit.result("psp time", {"model": source.name, "by": way}, {"points": points, "seconds": seconds}))
+        kit.say(source.name)
+    panels = Panels("seconds to 1 % of the points, by points", ways, 1, 3)
+    panels.add(0, 0, "seconds", [sorted(found[way]) for way in ways], True)
+    panels.drawing.write(given.images / "psp-time.svg")
+    kit.table(["points", *ways], [[f"{n:,}", *(next((f"{s:.2f}" for m, s in found[way] if m == n), "-") for way in ways)] for n in sorted({n for n, _ in found["psp"]})])
+    return results
+
+
+def measure_mesh(given):
+    """At equal counts, and a mesh of as many bytes as the splats have."""
+    results, pictures, source = [], [], model("dragon")
+    for count in (2000, 10000):
+        path, made = decimate(given, source, count, DECIMATORS["psp"])
+        runs = [("psp", path, made, count * SPLAT_BYTES)]
+        vertices = count
+        for name in ("mesh, equal count", "mesh, equal bytes"):
+            path, made = decimate(given, source, vertices, DECIMATORS["mesh"], "ply")
+            size = made["vertices"] * MESH_VERTEX_BYTES + made["triangles"] * TRIANGLE_BYTES
+            runs.append((name, path, made, size))
+            vertices = round(vertices * count * SPLAT_BYTES / size)
+        for name, path, made, size in runs:
+            figures = {**measure(given, path, source), "seconds": made["seconds"], "bytes": size, "vertices": made.get("vertices") or 0}
+            results.append(kit.result("psp mesh", {"model": "dragon", "by": name, "asked": count}, figures))
+            if count == 2000:
+                pictures.append((draw(given, path, f"mesh-{name}", 1, "480x340"), f"{name}: {size:,} bytes, {figures['hausdorff_max_percent']:.2f} %"))
+    kit.table(["splats", "", "vertices", "bytes", "seconds", "largest distance, %", "mean, %", "SSIM"],
+              [[r["params"]["asked"], r["params"]["by"], r["figures"]["vertices"], f"{r['figures']['bytes']:,}", f"{r['figures']['seconds']:.2f}",
+                *(f"{r['figures'][k]:.3f}" for k in ("hausdorff_max_percent", "hausdorff_mean_percent", "ssim"))] for r in results])
+    sheet(given.images / "psp-mesh.jpg", pictures, 3, 320)
+    return results
+
+
+def measure_sweep(given):
+    results, sources = [], [model("bunny"), model("dragon"), *others()]
+    keys = {"hausdorff_mean_percent": ("mean distance, %", True), "hausdorff_max_percent": ("largest distance, %", True), "ssim": ("SSIM", False)}
+    panels = Panels("psp, blue and spt at equal splats", SWEEP_WAYS, len(sources), len(keys))
+    best = {}
+    for row, source in enumerate(sources):
+        stored = given.folder / f"{source.stem}-all.stip"
+        subprocess.run([kit.STIPPLE, "build", source, "-o", stored, "--method", "psp,blue,spt", "--surfels", "200000", "--progress", "none", "--quiet"],
+                       check=True, stdout=subprocess.DEVNULL)
+        curves = {way: [] for way in SWEEP_WAYS}
+        for way in SWEEP_WAYS:
+            for count in SWEEP_COUNTS:
+                figures = measure(given, stored, source, "--splats", count, "--method", way, "--samples", 20000)
+                if abs(figures["splats"] - count) > 0.2 * count:
+                    continue # the set has other counts, or fewer
+                curves[way].append((count, figures))
+                results.append(kit.result("psp sweep", {"model": source.name, "method": way, "asked": count}, {k: v for k, v in figures.items() if v is not None}))
+        for column, (key, (title, logarithmic)) in enumerate(keys.items()):
+            panels.add(row, column, f"{source.stem}: {title}", [[(n, f[key]) for n, f in curves[way]] for way in SWEEP_WAYS], logarithmic)
+            for count in SWEEP_COUNTS:
+                at = {way: f[key] for way in SWEEP_WAYS for n, f in curves[way] if n == count}
+                if len(at) > 1:
+                    best.setdefault((key, count), []).append((max if key == "ssim" else min)(at, key=at.get))
+        kit.say(source.name)
+    panels.drawing.write(given.images / "psp-sweep.svg")
+    kit.table(["splats", *(title for title, _ in keys.values())],
+              [[f"{count:,}", *(", ".join(f"{way} {best[key, count].count(way)}" for way in SWEEP_WAYS if way in best.get((key, count), ())) for key in keys)]
+               for count in SWEEP_COUNTS])
+    return results
+
+
+PARTS = {"table": measure_table, "metrics": measure_metrics, "progress": measure_progress, "mesh": measure_mesh, "time": measure_time, "sweep": measure_sweep}
+
+
+def main():
+    parser = kit.options(__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("--repeats", type=int, default=2, help="runs whose fastest counts; default 2")
+    given = parser.parse_args()
+    unknown = [part for part in given.parts if part not in PARTS]
+    if unknown:
+        parser.error(f"no part is named {unknown[0]}")
+    if not os.environ.get("MODELS") or not model("bunny").exists() or not model("dragon").exists():
+        parser.error("MODELS must name a folder with bunny.ply and dragon.ply: bench/psp_models.py FOLDER")
+    path = kit.path_of("psp-figures", given.out)
+    kept = kit.read_results(path) if path.exists() else []
+    with tempfile.TemporaryDirectory() as name:
+        given.folder = pathlib.Path(name)
+        for part in given.parts or PARTS:
+            names = ("psp table", "psp table errors") if part == "table" else (f"psp {part}",)
+            kept = [r for r in kept if r["name"] not in names] + PARTS[part](given)
+            kit.keep("psp-figures", kept, given.out)
+
+
+if __name__ == "__main__":
+    main()
