@@ -74,8 +74,11 @@ static int print_json(const session* s)
     json_t* threads = json_integer(stp_context_thread_count(s->drawing.context));
     json_t* figures = flight_describe(&s->record);
     if (json_object_set_new(object, "threads", threads) != 0 ||
-        json_object_set_new(object, "method", name) != 0 || figures == NULL ||
-        json_object_update(object, figures) != 0) {
+        json_object_set_new(object, "method", name) != 0 ||
+        json_object_set_new(
+            object, "coarse_method",
+            json_pack("s?", draw_options_coarse_method(&args.draw, s->drawing.store))) != 0 ||
+        figures == NULL || json_object_update(object, figures) != 0) {
         json_decref(object);
         json_decref(figures);
         return tool_error("out of memory");

@@ -281,6 +281,11 @@ static json_t* describe(const session* s, json_t* picked)
     described = json_object_set_new(object, "method",
                                     method != NULL ? json_string(method) : json_null()) == 0 &&
                 described;
+    described =
+        json_object_set_new(
+            object, "coarse_method",
+            json_pack("s?", draw_options_coarse_method(&args.draw, s->drawing.store))) == 0 &&
+        described;
     described = json_object_set_new(object, "samples", samples) == 0 && described;
     described = json_object_set_new(object, "accumulated_frames", frames) == 0 && described;
     described =

@@ -74,7 +74,7 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .argument = "NAME",
          .words = TOOL_METHOD_WORDS,
          .help = "whose splats are drawn, of a file that holds several methods'; default the "
-                 "file's first",
+                 "file's first and, beside blue, psp where few splats suffice",
          .value = &o->method,
          .given = &o->has_method},
         {.name = "hybrid",
@@ -392,6 +392,14 @@ const char* draw_options_method(const draw_options* o, const stp_store* store)
     const stp_store_directory* d = stp_store_get_directory(store);
     uint32_t id = o->has_method ? stp_methods[o->method].id : 0;
     return d->surfels_count > 0 ? d->methods[stp_store_find_method(d, id)].name : NULL;
+}
+
+const char* draw_options_coarse_method(const draw_options* o, const stp_store* store)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    const stp_quality quality = draw_options_quality(o);
+    uint32_t method = stp_select_coarse_method(d, &quality);
+    return method != STP_STORE_NONE ? d->methods[method].name : NULL;
 }
 
 stp_draw_style draw_options_style(const draw_options* o)

@@ -61,6 +61,8 @@ int draw_options_check_method(const draw_options* options, const stp_store* stor
                               const char* path);
 /// The name of the method that is drawn; NULL: there are no splats. It lives as long as the store.
 const char* draw_options_method(const draw_options* options, const stp_store* store);
+/// The same of the method that is drawn beside it where few splats suffice; NULL: none is.
+const char* draw_options_coarse_method(const draw_options* options, const stp_store* store);
 
 /// What was asked for. Options must have been checked.
 stp_quality draw_options_quality(const draw_options* options);

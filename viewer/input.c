@@ -205,10 +205,15 @@ static void show_next_method(viewer* v)
         viewer_say(v, false, "This file holds no splats of another method");
         return;
     }
-    uint32_t next =
-        (stp_store_find_method(d, (uint32_t)v->settings.splats_by) + 1) % d->method_count;
-    v->settings.splats_by = (int)d->methods[next].id;
-    viewer_say(v, false, "Splats by %s", d->methods[next].name);
+    bool mixed = viewer_mixes_methods(v) && v->settings.splats_by == 0;
+    uint32_t next = mixed ? 0 : stp_store_find_method(d, (uint32_t)v->settings.splats_by) + 1;
+    if (viewer_mixes_methods(v) && next == d->method_count) {
+        v->settings.splats_by = 0;
+        viewer_say(v, false, "Splats by %s, and by others where few suffice", d->methods[0].name);
+        return;
+    }
+    v->settings.splats_by = (int)d->methods[next % d->method_count].id;
+    viewer_say(v, false, "Splats by %s", d->methods[next % d->method_count].name);
 }
 
 /// Keys of panels and tools. @return whether it was one

@@ -168,19 +168,24 @@ static void show_speed(viewer* v)
 /// Whose splats are drawn, where the file holds several methods'.
 static void show_methods(viewer* v)
 {
-    const char* names[SCENE_METHODS];
+    const char* names[SCENE_METHODS + 1];
     if (v->scene == NULL || v->scene->directory->method_count < 2) {
         return;
     }
     const stp_store_directory* d = v->scene->directory;
     uint32_t count = d->method_count < SCENE_METHODS ? d->method_count : SCENE_METHODS;
-    int chosen = (int)stp_store_find_method(d, (uint32_t)v->settings.splats_by);
+    uint32_t first = viewer_mixes_methods(v) ? 1 : 0; // the place of the file's first
+    int chosen = (int)(first + stp_store_find_method(d, (uint32_t)v->settings.splats_by));
+    chosen = first > 0 && v->settings.splats_by == 0 ? 0 : chosen;
+    names[0] = "Automatic";
     for (uint32_t i = 0; i < count; ++i) {
         const stp_method* method = stp_method_by_id(d->methods[i].id);
-        names[i] = method != NULL ? method->title : d->methods[i].name;
+        names[first + i] = method != NULL ? method->title : d->methods[i].name;
     }
-    gui_choice("Method", &chosen, names, (int)count, "Whose splats are drawn");
-    v->settings.splats_by = (int)d->methods[chosen].id;
+    gui_choice("Method", &chosen, names, (int)(first + count),
+               "Whose splats are drawn; Automatic: ellipses where few splats suffice");
+    v->settings.splats_by =
+        (uint32_t)chosen < first ? 0 : (int)d->methods[(uint32_t)chosen - first].id;
 }
 
 static void show_advanced(viewer* v)

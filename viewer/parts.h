@@ -31,6 +31,8 @@ void page_print_count(char* text, size_t size, uint64_t count);
 uint32_t splats_all(const viewer* v);
 /// The number in effect; 0: they are drawn by size.
 uint32_t splats_count(const viewer* v);
+/// Whether the file holds sets that stand for others where few splats suffice.
+bool viewer_mixes_methods(const viewer* v);
 /// From size to number and back.
 void splats_switch(viewer* v);
 /// @return whether the key was one that changes the number; `fine`: by less

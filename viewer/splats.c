@@ -16,6 +16,13 @@ uint32_t splats_all(const viewer* v)
     return splat_count_is_chosen_of(all) ? all : 0;
 }
 
+bool viewer_mixes_methods(const viewer* v)
+{
+    const stp_quality quality = {.method = 0};
+    return v->scene != NULL &&
+           stp_select_coarse_method(v->scene->directory, &quality) != STP_STORE_NONE;
+}
+
 uint32_t splats_count(const viewer* v)
 {
     uint32_t all = splats_all(v), count = v->settings.splat_count;

@@ -78,11 +78,11 @@ bool stp_select_want_extra(stp_selection* s, uint32_t mesh)
 }
 
 static void want_set(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
-                     uint32_t octaves)
+                     uint32_t set, uint32_t octaves)
 {
     double scale = stp_affine_scale(&at->transform);
     add_want(s, (stp_want){.kind = STP_RESIDENT_SURFELS,
-                           .index = stp_select_set_of(s, at->node),
+                           .index = set,
                            .octaves = octaves,
                            .need = find_need(s, sight, at->covered * at->eager),
                            .octave_need = find_need(s, sight, scale)});
@@ -174,7 +174,7 @@ static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* n
             result = look_below(s, &at, ready);
             continue;
         }
-        want_set(s, &at, &sight, find_octaves(surfels, &at));
+        want_set(s, &at, &sight, set, find_octaves(surfels, &at));
         *ready = *ready && stands_in(surfels, stp_store_resident_surfels(s->store, set), &at);
     }
     s->stack_count = base;
@@ -196,7 +196,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                 const stp_sight* sight, stp_set_use* use)
 {
     const stp_splats* surfels = use->surfels;
-    uint32_t here = stp_store_resident_surfels(s->store, stp_select_set_of(s, at->node));
+    uint32_t here = stp_store_resident_surfels(s->store, use->set);
     uint32_t octaves = stp_store_octaves_for(surfels, use->count);
     uint32_t least = find_octaves(surfels, at);
     bool opens = s->quality->splat_count == 0 &&
@@ -212,12 +212,12 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
         }
     }
     if (opens && !ready) {
-        want_set(s, at, sight, surfels->octave_count);
+        want_set(s, at, sight, use->set, surfels->octave_count);
         limit(s, at, sight, here, true, use);
         return STP_OK;
     }
     if (use->count > 0 || opens) {
-        want_set(s, at, sight, octaves > least ? octaves : least);
+        want_set(s, at, sight, use->set, octaves > least ? octaves : least);
     }
     if (use->count <= here) {
         return STP_OK;
@@ -230,4 +230,11 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
     }
     limit(s, at, sight, here, !opens, use);
     return STP_OK;
+}
+
+bool stp_select_want_coarse(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                            const stp_set_use* use)
+{
+    want_set(s, at, sight, use->set, stp_store_octaves_for(use->surfels, use->count));
+    return stp_store_resident_surfels(s->store, use->set) >= use->count;
 }

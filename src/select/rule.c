@@ -39,13 +39,53 @@ double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entr
     return per_depth > 0.0 && isfinite(per_depth) ? per_depth : 0.0;
 }
 
+// Measured on the benchmark scene (docs/notes/2026-11-coarse-ellipses.md).
+#define COARSE_SHARE 0.25
+
+uint32_t stp_select_coarse_method(const stp_store_directory* directory, const stp_quality* quality)
+{
+    uint32_t found = STP_STORE_NONE;
+    if (quality->method != 0 || quality->reference || quality->splat_count != 0 ||
+        quality->policy != STP_POLICY_INSERTION || directory->method_count < 2 ||
+        directory->methods[0].id != STP_METHOD_BLUE) {
+        return found;
+    }
+    for (uint32_t i = 1; i < directory->method_count; ++i) {
+        found = directory->methods[i].id == STP_METHOD_PSP ? i : found;
+    }
+    return found;
+}
+
+void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                           stp_set_use* use)
+{
+    uint32_t set = s->coarse_method != STP_STORE_NONE
+                       ? stp_store_set_of(s->directory, s->coarse_method, at->node)
+                       : STP_STORE_NONE;
+    bool is_coarse = use->count > 0 && !use->extra && use->per_depth > 0.0 &&
+                     (double)use->count < COARSE_SHARE * (double)use->surfels->count;
+    if (set == STP_STORE_NONE || !is_coarse) {
+        return;
+    }
+    const stp_select_rule* rule = stp_select_rule_of(s->directory->methods[s->coarse_method].id);
+    stp_set_use other = {.rule = rule,
+                         .set = set,
+                         .surfels = stp_store_describe_surfels(s->store, set),
+                         .switch_depth = HUGE_VAL,
+                         .per_depth = use->per_depth};
+    rule->use(s, at, sight, false, &other);
+    if (other.count > 0 && (!s->streams || stp_select_want_coarse(s, at, sight, &other))) {
+        *use = other;
+    }
+}
+
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
                                const stp_sight* sight)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
-    const stp_splats* surfels =
-        stp_store_describe_surfels(s->store, stp_select_set_of(s, at->node));
-    stp_set_use use = {.surfels = surfels, .switch_depth = HUGE_VAL};
+    uint32_t set = stp_select_set_of(s, at->node);
+    const stp_splats* surfels = stp_store_describe_surfels(s->store, set);
+    stp_set_use use = {.rule = s->rule, .set = set, .surfels = surfels, .switch_depth = HUGE_VAL};
     if (surfels->count == 0) {
         return use;
     }

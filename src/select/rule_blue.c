@@ -186,7 +186,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
     double part = stp_select_growth(at->ceiling, range.near);
     part *= use->extra ? shrinking(use, range.far) : 1.0;
     stp_draw_item item = {.kind = STP_DRAW_SURFELS,
-                          .index = stp_select_set_of(s, at->node),
+                          .index = use->set,
                           .prefix = (uint32_t)(part * (double)use->count),
                           .full_prefix = use->count,
                           .radius = (float)use->radius,

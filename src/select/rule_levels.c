@@ -96,7 +96,7 @@ static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* a
                                const stp_set_use* use)
 {
     return (stp_draw_item){.kind = STP_DRAW_SURFELS,
-                           .index = stp_select_set_of(s, at->node),
+                           .index = use->set,
                            .prefix = use->count,
                            .full_prefix = use->count,
                            .radius = (float)use->radius,

@@ -25,7 +25,9 @@ typedef struct stp_quality {
     /// Exactly so many splats instead, in all, or what there is; of `spt`, at most so many. 0: by size.
     uint64_t splat_count;
     stp_policy policy;
-    uint32_t method;  ///< whose sets are drawn (STP_METHOD_*); 0, or none of the file's: its first
+    /// Whose sets are drawn (STP_METHOD_*). 0: those of the file's first, and beside it of stp_select_coarse_method. None of
+    /// the file's: those of its first alone.
+    uint32_t method;
     bool reference;   ///< original triangles and points only
     bool splats_only; ///< a node that has splats is never opened, however near it is
     bool nodes_only;  ///< a node is drawn by splats or by triangles, never by some of both
@@ -131,6 +133,11 @@ static inline bool stp_draw_keeps(uint32_t index, float share)
     h ^= h >> 13;
     return (float)(h >> 8) < share * 16777216.0f;
 }
+
+/// The method whose sets stand for nodes that need a small share of their own sets: `psp` beside `blue`, where the quality
+/// leaves the choice to the file. Merged ellipses cover flat and long things better than disks as long as they are few
+/// (docs/notes/2026-11-coarse-ellipses.md). @return its place in the directory's table; STP_STORE_NONE: there is none
+uint32_t stp_select_coarse_method(const stp_store_directory* directory, const stp_quality* quality);
 
 /// Fills `list`; its memory is kept from call to call (stp_draw_list_destroy; all zero at first), and it belongs
 /// to one store. Items outside the view are left out. A node is opened as far as its surfels cannot cover at the wanted

@@ -67,6 +67,8 @@ typedef struct stp_selection {
     stp_draw_list* list;
     uint32_t method; ///< its place in the directory's table
     const struct stp_select_rule* rule;
+    uint32_t
+        coarse_method; ///< the same of sets that stand for large shares of others; STP_STORE_NONE: none
     const stp_select_graph* graph;
     stp_view_frame frames[STP_EYES_MOST]; ///< of each eye, with one gaze, scale and near plane
     uint32_t eye_count;
@@ -93,6 +95,8 @@ typedef struct stp_sight {
 
 /// How a node's surfels are used. They are drawn beyond switch_depth, what is below the node is drawn nearer.
 typedef struct stp_set_use {
+    const struct stp_select_rule* rule;
+    uint32_t set; ///< of the store
     const stp_splats* surfels;
     uint32_t count; ///< prefix; 0: not drawn
     uint32_t state; ///< splats of the state of a progressive set that is drawn; 0: by levels
@@ -121,6 +125,9 @@ stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part,
 // Of stores that stream (resident.c).
 /// Empties the list's wants, but in the second pass.
 STP_MUST_USE stp_result stp_select_begin_wants(stp_selection* s);
+/// Asks for what a use needs of a set that can be done without. @return whether it is here
+bool stp_select_want_coarse(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                            const stp_set_use* use);
 /// Asks for a mesh or points of a node. @return whether they are here
 bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
                           const stp_sight* sight);

@@ -226,7 +226,9 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
         stp_set_use use = stp_select_use_set(s, at, &sight);
         result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
         if (use.count > 0 && result == STP_OK) {
-            result = s->rule->add(s, at, &use, &sight);
+            stp_set_use drawn = use;
+            stp_select_use_coarse(s, at, &sight, &drawn);
+            result = drawn.rule->add(s, at, &drawn, &sight);
         }
         // where this node's surfels suffice nearest to the eye, switching would draw nothing below
         at->extra = at->extra || (use.count > 0 && !use.extra);

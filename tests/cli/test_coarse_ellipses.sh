@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# A file of blue and psp: nodes that need few splats are drawn by ellipses, unless one method is asked for.
+# Arguments: executable, scratch folder, source folder.
+set -u
+stipple=$1
+# shellcheck source=/dev/null
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$2" && cd "$2" || exit 1
+rm -rf ./*
+command -v python3 > /dev/null || exit 77
+
+value() # FILE KEY: of a JSON object
+{
+    python3 -c 'import json, sys; print(json.load(open(sys.argv[1])).get(sys.argv[2]))' "$1" "$2"
+}
+draw() # NAME FILE OPTIONS...
+{
+    local name=$1 file=$2
+    shift 2
+    "$stipple" render "$file" -o "$name.png" --size 320x240 --view overview --once --json "$@" > "$name.json" 2> err ||
+        fail "render $file $*: $(cat err)"
+}
+likeness() # A B: SSIM of covered pixels
+{
+    "$stipple" compare "$1.png" "$2.png" --json > compare.json || fail "compare $1 $2"
+    value compare.json ssim_covered
+}
+holds() # WHAT EXPRESSION
+{
+    python3 -c "import sys; sys.exit(not ($2))" || fail "$1: $2"
+}
+
+scene=scene:power-plant,scale=0.05
+"$stipple" -q build $scene -o both.stip --method blue,psp || fail "no build of blue and psp"
+"$stipple" -q build $scene -o turned.stip --method psp,blue || fail "no build of psp and blue"
+draw truth both.stip --reference
+
+for size in 8; do
+    draw mixed both.stip --splat-size $size --backend cpu
+    draw blue both.stip --splat-size $size --backend cpu --method blue
+    draw psp both.stip --splat-size $size --backend cpu --method psp
+    [ "$(value mixed.json method) $(value mixed.json coarse_method)" = "blue psp" ] ||
+        fail "drawn by $(value mixed.json method) and $(value mixed.json coarse_method)"
+    for one in blue psp; do
+        [ "$(value $one.json coarse_method)" = None ] || fail "$one is drawn with another method"
+        cmp -s mixed.png $one.png && fail "the default draws what $one draws"
+    done
+    a=$(likeness mixed truth) b=$(likeness blue truth)
+    holds "ellipses make the picture less alike" "$a >= $b"
+    draw threads both.stip --splat-size $size --backend cpu --threads 3
+    cmp -s mixed.png threads.png || fail "three threads draw another picture"
+    draw streamed both.stip --splat-size $size --backend cpu --memory 64M
+    cmp -s mixed.png streamed.png || fail "under a limit of memory the picture differs"
+    draw gl both.stip --splat-size $size --backend gl
+    a=$(likeness mixed gl)
+    holds "OpenGL draws another picture" "$a >= 0.99"
+done
+
+# where something else is asked for, the first method draws alone
+draw by_policy both.stip --splat-size 6 --policy paper
+draw counted both.stip --splats 500 --backend cpu
+draw counted_blue both.stip --splats 500 --backend cpu --method blue
+cmp -s counted.png counted_blue.png || fail "so many splats are not those of the first method"
+draw first both.stip --splat-size 6 --prefix 40%
+draw turned turned.stip --splat-size 6
+for one in by_policy counted turned truth; do
+    [ "$(value $one.json coarse_method)" = None ] || fail "$one is drawn with another method"
+done
+[ "$(value turned.json method)" = psp ] || fail "the first method is $(value turned.json method)"
+[ $failures -eq 0 ]
