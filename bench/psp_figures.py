@@ -93,7 +93,7 @@ class Panels:
         left, top = self.left + column * (self.width + self.gap), self.top + row * (self.height + 56)
         places = [x for curve in curves for x, _ in curve]
         values = [y for curve in curves for _, y in curve if y > 0 or not logarithmic]
-        first, last = math.floor(math.log10(min(places)) + 0.05), math.ceil(math.log10(max(places)))
+        first, last = math.floor(math.log10(min(places)) + 0.1), math.ceil(math.log10(max(places)))
         step = 1 if logarithmic else 0.2 if min(values) < 0.5 else 0.1
         low, high = (math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))) if logarithmic else (step * math.floor(min(values) / step), 1)
         self.drawing.text(left, top - 8, name)
@@ -187,7 +187,9 @@ def measure_time(given):
     found = {way: [] for way in ways}
     for source in sources:
         points = made_of(source)
-        names = [way for way in ways if way != "subsample" or points < 100_000] # which takes minutes
+        left_out = {"subsample"} if points > 100_000 else set() # takes minutes
+        left_out |= {"mesh"} if kit.stipple("info", source)["triangles"] == 0 else set()
+        names = [way for way in ways if way not in left_out]
         runs = [{way: decimate(given, source, points // 100, DECIMATORS[way], "ply")[1]["processor_seconds"] for way in names}
                 for _ in range(given.repeats)]
         for way in names:
