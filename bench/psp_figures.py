@@ -33,6 +33,7 @@ DECIMATORS = {"psp": ("--by", "psp"), "psp, 4 neighbours": ("--by", "psp", "--ne
 PAPER = {"psp": (2.18, 2.52, 3.23), "octree-level": (2.34, 2.71, 3.22), "quadric": (4.14, 4.12, 4.23), "subsample": (1.63, 2.15, 3.13)}
 ERROR_COUNTS = (100, 300, 1000, 3000, 10000)
 ERROR_WAYS = ("psp", "octree", "quadric", "subsample", "blue")
+TIME_WAYS = ("psp", "psp, distances", "octree", "quadric", "subsample", "blue", "mesh")
 SWEEP_COUNTS = (10, 30, 100, 300, 1000, 3000, 10000, 30000, 100000)
 SWEEP_WAYS = ("psp", "blue", "spt")
 QUARTER = "dragon-quarter" # of its points, as a mesh: of all, comparing takes four times as long
@@ -79,14 +80,15 @@ def sheet(path, pictures, columns, width):
 
 class Panels:
     """Plots beside each other with a logarithmic axis of counts; each has an axis of its own."""
-    width, height, left, gap, top = 230, 150, 60, 56, 78
+    height, left, gap, top = 150, 60, 56, 78
 
-    def __init__(self, title, curves, rows, columns):
+    def __init__(self, title, curves, rows, columns, width=230):
+        self.width = width
         self.drawing = kit.Drawing(self.left + columns * (self.width + self.gap) - 20, self.top + rows * (self.height + 56) - 14)
         self.drawing.text(self.left, 20, title, more='font-weight="bold"')
         for i, curve in enumerate(curves):
-            self.drawing.line([(self.left + 110 * i, 38), (self.left + 20 + 110 * i, 38)], kit.COLORS[i], 2)
-            self.drawing.text(self.left + 26 + 110 * i, 42, curve)
+            self.drawing.line([(self.left + 118 * i, 38), (self.left + 20 + 118 * i, 38)], kit.COLORS[i], 2)
+            self.drawing.text(self.left + 26 + 118 * i, 42, curve)
 
     def add(self, row, column, name, curves, logarithmic):
         """Curves of (count, value)."""
@@ -183,25 +185,28 @@ def measure_progress(given):
 
 def measure_time(given):
     """Seconds of the processor to 1 %; methods take turns."""
-    results, ways, sources = [], ("psp", "psp, distances", "octree", "quadric", "subsample", "blue", "mesh"), [model("bunny"), *others(), model("dragon")]
-    found = {way: [] for way in ways}
-    for source in sources:
+    results = []
+    for source in (model("bunny"), *others(), model("dragon")):
         points = made_of(source)
         left_out = {"subsample"} if points > 100_000 else set() # takes minutes
         left_out |= {"mesh"} if kit.stipple("info", source)["triangles"] == 0 else set()
-        names = [way for way in ways if way not in left_out]
-        runs = [{way: decimate(given, source, points // 100, DECIMATORS[way], "ply")[1]["processor_seconds"] for way in names}
+        ways = [way for way in TIME_WAYS if way not in left_out]
+        runs = [{way: decimate(given, source, points // 100, DECIMATORS[way], "ply")[1]["processor_seconds"] for way in ways}
                 for _ in range(given.repeats)]
-        for way in names:
-            seconds = min(run[way] for run in runs)
-            found[way].append((points, seconds))
-            results.append(kit.result("psp time", {"model": source.name, "by": way}, {"points": points, "processor_seconds": seconds}))
+        results += [kit.result("psp time", {"model": source.name, "by": way}, {"points": points, "processor_seconds": min(run[way] for run in runs)})
+                    for way in ways]
         kit.say(source.name)
-    panels = Panels("seconds of the processor to 1 % of the points, by points", ways, 1, 3)
-    panels.add(0, 0, "seconds", [sorted(found[way]) for way in ways], True)
-    panels.drawing.write(given.images / "psp-time.svg")
-    kit.table(["points", *ways], [[f"{n:,}", *(next((f"{s:.2f}" for m, s in found[way] if m == n), "-") for way in ways)] for n in sorted({n for n, _ in found["psp"]})])
+    show_time(given, results)
     return results
+
+
+def show_time(given, results):
+    found = {way: sorted((r["figures"]["points"], r["figures"]["processor_seconds"]) for r in results if r["params"]["by"] == way) for way in TIME_WAYS}
+    panels = Panels("seconds of the processor to 1 % of the points, by points", TIME_WAYS, 1, 1, 780)
+    panels.add(0, 0, "seconds", found.values(), True)
+    panels.drawing.write(given.images / "psp-time.svg")
+    kit.table(["points", *TIME_WAYS], [[f"{n:,}", *(f"{dict(found[way])[n]:.2f}" if n in dict(found[way]) else "-" for way in TIME_WAYS)]
+                                       for n, _ in found["psp"]])
 
 
 def measure_mesh(given):
