@@ -38,7 +38,7 @@ SWEEP_COUNTS = (10, 30, 100, 300, 1000, 3000, 10000, 30000, 100000)
 SWEEP_WAYS = ("psp", "blue", "spt")
 QUARTER = "dragon-quarter" # of its points, as a mesh: of all, comparing takes four times as long
 SWEEP_KEYS = {"hausdorff_mean_percent": "mean distance, %", "hausdorff_max_percent": "largest distance, %", "ssim": "SSIM"}
-SWEEP_SURFELS, SWEEP_SAMPLES, SAMPLES = "200000", 20000, 200000 # samples besides vertices; largest distances are proven besides
+SWEEP_SURFELS, SWEEP_SAMPLES, SAMPLES = "200000", 20000, 200000 # samples besides vertices; few also bound the proof of the largest
 SPLAT_BYTES, MESH_VERTEX_BYTES, TRIANGLE_BYTES = 40, 12, 12 # ten floats; three floats; three indices of 32 bits
 FIGURES = ("splats", "area_ratio", "hausdorff_max_percent", "hausdorff_mean_percent", "ssim", "ssim_covered")
 
