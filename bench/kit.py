@@ -37,6 +37,19 @@ def stipple(*arguments, threads=0):
     return json.loads(done.stdout)
 
 
+def processor_seconds():
+    """What all commands until now took of the processor, with all threads, reading and writing: other work hardly changes it."""
+    times = os.times()
+    return times.children_user + times.children_system
+
+
+def timed(*arguments, threads=0):
+    """As `stipple`, with `processor_seconds` of the command."""
+    before = processor_seconds()
+    figures = stipple(*arguments, threads=threads)
+    return {**figures, "processor_seconds": round(processor_seconds() - before, 3)}
+
+
 def bench(name, *arguments):
     """Runs a benchmark, and returns its object: machine and results."""
     call = [str(STIPPLE), "bench", name, *map(str, arguments), "--json"]

@@ -6,19 +6,22 @@ usage: MODELS=FOLDER bench/psp_figures.py [PART...]
 PARTs, default all:
   table      Table 1, Figures 2, 7, 8 and 10: all decimators on the bunny at three counts; psp-decimators.jpg, psp-errors.svg
   metrics    Figure 4: the dragon in a tenth of its points by both metrics; psp-metrics.jpg
-  progress   Figures 1 and 5: the dragon and another model with more and more splats; psp-progress.jpg
-  time       Figure 6: seconds to 1 % by points; psp-time.svg
+  progress   Figures 1 and 5: the dragon with more and more splats; psp-progress.jpg
+  time       Figure 6: seconds of the processor to 1 % by points; psp-time.svg
   mesh       Figure 9: splats and triangles at equal counts and bytes; psp-mesh.jpg
-  sweep      distance and SSIM of psp, blue and spt from 10 to 100,000 splats, a row of plots for each model; psp-sweep.svg
+  sweep      distance and SSIM of psp, blue and spt from 10 to 100,000 splats, of the dragon in a quarter of its points;
+             psp-sweep-MODEL.svg
 
 MODELS holds bunny.ply and dragon.ply, which bench/psp_models.py makes; its other models (.glb, .obj, .ply) join `sweep`. Parts
-that are not measured stay in the JSON as they are.
+that are not measured stay in the JSON as they are; `sweep` writes each figure as it is found. All parts take about 13 minutes of
+the processor.
 """
 import math
 import os
 import pathlib
 import subprocess
 import tempfile
+import time
 
 import kit
 
@@ -30,8 +33,12 @@ DECIMATORS = {"psp": ("--by", "psp"), "psp, 4 neighbours": ("--by", "psp", "--ne
 PAPER = {"psp": (2.18, 2.52, 3.23), "octree-level": (2.34, 2.71, 3.22), "quadric": (4.14, 4.12, 4.23), "subsample": (1.63, 2.15, 3.13)}
 ERROR_COUNTS = (100, 300, 1000, 3000, 10000)
 ERROR_WAYS = ("psp", "octree", "quadric", "subsample", "blue")
+TIME_WAYS = ("psp", "psp, distances", "octree", "quadric", "subsample", "blue", "mesh")
 SWEEP_COUNTS = (10, 30, 100, 300, 1000, 3000, 10000, 30000, 100000)
 SWEEP_WAYS = ("psp", "blue", "spt")
+QUARTER = "dragon-quarter" # of its points, as a mesh: of all, comparing takes four times as long
+SWEEP_KEYS = {"hausdorff_mean_percent": "mean distance, %", "hausdorff_max_percent": "largest distance, %", "ssim": "SSIM"}
+SWEEP_SURFELS, SWEEP_SAMPLES, SAMPLES = "200000", 20000, 200000 # samples besides vertices; few also bound the proof of the largest
 SPLAT_BYTES, MESH_VERTEX_BYTES, TRIANGLE_BYTES = 40, 12, 12 # ten floats; three floats; three indices of 32 bits
 FIGURES = ("splats", "area_ratio", "hausdorff_max_percent", "hausdorff_mean_percent", "ssim", "ssim_covered")
 
@@ -46,13 +53,13 @@ def others():
 
 
 def decimate(given, source, count, words, form="stip"):
-    """A file of splats, and what decimate printed."""
+    """A file of splats, and what decimate printed, with its seconds of the processor."""
     path = given.folder / f"{source.stem}-{count}-{'-'.join(words).replace('-', '')}.{form}"
-    return path, kit.stipple("decimate", source, "-o", path, "--splats", count, *words, threads=given.threads)
+    return path, kit.timed("decimate", source, "-o", path, "--splats", count, *words, threads=given.threads)
 
 
-def measure(given, splats, source, *more):
-    figures = kit.stipple("compare-splats", splats, source, "--size", "384x384", *more, threads=given.threads)
+def measure(given, splats, source, *more, samples=SAMPLES):
+    figures = kit.stipple("compare-splats", splats, source, "--size", "384x384", "--samples", samples, *more, threads=given.threads)
     return {key: figures[key] for key in FIGURES}
 
 
@@ -73,28 +80,29 @@ def sheet(path, pictures, columns, width):
 
 class Panels:
     """Plots beside each other with a logarithmic axis of counts; each has an axis of its own."""
-    width, height, left, gap, top = 230, 150, 60, 56, 78
+    height, left, gap, top = 150, 60, 56, 78
 
-    def __init__(self, title, curves, rows, columns):
+    def __init__(self, title, curves, rows, columns, width=230):
+        self.width = width
         self.drawing = kit.Drawing(self.left + columns * (self.width + self.gap) - 20, self.top + rows * (self.height + 56) - 14)
         self.drawing.text(self.left, 20, title, more='font-weight="bold"')
         for i, curve in enumerate(curves):
-            self.drawing.line([(self.left + 110 * i, 38), (self.left + 20 + 110 * i, 38)], kit.COLORS[i], 2)
-            self.drawing.text(self.left + 26 + 110 * i, 42, curve)
+            self.drawing.line([(self.left + 118 * i, 38), (self.left + 20 + 118 * i, 38)], kit.COLORS[i], 2)
+            self.drawing.text(self.left + 26 + 118 * i, 42, curve)
 
     def add(self, row, column, name, curves, logarithmic):
         """Curves of (count, value)."""
         left, top = self.left + column * (self.width + self.gap), self.top + row * (self.height + 56)
         places = [x for curve in curves for x, _ in curve]
         values = [y for curve in curves for _, y in curve if y > 0 or not logarithmic]
-        first, last = math.floor(math.log10(min(places))), math.ceil(math.log10(max(places)))
-        low, high = (math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))) if logarithmic else (math.floor(10 * min(values)) / 10, 1)
+        first, last = math.floor(math.log10(min(places)) + 0.1), math.ceil(math.log10(max(places)))
+        step = 1 if logarithmic else 0.2 if min(values) < 0.5 else 0.1
+        low, high = (math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))) if logarithmic else (step * math.floor(min(values) / step), 1)
         self.drawing.text(left, top - 8, name)
-        steps = range(low, high + 1) if logarithmic else [low + (high - low) * k / 4 for k in range(5)]
-        for step in steps:
-            y = top + self.height * (high - step) / (high - low)
+        for at in (low + step * k for k in range(round((high - low) / step) + 1)):
+            y = top + self.height * (high - at) / (high - low)
             self.drawing.line([(left, y), (left + self.width, y)], "#ddd")
-            self.drawing.text(left - 5, y + 4, f"{10.0 ** step:g}" if logarithmic else f"{step:.2f}", "end", 'font-size="10"')
+            self.drawing.text(left - 5, y + 4, f"{10.0 ** at:g}" if logarithmic else f"{at:.1f}", "end", 'font-size="10"')
         for power in range(first, last + 1):
             x = left + self.width * (power - first) / (last - first)
             self.drawing.line([(x, top + self.height), (x, top + self.height + 4)], "#888")
@@ -114,7 +122,7 @@ def measure_table(given):
         found = []
         for count in COUNTS:
             path, made = decimate(given, source, count, words, "ply" if name == "mesh" else "stip")
-            figures = {**measure(given, path, source), "seconds": made["seconds"]}
+            figures = {**measure(given, path, source), "processor_seconds": made["processor_seconds"]}
             found.append(figures)
             results.append(kit.result("psp table", {"model": "bunny", "by": name, "asked": count}, figures))
             for scale in (0.3, 1):
@@ -145,13 +153,13 @@ def measure_metrics(given):
     source, results, top, bottom = model("dragon"), [], [], []
     for metric in ("distances", "normals"):
         path, made = decimate(given, source, made_of(source) // 10, ("--metric", metric))
-        figures = {**measure(given, path, source), "seconds": made["seconds"]}
+        figures = {**measure(given, path, source), "processor_seconds": made["processor_seconds"]}
         results.append(kit.result("psp metrics", {"model": "dragon", "metric": metric}, figures))
-        told = f"{metric}: {figures['splats']:,}, {figures['seconds']:.1f} s, {figures['hausdorff_max_percent']:.3f} %"
+        told = f"{metric}: {figures['splats']:,}, {figures['processor_seconds']:.1f} s, {figures['hausdorff_max_percent']:.3f} %"
         top.append((draw(given, path, metric, 1, "560x400"), told))
         bottom.append((draw(given, path, metric, 0.3, "560x400"), "shrunk to 0.3"))
-    kit.table(["metric", "splats", "seconds", "largest distance, %", "mean, %", "SSIM", "area ratio"],
-              [[r["params"]["metric"], f"{r['figures']['splats']:,}", f"{r['figures']['seconds']:.2f}",
+    kit.table(["metric", "splats", "processor seconds", "largest distance, %", "mean, %", "SSIM", "area ratio"],
+              [[r["params"]["metric"], f"{r['figures']['splats']:,}", f"{r['figures']['processor_seconds']:.2f}",
                 *(f"{r['figures'][k]:.3f}" for k in ("hausdorff_max_percent", "hausdorff_mean_percent", "ssim", "area_ratio"))] for r in results])
     sheet(given.images / "psp-metrics.jpg", top + bottom, 2, 420)
     return results
@@ -168,7 +176,7 @@ def measure_progress(given):
     for count in (2000, 6000, 20000, 70000):
         path, made = decimate(given, source, count, ())
         figures = measure(given, path, source)
-        results.append(kit.result("psp progress", {"model": "dragon", "asked": count}, {**figures, "seconds": made["seconds"]}))
+        results.append(kit.result("psp progress", {"model": "dragon", "asked": count}, {**figures, "processor_seconds": made["processor_seconds"]}))
         for scale in (1, 0.3):
             pictures.append((draw(given, path, f"progress-{count}", scale, "480x340"), f"{count:,} splats" + (", shrunk to 0.3" if scale < 1 else f", SSIM {figures['ssim']:.3f}")))
     sheet(given.images / "psp-progress.jpg", pictures[0::2] + pictures[1::2], 4, 260)
@@ -176,24 +184,29 @@ def measure_progress(given):
 
 
 def measure_time(given):
-    """Seconds to 1 %; methods take turns."""
-    results, ways, sources = [], ("psp", "psp, distances", "octree", "quadric", "subsample", "blue", "mesh"), [model("bunny"), *others(), model("dragon")]
-    found = {way: [] for way in ways}
-    for source in sources:
+    """Seconds of the processor to 1 %; methods take turns."""
+    results = []
+    for source in (model("bunny"), *others(), model("dragon")):
         points = made_of(source)
-        for way in ways:
-            if way == "subsample" and points > 200_000:
-                continue # minutes
-            runs = [decimate(given, source, points // 100, DECIMATORS[way], "ply")[1] for _ in range(given.repeats)]
-            seconds = sorted(r["seconds"] for r in runs)[0]
-            found[way].append((points, seconds))
-            results.append(kit.result("psp time", {"model": source.name, "by": way}, {"points": points, "seconds": seconds}))
+        left_out = {"subsample"} if points > 100_000 else set() # takes minutes
+        left_out |= {"mesh"} if kit.stipple("info", source)["triangles"] == 0 else set()
+        ways = [way for way in TIME_WAYS if way not in left_out]
+        runs = [{way: decimate(given, source, points // 100, DECIMATORS[way], "ply")[1]["processor_seconds"] for way in ways}
+                for _ in range(given.repeats)]
+        results += [kit.result("psp time", {"model": source.name, "by": way}, {"points": points, "processor_seconds": min(run[way] for run in runs)})
+                    for way in ways]
         kit.say(source.name)
-    panels = Panels("seconds to 1 % of the points, by points", ways, 1, 3)
-    panels.add(0, 0, "seconds", [sorted(found[way]) for way in ways], True)
-    panels.drawing.write(given.images / "psp-time.svg")
-    kit.table(["points", *ways], [[f"{n:,}", *(next((f"{s:.2f}" for m, s in found[way] if m == n), "-") for way in ways)] for n in sorted({n for n, _ in found["psp"]})])
+    show_time(given, results)
     return results
+
+
+def show_time(given, results):
+    found = {way: sorted((r["figures"]["points"], r["figures"]["processor_seconds"]) for r in results if r["params"]["by"] == way) for way in TIME_WAYS}
+    panels = Panels("seconds of the processor to 1 % of the points, by points", TIME_WAYS, 1, 1, 780)
+    panels.add(0, 0, "seconds", found.values(), True)
+    panels.drawing.write(given.images / "psp-time.svg")
+    kit.table(["points", *TIME_WAYS], [[f"{n:,}", *(f"{dict(found[way])[n]:.2f}" if n in dict(found[way]) else "-" for way in TIME_WAYS)]
+                                       for n, _ in found["psp"]])
 
 
 def measure_mesh(given):
@@ -209,55 +222,101 @@ def measure_mesh(given):
             runs.append((name, path, made, size))
             vertices = round(vertices * count * SPLAT_BYTES / size)
         for name, path, made, size in runs:
-            figures = {**measure(given, path, source), "seconds": made["seconds"], "bytes": size, "vertices": made.get("vertices") or 0}
+            figures = {**measure(given, path, source), "processor_seconds": made["processor_seconds"], "bytes": size, "vertices": made.get("vertices") or 0}
             results.append(kit.result("psp mesh", {"model": "dragon", "by": name, "asked": count}, figures))
             if count == 2000:
                 pictures.append((draw(given, path, f"mesh-{name}", 1, "480x340"), f"{name}: {size:,} bytes, {figures['hausdorff_max_percent']:.2f} %"))
-    kit.table(["splats", "", "vertices", "bytes", "seconds", "largest distance, %", "mean, %", "SSIM"],
-              [[r["params"]["asked"], r["params"]["by"], r["figures"]["vertices"], f"{r['figures']['bytes']:,}", f"{r['figures']['seconds']:.2f}",
+    kit.table(["splats", "", "vertices", "bytes", "processor seconds", "largest distance, %", "mean, %", "SSIM"],
+              [[r["params"]["asked"], r["params"]["by"], r["figures"]["vertices"] or "-", f"{r['figures']['bytes']:,}", f"{r['figures']['processor_seconds']:.2f}",
                 *(f"{r['figures'][k]:.3f}" for k in ("hausdorff_max_percent", "hausdorff_mean_percent", "ssim"))] for r in results])
     sheet(given.images / "psp-mesh.jpg", pictures, 3, 320)
     return results
 
 
+def sweep_model(given, source, results):
+    """Adds figures of all methods at all counts, besides those that are there."""
+    there = {(r["params"]["model"], r["params"]["method"], r["params"]["asked"]) for r in results}
+    missing = [(way, count) for way in SWEEP_WAYS for count in SWEEP_COUNTS if (source.name, way, count) not in there]
+    if not missing:
+        return
+    if source.stem == QUARTER:
+        kit.stipple("decimate", model("dragon"), "-o", source, "--by", "mesh", "--splats", made_of(model("dragon")) // 4)
+    stored = given.folder / f"{source.stem}-all.stip"
+    subprocess.run([kit.STIPPLE, "build", source, "-o", stored, "--method", ",".join(SWEEP_WAYS), "--surfels", SWEEP_SURFELS, "--progress", "none",
+                    "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    for way, count in missing:
+        figures = measure(given, stored, source, "--splats", count, "--method", way, samples=SWEEP_SAMPLES)
+        figures = {k: v for k, v in figures.items() if v is not None}
+        results.append(kit.result("psp sweep", {"model": source.name, "method": way, "asked": count}, figures))
+        given.save(results)
+    stored.unlink()
+
+
+def value_at(curve, count):
+    """The value at a count, on a line between those beside it; `spt` draws fewer splats than it looks at. None outside."""
+    for (n, y), (m, z) in zip(curve, curve[1:]):
+        if n <= count <= m and n < m:
+            return y + (z - y) * math.log(count / n) / math.log(m / n)
+    return None
+
+
+def winners(at, key):
+    """Methods whose value is the best, or as good: within 1 % of a distance, or 0.001 of SSIM."""
+    if len(at) < 2:
+        return "-"
+    best = (max if key == "ssim" else min)(at.values())
+    good = [way for way, value in at.items() if abs(value - best) <= (0.001 if key == "ssim" else 0.01 * best)]
+    return "all" if len(good) == len(SWEEP_WAYS) else ", ".join(good)
+
+
+def show_sweep(given, results):
+    """A plot for each model, and where each method wins."""
+    rows = []
+    for name in dict.fromkeys(r["params"]["model"] for r in results):
+        stem = name.rsplit(".", 1)[0]
+        panels = Panels(f"{stem}: psp, blue and spt, by splats", SWEEP_WAYS, 1, len(SWEEP_KEYS))
+        for column, (key, title) in enumerate(SWEEP_KEYS.items()):
+            curves = {way: sorted((r["figures"]["splats"], r["figures"][key]) for r in results
+                                  if (r["params"]["model"], r["params"]["method"]) == (name, way)) for way in SWEEP_WAYS}
+            panels.add(0, column, title, curves.values(), key != "ssim")
+            at = [{way: value for way, curve in curves.items() if (value := value_at(curve, count)) is not None} for count in SWEEP_COUNTS]
+            rows.append([stem if column == 0 else "", title, *(winners(found, key) for found in at)])
+        panels.drawing.write(given.images / f"psp-sweep-{stem.replace('_', '-')}.svg")
+    kit.table(["model", "", *(f"{count:,}" for count in SWEEP_COUNTS)], rows)
+
+
 def measure_sweep(given):
-    results, sources = [], [model("bunny"), model("dragon"), *others()]
-    keys = {"hausdorff_mean_percent": ("mean distance, %", True), "hausdorff_max_percent": ("largest distance, %", True), "ssim": ("SSIM", False)}
-    panels = Panels("psp, blue and spt at equal splats", SWEEP_WAYS, len(sources), len(keys))
-    best = {}
-    for row, source in enumerate(sources):
-        stored = given.folder / f"{source.stem}-all.stip"
-        subprocess.run([kit.STIPPLE, "build", source, "-o", stored, "--method", "psp,blue,spt", "--surfels", "200000", "--progress", "none", "--quiet"],
-                       check=True, stdout=subprocess.DEVNULL)
-        curves = {way: [] for way in SWEEP_WAYS}
-        for way in SWEEP_WAYS:
-            for count in SWEEP_COUNTS:
-                figures = measure(given, stored, source, "--splats", count, "--method", way, "--samples", 20000)
-                if abs(figures["splats"] - count) > 0.2 * count:
-                    continue # the set has other counts, or fewer
-                curves[way].append((count, figures))
-                results.append(kit.result("psp sweep", {"model": source.name, "method": way, "asked": count}, {k: v for k, v in figures.items() if v is not None}))
-        for column, (key, (title, logarithmic)) in enumerate(keys.items()):
-            panels.add(row, column, f"{source.stem}: {title}", [[(n, f[key]) for n, f in curves[way]] for way in SWEEP_WAYS], logarithmic)
-            for count in SWEEP_COUNTS:
-                at = {way: f[key] for way in SWEEP_WAYS for n, f in curves[way] if n == count}
-                if len(at) > 1:
-                    best.setdefault((key, count), []).append((max if key == "ssim" else min)(at, key=at.get))
+    results = [r for r in given.kept if r["name"] == "psp sweep" and given.resume]
+    for source in (model("bunny"), given.folder / f"{QUARTER}.ply", *others()):
+        sweep_model(given, source, results)
         kit.say(source.name)
-    panels.drawing.write(given.images / "psp-sweep.svg")
-    kit.table(["splats", *(title for title, _ in keys.values())],
-              [[f"{count:,}", *(", ".join(f"{way} {best[key, count].count(way)}" for way in SWEEP_WAYS if way in best.get((key, count), ())) for key in keys)]
-               for count in SWEEP_COUNTS])
+    show_sweep(given, results)
     return results
 
 
 PARTS = {"table": measure_table, "metrics": measure_metrics, "progress": measure_progress, "mesh": measure_mesh, "time": measure_time, "sweep": measure_sweep}
 
 
+def run_part(given, part):
+    """Measures a part, and puts its results and seconds in place of earlier ones."""
+    names = ("psp table", "psp table errors") if part == "table" else (f"psp {part}",)
+    others_kept = [r for r in given.kept if r["name"] not in names and (r["name"], r["params"].get("part")) != ("psp seconds", part)]
+    given.save = lambda results: kit.keep("psp-figures", others_kept + results, given.out, silent=True)
+    start, busy = time.monotonic(), kit.processor_seconds()
+    results = PARTS[part](given)
+    figures = {"seconds": round(time.monotonic() - start), "processor_seconds": round(kit.processor_seconds() - busy)}
+    kit.say(f"{part}: {figures['seconds']} s, {figures['processor_seconds']} s of the processor")
+    if not given.resume:
+        results.append(kit.result("psp seconds", {"part": part}, figures))
+    given.save(results)
+    given.kept = others_kept + results
+
+
 def main():
     parser = kit.options(__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--repeats", type=int, default=2, help="runs whose fastest counts; default 2")
+    parser.add_argument("--resume", action="store_true", help="`sweep`: what the JSON has is not measured again")
     given = parser.parse_args()
     unknown = [part for part in given.parts if part not in PARTS]
     if unknown:
@@ -265,13 +324,11 @@ def main():
     if not os.environ.get("MODELS") or not model("bunny").exists() or not model("dragon").exists():
         parser.error("MODELS must name a folder with bunny.ply and dragon.ply: bench/psp_models.py FOLDER")
     path = kit.path_of("psp-figures", given.out)
-    kept = kit.read_results(path) if path.exists() else []
+    given.kept = kit.read_results(path) if path.exists() else []
     with tempfile.TemporaryDirectory() as name:
         given.folder = pathlib.Path(name)
         for part in given.parts or PARTS:
-            names = ("psp table", "psp table errors") if part == "table" else (f"psp {part}",)
-            kept = [r for r in kept if r["name"] not in names] + PARTS[part](given)
-            kit.keep("psp-figures", kept, given.out)
+            run_part(given, part)
 
 
 if __name__ == "__main__":

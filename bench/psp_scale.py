@@ -46,11 +46,7 @@ def measure(given, path, millions, threads, *more):
     kit.say(f"{millions} million, {threads} threads {' '.join(more)} ...")
     runs = []
     for _ in range(given.repeats if millions < 10 else 1):
-        before = os.times()
-        figures = kit.stipple("decimate", path, "-o", given.scratch / "splats.ply", "--splats", millions * MILLION // 100, *more, threads=threads)
-        after = os.times()
-        figures["processor_seconds"] = round(after.children_user + after.children_system - before.children_user - before.children_system, 2)
-        runs.append(figures)
+        runs.append(kit.timed("decimate", path, "-o", given.scratch / "splats.ply", "--splats", millions * MILLION // 100, *more, threads=threads))
     figures = {key: statistics.median(r[key] for r in runs) for key in ("seconds", "processor_seconds", "area", "peak_bytes", "splats")}
     figures["points_per_second"] = round(millions * MILLION / figures["seconds"])
     figures["points_per_processor_second"] = round(millions * MILLION / figures["processor_seconds"])

@@ -138,6 +138,26 @@ void test_psp_sets_cover_at_every_level(test_state* test)
     stp_context_destroy(context);
 }
 
+// Where all points of a cloud are samples, they cover to nothing; merged splats are whole all the same.
+void test_psp_sets_of_all_points_have_no_holes(test_state* test)
+{
+    static samples from;
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    make_sphere(&from, SAMPLES);
+    from.set.candidate_radius = (float)(0.4 * sqrt(12.0 / SAMPLES));
+    from.set.table.radius[0] = 1e-4f;
+    stp_splats s;
+    CHECK_EQUAL(STP_OK, stp_psp_make(context, &from.set, &s));
+    uint32_t whole = 0;
+    for (uint32_t i = 0; i < 1000; ++i) {
+        whole += s.coverages[i] == STP_COVERAGE_WHOLE;
+    }
+    CHECK(whole > 900);
+    stp_splats_destroy(context, &s);
+    stp_context_destroy(context);
+}
+
 static bool is_same(const stp_splats* a, const stp_splats* b)
 {
     size_t n = a->count;

@@ -19,6 +19,8 @@ enum { GRAIN = 1024 }; ///< splats
 #define CELL 1.2f ///< area of a sample, in squares of the radius that all samples cover to
 #define GROWTH                                                                                     \
     1.1f ///< drawn ellipses overlap a little, because outlines of regions are not ellipses
+#define SPACING                                                                                    \
+    1.4142135f ///< of points, in radii of candidates: where all of a cloud are samples, the reach is 0
 #define MARGIN 0.38f ///< of that radius: how far a sample's disk reaches beyond a disk of its area
 #define SCATTERED 0.3f ///< share of an ellipse that is surface, below which pixels are left out
 #define LEAST_SHARE (1.0f / 255.0f) ///< of a sample's disk that is surface
@@ -35,7 +37,9 @@ typedef struct psp_maker {
     stp_psp_sequence sequence;
     uint32_t* counts;   ///< of merges: samples
     uint8_t* materials; ///< of splats of the forest
-    float reach, cell;  ///< to what all samples cover; area of a sample
+    float reach;        ///< to what all samples cover candidates
+    float spacing;      ///< to what they cover the surface
+    float cell;         ///< area of a sample
     stp_shape_directions directions;
 } psp_maker;
 
@@ -43,7 +47,8 @@ static stp_result make_forest(psp_maker* m)
 {
     const stp_tree_points* p = &m->points.points;
     m->reach = stp_prefix_table_radius(&m->samples->table, m->samples->count);
-    m->cell = CELL * m->reach * m->reach;
+    m->spacing = fmaxf(m->reach, SPACING * m->samples->candidate_radius);
+    m->cell = CELL * m->spacing * m->spacing;
     if (!(m->cell > FLT_MIN)) { // samples of few places
         m->cell = fmaxf(m->samples->step * m->samples->step, FLT_MIN);
     }
@@ -75,7 +80,7 @@ static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
     // what covers a small part of its samples' disks, such as wires, does not reach out by all of
     // the margin
     float filled = area / ((float)m->counts[splat - m->forest.point_count] * m->cell);
-    float margin = MARGIN * m->reach * fminf(filled, 1.0f);
+    float margin = MARGIN * m->spacing * fminf(filled, 1.0f);
     float scale = scattered ? 1.0f : GROWTH;
     m->splats->coverages[at] =
         scattered ? stp_coverage_of_share((double)share) : STP_COVERAGE_WHOLE;
