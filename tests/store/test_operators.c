@@ -199,7 +199,8 @@ void test_operators_that_are_damaged_do_no_harm(test_state* test)
     tear_down(&f);
 }
 
-// The paper's operators take 48 bytes (5). Of few splats, models have learned less: 6,000 take 16.3 bytes each, 12,000 take 15.7.
+// The paper's operators take 48 bytes (5). Of few splats the models have learned less: those of 6,000
+// points take 16.3 bytes each, of 12,000 points 15.7.
 void test_operators_take_less_than_a_third_of_the_papers(test_state* test)
 {
     fixture f;
