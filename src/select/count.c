@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // A count of splats (stp_quality.splat_count), shared among the uppermost sets of what is shown.
 //
-// Each set gets one splat, and the rest goes by the areas that sets stand for, so that splats are about equally large in all
-// of them, as they are in one set. Shares depend on the scene and on what is shown of it, not on where the eye is. They are
-// those of Sainte-Lague's method: with one splat more, one set has one more, and no other set changes.
+// Each set gets one splat, and the rest goes by the areas that sets stand for, so that splats are
+// about equally large in all of them, as they are in one set. Shares depend on the scene and on
+// what is shown of it, not on where the eye is. They are those of Sainte-Lague's method: with one
+// splat more, one set has one more, and no other set changes.
 #include "select/count.h"
 
 #include "base/prefix_table.h"
@@ -18,8 +19,9 @@ typedef struct stp_select_share {
     double area;         ///< part of that of all sets
 } stp_select_share;
 
-/// The area that a set stands for, scene units. A quarter of its splats tells it: they lie as far apart as they cover to,
-/// or have errors as large as that (STP_SPLATS_RANGES), while a whole set may cover to 0.
+/// The area that a set stands for, scene units. A quarter of its splats tells it: they lie as far
+/// apart as they cover to, or have errors as large as that (STP_SPLATS_RANGES), while a whole set
+/// may cover to 0.
 static double find_area(const stp_splats* surfels, const stp_affine* transform)
 {
     uint32_t count = surfels->count / 4 + 1;
@@ -82,7 +84,8 @@ static uint64_t count_all_at(const stp_select_share* shares, size_t count, doubl
     return sum;
 }
 
-/// Shares `wanted` splats, no more than there are: each set gets from `low` to `most`, within what it has.
+/// Shares `wanted` splats, no more than there are: each set gets from `low` to `most`, within what
+/// it has.
 static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, uint32_t low,
                       uint32_t most)
 {

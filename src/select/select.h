@@ -22,8 +22,9 @@ typedef enum stp_policy {
 
 typedef struct stp_quality {
     float splat_size; ///< pixels, at least 1; default 1
-    /// Exactly so many splats instead, in all, or what there is; of `spt`, at most so many. 0: by size. They are those of the
-    /// uppermost sets of what is shown, seen or not; what has no splats is drawn by its triangles and points.
+    /// Exactly so many splats instead, in all, or what there is; of `spt`, at most so many. 0: by
+    /// size. They are those of the uppermost sets of what is shown, seen or not; what has no splats
+    /// is drawn by its triangles and points.
     uint64_t splat_count;
     stp_policy policy;
     uint32_t method;  ///< whose sets are drawn (STP_METHOD_*); 0, or none of the file's: its first
@@ -147,10 +148,10 @@ static inline bool stp_draw_keeps(uint32_t index, float share)
 /// Of a store that streams (store/residency.h), what is resident is drawn: a node whose stand-ins are not all here is
 /// not opened, and a set that is not all here is drawn as far as it is, with larger splats. References take no notice.
 ///
-/// A count of splats is shared among the uppermost sets of what is shown, about by area: each gets one splat before any gets
-/// two. Nothing below them is drawn but what moves, whose sets have their shares. What no such set stands for, as it has too
-/// few triangles for a set and a set above it shows what is hidden, is drawn as it is. Sets of `psp` are read as far as
-/// their states reach.
+/// A count of splats is shared by area among the uppermost sets of what is shown, also those outside
+/// the view: each gets one splat before any gets two. Nothing below them is drawn but what moves,
+/// whose sets have their shares. What no such set stands for (it has no set, and those above it show
+/// what is hidden) is drawn as it is. Sets of `psp` are read as far as their states reach.
 ///
 /// With a pyramid, nodes that it hides are set aside. It may be of any earlier frame: what it hides wrongly is
 /// found by stp_select_rejected.

@@ -199,7 +199,8 @@ static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
            stp_select_set_of(s, at->node) != STP_STORE_NONE;
 }
 
-/// Visits a node where splats are counted: sets are noted whether they are seen or not, and what is below one is not drawn.
+/// Visits a node where splats are counted: sets are noted whether they are seen or not, and what is
+/// below one is not drawn.
 static stp_result visit_by_count(stp_selection* s, stp_select_entry* at, bool seen)
 {
     stp_result result = STP_OK;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A count of splats where several sets are drawn because something is hidden: how it is shared, and what is drawn beside.
+// A count of splats where several sets are drawn because something is hidden: how it is shared, and
+// what is drawn beside.
 #include "tests.h"
 
 #include "draw/support_store.h"
