@@ -45,7 +45,9 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..4294967294",
-         .help = "draw exactly N splats",
+         .help = "draw exactly N splats, or all there are (of spt at most N); only what no splats "
+                 "stand "
+                 "for, as with --hide, is drawn by its triangles",
          .value = &o->splats,
          .given = &o->has_splats},
         {.name = "budget-ms",

@@ -3,7 +3,7 @@
 // all splats before, so what was found is kept for the next view, which often has the same items.
 #include "base/progressive.h"
 #include "base/splat_codes.h"
-#include "select/select_internal.h"
+#include "select/rule.h"
 
 /// A state that was found.
 typedef struct stp_select_cut {
@@ -31,6 +31,33 @@ static stp_progressive_cut find(const uint32_t* ranges, uint32_t here, uint32_t 
         cut = stp_progressive_find_cut(ranges, wanted, wanted);
     }
     return count_drawn(ranges, &cut) == cut.splats ? cut : (stp_progressive_cut){0};
+}
+
+stp_result stp_select_count_most(stp_selection* s, uint32_t node, uint32_t* most)
+{
+    uint32_t* known = &s->list->graph->most[node];
+    uint32_t set = stp_select_set_of(s, node), base = 0;
+    const stp_splats* whole = stp_store_describe_surfels(s->store, set);
+    *most = *known > 0 ? *known : whole->count;
+    if (*known > 0 || s->rule != &stp_select_rule_splits) {
+        return STP_OK;
+    }
+    stp_splats got = {0};
+    stp_result result = STP_OK;
+    for (uint32_t k = 1; k <= whole->octave_count && base == got.count; ++k) {
+        result = stp_store_get_surfels_prefix(s->store, set, k, &got);
+        if (result != STP_OK || got.ranges == NULL) {
+            return result;
+        }
+        while (base < got.count && got.ranges[base] >> 16 >= STP_RANGE_INFINITE) {
+            base += 1;
+        }
+    }
+    base = base > 0 ? base : 1;        // of a set of which nothing is here
+    *most = (whole->count + base) / 2; // each split replaces one splat by two
+    bool ends = base < got.count || got.count == whole->count;
+    *known = ends ? *most : 0;
+    return STP_OK;
 }
 
 /// Room for one more than `count`.

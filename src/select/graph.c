@@ -98,12 +98,14 @@ static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = directory->edges[node->first_edge + k].node;
             bits = graph->moving[child] != 0 ? bits | STP_MOVES_BELOW : bits;
+            graph->has_sets[i] = graph->has_sets[i] || graph->has_sets[child];
         }
         graph->moving[i] = bits;
         graph->margins[i] = (float)find_margin(s, graph, i);
         uint32_t set = stp_select_set_of(s, i);
         const stp_splats* surfels =
             set != STP_STORE_NONE ? stp_store_describe_surfels(s->store, set) : NULL;
+        graph->has_sets[i] = graph->has_sets[i] || surfels != NULL;
         graph->reaches[i] = surfels != NULL ? find_reach(surfels) : 0.0;
         graph->spares[i] = surfels != NULL ? (float)find_spare(node, surfels) : 1.0f;
         graph->works[i] = (float)fmin(find_work(s, graph, node), (double)FLT_MAX);
@@ -146,10 +148,13 @@ stp_result stp_select_find_graph(stp_selection* s)
     graph->spares = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     graph->works = STP_NEW_ARRAY(s->context, float, (size_t)directory->node_count + 1);
     graph->repeated = STP_NEW_ZEROED(s->context, uint8_t, (size_t)directory->part_count / 8 + 1);
+    graph->has_sets = STP_NEW_ZEROED(s->context, bool, (size_t)directory->node_count + 1);
+    graph->most = STP_NEW_ZEROED(s->context, uint32_t, (size_t)directory->node_count + 1);
     uint32_t* last = STP_NEW_ZEROED(s->context, uint32_t,
                                     (size_t)directory->mesh_count + directory->point_set_count + 1);
     if (graph->moving == NULL || graph->margins == NULL || graph->reaches == NULL ||
-        graph->spares == NULL || graph->works == NULL || graph->repeated == NULL || last == NULL) {
+        graph->spares == NULL || graph->works == NULL || graph->repeated == NULL ||
+        graph->has_sets == NULL || graph->most == NULL || last == NULL) {
         stp_free(s->context, last);
         return stp_fail_memory(s->context); // not found by the next call, which makes it anew
     }
@@ -176,6 +181,8 @@ void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph)
         stp_free(context, graph->spares);
         stp_free(context, graph->works);
         stp_free(context, graph->repeated);
+        stp_free(context, graph->has_sets);
+        stp_free(context, graph->most);
         stp_free(context, graph);
     }
 }

@@ -28,8 +28,8 @@ stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at, const s
                            const stp_sight* sight, bool* hidden)
 {
     *hidden = false;
-    if (s->quality->occlusion == NULL || s->quality->splat_count > 0) {
-        return STP_OK; // as many as were asked for, be they seen or not: their radius is anything
+    if (s->quality->occlusion == NULL) {
+        return STP_OK;
     }
     double reach =
         (double)s->graph->margins[at->node] * stp_affine_scale(&at->transform) * (1.0 + 1e-6);

@@ -11,6 +11,7 @@
 #define ROUNDED (1.0 + 1e-6)
 #define EAGER_MOST 4.0
 #define EXTRA_NEED 0.01f // less than that of what stands for something too coarse
+#define UNSEEN_NEED 0.001f
 
 stp_result stp_select_begin_wants(stp_selection* s)
 {
@@ -39,6 +40,9 @@ stp_result stp_select_begin_wants(stp_selection* s)
 /// How large splats of a radius (scene units) are, in splats of the size wanted where the box is nearest.
 static float find_need(const stp_selection* s, const stp_sight* sight, double radius)
 {
+    if (sight->eyes == 0) {
+        return UNSEEN_NEED;
+    }
     double pixel = stp_view_frame_pixel_size(&s->frames[0], sight->range.near);
     double need = radius / (0.5 * sight->splat_size * pixel);
     return need < (double)STP_NEED_MOST ? (float)need : STP_NEED_MOST;

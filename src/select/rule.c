@@ -90,16 +90,6 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
         return use;
     }
     bool cloud = s->quality->splats_only || stp_select_is_complete(node, surfels);
-    uint64_t wanted = s->quality->splat_count, made = s->list->splat_count;
-    if (wanted > 0) {
-        // what moves has a set of its own: together they are as many as was asked for
-        uint64_t left = wanted > made ? wanted - made : 0;
-        if (left > 0) {
-            s->rule->use_count(&use, left < surfels->count ? (uint32_t)left : surfels->count);
-            use.switch_depth = 0.0;
-        }
-        return use;
-    }
     if (sight->is_inside && !cloud) {
         return use;
     }

@@ -7,7 +7,7 @@
 #include "select/select_internal.h"
 
 typedef struct stp_select_rule {
-    /// Decides how to use a node's set. Called if the eye is outside the node's box and no splat count was requested. On
+    /// Decides how to use a node's set by size. Called if the eye is outside the node's box. On
     /// entry `use` holds the set, opens the node, and has per_depth > 0.
     void (*use)(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                 bool cloud, stp_set_use* use);
@@ -39,6 +39,6 @@ stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at
 void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                            stp_set_use* use);
 
-/// What to do with the set of a node (which has one).
+/// What to do with the set of a node (which has one), where splats are drawn by size.
 stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* at,
                                const stp_sight* sight);

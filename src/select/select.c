@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Both passes of a selection, from beginning to end.
+#include "select/count.h"
 #include "select/rule.h"
 
 static stp_result begin(stp_selection* s, stp_context* context, stp_store* store,
@@ -65,6 +66,7 @@ stp_result stp_select(stp_context* context, stp_store* store, const stp_view* vi
         .transform = stp_affine_identity()};
     result = stp_select_push(&s, &root);
     result = result != STP_OK ? result : stp_select_traverse(&s);
+    result = result != STP_OK ? result : stp_select_add_count(&s);
     list->first_pass_count = list->count;
     return result;
 }
@@ -91,6 +93,7 @@ void stp_draw_list_destroy(stp_context* context, stp_draw_list* list)
     stp_free(context, list->wants);
     stp_free(context, list->want_slots);
     stp_free(context, list->cuts);
+    stp_free(context, list->shares);
     stp_select_destroy_graph(context, list->graph);
     *list = (stp_draw_list){0};
 }

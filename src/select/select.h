@@ -22,7 +22,9 @@ typedef enum stp_policy {
 
 typedef struct stp_quality {
     float splat_size; ///< pixels, at least 1; default 1
-    /// Exactly so many splats instead, in all, or what there is; of `spt`, at most so many. 0: by size.
+    /// Exactly so many splats instead, in all, or what there is; of `spt`, at most so many. 0: by
+    /// size. They are those of the uppermost sets of what is shown, seen or not; what has no splats
+    /// is drawn by its triangles and points.
     uint64_t splat_count;
     stp_policy policy;
     /// Whose sets are drawn (STP_METHOD_*). 0: those of the file's first, and beside it of stp_select_coarse_method. None of
@@ -113,6 +115,8 @@ typedef struct stp_draw_list {
     struct stp_select_graph* graph; ///< of the store that the list is used with
     struct stp_select_cut* cuts;    ///< the last ones, in the order of items
     size_t cut_capacity;
+    struct stp_select_share* shares; ///< of the count of splats
+    size_t share_capacity;
 } stp_draw_list;
 
 /// The part of a mesh item's triangles that is drawn at a depth: where the cluster (or mesh) they belong to is nearest.
@@ -151,7 +155,10 @@ uint32_t stp_select_coarse_method(const stp_store_directory* directory, const st
 /// Of a store that streams (store/residency.h), what is resident is drawn: a node whose stand-ins are not all here is
 /// not opened, and a set that is not all here is drawn as far as it is, with larger splats. References take no notice.
 ///
-/// With a count of splats, sets of `psp` are read as far as their states reach.
+/// A count of splats is shared by area among the uppermost sets of what is shown, also those outside
+/// the view: each gets one splat before any gets two. Nothing below them is drawn but what moves,
+/// whose sets have their shares. What no such set stands for (it has no set, and those above it show
+/// what is hidden) is drawn as it is. Sets of `psp` are read as far as their states reach.
 ///
 /// With a pyramid, nodes that it hides are set aside. It may be of any earlier frame: what it hides wrongly is
 /// found by stp_select_rejected.

@@ -54,6 +54,8 @@ typedef struct stp_select_graph {
     float* spares;     ///< times that, down to which they are used at the most
     float* works;      ///< most work of what is drawn instead of them, in triangles
     uint8_t* repeated; ///< of each part: whether its node lists it before, too; a bit each
+    bool* has_sets;    ///< it or a node below it has a set
+    uint32_t* most;    ///< splats that its set can be drawn with; 0: not known yet
 } stp_select_graph;
 
 enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };
@@ -74,7 +76,8 @@ typedef struct stp_selection {
     uint32_t eye_count;
     size_t stack_count;
     uint64_t visits;
-    size_t cut_count; ///< of states, in this call
+    size_t cut_count;   ///< of states, in this call
+    size_t share_count; ///< of a count of splats
     bool second_pass;
     bool streams; ///< what is resident is drawn, and what would be is asked for
 } stp_selection;
@@ -161,6 +164,10 @@ STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uin
 /// stp_store_get_surfels_prefix; `*found`: whether the set has states; else the item stays as it is
 STP_MUST_USE stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item* item,
                                             bool* found);
+
+/// The splats that the set of a node, which has some, can be drawn with at once. @return STP_OK, or as
+/// stp_store_get_surfels_prefix
+STP_MUST_USE stp_result stp_select_count_most(stp_selection* s, uint32_t node, uint32_t* most);
 
 /// How much of what lies below a node is there at a depth, by the depth beyond which the node suffices.
 double stp_select_growth(double ceiling, double depth);

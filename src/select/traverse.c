@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The walk down the graph: what is seen of it, by which level.
+#include "select/count.h"
 #include "select/rule.h"
 
 // A small graph of shared nodes can expand exponentially. These limits bound the time and memory of a view: a fixed
@@ -191,6 +192,29 @@ static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd
     return stp_sections_test(s->sections, box, margin, &at->sections);
 }
 
+/// Whether a node is drawn by its set: with one, where it shows nothing that is hidden.
+static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
+{
+    return stp_show_of(at->shown) != STP_SHOW_MIXED && !at->moving_only &&
+           stp_select_set_of(s, at->node) != STP_STORE_NONE;
+}
+
+/// Visits a node where splats are counted: sets are noted whether they are seen or not, and what is
+/// below one is not drawn.
+static stp_result visit_by_count(stp_selection* s, stp_select_entry* at, bool seen)
+{
+    stp_result result = STP_OK;
+    if (may_use_set(s, at) &&
+        stp_store_describe_surfels(s->store, stp_select_set_of(s, at->node))->count > 0) {
+        result = stp_select_note_set(s, at);
+        at->moving_only = true;
+        at->ceiling = 0.0;
+    }
+    bool needed = !at->moving_only || (s->graph->moving[at->node] & STP_MOVES_BELOW) != 0;
+    needed = needed && (seen || s->graph->has_sets[at->node]);
+    return result == STP_OK && needed ? open_node(s, at) : result;
+}
+
 static stp_result visit(stp_selection* s, stp_select_entry* at)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
@@ -207,7 +231,11 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     s->list->node_count += 1;
     stp_boxd box = stp_select_place_box(&at->transform, &node->bounds);
     stp_sight sight;
-    if (!stp_select_see(s, &box, &sight) || !is_left(s, at, &box)) {
+    bool seen = stp_select_see(s, &box, &sight);
+    if (s->quality->splat_count > 0 && !s->quality->reference) {
+        return is_left(s, at, &box) ? visit_by_count(s, at, seen) : STP_OK;
+    }
+    if (!seen || !is_left(s, at, &box)) {
         return STP_OK;
     }
     double nearest = sight.range.near;
@@ -220,9 +248,7 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     if (result != STP_OK || hidden) {
         return result;
     }
-    bool shows_all = stp_show_of(at->shown) != STP_SHOW_MIXED; // else surfels show what is hidden
-    if (shows_all && !s->quality->reference && !at->moving_only &&
-        stp_select_set_of(s, at->node) != STP_STORE_NONE) {
+    if (may_use_set(s, at) && !s->quality->reference) {
         stp_set_use use = stp_select_use_set(s, at, &sight);
         result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
         if (use.count > 0 && result == STP_OK) {

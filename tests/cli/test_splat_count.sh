@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # --splats N draws exactly N splats of a set of psp, or all there are, also where several nodes share them; by both backends,
-# on any number of threads, of files that are read in part, and in flights.
+# on any number of threads, of files that are read in part, in flights, and where parts are hidden.
 # Arguments: executable, scratch folder.
 set -u
 stipple=$1
@@ -102,8 +102,37 @@ for file in balls spheres; do
     done
 done
 
+# splats alone, also of what moves
+for n in 1 7 1001; do
+    [ "$(value cpu-$n.json triangles)" = 0 ] || fail "triangles beside $n splats"
+done
+
+# a part hidden: the sets of the others share the count; what has none is drawn by its triangles, and no more of it for fewer splats
+"$stipple" -q build scene:power-plant,scale=0.05 -o plant.stip --method blue,psp || fail "no build of the plant"
+for method in blue psp; do
+    draw plant.stip none-hidden 300 --method $method
+    [ "$(value none-hidden.json triangles)" = 0 ] || fail "$method: triangles where nothing is hidden"
+    "$stipple" -q render plant.stip -o whole.png --size 240x160 --once --reference --hide "#88" --json > whole.json ||
+        fail "no original of the plant"
+    beside=""
+    for n in 1 40 300 3000; do
+        draw plant.stip $method-hidden-$n $n --method $method --hide "#88"
+        [ "$(value $method-hidden-$n.json splats)" = $n ] ||
+            fail "$method: $(value $method-hidden-$n.json splats) splats are not $n where a part is hidden"
+        triangles=$(value $method-hidden-$n.json triangles)
+        [ "${beside:=$triangles}" = "$triangles" ] || fail "$method: $triangles triangles beside $n splats are not $beside"
+    done
+    [ "$beside" -lt $(($(value whole.json triangles) / 4)) ] || fail "$method: $beside triangles beside splats"
+    few=$(likeness $method-hidden-300.png) many=$(likeness $method-hidden-3000.png)
+    python3 -c 'import sys; few, many = map(float, sys.argv[1:]); assert few < many > 0.7, (few, many)' "$few" "$many" ||
+        fail "$method: splats are badly shared where a part is hidden"
+    draw plant.stip threads 300 --method $method --hide "#88" --threads 1
+    cmp -s threads.png $method-hidden-300.png || fail "$method: shares by one thread are others"
+    draw plant.stip limited 300 --method $method --hide "#88" --memory 64M
+    [ "$(value limited.json splats)" = 300 ] || fail "$method: $(value limited.json splats) splats under a limit of memory"
+done
+
 # of a file that ends early, as many as its prefix has
-[ "$(value cpu-1001.json triangles)" = 0 ] || fail "triangles beside so many splats"
 draw spheres.stip part 6000 --prefix 10%
 drawn=$(value part.json splats)
 if [ "$drawn" -lt 100 ] || [ "$drawn" -ge 6000 ]; then

@@ -85,7 +85,7 @@ xdotool key c
 wait_until 'r["splats"]["count"] == 0 and r["rests"] and picture["complete"] and picture["splats"] > 1231'
 xdotool key c
 drawn 'min(r["splats"]["all"], k["splats"]["all"])'
-# other methods: at most so many of spt
+# other methods: at most so many of spt, exactly so many of psp
 xdotool key Next Next Next
 drawn 'r["splats"]["all"] // 8'
 xdotool key n
@@ -93,7 +93,7 @@ wait_until 'r["method"] == "spt" and r["rests"] and picture["complete"] and r["s
 check "splats of spt" '0 < picture["splats"] <= r["splats"]["count"] and picture["triangles"] == 0'
 xdotool key n
 wait_until 'r["method"] == "psp" and r["rests"] and picture["complete"] and r["splats"]["count"] > 1000'
-check "splats of psp" '0 < picture["splats"] <= r["splats"]["count"] and picture["triangles"] == 0'
+check "splats of psp" 'picture["splats"] == r["splats"]["count"] and picture["triangles"] == 0'
 xdotool key n b
 wait_until 'r["method"] == "blue" and (r["backend"] == "gl" or "not available" in r["message"]) and r["rests"] and picture["complete"]'
 check "so many by OpenGL, too" 'picture["splats"] == r["splats"]["count"] == r["splats"]["all"] // 8'

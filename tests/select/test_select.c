@@ -269,14 +269,24 @@ void test_select_counts_splats_of_what_moves(test_state* test)
     f.scene.nodes[1].surfels = 1;
     f.store = made_open(f.context, &f.scene);
     CHECK(f.store != NULL);
-    const uint32_t counts[] = {1, 1023, 1024, 1025, 1088, 5000};
-    for (int i = 0; i < 6; ++i) {
-        stp_view view = view_from(50);
-        stp_quality quality = {.splat_count = counts[i]};
-        CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
-        CHECK_EQUAL(counts[i] < 1088 ? counts[i] : 1088, f.list.splat_count);
-        CHECK_EQUAL(2, f.list.count);
-        CHECK_EQUAL(counts[i] <= 1024 ? 2 : 0, f.list.triangle_count);
+    // squares of one size, of 1,024 and 64 splats: as long as both have some left, their shares are alike
+    const uint32_t counts[] = {1, 2, 3, 50, 51, 127, 1023, 1024, 1025, 1088, 5000};
+    for (int i = 0; i < 11; ++i) {
+        for (int turned = 0; turned < 2; ++turned) { // shares are the same where nothing is seen
+            stp_view view = view_from(50);
+            view.target.z = turned != 0 ? 100 : 0;
+            stp_quality quality = {.splat_count = counts[i]};
+            CHECK_EQUAL(STP_OK, stp_select(f.context, f.store, &view, &quality, &f.list));
+            uint32_t all = counts[i] < 1088 ? counts[i] : 1088, prefixes[2] = {0};
+            CHECK_EQUAL(all, f.list.splat_count);
+            CHECK_EQUAL(0, f.list.triangle_count);
+            CHECK_EQUAL(counts[i] > 1 ? 2 : 1, f.list.count);
+            for (size_t k = 0; k < f.list.count; ++k) {
+                prefixes[f.list.items[k].index] = f.list.items[k].prefix;
+            }
+            uint32_t half = all / 2 < 64 ? all / 2 : 64;
+            CHECK(prefixes[1] == half || (all % 2 == 1 && prefixes[1] == half + 1));
+        }
     }
     made_free_surfels(f.context, &f.scene.surfels[1]);
     tear_down(&f);

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// A count of splats (stp_quality.splat_count), shared among the uppermost sets of what is shown.
+//
+// Each set gets one splat, and the rest goes by the areas that sets stand for, so that splats are
+// about equally large in all of them, as they are in one set. Shares depend on the scene and on
+// what is shown of it, not on where the eye is. They are those of Sainte-Lague's method: with one
+// splat more, one set has one more, and no other set changes.
+#include "select/count.h"
+
+#include "base/prefix_table.h"
+#include "select/rule.h"
+
+#define LEAST_PART 1e-12 ///< of all area, which any set has at least
+
+typedef struct stp_select_share {
+    stp_select_entry at; ///< of the set's node
+    uint32_t most;       ///< splats that it can be drawn with
+    uint32_t count;      ///< splats that it is drawn with
+    double area;         ///< part of that of all sets
+} stp_select_share;
+
+/// The area that a set stands for, scene units. A quarter of its splats tells it: they lie as far
+/// apart as they cover to, or have errors as large as that (STP_SPLATS_RANGES), while a whole set
+/// may cover to 0.
+static double find_area(const stp_splats* surfels, const stp_affine* transform)
+{
+    uint32_t count = surfels->count / 4 + 1;
+    double radius = (double)stp_prefix_table_radius(&surfels->table, count);
+    radius = radius < (double)FLT_MAX ? radius : 0.0; // there is no table
+    radius = fmax(radius, (double)surfels->step) * stp_affine_scale(transform);
+    return (double)count * radius * radius;
+}
+
+stp_result stp_select_note_set(stp_selection* s, const stp_select_entry* at)
+{
+    stp_draw_list* list = s->list;
+    uint32_t set = stp_select_set_of(s, at->node);
+    stp_select_share share = {.at = *at};
+    stp_result result = stp_select_count_most(s, at->node, &share.most);
+    if (result != STP_OK) {
+        return result;
+    }
+    if (s->share_count == list->share_capacity) {
+        stp_select_share* shares = stp_grow_array(s->context, list->shares, &list->share_capacity,
+                                                  s->share_count + 1, sizeof(*shares));
+        if (shares == NULL) {
+            return stp_fail_memory(s->context);
+        }
+        list->shares = shares;
+    }
+    share.area = find_area(stp_store_describe_surfels(s->store, set), &at->transform);
+    list->shares[s->share_count++] = share;
+    return STP_OK;
+}
+
+/// Turns areas into parts of their sum.
+static void normalize_areas(stp_select_share* shares, size_t count)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        sum += shares[i].area;
+    }
+    bool known = sum > 0.0 && sum < HUGE_VAL;
+    for (size_t i = 0; i < count; ++i) {
+        shares[i].area = known ? fmax(shares[i].area / sum, LEAST_PART) : 1.0 / (double)count;
+    }
+}
+
+/// Splats of a set where a part 1 of the area has `density` of them.
+static uint32_t count_at(const stp_select_share* share, double density, uint32_t low, uint32_t most)
+{
+    uint32_t high = share->most < most ? share->most : most;
+    double count = floor(share->area * density + 0.5);
+    return count < (double)high ? (count > (double)low ? (uint32_t)count : low) : high;
+}
+
+static uint64_t count_all_at(const stp_select_share* shares, size_t count, double density,
+                             uint32_t low, uint32_t most)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < count; ++i) {
+        sum += count_at(&shares[i], density, low, most);
+    }
+    return sum;
+}
+
+/// Shares `wanted` splats, no more than there are: each set gets from `low` to `most`, within what
+/// it has.
+static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, uint32_t low,
+                      uint32_t most)
+{
+    double below = 0.0, density = (double)wanted + 1.0;
+    while (count_all_at(shares, count, density, low, most) < wanted) {
+        below = density;
+        density *= 2.0;
+    }
+    for (;;) { // the least density that gives so many
+        double middle = below + 0.5 * (density - below);
+        if (!(middle > below && middle < density)) {
+            break;
+        }
+        uint64_t sum = count_all_at(shares, count, middle, low, most);
+        *(sum < wanted ? &below : &density) = middle;
+        if (sum == wanted) {
+            break;
+        }
+    }
+    uint64_t left = wanted;
+    for (size_t i = 0; i < count; ++i) {
+        shares[i].count = count_at(&shares[i], below, low, most);
+        left -= shares[i].count;
+    }
+    for (size_t i = 0; i < count && left > 0; ++i) { // of those that are equal, the first ones
+        uint32_t more = count_at(&shares[i], density, low, most) - shares[i].count;
+        more = left < more ? (uint32_t)left : more;
+        shares[i].count += more;
+        left -= more;
+    }
+}
+
+static stp_result add_share(stp_selection* s, const stp_select_share* share)
+{
+    const stp_select_entry* at = &share->at;
+    uint32_t set = stp_select_set_of(s, at->node);
+    stp_set_use use = {.surfels = stp_store_describe_surfels(s->store, set)};
+    stp_boxd box = stp_select_place_box(&at->transform, &s->directory->nodes[at->node].bounds);
+    stp_sight sight;
+    (void)stp_select_see(s, &box, &sight); // be they seen or not
+    s->rule->use_count(&use, share->count);
+    stp_result result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
+    return result == STP_OK && use.count > 0 ? s->rule->add(s, at, &use, &sight) : result;
+}
+
+stp_result stp_select_add_count(stp_selection* s)
+{
+    stp_select_share* shares = s->list->shares;
+    size_t count = s->share_count;
+    uint64_t wanted = s->quality->splat_count, all = 0;
+    for (size_t i = 0; i < count; ++i) {
+        all += shares[i].most;
+    }
+    wanted = wanted < all ? wanted : all;
+    normalize_areas(shares, count);
+    if (wanted < count) {
+        share_out(shares, count, wanted, 0, 1);
+    } else {
+        share_out(shares, count, wanted, 1, UINT32_MAX);
+    }
+    stp_result result = STP_OK;
+    for (size_t i = 0; i < count && result == STP_OK; ++i) {
+        result = shares[i].count > 0 ? add_share(s, &shares[i]) : STP_OK;
+    }
+    return result;
+}
