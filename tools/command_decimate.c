@@ -86,7 +86,14 @@ static const option* options(void)
                  "8192",
          .value = &args.piece_size},
         OPTION_THREADS(&args.threads),
-        OPTION_MEMORY(&args.memory),
+        {.name = "memory",
+         .type = OPTION_SIZE,
+         .argument = "SIZE",
+         .words = "auto",
+         .help = "most memory to use, as 8G or 512M; what psp needs beyond it lies in temporary "
+                 "files in "
+                 "the folder of the output; default no limit",
+         .value = &args.memory},
         OPTION_JSON(&args.json),
         {0},
     };

@@ -50,7 +50,9 @@ void stp_ply_free_column(const stp_ply* ply, const stp_ply_room* room, void* col
 void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room)
 {
     if (room->spilled) {
-        stp_file_forget(&ply->import->file);
+        if (!ply->import->alone) { // mapped
+            stp_file_forget(&ply->import->file);
+        }
         stp_spill_release_pages(ply->import->scene->spill);
         stp_spill_release_pages(room->scratch);
     }

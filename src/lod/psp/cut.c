@@ -34,6 +34,7 @@ static void cut_some(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         stp_psp_range of = c->ranges[i];
+        stp_psp_rounds_release(c->rounds, i);
         bool small = is_small(c, of);
         uint32_t middle = small ? of.end : cut_of(c, of);
         if (!small && c->rounds->order != NULL) {

@@ -3,6 +3,7 @@
 
 enum {
     PARALLEL_RANGES = 256, ///< so many parts are built at a time
+    RELEASED = 8,          ///< after so many of them, pages are released
     GRAIN = 1 << 16,
     STRIPE = 16 * GRAIN, ///< after so many points, pages are released
 };
@@ -85,6 +86,9 @@ static void build_ranges(size_t begin, size_t end, uint32_t worker, void* user)
     const builder* b = user;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
+        if (b->tree->room != NULL && i % RELEASED == 0) {
+            stp_psp_room_release(b->tree->room);
+        }
         range stack[STP_KD_DEPTH] = {b->ranges[i]};
         for (uint32_t size = 1; size > 0;) {
             range of = stack[--size];
