@@ -367,6 +367,7 @@ uint32_t stp_psp_sample_errors(const stp_psp_rounds* r, float* errors, uint32_t 
     void* places[2] = {states[0], states[1]};
     for (uint32_t s = 0; s < samples; ++s) {
         uint32_t slot = (uint32_t)((uint64_t)s * r->live / samples);
+        stp_psp_rounds_release(r, s);
         float error = r->round == 0 ? best_of_point(r, slot, places) : best_of_splat(r, slot);
         if (error < HUGE_VALF) {
             errors[count++] = error;
