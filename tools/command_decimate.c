@@ -86,7 +86,14 @@ static const option* options(void)
                  "8192",
          .value = &args.piece_size},
         OPTION_THREADS(&args.threads),
-        OPTION_MEMORY(&args.memory),
+        {.name = "memory",
+         .type = OPTION_SIZE,
+         .argument = "SIZE",
+         .words = "auto",
+         .help = "most memory to use, as 8G or 512M; what psp needs beyond it lies in temporary "
+                 "files in "
+                 "the folder of the output; default no limit",
+         .value = &args.memory},
         OPTION_JSON(&args.json),
         {0},
     };
@@ -155,22 +162,34 @@ static int decimate_by_other(stp_context* context, const tool_points* from)
     return code;
 }
 
-static int decimate(stp_context* context, const char* path, const tool_points* from)
+/// Where memory does not hold what merging takes, it lies in a file in the folder of the output.
+static stp_result choose_spill(stp_context* context, tool_points* from, stp_psp_desc* desc)
+{
+    uint64_t needed = stp_context_live_bytes(context) + stp_psp_decimate_bytes(from->count, desc);
+    if (needed <= stp_usable_memory(stp_memory_limit(context))) {
+        return STP_OK;
+    }
+    stp_result result = tool_points_open_spill(context, args.output, from);
+    desc->spill = from->spill;
+    return result;
+}
+
+static int decimate(stp_context* context, const char* path, tool_points* from)
 {
     (void)path;
     if (args.by != 0) {
         return decimate_by_other(context, from);
     }
     uint32_t target = args.splats != 0 ? (uint32_t)args.splats : DEFAULT_SPLATS;
-    uint8_t* colors = from->colors != NULL ? drop_alpha(context, from) : NULL;
     const stp_psp_points points = {.count = from->count,
                                    .positions = from->positions,
                                    .normals = from->normals,
-                                   .colors = colors};
+                                   .colors = from->colors,
+                                   .color_bytes = 4};
     stp_psp_desc desc = make_desc();
     stp_psp_splats left = {0};
     double start = stp_clock_ms();
-    stp_result result = from->colors != NULL && colors == NULL ? stp_fail_memory(context) : STP_OK;
+    stp_result result = choose_spill(context, from, &desc);
     result = result == STP_OK ? stp_psp_decimate(context, &points, &desc, target, &left) : result;
     double seconds = 1e-3 * (stp_clock_ms() - start);
     uint32_t* all =
@@ -193,7 +212,6 @@ static int decimate(stp_context* context, const char* path, const tool_points* f
         (void)stp_fail_memory(context);
     }
     stp_free(context, all);
-    stp_free(context, colors);
     stp_psp_splats_destroy(context, &left);
     return code;
 }
@@ -205,7 +223,12 @@ static int run(int argc, char** argv)
         return tool_usage_error(
             "decimate: --metric, --neighbours, --merge-angle and --queue need --by psp");
     }
-    const tool_points_command task = {"decimate", "model", "SPLATS.ply", decimate, args.by != 0};
+    const tool_points_command task = {.name = "decimate",
+                                      .input = "model",
+                                      .output = "SPLATS.ply",
+                                      .work = decimate,
+                                      .triangles = args.by != 0,
+                                      .spills = args.by == 0};
     return tool_run_on_points(&task, argc, argv, args.output, args.threads, args.memory);
 }
 

@@ -113,7 +113,7 @@ static int print_report(const stp_order_desc* desc, const stp_order_report* repo
     return json != NULL ? tool_print_json(json) : tool_error("out of memory");
 }
 
-static int order_points(stp_context* context, const char* path, const tool_points* points)
+static int order_points(stp_context* context, const char* path, tool_points* points)
 {
     if (args.metric_given && args.metric == 0 && points->normals == NULL) {
         stp_warn(context, "%s: there are no normals: the metric is euclidean", path);

@@ -8,9 +8,17 @@
 #include "base/bytes.h"
 #include "base/file.h"
 #include "base/math.h"
+#include "scene/bulk.h"
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+
+enum {
+    STRIPE = 1 << 20, ///< after so many points, pages of files are released
+    MEMORY_SHARE = 4, ///< of what may be used: points that take more lie in a file
+    SMALL_SHARE = 16, ///< of it: of smaller files nothing is spilled
+};
 
 // What one part of the scene holds.
 typedef struct part_points {
@@ -40,6 +48,16 @@ stp_vec3d tool_scene_axes(char up, stp_vec3d p)
     return up == 'z' ? (stp_vec3d){p.x, p.z, -p.y} : p;
 }
 
+static void release_pages(const stp_scene* scene, const tool_points* points)
+{
+    if (points->spilled) {
+        stp_spill_release_pages(points->spill);
+    }
+    if (scene->spill != NULL) {
+        stp_spill_release_pages(scene->spill);
+    }
+}
+
 static void copy_part(const stp_scene* scene, const stp_placed_part* placed, tool_points* points,
                       uint32_t first)
 {
@@ -47,6 +65,9 @@ static void copy_part(const stp_scene* scene, const stp_placed_part* placed, too
     double turn[3][3];
     stp_affine_normal_matrix(&placed->transform, turn);
     for (uint32_t i = 0; i < part.count; ++i) {
+        if (i % STRIPE == 0) {
+            release_pages(scene, points);
+        }
         size_t from = 3 * (size_t)i, to = 3 * ((size_t)first + i);
         stp_vec3d p = {(double)part.positions[from], (double)part.positions[from + 1],
                        (double)part.positions[from + 2]};
@@ -77,6 +98,32 @@ static void copy_part(const stp_scene* scene, const stp_placed_part* placed, too
     }
 }
 
+/// Makes room for the points: in memory where they are a small share of what may be used.
+static stp_result make_arrays(stp_context* context, bool normals, bool colors, tool_points* points)
+{
+    size_t count = points->count, floats = 3 * sizeof(float) * count;
+    stp_bulk_array arrays[3] = {
+        {.size = floats}, {.size = normals ? floats : 0}, {.size = colors ? 4 * count : 0}};
+    uint64_t size = (uint64_t)arrays[0].size + arrays[1].size + arrays[2].size;
+    points->spilled =
+        points->spill != NULL && size > stp_usable_memory(stp_memory_limit(context)) / MEMORY_SHARE;
+    bool made = true;
+    if (points->spilled) {
+        stp_result result = stp_bulk_alloc_spilled(points->spill, arrays, 3);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
+    for (int i = 0; i < 3 && !points->spilled; ++i) {
+        arrays[i].bytes = arrays[i].size > 0 ? stp_alloc(context, arrays[i].size) : NULL;
+        made = made && (arrays[i].size == 0 || arrays[i].bytes != NULL);
+    }
+    points->positions = arrays[0].bytes;
+    points->normals = arrays[1].bytes;
+    points->colors = arrays[2].bytes;
+    return made ? STP_OK : stp_fail_memory(context);
+}
+
 static stp_result copy_parts(const stp_scene* scene, const char* path, const stp_placed_part* parts,
                              size_t part_count, const double* origin, tool_points* points)
 {
@@ -101,12 +148,9 @@ static stp_result copy_parts(const stp_scene* scene, const char* path, const stp
     shift = tool_own_axes(points->up, shift);
     memcpy(points->origin, origin != NULL ? origin : (double[3]){shift.x, shift.y, shift.z},
            sizeof(points->origin));
-    points->positions = STP_NEW_ARRAY(context, float, 3 * count);
-    points->normals = normals ? STP_NEW_ARRAY(context, float, 3 * count) : NULL;
-    points->colors = colors ? STP_NEW_ARRAY(context, uint8_t, 4 * count) : NULL;
-    if (points->positions == NULL || (normals && points->normals == NULL) ||
-        (colors && points->colors == NULL)) {
-        return stp_fail_memory(context);
+    stp_result result = make_arrays(context, normals, colors, points);
+    if (result != STP_OK) {
+        return result;
     }
     uint32_t first = 0;
     for (size_t i = 0; i < part_count; ++i) {
@@ -162,14 +206,48 @@ static stp_result copy_triangles(const stp_scene* scene, const char* path,
     return STP_OK;
 }
 
+stp_result tool_points_open_spill(stp_context* context, const char* output, tool_points* points)
+{
+    if (points->spill != NULL) {
+        return STP_OK;
+    }
+    const char* slash = strrchr(output, '/');
+    size_t length = slash != NULL ? (size_t)(slash - output) + 1 : 0; // with the slash
+    char* folder = stp_alloc(context, length + 2);
+    if (folder == NULL) {
+        return stp_fail_memory(context);
+    }
+    memcpy(folder, length > 0 ? output : ".", length > 0 ? length : 1);
+    folder[length > 0 ? length : 1] = '\0';
+    stp_result result = stp_spill_create(context, folder, &points->spill);
+    stp_free(context, folder);
+    return result;
+}
+
+/// Whether a model may be too large for memory.
+static bool may_be_large(const stp_context* context, const char* path)
+{
+    uint64_t limit = stp_memory_limit(context);
+    struct stat status;
+    return limit != 0 || stat(path, &status) != 0 || // a scene that is made
+           (uint64_t)status.st_size > stp_usable_memory(limit) / SMALL_SHARE;
+}
+
+/// @param beside a file in the folder where what memory does not hold may lie; NULL: nowhere
 static stp_result read_file(stp_context* context, const char* path, const double* origin,
-                            bool triangles, tool_points* points)
+                            bool triangles, const char* beside, tool_points* points)
 {
     *points = (tool_points){0};
     stp_scene* scene = NULL;
+    stp_spill* spill = NULL;
     stp_placed_part* parts = NULL;
     size_t part_count = 0;
-    stp_result result = tool_import_scene(context, path, &scene);
+    stp_result result = STP_OK;
+    if (beside != NULL && may_be_large(context, path)) {
+        result = tool_points_open_spill(context, beside, points);
+        result = result == STP_OK ? stp_spill_create_beside(points->spill, &spill) : result;
+    }
+    result = result == STP_OK ? tool_import_spilled(context, path, spill, &scene) : result;
     if (result == STP_OK && scene->root == STP_NONE) {
         result = stp_fail(context, STP_ERROR_FORMAT, "%s: expected points, found none", path);
     }
@@ -184,6 +262,7 @@ static stp_result read_file(stp_context* context, const char* path, const double
     }
     stp_free(context, parts);
     stp_scene_destroy(scene);
+    stp_spill_destroy(spill);
     if (result != STP_OK) {
         tool_points_destroy(context, points);
     }
@@ -193,7 +272,7 @@ static stp_result read_file(stp_context* context, const char* path, const double
 stp_result tool_read_points(stp_context* context, const char* path, const double* origin,
                             tool_points* points)
 {
-    return read_file(context, path, origin, false, points);
+    return read_file(context, path, origin, false, NULL, points);
 }
 
 int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
@@ -218,7 +297,8 @@ int tool_run_on_points(const tool_points_command* task, int argc, char** argv, c
     }
     tool_points points;
     int code = 1;
-    if (read_file(context, argv[0], NULL, task->triangles, &points) == STP_OK) {
+    const char* beside = task->spills ? path : NULL;
+    if (read_file(context, argv[0], NULL, task->triangles, beside, &points) == STP_OK) {
         code = task->work(context, argv[0], &points);
         tool_points_destroy(context, &points);
     }
@@ -228,10 +308,13 @@ int tool_run_on_points(const tool_points_command* task, int argc, char** argv, c
 
 void tool_points_destroy(stp_context* context, tool_points* points)
 {
-    stp_free(context, points->positions);
-    stp_free(context, points->normals);
-    stp_free(context, points->colors);
+    if (!points->spilled) {
+        stp_free(context, points->positions);
+        stp_free(context, points->normals);
+        stp_free(context, points->colors);
+    }
     stp_free(context, points->triangles);
+    stp_spill_destroy(points->spill);
     *points = (tool_points){0};
 }
 

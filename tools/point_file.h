@@ -4,6 +4,8 @@
 
 #include "command.h"
 
+#include "base/spill.h"
+
 #include <stipple/types.h>
 
 /// The points of a file: of its point sets, and the vertices of its meshes.
@@ -16,7 +18,9 @@ typedef struct tool_points {
     uint8_t* colors;     ///< RGBA a point, sRGB; NULL: the file has none
     uint32_t* triangles; ///< 3 points each; NULL: the file has none, or nobody asked
     uint32_t triangle_count;
-    char up; ///< the file's up axis: x, y or z
+    char up;          ///< the file's up axis: x, y or z
+    stp_spill* spill; ///< in the folder of the output; NULL: none was needed
+    bool spilled;     ///< the arrays lie in it
 } tool_points;
 
 /// A place of a scene along the axes of the file that it was imported from, as far as these are known: a scene's y is up. `up`:
@@ -30,8 +34,7 @@ stp_vec3d tool_scene_axes(char up, stp_vec3d place);
 STP_MUST_USE stp_result tool_read_points(stp_context* context, const char* path,
                                          const double* origin, tool_points* points);
 /// What a command does with the points of a file. @return the exit status
-typedef int (*tool_points_worker)(stp_context* context, const char* path,
-                                  const tool_points* points);
+typedef int (*tool_points_worker)(stp_context* context, const char* path, tool_points* points);
 
 /// A command that reads one file of points and writes another file.
 typedef struct tool_points_command {
@@ -39,12 +42,17 @@ typedef struct tool_points_command {
         *output; ///< as help names them, such as "order", "file of points", "ORDERED.ply"
     tool_points_worker work;
     bool triangles; ///< it needs those of meshes, too
+    bool spills;    ///< what memory does not hold may lie in a file in the folder of the output
 } tool_points_command;
 
 /// Runs it. @param path of the output; NULL: none was given. @param memory the most bytes to use; 0: no limit
 /// @return the exit status; what is wrong is printed
 int tool_run_on_points(const tool_points_command* task, int argc, char** argv, const char* path,
                        uint64_t threads, uint64_t memory);
+/// Makes `points->spill` unless it is there. @param output a file in the folder. @return STP_OK, STP_ERROR_IO,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result tool_points_open_spill(stp_context* context, const char* output,
+                                               tool_points* points);
 void tool_points_destroy(stp_context* context, tool_points* points);
 
 /// Puts a position of a PLY as three floats or, with the origin added, as three doubles.

@@ -30,6 +30,7 @@ static const uint64_t quick_surfels = UINT64_C(100000), quick_triangles = UINT64
 
 enum {
     SCENE_USES = 4,
+    MEMORY_SHARE = 4, ///< of the limit, for meshes and points before they go to the spill file
 };
 
 /// What a scene is wanted for, and by whom.
@@ -330,9 +331,19 @@ stp_result tool_open_scene(stp_context* context, const char* path, stp_store** s
 
 stp_result tool_import_scene(stp_context* context, const char* path, stp_scene** scene)
 {
+    return tool_import_spilled(context, path, NULL, scene);
+}
+
+stp_result tool_import_spilled(stp_context* context, const char* path, stp_spill* spill,
+                               stp_scene** scene)
+{
     stp_result result = stp_scene_create(context, scene);
     if (result != STP_OK) {
         return result;
+    }
+    if (spill != NULL) {
+        uint64_t usable = stp_usable_memory(stp_memory_limit(context));
+        stp_scene_use_spill(*scene, spill, usable / MEMORY_SHARE);
     }
     result = scene_is_input(path) ? scene_make_input(*scene, path, NULL)
                                   : stp_import_file(*scene, path, &(stp_import_desc){0});

@@ -63,6 +63,9 @@ STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* pa
 /// failure, which is logged.
 STP_MUST_USE stp_result tool_import_scene(stp_context* context, const char* path,
                                           stp_scene** scene);
+/// The same with large content in a spill file (stp_scene_use_spill), which must outlive the scene; NULL: none.
+STP_MUST_USE stp_result tool_import_spilled(stp_context* context, const char* path,
+                                            stp_spill* spill, stp_scene** scene);
 
 /// Sets eye, target and up (and the angle, where the view is a camera with one and `view->fov_degrees` is 0) to
 /// a view of the file or a standard one. Standard views fit what is drawn: `visibility` (NULL: everything) and the view's

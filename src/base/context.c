@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#define _DEFAULT_SOURCE // _SC_PHYS_PAGES
 #include "base/context.h"
 
 #include "base/context_internal.h"
@@ -9,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #if defined(__GLIBC__)
 #include <malloc.h>
@@ -153,6 +155,13 @@ bool stp_reserve(stp_context* context, uint64_t size)
 void stp_release(stp_context* context, uint64_t size)
 {
     atomic_fetch_sub(&context->live_bytes, size);
+}
+
+uint64_t stp_usable_memory(uint64_t limit)
+{
+    long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGE_SIZE);
+    uint64_t all = pages > 0 && page_size > 0 ? (uint64_t)pages * (uint64_t)page_size : 0;
+    return limit != 0 ? limit : all / 4 * 3;
 }
 
 void stp_trim_heap(void)

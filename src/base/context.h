@@ -22,6 +22,8 @@ STP_MUST_USE bool stp_reserve(stp_context* context, uint64_t size);
 void stp_release(stp_context* context, uint64_t size);
 /// The most bytes that may be allocated; 0: no limit.
 uint64_t stp_memory_limit(const stp_context* context);
+/// What work may use that can spill the rest to files: the limit, or most of the machine's memory where it is 0.
+uint64_t stp_usable_memory(uint64_t limit);
 /// Gives what malloc holds free back to the system: after work with many small pieces.
 void stp_trim_heap(void);
 

@@ -161,6 +161,16 @@ void* stp_spill_alloc(stp_spill* spill, size_t size)
     return memory;
 }
 
+void stp_spill_release_pages(stp_spill* spill)
+{
+    pthread_mutex_lock(&spill->mutex);
+    for (chunk_head *chunk = spill->newest, *previous; chunk != NULL; chunk = previous) {
+        previous = chunk->previous; // shared pages of a file: what was written stays
+        (void)madvise(chunk, chunk->size, MADV_DONTNEED);
+    }
+    pthread_mutex_unlock(&spill->mutex);
+}
+
 uint64_t stp_spill_bytes(const stp_spill* spill)
 {
     return spill->given_bytes;

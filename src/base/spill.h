@@ -20,5 +20,8 @@ void stp_spill_destroy(stp_spill* spill);
 /// a full disk is NULL and a logged STP_ERROR_IO, never a signal. Any thread.
 void* stp_spill_alloc(stp_spill* spill, size_t size);
 
+/// Lets the system drop all of it from memory, once it is written; it is read again when needed. Any thread.
+void stp_spill_release_pages(stp_spill* spill);
+
 /// Bytes given out so far.
 uint64_t stp_spill_bytes(const stp_spill* spill);

@@ -13,7 +13,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #define DEFAULT_THRESHOLD 1000u // triangles (Brandt 5.2)
 #define RESERVE_BYTES                                                                              \
@@ -64,13 +63,7 @@ static uint64_t limit_bytes(const build* b)
 // What the build may use: the limit, or most of the machine.
 static uint64_t usable_bytes(const build* b)
 {
-    uint64_t limit = limit_bytes(b);
-    if (limit != 0) {
-        return limit;
-    }
-    long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGE_SIZE);
-    uint64_t all = pages > 0 && page_size > 0 ? (uint64_t)pages * (uint64_t)page_size : 0;
-    return all / 4 * 3;
+    return stp_usable_memory(limit_bytes(b));
 }
 
 static stp_result open_work(build* b)

@@ -13,6 +13,7 @@
 enum { X, Y, Z, NX, NY, NZ, R, G, B, A, U, V, DC0, DC1, DC2, SLOT_COUNT };
 
 #define GRAIN ((size_t)1 << 14)
+#define STRIPE (64 * GRAIN)                      ///< after so many rows, pages are released
 #define SPHERICAL_HARMONIC_0 0.28209479177387814 ///< 1 / (2 sqrt(pi)): Kerbl et al. 2023
 
 // What the rows of the vertex element become. Positions and normals hold 3 floats, texcoords 2,
@@ -27,6 +28,7 @@ typedef struct vertices {
     size_t count;
     float *positions, *normals, *texcoords, *colors;
     atomic_bool bright; ///< a colour written as float is above 1
+    stp_ply_room room;
 } vertices;
 
 static const char* const slot_names[SLOT_COUNT] = {
@@ -78,22 +80,18 @@ static bool has(const vertices* v, int first, int last)
 
 static stp_result alloc_columns(vertices* v)
 {
-    stp_context* context = v->ply->context;
-    v->positions = STP_NEW_ARRAY(context, float, 3 * v->count);
-    bool good = v->positions != NULL;
-    if (has(v, NX, NZ)) {
-        v->normals = STP_NEW_ARRAY(context, float, 3 * v->count);
-        good = good && v->normals != NULL;
-    }
-    if (has(v, U, V)) {
-        v->texcoords = STP_NEW_ARRAY(context, float, 2 * v->count);
-        good = good && v->texcoords != NULL;
-    }
-    if (has(v, R, B) || has(v, DC0, DC2)) {
-        v->colors = STP_NEW_ARRAY(context, float, 4 * v->count);
-        good = good && v->colors != NULL;
-    }
-    return good ? STP_OK : stp_fail_memory(context);
+    size_t floats = v->count * sizeof(float);
+    bool colored = has(v, R, B) || has(v, DC0, DC2);
+    stp_bulk_array columns[STP_PLY_COLUMNS] = {{.size = 3 * floats},
+                                               {.size = has(v, NX, NZ) ? 3 * floats : 0},
+                                               {.size = has(v, U, V) ? 2 * floats : 0},
+                                               {.size = colored ? 4 * floats : 0}};
+    stp_result result = stp_ply_alloc_columns(v->ply, &v->room, columns);
+    v->positions = columns[0].bytes;
+    v->normals = columns[1].bytes;
+    v->texcoords = columns[2].bytes;
+    v->colors = columns[3].bytes;
+    return result;
 }
 
 static void store_row(vertices* v, size_t row, const double* n)
@@ -129,6 +127,9 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     vertices* v = user;
+    if (begin % STRIPE == 0) {
+        stp_ply_release_columns(v->ply, &v->room);
+    }
     for (size_t row = begin; row < end; ++row) {
         const unsigned char* bytes = v->rows + row * v->element->row_size;
         double n[SLOT_COUNT] = {0};
@@ -255,10 +256,11 @@ static stp_result read_elements(vertices* v, stp_ply_faces* f, stp_ply_cursor* c
 
 static void free_columns(vertices* v)
 {
-    stp_free(v->ply->context, v->positions);
-    stp_free(v->ply->context, v->normals);
-    stp_free(v->ply->context, v->texcoords);
-    stp_free(v->ply->context, v->colors);
+    stp_ply_free_column(v->ply, &v->room, v->positions);
+    stp_ply_free_column(v->ply, &v->room, v->normals);
+    stp_ply_free_column(v->ply, &v->room, v->texcoords);
+    stp_ply_free_column(v->ply, &v->room, v->colors);
+    stp_spill_destroy(v->room.scratch);
 }
 
 // Files of splats and some exporters write normals that are all zero: none at all.
@@ -269,7 +271,7 @@ static void drop_zero_normals(vertices* v)
         i += 1;
     }
     if (i == 3 * v->count) {
-        stp_free(v->ply->context, v->normals);
+        stp_ply_free_column(v->ply, &v->room, v->normals);
         v->normals = NULL;
     }
 }
@@ -313,9 +315,10 @@ static stp_result add_points(vertices* v)
     drop_bad_points(v);
     uint8_t* colors = NULL;
     if (v->colors != NULL) {
-        colors = STP_NEW_ARRAY(context, uint8_t, 4 * v->count);
+        colors = v->room.spilled ? stp_spill_alloc(scene->spill, 4 * v->count)
+                                 : STP_NEW_ARRAY(context, uint8_t, 4 * v->count);
         if (colors == NULL) {
-            return stp_fail_memory(context);
+            return v->room.spilled ? STP_ERROR_IO : stp_fail_memory(context);
         }
         float scale = color_scale(v);
         for (size_t i = 0; i < 4 * v->count; ++i) {
@@ -332,8 +335,10 @@ static stp_result add_points(vertices* v)
                          .normals = v->normals,
                          .colors = colors};
     v->positions = v->normals = NULL;
+    stp_ply_release_columns(v->ply, &v->room);
     stp_part part = {.kind = STP_PART_POINTS};
-    stp_result result = stp_scene_add_point_set(scene, &set, &part.index);
+    stp_result result = v->room.spilled ? stp_scene_add_spilled_points(scene, &set, &part.index)
+                                        : stp_scene_add_point_set(scene, &set, &part.index);
     return result != STP_OK ? result : stp_scene_add_part(scene, part);
 }
 

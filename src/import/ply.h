@@ -5,6 +5,7 @@
 
 #include "import/import.h"
 #include "import/text.h"
+#include "scene/bulk.h"
 
 typedef enum stp_ply_type {
     STP_PLY_INT8,
@@ -96,3 +97,19 @@ typedef struct stp_ply_faces {
 STP_MUST_USE stp_result stp_ply_read_faces(stp_ply_cursor* cursor, const stp_ply_element* element,
                                            bool strips, const float* positions, size_t vertex_count,
                                            stp_ply_faces* f);
+
+enum { STP_PLY_COLUMNS = 4 }; ///< positions, normals, texcoords, colours: floats
+
+/// Where columns lie.
+typedef struct stp_ply_room {
+    bool spilled;       ///< positions and normals in the scene's spill, the rest in `scratch`
+    stp_spill* scratch; ///< to be destroyed; may be NULL
+} stp_ply_room;
+
+/// Makes room for columns by their sizes; the first is always made. What was made is to be freed, also
+/// after a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
+                                              stp_bulk_array columns[STP_PLY_COLUMNS]);
+void stp_ply_free_column(const stp_ply* ply, const stp_ply_room* room, void* column);
+/// Lets the system drop what was read, and what was spilled, from memory. Any thread.
+void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room);

@@ -203,7 +203,7 @@ stp_result stp_mesh_settle(stp_scene* scene, uint32_t index)
 stp_result stp_points_settle(stp_scene* scene, uint32_t index)
 {
     stp_point_set* points = &scene->point_sets[index];
-    if (!count_added(scene, stp_points_bytes(points))) {
+    if (!points->spilled && !count_added(scene, stp_points_bytes(points))) {
         return STP_OK;
     }
     uint32_t found = index;
@@ -216,7 +216,7 @@ stp_result stp_points_settle(stp_scene* scene, uint32_t index)
         stp_points_get_arrays(&scene->point_sets[found], arrays);
     } else if (result == STP_OK) {
         stp_points_get_arrays(points, arrays);
-        result = spill_arrays(scene, arrays, STP_POINT_ARRAYS);
+        result = points->spilled ? STP_OK : spill_arrays(scene, arrays, STP_POINT_ARRAYS);
     }
     if (result == STP_OK) {
         stp_points_set_arrays(points, arrays);

@@ -142,14 +142,15 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
     return result != STP_OK ? result : keep_text(scene, &kept->name);
 }
 
-stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points, uint32_t* index)
+static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool spilled,
+                             uint32_t* index)
 {
     stp_point_set added = *points;
-    added.spilled = false;
+    added.spilled = spilled;
     added.content = (stp_hash){0};
     stp_point_set* sets = GROW(scene, point_set);
     if (sets == NULL) {
-        scene->bulk_bytes += stp_points_bytes(&added);
+        scene->bulk_bytes += spilled ? 0 : stp_points_bytes(&added);
         stp_points_free_arrays(scene, &added);
         return stp_fail_memory(scene->context);
     }
@@ -166,6 +167,17 @@ stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points
     }
     stp_result result = stp_points_settle(scene, (uint32_t)(scene->point_set_count - 1));
     return result != STP_OK ? result : keep_text(scene, &kept->name);
+}
+
+stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points, uint32_t* index)
+{
+    return add_points(scene, points, false, index);
+}
+
+stp_result stp_scene_add_spilled_points(stp_scene* scene, const stp_point_set* points,
+                                        uint32_t* index)
+{
+    return add_points(scene, points, true, index);
 }
 
 stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material, uint32_t* index)

@@ -227,6 +227,9 @@ void stp_scene_destroy(stp_scene* scene);
 STP_MUST_USE stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* index);
 STP_MUST_USE stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points,
                                                 uint32_t* index);
+/// The same of a point set whose arrays lie in the scene's spill already.
+STP_MUST_USE stp_result stp_scene_add_spilled_points(stp_scene* scene, const stp_point_set* points,
+                                                     uint32_t* index);
 STP_MUST_USE stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material,
                                                uint32_t* index);
 STP_MUST_USE stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture,

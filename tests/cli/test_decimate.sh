@@ -144,6 +144,37 @@ count() # FILE
 [ "$(count two.ply)" = 2 ] || fail "expected two splats, got $(count two.ply)"
 "$stipple" -q decimate balls.ply -o one.ply --splats 1 --connect > out || fail "--connect"
 [ "$(count one.ply)" = 1 ] || fail "expected one splat, got $(count one.ply)"
+# more points than memory holds lie in files: the same splats, by any metric, and in any part of the folders
+python3 - << 'END'
+import math, random, struct
+chance = random.Random(5)
+with open("many.ply", "wb") as file:
+    names = "".join(f"property float {c}\n" for c in ("x", "y", "z", "nx", "ny", "nz")) + "".join(f"property uchar {c}\n" for c in ("red", "green", "blue"))
+    file.write(f"ply\nformat binary_little_endian 1.0\nelement vertex 150000\n{names}end_header\n".encode())
+    for i in range(150000):
+        x, y = 100 * chance.random(), 100 * chance.random()
+        z = 3 * math.sin(0.2 * x) * math.sin(0.3 * y)
+        file.write(struct.pack("<6f3B", x, y, z, 0, 0, 1, int(2 * x), int(2 * y), 9))
+END
+mkdir -p spills
+for metric in normals distances; do
+    "$stipple" -q decimate many.ply -o whole-$metric.ply --splats 500 --metric $metric > out || fail "many points"
+    for threads in 1 2; do
+        "$stipple" -q decimate many.ply -o spills/$metric.ply --splats 500 --metric $metric --memory 10M --threads $threads --json > spilled.json ||
+            fail "$metric in 10 MB by $threads threads"
+        cmp -s whole-$metric.ply spills/$metric.ply || fail "$metric: $threads threads give other splats where memory is small"
+        python3 -c 'import json; assert json.load(open("spilled.json"))["peak_bytes"] <= 10 << 20' || fail "peak: $(cat spilled.json)"
+    done
+done
+[ "$(ls spills)" = "$(printf 'distances.ply\nnormals.ply')" ] || fail "files are left: $(ls spills)"
+refused 1 'no temporary file can be made' decimate many.ply -o missing/a.ply --memory 10M
+# no room on the disk is said once
+(
+    ulimit -f 6000
+    "$stipple" -q decimate many.ply -o spills/full.ply --splats 500 --memory 10M
+) > out 2> full.txt && fail "a full disk is ignored"
+[ "$(wc -l < full.txt)" = 1 ] && grep -q 'no room for .* of temporary data' full.txt || fail "a full disk: $(cat full.txt)"
+[ "$(ls spills | wc -l)" = 2 ] || fail "a full disk leaves files: $(ls spills)"
 # too little memory is said, and leaves no file
 refused 1 'memory' decimate balls.ply -o little.ply --memory 600K
 [ ! -e little.ply ] || fail "a call without memory left a file"

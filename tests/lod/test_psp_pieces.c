@@ -497,7 +497,7 @@ void test_psp_selects_places(test_state* test)
             float x = (float)stp_rng_below(seed + 100, i, kinds) - 2.0f;
             points[i] = (stp_kd_point){{x, -x, 2.0f * x}, i};
         }
-        stp_kd_select(points, count, place, axis);
+        stp_kd_select(points, count, place, axis, NULL);
         for (size_t i = 0; i < count; ++i) {
             const stp_kd_point *p = &points[i], *q = &points[place];
             bool before =

@@ -34,12 +34,14 @@ static void cut_some(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         stp_psp_range of = c->ranges[i];
+        stp_psp_rounds_release(c->rounds, i);
         bool small = is_small(c, of);
         uint32_t middle = small ? of.end : cut_of(c, of);
         if (!small && c->rounds->order != NULL) {
             stp_kd_point* points = c->rounds->order + of.begin;
             size_t count = of.end - of.begin;
-            stp_kd_select(points, count, middle - of.begin, stp_kd_widest(points, count));
+            stp_kd_select(points, count, middle - of.begin, stp_kd_widest(points, count),
+                          &c->rounds->rooms[STP_PSP_ROOM_WORK]);
         }
         c->next[2 * i] = (stp_psp_range){of.begin, middle};
         c->next[2 * i + 1] = (stp_psp_range){middle, of.end};

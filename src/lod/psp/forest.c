@@ -7,18 +7,26 @@
 #include "lod/psp/initial.h"
 #include "lod/psp/scale.h"
 
-enum { POINTS_MOST = 1 << 30 };
+enum {
+    POINTS_MOST = 1 << 30,
+    STRIPE = 1 << 20,   ///< after so many points, pages are released
+    POINT_BYTES = 85,   ///< of a point, at the peak; measured
+    DISTANCE_BYTES = 70 ///< what distances add
+};
 
 stp_psp_desc stp_psp_desc_default(void)
 {
     return (stp_psp_desc){.metric = STP_PSP_NORMALS, .neighbours = 8, .eager = true};
 }
 
-static stp_box find_box(const stp_psp_points* points)
+static stp_box find_box(const stp_psp_rounds* r, const stp_psp_points* points)
 {
     stp_box box = stp_box_empty();
     for (size_t i = 0; i < points->count; ++i) {
         const float* p = points->positions + 3 * i;
+        if (i % STRIPE == 0) {
+            stp_psp_rounds_release(r, 0);
+        }
         stp_box_add(&box, (stp_vec3){stp_kd_clean(p[0], 1.0f), stp_kd_clean(p[1], 1.0f),
                                      stp_kd_clean(p[2], 1.0f)});
     }
@@ -33,7 +41,7 @@ static stp_result merge_points(stp_psp_rounds* r, const stp_psp_points* points)
         return stp_fail(context, STP_ERROR_LIMIT, "progressive splats: %u points, at most %d",
                         points->count, POINTS_MOST);
     }
-    stp_box box = find_box(points);
+    stp_box box = find_box(r, points);
     float scale = stp_psp_choose_scale(stp_length(stp_sub(box.max, box.min)));
     float size = scale * stp_length(stp_sub(box.max, box.min));
     stp_vec3 middle = stp_scale(stp_add(stp_scale(box.min, 0.5f), stp_scale(box.max, 0.5f)), scale);
@@ -41,27 +49,30 @@ static stp_result merge_points(stp_psp_rounds* r, const stp_psp_points* points)
     r->shared.least = size > 0.0f && size < HUGE_VALF ? 1e-9f * size : 1e-3f;
     r->shared.middle = middle;
     r->alone = size > 0.0f ? stp_psp_radius_alone(size) : 1.0f;
-    if (r->metric->open != NULL && !r->metric->open(&r->shared)) {
-        return stp_fail_memory(context);
+    const stp_psp_room* room = &r->rooms[STP_PSP_ROOM_TREE];
+    stp_result result = stp_psp_room_open(&r->storage, &r->rooms[STP_PSP_ROOM_POINTS]);
+    if (result == STP_OK) {
+        result = stp_psp_room_open(&r->storage, &r->rooms[STP_PSP_ROOM_TREE]);
     }
-    stp_result result =
-        stp_kd_tree_make(context, points->positions, points->count, scale, &r->tree);
+    if (result == STP_OK && r->metric->open != NULL && !r->metric->open(&r->shared)) {
+        result = stp_psp_storage_fail(&r->storage);
+    }
+    if (result == STP_OK) {
+        result =
+            stp_kd_tree_make_in(context, room, points->positions, points->count, scale, &r->tree);
+    }
+    result = result == STP_OK ? stp_psp_order_points(r) : result;
     return result == STP_OK ? stp_psp_rounds_run(r) : result;
-}
-
-static stp_psp_rounds begin(stp_context* context, const stp_psp_points* points,
-                            const stp_psp_desc* desc, uint32_t target)
-{
-    return (stp_psp_rounds){.shared = {.context = context, .points = points, .desc = *desc},
-                            .metric = stp_psp_metric_find(desc->metric),
-                            .target = target};
 }
 
 stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* points,
                                const stp_psp_desc* desc, uint32_t target, stp_psp_forest* forest)
 {
     *forest = (stp_psp_forest){.point_count = points->count};
-    stp_psp_rounds r = begin(context, points, desc, target);
+    stp_psp_rounds r;
+    stp_psp_desc in_memory = *desc;
+    in_memory.spill = NULL;
+    stp_psp_rounds_begin(&r, context, points, &in_memory, target);
     r.keep_history = true;
     size_t most = 2 * (size_t)points->count + 1;
     stp_result result = STP_OK;
@@ -140,11 +151,18 @@ static stp_result list_splats(const stp_psp_rounds* r, stp_psp_splats* splats)
     return made ? STP_OK : stp_fail_memory(context);
 }
 
+uint64_t stp_psp_decimate_bytes(uint32_t count, const stp_psp_desc* desc)
+{
+    uint64_t each = POINT_BYTES + (desc->metric == STP_PSP_NORMALS ? 0 : DISTANCE_BYTES);
+    return each * count;
+}
+
 stp_result stp_psp_decimate(stp_context* context, const stp_psp_points* points,
                             const stp_psp_desc* desc, uint32_t target, stp_psp_splats* splats)
 {
     *splats = (stp_psp_splats){0};
-    stp_psp_rounds r = begin(context, points, desc, target);
+    stp_psp_rounds r;
+    stp_psp_rounds_begin(&r, context, points, desc, target);
     stp_result result = merge_points(&r, points);
     result = result == STP_OK ? list_splats(&r, splats) : result;
     stp_psp_rounds_destroy(&r);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/context.h"
+#include "base/spill.h"
 #include "lod/psp/ellipse.h"
 
 /// What is merged. Arrays are the caller's, and are only read.
@@ -10,10 +11,17 @@ typedef struct stp_psp_points {
     uint32_t count;
     const float* positions; ///< 3 a point; finite
     const float* normals;   ///< NULL, or 3 a point: of unit length, or zero where nobody knows
-    const uint8_t* colors;  ///< NULL: white, or 3 a point, sRGB
+    const uint8_t* colors;  ///< NULL: white, or sRGB
+    uint32_t color_bytes;   ///< of a point: 3, or more, which are not read; 0: 3
     const float*
         areas; ///< of STP_PSP_REGIONS: area of the surface that a point stands for; above 0
 } stp_psp_points;
+
+/// The colour of a point. There are colours.
+static inline const uint8_t* stp_psp_color(const stp_psp_points* points, size_t point)
+{
+    return points->colors + point * (points->color_bytes != 0 ? points->color_bytes : 3);
+}
 
 /// How the error of a merge is measured.
 typedef enum stp_psp_metric {
@@ -36,6 +44,9 @@ typedef struct stp_psp_desc {
     bool keep_angle;
     uint32_t
         piece_size; ///< splats that one queue merges, 8 and more; 0: the default. More are merged in pieces
+    /// Of stp_psp_decimate: what grows with the number of points lies in files beside this one, not in memory. Where the points lie
+    /// in this one, their pages are released, too. The result is the same. NULL: all is in memory.
+    stp_spill* spill;
 } stp_psp_desc;
 
 stp_psp_desc stp_psp_desc_default(void);
@@ -84,9 +95,12 @@ typedef struct stp_psp_splats {
     uint32_t* firsts; ///< the least index of the points that it stands for
 } stp_psp_splats;
 
+/// About how many bytes stp_psp_decimate takes at its peak without `spill`, besides the points.
+uint64_t stp_psp_decimate_bytes(uint32_t count, const stp_psp_desc* desc);
+
 /// Merges as stp_psp_forest_make does, and keeps only what is left: the same splats as those of stp_psp_forest_cut at the
 /// target, in order of the least index of the points they stand for. Takes far less memory (docs/algorithms.md).
-/// @return as stp_psp_forest_make. Freed by stp_psp_splats_destroy, also after a failure
+/// @return as stp_psp_forest_make; with `spill` also STP_ERROR_IO (logged). Freed by stp_psp_splats_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_decimate(stp_context* context, const stp_psp_points* points,
                                          const stp_psp_desc* desc, uint32_t target,
                                          stp_psp_splats* splats);

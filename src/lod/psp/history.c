@@ -45,13 +45,14 @@ static void place_some(size_t begin, size_t end, uint32_t worker, void* user)
 static void place_points(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const assembly* a = user;
-    const uint8_t* colors = a->rounds->shared.points->colors;
+    const stp_psp_points* points = a->rounds->shared.points;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         a->forest->ellipses[i] =
             stp_psp_scale_ellipse(&a->forest->ellipses[i], a->rounds->shared.scale);
         for (size_t k = 0; k < 3; ++k) {
-            a->forest->colors[3 * i + k] = colors != NULL ? colors[3 * i + k] : 255;
+            a->forest->colors[3 * i + k] =
+                points->colors != NULL ? stp_psp_color(points, i)[k] : 255;
         }
     }
 }

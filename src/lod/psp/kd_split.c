@@ -9,7 +9,8 @@ enum {
     SAMPLES_MOST = 31, ///< from which a pivot is chosen
     SAMPLED_LEAST = 64,
     SPREAD_SAMPLES = 64,
-    SMALL = 12, ///< sorted by insertion
+    SMALL = 12,       ///< sorted by insertion
+    STRIPE = 1 << 20, ///< after so many points, pages are released
 };
 
 int stp_kd_widest(const stp_kd_point* points, size_t count)
@@ -76,28 +77,37 @@ static size_t choose_pivot(const stp_kd_point* points, size_t count, size_t plac
 /// Puts what is before the pivot first. Branch-free: the outcome of a comparison cannot be
 /// predicted here.
 /// @return where the pivot goes
-static size_t partition(stp_kd_point* points, size_t count, size_t pivot, int axis)
+static size_t partition(stp_kd_point* points, size_t count, size_t pivot, int axis,
+                        const stp_psp_room* room)
 {
     stp_kd_point middle = points[pivot];
     points[pivot] = points[count - 1];
     points[count - 1] = middle;
     uint64_t limit = key_of(&middle, axis);
     size_t store = 0;
-    for (size_t i = 0; i + 1 < count; ++i) {
-        stp_kd_point p = points[i];
-        points[i] = points[store];
-        points[store] = p;
-        store += key_of(&p, axis) < limit ? 1 : 0;
+    for (size_t begin = 0, end; begin + 1 < count; begin = end) {
+        end = count - 1 - begin < STRIPE ? count - 1 : begin + STRIPE;
+        for (size_t i = begin; i < end; ++i) {
+            stp_kd_point p = points[i];
+            points[i] = points[store];
+            points[store] = p;
+            store += key_of(&p, axis) < limit ? 1 : 0;
+        }
+        if (room != NULL && end - begin == STRIPE) {
+            stp_psp_room_release(room);
+        }
     }
     points[count - 1] = points[store];
     points[store] = middle;
     return store;
 }
 
-void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis)
+void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis,
+                   const stp_psp_room* room)
 {
     while (count > SMALL) {
-        size_t found = partition(points, count, choose_pivot(points, count, place, axis), axis);
+        size_t pivot = choose_pivot(points, count, place, axis);
+        size_t found = partition(points, count, pivot, axis, room);
         if (found == place) {
             return;
         }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/math.h"
+#include "lod/psp/room.h"
 
 /// A point and its number. The number also breaks ties, so each order along an axis is total.
 typedef struct stp_kd_point {
@@ -16,4 +17,6 @@ int stp_kd_widest(const stp_kd_point* points, size_t count);
 
 /// Reorders points along an axis: smaller ones before `place`, larger ones behind it. `place` is
 /// below `count`. Expected linear time for any input. The result depends on the input alone.
-void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis);
+/// @param room where the points lie, of which pages are released on the way; NULL: in memory
+void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis,
+                   const stp_psp_room* room);

@@ -3,6 +3,9 @@
 
 enum {
     PARALLEL_RANGES = 256, ///< so many parts are built at a time
+    RELEASED = 8,          ///< after so many of them, pages are released
+    GRAIN = 1 << 16,
+    STRIPE = 16 * GRAIN, ///< after so many points, pages are released
 };
 
 typedef struct range {
@@ -27,6 +30,9 @@ static void read_points(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const builder* b = user;
     (void)worker;
+    if (b->tree->room != NULL && begin % STRIPE == 0) {
+        stp_psp_room_release(b->tree->room);
+    }
     for (size_t i = begin; i < end; ++i) {
         stp_kd_point* p = &b->points[i];
         *p = (stp_kd_point){.at = {HUGE_VALF, HUGE_VALF, HUGE_VALF}, .index = UINT32_MAX};
@@ -47,7 +53,7 @@ static void split(const builder* b, range of)
     size_t middle = (size_t)middle_of(of) * STP_KD_LEAF;
     end = end < t->count ? end : t->count; // what fills the last leaf stays there
     int axis = stp_kd_widest(b->points + first, end - first);
-    stp_kd_select(b->points + first, end - first, middle - first, axis);
+    stp_kd_select(b->points + first, end - first, middle - first, axis, t->room);
     t->nodes[middle_of(of)] = (stp_kd_node){b->points[middle].at[axis], (uint32_t)axis};
 }
 
@@ -80,6 +86,9 @@ static void build_ranges(size_t begin, size_t end, uint32_t worker, void* user)
     const builder* b = user;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
+        if (b->tree->room != NULL && i % RELEASED == 0) {
+            stp_psp_room_release(b->tree->room);
+        }
         range stack[STP_KD_DEPTH] = {b->ranges[i]};
         for (uint32_t size = 1; size > 0;) {
             range of = stack[--size];
@@ -109,31 +118,51 @@ static void build(stp_context* context, builder* b)
     stp_parallel_for(context, b->range_count, 1, build_ranges, b);
 }
 
+static void* new_array(stp_context* context, const stp_psp_room* room, size_t count, size_t size)
+{
+    return room != NULL ? stp_psp_room_alloc(room, count, size)
+                        : stp_alloc_array(context, count, size);
+}
+
 stp_result stp_kd_tree_make(stp_context* context, const float* positions, uint32_t count,
                             float scale, stp_kd_tree* tree)
 {
+    return stp_kd_tree_make_in(context, NULL, positions, count, scale, tree);
+}
+
+stp_result stp_kd_tree_make_in(stp_context* context, const stp_psp_room* room,
+                               const float* positions, uint32_t count, float scale,
+                               stp_kd_tree* tree)
+{
     uint32_t leaves = count / STP_KD_LEAF + (count % STP_KD_LEAF != 0 ? 1 : 0);
-    *tree = (stp_kd_tree){.leaves = STP_NEW_ARRAY(context, stp_kd_leaf, (size_t)leaves + 1),
-                          .nodes = STP_NEW_ARRAY(context, stp_kd_node, (size_t)leaves + 1),
-                          .count = count,
-                          .leaf_count = leaves};
+    *tree =
+        (stp_kd_tree){.leaves = new_array(context, room, (size_t)leaves + 1, sizeof(stp_kd_leaf)),
+                      .nodes = new_array(context, room, (size_t)leaves + 1, sizeof(stp_kd_node)),
+                      .count = count,
+                      .leaf_count = leaves,
+                      .room = room};
     if (tree->leaves == NULL || tree->nodes == NULL) {
-        return stp_fail_memory(context);
+        return room != NULL ? stp_psp_storage_fail(room->storage) : stp_fail_memory(context);
     }
     _Static_assert(sizeof(stp_kd_leaf) == STP_KD_LEAF * sizeof(stp_kd_point), "in place");
     builder b = {.tree = tree,
                  .positions = positions,
                  .points = (stp_kd_point*)(void*)tree->leaves,
                  .scale = scale};
-    stp_parallel_for(context, (size_t)leaves * STP_KD_LEAF, 1 << 16, read_points, &b);
+    stp_parallel_for(context, (size_t)leaves * STP_KD_LEAF, GRAIN, read_points, &b);
     build(context, &b);
     return STP_OK;
 }
 
 void stp_kd_tree_destroy(stp_context* context, stp_kd_tree* tree)
 {
-    stp_free(context, tree->leaves);
-    stp_free(context, tree->nodes);
+    if (tree->room != NULL) {
+        stp_psp_room_free(tree->room, tree->leaves);
+        stp_psp_room_free(tree->room, tree->nodes);
+    } else {
+        stp_free(context, tree->leaves);
+        stp_free(context, tree->nodes);
+    }
     *tree = (stp_kd_tree){0};
 }
 

@@ -25,6 +25,7 @@ typedef struct stp_kd_tree {
     stp_kd_leaf* leaves;
     stp_kd_node* nodes; ///< one a leaf; the first is unused
     uint32_t count, leaf_count;
+    const stp_psp_room* room; ///< where both arrays lie; NULL: in memory
 } stp_kd_tree;
 
 /// Reads coordinates times `scale`. What is not a number counts as 0; magnitudes above 1e18 are cut
@@ -33,6 +34,10 @@ typedef struct stp_kd_tree {
 ///         failure
 STP_MUST_USE stp_result stp_kd_tree_make(stp_context* context, const float* positions,
                                          uint32_t count, float scale, stp_kd_tree* tree);
+/// The same in a room, which must stay as long as the tree. @return also STP_ERROR_IO (logged)
+STP_MUST_USE stp_result stp_kd_tree_make_in(stp_context* context, const stp_psp_room* room,
+                                            const float* positions, uint32_t count, float scale,
+                                            stp_kd_tree* tree);
 void stp_kd_tree_destroy(stp_context* context, stp_kd_tree* tree);
 
 /// A coordinate as the tree reads it.

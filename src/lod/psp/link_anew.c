@@ -5,11 +5,12 @@
 #include <string.h>
 
 /// Makes room for a block like another one, with so many links, and copies splats and states.
-static bool copy_block(stp_context* context, const stp_psp_block* from, size_t state_bytes,
+static bool copy_block(const stp_psp_room* room, const stp_psp_block* from, size_t state_bytes,
                        size_t links, stp_psp_block* to)
 {
     size_t splats = from->count * sizeof(*from->splats), states = from->count * state_bytes;
-    to->memory = stp_alloc(context, splats + states + (from->count + 1 + links) * sizeof(uint32_t));
+    to->memory =
+        stp_psp_room_alloc(room, 1, splats + states + (from->count + 1 + links) * sizeof(uint32_t));
     if (to->memory == NULL) {
         return false;
     }
@@ -54,29 +55,30 @@ stp_result stp_psp_link_anew(stp_psp_rounds* r)
     uint32_t count = b->count, k = r->shared.desc.neighbours;
     float* centers = STP_NEW_ARRAY(context, float, 3 * (size_t)count + 1);
     uint32_t* near = STP_NEW_ARRAY(context, uint32_t, (size_t)k * count + 1);
-    uint32_t* survivors = STP_NEW_ARRAY(context, uint32_t, (size_t)count + 1);
+    const stp_psp_room* room = &r->rooms[STP_PSP_ROOM_LEFT];
+    uint32_t* survivors = STP_PSP_NEW(room, uint32_t, (size_t)count + 1);
     bool made = 2 * (size_t)k * count <= UINT32_MAX && centers != NULL && near != NULL &&
                 survivors != NULL &&
-                copy_block(context, b, r->metric->state_bytes, 2 * (size_t)k * count, &linked);
+                copy_block(room, b, r->metric->state_bytes, 2 * (size_t)k * count, &linked);
     for (size_t i = 0; made && i < count; ++i) {
         memcpy(centers + 3 * i, &b->splats[i].ellipse.center, 3 * sizeof(float));
         survivors[i] = (uint32_t)i;
     }
-    stp_result result =
-        made ? stp_find_nearest_points(context, centers, count, k, near) : stp_fail_memory(context);
+    stp_result result = made ? stp_find_nearest_points(context, centers, count, k, near)
+                             : stp_psp_storage_fail(&r->storage);
     if (result == STP_OK) {
         link_nearest(&linked, near, k);
-        stp_free(context, b->memory);
-        stp_free(context, r->survivors);
+        stp_psp_room_free(room, b->memory);
+        stp_psp_room_free(room, r->survivors);
         *b = linked;
         r->survivors = survivors;
         r->slot_count = count;
         linked.memory = NULL;
         survivors = NULL;
     }
-    stp_free(context, linked.memory);
+    stp_psp_room_free(room, linked.memory);
     stp_free(context, centers);
     stp_free(context, near);
-    stp_free(context, survivors);
+    stp_psp_room_free(room, survivors);
     return result;
 }

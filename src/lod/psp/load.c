@@ -21,18 +21,19 @@ static void begin_splat(const stp_psp_rounds* r, uint32_t place, const uint32_t*
 {
     const stp_psp_points* points = r->shared.points;
     uint32_t point = stp_kd_index(&r->tree, place);
-    const float* n = points->normals != NULL ? points->normals + 3 * (size_t)point : NULL;
+    uint32_t at = r->in_tree_order ? place : point;
+    const float* n = points->normals != NULL ? points->normals + 3 * (size_t)at : NULL;
     stp_vec3 given = n != NULL ? (stp_vec3){n[0], n[1], n[2]} : (stp_vec3){0};
     splat->ellipse = stp_psp_initial_splat(&r->tree, place, near, count,
                                            stp_is_finite(given) ? given : (stp_vec3){0}, r->alone);
     splat->area = stp_ellipse_area(&splat->ellipse);
     for (size_t k = 0; k < 3; ++k) {
-        uint8_t color = points->colors != NULL ? points->colors[3 * (size_t)point + k] : 255;
+        uint8_t color = points->colors != NULL ? stp_psp_color(points, at)[k] : 255;
         splat->color[k] = stp_srgb8_to_linear(color);
     }
     splat->id = splat->key = point;
     if (r->metric->begin != NULL) {
-        r->metric->begin(&r->shared, point, splat, state);
+        r->metric->begin(&r->shared, at, splat, state);
     }
 }
 
@@ -267,7 +268,8 @@ bool stp_psp_load(const stp_psp_rounds* r, stp_psp_piece* p, uint32_t begin, uin
     return r->round == 0 ? load_points(r, p, begin) : load_blocks(r, p, begin);
 }
 
-bool stp_psp_unload(stp_psp_piece* p, stp_psp_block* b, uint32_t* survivors)
+bool stp_psp_unload(stp_psp_piece* p, const stp_psp_room* room, stp_psp_block* b,
+                    uint32_t* survivors)
 {
     uint32_t count = 0;
     size_t links = 0, state = p->metric->state_bytes;
@@ -278,8 +280,8 @@ bool stp_psp_unload(stp_psp_piece* p, stp_psp_block* b, uint32_t* survivors)
         }
     }
     size_t splat_bytes = count * sizeof(stp_psp_splat), state_bytes = count * state;
-    b->memory = stp_alloc(p->shared->context,
-                          splat_bytes + state_bytes + (count + 1 + links) * sizeof(uint32_t));
+    b->memory = stp_psp_room_alloc(
+        room, 1, splat_bytes + state_bytes + (count + 1 + links) * sizeof(uint32_t));
     if (b->memory == NULL) {
         return false;
     }
@@ -365,6 +367,7 @@ uint32_t stp_psp_sample_errors(const stp_psp_rounds* r, float* errors, uint32_t 
     void* places[2] = {states[0], states[1]};
     for (uint32_t s = 0; s < samples; ++s) {
         uint32_t slot = (uint32_t)((uint64_t)s * r->live / samples);
+        stp_psp_rounds_release(r, s);
         float error = r->round == 0 ? best_of_point(r, slot, places) : best_of_splat(r, slot);
         if (error < HUGE_VALF) {
             errors[count++] = error;

@@ -11,8 +11,9 @@ bool stp_psp_load(const stp_psp_rounds* rounds, stp_psp_piece* piece, uint32_t b
 /// Makes the block of a piece that was merged.
 /// @param survivors receives for each slot of the piece the place in the block of the splat that
 ///         stands for it
-/// @return false where memory runs out
-bool stp_psp_unload(stp_psp_piece* piece, stp_psp_block* block, uint32_t* survivors);
+/// @return false where memory, or the room, runs out
+bool stp_psp_unload(stp_psp_piece* piece, const stp_psp_room* room, stp_psp_block* block,
+                    uint32_t* survivors);
 
 /// The errors of the best merges of some splats, taken evenly; ascending, without those that are
 /// not allowed.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "lod/psp/forest.h"
+#include "lod/psp/room.h"
 
 /// A splat while it may be merged.
 typedef struct stp_psp_splat {
@@ -20,6 +21,7 @@ typedef struct stp_psp_splat {
 typedef struct stp_psp_shared {
     stp_context* context;
     const stp_psp_points* points;
+    const stp_psp_room* room; ///< for arrays of points; NULL: they lie in memory
     stp_psp_desc desc;
     float scale;     ///< from model units to those of the merge
     float least;     ///< axes are at least so long

@@ -18,13 +18,19 @@ typedef struct moments {
 static bool open_lists(stp_psp_shared* shared)
 {
     // of a point the next one in the list of its splat; UINT32_MAX ends it
-    shared->own = STP_NEW_ARRAY(shared->context, uint32_t, (size_t)shared->points->count + 1);
+    size_t count = (size_t)shared->points->count + 1;
+    shared->own = shared->room != NULL ? STP_PSP_NEW(shared->room, uint32_t, count)
+                                       : STP_NEW_ARRAY(shared->context, uint32_t, count);
     return shared->own != NULL;
 }
 
 static void close_lists(stp_psp_shared* shared)
 {
-    stp_free(shared->context, shared->own);
+    if (shared->room != NULL) {
+        stp_psp_room_free(shared->room, shared->own);
+    } else {
+        stp_free(shared->context, shared->own);
+    }
     shared->own = NULL;
 }
 

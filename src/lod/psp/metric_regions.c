@@ -27,7 +27,7 @@ static void begin(const stp_psp_shared* shared, uint32_t point, stp_psp_splat* s
         sample.normal = stp_dot(given, given) > 0.0f ? given : sample.normal;
     }
     if (p->colors != NULL) {
-        memcpy(sample.color, p->colors + 3 * (size_t)point, 3);
+        memcpy(sample.color, stp_psp_color(p, point), 3);
     }
     stp_psp_region region = stp_psp_region_of(&sample);
     memcpy(state, &region, sizeof(region));

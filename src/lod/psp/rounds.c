@@ -9,6 +9,7 @@
 enum {
     PIECE_SIZE = 8192, ///< the default
     SAMPLES = 1024,    ///< of errors, from which the limit of a round is chosen
+    RELEASED = 64,     ///< after so many pieces, pages are released
 };
 
 /// The part of the splats whose best merge may be made in a round, at most.
@@ -37,9 +38,11 @@ static bool run_piece(pass* t, uint32_t number, stp_psp_piece* piece)
     uint64_t count = of.end - of.begin;
     // pieces together never leave fewer than the target
     uint64_t least = (count * r->target + r->live - 1) / r->live;
+    stp_psp_rounds_release(r, number);
     if (!stp_psp_load(r, piece, of.begin, of.end) ||
         !stp_psp_piece_run(piece, t->limit, (uint32_t)least) ||
-        !stp_psp_unload(piece, &t->blocks[number], t->survivors + of.begin)) {
+        !stp_psp_unload(piece, &r->rooms[STP_PSP_ROOM_NEXT], &t->blocks[number],
+                        t->survivors + of.begin)) {
         return false;
     }
     stp_psp_history* h = &t->histories[number];
@@ -77,6 +80,7 @@ static void number_pieces(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t i = begin; i < end; ++i) {
         const stp_psp_block* b = &t->blocks[i];
         const stp_psp_history* h = &t->histories[i];
+        stp_psp_rounds_release(t->rounds, i);
         for (uint32_t slot = t->ranges[i].begin; slot < t->ranges[i].end; ++slot) {
             t->survivors[slot] += b->first;
         }
@@ -90,12 +94,36 @@ static void number_pieces(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-static void free_blocks(stp_context* context, stp_psp_block* blocks, uint32_t count)
+static void free_blocks(const stp_psp_room* room, stp_context* context, stp_psp_block* blocks,
+                        uint32_t count)
 {
     for (uint32_t i = 0; blocks != NULL && i < count; ++i) {
-        stp_free(context, blocks[i].memory);
+        stp_psp_room_free(room, blocks[i].memory);
     }
     stp_free(context, blocks);
+}
+
+/// Frees what the last round left.
+static void free_left(stp_psp_rounds* r)
+{
+    stp_psp_room* room = &r->rooms[STP_PSP_ROOM_LEFT];
+    free_blocks(room, r->shared.context, r->blocks, r->block_count);
+    stp_psp_room_free(room, r->survivors);
+    stp_psp_room_close(room);
+}
+
+/// Frees the tree, and the orders of the round.
+static void free_orders(stp_psp_rounds* r)
+{
+    stp_psp_room* room = &r->rooms[STP_PSP_ROOM_WORK];
+    stp_kd_tree_destroy(r->shared.context, &r->tree);
+    stp_psp_room_close(&r->rooms[STP_PSP_ROOM_TREE]);
+    stp_psp_room_free(room, r->order);
+    stp_psp_room_free(room, r->reverse);
+    stp_psp_room_close(room);
+    r->order = NULL;
+    r->reverse = NULL;
+    r->reverse_count = 0;
 }
 
 /// Keeps histories of pieces that made merges. @return false where memory runs out
@@ -139,8 +167,9 @@ static bool take_over(pass* t)
         merges += t->histories[i].count;
     }
     stp_parallel_for(context, t->range_count, 1, number_pieces, t);
-    free_blocks(context, r->blocks, r->block_count);
-    stp_free(context, r->survivors);
+    free_left(r);
+    r->rooms[STP_PSP_ROOM_LEFT] = r->rooms[STP_PSP_ROOM_NEXT];
+    r->rooms[STP_PSP_ROOM_NEXT] = (stp_psp_room){0};
     r->blocks = t->blocks;
     r->block_count = t->range_count;
     r->survivors = t->survivors;
@@ -149,12 +178,7 @@ static bool take_over(pass* t)
     r->merge_count = merges;
     t->blocks = NULL;
     t->survivors = NULL;
-    stp_kd_tree_destroy(context, &r->tree);
-    stp_free(context, r->order);
-    stp_free(context, r->reverse);
-    r->order = NULL;
-    r->reverse = NULL;
-    r->reverse_count = 0;
+    free_orders(r);
     r->round += 1;
     return keep_histories(t);
 }
@@ -169,7 +193,9 @@ static stp_result run_pass(stp_psp_rounds* r, float limit, const stp_psp_range* 
     t.pieces = STP_NEW_ZEROED(context, stp_psp_piece, threads);
     t.blocks = STP_NEW_ZEROED(context, stp_psp_block, t.range_count);
     t.histories = STP_NEW_ZEROED(context, stp_psp_history, t.range_count);
-    t.survivors = STP_NEW_ARRAY(context, uint32_t, (size_t)r->live + 1);
+    stp_psp_room* room = &r->rooms[STP_PSP_ROOM_NEXT];
+    stp_result result = stp_psp_room_open(&r->storage, room);
+    t.survivors = result == STP_OK ? STP_PSP_NEW(room, uint32_t, (size_t)r->live + 1) : NULL;
     t.failed = STP_NEW_ZEROED(context, uint8_t, t.range_count);
     bool made = t.pieces != NULL && t.blocks != NULL && t.histories != NULL &&
                 t.survivors != NULL && t.failed != NULL;
@@ -189,12 +215,14 @@ static stp_result run_pass(stp_psp_rounds* r, float limit, const stp_psp_range* 
     for (uint32_t i = 0; t.histories != NULL && i < t.range_count; ++i) {
         stp_free(context, t.histories[i].records);
     }
-    free_blocks(context, t.blocks, t.range_count);
+    free_blocks(room, context, t.blocks, t.range_count);
+    stp_psp_room_free(room, t.survivors);
+    stp_psp_room_close(room);
     stp_free(context, t.pieces);
     stp_free(context, t.histories);
-    stp_free(context, t.survivors);
     stp_free(context, t.failed);
-    return made ? STP_OK : stp_fail_memory(context);
+    result = result == STP_OK && !made ? stp_psp_storage_fail(&r->storage) : result;
+    return result;
 }
 
 static void read_centers(size_t begin, size_t end, uint32_t worker, void* user)
@@ -203,6 +231,7 @@ static void read_centers(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const stp_psp_block* b = &r->blocks[i];
+        stp_psp_rounds_release(r, i);
         for (uint32_t s = 0; s < b->count; ++s) {
             stp_vec3 c = b->splats[s].ellipse.center;
             r->order[b->first + s] = (stp_kd_point){{c.x, c.y, c.z}, b->first + s};
@@ -230,9 +259,14 @@ static stp_result choose_limit(stp_psp_rounds* r, float* limit)
 static stp_result make_order(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;
-    r->order = STP_NEW_ARRAY(context, stp_kd_point, (size_t)r->live + 1);
+    stp_psp_room* room = &r->rooms[STP_PSP_ROOM_WORK];
+    stp_result result = stp_psp_room_open(&r->storage, room);
+    if (result != STP_OK) {
+        return result;
+    }
+    r->order = STP_PSP_NEW(room, stp_kd_point, (size_t)r->live + 1);
     if (r->order == NULL) {
-        return stp_fail_memory(context);
+        return stp_psp_storage_fail(&r->storage);
     }
     stp_parallel_for(context, r->block_count, 1, read_centers, r);
     return STP_OK;
@@ -259,6 +293,29 @@ static stp_result run_round(stp_psp_rounds* r, uint32_t piece_size)
     }
     stp_free(r->shared.context, ranges);
     return result;
+}
+
+void stp_psp_rounds_begin(stp_psp_rounds* r, stp_context* context, const stp_psp_points* points,
+                          const stp_psp_desc* desc, uint32_t target)
+{
+    *r = (stp_psp_rounds){.shared = {.context = context, .points = points, .desc = *desc},
+                          .metric = stp_psp_metric_find(desc->metric),
+                          .target = target};
+    stp_psp_storage_begin(&r->storage, context, desc->spill);
+    r->shared.room = &r->rooms[STP_PSP_ROOM_POINTS];
+}
+
+void stp_psp_rounds_release(const stp_psp_rounds* r, size_t number)
+{
+    if (r->storage.beside == NULL || number % RELEASED != 0) {
+        return;
+    }
+    stp_spill_release_pages(r->storage.beside);
+    for (int i = 0; i < STP_PSP_ROOMS; ++i) {
+        if (r->rooms[i].file != NULL) {
+            stp_spill_release_pages(r->rooms[i].file);
+        }
+    }
 }
 
 stp_result stp_psp_rounds_run(stp_psp_rounds* r)
@@ -295,16 +352,15 @@ stp_result stp_psp_rounds_run(stp_psp_rounds* r)
 void stp_psp_rounds_destroy(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;
-    stp_kd_tree_destroy(context, &r->tree);
-    free_blocks(context, r->blocks, r->block_count);
+    free_left(r);
+    free_orders(r);
     for (uint32_t i = 0; i < r->history_count; ++i) {
         stp_free(context, r->histories[i].records);
     }
     stp_free(context, r->histories);
-    stp_free(context, r->survivors);
-    stp_free(context, r->order);
-    stp_free(context, r->reverse);
     if (r->metric->close != NULL) {
         r->metric->close(&r->shared);
     }
+    stp_psp_room_close(&r->rooms[STP_PSP_ROOM_POINTS]);
+    stp_psp_storage_end(&r->storage);
 }

@@ -24,11 +24,25 @@ typedef struct stp_psp_history {
     uint32_t count, first; ///< number of the first one, of all merges
 } stp_psp_history;
 
+/// Arrays that grow with the number of points, by their lifetimes.
+typedef enum stp_psp_room_use {
+    STP_PSP_ROOM_POINTS, ///< the points in the order of the tree, and what the metric has of them
+    STP_PSP_ROOM_TREE,
+    STP_PSP_ROOM_LEFT, ///< blocks and survivors of the last round
+    STP_PSP_ROOM_NEXT, ///< of the round that runs
+    STP_PSP_ROOM_WORK, ///< orders of the round that runs
+    STP_PSP_ROOMS,
+} stp_psp_room_use;
+
 /// Splats have slots in each round: their places in the order in which the round cuts them into
 /// pieces. What a round leaves is numbered block by block.
 typedef struct stp_psp_rounds {
     stp_psp_shared shared;
     const stp_psp_metric_table* metric;
+    stp_psp_storage storage;
+    stp_psp_room rooms[STP_PSP_ROOMS];
+    stp_psp_points points; ///< where they are in the order of the tree: what `shared` has of them
+    bool in_tree_order;
     bool keep_history;
     uint32_t target;
     stp_ellipse* initial; ///< NULL, or receives the points' splats, in units of the merge
@@ -52,9 +66,21 @@ typedef struct stp_psp_rounds {
     uint32_t history_count, merge_count;
 } stp_psp_rounds;
 
-/// Merges until the target is reached or nothing can be merged. The caller sets the fields up to
-/// `alone`, and makes the tree.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_rounds_destroy, also after a
+/// Begins: nothing is merged yet. To be destroyed in any case.
+void stp_psp_rounds_begin(stp_psp_rounds* rounds, stp_context* context,
+                          const stp_psp_points* points, const stp_psp_desc* desc, uint32_t target);
+
+/// Copies points into the order of the tree where all lies in files: what is merged together then
+/// lies together. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_psp_order_points(stp_psp_rounds* rounds);
+
+/// Now and then lets the system drop what lies in files from memory. `number` of a piece or a part
+/// of a loop. Any thread.
+void stp_psp_rounds_release(const stp_psp_rounds* rounds, size_t number);
+
+/// Merges until the target is reached or nothing can be merged. The caller sets `keep_history`,
+/// `initial`, `alone` and what is shared, and makes the tree.
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_rounds_destroy, also after a
 ///         failure
 STP_MUST_USE stp_result stp_psp_rounds_run(stp_psp_rounds* rounds);
 void stp_psp_rounds_destroy(stp_psp_rounds* rounds);

@@ -3,6 +3,8 @@
 #include "base/parallel_sort.h"
 #include "lod/psp/cut.h"
 
+enum { GRAIN = 1 << 16 }; ///< slots
+
 typedef struct numbering {
     stp_psp_rounds* rounds;
     uint32_t* slots; ///< of splats by number
@@ -14,6 +16,7 @@ static void number_slots(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const numbering* n = user;
     (void)worker;
+    stp_psp_rounds_release(n->rounds, begin / GRAIN);
     for (size_t slot = begin; slot < end; ++slot) {
         n->slots[n->rounds->order[slot].index] = (uint32_t)slot;
     }
@@ -23,6 +26,7 @@ static void number_survivors(size_t begin, size_t end, uint32_t worker, void* us
 {
     const numbering* n = user;
     (void)worker;
+    stp_psp_rounds_release(n->rounds, begin / GRAIN);
     for (size_t i = begin; i < end; ++i) {
         n->rounds->survivors[i] = n->slots[n->rounds->survivors[i]];
     }
@@ -34,6 +38,7 @@ static void reverse_links(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const stp_psp_block* b = &n->rounds->blocks[i];
+        stp_psp_rounds_release(n->rounds, i);
         size_t at = n->starts[i];
         for (uint32_t s = 0; s < b->count; ++s) {
             for (uint32_t l = b->begins[s]; l < b->begins[s + 1]; ++l) {
@@ -52,6 +57,7 @@ static void count_links(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
         const stp_psp_block* b = &n->rounds->blocks[i];
+        stp_psp_rounds_release(n->rounds, i);
         n->starts[i] = 0;
         for (uint32_t l = 0; l < b->begins[b->count]; ++l) {
             n->starts[i] += (b->links[l] & STP_PSP_OUTSIDE) != 0 ? 1 : 0;
@@ -76,15 +82,16 @@ static bool turn_links(numbering* n)
         n->starts[i] = total;
         total += count;
     }
-    uint64_t* scratch = STP_NEW_ARRAY(context, uint64_t, total + 1);
+    const stp_psp_room* room = &r->rooms[STP_PSP_ROOM_WORK];
+    uint64_t* scratch = STP_PSP_NEW(room, uint64_t, total + 1);
     uint64_t* sorted = NULL;
-    n->reverse = STP_NEW_ARRAY(context, uint64_t, total + 1);
+    n->reverse = STP_PSP_NEW(room, uint64_t, total + 1);
     if (n->reverse != NULL && scratch != NULL) {
         stp_parallel_for(context, r->block_count, 1, reverse_links, n);
         sorted = stp_parallel_sort_u64(context, n->reverse, scratch, total, 32, 31);
     }
-    stp_free(context, sorted != scratch ? scratch : NULL);
-    stp_free(context, sorted != n->reverse ? n->reverse : NULL);
+    stp_psp_room_free(room, sorted != scratch ? scratch : NULL);
+    stp_psp_room_free(room, sorted != n->reverse ? n->reverse : NULL);
     stp_free(context, n->starts);
     r->reverse = sorted;
     r->reverse_count = sorted != NULL ? total : 0;
@@ -94,13 +101,14 @@ static bool turn_links(numbering* n)
 stp_result stp_psp_renumber(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;
-    numbering n = {.rounds = r, .slots = STP_NEW_ARRAY(context, uint32_t, (size_t)r->live + 1)};
+    const stp_psp_room* room = &r->rooms[STP_PSP_ROOM_WORK];
+    numbering n = {.rounds = r, .slots = STP_PSP_NEW(room, uint32_t, (size_t)r->live + 1)};
     bool made = n.slots != NULL;
     if (made) {
-        stp_parallel_for(context, r->live, 1 << 16, number_slots, &n);
-        stp_parallel_for(context, r->slot_count, 1 << 16, number_survivors, &n);
+        stp_parallel_for(context, r->live, GRAIN, number_slots, &n);
+        stp_parallel_for(context, r->slot_count, GRAIN, number_survivors, &n);
         made = r->round != 1 || r->block_count == 1 || turn_links(&n);
     }
-    stp_free(context, n.slots);
-    return made ? STP_OK : stp_fail_memory(context);
+    stp_psp_room_free(room, n.slots);
+    return made ? STP_OK : stp_psp_storage_fail(&r->storage);
 }

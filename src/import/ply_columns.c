@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// Where the vertices of a PLY file lie while they are read. Points are large in scans: they go to the
+// scene's spill at once where memory would not hold them twice.
+#include "import/ply.h"
+
+#define SHARE 2 ///< of what the scene keeps in memory: larger points go to its spill at once
+
+static bool has_faces(const stp_ply* ply)
+{
+    for (size_t i = 0; i < ply->element_count; ++i) {
+        const stp_ply_element* element = &ply->elements[i];
+        if (element->count > 0 && stp_ply_is_one_of(element->name, "face tristrips")) {
+            return true;
+        }
+    }
+    return false;
+}
+
+stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
+                                 stp_bulk_array columns[STP_PLY_COLUMNS])
+{
+    const stp_scene* scene = ply->import->scene;
+    uint64_t size = 0;
+    bool good = true;
+    for (int i = 0; i < STP_PLY_COLUMNS; ++i) {
+        size += columns[i].size;
+    }
+    *room = (stp_ply_room){0};
+    room->spilled = scene->spill != NULL && size > scene->spill_above / SHARE && !has_faces(ply);
+    if (room->spilled) {
+        stp_result result = stp_spill_create_beside(scene->spill, &room->scratch);
+        result = result == STP_OK ? stp_bulk_alloc_spilled(scene->spill, columns, 2) : result;
+        return result == STP_OK ? stp_bulk_alloc_spilled(room->scratch, columns + 2, 2) : result;
+    }
+    for (int i = 0; i < STP_PLY_COLUMNS; ++i) {
+        bool wanted = i == 0 || columns[i].size > 0;
+        columns[i].bytes = wanted ? stp_alloc(ply->context, columns[i].size) : NULL;
+        good = good && (!wanted || columns[i].bytes != NULL);
+    }
+    return good ? STP_OK : stp_fail_memory(ply->context);
+}
+
+void stp_ply_free_column(const stp_ply* ply, const stp_ply_room* room, void* column)
+{
+    if (!room->spilled) {
+        stp_free(ply->context, column);
+    }
+}
+
+void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room)
+{
+    if (room->spilled) {
+        if (!ply->import->alone) { // mapped
+            stp_file_forget(&ply->import->file);
+        }
+        stp_spill_release_pages(ply->import->scene->spill);
+        stp_spill_release_pages(room->scratch);
+    }
+}
