@@ -122,7 +122,8 @@ static stp_result add_share(stp_selection* s, const stp_select_share* share)
 {
     const stp_select_entry* at = &share->at;
     uint32_t set = stp_select_set_of(s, at->node);
-    stp_set_use use = {.surfels = stp_store_describe_surfels(s->store, set)};
+    stp_set_use use = {
+        .rule = s->rule, .set = set, .surfels = stp_store_describe_surfels(s->store, set)};
     stp_boxd box = stp_select_place_box(&at->transform, &s->directory->nodes[at->node].bounds);
     stp_sight sight;
     (void)stp_select_see(s, &box, &sight); // be they seen or not
