@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Methods against each other: likeness and time of pictures, by splat size, on the views of several scenes.
 
-usage: bench/methods.py [--methods blue,spt] [--sizes 1,2,4,8,16 | --counts N,N...] [--repeats N] SCENE...
+usage: bench/methods.py [--methods blue,spt] [--sizes 1,2,4,8,16 | --counts N,N...] [--repeats N] [--warm] SCENE...
 
 SCENE is a .stip that holds both methods, a model, or a named scene; those are built with both. Each view of
 a scene (iso where it has none) is drawn at each size by each method and compared with its reference. Times are the least of
 the repeats. Prints a table at sizes 2 and 8; writes methods.svg, likeness over time. With --counts, each view is drawn with so many
-splats instead (`render --splats N`; spt and psp take as many at most), and without triangles.
+splats instead (`render --splats N`; spt takes as many at most), and without triangles. A method called auto is what is drawn without
+--method: blue, and psp where few splats suffice. With --warm, times are medians of repeated frames, as those of a flight.
 """
 import pathlib
 import subprocess
@@ -22,14 +23,16 @@ def build(given, scene, folder):
         return pathlib.Path(scene)
     out = folder / (pathlib.Path(str(scene).replace(":", "-").replace(",", "-").replace("/", "-")).stem + ".stip")
     kit.say(f"{scene} ...")
-    subprocess.run([kit.STIPPLE, "build", scene, "-o", out, "--method", given.methods, "--progress", "none"], check=True,
+    built = given.methods.replace("auto", "psp")
+    subprocess.run([kit.STIPPLE, "build", scene, "-o", out, "--method", built, "--progress", "none"], check=True,
                    stdout=subprocess.DEVNULL)
     return out
 
 
 def measure(given, stored, view, quality, method, truth, picture):
     """Likeness and figures of one picture of a quality: an option and its value."""
-    call = ("render", stored, "-o", picture, "--view", view, "--size", given.size, *quality, "--method", method, "--once")
+    asked = () if method == "auto" else ("--method", method)
+    call = ("render", stored, "-o", picture, "--view", view, "--size", given.size, *quality, *asked, *(() if given.warm else ("--once",)))
     frames = [kit.stipple(*call, threads=given.threads) for _ in range(given.repeats)]
     best = min(frames, key=lambda frame: frame["frame_ms"])
     likeness = kit.compare(picture, truth)
@@ -83,6 +86,7 @@ def main():
     parser.add_argument("--sizes", default="1,2,4,8,16")
     parser.add_argument("--counts", help="compare at equal numbers of splats instead, as 10000,100000")
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--warm", action="store_true", help="medians of repeated frames")
     given = parser.parse_args()
     methods = given.methods.split(",")
     first, second = methods
@@ -104,7 +108,7 @@ def main():
                     for method, figures in zip(methods, pair):
                         results.append(kit.result("methods", {"scene": told, "view": view, "size": given.size, "splat_size": float(size),
                                                               "method": method}, figures))
-                    if float(size) in (2, 8):
+                    if float(size) in (2, 8) or given.warm:
                         rows.append([told, view, size, *(f"{f['ssim_covered']:.3f}" for f in pair), *(f"{f['frame_ms']:.0f}" for f in pair),
                                      *(f"{f['splats']:,}" for f in pair), *(f"{f['triangles']:,}" for f in pair)])
                 kit.say(f"{told} {view}")
