@@ -205,15 +205,15 @@ static void show_next_method(viewer* v)
         viewer_say(v, false, "This file holds no splats of another method");
         return;
     }
-    bool mixed = viewer_mixes_methods(v) && v->settings.splats_by == 0;
-    uint32_t next = mixed ? 0 : stp_store_find_method(d, (uint32_t)v->settings.splats_by) + 1;
-    if (viewer_mixes_methods(v) && next == d->method_count) {
-        v->settings.splats_by = 0;
+    uint32_t place = stp_store_find_method(d, (uint32_t)v->settings.splats_by);
+    if (viewer_mixes_methods(v) && place == 0 && v->settings.splats_by != 0) {
+        v->settings.splats_by = 0; // the last of the round
         viewer_say(v, false, "Splats by %s, and by others where few suffice", d->methods[0].name);
         return;
     }
-    v->settings.splats_by = (int)d->methods[next % d->method_count].id;
-    viewer_say(v, false, "Splats by %s", d->methods[next % d->method_count].name);
+    uint32_t next = (place + 1) % d->method_count;
+    v->settings.splats_by = (int)d->methods[next].id;
+    viewer_say(v, false, "Splats by %s", d->methods[next].name);
 }
 
 /// Keys of panels and tools. @return whether it was one

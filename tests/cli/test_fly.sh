@@ -52,7 +52,7 @@ import json
 def load(name):
     f = json.load(open(name + ".json"))
     expected = """truncated file_bytes whole_bytes backend device width height threads frames frame_ms splats triangles splat_size draw_calls extra_splats
-    budget popping quality per_frame method""".split()
+    budget popping quality per_frame method coarse_method""".split()
     assert sorted(f) == sorted(expected), (name, sorted(f))
     assert sorted(f["frame_ms"]) == ["max", "p50", "p95", "p99"], f["frame_ms"]
     for key in "splats", "triangles", "splat_size", "draw_calls", "extra_splats":
