@@ -121,9 +121,8 @@ static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, u
 static stp_result add_share(stp_selection* s, const stp_select_share* share)
 {
     const stp_select_entry* at = &share->at;
-    uint32_t set = stp_select_set_of(s, at->node);
-    stp_set_use use = {
-        .rule = s->rule, .set = set, .surfels = stp_store_describe_surfels(s->store, set)};
+    stp_set_use use = stp_select_begin_use(s, s->rule, stp_select_set_of(s, at->node));
+    use.switch_depth = 0.0; // nothing below is drawn
     stp_boxd box = stp_select_place_box(&at->transform, &s->directory->nodes[at->node].bounds);
     stp_sight sight;
     (void)stp_select_see(s, &box, &sight); // be they seen or not

@@ -39,6 +39,14 @@ double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entr
     return per_depth > 0.0 && isfinite(per_depth) ? per_depth : 0.0;
 }
 
+stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* rule, uint32_t set)
+{
+    return (stp_set_use){.rule = rule,
+                         .set = set,
+                         .surfels = stp_store_describe_surfels(s->store, set),
+                         .switch_depth = HUGE_VAL};
+}
+
 // Measured on the benchmark scene (docs/notes/2026-11-coarse-ellipses.md).
 #define COARSE_SHARE 0.25
 
@@ -68,11 +76,8 @@ void stp_select_use_coarse(stp_selection* s, const stp_select_entry* at, const s
         return;
     }
     const stp_select_rule* rule = stp_select_rule_of(s->directory->methods[s->coarse_method].id);
-    stp_set_use other = {.rule = rule,
-                         .set = set,
-                         .surfels = stp_store_describe_surfels(s->store, set),
-                         .switch_depth = HUGE_VAL,
-                         .per_depth = use->per_depth};
+    stp_set_use other = stp_select_begin_use(s, rule, set);
+    other.per_depth = use->per_depth;
     rule->use(s, at, sight, false, &other);
     if (other.count > 0 && (!s->streams || stp_select_want_coarse(s, at, sight, &other))) {
         *use = other;
@@ -83,9 +88,8 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
                                const stp_sight* sight)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
-    uint32_t set = stp_select_set_of(s, at->node);
-    const stp_splats* surfels = stp_store_describe_surfels(s->store, set);
-    stp_set_use use = {.rule = s->rule, .set = set, .surfels = surfels, .switch_depth = HUGE_VAL};
+    stp_set_use use = stp_select_begin_use(s, s->rule, stp_select_set_of(s, at->node));
+    const stp_splats* surfels = use.surfels;
     if (surfels->count == 0) {
         return use;
     }
