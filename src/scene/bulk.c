@@ -38,6 +38,10 @@ void stp_points_get_arrays(const stp_point_set* points, stp_bulk_array arrays[ST
     arrays[0] = array_of(points->positions, points->point_count, 3 * sizeof(float));
     arrays[1] = array_of(points->normals, points->point_count, 3 * sizeof(float));
     arrays[2] = array_of(points->colors, points->point_count, 4);
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        arrays[STP_POINT_ATTRIBUTE_ARRAY + i] = array_of(points->attributes[i], points->point_count,
+                                                         stp_attribute_size((stp_attribute)i));
+    }
 }
 
 void stp_points_set_arrays(stp_point_set* points, const stp_bulk_array arrays[STP_POINT_ARRAYS])
@@ -45,6 +49,9 @@ void stp_points_set_arrays(stp_point_set* points, const stp_bulk_array arrays[ST
     points->positions = arrays[0].bytes;
     points->normals = arrays[1].bytes;
     points->colors = arrays[2].bytes;
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        points->attributes[i] = arrays[STP_POINT_ATTRIBUTE_ARRAY + i].bytes;
+    }
 }
 
 void stp_texture_get_arrays(const stp_texture* texture, stp_bulk_array arrays[STP_TEXTURE_ARRAYS])
@@ -152,7 +159,7 @@ stp_result stp_bulk_alloc_spilled(stp_spill* spill, stp_bulk_array* arrays, size
 // Moves arrays from memory to the spill.
 static stp_result spill_arrays(stp_scene* scene, stp_bulk_array* arrays, size_t count)
 {
-    stp_bulk_array moved[STP_MESH_ARRAYS];
+    stp_bulk_array moved[STP_POINT_ARRAYS]; // the most that anything has
     memcpy(moved, arrays, count * sizeof(*arrays));
     stp_result result = stp_bulk_alloc_spilled(scene->spill, moved, count);
     if (result != STP_OK) {

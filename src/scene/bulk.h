@@ -9,7 +9,13 @@ typedef struct stp_bulk_array {
     size_t size;
 } stp_bulk_array;
 
-enum { STP_MESH_ARRAYS = 6, STP_POINT_ARRAYS = 3, STP_TEXTURE_ARRAYS = 2 };
+/// Of points: positions, normals, colours, attributes.
+enum {
+    STP_MESH_ARRAYS = 6,
+    STP_POINT_ATTRIBUTE_ARRAY = 3, ///< the first attribute's
+    STP_POINT_ARRAYS = STP_POINT_ATTRIBUTE_ARRAY + STP_ATTRIBUTES,
+    STP_TEXTURE_ARRAYS = 2,
+};
 
 // The arrays of a thing in a fixed order, and back.
 void stp_mesh_get_arrays(const stp_mesh* mesh, stp_bulk_array arrays[STP_MESH_ARRAYS]);

@@ -35,7 +35,15 @@ stp_hash stp_points_hash(const stp_point_set* points)
     uint32_t head[] = {KIND_POINTS, points->point_count};
     stp_bulk_array arrays[STP_POINT_ARRAYS];
     stp_points_get_arrays(points, arrays);
-    return hash_arrays(head, 2, arrays, STP_POINT_ARRAYS);
+    stp_hash hash = hash_arrays(head, 2, arrays, STP_POINT_ATTRIBUTE_ARRAY);
+    for (uint32_t i = 0; i < STP_ATTRIBUTES; ++i) { // points without them keep their hash
+        const stp_bulk_array* values = &arrays[STP_POINT_ATTRIBUTE_ARRAY + i];
+        if (values->size != 0) {
+            hash = stp_hash_bytes(hash, &i, sizeof(i));
+            hash = stp_hash_bytes(hash, values->bytes, values->size);
+        }
+    }
+    return hash;
 }
 
 stp_hash stp_texture_hash(const stp_texture* texture)

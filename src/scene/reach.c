@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "scene/reach.h"
 
+#include "scene/bulk.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -61,19 +63,19 @@ uint32_t stp_points_drop_unreachable(stp_point_set* points)
     if (all_reach(points->positions, points->point_count)) {
         return 0;
     }
+    stp_bulk_array arrays[STP_POINT_ARRAYS];
+    stp_points_get_arrays(points, arrays);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < points->point_count; ++i) {
-        const float* p = points->positions + 3 * (size_t)i;
-        if (!reaches(p)) {
+        if (!reaches(points->positions + 3 * (size_t)i)) {
             continue;
         }
-        memmove(points->positions + 3 * (size_t)kept, p, 3 * sizeof(float));
-        if (points->normals != NULL) {
-            memmove(points->normals + 3 * (size_t)kept, points->normals + 3 * (size_t)i,
-                    3 * sizeof(float));
-        }
-        if (points->colors != NULL) {
-            memmove(points->colors + 4 * (size_t)kept, points->colors + 4 * (size_t)i, 4);
+        for (int k = 0; k < STP_POINT_ARRAYS; ++k) {
+            size_t size = arrays[k].size / points->point_count;
+            unsigned char* bytes = arrays[k].bytes;
+            if (size != 0) {
+                memmove(bytes + kept * size, bytes + i * size, size);
+            }
         }
         kept += 1;
     }

@@ -292,5 +292,12 @@ stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source)
     stp_source* kept = &sources[scene->source_count++];
     *kept = *source;
     stp_result result = keep_text(scene, &kept->path);
-    return result != STP_OK ? result : keep_text(scene, &kept->format);
+    result = result != STP_OK ? result : keep_text(scene, &kept->format);
+    return result != STP_OK ? result : keep_text(scene, &kept->coordinate_system);
+}
+
+stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t source, const char* text)
+{
+    scene->sources[source].coordinate_system = text;
+    return keep_text(scene, &scene->sources[source].coordinate_system);
 }

@@ -22,6 +22,7 @@
 #include "base/hash.h"
 #include "base/math.h"
 #include "base/spill.h"
+#include "scene/attributes.h"
 #include "scene/content_table.h"
 
 #define STP_NONE UINT32_MAX
@@ -102,9 +103,10 @@ typedef struct stp_mesh {
 typedef struct stp_point_set {
     const char* name; ///< may be NULL
     uint32_t point_count;
-    float* positions; ///< 3 a point; within reach once it is added (reach.h)
-    float* normals;   ///< optional: 3 a point
-    uint8_t* colors;  ///< optional: RGBA a point, sRGB
+    float* positions;                 ///< 3 a point; within reach once it is added (reach.h)
+    float* normals;                   ///< optional: 3 a point
+    uint8_t* colors;                  ///< optional: RGBA a point, sRGB
+    void* attributes[STP_ATTRIBUTES]; ///< each optional: a value a point (attributes.h)
     uint32_t material;
     stp_box bounds;
     stp_hash content;
@@ -167,6 +169,7 @@ typedef struct stp_source {
     const char* path; ///< as given by the user
     const char* format;
     uint64_t bytes;
+    const char* coordinate_system; ///< as the file says it: WKT, or "EPSG:25832"; NULL: it does not
 } stp_source;
 
 /// Meshes and point sets of which something was left out when they were added (reach.h).
@@ -247,6 +250,9 @@ STP_MUST_USE stp_result stp_scene_add_instance(stp_scene* scene, const stp_affin
 STP_MUST_USE stp_result stp_scene_add_use(stp_scene* scene, uint32_t object);
 STP_MUST_USE stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view);
 STP_MUST_USE stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source);
+/// What a source turned out to say of its coordinates, once it is read. The source being imported is the last.
+STP_MUST_USE stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t source,
+                                                        const char* text);
 
 /// glTF's default material: white, fully metallic and rough, opaque, one-sided.
 stp_material stp_material_default(void);

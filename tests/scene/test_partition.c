@@ -51,11 +51,13 @@ static bool list_triangles(const stp_scene* scene, uint32_t node, triangles* t)
         uint32_t salt = 8 * (mesh != NULL ? mesh->material : 1000 + set->material) + parts[i].flags;
         t->keys = stp_grow_array(scene->context, t->keys, &capacity, t->count + count, 8);
         for (uint32_t k = 0; t->keys != NULL && k < count; ++k) {
-            t->keys[t->count++] =
-                mesh != NULL
-                    ? add_corners(&t->box, &parts[i].transform, mesh->positions,
-                                  mesh->indices + 3 * (size_t)k, 3, salt)
-                    : add_corners(&t->box, &parts[i].transform, set->positions, &k, 1, salt);
+            uint32_t source =
+                set != NULL ? ((const uint16_t*)set->attributes[STP_ATTRIBUTE_SOURCE])[k] : 0;
+            t->keys[t->count++] = mesh != NULL
+                                      ? add_corners(&t->box, &parts[i].transform, mesh->positions,
+                                                    mesh->indices + 3 * (size_t)k, 3, salt)
+                                      : add_corners(&t->box, &parts[i].transform, set->positions,
+                                                    &k, 1, salt + 65536 * source);
         }
     }
     stp_free(scene->context, parts);
@@ -156,10 +158,20 @@ static bool make_random_scene(stp_scene* scene, uint64_t seed, uint32_t objects)
     }
     stp_point_set points = {.point_count = 200};
     points.positions = STP_NEW_ARRAY(scene->context, float, 600);
+    uint16_t* sources = STP_NEW_ARRAY(scene->context, uint16_t, 200);
+    points.attributes[STP_ATTRIBUTE_SOURCE] = sources;
+    for (uint16_t i = 0; sources != NULL && i < 200; ++i) {
+        sources[i] = i;
+    }
     for (int i = 0; points.positions != NULL && i < 600; ++i) {
         points.positions[i] = (float)roll(&dice, 16);
     }
-    if (points.positions == NULL || stp_scene_add_point_set(scene, &points, &set) != STP_OK) {
+    if (points.positions == NULL || sources == NULL) {
+        stp_free(scene->context, points.positions);
+        stp_free(scene->context, sources);
+        return false;
+    }
+    if (stp_scene_add_point_set(scene, &points, &set) != STP_OK) {
         return false;
     }
     for (uint32_t i = 0; i < objects; ++i) {

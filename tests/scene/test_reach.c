@@ -53,8 +53,15 @@ void test_points_without_a_place_are_left_out(test_state* test)
     set.positions = STP_NEW_ZEROED(context, float, 3 * COUNT);
     set.normals = STP_NEW_ZEROED(context, float, 3 * COUNT);
     set.colors = STP_NEW_ZEROED(context, uint8_t, 4 * COUNT);
+    uint8_t* classes = STP_NEW_ZEROED(context, uint8_t, COUNT);
+    double* times = STP_NEW_ZEROED(context, double, COUNT);
     CHECK(set.positions != NULL && set.normals != NULL && set.colors != NULL);
+    CHECK(classes != NULL && times != NULL);
+    set.attributes[STP_ATTRIBUTE_CLASS] = classes;
+    set.attributes[STP_ATTRIBUTE_TIME] = times;
     for (uint32_t i = 0; i < COUNT; ++i) {
+        classes[i] = (uint8_t)i;
+        times[i] = 0.5 * i;
         set.positions[3 * i] = set.normals[3 * i] = (float)i;
         set.positions[3 * i + 1] = i % 3 == 0 ? nowhere[i / 3 % NOWHERE] : 0.0f;
         set.colors[4 * i + 3] = (uint8_t)i;
@@ -66,6 +73,7 @@ void test_points_without_a_place_are_left_out(test_state* test)
         uint32_t was = i / 2 * 3 + i % 2 + 1;
         CHECK(kept->positions[3 * i] == (float)was && kept->positions[3 * i + 1] == 0.0f);
         CHECK(kept->normals[3 * i] == (float)was && kept->colors[4 * i + 3] == was);
+        CHECK(classes[i] == was && times[i] == 0.5 * was);
     }
     CHECK(kept->bounds.max.x == 19.0f && kept->bounds.max.y == 0.0f);
     stp_scene_destroy(scene);
