@@ -15,7 +15,8 @@
     X(CURVE, "curve or surface statement", "curve and surface statements", NULL)                   \
     X(CAMERA, "camera that is not a perspective", "cameras that are not perspectives", NULL)       \
     X(LIGHT, "light", "lights", NULL)                                                              \
-    X(SCENE, "further scene", "further scenes", NULL)
+    X(SCENE, "further scene", "further scenes", NULL)                                              \
+    X(WAVEFORM, "point's waveform", "points' waveforms", NULL)
 
 typedef enum stp_loss {
 #define X(name, one, many, instead) STP_LOSS_##name,
