@@ -4,6 +4,7 @@
 // faces. Splat clouds of Gaussian splatting come in as points with the colour of their first
 // coefficient. Up is y where nothing else is asked for, as in the format's first models.
 #include "import/ply.h"
+#include "import/point_columns.h"
 #include "import/surface.h"
 
 #include <math.h>
@@ -333,13 +334,11 @@ static stp_result add_points(vertices* v)
     stp_point_set set = {.point_count = (uint32_t)v->count,
                          .positions = v->positions,
                          .normals = v->normals,
-                         .colors = colors};
+                         .colors = colors,
+                         .spilled = v->room.spilled};
     v->positions = v->normals = NULL;
     stp_ply_release_columns(v->ply, &v->room);
-    stp_part part = {.kind = STP_PART_POINTS};
-    stp_result result = v->room.spilled ? stp_scene_add_spilled_points(scene, &set, &part.index)
-                                        : stp_scene_add_point_set(scene, &set, &part.index);
-    return result != STP_OK ? result : stp_scene_add_part(scene, part);
+    return stp_point_columns_add(v->ply->import, &set);
 }
 
 static stp_result check_positions(const vertices* v)
@@ -411,12 +410,7 @@ static stp_result add_to_scene(vertices* v, stp_ply_faces* f)
         stp_warn(import->context, "%s: %llu faces with fewer than three corners are left out",
                  import->path, (unsigned long long)f->small);
     }
-    stp_affine* placed = &import->scene->objects[import->root].transform;
-    stp_affine shift = stp_affine_identity();
-    for (int i = 0; i < 3; ++i) {
-        shift.m[i][3] = v->origin[i];
-    }
-    *placed = stp_affine_multiply(*placed, shift);
+    stp_import_set_origin(import, v->origin);
     drop_zero_normals(v);
     return f->any ? add_mesh(v, f) : add_points(v);
 }
