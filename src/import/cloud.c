@@ -47,13 +47,14 @@ bool stp_cloud_place(const stp_cloud* cloud, size_t cell, const double place[3])
     if (stp_is_finite((stp_vec3){p[0], p[1], p[2]})) {
         return true;
     }
-    p[0] = NAN;
+    stp_cloud_leave_empty(cloud, cell);
     return false;
 }
 
 void stp_cloud_leave_empty(const stp_cloud* cloud, size_t cell)
 {
-    cloud->set.positions[3 * cell] = NAN;
+    float* p = cloud->set.positions + 3 * cell;
+    p[0] = p[1] = p[2] = NAN;
 }
 
 bool stp_cloud_is_empty(const stp_cloud* cloud, size_t cell)

@@ -38,3 +38,28 @@ static inline stp_text stp_next_line(stp_text at)
     }
     return at + 1;
 }
+
+/// Runs through lines one after the other.
+typedef struct stp_line_cursor {
+    const stp_text_blocks* blocks;
+    size_t block;
+    stp_text at; ///< where the line begins
+} stp_line_cursor;
+
+/// Begins at a line below line_count.
+static inline stp_line_cursor stp_line_cursor_at(const stp_text_blocks* blocks, uint64_t line)
+{
+    return (stp_line_cursor){blocks, stp_text_blocks_find(blocks, line),
+                             stp_text_blocks_line(blocks, line)};
+}
+
+/// Steps to the next line, which must be there.
+static inline void stp_line_cursor_next(stp_line_cursor* cursor)
+{
+    cursor->at = stp_next_line(cursor->at);
+    if (cursor->at == cursor->blocks->blocks[cursor->block].end &&
+        cursor->block + 1 < cursor->blocks->count) {
+        cursor->block += 1;
+        cursor->at = cursor->blocks->blocks[cursor->block].begin;
+    }
+}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "import/text_points.h"
 
+#include "import/intensity.h"
 #include "import/text_scan.h"
 
 #include <math.h>
@@ -11,9 +12,15 @@
 
 typedef enum line_kind { LINE_POINT, LINE_EMPTY, LINE_COUNT, LINE_BAD } line_kind;
 
+// How colours and intensities are written.
+typedef struct scales {
+    double color; ///< the value that is white
+    stp_intensity_range intensity;
+} scales;
+
 typedef struct reading {
     stp_text_points* points;
-    stp_text_scales scales;
+    scales scales;
     double color_factor, intensity_factor; ///< to 255ths, to 65535ths
     size_t first_block;
     stp_column_ranges* ranges; ///< a worker each
@@ -32,31 +39,15 @@ stp_point_columns_desc stp_text_points_wants(const stp_columns* columns)
                                                   (uint32_t) class << STP_ATTRIBUTE_CLASS};
 }
 
-static stp_text_scales choose_scales(const stp_column_ranges* r, bool color_fractions)
+static scales choose_scales(const stp_column_ranges* r, bool color_fractions)
 {
     double bright = fmax(fmax(r->high[STP_COLUMN_R], r->high[STP_COLUMN_G]), r->high[STP_COLUMN_B]);
-    double low = r->low[STP_COLUMN_INTENSITY], high = r->high[STP_COLUMN_INTENSITY];
-    stp_text_scales s = {.color = bright > 255.0                     ? 65535.0
-                                  : bright <= 1.0 && color_fractions ? 1.0
-                                                                     : 255.0,
-                         .intensity_high = high <= 1.0     ? 1.0
-                                           : high <= 255.0 ? 255.0
-                                                           : 65535.0};
-    if (low >= -2048.0 && low < 0.0 && high <= 2047.0) {
-        s.intensity_low = -2048.0;
-        s.intensity_high = 2047.0;
-    } else if (low < 0.0 || high > 65535.0) {
-        s.intensity_low = low;
-        s.intensity_high = high > low ? high : low + 1.0;
-    }
-    return s;
-}
-
-// To whole numbers up to `most`; clamped, not-a-number is 0.
-static inline double quantize(double value, double most)
-{
-    value = value > 0.0 ? value + 0.5 : 0.0;
-    return value < most ? value : most;
+    bool fractions = bright <= 1.0 && color_fractions;
+    return (scales){.color = bright > 255.0 ? 65535.0
+                             : fractions    ? 1.0
+                                            : 255.0,
+                    .intensity = stp_intensity_judge(r->low[STP_COLUMN_INTENSITY],
+                                                     r->high[STP_COLUMN_INTENSITY])};
 }
 
 static inline void widen(stp_column_ranges* r, int column, double value)
@@ -73,15 +64,15 @@ static inline void fill_columns(const reading* r, size_t cell, const double* v,
     if (set->colors != NULL) {
         uint8_t* color = set->colors + 4 * cell;
         for (int i = 0; i < 3; ++i) {
-            color[i] = (uint8_t)quantize(v[STP_COLUMN_R + i] * r->color_factor, 255.0);
+            color[i] = (uint8_t)stp_quantize(v[STP_COLUMN_R + i] * r->color_factor, 255.0);
             widen(ranges, STP_COLUMN_R + i, v[STP_COLUMN_R + i]);
         }
         color[3] = 255;
     }
     uint16_t* intensities = set->attributes[STP_ATTRIBUTE_INTENSITY];
     if (intensities != NULL) {
-        double above = v[STP_COLUMN_INTENSITY] - r->scales.intensity_low;
-        intensities[cell] = (uint16_t)quantize(above * r->intensity_factor, 65535.0);
+        double above = v[STP_COLUMN_INTENSITY] - r->scales.intensity.low;
+        intensities[cell] = (uint16_t)stp_quantize(above * r->intensity_factor, 65535.0);
         widen(ranges, STP_COLUMN_INTENSITY, v[STP_COLUMN_INTENSITY]);
     }
     if (set->normals != NULL) {
@@ -92,7 +83,7 @@ static inline void fill_columns(const reading* r, size_t cell, const double* v,
     }
     uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
     if (classes != NULL) {
-        classes[cell] = (uint8_t)quantize(v[STP_COLUMN_CLASS], 255.0);
+        classes[cell] = (uint8_t)stp_quantize(v[STP_COLUMN_CLASS], 255.0);
     }
 }
 
@@ -249,7 +240,7 @@ static stp_result read_once(reading* r, stp_column_ranges* all)
         r->ranges[i] = stp_column_ranges_empty();
     }
     r->color_factor = 255.0 / r->scales.color;
-    r->intensity_factor = 65535.0 / (r->scales.intensity_high - r->scales.intensity_low);
+    r->intensity_factor = stp_intensity_factor(r->scales.intensity);
     atomic_init(&r->declared, 0);
     atomic_init(&r->count_lines, 0);
     atomic_init(&r->lines, 0);
@@ -300,10 +291,10 @@ stp_result stp_text_points_read(stp_text_points* p)
     stp_column_ranges all;
     r.scales = choose_scales(&p->ranges, p->color_fractions);
     stp_result result = read_once(&r, &all);
-    stp_text_scales right = choose_scales(&all, p->color_fractions);
+    scales right = choose_scales(&all, p->color_fractions);
     if (result == STP_OK &&
-        (right.color != r.scales.color || right.intensity_low != r.scales.intensity_low ||
-         right.intensity_high != r.scales.intensity_high)) {
+        (right.color != r.scales.color || right.intensity.low != r.scales.intensity.low ||
+         right.intensity.high != r.scales.intensity.high)) {
         r.scales = right;
         result = read_once(&r, &all);
     }

@@ -7,12 +7,6 @@
 #include "import/cloud.h"
 #include "import/text_columns.h"
 
-/// How colours and intensities are written.
-typedef struct stp_text_scales {
-    double color;                         ///< the value that is white
-    double intensity_low, intensity_high; ///< what becomes 0 and 65535
-} stp_text_scales;
-
 typedef struct stp_text_points {
     // of the caller:
     stp_cloud* cloud; ///< created; its cells are filled
@@ -34,9 +28,8 @@ typedef struct stp_text_points {
 stp_point_columns_desc stp_text_points_wants(const stp_columns* columns);
 
 /// Fills all cells. Colours run to 255 (or 1, where they are written as fractions up to 1; or 65535, where
-/// one is above 255). Intensities run from 0 to 1, 255 or 65535, whichever the greatest suits, or from -2048
-/// to 2047 where one is negative; others from the least to the greatest. Where the values of all lines
-/// are other than the ranges expected, the text is read a second time.
+/// one is above 255), intensities as intensity.h judges. Where the values of all lines are other than the
+/// ranges expected, the text is read a second time.
 /// @return STP_OK; STP_ERROR_FORMAT for a line that cannot be read, unless it is the last, which is a loss;
 /// STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED (logged)
 STP_MUST_USE stp_result stp_text_points_read(stp_text_points* points);
