@@ -44,6 +44,16 @@ static stp_e57_slot find_slot(const stp_e57_scan* scan, const char* name)
                : find_name(name, other_names, sizeof(other_names) / sizeof(other_names[0]));
 }
 
+// The number in an element; an empty one is zero. @return false where it is not there, or holds no number
+static bool read_element(const stp_e57_node* node, double* value)
+{
+    if (node != NULL && node->text.length == 0) {
+        *value = 0.0;
+        return true;
+    }
+    return node != NULL && stp_e57_number(&node->text, value);
+}
+
 static unsigned count_bits(uint64_t span)
 {
     unsigned bits = 0;
@@ -131,13 +141,10 @@ static bool read_pose(const stp_e57_node* node, stp_affine* pose)
     double q[4] = {1.0, 0.0, 0.0, 0.0}, t[3] = {0};
     *pose = stp_affine_identity();
     for (int i = 0; i < 4; ++i) {
-        const stp_e57_node* part = stp_e57_child(turn, turn_names[i]);
-        q[i] = part != NULL ? 0.0 : q[i];
-        (void)(part != NULL && stp_e57_number(&part->text, &q[i]));
+        (void)read_element(stp_e57_child(turn, turn_names[i]), &q[i]);
     }
     for (int i = 0; i < 3; ++i) {
-        const stp_e57_node* part = stp_e57_child(shift, turn_names[i + 1]);
-        (void)(part != NULL && stp_e57_number(&part->text, &t[i]));
+        (void)read_element(stp_e57_child(shift, turn_names[i + 1]), &t[i]);
         pose->m[i][3] = t[i];
     }
     double size = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -159,10 +166,9 @@ static void read_limits(const stp_e57_node* node, const char* list, const char* 
                         const char* high, stp_e57_field* f)
 {
     const stp_e57_node* limits = stp_e57_child(node, list);
-    const stp_e57_node *from = stp_e57_child(limits, low), *to = stp_e57_child(limits, high);
     double least, most;
-    if (from != NULL && to != NULL && stp_e57_number(&from->text, &least) &&
-        stp_e57_number(&to->text, &most) && least < most) {
+    if (read_element(stp_e57_child(limits, low), &least) &&
+        read_element(stp_e57_child(limits, high), &most) && least < most) {
         f->low = least;
         f->high = most;
     }
