@@ -5,6 +5,7 @@
 #include "command.h"
 #include "describe.h"
 #include "overwrite.h"
+#include "scene_file.h"
 #include "tool.h"
 
 #include "build/build.h"
@@ -18,7 +19,7 @@
 #define DEFAULT_THRESHOLD 1000
 
 static struct {
-    const char *output, *method;
+    const char *output, *method, *columns;
     int order, error, metric, up, unit;
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
@@ -153,6 +154,7 @@ static const option* options(void)
          .help = "the unit of length, where the input does not say",
          .value = &args.unit,
          .given = &args.unit_given},
+        OPTION_COLUMNS(&args.columns),
         OPTION_PROGRESS(&args.progress),
         OPTION_JSON(&args.json),
         {0},
@@ -221,6 +223,9 @@ static char* parameters_json(void)
     }
     if (args.unit_given) {
         (void)json_object_set_new(json, "unit", json_string(unit_names[args.unit]));
+    }
+    if (args.columns != NULL) {
+        (void)json_object_set_new(json, "columns", json_string(args.columns));
     }
     char* text = json_dumps(json, JSON_COMPACT | JSON_SORT_KEYS);
     json_decref(json);
@@ -296,7 +301,8 @@ static int build(stp_context* context, int argc, char** argv)
         .generate = scene_make_input,
         .output = args.output,
         .import = {.up = args.up_given ? up_axes[args.up] : '\0',
-                   .unit_metres = args.unit_given ? unit_metres[args.unit] : 0.0},
+                   .unit_metres = args.unit_given ? unit_metres[args.unit] : 0.0,
+                   .columns = args.columns},
         .blue = {.capture = {.direction_count = (uint32_t)args.directions,
                              .resolution = (uint32_t)args.resolution},
                  .order = {.kind = order_kinds[args.order],
@@ -373,6 +379,10 @@ static int run(int argc, char** argv)
     }
     if (args.output == NULL) {
         return tool_usage_error("build needs -o FILE.stip");
+    }
+    int usage = tool_take_columns(args.columns);
+    if (usage != 0) {
+        return usage;
     }
     if (strcmp(args.output, "-") == 0) {
         return tool_usage_error("a build cannot be written to standard output; name a file");
