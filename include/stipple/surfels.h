@@ -93,7 +93,7 @@ typedef struct stp_splats {
     /// Each NULL, or a value a splat, as the point that it is has it (attributes.h). A store gives none with its sets:
     /// src/store/attributes.h.
     void* attributes[STP_ATTRIBUTES];
-    bool plain_coverages;    ///< coverages are shares of 255 instead: of files before version 1.2
+    bool plain_coverages; ///< coverages are shares of 255 instead: of files before version 1.2
     stp_prefix_table table;
     float
         candidate_radius; ///< half the diagonal of a capture pixel: how far surface may lie from a candidate

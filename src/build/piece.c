@@ -214,9 +214,9 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* 
     write_surfels_head(surfels, candidates, head);
     size_t sizes[COLUMNS];
     size_columns(surfels, stp_splats_attributes(surfels), sizes);
-    const void* columns[COLUMNS] = {
-        surfels->positions, surfels->normals, surfels->materials, surfels->colors,
-        surfels->coverages, surfels->shapes,  surfels->ranges};
+    const void* columns[COLUMNS] = {surfels->positions, surfels->normals,   surfels->materials,
+                                    surfels->colors,    surfels->coverages, surfels->shapes,
+                                    surfels->ranges};
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         columns[ATTRIBUTE_COLUMN + i] = surfels->attributes[i];
     }
