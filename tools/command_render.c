@@ -288,6 +288,7 @@ static json_t* describe(const session* s, json_t* picked)
             json_pack("s?", draw_options_coarse_method(&args.draw, s->drawing.store))) == 0 &&
         described;
     described = json_object_set_new(object, "samples", samples) == 0 && described;
+    described = point_colors_describe(&args.draw.colors, &d->coloring, object) && described;
     described = json_object_set_new(object, "accumulated_frames", frames) == 0 && described;
     described =
         json_object_set_new(object, "picture_ms", json_real(s->picture_ms)) == 0 && described;

@@ -2,6 +2,7 @@
 #include "build/content.h"
 
 #include "base/octahedral.h"
+#include "store/format.h"
 
 #include <string.h>
 
@@ -78,6 +79,9 @@ static bool convert_point_sets(stp_build_content* c, const stp_scene* scene)
             .normals = convert_normals(c, set->normals, set->point_count, &made),
             .colors = set->colors,
         };
+        for (int a = 0; a < STP_ATTRIBUTES; ++a) {
+            sets[i].attributes[a] = set->attributes[a];
+        }
     }
     c->content.point_sets = sets;
     return made;
@@ -180,6 +184,26 @@ static bool convert_graph(stp_build_content* c, const stp_scene* scene, const ui
     return true;
 }
 
+// A text that is too long for a file is told by its first name: PROJCS["name", ...
+static bool convert_coordinates(stp_build_content* c, const char* text, const char** out)
+{
+    size_t length = text != NULL ? strlen(text) : 0;
+    *out = length != 0 ? text : NULL;
+    if (length <= STP_STORE_TEXT_LIMIT) {
+        return true;
+    }
+    const char* begin = strchr(text, '"');
+    size_t size = begin != NULL ? strcspn(begin + 1, "\"") : 0;
+    size = size < STP_STORE_TEXT_LIMIT ? size : STP_STORE_TEXT_LIMIT;
+    char* copy = size != 0 ? STP_ARENA_ARRAY(&c->arena, char, size + 1) : NULL;
+    if (copy != NULL) {
+        memcpy(copy, begin + 1, size);
+        copy[size] = '\0';
+    }
+    *out = copy;
+    return size == 0 || copy != NULL;
+}
+
 static bool convert_names(stp_build_content* c, const stp_scene* scene)
 {
     stp_store_object* objects = STP_ARENA_ARRAY(&c->arena, stp_store_object, scene->object_count);
@@ -212,6 +236,9 @@ static bool convert_names(stp_build_content* c, const stp_scene* scene)
         const stp_source* source = &scene->sources[i];
         sources[i] = (stp_store_source){
             .path = source->path, .format = source->format, .bytes = source->bytes};
+        if (!convert_coordinates(c, source->coordinate_system, &sources[i].coordinate_system)) {
+            return false;
+        }
     }
     c->content.directory.objects = objects;
     c->content.directory.views = views;

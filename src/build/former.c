@@ -2,6 +2,7 @@
 #include "build/former.h"
 
 #include "build/piece.h"
+#include "store/attributes.h"
 
 #include <sys/stat.h>
 
@@ -39,6 +40,25 @@ void stp_former_close(stp_former* former)
     }
 }
 
+// Reads the attributes of a set into memory of their own.
+static bool take_attributes(stp_former* former, uint32_t index, stp_splats* set)
+{
+    uint32_t mask = set->count != 0 ? stp_store_octave_attributes(former->store, index, 0) : 0;
+    for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
+        if ((mask & stp_attribute_bit((stp_attribute)a)) == 0) {
+            continue;
+        }
+        set->attributes[a] =
+            stp_alloc_array(former->quiet, set->count, stp_attribute_size((stp_attribute)a));
+        if (set->attributes[a] == NULL ||
+            stp_store_get_values(former->store, index, (stp_attribute)a, 0, set->count,
+                                 set->attributes[a]) != STP_OK) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_count,
                              stp_work* work, stp_splats* surfels)
 {
@@ -50,8 +70,12 @@ bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_
         return false;
     }
     uint32_t candidates;
-    bool taken = stp_piece_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
+    bool taken = take_attributes(former, found.index, &columns) &&
+                 stp_piece_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
                  stp_piece_find_surfels(work, key, shading_count, surfels, &candidates);
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        stp_free(former->quiet, columns.attributes[i]);
+    }
     stp_store_release_surfels(former->store, found.index);
     return taken;
 }

@@ -4,7 +4,7 @@
 #include "import/ply.h"
 #include "import/point_columns.h"
 
-static bool has_faces(const stp_ply* ply)
+bool stp_ply_has_faces(const stp_ply* ply)
 {
     for (size_t i = 0; i < ply->element_count; ++i) {
         const stp_ply_element* element = &ply->elements[i];
@@ -25,7 +25,7 @@ stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
         size += columns[i].size;
     }
     *room = (stp_ply_room){0};
-    room->spilled = stp_points_go_to_spill(scene, size) && !has_faces(ply);
+    room->spilled = stp_points_go_to_spill(scene, size) && !stp_ply_has_faces(ply);
     if (room->spilled) {
         stp_result result = stp_spill_create_beside(scene->spill, &room->scratch);
         result = result == STP_OK ? stp_bulk_alloc_spilled(scene->spill, columns, 2) : result;

@@ -252,5 +252,5 @@ stp_result stp_store_link_blocks(stp_store* store)
         return stp_fail(store->context, STP_ERROR_FORMAT, "%s: a block belongs to nothing",
                         store->path);
     }
-    return STP_OK;
+    return stp_store_link_attributes(store);
 }

@@ -178,8 +178,12 @@ static stp_result read_directory(stp_store* store)
     if (result == STP_OK) {
         result = read_summary(store, &text);
     }
+    static const uint32_t others[] = {STP_SECTION_CLUSTERS, STP_SECTION_ATTRIBUTE_BLOCKS};
+    for (int i = 0; i < 2 && result == STP_OK; ++i) {
+        result = stp_store_read_table(store, others[i], &text);
+    }
     if (result == STP_OK) {
-        result = stp_store_read_table(store, STP_SECTION_CLUSTERS, &text);
+        result = stp_store_read_figures(store, &text);
     }
     if (result == STP_OK) {
         result = read_build(store);
@@ -333,6 +337,10 @@ void stp_store_close(stp_store* store)
     for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
         stp_store_free_columns(context, &sets[i]);
     }
+    stp_store_point_record* points = store->tables[STP_SECTION_POINT_SETS];
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_POINT_SETS]; ++i) {
+        stp_free(context, points[i].colored);
+    }
     stp_store_release_textures(store);
     for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
         stp_free(context, store->tables[type]);
@@ -343,6 +351,7 @@ void stp_store_close(stp_store* store)
     stp_free(context, store->pages_checked);
     stp_free(context, store->methods);
     stp_free(context, store->method_sets);
+    stp_free(context, store->attribute_blocks);
     if (store->mapped) {
         store->file.size = store->mapped_bytes;
         stp_file_unmap(&store->file);

@@ -51,7 +51,17 @@ uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t le
         const stp_store_texture* texture = stp_residency_texture(r, thing);
         return 4 * (uint64_t)texture->width * texture->height + ALLOCATION_BYTES;
     }
-    return stp_residency_block(r, thing, 0)->size + ALLOCATION_BYTES;
+    return stp_residency_block(r, thing, 0)->size + stp_residency_color_bytes(r, thing) +
+           ALLOCATION_BYTES;
+}
+
+uint64_t stp_residency_color_bytes(const stp_residency* r, uint32_t thing)
+{
+    bool points = stp_residency_kind(r, thing) == STP_RESIDENT_POINTS;
+    uint32_t index = thing - r->firsts[STP_RESIDENT_POINTS];
+    return points && stp_store_is_colored(r->store)
+               ? 4 * (uint64_t)stp_store_describe_point_set(r->store, index)->point_count
+               : 0;
 }
 
 uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing)

@@ -148,6 +148,9 @@ static stp_result write_all(stp_store_writing* w)
         result = stp_store_summarise_planned(w->context, w->content, &w->plan, &w->summary);
     }
     if (result == STP_OK) {
+        result = stp_store_measure_attributes(w);
+    }
+    if (result == STP_OK) {
         result = stp_file_writer_open(w->context, w->path, &w->file);
     }
     if (result == STP_OK) {
@@ -203,6 +206,7 @@ stp_result stp_store_write(stp_context* context, const stp_store_content* conten
     stp_store_packing_destroy(&w);
     stp_file_writer_abort(w.file);
     stp_store_plan_destroy(context, &w.plan);
+    stp_free(context, w.attribute_values);
     stp_free(context, w.text.bytes);
     stp_free(context, w.object_text.bytes);
     stp_store_summary_destroy(context, &w.summary);

@@ -7,7 +7,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 
-enum { POINTS = 40000, ROW = 27, HEAD = 512, STRIDE = 4096 };
+enum { POINTS = 40000, ROW = 33, HEAD = 512, STRIDE = 4096 };
 
 // A binary file in pages of its own, as a mapping would be.
 static unsigned char* write_points(size_t* size)
@@ -22,6 +22,7 @@ static unsigned char* write_points(size_t* size)
                                  "property float x\nproperty float y\nproperty float z\n"
                                  "property float nx\nproperty float ny\nproperty float nz\n"
                                  "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                                 "property float intensity\nproperty ushort source\n"
                                  "end_header\n",
                                  POINTS);
     for (int i = 0; i < POINTS; ++i, at += ROW) {
@@ -30,6 +31,9 @@ static unsigned char* write_points(size_t* size)
         row[i % 5] = i % 1000 == 7 ? (float)NAN : row[i % 5]; // some are left out
         memcpy(bytes + at, row, sizeof(row));
         memset(bytes + at + sizeof(row), i % 251, 3);
+        float intensity = (float)(i % 65536);
+        memcpy(bytes + at + sizeof(row) + 3, &intensity, sizeof(intensity));
+        memset(bytes + at + sizeof(row) + 7, i % 13, 2);
     }
     *size = at;
     return bytes;
