@@ -293,30 +293,45 @@ static stp_result pick_mesh(stp_pick_work* work, stp_store_part part, const stp_
                : result;
 }
 
+static stp_vec3 place_of_splat(const stp_splats* set, uint32_t index)
+{
+    const uint16_t* p = set->positions + 3 * (size_t)index;
+    double step = (double)set->step;
+    return (stp_vec3){(float)((double)set->origin.x + step * (double)p[0]),
+                      (float)((double)set->origin.y + step * (double)p[1]),
+                      (float)((double)set->origin.z + step * (double)p[2])};
+}
+
 static stp_result pick_points(stp_pick_work* work, stp_store_part part, const stp_affine* transform,
                               const ray_map* map)
 {
-    stp_store_point_set points;
+    stp_store_point_set points = *stp_store_describe_point_set(work->store, part.index);
+    stp_splats set = {0};
     nearest_element nearest = {0};
-    stp_result result = stp_store_get_point_set(work->store, part.index, &points);
+    stp_result result = points.held_by != 0
+                            ? stp_store_get_surfels(work->store, points.held_by - 1, &set)
+                            : stp_store_get_point_set(work->store, part.index, &points);
     if (result != STP_OK) {
         return result;
     }
     const stp_pick_desc* desc = work->desc;
-    for (uint32_t i = 0; i < points.point_count; ++i) {
-        corner c = turn(map, points.positions + 3 * (size_t)i);
+    uint32_t count = points.held_by != 0 ? set.count : points.point_count;
+    for (uint32_t i = 0; i < count; ++i) {
+        stp_vec3 own = points.held_by != 0 ? place_of_splat(&set, i)
+                                           : read_vertex(points.positions, i);
+        corner c = turn(map, (float[3]){own.x, own.y, own.z});
         double reach = desc->point_base + desc->point_slope * c.t;
-        stp_vec3d place =
-            stp_affine_point(transform, stp_to_double(read_vertex(points.positions, i)));
+        stp_vec3d place = stp_affine_point(transform, stp_to_double(own));
         if (reach > 0.0 && c.x * c.x + c.y * c.y <= reach * reach && counts(work, c.t, place)) {
             nearest = (nearest_element){.found = true, .index = i, .t = c.t};
             work->nearest = c.t;
         }
     }
-    work->pick->tests += points.point_count;
+    work->pick->tests += count;
     if (nearest.found) {
         stp_pick* pick = work->pick;
-        stp_vec3 place = read_vertex(points.positions, nearest.index);
+        stp_vec3 place = points.held_by != 0 ? place_of_splat(&set, nearest.index)
+                                             : read_vertex(points.positions, nearest.index);
         pick->hit = true;
         pick->part = part;
         pick->element = nearest.index;

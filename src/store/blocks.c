@@ -202,6 +202,12 @@ stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_p
     }
     stp_store_point_record* records = store->tables[STP_SECTION_POINT_SETS];
     stp_store_point_record* record = &records[index];
+    if (!record->checked && record->points.held_by != 0) {
+        stp_result result = stp_store_make_held_points(store, index, record);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
     if (!record->checked) {
         const unsigned char* bytes = NULL;
         stp_result result =

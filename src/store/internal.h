@@ -181,6 +181,11 @@ stp_store_values stp_store_values_of(const stp_store* store, uint32_t kind, uint
                                      uint32_t octave);
 /// Whether colours or coverages are not the file's own.
 bool stp_store_is_colored(const stp_store* store);
+/// Gives a point record the columns of the set that holds its points, in memory that the record owns.
+/// @return STP_OK; STP_ERROR_TRUNCATED, and as stp_store_get_surfels
+STP_MUST_USE stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
+                                                   stp_store_point_record* record);
+
 /// Puts a store's own colours and marks in the place of those of an octave that was just read; the octaves before are there.
 /// `source` tells how the file is read. Nothing is done where points are not coloured. @return as stp_store_read_chunks
 const char* stp_store_color_octave(const stp_store* store, uint32_t index, uint32_t octave,

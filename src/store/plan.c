@@ -31,7 +31,7 @@ uint32_t stp_store_points_present(const stp_store_point_set* points)
 static uint32_t points_attributes(const stp_store_point_set* points)
 {
     uint32_t mask = 0;
-    for (uint32_t i = 0; i < STP_ATTRIBUTES; ++i) {
+    for (uint32_t i = 0; i < STP_ATTRIBUTES && points->held_by == 0; ++i) {
         bool there = points->attributes[i] != NULL && points->point_count != 0;
         mask |= there ? stp_attribute_bit((stp_attribute)i) : 0;
     }
@@ -229,6 +229,16 @@ static uint64_t count_attribute_blocks(const stp_store_content* content)
     return count;
 }
 
+// Point sets that no set of splats holds.
+static uint64_t count_point_blocks(const stp_store_content* content)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < content->directory.point_set_count; ++i) {
+        count += content->point_sets[i].held_by == 0 ? 1 : 0;
+    }
+    return count;
+}
+
 // Adds the blocks of all owners, in no order yet. @return how many
 static uint32_t add_blocks(const stp_store_content* content, const shown* s,
                            const uint32_t* texture_owners, valued_block* blocks)
@@ -247,7 +257,9 @@ static uint32_t add_blocks(const stp_store_content* content, const shown* s,
         *next++ = value_mesh(content, i, s->mesh_areas[i]);
     }
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
-        *next++ = value_points(content, i);
+        if (content->point_sets[i].held_by == 0) {
+            *next++ = value_points(content, i);
+        }
         if (points_attributes(&content->point_sets[i]) != 0) {
             *next++ = (valued_block){{.kind = STP_BLOCK_POINT_ATTRIBUTES, .owner = i}, 0.0};
         }
@@ -355,7 +367,7 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
         octaves += content->surfels[i].octave_count;
     }
     uint64_t attributes = count_attribute_blocks(content);
-    uint64_t blocks = octaves + directory->mesh_count + directory->point_set_count +
+    uint64_t blocks = octaves + directory->mesh_count + count_point_blocks(content) +
                       directory->texture_count + attributes;
     if (blocks >= STP_STORE_NONE) {
         return stp_fail(context, STP_ERROR_LIMIT, "a file cannot hold %llu blocks of data",
@@ -371,6 +383,9 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
     if (plan->blocks == NULL || plan->mesh_blocks == NULL || plan->point_blocks == NULL ||
         plan->texture_blocks == NULL || plan->octave_blocks == NULL) {
         return stp_fail_memory(context);
+    }
+    for (uint32_t i = 0; i < directory->point_set_count; ++i) {
+        plan->point_blocks[i] = STP_STORE_NONE; // where a set of splats holds the points
     }
     stp_result result = stp_store_find_texture_owners(context, content, texture_owners);
     shown s = {0};

@@ -241,7 +241,7 @@ static void code_points(stp_store_codec* codec, void* element)
     code_u32(codec, &record->points.material);
     code_u32(codec, &record->present);
     code_u32(codec, &record->block);
-    code_reserved(codec);
+    code_u32(codec, &record->points.held_by);
     code_vec3(codec, &record->points.bounds.min);
     code_vec3(codec, &record->points.bounds.max);
 }

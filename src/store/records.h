@@ -49,8 +49,9 @@ typedef struct stp_store_clusters_record {
 
 typedef struct stp_store_point_record {
     stp_store_point_set points;
-    uint32_t present, block;
+    uint32_t present, block; ///< block: STP_STORE_NONE where a set of splats holds the points
     bool checked;
+    void* made; ///< owned: columns made of such a set; NULL: none
     uint8_t*
         colored; ///< owned: colours that are not the file's; NULL: they are. Of a residency, its memory's
 } stp_store_point_record;

@@ -379,6 +379,10 @@ bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index)
 
 bool stp_store_are_points_resident(const stp_store* store, uint32_t index)
 {
+    const stp_store_point_set* points = stp_store_describe_point_set(store, index);
+    if (points->held_by != 0) {
+        return stp_store_resident_surfels(store, points->held_by - 1) == points->point_count;
+    }
     return !stp_store_streams(store) || is_thing_here(store, STP_RESIDENT_POINTS, index);
 }
 

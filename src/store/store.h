@@ -70,6 +70,7 @@ static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t 
 typedef struct stp_store_point_set {
     const char* name;
     uint32_t point_count, material;
+    uint32_t held_by; ///< 1 + the set of splats that has all its points and keeps them; 0: none
     stp_box bounds;
     const float* positions;
     const int16_t* normals; ///< NULL, or octahedral

@@ -101,8 +101,11 @@ static stp_result judge_content(const stp_store_writing* w)
         const stp_store_point_set* points = &w->content->point_sets[i];
         result =
             stp_store_judge_material(&judge, "point set", i, points->material, d->material_count);
-        if (result == STP_OK) {
+        if (result == STP_OK && points->held_by == 0) {
             result = stp_store_judge_point_data(&judge, i, points);
+        } else if (result == STP_OK) {
+            result = stp_store_judge_held_points(&judge, i, points,
+                                                 &w->content->surfels[points->held_by - 1]);
         }
     }
     for (uint32_t i = 0; i < d->texture_count && result == STP_OK; ++i) {

@@ -179,7 +179,9 @@ static stp_store_element make_record(const stp_store_writing* w, uint32_t type, 
     }
     case STP_SECTION_POINT_SETS:
         element.points.points = content->point_sets[index];
-        element.points.present = stp_store_points_present(&content->point_sets[index]);
+        element.points.present = element.points.points.held_by == 0
+                                     ? stp_store_points_present(&content->point_sets[index])
+                                     : STP_COLUMN_NORMALS | STP_COLUMN_COLORS;
         element.points.block = w->plan.point_blocks[index];
         break;
     default:
