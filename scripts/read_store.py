@@ -31,7 +31,7 @@ RECORDS = {
     5: ("shadings", "5fI", "metallic roughness emissive:3 flags"),
     6: ("textures", "6I", "width height wrap_u wrap_v nearest block"),
     7: ("meshes", "6I6f", "name:text vertex_count triangle_count material present block bounds_min:3 bounds_max:3"),
-    8: ("point_sets", "6I6f", "name:text point_count material present block reserved bounds_min:3 bounds_max:3"),
+    8: ("point_sets", "6I6f", "name:text point_count material present block held_by bounds_min:3 bounds_max:3"),
     9: ("surfels", "6I6f", "count octave_count first_octave breakpoint_count first_breakpoint paper_count "
                            "origin:3 step candidate_radius paper_radius"),
     10: ("octaves", "2I", "end block"),
@@ -541,7 +541,12 @@ def read_blocks(data, header, t):
         if operators and any(t["blocks"][b]["encoding"] == 2 for b in surfels["blocks"]):
             need(not operators.waiting and (len(operators.splats) - operators.base) % 2 == 0, f"surfel set {i}: splits")
     owners = len({texture["block"] for texture in t["textures"]})
-    wanted = len(t["meshes"]) + len(t["point_sets"]) + owners + len(t["octaves"])
+    held = [points for points in t["point_sets"] if points["held_by"]]
+    for points in held:
+        need(points["held_by"] <= len(t["surfels"]) and points["block"] == NONE and points["present"] == 3, "held points")
+        surfels = t["surfels"][points["held_by"] - 1]
+        need(surfels["count"] == points["point_count"] and surfels["method_columns"] == 0, "count of held points")
+    wanted = len(t["meshes"]) + len(t["point_sets"]) - len(held) + owners + len(t["octaves"])
     need(len(owned) == wanted, "a mesh, point set, texture or octave has no block")
 
 

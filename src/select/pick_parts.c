@@ -317,8 +317,8 @@ static stp_result pick_points(stp_pick_work* work, stp_store_part part, const st
     const stp_pick_desc* desc = work->desc;
     uint32_t count = points.held_by != 0 ? set.count : points.point_count;
     for (uint32_t i = 0; i < count; ++i) {
-        stp_vec3 own = points.held_by != 0 ? place_of_splat(&set, i)
-                                           : read_vertex(points.positions, i);
+        stp_vec3 own =
+            points.held_by != 0 ? place_of_splat(&set, i) : read_vertex(points.positions, i);
         corner c = turn(map, (float[3]){own.x, own.y, own.z});
         double reach = desc->point_base + desc->point_slope * c.t;
         stp_vec3d place = stp_affine_point(transform, stp_to_double(own));

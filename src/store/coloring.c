@@ -48,14 +48,7 @@ stp_result stp_store_set_coloring(stp_store* store, const stp_store_coloring* co
     for (uint32_t i = 0; i < store->directory.surfels_count; ++i) {
         stp_store_release_surfels(store, i);
     }
-    stp_store_point_record* points = store->tables[STP_SECTION_POINT_SETS];
-    for (uint32_t i = 0; i < store->directory.point_set_count; ++i) {
-        stp_free(store->context, points[i].colored);
-        points[i].colored = NULL;
-        stp_free(store->context, points[i].made);
-        points[i].made = NULL;
-        points[i].checked = false; // the file's own colours are found again
-    }
+    stp_store_release_points(store); // the file's own colours are found again
     return STP_OK;
 }
 

@@ -24,12 +24,12 @@ static void fill(const stp_store* store, const stp_splats* set, const columns* t
     for (size_t i = 0; i < set->count; ++i) {
         for (size_t k = 0; k < 3; ++k) {
             to->positions[3 * i + k] =
-                (float)((double)origin[k] +
-                        (double)set->step * (double)set->positions[3 * i + k]);
+                (float)((double)origin[k] + (double)set->step * (double)set->positions[3 * i + k]);
             to->colors[4 * i + k] = colors[3 * i + k];
         }
         to->colors[4 * i + 3] = hides && coverages[i] == 0 ? 0 : OPAQUE;
-        stp_octahedral_encode16(stp_octahedral_decode(set->normals[2 * i], set->normals[2 * i + 1]), to->normals + 2 * i);
+        stp_octahedral_encode16(stp_octahedral_decode(set->normals[2 * i], set->normals[2 * i + 1]),
+                                to->normals + 2 * i);
     }
 }
 
@@ -47,8 +47,8 @@ stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
                         "%s: ends before the last octave of the surfels that are point set %u",
                         store->path, index);
     }
-    unsigned char* memory = stp_alloc_array(store->context, count + 1,
-                                            3 * sizeof(float) + 2 * sizeof(int16_t) + 4);
+    unsigned char* memory =
+        stp_alloc_array(store->context, count + 1, 3 * sizeof(float) + 2 * sizeof(int16_t) + 4);
     if (memory == NULL) {
         return stp_fail_memory(store->context);
     }
@@ -64,4 +64,16 @@ stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
     record->points.colors = made.colors;
     record->checked = true;
     return STP_OK;
+}
+
+void stp_store_release_points(stp_store* store)
+{
+    stp_store_point_record* points = store->tables[STP_SECTION_POINT_SETS];
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_POINT_SETS]; ++i) {
+        stp_free(store->context, points[i].colored);
+        stp_free(store->context, points[i].made);
+        points[i].colored = NULL;
+        points[i].made = NULL;
+        points[i].checked = false;
+    }
 }

@@ -181,6 +181,8 @@ stp_store_values stp_store_values_of(const stp_store* store, uint32_t kind, uint
                                      uint32_t octave);
 /// Whether colours or coverages are not the file's own.
 bool stp_store_is_colored(const stp_store* store);
+/// Drops what memory was made for points: they are read again when they are asked for.
+void stp_store_release_points(stp_store* store);
 /// Gives a point record the columns of the set that holds its points, in memory that the record owns.
 /// @return STP_OK; STP_ERROR_TRUNCATED, and as stp_store_get_surfels
 STP_MUST_USE stp_result stp_store_make_held_points(stp_store* store, uint32_t index,

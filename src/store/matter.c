@@ -101,9 +101,8 @@ stp_result stp_store_matter_of_plan(stp_context* context, const stp_store_conten
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
         matter->point_sets[i] = (stp_store_amount){
             .count = content->point_sets[i].point_count,
-            .bytes = content->point_sets[i].held_by == 0
-                         ? plan->blocks[plan->point_blocks[i]].size
-                         : 0,
+            .bytes =
+                content->point_sets[i].held_by == 0 ? plan->blocks[plan->point_blocks[i]].size : 0,
             .material = content->point_sets[i].material,
         };
     }

@@ -337,11 +337,7 @@ void stp_store_close(stp_store* store)
     for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
         stp_store_free_columns(context, &sets[i]);
     }
-    stp_store_point_record* points = store->tables[STP_SECTION_POINT_SETS];
-    for (uint32_t i = 0; i < store->counts[STP_SECTION_POINT_SETS]; ++i) {
-        stp_free(context, points[i].colored);
-        stp_free(context, points[i].made);
-    }
+    stp_store_release_points(store);
     stp_store_release_textures(store);
     for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
         stp_free(context, store->tables[type]);

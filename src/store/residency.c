@@ -36,6 +36,14 @@ static const stp_store_block* block_of(const stp_store* store, stp_resident_kind
     return stp_store_block_at(store, block);
 }
 
+// Whether the file has the block of a thing that is no set. Points that a set holds have none.
+static bool is_in_file(const stp_store* store, stp_resident_kind kind, uint32_t index)
+{
+    bool held =
+        kind == STP_RESIDENT_POINTS && stp_store_describe_point_set(store, index)->held_by != 0;
+    return !held && stp_store_is_block_here(store, block_of(store, kind, index, 0));
+}
+
 const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave)
 {
     stp_resident_kind kind = stp_residency_kind(r, thing);
@@ -124,7 +132,8 @@ static stp_result create_tables(stp_residency* r)
             const stp_store_surfels_record* sets = r->store->tables[STP_SECTION_SURFELS];
             r->things[i].most = (uint8_t)sets[i].whole;
         } else {
-            r->things[i].most = stp_store_is_block_here(r->store, stp_residency_block(r, i, 0));
+            stp_resident_kind kind = stp_residency_kind(r, i);
+            r->things[i].most = is_in_file(r->store, kind, i - r->firsts[kind]);
         }
     }
     return STP_OK;
@@ -275,6 +284,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
         stp_store_release_surfels(store, i);
     }
     stp_store_release_textures(store);
+    stp_store_release_points(store);
     store->residency = r;
     *residency = r;
     stp_residency_update(r, NULL, 0);
@@ -355,7 +365,7 @@ static bool is_thing_here(const stp_store* store, stp_resident_kind kind, uint32
 {
     const stp_residency* r = store->residency;
     return r != NULL ? r->things[r->firsts[kind] + index].level > 0
-                     : stp_store_is_block_here(store, block_of(store, kind, index, 0));
+                     : is_in_file(store, kind, index);
 }
 
 static bool is_texture_here(const stp_store* store, const stp_store_texture_use* use)
