@@ -3,7 +3,6 @@
 
 #include "scene/bulk.h"
 
-#include <math.h>
 #include <string.h>
 
 #define FAR 4096.0   ///< coordinates up to here keep their digits as floats
@@ -36,30 +35,6 @@ void stp_cloud_set_origin(stp_cloud* cloud, const double place[3])
         bool far = fabs(place[i]) >= FAR && fabs(place[i]) < 1e15;
         cloud->origin[i] = far ? (double)(int64_t)(place[i] / ROUND) * ROUND : 0.0;
     }
-}
-
-bool stp_cloud_place(const stp_cloud* cloud, size_t cell, const double place[3])
-{
-    float* p = cloud->set.positions + 3 * cell;
-    for (int i = 0; i < 3; ++i) {
-        p[i] = (float)(place[i] - cloud->origin[i]);
-    }
-    if (stp_is_finite((stp_vec3){p[0], p[1], p[2]})) {
-        return true;
-    }
-    stp_cloud_leave_empty(cloud, cell);
-    return false;
-}
-
-void stp_cloud_leave_empty(const stp_cloud* cloud, size_t cell)
-{
-    float* p = cloud->set.positions + 3 * cell;
-    p[0] = p[1] = p[2] = NAN;
-}
-
-bool stp_cloud_is_empty(const stp_cloud* cloud, size_t cell)
-{
-    return isnan(cloud->set.positions[3 * cell]);
 }
 
 // Runs of filled cells move together.

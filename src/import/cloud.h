@@ -6,6 +6,8 @@
 
 #include "import/point_columns.h"
 
+#include <math.h>
+
 typedef struct stp_cloud {
     stp_import* import;
     stp_point_set set; ///< a point a cell; a position that is not-a-number: empty
@@ -22,10 +24,30 @@ void stp_cloud_destroy(stp_cloud* cloud);
 /// origin. Not finite coordinates count as zero. Before any cell is filled.
 void stp_cloud_set_origin(stp_cloud* cloud, const double place[3]);
 
+static inline void stp_cloud_leave_empty(const stp_cloud* cloud, size_t cell)
+{
+    float* p = cloud->set.positions + 3 * cell;
+    p[0] = p[1] = p[2] = NAN;
+}
+
+static inline bool stp_cloud_is_empty(const stp_cloud* cloud, size_t cell)
+{
+    return isnan(cloud->set.positions[3 * cell]);
+}
+
 /// Fills the position of a cell. @return false where it is not finite: the cell is empty
-bool stp_cloud_place(const stp_cloud* cloud, size_t cell, const double place[3]);
-void stp_cloud_leave_empty(const stp_cloud* cloud, size_t cell);
-bool stp_cloud_is_empty(const stp_cloud* cloud, size_t cell);
+static inline bool stp_cloud_place(const stp_cloud* cloud, size_t cell, const double place[3])
+{
+    float* p = cloud->set.positions + 3 * cell;
+    for (int i = 0; i < 3; ++i) {
+        p[i] = (float)(place[i] - cloud->origin[i]);
+    }
+    if (stp_is_finite((stp_vec3){p[0], p[1], p[2]})) {
+        return true;
+    }
+    stp_cloud_leave_empty(cloud, cell);
+    return false;
+}
 
 /// Drops the empty cells and hands the points to the scene: to an object `name` of its own below the
 /// file's root, or to the root itself where `name` is NULL, placed by `pose` (double, from the cloud's

@@ -177,8 +177,10 @@ static void read_limits(const stp_e57_node* node, const char* list, const char* 
 static void find_grid(stp_e57_scan* scan)
 {
     const stp_e57_field *row = &scan->fields[STP_E57_ROW], *column = &scan->fields[STP_E57_COLUMN];
-    if (!row->used || !column->used || row->is_float || column->is_float || row->bits > 31 ||
-        column->bits > 31 || row->low > row->high || column->low > column->high) {
+    bool whole =
+        row->scale == 1.0 && row->offset == 0.0 && column->scale == 1.0 && column->offset == 0.0;
+    if (!whole || !row->used || !column->used || row->is_float || column->is_float ||
+        row->bits > 31 || column->bits > 31 || row->low > row->high || column->low > column->high) {
         return;
     }
     uint64_t rows = (uint64_t)(row->high - row->low) + 1;

@@ -66,11 +66,7 @@ static bool detect(const unsigned char* bytes, size_t size)
 static stp_result read(stp_import* import)
 {
     stp_e57 e57 = {.import = import, .arena = stp_arena_create(import->context, 1 << 16)};
-    char up = 'z';
-    if (import->desc.up != 0) {
-        up = import->desc.up;
-    }
-    stp_import_set_axes(import, up, 1.0);
+    stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', 1.0);
     stp_result result = stp_e57_open_pages(&e57);
     result = result == STP_OK ? stp_e57_read_tree(&e57) : result;
     result = result == STP_OK ? read_scans(&e57) : result;

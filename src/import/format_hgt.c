@@ -191,11 +191,7 @@ static stp_result add_mesh(tile* t)
 static stp_result read(stp_import* import)
 {
     tile t = {.import = import, .bytes = import->file.bytes};
-    char up = 'z';
-    if (import->desc.up != 0) {
-        up = import->desc.up;
-    }
-    stp_import_set_axes(import, up, 1.0);
+    stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', 1.0);
     static const uint32_t sides[] = {1201, 3601};
     for (int i = 0; i < 2; ++i) {
         size_t size = 2 * (size_t)sides[i] * sides[i];

@@ -24,9 +24,11 @@ enum { X, Y, Z, NX, NY, NZ, RGB, INTENSITY, LABEL, SLOTS };
 static const char* const slot_names[SLOTS] = {
     "x", "y", "z", "normal_x", "normal_y", "normal_z", "rgb", "intensity", "label"};
 
-typedef struct range {
+// What a worker has seen: the range of intensities, and cells without a point.
+typedef struct seen {
     double low, high;
-} range;
+    uint64_t empty;
+} seen;
 
 typedef struct reader {
     stp_import* import;
@@ -36,7 +38,7 @@ typedef struct reader {
     size_t stride[SLOTS];
     stp_cloud cloud;
     stp_intensity_range intensity;
-    range* ranges; ///< of intensities, a worker each
+    seen* workers; ///< what each has seen
     stp_text_blocks blocks;
     uint8_t column_slots[STP_PCD_FIELDS]; ///< ascii: SLOTS for what is not kept
     atomic_uint_fast64_t bad_line;
@@ -85,10 +87,11 @@ static double read_value(const unsigned char* at, const stp_pcd_field* f)
     return (double)((int64_t)(bits << unused) >> unused);
 }
 
-static void store_point(const reader* r, size_t cell, const double* v, uint32_t rgb, range* seen)
+static void store_point(const reader* r, size_t cell, const double* v, uint32_t rgb, seen* own)
 {
     const stp_point_set* set = &r->cloud.set;
     if (!stp_cloud_place(&r->cloud, cell, v)) {
+        own->empty += 1;
         return;
     }
     if (set->normals != NULL) {
@@ -104,8 +107,8 @@ static void store_point(const reader* r, size_t cell, const double* v, uint32_t 
         double above = v[INTENSITY] - r->intensity.low;
         intensities[cell] =
             (uint16_t)stp_quantize(above * stp_intensity_factor(r->intensity), 65535.0);
-        seen->low = v[INTENSITY] < seen->low ? v[INTENSITY] : seen->low;
-        seen->high = v[INTENSITY] > seen->high ? v[INTENSITY] : seen->high;
+        own->low = v[INTENSITY] < own->low ? v[INTENSITY] : own->low;
+        own->high = v[INTENSITY] > own->high ? v[INTENSITY] : own->high;
     }
     uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
     if (classes != NULL) {
@@ -127,7 +130,7 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
             }
         }
         uint32_t rgb = r->slots[RGB] != NULL ? stp_read_u32(r->base[RGB] + i * r->stride[RGB]) : 0;
-        store_point(r, i, v, rgb, &r->ranges[worker]);
+        store_point(r, i, v, rgb, &r->workers[worker]);
     }
 }
 
@@ -163,7 +166,7 @@ static bool read_line(reader* r, stp_text at, size_t cell, uint32_t worker)
             at = next;
         }
     }
-    store_point(r, cell, v, rgb, &r->ranges[worker]);
+    store_point(r, cell, v, rgb, &r->workers[worker]);
     return true;
 }
 
@@ -190,14 +193,14 @@ static void read_blocks(size_t begin, size_t end, uint32_t worker, void* user)
 }
 
 // Reads all points once. @return the range of their intensities
-static range read_once(reader* r)
+static seen read_once(reader* r)
 {
     stp_context* context = r->import->context;
     uint32_t workers = stp_context_thread_count(context);
-    const range none = {(double)INFINITY, -(double)INFINITY};
-    range all = none;
+    const seen none = {(double)INFINITY, -(double)INFINITY, 0};
+    seen all = none;
     for (uint32_t i = 0; i < workers; ++i) {
-        r->ranges[i] = none;
+        r->workers[i] = none;
     }
     atomic_init(&r->bad_line, UINT64_MAX);
     if (r->pcd.encoding == STP_PCD_ASCII) {
@@ -206,8 +209,9 @@ static range read_once(reader* r)
         stp_parallel_for(context, (size_t)r->pcd.point_count, GRAIN, read_rows, r);
     }
     for (uint32_t i = 0; i < workers; ++i) {
-        all.low = fmin(all.low, r->ranges[i].low);
-        all.high = fmax(all.high, r->ranges[i].high);
+        all.low = fmin(all.low, r->workers[i].low);
+        all.high = fmax(all.high, r->workers[i].high);
+        all.empty += r->workers[i].empty;
     }
     return all;
 }
@@ -260,16 +264,16 @@ static stp_result fill_cloud(reader* r)
     if (result != STP_OK) {
         return result;
     }
-    r->ranges = STP_NEW_ARRAY(context, range, stp_context_thread_count(context));
-    if (r->ranges == NULL) {
+    r->workers = STP_NEW_ARRAY(context, seen, stp_context_thread_count(context));
+    if (r->workers == NULL) {
         return stp_fail_memory(context);
     }
     if (r->pcd.point_count > 0) {
         (r->pcd.encoding == STP_PCD_ASCII ? set_origin_of_text : set_origin)(r);
     }
     r->intensity = stp_intensity_judge(0.0, 1.0);
-    range seen = read_once(r);
-    stp_intensity_range right = stp_intensity_judge(seen.low, seen.high);
+    seen all = read_once(r);
+    stp_intensity_range right = stp_intensity_judge(all.low, all.high);
     if (right.low != r->intensity.low || right.high != r->intensity.high) {
         r->intensity = right;
         (void)read_once(r);
@@ -280,9 +284,12 @@ static stp_result fill_cloud(reader* r)
                         "%s: line %llu: has not the numbers of %u fields", r->import->path,
                         (unsigned long long)bad + 1, r->pcd.field_count);
     }
+    if (all.empty > 0) {
+        stp_notice(context, "%s: %llu cells without a point are left out", r->import->path,
+                   (unsigned long long)all.empty);
+    }
     stp_affine pose = stp_affine_identity();
-    result = stp_cloud_finish(&r->cloud, NULL, &pose);
-    return result;
+    return stp_cloud_finish(&r->cloud, NULL, &pose);
 }
 
 static stp_result fail_short(const reader* r, uint64_t held)
@@ -385,7 +392,7 @@ static stp_result read(stp_import* import)
     stp_result result = read_with(&r);
     stp_cloud_destroy(&r.cloud);
     stp_text_blocks_destroy(&r.blocks);
-    stp_free(import->context, r.ranges);
+    stp_free(import->context, r.workers);
     return result;
 }
 

@@ -214,7 +214,7 @@ static bool any_fraction(const samples* s, uint32_t column, uint32_t count)
 
 static bool are_colors(const samples* s, uint32_t column, double most)
 {
-    bool whole = true, parts = most == 255.0;
+    bool whole = true, parts = true;
     for (uint32_t c = column; c < column + 3; ++c) {
         whole = whole && all_within(s, c, TOKEN_INTEGER, 0.0, most);
         parts = parts && all_within(s, c, TOKEN_FRACTION, 0.0, 1.0);
