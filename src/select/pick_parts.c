@@ -7,6 +7,7 @@
 #include "select/pick_internal.h"
 #include "select/pick_mask.h"
 #include "store/clusters.h"
+#include "store/coloring.h"
 #include "store/format.h"
 #include "store/residency.h"
 
@@ -303,7 +304,11 @@ static stp_result pick_points(stp_pick_work* work, stp_store_part part, const st
         return result;
     }
     const stp_pick_desc* desc = work->desc;
+    bool hides = points.colors != NULL && stp_store_get_coloring(work->store)->hides;
     for (uint32_t i = 0; i < points.point_count; ++i) {
+        if (hides && points.colors[4 * (size_t)i + 3] == 0) {
+            continue;
+        }
         corner c = turn(map, points.positions + 3 * (size_t)i);
         double reach = desc->point_base + desc->point_slope * c.t;
         stp_vec3d place =

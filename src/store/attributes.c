@@ -210,6 +210,19 @@ const stp_store_attribute* stp_store_find_attribute(const stp_store* store, stp_
     return NULL;
 }
 
+const char* stp_store_coordinate_system(const stp_store* store)
+{
+    const char* found = NULL;
+    for (uint32_t i = 0; i < store->directory.source_count; ++i) {
+        const char* own = store->directory.sources[i].coordinate_system;
+        if (own != NULL && found != NULL && strcmp(own, found) != 0) {
+            return NULL;
+        }
+        found = own != NULL ? own : found;
+    }
+    return found;
+}
+
 // Where values go.
 typedef struct value_target {
     unsigned char* out;
