@@ -177,6 +177,27 @@ void test_store_attributes_come_back(test_state* test)
     stp_context_destroy(context);
 }
 
+#define GOLDEN STP_TEST_SOURCE_DIR "/tests/golden/store/v1/attributes-1.2.stip"
+
+// STP_WRITE_GOLDEN writes it anew: only while the format is not released.
+void test_store_opens_attributes_of_version_1_2_for_ever(test_state* test)
+{
+    static cloud c;
+    stp_store* store = NULL;
+    stp_context* context = test_context(NULL, 1, NULL);
+    make_cloud(&c);
+    if (getenv("STP_WRITE_GOLDEN") != NULL) {
+        CHECK_EQUAL(STP_OK, stp_store_write(context, &c.content, GOLDEN));
+    }
+    CHECK_EQUAL(STP_OK, stp_store_open(context, GOLDEN, &store));
+    CHECK(are_values(store, &c, 0, POINTS));
+    CHECK_EQUAL(STP_ATTRIBUTES, stp_store_get_directory(store)->attribute_count);
+    CHECK(strcmp(stp_store_coordinate_system(store), "EPSG:25832") == 0);
+    stp_store_close(store);
+    CHECK_EQUAL(STP_OK, stp_store_check(context, GOLDEN, false));
+    stp_context_destroy(context);
+}
+
 // Columns of many chunks; a set without attributes beside one with two.
 void test_store_attributes_of_many_chunks_come_back(test_state* test)
 {
