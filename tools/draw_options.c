@@ -170,35 +170,6 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
     return copy_options(table, used, list);
 }
 
-static size_t add_color_options(option* table, size_t used, draw_options* o)
-{
-    const option list[] = {
-        {.name = "color",
-         .type = OPTION_CHOICE,
-         .argument = "NAME",
-         .words = POINT_COLOR_WORDS,
-         .help =
-             "colours of points by an attribute: an even scale from violet to yellow, or colours "
-             "that are told apart (class, return, returns, source); of everything by elevation "
-             "or normal; default rgb, their own",
-         .value = &o->colors.color},
-        {.name = "range",
-         .type = OPTION_TEXT,
-         .argument = "LO,HI",
-         .help = "values at the ends of the scale; default those that 2 and 98 of 100 points lie "
-                 "below; elevations in units of the scene",
-         .value = &o->colors.range},
-        {.name = "classes",
-         .type = OPTION_TEXT,
-         .argument = "N,N",
-         .help =
-             "draw points of these classes only, by their numbers (ASPRS: 2 ground, 6 building)",
-         .value = &o->colors.classes},
-        {0},
-    };
-    return copy_options(table, used, list);
-}
-
 static size_t add_eye_options(option* table, size_t used, draw_options* o)
 {
     const option list[] = {
@@ -285,7 +256,8 @@ const option* draw_options_table(option* table, const option* own, draw_options*
     size_t used = copy_options(table, 0, own);
     used = add_quality_options(table, used, options);
     used = add_effect_options(table, used, options);
-    used = add_color_options(table, used, options);
+    option colors[POINT_COLOR_OPTION_ROOM];
+    used = copy_options(table, used, point_color_options_table(colors, &options->colors));
     used = add_eye_options(table, used, options);
     option show[SHOW_OPTION_ROOM];
     used = copy_options(table, used, show_options_table(show, &options->show));

@@ -37,6 +37,35 @@ const char* point_color_name(int color)
     return names[color];
 }
 
+const option* point_color_options_table(option* table, point_color_options* o)
+{
+    const option list[POINT_COLOR_OPTION_ROOM] = {
+        {.name = "color",
+         .type = OPTION_CHOICE,
+         .argument = "NAME",
+         .words = POINT_COLOR_WORDS,
+         .help = "colours of points by an attribute: an even scale from violet to yellow, or "
+                 "colours that are told apart (class, return, returns, source); of everything by "
+                 "elevation or normal; default rgb, their own",
+         .value = &o->color},
+        {.name = "range",
+         .type = OPTION_TEXT,
+         .argument = "LO,HI",
+         .help = "values at the ends of the scale; default those that 2 and 98 of 100 points lie "
+                 "below; elevations in units of the scene",
+         .value = &o->range},
+        {.name = "classes",
+         .type = OPTION_TEXT,
+         .argument = "N,N",
+         .help = "draw points of these classes only, by their numbers (ASPRS: 2 ground, 6 "
+                 "building)",
+         .value = &o->classes},
+        {0},
+    };
+    memcpy(table, list, sizeof(list));
+    return table;
+}
+
 /// Whether a colour is on the even scale, which has a range.
 static bool has_range(int color)
 {

@@ -46,6 +46,11 @@ stp_attribute point_color_attribute(int color);
 /// The word of a colour: "near-infrared".
 const char* point_color_name(int color);
 
+enum { POINT_COLOR_OPTION_ROOM = 4 }; ///< entries of a table
+
+/// Fills a table of POINT_COLOR_OPTION_ROOM entries. @return the table
+const option* point_color_options_table(option* table, point_color_options* options);
+
 /// Options that make no sense. @return 0, or 2 (message printed)
 int point_colors_check(const point_color_options* options);
 

@@ -179,6 +179,13 @@ uint32_t stp_store_octave_attributes(const stp_store* store, uint32_t set, uint3
 
 uint32_t stp_store_point_attributes(const stp_store* store, uint32_t point_set)
 {
+    uint32_t held_by = stp_store_describe_point_set(store, point_set)->held_by;
+    if (held_by != 0) {
+        const stp_splats* set = stp_store_describe_surfels(store, held_by - 1);
+        return set->octave_count != 0
+                   ? stp_store_octave_attributes(store, held_by - 1, set->octave_count - 1)
+                   : 0;
+    }
     return attributes_of(
         store, &(stp_store_block){.kind = STP_BLOCK_POINT_ATTRIBUTES, .owner = point_set});
 }
@@ -208,6 +215,19 @@ const stp_store_attribute* stp_store_find_attribute(const stp_store* store, stp_
         }
     }
     return NULL;
+}
+
+const char* stp_store_coordinate_system(const stp_store* store)
+{
+    const char* found = NULL;
+    for (uint32_t i = 0; i < store->directory.source_count; ++i) {
+        const char* own = store->directory.sources[i].coordinate_system;
+        if (own != NULL && found != NULL && strcmp(own, found) != 0) {
+            return NULL;
+        }
+        found = own != NULL ? own : found;
+    }
+    return found;
 }
 
 // Where values go.
@@ -269,6 +289,9 @@ stp_result stp_store_get_point_values(stp_store* store, uint32_t point_set, stp_
                                             : NULL;
     if (points == NULL || first > points->point_count || count > points->point_count - first) {
         return stp_store_fail_index(store, "point of a set, the last of values,", first + count);
+    }
+    if (points->held_by != 0) {
+        return stp_store_get_values(store, points->held_by - 1, attribute, first, count, values);
     }
     stp_store_values block = stp_store_values_of(store, STP_BLOCK_POINT_ATTRIBUTES, point_set, 0);
     return get_values(store, &block, attribute, first, (uint64_t)first + count, values);

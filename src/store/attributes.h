@@ -42,6 +42,9 @@ STP_MUST_USE stp_result stp_store_get_point_values(stp_store* store, uint32_t po
                                                    stp_attribute attribute, uint32_t first,
                                                    uint32_t count, void* values);
 
+/// The coordinate system of a file: what its sources that tell one agree on. NULL: they do not, or none tells.
+const char* stp_store_coordinate_system(const stp_store* store);
+
 /// A value as a number.
 static inline double stp_attribute_number(stp_attribute attribute, const void* values, size_t index)
 {
