@@ -116,6 +116,11 @@ unsigned stp_las_store_block(const stp_las* las, const stp_las_block* block, siz
 /// Which columns a set of so many points has.
 stp_point_columns_desc stp_las_columns(const stp_las* las, uint32_t point_count);
 
+/// Lists uncompressed records as chunks. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_las_list_records(stp_las* las);
+/// How many chunks from `first` on make a set of at most `points_in_set` points, at least one, and how many they have.
+size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,
+                             uint64_t* point_count);
 /// Reads all points, in sets of whole chunks of at most `points_in_set` points, unless a chunk alone has more.
 STP_MUST_USE stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set);
 /// The whole reader; see stp_las_read_points.

@@ -201,9 +201,8 @@ static stp_result read_set(reading* r, size_t first, size_t count, uint64_t poin
     return needs_wide(r) ? STP_OK : result;
 }
 
-// How many chunks from `first` on make a set, and how many points they have.
-static size_t chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,
-                            uint64_t* point_count)
+size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,
+                             uint64_t* point_count)
 {
     size_t count = 1;
     *point_count = las->chunks[first].count;
@@ -222,7 +221,7 @@ static stp_result read_sets(reading* r, uint64_t points_in_set)
     atomic_store(&r->seen, 0);
     for (size_t first = 0; first < las->chunk_count && result == STP_OK && !needs_wide(r);) {
         uint64_t points;
-        size_t count = chunks_of_set(las, first, points_in_set, &points);
+        size_t count = stp_las_chunks_of_set(las, first, points_in_set, &points);
         if (points > MOST_IN_SET) {
             return stp_fail(las->context, STP_ERROR_LIMIT,
                             "%s: chunk %zu has %llu points; at most 2^32 - 2 are read",
@@ -274,7 +273,7 @@ static void choose_origin(stp_las* las)
     }
 }
 
-static stp_result make_chunks_of_records(stp_las* las)
+stp_result stp_las_list_records(stp_las* las)
 {
     uint64_t count = (las->point_count + RECORDS_IN_CHUNK - 1) / RECORDS_IN_CHUNK;
     las->chunks = STP_NEW_ARRAY(las->context, stp_las_chunk, (size_t)count + 1);
@@ -319,7 +318,7 @@ static stp_result read_all(reading* r, uint64_t points_in_set)
 
 stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set)
 {
-    stp_result result = las->compressed ? stp_laz_read_table(las) : make_chunks_of_records(las);
+    stp_result result = las->compressed ? stp_laz_read_table(las) : stp_las_list_records(las);
     if (result != STP_OK) {
         return result;
     }

@@ -418,18 +418,12 @@ static void next_time(stp_laz_layered* l, size_t first, size_t count, stp_las_bl
 
 // Where a point's last colour lies. Writers of version 3 go on from the last point's colour where its channel is
 // another one that was met before, and keep the new colour there.
-static channel_models* enter_color(stp_laz_layered* l, layer* at, unsigned channel)
+static channel_models* enter_color(stp_laz_layered* l, layer* at, unsigned channel, bool* first)
 {
     channel_models *before = &l->channels[at->channel], *now = &l->channels[channel];
-    if (channel == at->channel) {
-        return now;
-    }
-    if (enter(at, channel)) {
-        memcpy(now->color, before->color, sizeof(now->color));
-        now->last_nir = before->last_nir;
-        return now;
-    }
-    return l->fixed ? now : before;
+    bool stays = channel == at->channel;
+    *first = !stays && enter(at, channel);
+    return stays || *first || l->fixed ? now : before;
 }
 
 static void next_rgb(stp_laz_layered* l, size_t first, size_t count, stp_las_block* block)
@@ -438,7 +432,12 @@ static void next_rgb(stp_laz_layered* l, size_t first, size_t count, stp_las_blo
     stp_laz_decoder d = at->decoder;
     for (size_t i = first; i < first + count; ++i) {
         unsigned channel = l->said[i] & CHANNEL_MASK;
-        channel_models* last = enter_color(l, at, channel);
+        const channel_models* before = &l->channels[at->channel];
+        bool is_first;
+        channel_models* last = enter_color(l, at, channel, &is_first);
+        if (is_first) {
+            memcpy(last->color, before->color, sizeof(last->color));
+        }
         uint16_t next[3];
         stp_laz_ensure(&d, SYMBOL_BYTES);
         stp_laz_rgb_next(&d, &l->channels[channel].rgb, last->color, next);
@@ -455,7 +454,10 @@ static void next_nir(stp_laz_layered* l, size_t first, size_t count, stp_las_blo
     stp_laz_decoder d = at->decoder;
     for (size_t i = first; i < first + count; ++i) {
         unsigned channel = l->said[i] & CHANNEL_MASK;
-        channel_models *last = enter_color(l, at, channel), *c = &l->channels[channel];
+        const channel_models* before = &l->channels[at->channel];
+        bool is_first;
+        channel_models *last = enter_color(l, at, channel, &is_first), *c = &l->channels[channel];
+        last->last_nir = is_first ? before->last_nir : last->last_nir;
         int low = last->last_nir & 255, high = last->last_nir >> 8;
         stp_laz_ensure(&d, SYMBOL_BYTES);
         unsigned used = stp_laz_symbol(&d, &c->nir_used);
