@@ -5,7 +5,8 @@
 #include <string.h>
 
 #define HEADER_LINES 100 ///< so many lines may come before the points
-#define SAMPLES 1000     ///< lines that are looked at
+#define SAMPLES 500      ///< lines that are looked at
+#define LINE_LEAST 6     ///< bytes of a point and its line end
 #define WINDOW 4096      ///< bytes in which a sampled line must begin
 
 typedef enum token_kind { TOKEN_WORD, TOKEN_INTEGER, TOKEN_FRACTION } token_kind;
@@ -311,8 +312,9 @@ static void take_samples(samples* s, const stp_text_blocks* blocks, size_t first
         const stp_text_block* b = &blocks->blocks[i];
         stp_text begin = i == first_block ? first : b->begin;
         size_t size = (size_t)(b->end - begin);
-        for (size_t k = 0; k < each && s->count < SAMPLES; ++k) {
-            stp_text at = begin + size / each * k;
+        size_t places = size / LINE_LEAST < each ? size / LINE_LEAST + 1 : each;
+        for (size_t k = 0; k < places && s->count < SAMPLES; ++k) {
+            stp_text at = begin + size / places * k;
             size_t window = (size_t)(b->end - at) < WINDOW ? (size_t)(b->end - at) : WINDOW;
             stp_text found = k > 0 ? memchr(at, '\n', window) : NULL;
             if (k == 0 || (found != NULL && found + 1 < b->end)) {
