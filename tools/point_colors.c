@@ -111,6 +111,22 @@ static bool read_classes(const char* text, uint8_t shown[CLASSES])
     return true;
 }
 
+bool point_colors_read_range(const char* text, double* low, double* high)
+{
+    double range[2];
+    bool read = read_range(text, range);
+    if (read) {
+        *low = range[0];
+        *high = range[1];
+    }
+    return read;
+}
+
+bool point_colors_read_classes(const char* text, uint8_t shown[CLASSES])
+{
+    return read_classes(text, shown);
+}
+
 int point_colors_check(const point_color_options* o)
 {
     double range[2];
