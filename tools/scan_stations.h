@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Where a simulated scanner stands: places of which each sees much that the others do not.
+#pragma once
+
+#include "scan_target.h"
+
+enum { SCAN_MOST_STATIONS = 256 };
+
+typedef struct scan_placing {
+    uint32_t count; ///< of stations, 1..SCAN_MOST_STATIONS
+    double height;  ///< above the floor, metres; 0: 1.8, in small models a tenth of their diagonal
+    double range;   ///< nothing farther is seen, metres
+    uint64_t seed;
+} scan_placing;
+
+/// Chooses stations on floors with free space around; around the model where it has no such floors.
+/// The same for any number of threads. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result scan_place_stations(const scan_target* target, const scan_placing* placing,
+                                            stp_vec3d* stations);
