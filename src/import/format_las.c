@@ -48,8 +48,8 @@ void stp_las_report_losses(stp_las* las)
     }
     if (extra > 0) {
         uint64_t count = name_extra_bytes(las, names);
-        stp_notice(las->context, "%s: %zu extra bytes of each point are not kept%s%s",
-                   las->import->path, extra, count > 0 ? ": " : "", names);
+        stp_warn(las->context, "%s: %zu extra bytes of each point are not kept%s%s",
+                 las->import->path, extra, count > 0 ? ": " : "", names);
     }
 }
 

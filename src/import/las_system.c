@@ -150,9 +150,9 @@ static void scale_heights(stp_las* las, double factor)
     las->offset[2] *= factor;
     las->low[2] *= factor;
     las->high[2] *= factor;
-    stp_notice(las->context,
-               "%s: its heights are in another unit than its plane: they are multiplied by %.9g",
-               las->import->path, factor);
+    stp_warn(las->context,
+             "%s: its heights are in another unit than its plane: they are multiplied by %.9g",
+             las->import->path, factor);
 }
 
 static stp_result apply_units(stp_las* las, const coordinate_system* s)

@@ -129,15 +129,15 @@ static inline void stp_laz_rgb_make(stp_laz_pool* pool, stp_laz_rgb* rgb)
 }
 
 // A byte that changed: decoded as the difference from `near`, which is clamped.
-static inline int stp_laz_byte(stp_laz_decoder* d, stp_laz_model* m, int near)
+STP_LAZ_INLINE int stp_laz_byte(stp_laz_decoder* d, stp_laz_model* m, int near)
 {
     int clamped = near < 0 ? 0 : near > 255 ? 255 : near;
     return ((int)stp_laz_symbol(d, m) + clamped) & 255;
 }
 
 /// The colour that follows `last`; takes at most 21 bytes.
-static inline void stp_laz_rgb_next(stp_laz_decoder* d, stp_laz_rgb* m, const uint16_t last[3],
-                                    uint16_t next[3])
+STP_LAZ_INLINE void stp_laz_rgb_next(stp_laz_decoder* d, stp_laz_rgb* m, const uint16_t last[3],
+                                     uint16_t next[3])
 {
     unsigned used = stp_laz_symbol(d, &m->used);
     int before[3][2], now[3][2]; // low and high bytes

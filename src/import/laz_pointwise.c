@@ -123,8 +123,8 @@ bool stp_laz_pointwise_begin(stp_laz* laz, const stp_las_block* block, const uns
 }
 
 // The values that change seldom.
-static inline void next_values(stp_laz_decoder* d, stp_laz_pointwise* p, last_point* last,
-                               unsigned changed)
+STP_LAZ_INLINE void next_values(stp_laz_decoder* d, stp_laz_pointwise* p, last_point* last,
+                                unsigned changed)
 {
     if (changed & NEW_RETURNS) {
         last->bits = (uint8_t)stp_laz_symbol(d, &p->returns[last->bits]);
@@ -150,7 +150,7 @@ static inline void next_values(stp_laz_decoder* d, stp_laz_pointwise* p, last_po
     }
 }
 
-static inline void next_position(stp_laz_decoder* d, stp_laz_pointwise* p, last_point* last)
+STP_LAZ_INLINE void next_position(stp_laz_decoder* d, stp_laz_pointwise* p, last_point* last)
 {
     unsigned n = last->bits >> 3 & 7, r = last->bits & 7;
     unsigned context = return_contexts[n][r], level = n > r ? n - r : r - n, single = n == 1;
@@ -195,6 +195,11 @@ static void skip_extra(stp_laz_decoder* d, stp_laz_pointwise* p)
     }
 }
 
+static uint64_t next_time(stp_laz_pointwise* p)
+{
+    return stp_laz_time_next(&p->decoder, &p->time, 1);
+}
+
 static void skip_rest(stp_laz_pointwise* p, bool wave)
 {
     if (wave) {
@@ -229,7 +234,9 @@ bool stp_laz_pointwise_next(stp_laz* laz, size_t first, size_t count, stp_las_bl
         block->angle[i] = stp_las_angle((int8_t)last->angle);
         block->source[i] = last->source;
         if (has_time) {
-            block->time[i] = stp_laz_time_next(&d, &p->time, 1);
+            p->decoder = d;
+            block->time[i] = next_time(p);
+            d = p->decoder;
         }
         if (has_rgb) {
             uint16_t next[3];

@@ -151,3 +151,27 @@ void test_laz_names_the_damaged_chunk(test_state* test)
     stp_context_destroy(context);
     free(file.bytes);
 }
+
+// A helper of the fuzz target: small files of every format.
+void test_las_writes_seeds(test_state* test)
+{
+    const char* folder = getenv("STP_LAS_SEEDS");
+    if (folder == NULL) {
+        SKIP("STP_LAS_SEEDS names no folder");
+    }
+    for (unsigned format = 0; format <= 10; ++format) {
+        for (int coding = LAS_RAW; coding <= LAZ_VARIABLE; ++coding) {
+            if (coding == LAZ_SINGLE && format >= 6) {
+                continue;
+            }
+            char path[512];
+            snprintf(path, sizeof(path), "%s/format-%u-%d.las", folder, format, coding);
+            las_buffer bytes = write_small(format, (las_coding)coding);
+            FILE* file = fopen(path, "wb");
+            CHECK(file != NULL);
+            CHECK_EQUAL(bytes.size, fwrite(bytes.bytes, 1, bytes.size, file));
+            CHECK_EQUAL(0, fclose(file));
+            free(bytes.bytes);
+        }
+    }
+}
