@@ -138,11 +138,11 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
 static uint32_t read_packed(stp_text at, stp_text end, double value)
 {
     bool whole = true;
-    for (; at < end; ++at) {
+    for (at += *at == '-'; at < end; ++at) {
         whole = whole && *at >= '0' && *at <= '9';
     }
     if (whole) {
-        return value < 4294967296.0 ? (uint32_t)value : 0;
+        return fabs(value) < 4294967296.0 ? (uint32_t)(int64_t)value : 0;
     }
     float bits = (float)value;
     uint32_t packed;

@@ -103,6 +103,9 @@ void stp_grid_normals(stp_cloud* cloud, const stp_scan_grid* grid)
 {
     work w = {cloud, grid};
     stp_context* context = cloud->import->context;
+    if (cloud->set.point_count == 0) { // whatever number of empty columns there is
+        return;
+    }
     if (grid->cells != NULL) {
         stp_parallel_for(context, cloud->set.point_count, POINT_GRAIN, face_scanner, &w);
     }

@@ -138,6 +138,24 @@ void test_pcd_types(test_state* test)
     stp_context_destroy(context);
 }
 
+void test_pcd_packed_colors_of_texts(test_state* test)
+{
+    static const char text[] =
+        "FIELDS x y z rgba\nSIZE 4 4 4 4\nTYPE F F F I\nPOINTS 3\nDATA ascii\n"
+        "0 0 0 1056816\n0 0 1 -12562336\n0 0 2 4282404960\n";
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.pcd", text, strlen(text), &result);
+    CHECK(scene != NULL);
+    const uint8_t* c = scene->point_sets[0].colors;
+    CHECK(c[0] == 0x10 && c[1] == 0x20 && c[2] == 0x30);
+    for (size_t i = 1; i < 3; ++i) {
+        CHECK(c[4 * i] == 0x40 && c[4 * i + 1] == 0x50 && c[4 * i + 2] == 0x60);
+    }
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 void test_pcd_bad_input_is_one_sentence(test_state* test)
 {
     static const struct {

@@ -127,6 +127,19 @@ void test_ptx_bad_input_is_one_sentence(test_state* test)
     }
 }
 
+// Columns without cells take no time, however many.
+void test_ptx_empty_scan(test_state* test)
+{
+    static const char text[] =
+        HEADER("4294967294", "0", "0", "0", "0") HEADER("0", "7", "0", "0", "0");
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    stp_scene* scene = import_bytes(context, "a.ptx", text, strlen(text), &result);
+    CHECK(scene != NULL && scene->object_count == 3 && scene->point_set_count == 0);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 void test_ptx_survives_truncation_and_failing_allocator(test_state* test)
 {
     CHECK(survives_truncation("a.ptx", two, strlen(two)));
