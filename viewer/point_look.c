@@ -168,7 +168,9 @@ static void show_classes(viewer* v)
             }
             v->look.shown[value->value & 255] = shown ? 1 : 0;
         }
-        gui_swatch("", color, "%s", count);
+        gui_right_aligned(gui_text_width(count) + gui_text_height() + gui_gap());
+        gui_square(color);
+        gui_faint("%s", count);
         gui_pop_id();
     }
     if (v->look.hides && gui_wide_button("All classes", 1, "Draw points of every class")) {
