@@ -6,13 +6,6 @@
 
 #include "base/file.h"
 
-/// A station as files know it.
-typedef struct scan_station {
-    uint32_t number; ///< from 1
-    uint32_t columns, rows;
-    stp_vec3d place; ///< metres, z up, without the file's shift
-} scan_station;
-
 typedef struct scan_file scan_file;
 
 /// A format. Functions are called in this order: begin, then for each station begin_station, add (several times) and
