@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple scan: what a laser scanner would measure of a scene, as test data of which the truth is known.
+// stipple scan: what a laser scanner would measure of a scene, as test data of which the truth is
+// known.
 #include "command.h"
 #include "option_value.h"
 #include "overwrite.h"

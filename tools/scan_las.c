@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// LAS 1.4 (ASPRS, revision 15), point format 7: coordinates in millimetres as whole numbers, intensity, scan angle,
-// station, time and colour. Misses are not stored.
+// LAS 1.4 (ASPRS, revision 15), point format 7: coordinates in millimetres as whole numbers,
+// intensity, scan angle, station, time and colour. Misses are not stored.
 #include "scan_file.h"
 
 #include "base/bytes.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Simulated scans: points lie where the scanner looks, on the surface, as far off as the noise says; files without memory.
+// Simulated scans: points lie where the scanner looks, on the surface, as far off as the noise
+// says; files without memory.
 #include "scan_file.h"
 #include "scan_stations.h"
 #include "tests.h"
@@ -221,7 +222,8 @@ void test_scan_refuses_what_las_cannot_hold(test_state* test)
     stp_context_destroy(context);
 }
 
-// From the air, parallel lines see every place from above, at angles up to 30 degrees; those overlap.
+// From the air, parallel lines see every place from above, at angles up to 30 degrees; those
+// overlap.
 void test_scan_flies_over_all(test_state* test)
 {
     static scan_point points[64 * 64];
