@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple scan: what a laser scanner would measure of a scene, as test data of which the truth is known.
+// stipple scan: what a laser scanner would measure of a scene, as test data of which the truth is
+// known.
 #include "command.h"
 #include "option_value.h"
 #include "overwrite.h"
@@ -19,13 +20,15 @@ enum { BATCH_POINTS = 1 << 16 };
 #define DEFAULT_RESOLUTION 0.25
 #define DEFAULT_NOISE 0.002
 #define DEFAULT_RANGE 350.0
+#define AIRBORNE_RANGE 1e6
+#define HALF_STRENGTH 40.0 ///< metres at which half of the light comes back
 
 static struct {
     const char* output;
     option_texts stations;
     uint64_t count, seed, threads, memory;
     double noise, resolution, range, height, shift[3];
-    bool has_noise, has_resolution, has_range, truth, json;
+    bool has_noise, has_resolution, has_range, airborne, truth, json;
 } args;
 
 static const option* options(void)
@@ -41,13 +44,16 @@ static const option* options(void)
          .type = OPTION_COUNT,
          .argument = "N",
          .words = "1..256",
-         .help = "how many stations are placed; default 1",
+         .help = "how many stations are placed, or lines flown; default 1",
          .value = &args.count},
         {.name = "station",
          .type = OPTION_TEXTS,
          .argument = "X,Y,Z",
          .help = "a station, in metres with z up; repeatable",
          .value = &args.stations},
+        {.name = "airborne",
+         .help = "fly over the scene in parallel lines, and look down",
+         .value = &args.airborne},
         {.name = "resolution",
          .type = OPTION_NUMBER,
          .argument = "DEG|N",
@@ -66,14 +72,16 @@ static const option* options(void)
          .type = OPTION_NUMBER,
          .argument = "M",
          .words = "0.001..1000000",
-         .help = "metres beyond which nothing is met; default 350",
+         .help = "metres beyond which nothing is met; default 350, in flight 1000000",
          .value = &args.range,
          .given = &args.has_range},
         {.name = "height",
          .type = OPTION_NUMBER,
          .argument = "M",
          .words = "auto|0.001..1000",
-         .help = "of placed stations above the floor, metres; default 1.8, less in small models",
+         .help =
+             "of placed stations above the floor, metres; default 1.8, less in small models; of a "
+             "flight above the highest place; default so that lines overlap",
          .value = &args.height},
         {.name = "shift",
          .type = OPTION_VECTOR,
@@ -104,7 +112,7 @@ typedef struct scan {
     stp_store* store;
     scan_target target;
     scan_settings settings;
-    stp_vec3d* stations;
+    scan_station* stations;
     uint32_t station_count;
     uint64_t points, misses;
     stp_boxd bounds;
@@ -129,27 +137,55 @@ static bool read_place(const char* text, double place[3])
     return option_set_value(&vector, text, problem, sizeof(problem));
 }
 
-static stp_result place_stations(scan* s)
+static stp_result stand(scan* s)
 {
-    s->station_count = args.stations.count > 0 ? args.stations.count
-                       : args.count > 0        ? (uint32_t)args.count
-                                               : 1;
-    s->stations = STP_NEW_ARRAY(s->context, stp_vec3d, s->station_count);
-    if (s->stations == NULL) {
+    stp_vec3d* places = STP_NEW_ARRAY(s->context, stp_vec3d, s->station_count);
+    if (places == NULL) {
         return stp_fail_memory(s->context);
     }
     for (uint32_t i = 0; i < args.stations.count; ++i) {
         double v[3];
         (void)read_place(args.stations.texts[i], v); // checked before
-        s->stations[i] =
-            (stp_vec3d){v[0] - args.shift[0], v[1] - args.shift[1], v[2] - args.shift[2]};
+        places[i] = (stp_vec3d){v[0] - args.shift[0], v[1] - args.shift[1], v[2] - args.shift[2]};
     }
     const scan_placing placing = {.count = s->station_count,
                                   .height = args.height,
                                   .range = s->settings.range,
                                   .seed = args.seed};
-    return args.stations.count > 0 ? STP_OK
-                                   : scan_place_stations(&s->target, &placing, s->stations);
+    stp_result result =
+        args.stations.count > 0 ? STP_OK : scan_place_stations(&s->target, &placing, places);
+    for (uint32_t i = 0; i < s->station_count && result == STP_OK; ++i) {
+        s->stations[i] = (scan_station){.number = i + 1,
+                                        .columns = s->settings.columns,
+                                        .rows = s->settings.rows,
+                                        .place = places[i]};
+    }
+    stp_free(s->context, places);
+    return result;
+}
+
+static stp_result place_stations(scan* s)
+{
+    scan_settings* set = &s->settings;
+    *set = (scan_settings){.airborne = args.airborne,
+                           .noise = args.has_noise ? args.noise : DEFAULT_NOISE,
+                           .range = args.has_range  ? args.range
+                                    : args.airborne ? AIRBORNE_RANGE
+                                                    : DEFAULT_RANGE,
+                           .half = HALF_STRENGTH,
+                           .seed = args.seed};
+    double step = scan_settings_set_resolution(set, args.has_resolution ? args.resolution
+                                                                        : DEFAULT_RESOLUTION);
+    s->station_count = args.stations.count > 0 ? args.stations.count
+                       : args.count > 0        ? (uint32_t)args.count
+                                               : 1;
+    s->stations = STP_NEW_ARRAY(s->context, scan_station, s->station_count);
+    if (s->stations == NULL) {
+        return stp_fail_memory(s->context);
+    }
+    return args.airborne
+               ? scan_plan_flight(&s->target, args.height, step, s->station_count, set, s->stations)
+               : stand(s);
 }
 
 /// One station into the file, a few columns at a time.
@@ -157,23 +193,20 @@ static stp_result sweep_station(scan* s, scan_file* file, uint32_t index, scan_p
                                 uint32_t batch)
 {
     const scan_settings* set = &s->settings;
-    const scan_station station = {.number = index + 1,
-                                  .columns = set->columns,
-                                  .rows = set->rows,
-                                  .place = s->stations[index]};
-    stp_result result = scan_file_begin_station(file, &station);
+    const scan_station* station = &s->stations[index];
+    stp_result result = scan_file_begin_station(file, station);
     for (uint32_t first = 0; first < set->columns && result == STP_OK; first += batch) {
         uint32_t left = set->columns - first, count = left < batch ? left : batch;
         double start = stp_clock_ms();
-        scan_sweep(&s->target, set, index, station.place, first, count, points);
+        scan_sweep(&s->target, set, station, first, count, points);
         s->cast_seconds += 1e-3 * (stp_clock_ms() - start);
-        result = scan_file_add(file, &station, points, (size_t)count * set->rows);
+        result = scan_file_add(file, station, points, (size_t)count * set->rows);
         double done = (double)index + (double)(first + count) / (double)set->columns;
         result = result == STP_OK
                      ? stp_progress(s->context, "scan", done / (double)s->station_count)
                      : result;
     }
-    return result == STP_OK ? scan_file_end_station(file, &station) : result;
+    return result == STP_OK ? scan_file_end_station(file, station) : result;
 }
 
 static stp_result sweep_all(scan* s)
@@ -227,7 +260,7 @@ static int print_report(const scan* s, double seconds)
     json_t* places = json_array();
     bool good = places != NULL;
     for (uint32_t i = 0; good && i < s->station_count; ++i) {
-        good = json_array_append_new(places, describe_place(s->stations[i])) == 0;
+        good = json_array_append_new(places, describe_place(s->stations[i].place)) == 0;
     }
     json_t* bounds = s->points > 0 ? json_pack("{s:o, s:o}", "min", describe_place(s->bounds.min),
                                                "max", describe_place(s->bounds.max))
@@ -257,6 +290,9 @@ static int check_stations(void)
 {
     if (args.stations.count > 0 && args.count > 0) {
         return tool_usage_error("--stations places them, --station says where: not both");
+    }
+    if (args.stations.count > 0 && args.airborne) {
+        return tool_usage_error("--airborne has lines of flight (--stations N), and no --station");
     }
     for (uint32_t i = 0; i < args.stations.count; ++i) {
         double v[3];
@@ -294,15 +330,10 @@ static int run(int argc, char** argv)
         return code;
     }
     scan s = {.path = argv[0],
-              .settings = {.noise = args.has_noise ? args.noise : DEFAULT_NOISE,
-                           .range = args.has_range ? args.range : DEFAULT_RANGE,
-                           .seed = args.seed},
               .context = tool_context_create((uint32_t)args.threads, args.memory, NULL)};
     if (s.context == NULL) {
         return 1;
     }
-    scan_settings_set_resolution(&s.settings,
-                                 args.has_resolution ? args.resolution : DEFAULT_RESOLUTION);
     s.target.context = s.context;
     code = make(&s);
     stp_free(s.context, s.stations);
@@ -330,6 +361,9 @@ const command command_scan = {
         "--stations places them: on floors with free space around, each where it sees much that "
         "the others do not; around the model where it has no floors. --station says where.\n"
         "\n"
+        "--airborne flies over the scene, along its longer side and back, in as many lines as "
+        "--stations says, and looks down from 30 degrees on the left to 30 on the right.\n"
+        "\n"
         "Coordinates are metres with z up, whatever the scene's unit and axes are; a scene that "
         "does not say its unit is in metres. A point has its colour, an intensity (of the "
         "albedo, the angle and the distance), the number of its station (from 1), and as its time "
@@ -346,6 +380,8 @@ const command command_scan = {
                 "Finer, with more noise, and coordinates of a map:\n"
                 "$ stipple scan hall.glb --stations 3 --resolution 0.05 --noise 0.005 --shift "
                 "389000,5820000,34 -o hall.e57\n"
+                "Terrain from the air:\n"
+                "$ stipple scan scene:terrain --airborne --stations 6 -o terrain.las\n"
                 "With the truth, from a given place:\n"
                 "$ stipple scan scene:forest --station 0,0,2 --truth -o forest.ply\n",
     .files = "OUT.las\t"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// E57 (ASTM E2807): for each station its pose and its points, relative to it, in packets of columns; then XML that says
-// what lies where. Misses are not stored; cells are known by row and column.
+// E57 (ASTM E2807): for each station its pose and its points, relative to it, in packets of
+// columns; then XML that says what lies where. Misses are not stored; cells are known by row and
+// column.
 #include "scan_e57_pages.h"
 #include "scan_file.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The pages that an E57 file (ASTM E2807) is made of: 1,020 bytes and their CRC-32C. Offsets within the file count
-// the checksums (physical) or leave them out (logical).
+// The pages that an E57 file (ASTM E2807) is made of: 1,020 bytes and their CRC-32C. Offsets within
+// the file count the checksums (physical) or leave them out (logical).
 #pragma once
 
 #include "base/file.h"

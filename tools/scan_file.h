@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Files of simulated scans: one writer a format, all of them streams with bounded memory. Written aside and renamed.
+// Files of simulated scans: one writer a format, all of them streams with bounded memory. Written
+// aside and renamed.
 #pragma once
 
 #include "scan_sweep.h"
 
 #include "base/file.h"
 
-/// A station as files know it.
-typedef struct scan_station {
-    uint32_t number; ///< from 1
-    uint32_t columns, rows;
-    stp_vec3d place; ///< metres, z up, without the file's shift
-} scan_station;
-
 typedef struct scan_file scan_file;
 
-/// A format. Functions are called in this order: begin, then for each station begin_station, add (several times) and
-/// end_station, then end. NULL: nothing is to be done.
+/// A format. Functions are called in this order: begin, then for each station begin_station, add
+/// (several times) and end_station, then end. NULL: nothing is to be done.
 typedef struct scan_format {
     const char* ending; ///< of the file's name, ".las"
     bool has_truth;     ///< it has columns for the truth
@@ -64,7 +58,8 @@ STP_MUST_USE stp_result scan_file_begin_station(scan_file* file, const scan_stat
 STP_MUST_USE stp_result scan_file_add(scan_file* file, const scan_station* station,
                                       const scan_point* points, size_t count);
 STP_MUST_USE stp_result scan_file_end_station(scan_file* file, const scan_station* station);
-/// Ends the file, which takes its name. @return STP_OK, or a failure that was logged; then nothing is left
+/// Ends the file, which takes its name. @return STP_OK, or a failure that was logged; then nothing
+/// is left
 STP_MUST_USE stp_result scan_file_close(scan_file* file);
 /// Ends it and leaves nothing.
 void scan_file_abort(scan_file* file);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Binary PLY: places as doubles, colour, intensity, station and time; and the truth, where it is asked for. Misses are not
-// stored.
+// Binary PLY: places as doubles, colour, intensity, station and time; and the truth, where it is
+// asked for. Misses are not stored.
 #include "scan_file.h"
 
 #include "base/bytes.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// PTX, Leica's text of scans: for each station its grid and pose, then all cells, those without a point as zeros. Places
-// are relative to the station.
+// PTX, Leica's text of scans: for each station its grid and pose, then all cells, those without a
+// point as zeros. Places are relative to the station.
 #include "scan_file.h"
 
 #include <stdio.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Candidates stand on floors: places spread over the plan, each on the lowest surface that faces up with room above and
-// around it. Each looks around with a few hundred rays, and remembers in which cells of the model's box it met
-// something. Then that candidate is taken again and again that adds most cells; one nearer to those taken before than
-// evenly spread stations are counts for less.
+// Candidates stand on floors: places spread over the plan, each on the lowest surface that faces up
+// with room above and around it. Each looks around with a few hundred rays, and remembers in which
+// cells of the model's box it met something. Then that candidate is taken again and again that adds
+// most cells; one nearer to those taken before than evenly spread stations are counts for less.
 #include "scan_stations.h"
 
 #include "base/rng.h"
@@ -53,7 +53,8 @@ static double fraction_of(double value)
     return value - floor(value);
 }
 
-/// Where there is a floor with room above it, the lowest; a roof over ground is none. @return false where there is none
+/// Where there is a floor with room above it, the lowest; a roof over ground is none. @return false
+/// where there is none
 static bool find_floor(const chooser* c, double x, double y, double* z)
 {
     const stp_vec3d down = {0.0, 0.0, -1.0};
@@ -124,7 +125,8 @@ static void look_from_floors(size_t begin, size_t end, uint32_t worker, void* us
     chooser* c = user;
     const stp_boxd* b = &c->bounds;
     for (size_t i = begin; i < end; ++i) {
-        // evenly spread places (Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018)
+        // evenly spread places (Roberts, The Unreasonable Effectiveness of Quasirandom Sequences,
+        // 2018)
         candidate* at = &c->candidates[i];
         double u = fraction_of(random_of(c, 0) + 0.7548776662466927 * (double)(i + 1));
         double v = fraction_of(random_of(c, 1) + 0.5698402909980532 * (double)(i + 1));

@@ -2,7 +2,7 @@
 // Where a simulated scanner stands: places of which each sees much that the others do not.
 #pragma once
 
-#include "scan_target.h"
+#include "scan_sweep.h"
 
 enum { SCAN_MOST_STATIONS = 256 };
 
@@ -17,3 +17,11 @@ typedef struct scan_placing {
 /// The same for any number of threads. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result scan_place_stations(const scan_target* target, const scan_placing* placing,
                                             stp_vec3d* stations);
+
+/// Plans parallel lines of flight along the model, which overlap by a fifth over its highest place,
+/// and sets the columns of a sweep so that rays are as far apart along the flight as across it.
+/// @param height above the highest place, metres; 0: so that the lines overlap thus @param step
+/// degrees between rays @return STP_OK, or STP_ERROR_LIMIT (more than 65,535 columns; logged)
+STP_MUST_USE stp_result scan_plan_flight(const scan_target* target, double height, double step,
+                                         uint32_t count, scan_settings* settings,
+                                         scan_station* lines);

@@ -40,9 +40,9 @@ typedef struct scan_target {
     double metres; ///< length of a unit of the scene
 } scan_target;
 
-/// The target of a finished scene, which must outlive it. @return STP_OK, STP_ERROR_FORMAT (no triangles),
-/// STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (more than 16 million uses of parts); logged. On failure nothing
-/// is to be destroyed
+/// The target of a finished scene, which must outlive it. @return STP_OK, STP_ERROR_FORMAT (no
+/// triangles), STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (more than 16 million uses of parts);
+/// logged. On failure nothing is to be destroyed
 STP_MUST_USE stp_result scan_target_of_scene(const stp_scene* scene, const char* name,
                                              scan_target* target);
 /// The same of an open .stip: its original triangles.

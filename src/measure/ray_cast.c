@@ -111,7 +111,8 @@ static stp_box narrow(const stp_caster* c, const stp_boxd* box)
     return (stp_box){stp_sub(out.min, wider), stp_add(out.max, wider)};
 }
 
-// The tree over parts. What is empty or flattened is left where nothing meets it: as a point at the centre.
+// The tree over parts. What is empty or flattened is left where nothing meets it: as a point at the
+// centre.
 static stp_result make_top(stp_context* context, stp_caster* c)
 {
     c->bounds = stp_boxd_empty();

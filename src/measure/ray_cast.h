@@ -28,7 +28,8 @@ STP_MUST_USE stp_result stp_caster_create(stp_context* context, const stp_cast_m
                                           uint32_t part_count, stp_caster** caster);
 void stp_caster_destroy(stp_context* context, stp_caster* caster);
 
-/// The box of all that rays may meet; empty where that is nothing. Up to a part in a million larger.
+/// The box of all that rays may meet; empty where that is nothing. Up to a part in a million
+/// larger.
 stp_boxd stp_caster_bounds(const stp_caster* caster);
 
 /// The corners of a triangle where it stands.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reads what stipple scan writes, each format by its specification alone: scan_files.py NAME REPORT.json
+"""Reads what stipple scan writes, each format by its specification alone: scan_files.py NAME REPORT.json [air]
 checks that NAME.las, .ptx, .ply and .e57 hold the same points, and that REPORT describes them."""
 import json
 import re
@@ -13,7 +13,10 @@ def read_las(path):
     assert data[:4] == b"LASF" and data[24:26] == b"\1\4", "not LAS 1.4"
     header, start, vlrs = struct.unpack_from("<HII", data, 94)
     kind, size = struct.unpack_from("<BH", data, 104)
-    assert (header, start, vlrs, kind, size) == (375, 375, 0, 7, 36), (header, start, vlrs, kind, size)
+    assert (header, vlrs, kind, size) == (375, 1, 7, 36), (header, vlrs, kind, size)
+    user, record, length = struct.unpack_from("<16sHH", data, 377)
+    assert (user.rstrip(b"\0"), record, start) == (b"LASF_Projection", 2112, 375 + 54 + length), user
+    assert data[429:start].endswith(b"]]\0") and b'UNIT["metre",1]' in data[429:start], data[429:start]
     count, first = struct.unpack_from("<QQ", data, 247)
     assert count == first and len(data) == start + count * size, (count, first, len(data))
     assert struct.unpack_from("<H", data, 6)[0] & 16, "formats above 5 ask for the WKT bit"
@@ -110,6 +113,7 @@ def main():
     las, ply, ptx, e57 = (read(name + end) for read, end in (
         (read_las, ".las"), (read_ply, ".ply"), (read_ptx, ".ptx"), (read_e57, ".e57")))
     columns, rows = report["columns"], report["rows"]
+    lowest, span = (-30, 60) if len(sys.argv) > 3 else (-60, 150)
     count, stations = report["points"], report["stations"]
     assert len(las) == len(ply) == count > 200 and len(ptx) == len(e57) == stations
     assert count + report["misses"] == columns * rows * stations
@@ -127,7 +131,7 @@ def main():
         color = (b["red"], b["green"], b["blue"])
         assert a[3] == color == c[4:7] == tuple(int(v) for v in cell[4:7]), "colour"
         assert a[4] == b["intensity"] and abs(a[4] / 65535 - c[3]) < 1e-6 and abs(c[3] - cell[3]) < 1e-6
-        assert abs(a[5] - (150 * (ray % rows + 0.5) / rows - 60)) < 0.0031, "scan angle"
+        assert abs(a[5] - (span * (ray % rows + 0.5) / rows + lowest)) < 0.0031, "scan angle"
     for (width, height, place, cells), wanted, scan in zip(ptx, report["station_positions"], e57):
         assert (width, height) == (columns, rows)
         assert max(abs(u - v) for u, v in zip(place, wanted)) < 1e-6 and scan[0] == wanted

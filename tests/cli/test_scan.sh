@@ -44,6 +44,13 @@ for ending in ptx ply e57; do
 done
 python3 "$readers" far far.json || fail "formats with --shift"
 
+for ending in las ptx ply e57; do
+    "$stipple" -q scan scene:boxes --airborne --stations 2 --resolution 1 -o air.$ending --json > air.json || fail "--airborne $ending"
+done
+python3 "$readers" air air.json air || fail "formats from the air"
+refused 2 'no --station' scan scene:boxes -o a.las --airborne --station 0,0,9
+refused 1 'resolution' scan scene:boxes -o a.las --airborne --resolution 0.01 --height 0.001
+
 # the same bytes with any number of threads; others with another seed
 for threads in 1 3; do
     for ending in las e57; do

@@ -22,7 +22,8 @@ static stp_vec3d random_vector(uint64_t seed, uint64_t index)
                        random_number(seed, 3 * index + 2)};
 }
 
-/// Two meshes, one with indices and one without, and their places: turned, stretched, mirrored, one flattened.
+/// Two meshes, one with indices and one without, and their places: turned, stretched, mirrored, one
+/// flattened.
 typedef struct world {
     float first[9 * FIRST], second[9 * SECOND];
     uint32_t indices[3 * FIRST];

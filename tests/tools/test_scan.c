@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Simulated scans: points lie where the scanner looks, on the surface, as far off as the noise says; files without memory.
+// Simulated scans: points lie where the scanner looks, on the surface, as far off as the noise
+// says; files without memory.
 #include "scan_file.h"
 #include "scan_stations.h"
 #include "tests.h"
@@ -14,7 +15,7 @@
 enum { COLUMNS = 180, ROWS = 75, STATIONS = 3 };
 
 static const scan_settings settings = {
-    .columns = COLUMNS, .rows = ROWS, .noise = 0.01, .range = 50.0, .seed = 5};
+    .columns = COLUMNS, .rows = ROWS, .noise = 0.01, .range = 50.0, .half = 40.0, .seed = 5};
 
 static stp_scene* make_boxes(stp_context* context)
 {
@@ -61,16 +62,19 @@ void test_scan_points_lie_on_the_surface(test_state* test)
     scan_target target;
     CHECK(scan_target_of_scene(scene, "boxes", &target) == STP_OK);
     stp_vec3d origin = {0.7, 0.7, 0.7}; // between boxes
-    scan_sweep(&target, &settings, 2, origin, 0, COLUMNS, points);
+    const scan_station station = {.number = 3, .columns = COLUMNS, .rows = ROWS, .place = origin};
+    scan_sweep(&target, &settings, &station, 0, COLUMNS, points);
     double sum = 0.0, squares = 0.0;
     uint32_t hits = 0, objects = 0;
     uint64_t seen = 0;
     for (uint32_t i = 0; i < COLUMNS * ROWS; ++i) {
         const scan_point* p = &points[i];
         CHECK(p->time == 2.0 * COLUMNS * ROWS + i && p->column == i / ROWS && p->row == i % ROWS);
-        stp_vec3d direction = scan_direction(&settings, p->column, p->row);
+        scan_ray ray = scan_ray_of(&settings, &station, p->column, p->row);
+        stp_vec3d direction = ray.direction;
         double elevation = asin(direction.z) * 57.295779513082323;
-        CHECK(fabs(elevation - scan_elevation(&settings, p->row)) < 1e-9);
+        CHECK(fabs(elevation - (double)p->angle) < 1e-4);
+        CHECK(fabs(elevation + 60.0 - 150.0 * (p->row + 0.5) / ROWS) < 1e-9);
         if (!p->hit) {
             continue;
         }
@@ -119,8 +123,10 @@ void test_scan_intensity_falls(test_state* test)
     scan_target target;
     CHECK(scan_target_of_scene(scene, "square", &target) == STP_OK);
     scan_point near[ROWS], far[ROWS];
-    scan_sweep(&target, &settings, 0, (stp_vec3d){0, 0, 1}, 0, 1, near);
-    scan_sweep(&target, &settings, 0, (stp_vec3d){0, 0, 2}, 0, 1, far);
+    const scan_station low = {.number = 1, .place = {0, 0, 1}},
+                       high = {.number = 1, .place = {0, 0, 2}};
+    scan_sweep(&target, &settings, &low, 0, 1, near);
+    scan_sweep(&target, &settings, &high, 0, 1, far);
     uint32_t compared = 0;
     for (uint32_t row = 0; row + 1 < ROWS; ++row) {
         if (near[row + 1].hit) { // lower rays meet the ground more squarely, and nearer
@@ -128,7 +134,7 @@ void test_scan_intensity_falls(test_state* test)
             compared += 1;
         }
         CHECK(!far[row].hit || far[row].intensity < near[row].intensity);
-        CHECK(near[row].hit == (scan_elevation(&settings, row) < -atan(1.0 / 9.0) * 57.2957795));
+        CHECK(near[row].hit == ((double)near[row].angle < -atan(1.0 / 9.0) * 57.2957795));
     }
     CHECK(compared > 10);
     scan_target_destroy(&target);
@@ -154,9 +160,10 @@ static stp_result write_all(stp_context* context, const stp_scene* scene, const 
     result = result == STP_OK ? scan_file_open(context, &desc, &file) : result;
     bool open = result == STP_OK;
     for (uint32_t i = 0; i < STATIONS && result == STP_OK; ++i) {
-        const scan_station station = {i + 1, COLUMNS, ROWS, places[i]};
+        const scan_station station = {
+            .number = i + 1, .columns = COLUMNS, .rows = ROWS, .place = places[i]};
         result = scan_file_begin_station(&file, &station);
-        scan_sweep(&target, &settings, i, places[i], 0, COLUMNS, points);
+        scan_sweep(&target, &settings, &station, 0, COLUMNS, points);
         result = result == STP_OK ? scan_file_add(&file, &station, points, COLUMNS * ROWS) : result;
         result = result == STP_OK ? scan_file_end_station(&file, &station) : result;
     }
@@ -200,16 +207,63 @@ void test_scan_files_without_memory(test_state* test)
 void test_scan_refuses_what_las_cannot_hold(test_state* test)
 {
     test_log log = {0};
+    char path[64];
+    snprintf(path, sizeof(path), "/tmp/stipple-test-far-%d.las", (int)getpid());
     stp_context* context = test_context(NULL, 1, &log);
-    const scan_file_desc desc = {
-        .path = "/tmp/stipple-test-far.las", .bounds = {{0, 0, 0}, {1, 1, 1}}, .stations = 1};
+    const scan_file_desc desc = {.path = path, .bounds = {{0, 0, 0}, {1, 1, 1}}, .stations = 1};
     scan_file file;
     CHECK(scan_file_open(context, &desc, &file) == STP_OK);
-    const scan_station station = {1, 4, 2, {0, 0, 0}};
+    const scan_station station = {.number = 1, .columns = 4, .rows = 2};
     const scan_point far = {.hit = true, .place = {3e6, 0, 0}};
     CHECK(scan_file_add(&file, &station, &far, 1) == STP_ERROR_LIMIT);
     CHECK(strstr(log.text, "4,29") != NULL);
     scan_file_abort(&file);
     CHECK(access(desc.path, F_OK) != 0);
+    stp_context_destroy(context);
+}
+
+// From the air, parallel lines see every place from above, at angles up to 30 degrees; those
+// overlap.
+void test_scan_flies_over_all(test_state* test)
+{
+    static scan_point points[64 * 64];
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_scene* scene = make_boxes(context);
+    CHECK(scene != NULL);
+    scan_target target;
+    CHECK(scan_target_of_scene(scene, "boxes", &target) == STP_OK);
+    scan_settings set = {.airborne = true, .range = 100.0};
+    scan_station lines[3];
+    double step = scan_settings_set_resolution(&set, 1.0);
+    CHECK(step == 1.0 && set.rows == 60);
+    CHECK(scan_plan_flight(&target, 0.0, 1e-6, 3, &set, lines) == STP_ERROR_LIMIT);
+    CHECK(scan_plan_flight(&target, 3.0, 10.0 * step, 3, &set, lines) == STP_OK);
+    CHECK(set.columns == 8); // 4 m in steps of 3 m times 10 degrees
+    bool seen[27] = {false};
+    for (int line = 0; line < 3; ++line) {
+        CHECK(fabs(lines[line].place.z - 5.0) < 1e-9);
+        CHECK((lines[line].along.x > 0.0) == (line % 2 == 0));
+        CHECK(fabs(lines[line].place.y - (-2.0 + 4.0 * (line + 0.5) / 3.0)) < 1e-9);
+        scan_sweep(&target, &set, &lines[line], 0, set.columns, points);
+        for (uint32_t i = 0; i < set.columns * set.rows; ++i) {
+            const scan_point* p = &points[i];
+            scan_ray ray = scan_ray_of(&set, &lines[line], p->column, p->row);
+            double right = stp_dotd(
+                ray.direction, stp_normalized(stp_crossd(lines[line].along, (stp_vec3d){0, 0, 1})));
+            CHECK(fabs(asin(right) * 57.295779513082323 - (double)p->angle) < 1e-4);
+            CHECK(fabs((double)p->angle) < 30.0 && ray.direction.z < -0.86);
+            if (p->hit) {
+                CHECK(p->object < 27 && distance_to(&target, p->object, place_of(p)) < 1e-6);
+                seen[p->object] = true;
+            }
+        }
+    }
+    int count = 0;
+    for (int i = 0; i < 27; ++i) {
+        count += seen[i] ? 1 : 0;
+    }
+    CHECK(count >= 9); // the upper ones
+    scan_target_destroy(&target);
+    stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
