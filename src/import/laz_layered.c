@@ -251,8 +251,9 @@ static void next_xy(stp_laz_layered* l, size_t first, size_t count, stp_las_bloc
     for (size_t i = first; i < first + count; ++i) {
         stp_laz_ensure(&d, POINT_BYTES);
         channel_models* c = &l->channels[at->channel];
-        unsigned context =
-            (c->return_number == 1) | (c->return_number >= c->return_count) << 1 | c->new_time << 2;
+        unsigned context = (c->return_number == 1 ? 1u : 0u) |
+                           (c->return_number >= c->return_count ? 2u : 0u) |
+                           (c->new_time ? 4u : 0u);
         unsigned changed = stp_laz_symbol(&d, &c->changed[context]);
         c = next_channel(&d, l, changed);
         next_returns(&d, c, changed);

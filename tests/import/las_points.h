@@ -106,7 +106,8 @@ static inline bool las_set_is_right(const las_desc* desc, const stp_point_set* s
     bool good = (set->colors != NULL) == has_rgb;
     for (size_t i = 0; i < count && good; ++i) {
         const float* p = set->positions + 3 * i;
-        stp_vec3d at = stp_affine_point(place, (stp_vec3d){p[0], p[1], p[2]});
+        stp_vec3d at =
+            stp_affine_point(place, (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]});
         const int32_t* n = points[i].position; // x, y, z become x, z, -y
         double x = n[0] * scale + desc->offset, y = n[1] * scale + desc->offset,
                z = n[2] * scale + desc->offset;

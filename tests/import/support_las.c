@@ -57,12 +57,13 @@ size_t las_write_record(const las_desc* desc, size_t index, unsigned char* to)
     }
     las_put_number(&b, p->intensity, 2);
     if (format < 6) {
-        las_put_number(&b, p->return_number | p->return_count << 3u | (p->flags & 1u) << 6, 1);
+        las_put_number(&b, p->return_number | (unsigned)p->return_count << 3 | (p->flags & 1u) << 6,
+                       1);
         las_put_number(&b, p->class | (p->flags & 7u) << 5, 1);
         las_put_number(&b, (uint8_t)(int8_t)p->angle, 1);
         las_put_number(&b, p->user, 1);
     } else {
-        las_put_number(&b, p->return_number | p->return_count << 4u, 1);
+        las_put_number(&b, p->return_number | (unsigned)p->return_count << 4, 1);
         las_put_number(&b, (unsigned)p->channel << 4, 1);
         las_put_number(&b, p->class, 1);
         las_put_number(&b, p->user, 1);

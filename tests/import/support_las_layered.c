@@ -78,8 +78,9 @@ static channel* put_xy(layered* l, const las_point* p, bool* new_time)
     laz_encoder* e = &l->layers[XY];
     channel* before = &l->channels[l->at];
     const las_point* b = &before->last;
-    unsigned context = (b->return_number == 1) | (b->return_number >= b->return_count) << 1 |
-                       before->new_time << 2;
+    unsigned context = (b->return_number == 1 ? 1u : 0u) |
+                       (b->return_number >= b->return_count ? 2u : 0u) |
+                       (before->new_time ? 4u : 0u);
     channel* c = &l->channels[p->channel];
     const las_point* a = c->met ? &c->last : b;
     unsigned step = (unsigned)(p->return_number - a->return_number) & 15;
@@ -118,7 +119,7 @@ static channel* put_xy(layered* l, const las_point* p, bool* new_time)
 static void put_values(layered* l, channel* c, const las_point* p, bool new_time)
 {
     unsigned n = p->return_count, r = p->return_number, single = n == 1;
-    unsigned level = n > r ? n - r : r - n, kind = (r == 1) | (r >= n) << 1;
+    unsigned level = n > r ? n - r : r - n, kind = (r == 1 ? 1u : 0u) | (r >= n ? 2u : 0u);
     level = level < 7 ? level : 7;
     laz_put_integer(&l->layers[Z], &c->z, c->heights[level], p->position[2],
                     single + laz_even((c->x.k + c->y.k) / 2, 18), 32);
@@ -156,7 +157,7 @@ static void put_colors(layered* l, const las_desc* desc, const las_point* p)
     memcpy(last->color, p->rgb, sizeof(p->rgb));
     unsigned was = last->color[3], low = (was ^ p->nir) & 255, high = (was ^ p->nir) >> 8;
     if (desc->format == 8 || desc->format == 10) {
-        laz_put_symbol(&l->layers[NIR], &c->used, (low != 0) | (high != 0) << 1);
+        laz_put_symbol(&l->layers[NIR], &c->used, (low != 0 ? 1u : 0u) | (high != 0 ? 2u : 0u));
         if (low != 0) {
             laz_put_symbol(&l->layers[NIR], &c->nir[0], (p->nir - was) & 255);
         }

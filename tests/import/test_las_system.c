@@ -146,7 +146,8 @@ void test_las_brings_heights_to_the_unit_of_the_plane(test_state* test)
     stp_scene* scene = import_bytes(context, "a.las", file.bytes, file.size, &result);
     CHECK_EQUAL(STP_OK, result);
     const float* p = scene->point_sets[0].positions;
-    stp_vec3d at = stp_affine_point(&scene->objects[0].transform, (stp_vec3d){p[0], p[1], p[2]});
+    stp_vec3d at = stp_affine_point(&scene->objects[0].transform,
+                                    (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]});
     CHECK(fabs(at.x - 0.01 * points[0].position[0]) < 1e-3 + 2e-7 * fabs((double)p[0]));
     CHECK(fabs(at.y - 0.01 * points[0].position[2] * 3937.0 / 1200.0) <
           1e-3 + 2e-7 * fabs((double)p[2]));
