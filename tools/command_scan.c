@@ -359,7 +359,7 @@ const command command_scan = {
         "are not.\n"
         "\n"
         "--stations places them: on floors with free space around, each where it sees much that "
-        "the others do not; around the model where it has no floors. --station says where.\n"
+        "the others do not; around a model that stands alone. --station says where.\n"
         "\n"
         "--airborne flies over the scene, along its longer side and back, in as many lines as "
         "--stations says, and looks down from 30 degrees on the left to 30 on the right.\n"

@@ -198,6 +198,36 @@ static void take(const chooser* c, uint32_t count, candidate* best, uint64_t* se
     }
 }
 
+/// How many cells candidates [begin, end) see together.
+static uint32_t count_seen(const chooser* c, uint32_t begin, uint32_t end)
+{
+    uint32_t count = 0;
+    for (size_t word = 0; word < WORDS; ++word) {
+        uint64_t bits = 0;
+        for (uint32_t i = begin; i < end; ++i) {
+            bits |= c->candidates[i].good ? c->candidates[i].cells[word] : 0;
+        }
+        count += (uint32_t)__builtin_popcountll(bits);
+    }
+    return count;
+}
+
+// Floors are left where more is seen from around, as of a thing that stands alone; else what is
+// around, where floors are enough.
+static void prefer_ring(const chooser* c)
+{
+    uint32_t good = 0, all = c->spots + RING;
+    for (uint32_t i = 0; i < c->spots; ++i) {
+        good += c->candidates[i].good ? 1 : 0;
+    }
+    bool around = count_seen(c, c->spots, all) > count_seen(c, 0, c->spots);
+    for (uint32_t i = 0; i < all; ++i) {
+        bool floor = i < c->spots;
+        bool left = around ? floor : !floor && good >= c->placing->count;
+        c->candidates[i].good = c->candidates[i].good && !left;
+    }
+}
+
 static void choose(const chooser* c, uint32_t count, uint64_t* seen, stp_vec3d* stations)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -227,15 +257,9 @@ stp_result scan_place_stations(const scan_target* target, const scan_placing* pl
     stp_result result = seen != NULL && c.candidates != NULL ? STP_OK : stp_fail_memory(context);
     if (result == STP_OK) {
         stp_parallel_for(context, c.spots, 4, look_from_floors, &c);
-        uint32_t good = 0;
-        for (uint32_t i = 0; i < c.spots; ++i) {
-            good += c.candidates[i].good ? 1 : 0;
-        }
-        bool floors = good >= placing->count;
-        if (!floors) {
-            stp_parallel_for(context, RING, 1, look_from_ring, &c);
-        }
-        choose(&c, floors ? c.spots : c.spots + RING, seen, stations);
+        stp_parallel_for(context, RING, 1, look_from_ring, &c);
+        prefer_ring(&c);
+        choose(&c, c.spots + RING, seen, stations);
     }
     stp_free(context, c.candidates);
     stp_free(context, seen);

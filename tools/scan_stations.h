@@ -13,7 +13,7 @@ typedef struct scan_placing {
     uint64_t seed;
 } scan_placing;
 
-/// Chooses stations on floors with free space around; around the model where it has no such floors.
+/// Chooses stations on floors with free space around; around a model of which more is seen so.
 /// The same for any number of threads. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result scan_place_stations(const scan_target* target, const scan_placing* placing,
                                             stp_vec3d* stations);

@@ -267,3 +267,32 @@ void test_scan_flies_over_all(test_state* test)
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }
+
+// A box alone is looked at from around it: each of its sides is seen, which nobody sees from its top.
+void test_scan_stands_around_what_is_alone(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    stp_scene* scene = make_boxes(context);
+    CHECK(scene != NULL);
+    scan_target target;
+    CHECK(scan_target_of_scene(scene, "boxes", &target) == STP_OK);
+    stp_caster_destroy(context, target.caster);
+    target.part_count = 1; // one of the boxes
+    CHECK(stp_caster_create(context, target.meshes, target.mesh_count, target.parts, 1,
+                            &target.caster) == STP_OK);
+    stp_boxd box = stp_caster_bounds(target.caster);
+    stp_vec3d places[4];
+    const scan_placing placing = {.count = 4, .range = 50.0};
+    CHECK(scan_place_stations(&target, &placing, places) == STP_OK);
+    int sides[4] = {0};
+    for (int i = 0; i < 4; ++i) {
+        sides[0] += places[i].x < box.min.x ? 1 : 0;
+        sides[1] += places[i].x > box.max.x ? 1 : 0;
+        sides[2] += places[i].y < box.min.y ? 1 : 0;
+        sides[3] += places[i].y > box.max.y ? 1 : 0;
+    }
+    CHECK(sides[0] > 0 && sides[1] > 0 && sides[2] > 0 && sides[3] > 0);
+    scan_target_destroy(&target);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
