@@ -49,6 +49,26 @@ void test_normals_of_lonely_points_face_up(test_state* test)
     stp_context_destroy(context);
 }
 
+// A slope with few points beside many: where four neighbours are not within the radius, they are sought farther away.
+void test_normals_of_sparse_points_are_those_of_their_surroundings(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    maker* m = maker_create(0.1);
+    CHECK(context != NULL);
+    for (int i = 0; i < 400; ++i) { // spaced 0.1, then 1
+        float step = i < 200 ? 0.1f : 1.0f, from = i < 200 ? -2.0f : 0.0f;
+        float along = from + step * (float)(i % 20), z = step * (float)(i % 200 / 20);
+        maker_add(m, (stp_vec3){0.8f * along, 0.6f * along, z}, (stp_vec3){1, 0, 0}, 0x808080ff);
+    }
+    CHECK_EQUAL(STP_OK, stp_estimate_point_normals(context, &m->candidates, 0.3f));
+    for (int i = 0; i < 400; ++i) {
+        const float* n = m->candidates.normals + 3 * (size_t)i;
+        CHECK(0.8f * n[1] - 0.6f * n[0] > 0.999f);
+    }
+    maker_destroy(m);
+    stp_context_destroy(context);
+}
+
 enum { SCANNED = 300 };
 
 // A point set along x, with intensities that tell where points are, and a class where asked for.
