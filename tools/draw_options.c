@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "draw_options.h"
 
+#include "cue_names.h"
+
 #include "lod/method.h"
 
 #include <assert.h>
@@ -91,6 +93,7 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .words = "on|off",
          .help = "spt: leave out groups of splats that face away; default on",
          .value = &o->normal_clusters},
+        OPTION_CUES(&o->cues),
         {.name = "policy",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -354,6 +357,10 @@ int draw_options_check(const draw_options* o)
     if (o->splat_texture != NULL && o->filter != STP_FILTER_TEXTURED) {
         return tool_usage_error("--splat-texture is of use with --filter textured only");
     }
+    uint32_t cues_off;
+    if (!cue_names_parse(o->cues, &cues_off)) {
+        return cue_names_refuse(o->cues);
+    }
     int code = show_options_check(&o->show);
     return code != 0 ? code : check_eyes(o);
 }
@@ -368,6 +375,7 @@ stp_quality draw_options_quality(const draw_options* o)
                            .nodes_only = o->hybrid == HYBRID_NODES,
                            .all_sides = o->normal_clusters == CLUSTERS_OFF,
                            .reference = o->reference};
+    (void)cue_names_parse(o->cues, &quality.cues_off);
     (void)parse_fovea(o, &quality.fovea);
     (void)parse_fovea_center(o, &quality.fovea);
     return quality;

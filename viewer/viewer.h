@@ -16,6 +16,7 @@ typedef struct viewer_options {
     int gl_splats;          ///< how OpenGL draws splats: an stp_gl_splats
     float budget_ms;        ///< 0: as last time
     uint32_t method;        ///< STP_METHOD_*, whose splats are drawn; 0: as last time
+    uint32_t cues_off;      ///< STP_CUE_*_BIT that are not looked at
     uint32_t splat_count;   ///< so many splats are drawn; 0: as last time
     uint32_t thread_count;
     uint64_t memory_limit;

@@ -2,7 +2,9 @@
 #include "build/former.h"
 
 #include "build/piece.h"
+#include "store/leaves.h"
 
+#include <string.h>
 #include <sys/stat.h>
 
 struct stp_former {
@@ -50,9 +52,22 @@ bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_
         return false;
     }
     uint32_t candidates;
+    stp_store_leaves leaves;
+    if (stp_store_get_leaves(former->store, found.index, &leaves) != STP_OK) {
+        return false;
+    }
+    stp_splat_leaf* copied =
+        stp_alloc_array(former->quiet, (size_t)leaves.leaf_count + 1, sizeof(*copied));
+    if (copied == NULL) {
+        return false;
+    }
+    memcpy(copied, leaves.leaves, leaves.leaf_count * sizeof(*copied));
+    columns.leaf_count = leaves.leaf_count;
+    columns.leaves = copied;
     bool taken = stp_piece_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
                  stp_piece_find_surfels(work, key, shading_count, surfels, &candidates);
     stp_store_release_surfels(former->store, found.index);
+    stp_free(former->quiet, copied);
     return taken;
 }
 

@@ -16,9 +16,10 @@ enum {
     RADII_AT = COUNTS_AT + 4 * STP_PREFIX_TABLE_SIZE,
     MESH_HEAD = 64,
     COLUMNS_AT = RADII_AT + 4 * STP_PREFIX_TABLE_SIZE, ///< STP_SPLATS_*
-    COLUMNS = 7,
+    LEAVES_AT = COLUMNS_AT + 4,
+    COLUMNS = 8,
 };
-_Static_assert(COLUMNS_AT + 4 <= SURFELS_HEAD, "the head holds the table");
+_Static_assert(LEAVES_AT + 4 <= SURFELS_HEAD, "the head holds the table");
 
 // Writes numbers in a row, or reads them.
 typedef struct cursor {
@@ -68,6 +69,7 @@ static void write_surfels_head(const stp_splats* s, uint32_t candidates,
     put_u32(&at, s->paper_count);
     put_u32(&at, candidates);
     stp_write_u32(head + COLUMNS_AT, s->columns);
+    stp_write_u32(head + LEAVES_AT, s->leaf_count);
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         stp_write_u32(head + OCTAVES_AT + 4 * i, s->octave_ends[i]);
     }
@@ -95,6 +97,7 @@ static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t
     s->paper_count = get_u32(&at);
     *candidates = get_u32(&at);
     s->columns = stp_read_u32(head + COLUMNS_AT);
+    s->leaf_count = stp_read_u32(head + LEAVES_AT);
     if (kind != SURFELS_KIND || s->columns > STP_SPLATS_COLUMNS ||
         s->octave_count > STP_OCTAVE_LIMIT || s->table.size > STP_PREFIX_TABLE_SIZE) {
         return false;
@@ -125,6 +128,7 @@ static void size_columns(const stp_splats* s, size_t sizes[COLUMNS])
     sizes[4] = entries;
     sizes[5] = (s->columns & STP_SPLATS_SHAPES) != 0 ? 4 * (size_t)s->count : 0;
     sizes[6] = (s->columns & STP_SPLATS_RANGES) != 0 ? 4 * (size_t)s->count : 0;
+    sizes[7] = sizeof(stp_splat_leaf) * (size_t)s->leaf_count;
 }
 
 /// Whether a set's columns make sense where a renderer relies on it.
@@ -143,6 +147,9 @@ static bool is_sound(const stp_splats* s, uint32_t shading_count)
         if (!stp_range_is_valid(s->ranges[i])) {
             return false;
         }
+    }
+    if (s->leaf_count > 0 && stp_store_leaves_fault(s, s->leaves, s->leaf_count) != NULL) {
+        return false;
     }
     return s->count == 0 || highest < shading_count;
 }
@@ -171,6 +178,7 @@ static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_
     s->coverages = (uint8_t*)(bytes + offsets[4]);
     s->shapes = sizes[5] != 0 ? (uint32_t*)(bytes + offsets[5]) : NULL;
     s->ranges = sizes[6] != 0 ? (uint32_t*)(bytes + offsets[6]) : NULL;
+    s->leaves = sizes[7] != 0 ? (stp_splat_leaf*)(bytes + offsets[7]) : NULL;
     return true;
 }
 
@@ -199,7 +207,7 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* 
     size_columns(surfels, sizes);
     const void* const columns[COLUMNS] = {
         surfels->positions, surfels->normals, surfels->materials, surfels->colors,
-        surfels->coverages, surfels->shapes,  surfels->ranges};
+        surfels->coverages, surfels->shapes,  surfels->ranges,    surfels->leaves};
     stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SURFELS_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
         pieces[1 + 2 * i] = (stp_work_piece){columns[i], sizes[i]};

@@ -3,6 +3,7 @@
 // The numbers of the `.stip` format; docs/format.md says what they mean.
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -25,6 +26,7 @@ enum {
     STP_STORE_TEXT_LIMIT = 4095,  ///< bytes of a text that a record refers to
     STP_STORE_TEXTURE_LIMIT = 65536,
     STP_STORE_SHADING_LIMIT = 256,
+    STP_STORE_LEAF_BYTES = 16,
 };
 
 /// Section types. Those above 22 are reserved: 33 bone weights, 34 point
@@ -55,6 +57,7 @@ typedef enum stp_store_section_type {
     STP_SECTION_CLUSTERS = 32, ///< which meshes are coded; critical
     STP_SECTION_METHODS = 35,  ///< methods of the file's sets; critical
     STP_SECTION_METHOD_NODES,  ///< nodes of the sets of all methods but the first; critical
+    STP_SECTION_LEAVES,        ///< leaves of sets
     STP_SECTION_END            ///< one more than the last known type
 } stp_store_section_type;
 
@@ -68,9 +71,16 @@ typedef enum stp_store_block_kind {
     STP_BLOCK_POINT_SET,
     STP_BLOCK_TEXTURE,
     STP_BLOCK_SURFELS,
-    STP_BLOCK_CLUSTERS, ///< a coded mesh
+    STP_BLOCK_CLUSTERS,   ///< a coded mesh
+    STP_BLOCK_LEAVES = 8, ///< of a surfel set
     STP_BLOCK_END
 } stp_store_block_kind;
+
+/// Whether this version knows blocks of a kind: 6 and 7 are reserved.
+static inline bool stp_store_knows_block(uint32_t kind)
+{
+    return (kind >= STP_BLOCK_MESH && kind <= STP_BLOCK_CLUSTERS) || kind == STP_BLOCK_LEAVES;
+}
 
 /// Which optional columns a mesh or point set has.
 enum {

@@ -362,6 +362,13 @@ static void code_clusters(stp_store_codec* codec, void* element)
     code_u32(codec, &record->cluster_count);
 }
 
+static void code_leaves(stp_store_codec* codec, void* element)
+{
+    stp_store_leaves_record* record = element;
+    code_u32(codec, &record->leaf_count);
+    code_u32(codec, &record->block);
+}
+
 static void code_method(stp_store_codec* codec, void* element)
 {
     stp_store_method* method = &((stp_store_method_record*)element)->method;
@@ -415,6 +422,7 @@ const stp_store_table* stp_store_table_of(uint32_t type)
                                   code_clusters},
         [STP_SECTION_METHODS] = {"method", 24, sizeof(stp_store_method_record), code_method},
         [STP_SECTION_METHOD_NODES] = {"method's node", 4, sizeof(uint32_t), code_page},
+        [STP_SECTION_LEAVES] = {"set's leaves", 8, sizeof(stp_store_leaves_record), code_leaves},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

@@ -7,6 +7,7 @@
 #include "base/hash.h"
 #include "store/clusters.h"
 #include "store/format.h"
+#include "store/leaves.h"
 #include "store/store.h"
 
 /// Texts one after the other, each ended by a zero byte; records refer to them by offset.
@@ -81,6 +82,14 @@ typedef struct stp_store_method_record {
     stp_store_method method; ///< `sets` is made by the reader
 } stp_store_method_record;
 
+/// The leaves of a set.
+typedef struct stp_store_leaves_record {
+    uint32_t leaf_count; ///< 0: it has none
+    uint32_t block;
+    stp_store_leaves leaves; ///< none until they are checked
+    void* memory;            ///< of them; NULL: they are a residency's
+} stp_store_leaves_record;
+
 typedef struct stp_store_octave {
     uint32_t end, block;
 } stp_store_octave;
@@ -122,6 +131,7 @@ typedef union stp_store_element {
     stp_store_clusters_record clusters;
     stp_store_method_record method;
     uint32_t method_node;
+    stp_store_leaves_record leaves;
 } stp_store_element;
 
 /// By section type; of one that is none, or not known, everything is 0.

@@ -10,15 +10,13 @@
 
 // In the order of the file: first what says what the file is, last what a picture does not need.
 static const uint8_t section_order[] = {
-    STP_SECTION_SUMMARY,     STP_SECTION_SCENE_PARTS, STP_SECTION_VIEWS,
-    STP_SECTION_SOURCES,     STP_SECTION_BUILD,       STP_SECTION_NODES,
-    STP_SECTION_EDGES,       STP_SECTION_PARTS,       STP_SECTION_MATERIALS,
-    STP_SECTION_SHADINGS,    STP_SECTION_TEXTURES,    STP_SECTION_MESHES,
-    STP_SECTION_POINT_SETS,  STP_SECTION_SURFELS,     STP_SECTION_OCTAVES,
-    STP_SECTION_BREAKPOINTS, STP_SECTION_METHODS,     STP_SECTION_METHOD_NODES,
-    STP_SECTION_BLOCKS,      STP_SECTION_CLUSTERS,    STP_SECTION_TEXT,
-    STP_SECTION_OBJECTS,     STP_SECTION_OBJECT_TEXT, STP_SECTION_KEYS,
-    STP_SECTION_PAGES,
+    STP_SECTION_SUMMARY,    STP_SECTION_SCENE_PARTS,  STP_SECTION_VIEWS,    STP_SECTION_SOURCES,
+    STP_SECTION_BUILD,      STP_SECTION_NODES,        STP_SECTION_EDGES,    STP_SECTION_PARTS,
+    STP_SECTION_MATERIALS,  STP_SECTION_SHADINGS,     STP_SECTION_TEXTURES, STP_SECTION_MESHES,
+    STP_SECTION_POINT_SETS, STP_SECTION_SURFELS,      STP_SECTION_OCTAVES,  STP_SECTION_BREAKPOINTS,
+    STP_SECTION_METHODS,    STP_SECTION_METHOD_NODES, STP_SECTION_LEAVES,   STP_SECTION_BLOCKS,
+    STP_SECTION_CLUSTERS,   STP_SECTION_TEXT,         STP_SECTION_OBJECTS,  STP_SECTION_OBJECT_TEXT,
+    STP_SECTION_KEYS,       STP_SECTION_PAGES,
 };
 
 enum {
@@ -152,6 +150,10 @@ static stp_store_element make_record(const stp_store_writing* w, uint32_t type, 
         element.clusters.cluster_count = coded != NULL ? coded->cluster_count : STP_STORE_NONE;
         break;
     }
+    case STP_SECTION_LEAVES:
+        element.leaves.leaf_count = content->surfels[index].leaf_count;
+        element.leaves.block = w->plan.leaf_blocks[index];
+        break;
     case STP_SECTION_POINT_SETS:
         element.points.points = content->point_sets[index];
         element.points.present = stp_store_points_present(&content->point_sets[index]);
@@ -319,6 +321,8 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_records(w, type, d->mesh_count);
     case STP_SECTION_POINT_SETS:
         return write_records(w, type, d->point_set_count);
+    case STP_SECTION_LEAVES:
+        return write_records(w, type, d->surfels_count);
     case STP_SECTION_VIEWS:
         return write_table(w, type, d->views, d->view_count);
     case STP_SECTION_SOURCES:
@@ -351,10 +355,13 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
     }
 }
 
-// Those of clusters only where there are any: before texts and objects, which readers may leave for later.
+// Those of clusters and leaves only where there are any: before texts and objects, which readers may leave for later.
 static void list_sections(stp_store_writing* w)
 {
-    bool any_coded = false;
+    bool any_coded = false, any_leaves = false;
+    for (uint32_t i = 0; i < w->content->directory.surfels_count; ++i) {
+        any_leaves = any_leaves || w->content->surfels[i].leaf_count > 0;
+    }
     for (uint32_t i = 0; i < w->content->directory.mesh_count; ++i) {
         any_coded = any_coded || stp_store_coded_mesh(w->content, i) != NULL;
     }
@@ -363,6 +370,7 @@ static void list_sections(stp_store_writing* w)
         uint32_t type = section_order[i];
         bool of_methods = type == STP_SECTION_METHODS || type == STP_SECTION_METHOD_NODES;
         bool wanted = type == STP_SECTION_CLUSTERS ? any_coded
+                      : type == STP_SECTION_LEAVES ? any_leaves
                       : of_methods                 ? stp_store_tells_methods(&w->content->directory)
                                                    : true;
         if (wanted) {
