@@ -6,6 +6,7 @@
 // Seeds: tests/golden/store/v1/*.stip
 #include "../tests/store/support_reseal.h"
 #include "store/clusters.h"
+#include "store/leaves.h"
 #include "store/store.h"
 
 #include <stdlib.h>
@@ -61,6 +62,16 @@ static uint64_t use_directory(stp_store* store)
         }
     }
     return total;
+}
+
+static uint64_t use_leaves(stp_store* store, uint32_t set)
+{
+    stp_store_leaves leaves;
+    if (stp_store_get_leaves(store, set, &leaves) != STP_OK) {
+        return 0;
+    }
+    return sum(leaves.leaves, leaves.leaf_count * sizeof(*leaves.leaves)) +
+           sum(leaves.nodes, leaves.node_count * sizeof(*leaves.nodes));
 }
 
 static uint64_t use_clusters(stp_store* store, uint32_t mesh)
@@ -137,6 +148,7 @@ static uint64_t use_surfels(stp_store* store)
     const stp_store_directory* d = stp_store_get_directory(store);
     uint64_t total = 0;
     for (uint32_t i = 0; i < d->surfels_count; ++i) {
+        total += use_leaves(store, i);
         stp_splats s;
         if (stp_store_get_surfels_prefix(store, i, 1, &s) != STP_OK ||
             stp_store_get_surfels(store, i, &s) != STP_OK) {

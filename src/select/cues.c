@@ -4,8 +4,9 @@
 #include "base/leaf_codes.h"
 #include "base/octahedral.h"
 
-#define LEAST_SEEN 0.0625 // of the samples of a region that is hidden: cells of points are no walls
-#define STRAIGHT 1e-12    // of a direction's length: along no axis
+#define LEAST_SEEN                                                                                 \
+    0.25 // of the samples of a region that is hidden: some of it may be seen beside what stands before it
+#define STRAIGHT 1e-12 // of a direction's length: along no axis
 
 /// Solves 3 equations by Cramer's rule. False where they have no one solution.
 static bool solve(const double (*m)[4], stp_vec3d right, stp_vec3d* out)

@@ -128,7 +128,8 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
                              .flatness = (float)flatness,
                              .area = known ? (float)area : 0.0f,
                              .ratio = 1.0f,
-                             .edge = flatness > 0.0 && has_edge(l, i)};
+                             .known = known,
+                             .edge = flatness > 0.0 && (stp_scatter_is_edge(e) || has_edge(l, i))};
         f->spacing = sqrtf(f->area / (float)(leaf->end - leaf->begin));
     }
 }

@@ -23,6 +23,7 @@ typedef struct stp_leaf_facts {
     float ratio; ///< of the smaller to the larger radius of its splats: of its principal curvatures
     stp_vec3
         stretch; ///< direction of the smaller curvature, in which splats are long; of unit length where `ratio` is below 1
+    bool known;  ///< it has enough points for a plane
     bool edge;   ///< there may be an edge in it
 } stp_leaf_facts;
 

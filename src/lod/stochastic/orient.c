@@ -11,7 +11,8 @@ enum {
     BRIDGE_LEAVES = 128, ///< of a piece, from which a way across a gap is looked for
     BRIDGES_MOST = 64,   ///< pieces for which one is looked for
 };
-#define GAP 4.0f // in sides of both leaves together
+#define ACROSS 0.5f // what a step straight from a surface to another weighs
+#define GAP 4.0f    // in sides of both leaves together
 
 /// A step from a leaf that is oriented to another: the least weight first, then the least leaves.
 typedef struct orient_step {
@@ -76,22 +77,35 @@ static stp_vec3 place_of(const orienter* o, uint32_t leaf)
     return (stp_vec3){p[0], p[1], p[2]};
 }
 
-/// Small along a surface, and where normals are alike.
+/// The normal of a leaf as it would be at another one, were the surface bent evenly between them.
+static stp_vec3 carry(const orienter* o, uint32_t from, uint32_t to, stp_vec3* way)
+{
+    *way = stp_normalize(stp_sub(place_of(o, to), place_of(o, from)));
+    stp_vec3 n = o->facts[from].normal;
+    return stp_sub(n, stp_scale(*way, 2.0f * stp_dot(*way, n)));
+}
+
+/// How little the normal of a leaf can be relied on: 0 of flat ones, 1 of a few points.
+static float doubt(const stp_leaf_facts* f)
+{
+    return f->known ? 3.0f * f->flatness : 1.0f;
+}
+
+/// Small where the sign is certain, and along a surface rather than from one to another.
 static float weigh(const orienter* o, uint32_t a, uint32_t b)
 {
-    stp_vec3 way = stp_normalize(stp_sub(place_of(o, b), place_of(o, a)));
+    stp_vec3 way, carried = carry(o, a, b, &way);
     stp_vec3 n = o->facts[a].normal, m = o->facts[b].normal;
     float across = stp_max(fabsf(stp_dot(way, n)), fabsf(stp_dot(way, m)));
-    return 1.0f - fabsf(stp_dot(n, m)) + across;
+    return 1.0f - fabsf(stp_dot(carried, m)) + ACROSS * across * across + doubt(&o->facts[a]) +
+           doubt(&o->facts[b]);
 }
 
 /// Turns the normal of a leaf to that of another one.
 static void turn(orienter* o, uint32_t to, uint32_t from)
 {
-    stp_vec3 way = stp_normalize(stp_sub(place_of(o, to), place_of(o, from)));
-    stp_vec3 n = o->facts[from].normal;
-    stp_vec3 mirrored = stp_sub(n, stp_scale(way, 2.0f * stp_dot(way, n)));
-    if (stp_dot(mirrored, o->facts[to].normal) < 0.0f) {
+    stp_vec3 way, carried = carry(o, from, to, &way);
+    if (stp_dot(carried, o->facts[to].normal) < 0.0f) {
         o->facts[to].normal = stp_scale(o->facts[to].normal, -1.0f);
     }
 }
@@ -173,17 +187,28 @@ static void find_pieces(orienter* o)
     }
 }
 
-/// The highest leaf that is not oriented yet; of equal ones the first. UINT32_MAX: none is left.
+/// The leaf that is next to begin with: of those that are not oriented yet, about as high as the highest one, the one whose plane
+/// faces up most. At an edge or corner, what is up tells little. UINT32_MAX: none is left.
 static uint32_t find_highest(const orienter* o)
 {
-    uint32_t highest = UINT32_MAX;
+    uint32_t highest = UINT32_MAX, best = UINT32_MAX;
+    float most = -2.0f;
     for (uint32_t i = 0; i < o->count; ++i) {
         if (!o->done[i] &&
             (highest == UINT32_MAX || o->facts[i].mean[1] > o->facts[highest].mean[1])) {
             highest = i;
         }
     }
-    return highest;
+    for (uint32_t i = 0; i < o->count && highest != UINT32_MAX; ++i) {
+        float width = (float)stp_leaf_width(o->octree->leaves[highest].depth);
+        float up = fabsf(o->facts[i].normal.y) - doubt(&o->facts[i]);
+        bool high = o->facts[i].mean[1] >= o->facts[highest].mean[1] - width;
+        if (!o->done[i] && high && o->pieces[i] == o->pieces[highest] && up > most) {
+            most = up;
+            best = i;
+        }
+    }
+    return best;
 }
 
 /// Looks for the shortest way from oriented leaves to a piece. @return whether it is short enough

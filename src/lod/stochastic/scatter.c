@@ -3,7 +3,7 @@
 
 enum { NEWTON_STEPS = 6 };
 #define ROOT_THREE 1.7320508075688772
-#define IS_ROOT 0.25  // what of the equation may be left, of its largest term
+#define IS_ROOT 0.1   // what of the equation may be left, of its largest term
 #define ALIKE 0.1     // as much of the larger one, for two eigenvalues to be about the same
 #define CERTAIN 1e-24 // of squares of eigenvalues: below that no direction stands out
 

@@ -24,7 +24,7 @@ enum {
 #define SEED UINT64_C(0x42686B72)
 #define NORMAL_SPACINGS 2.5f // how far around a point its normal is taken from
 #define GROWTH                                                                                     \
-    1.2f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
+    1.25f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
 #define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
 #define FINEST 0x1p-10           // of the spacing, below which a grid's step would waste bits
 #define HALF_DIAGONAL 0.8660255f // of a cell of the grid
