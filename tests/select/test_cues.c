@@ -103,27 +103,30 @@ void test_cues_are_those_of_table_1(test_state* test)
     CHECK(stp_cue_samples(&view, &node, &sight) == 10.0);
 }
 
-/// What stands before a leaf, asking every leaf in many steps along the way to the eye.
+/// What stands before a leaf: all that hold a place of many along the way to the eye.
 static double march(const scene* s, const stp_leaf_node* node, stp_vec3d eye)
 {
-    enum { STEPS = 10000 };
+    enum { STEPS = 200000 };
+    static bool met[16][16][16];
     double sum = 0.0;
     stp_vec3d from = {node->corner[0] + 2048.0, node->corner[1] + 2048.0, node->corner[2] + 2048.0};
     stp_vec3d to = stp_scaled(eye, 1.0 / (double)s->set.step), way = stp_subd(to, from);
     double up = fabs(way.y) / sqrt(stp_dotd(way, way));
+    memset(met, 0, sizeof(met));
+    for (int i = 0; i <= STEPS; ++i) {
+        stp_vec3d p = stp_scaled(stp_addd(from, stp_scaled(way, (double)i / STEPS)), 1.0 / 4096.0);
+        if (fmin(fmin(p.x, p.y), p.z) >= 0.0 && fmax(fmax(p.x, p.y), p.z) < 16.0) {
+            met[(int)p.x][(int)p.y][(int)p.z] = true;
+        }
+    }
     for (uint32_t l = 0; l < s->tree.leaf_count; ++l) {
         const stp_splat_leaf* leaf = &s->leaves[l];
-        bool met = false, near = true;
+        bool near = true;
         for (int k = 0; k < 3; ++k) {
             near = near && abs((int)leaf->corner[k] - (int)node->corner[k]) <= 4096;
         }
-        for (int i = 0; i <= STEPS && !met && !near; ++i) {
-            stp_vec3d p = stp_addd(from, stp_scaled(way, (double)i / STEPS));
-            met = p.x > leaf->corner[0] && p.x < leaf->corner[0] + 4096.0 &&
-                  p.y > leaf->corner[1] && p.y < leaf->corner[1] + 4096.0 &&
-                  p.z > leaf->corner[2] && p.z < leaf->corner[2] + 4096.0;
-        }
-        sum += met ? (double)leaf->count * up : 0.0;
+        bool there = met[leaf->corner[0] >> 12][leaf->corner[1] >> 12][leaf->corner[2] >> 12];
+        sum += there && !near ? (double)leaf->count * up : 0.0;
     }
     return sum;
 }
@@ -134,9 +137,9 @@ void test_cues_find_what_stands_before(test_state* test)
     uint32_t hidden = 0;
     for (uint64_t seed = 0; seed < 6; ++seed) {
         make_scene(&s, seed);
-        stp_vec3d eye = {(double)(seed * 37 % 90), 90.0, (double)(seed * 53 % 70)};
+        stp_vec3d eye = {(double)(seed * 37 % 90) + 0.37, 90.0, (double)(seed * 53 % 70) + 0.11};
         stp_cue_view view = look(&s, eye, STP_CUES_ALL);
-        for (uint32_t i = 0; i < s.tree.node_count; i += 21) {
+        for (uint32_t i = 0; i < s.tree.node_count; i += 9) {
             const stp_leaf_node* node = &s.nodes[i];
             if (node->leaf_count > 1) {
                 continue;
@@ -148,7 +151,7 @@ void test_cues_find_what_stands_before(test_state* test)
             hidden += q > 0.0 ? 1 : 0;
         }
     }
-    CHECK(hidden > 20);
+    CHECK(hidden > 50);
 }
 
 // Cells of any counts become items whose runs ascend, hold each splat at most once, and as many as were asked for.
