@@ -19,6 +19,7 @@
 enum {
     GRAIN = 16384, ///< points
     LEAF_GRAIN = 32,
+    BATCH = 64,        ///< splats whose normals are coded together
     OCTAVES_MOST = 16, ///< of 2^32 points
 };
 #define SEED UINT64_C(0x42686B72)
@@ -162,15 +163,15 @@ static uint32_t shape_of(const set_maker* m, const stp_leaf_facts* f, const int8
     return stp_shape_of_ellipse(&m->directions, radius / ratio, radius * ratio, f->stretch, normal);
 }
 
-static void write_splat(const set_maker* m, const stp_leaf_facts* f, uint32_t from, uint32_t at)
+static void write_splat(const set_maker* m, const stp_leaf_facts* f, uint32_t from,
+                        const int8_t normal[2], uint32_t at)
 {
     stp_splats* s = m->splats;
     const stp_candidates* c = m->candidates;
     uint32_t material = c->materials[from];
     bool of_set = from >= stp_first_of_sets(c);
     memcpy(s->positions + 3 * (size_t)at, m->places + 3 * (size_t)from, 3 * sizeof(uint16_t));
-    const float* n = c->normals + 3 * (size_t)from;
-    stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, s->normals + 2 * (size_t)at);
+    memcpy(s->normals + 2 * (size_t)at, normal, 2);
     memcpy(s->colors + 3 * (size_t)at, c->colors + 4 * (size_t)from, 3);
     s->materials[at] = of_set ? (uint8_t)material : m->source->shading_of_material[material];
     uint8_t alpha = c->colors[4 * (size_t)from + 3];
@@ -196,6 +197,23 @@ static void write_leaf(const set_maker* m, uint32_t index)
     stp_octahedral_encode(f->normal, out->normal);
 }
 
+/// Places [begin, end) of the row, at most BATCH, of one leaf. @param next  where in each octave the next splat goes
+static void write_batch(const set_maker* m, const stp_leaf_facts* f, uint32_t begin, uint32_t end,
+                        uint32_t next[OCTAVES_MOST])
+{
+    float normals[3 * BATCH] = {0};
+    int8_t codes[2 * BATCH];
+    const uint32_t* from = m->octree.order + begin;
+    for (uint32_t i = 0; i < end - begin; ++i) {
+        memcpy(normals + 3 * i, m->candidates->normals + 3 * (size_t)from[i], 3 * sizeof(float));
+    }
+    stp_octahedral_encode_many(normals, end - begin, codes);
+    for (uint32_t i = 0; i < end - begin; ++i) {
+        uint32_t octave = stp_leaf_octave_of(begin + i + 1, m->splats->octave_count);
+        write_splat(m, f, from[i], codes + 2 * i, next[octave]++);
+    }
+}
+
 static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -207,9 +225,9 @@ static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
         for (uint32_t k = 0; k < octaves; ++k) {
             next[k] = stp_leaf_run_of(leaf->begin, leaf->begin, k, octaves, count).begin;
         }
-        for (uint32_t i = leaf->begin; i < leaf->end; ++i) {
-            uint32_t octave = stp_leaf_octave_of(i + 1, octaves);
-            write_splat(m, &m->facts[l], m->octree.order[i], next[octave]++);
+        for (uint32_t i = leaf->begin; i < leaf->end; i += BATCH) {
+            uint32_t last = leaf->end - i < BATCH ? leaf->end : i + BATCH;
+            write_batch(m, &m->facts[l], i, last, next);
         }
         write_leaf(m, (uint32_t)l);
     }
