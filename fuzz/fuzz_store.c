@@ -6,6 +6,7 @@
 // Seeds: tests/golden/store/v1/*.stip
 #include "../tests/store/support_reseal.h"
 #include "store/clusters.h"
+#include "store/coloring.h"
 #include "store/leaves.h"
 #include "store/store.h"
 
@@ -168,6 +169,39 @@ static uint64_t use_surfels(stp_store* store)
     return total;
 }
 
+/// Reads attributes, and colours points by one of them.
+static uint64_t use_attributes(stp_store* store)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    const stp_store_coloring coloring = {
+        .by_attribute = true, .attribute = STP_ATTRIBUTE_INTENSITY, .high = 1.0, .hides = true};
+    uint64_t total = sum_text(stp_store_coordinate_system(store));
+    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+        double values[16];
+        uint32_t count = stp_store_describe_surfels(store, i)->count;
+        count = count < 16 ? count : 16;
+        for (int a = 0; a < STP_ATTRIBUTES; ++a) {
+            total += stp_store_get_values(store, i, (stp_attribute)a, 0, count, values) == STP_OK
+                         ? sum(values, count * stp_attribute_size((stp_attribute)a))
+                         : 0;
+        }
+    }
+    if (stp_store_set_coloring(store, &coloring) != STP_OK) {
+        abort();
+    }
+    for (uint32_t i = 0; i < d->surfels_count; ++i) {
+        stp_splats s;
+        total += stp_store_get_surfels(store, i, &s) == STP_OK ? sum(s.colors, s.count) : 0;
+    }
+    for (uint32_t i = 0; i < d->point_set_count; ++i) {
+        stp_store_point_set p;
+        total += stp_store_get_point_set(store, i, &p) == STP_OK
+                     ? sum(p.colors, 4 * (size_t)p.point_count)
+                     : 0;
+    }
+    return total;
+}
+
 static uint64_t use_summary(const stp_store* store)
 {
     const stp_store_summary* summary = stp_store_get_summary(store);
@@ -233,6 +267,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
         }
         sink = sink + use_directory(store) + use_meshes(store) + use_surfels(store);
         sink = sink + use_summary(store) + use_keys(store, data, size);
+        sink = sink + use_attributes(store);
         stp_store_check_report report;
         if (prefix == 0) {
             stp_result result = stp_store_check_open(store, false, &report);

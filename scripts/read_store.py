@@ -31,7 +31,7 @@ RECORDS = {
     5: ("shadings", "5fI", "metallic roughness emissive:3 flags"),
     6: ("textures", "6I", "width height wrap_u wrap_v nearest block"),
     7: ("meshes", "6I6f", "name:text vertex_count triangle_count material present block bounds_min:3 bounds_max:3"),
-    8: ("point_sets", "6I6f", "name:text point_count material present block reserved bounds_min:3 bounds_max:3"),
+    8: ("point_sets", "6I6f", "name:text point_count material present block held_by bounds_min:3 bounds_max:3"),
     9: ("surfels", "6I6f", "count octave_count first_octave breakpoint_count first_breakpoint paper_count "
                            "origin:3 step candidate_radius paper_radius"),
     10: ("octaves", "2I", "end block"),
@@ -48,12 +48,16 @@ RECORDS = {
     32: ("clusters", "I", "cluster_count"),
     35: ("methods", "6I", "name:text id columns first_set set_count reserved"),
     36: ("method_nodes", "I", "node"),
-    37: ("leaves", "2I", "leaf_count block"),
+    34: ("attributes", "2IQ4d", "attribute reserved count low high low_percentile high_percentile"),
+    37: ("attribute_values", "2IQ", "attribute value count"),
+    38: ("attribute_blocks", "2I", "block attributes"),
+    39: ("coordinates", "I", "text:text"),
+    40: ("leaves", "2I", "leaf_count block"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
 TEXT_SECTIONS = {15: "text", 16: "build", 18: "object_text"}
-KINDS = {1: "meshes", 2: "point_sets", 3: "textures", 4: "surfels", 5: "meshes", 8: "leaves"}
+KINDS = {1: "meshes", 2: "point_sets", 3: "textures", 4: "surfels", 5: "meshes", 9: "leaves"}
 
 
 def need(condition, what):
@@ -289,7 +293,7 @@ def block_columns(t, block):
     record = t[KINDS[block["kind"]]][block["owner"]]
     if block["kind"] == 5:
         return record, [], 1
-    if block["kind"] == 8:
+    if block["kind"] == 9:
         return record, [("leaves", 16 * record["leaf_count"])], 1
     n = record.get("vertex_count", record.get("point_count", 0))
     has = record.get("present", 0)
@@ -519,6 +523,68 @@ def unpack_octave(record, block, stored, place):
     return b"".join(columns.values())
 
 
+ATTRIBUTES = "HBBBhHdH"  # types of values, by attribute
+
+
+def read_values(t, block, attributes, stored, place):
+    """The columns of a block of attributes, by attribute: lists of values."""
+    if block["kind"] == 7:
+        ends = [0] + t["surfels"][block["owner"]]["octave_ends"]
+        count = ends[block["octave"] + 1] - ends[block["octave"]]
+    else:
+        need(block["octave"] == 0, f"{place}: octave")
+        count = t["point_sets"][block["owner"]]["point_count"]
+    runs = []
+    for a, letter in enumerate(ATTRIBUTES):
+        size = struct.calcsize("<" + letter)
+        if attributes >> a & 1:
+            runs += [(a, letter, size, min(65536 // size, count - i)) for i in range(0, count, 65536 // size)]
+    begin, at, columns = len(stored) - 8 * len(runs) - 4, 0, {}
+    need(begin >= 0 and zlib.crc32(stored[begin:-4]) == struct.unpack_from("<I", stored, len(stored) - 4)[0],
+         f"{place}: checksum of its table")
+    for i, (a, letter, size, n) in enumerate(runs):
+        length, crc = struct.unpack_from("<II", stored, begin + 8 * i)
+        chunk = stored[at:at + length]
+        need(at + length <= begin and zlib.crc32(chunk) == crc, f"{place}: chunk {i}")
+        at += length
+        if length < n * size:
+            need(length >= n * size // 32, f"{place}: chunk {i} is too short")
+            unpacker = zlib.decompressobj(-15)
+            chunk = unpacker.decompress(chunk)
+            need(unpacker.eof and not any(unpacker.unused_data), f"{place}: chunk {i}")
+        need(len(chunk) == n * size, f"{place}: chunk {i}")
+        numbers = [int.from_bytes(chunk[k::n], "little") for k in range(n)]
+        for k in range(1, n if block["kind"] == 8 else 0):
+            numbers[k] = (numbers[k] + numbers[k - 1]) % 256 ** size
+        joined = b"".join(number.to_bytes(size, "little") for number in numbers)
+        columns.setdefault(a, []).extend(struct.unpack(f"<{n}{letter}", joined))
+    need(at == begin, f"{place}: bytes between chunks and table")
+    need(all(map(math.isfinite, columns.get(6, []))), f"{place}: a time")
+    return columns
+
+
+def read_attributes(data, t):
+    """Blocks of attributes, and whether the figures are those of the points."""
+    blocks = [i for i, block in enumerate(t["blocks"]) if block["kind"] in (7, 8)]
+    need([record["block"] for record in t["attribute_blocks"]] == blocks, "blocks of attributes")
+    owners, points = set(), {}
+    for record in t["attribute_blocks"]:
+        block, place = t["blocks"][record["block"]], f"block {record['block']}"
+        need(block["encoding"] == 0 and 1 <= record["attributes"] <= 255, f"{place}: attributes")
+        need(block["owner"] < len(t["surfels" if block["kind"] == 7 else "point_sets"]), f"{place}: owner")
+        owners.add((block["kind"], block["owner"], block["octave"]))
+        columns = read_values(t, block, record["attributes"], data[block["offset"]:block["offset"] + block["size"]], place)
+        for a, column in columns.items() if block["kind"] == 8 else ():
+            points.setdefault(a, []).extend(column)
+    need(len(owners) == len(blocks), "two blocks of attributes belong together")
+    for figures in t["attributes"] if points else ():
+        column = points[figures["attribute"]]
+        need(figures["count"] == len(column) and figures["low"] == min(column) and figures["high"] == max(column),
+             f"attribute {figures['attribute']}: figures")
+    for value in t["attribute_values"] if points else ():
+        need(points[value["attribute"]].count(value["value"]) == value["count"], f"value {value['value']}: count")
+
+
 def read_blocks(data, header, t):
     end, radius, owned = header["data_offset"], math.inf, set()
     for i, block in enumerate(t["blocks"]):
@@ -568,7 +634,12 @@ def read_blocks(data, header, t):
         if operators and any(t["blocks"][b]["encoding"] == 2 for b in surfels["blocks"]):
             need(not operators.waiting and (len(operators.splats) - operators.base) % 2 == 0, f"surfel set {i}: splits")
     owners = len({texture["block"] for texture in t["textures"]})
-    wanted = len(t["meshes"]) + len(t["point_sets"]) + owners + len(t["octaves"])
+    held = [points for points in t["point_sets"] if points["held_by"]]
+    for points in held:
+        need(points["held_by"] <= len(t["surfels"]) and points["block"] == NONE and points["present"] == 3, "held points")
+        surfels = t["surfels"][points["held_by"] - 1]
+        need(surfels["count"] == points["point_count"] and surfels["method_columns"] == 0, "count of held points")
+    wanted = len(t["meshes"]) + len(t["point_sets"]) - len(held) + owners + len(t["octaves"])
     wanted += sum(leaves["leaf_count"] > 0 for leaves in t["leaves"])
     need(len(owned) == wanted, "a mesh, point set, texture, octave or table of leaves has no block")
     for leaves in t["leaves"]:  # named by their number
@@ -582,6 +653,7 @@ def read_store(data):
     gather_methods(tables)
     gather_sets(tables)
     read_blocks(data, header, tables)
+    read_attributes(data, tables)
     return {**header, **tables}
 
 

@@ -75,6 +75,15 @@ typedef struct option {
         .name = "progress", .type = OPTION_CHOICE, .words = "auto|bar|json|none",                  \
         .help = "progress on stderr; default a bar where that is a terminal", .value = (where)     \
     }
+/// The columns of texts of points; tool_take_columns judges them.
+#define OPTION_COLUMNS(place)                                                                      \
+    {                                                                                              \
+        .name = "columns", .type = OPTION_TEXT, .argument = "NAME,...",                            \
+        .help = "what the columns of a text of points (XYZ, TXT, CSV, ASC, PTS) are: x, y, z, r, " \
+                "g, b, intensity, nx, ny, nz, class, or - for one that is not read; default by "   \
+                "their header, number and values",                                                 \
+        .value = (place)                                                                           \
+    }
 #define OPTION_JSON(where)                                                                         \
     {                                                                                              \
         .name = "json", .help = "print one JSON object", .value = (where)                          \

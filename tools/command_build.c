@@ -5,6 +5,7 @@
 #include "command.h"
 #include "describe.h"
 #include "overwrite.h"
+#include "scene_file.h"
 #include "tool.h"
 
 #include "build/build.h"
@@ -18,7 +19,7 @@
 #define DEFAULT_THRESHOLD 1000
 
 static struct {
-    const char *output, *method;
+    const char *output, *method, *columns;
     int order, error, metric, up, unit;
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
@@ -171,6 +172,7 @@ static const option* options(void)
          .help = "the unit of length, where the input does not say",
          .value = &args.unit,
          .given = &args.unit_given},
+        OPTION_COLUMNS(&args.columns),
         OPTION_PROGRESS(&args.progress),
         OPTION_JSON(&args.json),
         {0},
@@ -239,6 +241,9 @@ static char* parameters_json(void)
     }
     if (args.unit_given) {
         (void)json_object_set_new(json, "unit", json_string(unit_names[args.unit]));
+    }
+    if (args.columns != NULL) {
+        (void)json_object_set_new(json, "columns", json_string(args.columns));
     }
     char* text = json_dumps(json, JSON_COMPACT | JSON_SORT_KEYS);
     json_decref(json);
@@ -314,7 +319,8 @@ static int build(stp_context* context, int argc, char** argv)
         .generate = scene_make_input,
         .output = args.output,
         .import = {.up = args.up_given ? up_axes[args.up] : '\0',
-                   .unit_metres = args.unit_given ? unit_metres[args.unit] : 0.0},
+                   .unit_metres = args.unit_given ? unit_metres[args.unit] : 0.0,
+                   .columns = args.columns},
         .blue = {.capture = {.direction_count = (uint32_t)args.directions,
                              .resolution = (uint32_t)args.resolution},
                  .order = {.kind = order_kinds[args.order],
@@ -404,6 +410,10 @@ static int run(int argc, char** argv)
     if (args.output == NULL) {
         return tool_usage_error("build needs -o FILE.stip");
     }
+    int usage = tool_take_columns(args.columns);
+    if (usage != 0) {
+        return usage;
+    }
     if (strcmp(args.output, "-") == 0) {
         return tool_usage_error("a build cannot be written to standard output; name a file");
     }
@@ -441,7 +451,9 @@ const command command_build = {
         "\n"
         "These are read: glTF 2.0 (.gltf, .glb; with Draco, meshopt and quantization, PNG, JPEG "
         "and "
-        "WebP), OBJ, PLY and STL directly; FBX, Collada (.dae), 3DS, 3MF, IFC, X3D, Blender, DXF, "
+        "WebP), OBJ, PLY, STL, point clouds (LAS 1.0 to 1.4, LAZ, COPC, E57, PTX, PTS, PCD, and "
+        "texts: XYZ, TXT, CSV, ASC) and heights (.hgt) directly; FBX, Collada (.dae), 3DS, 3MF, "
+        "IFC, X3D, Blender, DXF, "
         "LWO, OFF and whatever else assimp reads through it. What a model holds that is not kept "
         "(animations, skins, lines, extensions) is named in one warning. STEP and IGES are not "
         "read: they hold exact surfaces and no triangles.\n"

@@ -15,6 +15,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 enum { DEFAULT_SPLATS = 2000 };
 
@@ -216,12 +217,25 @@ static int decimate(stp_context* context, const char* path, tool_points* from)
     return code;
 }
 
+/// Whether a name has an extension that says another format than those that are written.
+static bool names_another_format(const char* path)
+{
+    const char* slash = strrchr(path, '/');
+    const char* dot = strrchr(slash != NULL ? slash : path, '.');
+    return dot != NULL && strcasecmp(dot, ".ply") != 0 && strcasecmp(dot, ".stip") != 0;
+}
+
 static int run(int argc, char** argv)
 {
-    if (args.by != 0 &&
-        (args.metric != 0 || args.queue != 0 || args.neighbours != 0 || args.has_angle)) {
-        return tool_usage_error(
-            "decimate: --metric, --neighbours, --merge-angle and --queue need --by psp");
+    if (args.by != 0 && (args.metric != 0 || args.queue != 0 || args.neighbours != 0 ||
+                         args.has_angle || args.connect || args.piece_size != 0)) {
+        return tool_usage_error("decimate: --metric, --neighbours, --merge-angle, --connect, "
+                                "--queue and --piece-size need --by psp");
+    }
+    if (args.output != NULL && names_another_format(args.output)) {
+        return tool_usage_error("decimate: the name of the output, %s, ends in neither .ply nor "
+                                ".stip",
+                                args.output);
     }
     const tool_points_command task = {.name = "decimate",
                                       .input = "model",

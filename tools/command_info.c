@@ -15,7 +15,7 @@
 
 static struct {
     uint64_t memory;
-    const char* find;
+    const char *find, *columns;
     bool json;
 } args;
 
@@ -27,6 +27,7 @@ static const option* options(void)
          .argument = "TEXT",
          .help = "list the objects of a .stip whose name or id contains a text, whatever the case",
          .value = &args.find},
+        OPTION_COLUMNS(&args.columns),
         OPTION_MEMORY(&args.memory),
         OPTION_JSON(&args.json),
         {0},
@@ -110,6 +111,10 @@ static int run(int argc, char** argv)
 {
     if (argc != 1) {
         return tool_usage_error("info needs one file, and got %d", argc);
+    }
+    int usage = tool_take_columns(args.columns);
+    if (usage != 0) {
+        return usage;
     }
     bool stored = is_store(argv[0]);
     if (args.find != NULL && !stored) {

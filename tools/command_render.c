@@ -28,7 +28,7 @@ static const double slow_ms =
 
 static struct {
     const char* output;
-    const char* view;
+    const char *view, *columns;
     double eye[3], target[3], up[3];
     bool has_eye, has_target, has_up;
     double ortho;
@@ -73,6 +73,7 @@ static const option* options(void)
          .help = "what is up in the picture: a direction, or x, -x, y, -y, z or -z; default 0,1,0",
          .value = args.up,
          .given = &args.has_up},
+        OPTION_COLUMNS(&args.columns),
         {.name = "ortho",
          .type = OPTION_NUMBER,
          .argument = "HEIGHT",
@@ -287,6 +288,7 @@ static json_t* describe(const session* s, json_t* picked)
             json_pack("s?", draw_options_coarse_method(&args.draw, s->drawing.store))) == 0 &&
         described;
     described = json_object_set_new(object, "samples", samples) == 0 && described;
+    described = point_colors_describe(&args.draw.colors, &d->coloring, object) && described;
     described = json_object_set_new(object, "accumulated_frames", frames) == 0 && described;
     described =
         json_object_set_new(object, "picture_ms", json_real(s->picture_ms)) == 0 && described;
@@ -418,6 +420,7 @@ static int check_arguments(int argc, const char* path)
 static int run(int argc, char** argv)
 {
     int code = check_arguments(argc, argv[0]);
+    code = code == 0 ? tool_take_columns(args.columns) : code;
     if (code != 0) {
         return code;
     }

@@ -8,6 +8,8 @@
 #include "lod/method.h"
 #include "viewer/viewer.h"
 
+#include <string.h>
+
 static struct {
     const char *view, *report, *cues;
     uint32_t size[2];
@@ -15,10 +17,12 @@ static struct {
     double budget_ms, scale;
     bool software, has_method, has_splats;
     uint64_t splats, threads, memory;
+    point_color_options colors;
 } args;
 
 static const option* options(void)
 {
+    static option table[32];
     static const option list[] = {
         {.name = "view",
          .type = OPTION_TEXT,
@@ -80,7 +84,10 @@ static const option* options(void)
         OPTION_MEMORY(&args.memory),
         {0},
     };
-    return list;
+    size_t count = sizeof(list) / sizeof(list[0]) - 1;
+    memcpy(table, list, sizeof(list));
+    (void)point_color_options_table(table + count, &args.colors);
+    return table;
 }
 
 static int run(int argc, char** argv)
@@ -95,7 +102,12 @@ static int run(int argc, char** argv)
     if (!cue_names_parse(args.cues, &cues_off)) {
         return cue_names_refuse(args.cues);
     }
-    viewer_options o = {.file = argc == 1 ? argv[0] : NULL,
+    int code = point_colors_check(&args.colors);
+    if (code != 0) {
+        return code;
+    }
+    viewer_options o = {.colors = args.colors,
+                        .file = argc == 1 ? argv[0] : NULL,
                         .view = args.view,
                         .width = args.size[0] != 0 ? args.size[0] : 1280,
                         .height = args.size[1] != 0 ? args.size[1] : 720,

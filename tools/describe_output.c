@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "describe.h"
 
+#include "base/color_map.h"
 #include "base/printable.h"
+#include "store/attributes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -69,28 +71,6 @@ static json_t* parts_json(const stp_store_summary* summary)
     return parts;
 }
 
-static json_t* sources_json(const stp_store_directory* d)
-{
-    json_t* sources = json_array();
-    for (uint32_t i = 0; i < d->source_count; ++i) {
-        json_t* entry = json_object();
-        (void)json_object_set_new(entry, "path", describe_json_text(d->sources[i].path));
-        (void)json_object_set_new(entry, "format", describe_json_text(d->sources[i].format));
-        set_count(entry, "bytes", d->sources[i].bytes);
-        (void)json_array_append_new(sources, entry);
-    }
-    return sources;
-}
-
-static json_t* views_json(const stp_store_directory* d)
-{
-    json_t* views = json_array();
-    for (uint32_t i = 0; i < d->view_count; ++i) {
-        (void)json_array_append_new(views, describe_json_text(d->views[i].name));
-    }
-    return views;
-}
-
 static json_t* unit_json(double metres)
 {
     const char* name = describe_unit(metres);
@@ -100,6 +80,66 @@ static json_t* unit_json(double metres)
     char text[64];
     snprintf(text, sizeof(text), "%.9g m", metres);
     return json_string(text);
+}
+
+static json_t* sources_json(const stp_store_directory* d)
+{
+    json_t* sources = json_array();
+    for (uint32_t i = 0; i < d->source_count; ++i) {
+        json_t* entry = json_object();
+        (void)json_object_set_new(entry, "path", describe_json_text(d->sources[i].path));
+        (void)json_object_set_new(entry, "format", describe_json_text(d->sources[i].format));
+        set_count(entry, "bytes", d->sources[i].bytes);
+        (void)json_object_set_new(entry, "coordinate_system",
+                                  describe_json_text(d->sources[i].coordinate_system));
+        (void)json_object_set_new(entry, "unit", unit_json(d->unit_metres));
+        (void)json_array_append_new(sources, entry);
+    }
+    return sources;
+}
+
+// How many points have which value of an attribute.
+static json_t* values_json(const stp_store_directory* d, uint32_t attribute)
+{
+    json_t* values = json_array();
+    for (uint32_t i = 0; i < d->attribute_value_count; ++i) {
+        const stp_store_attribute_value* v = &d->attribute_values[i];
+        if (v->attribute != attribute) {
+            continue;
+        }
+        json_t* entry = json_object();
+        set_count(entry, "value", v->value);
+        (void)json_object_set_new(entry, "name", describe_json_text(stp_class_name(v->value)));
+        set_count(entry, "count", v->count);
+        (void)json_array_append_new(values, entry);
+    }
+    return values;
+}
+
+static json_t* attributes_json(const stp_store_directory* d)
+{
+    json_t* attributes = json_array();
+    for (uint32_t i = 0; i < d->attribute_count; ++i) {
+        const stp_store_attribute* a = &d->attributes[i];
+        json_t* entry = json_pack(
+            "{s:s, s:f, s:f, s:f, s:f}", "name", stp_attribute_name((stp_attribute)a->attribute),
+            "min", a->low, "max", a->high, "p2", a->low_percentile, "p98", a->high_percentile);
+        set_count(entry, "count", a->count);
+        if (a->attribute == STP_ATTRIBUTE_CLASS) {
+            (void)json_object_set_new(entry, "classes", values_json(d, a->attribute));
+        }
+        (void)json_array_append_new(attributes, entry);
+    }
+    return attributes;
+}
+
+static json_t* views_json(const stp_store_directory* d)
+{
+    json_t* views = json_array();
+    for (uint32_t i = 0; i < d->view_count; ++i) {
+        (void)json_array_append_new(views, describe_json_text(d->views[i].name));
+    }
+    return views;
 }
 
 json_t* describe_json(const scene_figures* f)
@@ -129,6 +169,7 @@ json_t* describe_json(const scene_figures* f)
     (void)json_object_set_new(json, "unit", unit_json(d->unit_metres));
     (void)json_object_set_new(json, "up", json_string(up));
     (void)json_object_set_new(json, "sources", sources_json(d));
+    (void)json_object_set_new(json, "attributes", attributes_json(d));
     (void)json_object_set_new(json, "views", views_json(d));
     (void)json_object_set_new(json, "parts", parts_json(&f->summary));
     return json;
@@ -231,6 +272,22 @@ static void print_lists(const stp_store_directory* d)
         printf(" (");
         describe_text(d->sources[i].format != NULL ? d->sources[i].format : "unknown");
         printf(", %s)\n", describe_bytes(d->sources[i].bytes, text));
+        if (d->sources[i].coordinate_system != NULL) {
+            printf("  %-12s ", "");
+            describe_text(d->sources[i].coordinate_system);
+            printf("\n");
+        }
+    }
+    for (uint32_t i = 0; i < d->attribute_count; ++i) {
+        const stp_store_attribute* a = &d->attributes[i];
+        printf("  %-12s %s %.9g to %.9g\n", i == 0 ? "attributes" : "",
+               stp_attribute_name((stp_attribute)a->attribute), a->low, a->high);
+    }
+    for (uint32_t i = 0; i < d->attribute_value_count; ++i) {
+        const stp_store_attribute_value* v = &d->attribute_values[i];
+        const char* name = stp_class_name(v->value);
+        printf("  %-12s %3u %s: %s\n", i == 0 ? "classes" : "", v->value, name != NULL ? name : "",
+               describe_count(v->count, text));
     }
     for (uint32_t i = 0; i < d->view_count; ++i) {
         printf(i == 0 ? "  %-12s " : ", ", "views");

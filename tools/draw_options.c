@@ -259,6 +259,8 @@ const option* draw_options_table(option* table, const option* own, draw_options*
     size_t used = copy_options(table, 0, own);
     used = add_quality_options(table, used, options);
     used = add_effect_options(table, used, options);
+    option colors[POINT_COLOR_OPTION_ROOM];
+    used = copy_options(table, used, point_color_options_table(colors, &options->colors));
     used = add_eye_options(table, used, options);
     option show[SHOW_OPTION_ROOM];
     used = copy_options(table, used, show_options_table(show, &options->show));
@@ -361,13 +363,21 @@ int draw_options_check(const draw_options* o)
     if (!cue_names_parse(o->cues, &cues_off)) {
         return cue_names_refuse(o->cues);
     }
-    int code = show_options_check(&o->show);
+    if (o->filter != STP_FILTER_NONE &&
+        (o->colors.color == POINT_COLOR_ELEVATION || o->colors.color == POINT_COLOR_NORMAL)) {
+        return tool_usage_error("--filter and --color %s exclude each other",
+                                point_color_name(o->colors.color));
+    }
+    int code = point_colors_check(&o->colors);
+    code = code != 0 ? code : show_options_check(&o->show);
     return code != 0 ? code : check_eyes(o);
 }
 
 stp_quality draw_options_quality(const draw_options* o)
 {
-    stp_quality quality = {.method = o->has_method ? stp_methods[o->method].id : 0,
+    // points keep their attributes in sets of blue; others would be drawn beside them where few splats suffice
+    uint32_t by_default = point_colors_need_points(&o->colors) ? STP_METHOD_BLUE : 0;
+    stp_quality quality = {.method = o->has_method ? stp_methods[o->method].id : by_default,
                            .splat_size = (float)o->splat_size,
                            .splat_count = o->splats,
                            .policy = (stp_policy)o->policy,
@@ -452,7 +462,8 @@ double draw_options_eye_distance(const draw_options* o, const stp_store* store)
 static bool asks_for_splats(const draw_options* o)
 {
     return o->has_splat_size || o->has_splats || o->has_budget || o->splat_scale > 0.0 ||
-           o->fovea != NULL || o->policy != STP_POLICY_INSERTION;
+           o->fovea != NULL || point_colors_need_points(&o->colors) ||
+           o->policy != STP_POLICY_INSERTION;
 }
 
 bool draw_options_leave_quality(const draw_options* o)

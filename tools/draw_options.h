@@ -3,6 +3,7 @@
 #pragma once
 
 #include "command.h"
+#include "point_colors.h"
 #include "scene_file.h"
 #include "show_options.h"
 
@@ -36,6 +37,7 @@ typedef struct draw_options {
     int transparency;          ///< TRANSPARENCY_*
     bool in_motion;            ///< set by the command: frames follow each other
     double eye_dome, ambient_occlusion;
+    point_color_options colors;
     int caps; ///< CAPS_ON, CAPS_OFF
     show_options show;
     uint64_t threads, memory;
@@ -45,7 +47,7 @@ typedef struct draw_options {
 /// Names of stp_methods, as words of an option.
 #define TOOL_METHOD_WORDS "blue|spt|psp|stochastic"
 
-enum { DRAW_OPTION_ROOM = 96 }; ///< entries of a table
+enum { DRAW_OPTION_ROOM = 104 }; ///< entries of a table
 
 /// Fills a table of DRAW_OPTION_ROOM entries: the command's own (ends with a NULL name), and after them the shared ones.
 /// @return the table

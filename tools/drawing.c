@@ -15,7 +15,14 @@ stp_result drawing_open(drawing* d, const draw_options* options, const char* pat
     stp_result result = tool_open_scene_prefix(d->context, path, draw_options_use(options),
                                                &options->prefix, &d->store);
     d->show = (scene_show){.context = d->context, .store = d->store};
-    return result;
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_quality quality = draw_options_quality(options);
+    uint32_t method = stp_store_find_method(stp_store_get_directory(d->store), quality.method);
+    result = point_colors_find(&options->colors, d->context, d->store, path, method,
+                               options->reference, &d->coloring);
+    return result == STP_OK ? stp_store_set_coloring(d->store, &d->coloring.points) : result;
 }
 
 static stp_result read_splat_texture(drawing* d, const char* path)
@@ -33,6 +40,9 @@ stp_result drawing_make(drawing* d, const draw_options* options)
 {
     stp_draw_style style = draw_options_style(options);
     stp_result result = STP_OK;
+    style.coloring = d->coloring.pixels;
+    style.elevation[0] = d->coloring.elevation[0];
+    style.elevation[1] = d->coloring.elevation[1];
     if (options->splat_texture != NULL) {
         result = read_splat_texture(d, options->splat_texture);
         style.splat_texture = &d->splat_texture;

@@ -10,6 +10,7 @@ typedef struct drawing {
     stp_context* context;
     stp_store* store;
     scene_show show;
+    point_coloring coloring;
     stp_splat_texture splat_texture; ///< of a file, for the maker's style
     frame_maker maker;
 } drawing;

@@ -15,12 +15,20 @@ static void print_wrapped(FILE* stream, const char* text, int indent, int column
 {
     while (*text != 0) {
         size_t length = strcspn(text, " \n");
+        bool cut = indent + (int)length > WIDTH; // choices that fill more than a line
+        if (cut) {
+            length = WIDTH - (size_t)indent;
+            while (length > 1 && text[length - 1] != '|') {
+                length -= 1;
+            }
+        }
         if (column > indent && column + 1 + (int)length > WIDTH) {
             fprintf(stream, "\n%*s", indent, "");
             column = indent;
         }
         column += fprintf(stream, "%s%.*s", column > indent ? " " : "", (int)length, text);
         text += length;
+        column = cut ? WIDTH : column; // the rest begins a line
         text += *text == ' ';
         if (*text == '\n') {
             bool literal = text[1] == '\n' || text[1] == ' ';

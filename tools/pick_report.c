@@ -3,8 +3,10 @@
 
 #include "describe.h"
 
+#include "base/color_map.h"
 #include "present/measuring.h"
 #include "select/pick.h"
+#include "store/attributes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,6 +55,34 @@ static json_t* describe_object(scene_show* show, const stp_pick* pick)
                      "max", pack_vector(row.bounds.max));
 }
 
+/// The attributes of a point, by name; NULL where they cannot be read (logged), or memory runs out.
+static json_t* describe_attributes(stp_store* store, const stp_pick* pick)
+{
+    uint32_t mask = stp_store_point_attributes(store, pick->part.index);
+    json_t* json = json_object();
+    for (uint32_t a = 0; a < STP_ATTRIBUTES && json != NULL; ++a) {
+        stp_attribute attribute = (stp_attribute)a;
+        double value; // room for one of any type
+        if ((mask & stp_attribute_bit(attribute)) == 0) {
+            continue;
+        }
+        if (stp_store_get_point_values(store, pick->part.index, attribute, pick->element, 1,
+                                       &value) != STP_OK) {
+            json_decref(json);
+            return NULL;
+        }
+        double number = stp_attribute_number(attribute, &value, 0);
+        (void)json_object_set_new(
+            json, stp_attribute_name(attribute),
+            attribute == STP_ATTRIBUTE_TIME ? json_real(number) : json_integer((json_int_t)number));
+        if (attribute == STP_ATTRIBUTE_CLASS) {
+            (void)json_object_set_new(json, "class name",
+                                      describe_json_text(stp_class_name((uint32_t)number)));
+        }
+    }
+    return json;
+}
+
 static json_t* describe_hit(scene_show* show, const stp_view* view, const stp_pick* pick)
 {
     static const char* const snaps[] = {"none", "vertex", "edge"};
@@ -77,6 +107,13 @@ static json_t* describe_hit(scene_show* show, const stp_view* view, const stp_pi
         (json_int_t)pick->element, "node", (json_int_t)pick->thing.node, "material",
         describe_json_text(d->materials[pick->material].name), "snap", "kind", snaps[snap],
         "position", pack_vector(snapped));
+    (void)json_object_set_new(json, "coordinate_system",
+                              describe_json_text(stp_store_coordinate_system(show->store)));
+    json_t* attributes = is_mesh ? NULL : describe_attributes(show->store, pick);
+    if (!is_mesh && json_object_set_new(json, "attributes", attributes) != 0) {
+        json_decref(json);
+        return NULL;
+    }
     return json;
 }
 

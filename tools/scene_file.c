@@ -2,11 +2,13 @@
 #include "scene_file.h"
 
 #include "neighbours.h"
+#include "tool.h"
 
 #include "base/file.h"
 #include "base/hash.h"
 #include "build/build.h"
 #include "import/import.h"
+#include "import/text_columns.h"
 #include "present/camera.h"
 #include "scenes/scenes.h"
 
@@ -127,6 +129,10 @@ static bool cache_paths(stp_context* context, const char* path, const stp_mapped
     }
     stp_hash hash = stp_hash_bytes((stp_hash){0}, cache_version, strlen(cache_version));
     hash = stp_hash_bytes(hash, parameters, strlen(parameters));
+    const char* columns = tool_settings_get()->columns;
+    if (columns != NULL) {
+        hash = stp_hash_bytes(hash, columns, strlen(columns));
+    }
     if (file != NULL) {
         hash_model(path, file, &hash);
     } else {
@@ -219,6 +225,7 @@ static stp_result build_cached(stp_context* context, const char* path, wish* w,
                            .input_count = 1,
                            .output = cached[use],
                            .generate = scene_make_input,
+                           .import = {.columns = tool_settings_get()->columns},
                            .wants_surfels = decide_surfels,
                            .wants_surfels_user = &d,
                            .parameters_json = parameters};
@@ -329,6 +336,17 @@ stp_result tool_open_scene(stp_context* context, const char* path, stp_store** s
     return tool_open_scene_for(context, path, SCENE_FOR_SPLATS, store);
 }
 
+int tool_take_columns(const char* names)
+{
+    stp_columns columns;
+    const char* wrong = names != NULL ? stp_columns_parse(names, &columns) : NULL;
+    if (wrong != NULL) {
+        return tool_usage_error("--columns %s: %s", names, wrong);
+    }
+    tool_settings_get()->columns = names;
+    return 0;
+}
+
 stp_result tool_import_scene(stp_context* context, const char* path, stp_scene** scene)
 {
     return tool_import_spilled(context, path, NULL, scene);
@@ -337,6 +355,7 @@ stp_result tool_import_scene(stp_context* context, const char* path, stp_scene**
 stp_result tool_import_spilled(stp_context* context, const char* path, stp_spill* spill,
                                stp_scene** scene)
 {
+    stp_import_desc desc = {.columns = tool_settings_get()->columns};
     stp_result result = stp_scene_create(context, scene);
     if (result != STP_OK) {
         return result;
@@ -346,7 +365,7 @@ stp_result tool_import_spilled(stp_context* context, const char* path, stp_spill
         stp_scene_use_spill(*scene, spill, usable / MEMORY_SHARE);
     }
     result = scene_is_input(path) ? scene_make_input(*scene, path, NULL)
-                                  : stp_import_file(*scene, path, &(stp_import_desc){0});
+                                  : stp_import_file(*scene, path, &desc);
     result = result != STP_OK ? result : stp_scene_finish(*scene);
     if (result != STP_OK) {
         stp_scene_destroy(*scene);

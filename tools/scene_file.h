@@ -59,6 +59,10 @@ STP_MUST_USE stp_result tool_locate_watched(stp_context* context, const char* pa
                                             const scene_watcher* watcher, char* located,
                                             char* draft);
 
+/// Takes what --columns says for all models that are imported or built from now on; NULL is allowed.
+/// @return 0, or the code of a usage error where it is no list of columns
+int tool_take_columns(const char* names);
+
 /// Imports a model, or makes a named scene (scene:NAME), and finishes it. The caller's (stp_scene_destroy); NULL on
 /// failure, which is logged.
 STP_MUST_USE stp_result tool_import_scene(stp_context* context, const char* path,

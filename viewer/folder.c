@@ -10,14 +10,15 @@
 #include <sys/stat.h>
 
 const char folder_formats[] =
-    "Stipple (.stip), glTF 2.0 (.gltf, .glb), OBJ, PLY (meshes and point clouds), STL; through "
-    "assimp "
+    "Stipple (.stip), glTF 2.0 (.gltf, .glb), OBJ, PLY (meshes and point clouds), STL, E57, PTX, "
+    "PTS, PCD, XYZ, CSV, ASC, SRTM heights (.hgt); through assimp "
     "also FBX, COLLADA (.dae), 3DS, 3MF, IFC, X3D, Blender, DXF and others";
 
 static const char* const suffixes[] = {
-    "stip", "gltf", "glb", "obj",  "ply", "stl",  "fbx", "dae", "3ds", "blend", "ifc", "dxf", "x3d",
-    "x",    "off",  "lwo", "lws",  "ac",  "3mf",  "ase", "b3d", "bvh", "cob",   "csm", "hmp", "irr",
-    "md2",  "md3",  "mdl", "ms3d", "nff", "ogex", "q3o", "raw", "smd", "ter",   "amf", "wrl",
+    "stip", "gltf", "glb", "obj", "ply", "stl",  "fbx", "dae",  "3ds", "blend", "ifc", "dxf",
+    "x3d",  "x",    "off", "lwo", "lws", "ac",   "3mf", "ase",  "b3d", "bvh",   "cob", "csm",
+    "hmp",  "irr",  "md2", "md3", "mdl", "ms3d", "nff", "ogex", "q3o", "raw",   "smd", "ter",
+    "amf",  "wrl",  "e57", "ptx", "pts", "pcd",  "xyz", "csv",  "asc", "hgt",
 };
 
 bool folder_is_model(const char* name)

@@ -63,6 +63,8 @@ void gui_faint_paragraph(const char* format, ...) __attribute__((format(printf, 
 void gui_paragraph(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /// A name on the left and a value beside it.
 void gui_value(const char* name, const char* format, ...) __attribute__((format(printf, 2, 3)));
+/// A square of a colour (linear light, with alpha) before what follows in the line.
+void gui_square(const float color[4]);
 /// The same with a square of a colour (linear light, with alpha) before the value.
 void gui_swatch(const char* name, const float color[4], const char* format, ...)
     __attribute__((format(printf, 3, 4)));

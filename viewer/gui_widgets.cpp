@@ -64,10 +64,8 @@ static float to_srgb(float linear)
     return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
 }
 
-void gui_swatch(const char* name, const float color[4], const char* format, ...)
+void gui_square(const float color[4])
 {
-    ImGui::TextDisabled("%s", name);
-    ImGui::SameLine(0.42f * ImGui::GetWindowWidth());
     ImVec2 start = ImGui::GetCursorScreenPos();
     float side = ImGui::GetTextLineHeight() - 3.0f * gui_scale;
     ImVec4 shown = {to_srgb(color[0]), to_srgb(color[1]), to_srgb(color[2]), 1.0f};
@@ -78,6 +76,13 @@ void gui_swatch(const char* name, const float color[4], const char* format, ...)
     list->AddRect(from, to, ImGui::GetColorU32(ImGuiCol_TextDisabled), 3.0f * gui_scale);
     ImGui::Dummy(ImVec2(side, side));
     ImGui::SameLine();
+}
+
+void gui_swatch(const char* name, const float color[4], const char* format, ...)
+{
+    ImGui::TextDisabled("%s", name);
+    ImGui::SameLine(0.42f * ImGui::GetWindowWidth());
+    gui_square(color);
     ImGui::PushTextWrapPos(0.0f);
     va_list arguments;
     va_start(arguments, format);

@@ -86,6 +86,7 @@ void overlay_show(viewer* v)
     views_overlay(v, &n);
     show_pivot(v, &n);
     orientation_overlay(v, &n);
+    point_look_overlay(v);
     messages_overlay(v);
     gui_unclip();
 }

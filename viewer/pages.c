@@ -223,6 +223,7 @@ void page_quality(viewer* v)
     if (gui_section("Look", true)) {
         show_look(v);
     }
+    point_look_show(v);
     if (gui_section("Speed and quality", true)) {
         show_speed(v);
     }
@@ -235,5 +236,6 @@ void page_quality(viewer* v)
         fresh.page = s->page;
         fresh.parts = s->parts;
         *s = fresh;
+        v->look = (point_look){0};
     }
 }

@@ -231,19 +231,20 @@ static void paint(painter* p)
     painter_picture* picture = &p->pictures[p->painting];
     atomic_store(&p->stop, false);
     p->refines = p->stage != STAGE_MOVES;
-    paint_scene_set_stop(p->scene, p->refines ? &p->stop : NULL);
     pthread_mutex_unlock(&p->mutex);
+    bool ready = paint_scene_color(p->scene, &request.points);
     paint_figures figures = {0};
     request.style.transparency =
         p->stage == STAGE_MOVES ? STP_TRANSPARENCY_PATTERN : STP_TRANSPARENCY_LAYERS;
-    p->uses_gl = request.gl && !p->gl_lost && p->gl.functions != NULL &&
+    p->uses_gl = request.gl && !p->gl_lost && p->gl.functions != NULL && ready &&
                  paint_scene_use_gl(p->scene, &p->gl_desc, p->desc.gl_splats);
+    paint_scene_set_stop(p->scene, p->refines ? &p->stop : NULL);
     learn(p, &request, NULL);
     bool accumulates = p->stage == STAGE_ACCUMULATES;
     float size = choose_size(p, &request);
     uint32_t texture = 0;
-    bool drawn = draw(p, &request, size, accumulates, &texture, &figures);
-    if (p->gl_lost && p->uses_gl) {
+    bool drawn = ready && draw(p, &request, size, accumulates, &texture, &figures);
+    if (ready && p->gl_lost && p->uses_gl) {
         on_log(STP_LOG_WARNING, "The OpenGL context was lost; using the CPU renderer from now on",
                p);
         p->uses_gl = false;

@@ -11,6 +11,7 @@
 
 #include "draw/draw_gl.h"
 #include "select/budget.h"
+#include "store/coloring.h"
 
 #include <limits.h>
 
@@ -33,6 +34,7 @@ typedef struct paint_request {
     uint32_t scene; ///< serial; 0: nothing
     stp_view view;
     stp_draw_style style;
+    stp_store_coloring points; ///< colours of points, and hidden classes
     stp_quality quality;       ///< splat_size: at rest, where there is a budget; else always
     double budget_ms;          ///< of a frame while the camera moves; 0: none
     stp_controller controller; ///< of the budget

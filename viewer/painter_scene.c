@@ -9,20 +9,26 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-static stp_result open_store(paint_scene* s, const paint_scene_desc* desc, const char* path)
+/// Makes what draws with the processor and, under a limit of memory, what loads.
+static stp_result begin_drawing(paint_scene* s, bool loads)
 {
-    stp_result result = stp_store_open_prefix(s->context, path, &s->store);
-    if (result == STP_OK) {
-        result = stp_draw_cpu_create(s->context, s->store, &s->renderers[0]);
-    }
-    if (result == STP_OK && desc->memory_limit > 0) {
+    stp_result result = stp_draw_cpu_create(s->context, s->store, &s->renderers[0]);
+    if (result == STP_OK && loads) {
         result = stp_residency_create(s->store, &(stp_residency_desc){0}, &s->residency);
         while (result == STP_OK && stp_residency_wait(s->residency)) { // the coarsest
             stp_residency_update(s->residency, NULL, 0);
         }
     }
     return result;
+}
+
+static stp_result open_store(paint_scene* s, const paint_scene_desc* desc, const char* path)
+{
+    stp_result result = stp_store_open_prefix(s->context, path, &s->store);
+    s->loads = desc->memory_limit > 0;
+    return result == STP_OK ? begin_drawing(s, s->loads) : result;
 }
 
 paint_scene* paint_scene_open(const paint_scene_desc* desc, const char* path, uint32_t serial)
@@ -84,6 +90,37 @@ bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl, stp_gl_splat
         }
     }
     return !s->gl_failed;
+}
+
+static bool same_coloring(const stp_store_coloring* a, const stp_store_coloring* b)
+{
+    return a->by_attribute == b->by_attribute && a->attribute == b->attribute && a->low == b->low &&
+           a->high == b->high && a->hides == b->hides &&
+           memcmp(a->shown, b->shown, sizeof(a->shown)) == 0;
+}
+
+/// Whether points look the same: the scale matters to colours of attributes alone.
+static bool looks_same(const stp_store_coloring* a, const stp_store_coloring* b)
+{
+    bool plain = !a->by_attribute && !b->by_attribute && !a->hides && !b->hides;
+    return plain || same_coloring(a, b);
+}
+
+bool paint_scene_color(paint_scene* s, const stp_store_coloring* points)
+{
+    if (s->renderers[0] != NULL && looks_same(stp_store_get_coloring(s->store), points)) {
+        return true;
+    }
+    for (int i = 0; i < 2; ++i) { // what they keep of the scene has the colours before
+        if (s->renderers[i] != NULL) {
+            stp_renderer_destroy(s->renderers[i]);
+            s->renderers[i] = NULL;
+        }
+    }
+    stp_residency_destroy(s->residency);
+    s->residency = NULL;
+    return stp_store_set_coloring(s->store, points) == STP_OK &&
+           begin_drawing(s, s->loads) == STP_OK;
 }
 
 void paint_scene_set_stop(paint_scene* s, const atomic_bool* stop)
@@ -190,6 +227,6 @@ bool paint_is_same_request(const paint_request* a, const paint_request* b)
     return a->scene == b->scene && a->budget_ms == b->budget_ms && a->samples == b->samples &&
            a->controller == b->controller && a->gl == b->gl &&
            stp_resting_is_same_view(&a->view, &b->view) &&
-           stp_resting_is_same_style(&a->style, &b->style) &&
+           stp_resting_is_same_style(&a->style, &b->style) && looks_same(&a->points, &b->points) &&
            same_quality(&a->quality, &b->quality);
 }

@@ -9,6 +9,7 @@ typedef struct paint_scene {
     stp_context* context;
     stp_store* store;
     stp_renderer* renderers[2]; ///< the processor's, and OpenGL's once it was wanted
+    bool loads;                 ///< there is a limit of memory
     bool gl_failed;             ///< OpenGL cannot draw it
     bool transparent;           ///< it has transparent surfaces
     stp_visibility* visibility; ///< NULL: all is shown
@@ -32,6 +33,9 @@ void paint_scene_close(paint_scene* s);
 
 /// Makes ready to draw with OpenGL, where that was not yet. @return whether it can
 bool paint_scene_use_gl(paint_scene* s, const stp_draw_gl_desc* gl, stp_gl_splats splats);
+/// Colours points from now on as a request asks. Where that is new, all that was loaded is loaded again. @return whether the scene
+/// can be drawn; else it is logged
+bool paint_scene_color(paint_scene* s, const stp_store_coloring* points);
 /// Abandons frames from now on where *stop becomes true (stp_renderer_set_stop); NULL: none.
 void paint_scene_set_stop(paint_scene* s, const atomic_bool* stop);
 /// What is shown from now on.

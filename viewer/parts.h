@@ -73,6 +73,13 @@ void measure_print(const viewer* v, double length, char* text, size_t size);
 /// A point in the file's coordinates, in the unit that is shown.
 void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t size);
 
+// point_look.c
+void point_look_begin(viewer* v); ///< of a new file
+/// Adds colours of points and pixels to what is asked for.
+void point_look_give(viewer* v, paint_request* request);
+void point_look_show(viewer* v);    ///< in the panel
+void point_look_overlay(viewer* v); ///< the scale beside the picture
+
 // orientation.c
 /// The side of the view cube (present/view_cube.h) at a place of the window; -1: none.
 int orientation_side(const viewer* v, float x, float y);

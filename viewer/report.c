@@ -165,9 +165,7 @@ static json_t* describe(const viewer* v)
                                                        "section", "measure",    "views"};
     return json_pack(
         "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:o, s:s, s:o, s:o, "
-        "s:o, "
-        "s:o, "
-        "s:o, s:o, s:o, s:o}",
+        "s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o}",
         "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
         (json_int_t)v->news.serial, "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete",
         (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
@@ -176,9 +174,10 @@ static json_t* describe(const viewer* v)
         "backend", v->picture != NULL && v->picture->gl ? "gl" : "cpu", "method",
         describe_method(v), "message", describe_json_text(v->messages[0].text), "hint",
         messages_why_empty(v) != NULL ? messages_why_empty(v) : "", "camera", describe_camera(v),
-        "picture", describe_picture(v), "tools", describe_tools(v), "guides", describe_guides(v),
-        "match", describe_match(v), "start", describe_start(v), "handles", describe_handles(v),
-        "splats", describe_splats(v));
+        "picture", describe_picture(v), "color", point_color_name(v->look.color), "hides",
+        (int)v->look.hides, "tools", describe_tools(v), "guides", describe_guides(v), "match",
+        describe_match(v), "start", describe_start(v), "handles", describe_handles(v), "splats",
+        describe_splats(v));
 }
 
 void report_write(viewer* v, bool last)

@@ -25,7 +25,7 @@ bool viewer_uses_gl(const viewer* v)
            (backend == BACKEND_OPENGL || (backend == BACKEND_AUTO && v->window.is_hardware));
 }
 
-paint_request request_make(const viewer* v)
+paint_request request_make(viewer* v)
 {
     const viewer_settings* s = &v->settings;
     bool original = s->method == METHOD_ORIGINAL;
@@ -56,5 +56,6 @@ paint_request request_make(const viewer* v)
     stp_navigator_give(&v->camera, &request.view);
     request.view.sections = section_make(v);
     request.gl = viewer_uses_gl(v);
+    point_look_give(v, &request);
     return request;
 }

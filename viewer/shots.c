@@ -22,6 +22,7 @@ struct shot {
     stp_view view;
     stp_draw_style style;
     stp_quality quality;
+    stp_store_coloring points;
     shown_list shown;
     uint32_t thread_count;
     uint64_t memory_limit;
@@ -61,6 +62,9 @@ static stp_result draw_shot(shot* s, paint_scene* scene)
     stp_image image = {.width = s->view.width, .height = s->view.height};
     image.pixels = stp_alloc_array(scene->context, (size_t)image.width * image.height, 4);
     stp_result result = image.pixels == NULL ? stp_fail_memory(scene->context) : STP_OK;
+    if (result == STP_OK && !paint_scene_color(scene, &s->points)) {
+        result = STP_ERROR_OUT_OF_MEMORY; // it is said
+    }
     if (result == STP_OK && s->shown.count > 0) {
         result = paint_scene_show(scene, &s->shown);
     }
@@ -108,6 +112,7 @@ void shot_begin(viewer* v)
     s->style.background = !v->shot_clear;
     s->style.supersample = (uint32_t)v->settings.shot_samples;
     s->quality = request.quality;
+    s->points = request.points;
     s->thread_count = v->options.thread_count;
     s->memory_limit = v->options.memory_limit;
     s->wake = viewer_wake;

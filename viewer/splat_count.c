@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "splat_count.h"
 
-#include <stipple/surfels.h>
+#include "select/select.h"
 
 #include <stdlib.h>
 
@@ -9,6 +9,7 @@
 typedef struct node_splats {
     uint32_t all;    ///< none of its ancestors is drawn by a set
     uint32_t moving; ///< one is: only what moves is drawn
+    bool needs_all, needs_moving;
 } node_splats;
 
 static uint32_t add(uint32_t a, uint32_t b)
@@ -16,18 +17,43 @@ static uint32_t add(uint32_t a, uint32_t b)
     return a > SPLAT_COUNT_MOST - b ? SPLAT_COUNT_MOST : a + b;
 }
 
-/// How many splats of its set a node is drawn with, at the most.
-static uint32_t splats_of_node(const stp_store* store, const stp_store_directory* d,
-                               uint32_t method, uint32_t node)
+/// Marks what the root's count is made of: sets of other nodes are not read.
+static void mark_needed(const stp_store* store, uint32_t method, node_splats* nodes)
 {
-    uint32_t set = stp_store_set_of(d, method, node);
-    uint32_t count = set != STP_STORE_NONE ? stp_store_describe_surfels(store, set)->count : 0;
-    // a set of merges holds one splat and two for each split, which replace another
-    count = d->methods[method].id == STP_METHOD_PSP ? count / 2 + count % 2 : count;
-    return count < SPLAT_COUNT_MOST ? count : SPLAT_COUNT_MOST;
+    const stp_store_directory* d = stp_store_get_directory(store);
+    nodes[d->root].needs_all = true;
+    for (uint32_t i = d->node_count; i-- > 0;) { // parents come last
+        const stp_store_node* node = &d->nodes[i];
+        node_splats* n = &nodes[i];
+        n->needs_all = n->needs_all || (n->needs_moving && (node->flags & 1u) != 0);
+        uint32_t set = stp_store_set_of(d, method, i);
+        bool has_set = set != STP_STORE_NONE && stp_store_describe_surfels(store, set)->count > 0;
+        bool all = n->needs_all && !has_set;
+        bool moving = n->needs_moving || (n->needs_all && has_set);
+        for (uint32_t k = 0; k < node->edge_count; ++k) {
+            node_splats* child = &nodes[d->edges[node->first_edge + k].node];
+            child->needs_all = child->needs_all || all;
+            child->needs_moving = child->needs_moving || moving;
+        }
+    }
 }
 
-uint32_t splat_count_of_scene(const stp_store* store, uint32_t method)
+/// How many splats of its set a node is drawn with, at the most.
+static stp_result splats_of_node(stp_store* store, uint32_t method, uint32_t node, uint32_t* count)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint32_t set = stp_store_set_of(d, method, node);
+    *count = set != STP_STORE_NONE ? stp_store_describe_surfels(store, set)->count : 0;
+    stp_result result = STP_OK;
+    if (*count > 0 && d->methods[method].id == STP_METHOD_PSP) {
+        bool ends = false;
+        result = stp_select_count_states(store, set, count, &ends);
+    }
+    *count = *count < SPLAT_COUNT_MOST ? *count : SPLAT_COUNT_MOST;
+    return result;
+}
+
+uint32_t splat_count_of_scene(stp_store* store, uint32_t method)
 {
     const stp_store_directory* d = stp_store_get_directory(store);
     if (d->root == STP_STORE_NONE || method >= d->method_count || d->surfels_count == 0) {
@@ -37,9 +63,14 @@ uint32_t splat_count_of_scene(const stp_store* store, uint32_t method)
     if (nodes == NULL) {
         return 0;
     }
-    for (uint32_t i = 0; i < d->node_count; ++i) { // children come first
+    mark_needed(store, method, nodes);
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < d->node_count && result == STP_OK; ++i) { // children come first
         const stp_store_node* node = &d->nodes[i];
-        uint32_t own = splats_of_node(store, d, method, i), below = 0, moving = 0;
+        uint32_t own = 0, below = 0, moving = 0;
+        if (nodes[i].needs_all) {
+            result = splats_of_node(store, method, i, &own);
+        }
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             const node_splats* child = &nodes[d->edges[node->first_edge + k].node];
             below = add(below, child->all);
@@ -49,7 +80,7 @@ uint32_t splat_count_of_scene(const stp_store* store, uint32_t method)
         nodes[i].all = own > 0 ? add(own, moving) : below;
         nodes[i].moving = moves ? nodes[i].all : moving;
     }
-    uint32_t all = nodes[d->root].all;
+    uint32_t all = result == STP_OK ? nodes[d->root].all : 0;
     free(nodes);
     return all;
 }

@@ -11,10 +11,12 @@ enum { SPLAT_COUNT_LEAST = 2 };
 #define SPLAT_COUNT_MOST 4294967294u
 
 /// The most splats that a view of the whole scene draws by number: those of the uppermost set on each
-/// way down from the root, and of the uppermost sets of what moves. Instances count each.
+/// way down from the root, and of the uppermost sets of what moves. Instances count each. Of sets of
+/// `psp` that count, the first octaves are read.
 /// @param method a place in the directory's table
-/// @return at most SPLAT_COUNT_MOST; 0 if the method has no sets there, or memory runs out
-uint32_t splat_count_of_scene(const stp_store* store, uint32_t method);
+/// @return at most SPLAT_COUNT_MOST; 0 if the method has no sets there, a set cannot be read, or
+///         memory runs out
+uint32_t splat_count_of_scene(stp_store* store, uint32_t method);
 
 /// Whether there is a choice of numbers.
 static inline bool splat_count_is_chosen_of(uint32_t all)

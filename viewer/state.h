@@ -5,6 +5,7 @@
 #include "explorer.h"
 #include "loader.h"
 #include "painter.h"
+#include "point_look.h"
 #include "start.h"
 #include "viewer.h"
 #include "window.h"
@@ -113,6 +114,7 @@ typedef struct viewer {
     bool finds;      ///< the keys go to the search
     bool has_picked; ///< something was clicked since the scene came
     stp_pick picked;
+    point_look look;
     section_state section;
     int section_grabbed; ///< what is dragged (section_drag.c)
     start_page* start;
@@ -180,7 +182,7 @@ void page_quality(viewer* v);
 
 // request.c
 bool viewer_uses_gl(const viewer* v);
-paint_request request_make(const viewer* v);
+paint_request request_make(viewer* v);
 
 // report.c
 /// Writes what is shown where that changed; at once where `last`.

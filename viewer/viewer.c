@@ -134,6 +134,7 @@ static void take_scene(viewer* v)
         v->shown_file_number = number;
         start_opened(v->start, v->file);
         camera_begin(v);
+        point_look_begin(v);
         if (stp_boxd_is_empty(v->scene->bounds)) {
             viewer_say(v, false, "%s: there is nothing to draw in it", v->file);
         } else if (lacks_method(v)) {

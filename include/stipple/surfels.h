@@ -13,6 +13,7 @@
 // colours of octave k, blended with those of octave k - 1 for the surfels below e(k-1) (design.md, Finish).
 #pragma once
 
+#include <stipple/attributes.h>
 #include <stipple/types.h>
 
 #include <stdbool.h>
@@ -113,6 +114,9 @@ typedef struct stp_splats {
     /// (src/base/leaf_runs.h). Of a store's sets, see stp_store_get_leaves.
     stp_splat_leaf* leaves;
     uint32_t leaf_count;
+    /// Each NULL, or a value a splat, as the point that it is has it (attributes.h). A store gives none with its sets:
+    /// src/store/attributes.h.
+    void* attributes[STP_ATTRIBUTES];
     bool plain_coverages; ///< coverages are shares of 255 instead: of files before version 1.2
     stp_prefix_table table;
     float
@@ -121,6 +125,16 @@ typedef struct stp_splats {
         paper_radius; ///< r_m: median distance to the nearest neighbour within the first p_m (Brandt 4.1)
     uint32_t paper_count; ///< p_m
 } stp_splats;
+
+/// The attributes that a set has columns of: a bit each (stp_attribute_bit).
+static inline uint32_t stp_splats_attributes(const stp_splats* splats)
+{
+    uint32_t mask = 0;
+    for (uint32_t i = 0; i < STP_ATTRIBUTES; ++i) {
+        mask |= splats->attributes[i] != NULL ? 1u << i : 0;
+    }
+    return mask;
+}
 
 enum {
     STP_SHADING_UNLIT = 1,

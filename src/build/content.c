@@ -2,11 +2,14 @@
 #include "build/content.h"
 
 #include "base/octahedral.h"
+#include "store/format.h"
 
+#include <math.h>
 #include <string.h>
 
 #define BLOCK_SIZE ((size_t)64 << 10)
 #define GRAIN 8192
+#define FINE_STEP 0x1p-5 ///< of the distance of points: how finely a set must tell where they are
 
 typedef struct normal_work {
     const float* from;
@@ -62,6 +65,46 @@ static bool convert_meshes(stp_build_content* c, const stp_scene* scene)
     return meshes != NULL;
 }
 
+// How far apart the points of a set are, about: its first ones lie evenly.
+static double spacing_of(const stp_splats* set)
+{
+    return (double)set->paper_radius * sqrt((double)set->paper_count / (double)set->count);
+}
+
+// Whether a set has all points of a node, each to a small part of their distance.
+static bool holds_all(const stp_splats* set, const stp_point_set* points)
+{
+    return set->columns == 0 && set->count != 0 && set->count == points->point_count &&
+           (double)set->step <= FINE_STEP * spacing_of(set);
+}
+
+// Points that a node's set has need no copy: those that are all the node has and no other has.
+static bool find_held_points(stp_build_content* c, const stp_scene* scene,
+                             stp_store_point_set* sets)
+{
+    const stp_store_directory* d = &c->content.directory;
+    uint32_t* uses = STP_ARENA_ARRAY(&c->arena, uint32_t, scene->point_set_count + 1);
+    if (uses == NULL) {
+        return false;
+    }
+    memset(uses, 0, scene->point_set_count * sizeof(*uses));
+    for (size_t i = 0; i < scene->node_part_count; ++i) {
+        stp_part part = scene->node_parts[i];
+        uses[part.kind == STP_PART_POINTS ? part.index : scene->point_set_count] += 1;
+    }
+    for (size_t i = 0; i < scene->node_count; ++i) {
+        const stp_node* node = &scene->nodes[i];
+        stp_part part = node->part_count == 1 ? scene->node_parts[node->first_part] : (stp_part){0};
+        uint32_t set = d->nodes[i].surfels;
+        if (part.kind == STP_PART_POINTS && node->edge_count == 0 && uses[part.index] == 1 &&
+            set != STP_STORE_NONE &&
+            holds_all(&c->content.surfels[set], &scene->point_sets[part.index])) {
+            sets[part.index].held_by = set + 1;
+        }
+    }
+    return true;
+}
+
 static bool convert_point_sets(stp_build_content* c, const stp_scene* scene)
 {
     stp_store_point_set* sets =
@@ -78,9 +121,12 @@ static bool convert_point_sets(stp_build_content* c, const stp_scene* scene)
             .normals = convert_normals(c, set->normals, set->point_count, &made),
             .colors = set->colors,
         };
+        for (int a = 0; a < STP_ATTRIBUTES; ++a) {
+            sets[i].attributes[a] = set->attributes[a];
+        }
     }
     c->content.point_sets = sets;
-    return made;
+    return made && find_held_points(c, scene, sets);
 }
 
 static stp_store_texture_use convert_use(const stp_texture_use* use)
@@ -180,6 +226,26 @@ static bool convert_graph(stp_build_content* c, const stp_scene* scene, const ui
     return true;
 }
 
+// A text that is too long for a file is told by its first name: PROJCS["name", ...
+static bool convert_coordinates(stp_build_content* c, const char* text, const char** out)
+{
+    size_t length = text != NULL ? strlen(text) : 0;
+    *out = length != 0 ? text : NULL;
+    if (length <= STP_STORE_TEXT_LIMIT) {
+        return true;
+    }
+    const char* begin = strchr(text, '"');
+    size_t size = begin != NULL ? strcspn(begin + 1, "\"") : 0;
+    size = size < STP_STORE_TEXT_LIMIT ? size : STP_STORE_TEXT_LIMIT;
+    char* copy = size != 0 ? STP_ARENA_ARRAY(&c->arena, char, size + 1) : NULL;
+    if (copy != NULL) {
+        memcpy(copy, begin + 1, size);
+        copy[size] = '\0';
+    }
+    *out = copy;
+    return size == 0 || copy != NULL;
+}
+
 static bool convert_names(stp_build_content* c, const stp_scene* scene)
 {
     stp_store_object* objects = STP_ARENA_ARRAY(&c->arena, stp_store_object, scene->object_count);
@@ -212,6 +278,9 @@ static bool convert_names(stp_build_content* c, const stp_scene* scene)
         const stp_source* source = &scene->sources[i];
         sources[i] = (stp_store_source){
             .path = source->path, .format = source->format, .bytes = source->bytes};
+        if (!convert_coordinates(c, source->coordinate_system, &sources[i].coordinate_system)) {
+            return false;
+        }
     }
     c->content.directory.objects = objects;
     c->content.directory.views = views;

@@ -2,6 +2,7 @@
 #include "build/former.h"
 
 #include "build/piece.h"
+#include "store/attributes.h"
 #include "store/leaves.h"
 
 #include <string.h>
@@ -41,6 +42,42 @@ void stp_former_close(stp_former* former)
     }
 }
 
+// Reads the attributes of a set into memory of their own.
+static bool take_attributes(stp_former* former, uint32_t index, stp_splats* set)
+{
+    uint32_t mask = set->count != 0 ? stp_store_octave_attributes(former->store, index, 0) : 0;
+    for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
+        if ((mask & stp_attribute_bit((stp_attribute)a)) == 0) {
+            continue;
+        }
+        set->attributes[a] =
+            stp_alloc_array(former->quiet, set->count, stp_attribute_size((stp_attribute)a));
+        if (set->attributes[a] == NULL ||
+            stp_store_get_values(former->store, index, (stp_attribute)a, 0, set->count,
+                                 set->attributes[a]) != STP_OK) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Copies the leaves of a set. @return memory, to be freed, even where it has none; NULL: they cannot be had
+static stp_splat_leaf* take_leaves(stp_former* former, uint32_t index, stp_splats* set)
+{
+    stp_store_leaves leaves;
+    if (stp_store_get_leaves(former->store, index, &leaves) != STP_OK) {
+        return NULL;
+    }
+    stp_splat_leaf* copied =
+        stp_alloc_array(former->quiet, (size_t)leaves.leaf_count + 1, sizeof(*copied));
+    if (copied != NULL && leaves.leaf_count > 0) {
+        memcpy(copied, leaves.leaves, leaves.leaf_count * sizeof(*copied));
+    }
+    set->leaf_count = leaves.leaf_count;
+    set->leaves = copied;
+    return copied;
+}
+
 bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_count,
                              stp_work* work, stp_splats* surfels)
 {
@@ -52,20 +89,14 @@ bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_
         return false;
     }
     uint32_t candidates;
-    stp_store_leaves leaves;
-    if (stp_store_get_leaves(former->store, found.index, &leaves) != STP_OK) {
-        return false;
-    }
-    stp_splat_leaf* copied =
-        stp_alloc_array(former->quiet, (size_t)leaves.leaf_count + 1, sizeof(*copied));
-    if (copied == NULL) {
-        return false;
-    }
-    memcpy(copied, leaves.leaves, leaves.leaf_count * sizeof(*copied));
-    columns.leaf_count = leaves.leaf_count;
-    columns.leaves = copied;
-    bool taken = stp_piece_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
+    stp_splat_leaf* copied = NULL;
+    bool taken = take_attributes(former, found.index, &columns) &&
+                 (copied = take_leaves(former, found.index, &columns)) != NULL &&
+                 stp_piece_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
                  stp_piece_find_surfels(work, key, shading_count, surfels, &candidates);
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        stp_free(former->quiet, columns.attributes[i]);
+    }
     stp_store_release_surfels(former->store, found.index);
     stp_free(former->quiet, copied);
     return taken;

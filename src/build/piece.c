@@ -16,8 +16,11 @@ enum {
     RADII_AT = COUNTS_AT + 4 * STP_PREFIX_TABLE_SIZE,
     MESH_HEAD = 64,
     COLUMNS_AT = RADII_AT + 4 * STP_PREFIX_TABLE_SIZE, ///< STP_SPLATS_*
-    LEAVES_AT = COLUMNS_AT + 4,
-    COLUMNS = 8,
+    ATTRIBUTES_AT = COLUMNS_AT + 4,                    ///< a bit for each attribute
+    LEAVES_AT = ATTRIBUTES_AT + 4,
+    ATTRIBUTE_COLUMN = 7,
+    LEAF_COLUMN = ATTRIBUTE_COLUMN + STP_ATTRIBUTES,
+    COLUMNS,
 };
 _Static_assert(LEAVES_AT + 4 <= SURFELS_HEAD, "the head holds the table");
 
@@ -70,6 +73,7 @@ static void write_surfels_head(const stp_splats* s, uint32_t candidates,
     put_u32(&at, candidates);
     stp_write_u32(head + COLUMNS_AT, s->columns);
     stp_write_u32(head + LEAVES_AT, s->leaf_count);
+    stp_write_u32(head + ATTRIBUTES_AT, stp_splats_attributes(s));
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         stp_write_u32(head + OCTAVES_AT + 4 * i, s->octave_ends[i]);
     }
@@ -112,13 +116,18 @@ static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t
     return true;
 }
 
+static bool has_bit(uint32_t mask, int attribute)
+{
+    return (mask & stp_attribute_bit((stp_attribute)attribute)) != 0;
+}
+
 static size_t pad(size_t size)
 {
     return (size + 63) & ~(size_t)63;
 }
 
 // Bytes of each column: at most 24 octaves of 2^32 surfels, so the sums fit.
-static void size_columns(const stp_splats* s, size_t sizes[COLUMNS])
+static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[COLUMNS])
 {
     size_t entries = (size_t)stp_store_pyramid_begin(s, s->octave_count);
     sizes[0] = 6 * (size_t)s->count;
@@ -128,7 +137,11 @@ static void size_columns(const stp_splats* s, size_t sizes[COLUMNS])
     sizes[4] = entries;
     sizes[5] = (s->columns & STP_SPLATS_SHAPES) != 0 ? 4 * (size_t)s->count : 0;
     sizes[6] = (s->columns & STP_SPLATS_RANGES) != 0 ? 4 * (size_t)s->count : 0;
-    sizes[7] = sizeof(stp_splat_leaf) * (size_t)s->leaf_count;
+    sizes[LEAF_COLUMN] = sizeof(stp_splat_leaf) * (size_t)s->leaf_count;
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        size_t size = stp_attribute_size((stp_attribute)i) * s->count;
+        sizes[ATTRIBUTE_COLUMN + i] = has_bit(attributes, i) ? size : 0;
+    }
 }
 
 /// Whether a set's columns make sense where a renderer relies on it.
@@ -161,13 +174,14 @@ static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_
         stp_store_surfels_fault(s) != NULL) {
         return false;
     }
+    uint32_t attributes = stp_read_u32((const unsigned char*)result + ATTRIBUTES_AT);
     size_t sizes[COLUMNS], offsets[COLUMNS], end = SURFELS_HEAD;
-    size_columns(s, sizes);
+    size_columns(s, attributes, sizes);
     for (int i = 0; i < COLUMNS; ++i) {
         offsets[i] = end;
         end += pad(sizes[i]);
     }
-    if (end != size) {
+    if (end != size || attributes >> STP_ATTRIBUTES != 0) {
         return false;
     }
     uintptr_t bytes = (uintptr_t)result; // read-only memory behind the type that heap sets have too
@@ -178,7 +192,11 @@ static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_
     s->coverages = (uint8_t*)(bytes + offsets[4]);
     s->shapes = sizes[5] != 0 ? (uint32_t*)(bytes + offsets[5]) : NULL;
     s->ranges = sizes[6] != 0 ? (uint32_t*)(bytes + offsets[6]) : NULL;
-    s->leaves = sizes[7] != 0 ? (stp_splat_leaf*)(bytes + offsets[7]) : NULL;
+    s->leaves = sizes[LEAF_COLUMN] != 0 ? (stp_splat_leaf*)(bytes + offsets[LEAF_COLUMN]) : NULL;
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        bool there = sizes[ATTRIBUTE_COLUMN + i] != 0;
+        s->attributes[i] = there ? (void*)(bytes + offsets[ATTRIBUTE_COLUMN + i]) : NULL;
+    }
     return true;
 }
 
@@ -204,10 +222,14 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* 
     unsigned char head[SURFELS_HEAD];
     write_surfels_head(surfels, candidates, head);
     size_t sizes[COLUMNS];
-    size_columns(surfels, sizes);
-    const void* const columns[COLUMNS] = {
-        surfels->positions, surfels->normals, surfels->materials, surfels->colors,
-        surfels->coverages, surfels->shapes,  surfels->ranges,    surfels->leaves};
+    size_columns(surfels, stp_splats_attributes(surfels), sizes);
+    const void* columns[COLUMNS] = {surfels->positions, surfels->normals,   surfels->materials,
+                                    surfels->colors,    surfels->coverages, surfels->shapes,
+                                    surfels->ranges};
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        columns[ATTRIBUTE_COLUMN + i] = surfels->attributes[i];
+    }
+    columns[LEAF_COLUMN] = surfels->leaves;
     stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SURFELS_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
         pieces[1 + 2 * i] = (stp_work_piece){columns[i], sizes[i]};

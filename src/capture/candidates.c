@@ -68,6 +68,9 @@ void stp_candidates_destroy(stp_context* context, stp_candidates* candidates)
     stp_free(context, candidates->normals);
     stp_free(context, candidates->colors);
     stp_free(context, candidates->materials);
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        stp_free(context, candidates->attributes[i]);
+    }
     stp_free(context, candidates->view_starts);
     stp_free(context, candidates->set_areas);
     for (uint32_t i = 0; i < candidates->silhouette_count; ++i) {

@@ -61,6 +61,8 @@ typedef struct stp_candidates {
     uint8_t* colors;  ///< RGBA each, sRGB: base colour with texture and vertex colour; alpha of a
                       ///< blended one; of a surfel of a set, how much of its disk is surface
     uint32_t* materials; ///< scene material; of a surfel of a set, its shading
+    /// Each NULL, or a value each (stipple/attributes.h): of points, and of surfels that are points.
+    void* attributes[STP_ATTRIBUTES];
     uint32_t*
         view_starts;    ///< direction_count + 1: where the candidates of each direction begin; NULL
                         ///< where there are none

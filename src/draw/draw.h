@@ -30,6 +30,13 @@ typedef enum stp_transparency {
     STP_TRANSPARENCY_PATTERN,
 } stp_transparency;
 
+/// What colours pixels have.
+typedef enum stp_draw_coloring {
+    STP_DRAW_OWN_COLORS, ///< of what is drawn; a store may give others for points (store/coloring.h)
+    STP_DRAW_ELEVATION,  ///< of their height in the scene
+    STP_DRAW_NORMALS, ///< of the normal, red to the right, green up, blue to the front of the scene; without light
+} stp_draw_coloring;
+
 typedef struct stp_draw_style {
     float splat_scale;    ///< times the radius of every splat; default 1
     uint32_t supersample; ///< n x n samples a pixel; default 1
@@ -45,7 +52,10 @@ typedef struct stp_draw_style {
     float ambient_occlusion; ///< reach of ambient occlusion, in heights of the picture; 0: none
     stp_transparency transparency;
     float ghost; ///< the part of a ghost's pixels that is drawn, above 0 to 1; 0: a fifth
-    bool caps;   ///< closed solids that the view's sections cut are filled (draw/caps.h)
+    stp_draw_coloring coloring; ///< others than own colours: without a filter
+    double elevation
+        [2];   ///< of STP_DRAW_ELEVATION: heights (y) at the ends of the scale, the lower first
+    bool caps; ///< closed solids that the view's sections cut are filled (draw/caps.h)
     /// Pixels that show a splat have the depth of its plane there, without the offset of its rim. CPU, without a filter.
     bool plane_depth;
 } stp_draw_style;

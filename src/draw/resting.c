@@ -79,7 +79,9 @@ bool stp_resting_is_same_style(const stp_draw_style* a, const stp_draw_style* b)
            a->filter == b->filter && a->splat_shape == b->splat_shape &&
            a->splat_texture == b->splat_texture && a->eye_dome == b->eye_dome &&
            a->ambient_occlusion == b->ambient_occlusion && a->caps == b->caps &&
-           a->ghost == b->ghost && a->transparency == b->transparency;
+           a->coloring == b->coloring && a->elevation[0] == b->elevation[0] &&
+           a->elevation[1] == b->elevation[1] && a->ghost == b->ghost &&
+           a->transparency == b->transparency;
 }
 
 bool stp_resting_continues(stp_resting* resting, const stp_view* view, const stp_draw_list* list,

@@ -4,6 +4,7 @@
 // faces. Splat clouds of Gaussian splatting come in as points with the colour of their first
 // coefficient. Up is y where nothing else is asked for, as in the format's first models.
 #include "import/ply.h"
+#include "import/point_columns.h"
 #include "import/surface.h"
 
 #include <math.h>
@@ -27,7 +28,8 @@ typedef struct vertices {
     const unsigned char* rows; ///< binary rows without lists; NULL: the values come one by one
     size_t count;
     float *positions, *normals, *texcoords, *colors;
-    atomic_bool bright; ///< a colour written as float is above 1
+    stp_ply_attributes attributes; ///< of points alone
+    atomic_bool bright;            ///< a colour written as float is above 1
     stp_ply_room room;
 } vertices;
 
@@ -91,7 +93,8 @@ static stp_result alloc_columns(vertices* v)
     v->normals = columns[1].bytes;
     v->texcoords = columns[2].bytes;
     v->colors = columns[3].bytes;
-    return result;
+    return result == STP_OK ? stp_ply_alloc_attributes(v->ply, &v->room, v->count, &v->attributes)
+                            : result;
 }
 
 static void store_row(vertices* v, size_t row, const double* n)
@@ -140,6 +143,14 @@ static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
             }
         }
         store_row(v, row, n);
+        for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+            const stp_ply_property* property = v->attributes.properties[i];
+            if (property != NULL) {
+                double value =
+                    stp_ply_value(bytes + property->offset, property->type, v->ply->encoding);
+                stp_ply_store_attribute(&v->attributes, i, row, value);
+            }
+        }
     }
 }
 
@@ -170,6 +181,11 @@ static stp_result read_rows_one_by_one(vertices* v, stp_ply_cursor* cursor)
                     n[slot] = value;
                 }
             }
+            for (int k = 0; k < STP_ATTRIBUTES && !property->is_list; ++k) {
+                if (v->attributes.properties[k] == property) {
+                    stp_ply_store_attribute(&v->attributes, k, row, value);
+                }
+            }
         }
         if (row == 0) {
             choose_origin(v, n);
@@ -184,6 +200,9 @@ static stp_result read_vertices(vertices* v, stp_ply_cursor* cursor)
     const stp_ply_element* element = v->element;
     const char* path = v->ply->import->path;
     find_slots(v);
+    if (!stp_ply_has_faces(v->ply)) {
+        stp_ply_find_attributes(element, &v->attributes);
+    }
     if (!has(v, X, Z)) {
         return stp_fail(v->ply->context, STP_ERROR_FORMAT, "%s: its vertices have no x, y and z",
                         path);
@@ -260,6 +279,9 @@ static void free_columns(vertices* v)
     stp_ply_free_column(v->ply, &v->room, v->normals);
     stp_ply_free_column(v->ply, &v->room, v->texcoords);
     stp_ply_free_column(v->ply, &v->room, v->colors);
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        stp_ply_free_column(v->ply, &v->room, v->attributes.columns[i]);
+    }
     stp_spill_destroy(v->room.scratch);
 }
 
@@ -293,6 +315,7 @@ static void drop_bad_points(vertices* v)
             if (v->colors != NULL) {
                 memcpy(v->colors + 4 * kept, v->colors + 4 * i, 4 * sizeof(float));
             }
+            stp_ply_move_attributes(&v->attributes, i, kept);
         }
         kept += 1;
     }
@@ -333,13 +356,12 @@ static stp_result add_points(vertices* v)
     stp_point_set set = {.point_count = (uint32_t)v->count,
                          .positions = v->positions,
                          .normals = v->normals,
-                         .colors = colors};
+                         .colors = colors,
+                         .spilled = v->room.spilled};
     v->positions = v->normals = NULL;
+    stp_ply_hand_attributes(&v->attributes, v->count, set.attributes);
     stp_ply_release_columns(v->ply, &v->room);
-    stp_part part = {.kind = STP_PART_POINTS};
-    stp_result result = v->room.spilled ? stp_scene_add_spilled_points(scene, &set, &part.index)
-                                        : stp_scene_add_point_set(scene, &set, &part.index);
-    return result != STP_OK ? result : stp_scene_add_part(scene, part);
+    return stp_point_columns_add(v->ply->import, &set);
 }
 
 static stp_result check_positions(const vertices* v)
@@ -411,12 +433,7 @@ static stp_result add_to_scene(vertices* v, stp_ply_faces* f)
         stp_warn(import->context, "%s: %llu faces with fewer than three corners are left out",
                  import->path, (unsigned long long)f->small);
     }
-    stp_affine* placed = &import->scene->objects[import->root].transform;
-    stp_affine shift = stp_affine_identity();
-    for (int i = 0; i < 3; ++i) {
-        shift.m[i][3] = v->origin[i];
-    }
-    *placed = stp_affine_multiply(*placed, shift);
+    stp_import_set_origin(import, v->origin);
     drop_zero_normals(v);
     return f->any ? add_mesh(v, f) : add_points(v);
 }

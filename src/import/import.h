@@ -12,6 +12,9 @@ typedef struct stp_import_desc {
     char up; ///< where the input does not say: 'x', 'y' or 'z', or 'X', 'Y' or 'Z' for the negative
              ///< axis; default what the format's users expect
     double unit_metres; ///< length of one input unit: where the input does not say; 0: unknown
+    const char*
+        columns; ///< of texts of points: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order;
+                 ///< NULL: found by their header, number and values
     uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats;
                                   ///< default 4 GiB
     uint32_t

@@ -7,6 +7,8 @@
 #include "import/text.h"
 #include "scene/bulk.h"
 
+#include <stdatomic.h>
+
 typedef enum stp_ply_type {
     STP_PLY_INT8,
     STP_PLY_UINT8,
@@ -110,6 +112,30 @@ typedef struct stp_ply_room {
 /// after a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
                                               stp_bulk_array columns[STP_PLY_COLUMNS]);
+/// Whether the header announces faces: vertices are those of a mesh.
+bool stp_ply_has_faces(const stp_ply* ply);
 void stp_ply_free_column(const stp_ply* ply, const stp_ply_room* room, void* column);
 /// Lets the system drop what was read, and what was spilled, from memory. Any thread.
 void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room);
+
+/// Attributes of points (scene/attributes.h) while they are read. Angles are degrees in the file. Strengths are brought to 65535
+/// from bytes, and from floats none of which is above 1; other numbers are kept.
+typedef struct stp_ply_attributes {
+    const stp_ply_property* properties[STP_ATTRIBUTES]; ///< NULL: the file has none
+    void* columns[STP_ATTRIBUTES];
+    bool scaled_later[STP_ATTRIBUTES];  ///< a column of floats, until all are known
+    atomic_bool strong[STP_ATTRIBUTES]; ///< a float is above 1
+} stp_ply_attributes;
+
+/// Finds the properties that are attributes. `a` is zero.
+void stp_ply_find_attributes(const stp_ply_element* element, stp_ply_attributes* a);
+/// Makes room for columns, in the scene's spill where the room is spilled; each is to be freed as other columns are, also after
+/// a failure. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_ply_alloc_attributes(const stp_ply* ply, const stp_ply_room* room,
+                                                 size_t count, stp_ply_attributes* a);
+/// Takes a value as the file has it. Rows in any order, from any thread.
+void stp_ply_store_attribute(stp_ply_attributes* a, int attribute, size_t row, double value);
+/// Copies a row's values to an earlier one.
+void stp_ply_move_attributes(stp_ply_attributes* a, size_t from, size_t to);
+/// Gives the columns, with values as a scene has them, to the caller.
+void stp_ply_hand_attributes(stp_ply_attributes* a, size_t count, void* columns[STP_ATTRIBUTES]);

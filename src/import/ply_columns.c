@@ -2,10 +2,9 @@
 // Where the vertices of a PLY file lie while they are read. Points are large in scans: they go to the
 // scene's spill at once where memory would not hold them twice.
 #include "import/ply.h"
+#include "import/point_columns.h"
 
-#define SHARE 2 ///< of what the scene keeps in memory: larger points go to its spill at once
-
-static bool has_faces(const stp_ply* ply)
+bool stp_ply_has_faces(const stp_ply* ply)
 {
     for (size_t i = 0; i < ply->element_count; ++i) {
         const stp_ply_element* element = &ply->elements[i];
@@ -26,7 +25,7 @@ stp_result stp_ply_alloc_columns(const stp_ply* ply, stp_ply_room* room,
         size += columns[i].size;
     }
     *room = (stp_ply_room){0};
-    room->spilled = scene->spill != NULL && size > scene->spill_above / SHARE && !has_faces(ply);
+    room->spilled = stp_points_go_to_spill(scene, size) && !stp_ply_has_faces(ply);
     if (room->spilled) {
         stp_result result = stp_spill_create_beside(scene->spill, &room->scratch);
         result = result == STP_OK ? stp_bulk_alloc_spilled(scene->spill, columns, 2) : result;
@@ -50,10 +49,7 @@ void stp_ply_free_column(const stp_ply* ply, const stp_ply_room* room, void* col
 void stp_ply_release_columns(const stp_ply* ply, const stp_ply_room* room)
 {
     if (room->spilled) {
-        if (!ply->import->alone) { // mapped
-            stp_file_forget(&ply->import->file);
-        }
-        stp_spill_release_pages(ply->import->scene->spill);
+        stp_point_columns_release(ply->import, &(stp_point_set){.spilled = true});
         stp_spill_release_pages(room->scratch);
     }
 }

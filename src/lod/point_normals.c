@@ -14,6 +14,7 @@ enum {
     BATCH = 64,          ///< points whose sums are made together
     MOST_SQUARINGS = 12, ///< of the matrix: its 4096th power
     LEAST_NEIGHBOURS = 4,
+    DOUBLINGS = 4, ///< of the radius, for points that have fewer
 };
 #define CONVERGED 1e-12 // what else than the largest eigenvalue leaves of the trace
 
@@ -23,6 +24,7 @@ typedef struct normal_search {
     stp_sum_neighbours* sum_neighbours;
     stp_candidates* candidates;
     uint32_t point_count; ///< surfels of sets come after them
+    uint8_t* lonely;      ///< by candidate: 1 where it has too few neighbours so far
 } normal_search;
 
 /// A symmetric matrix.
@@ -79,25 +81,48 @@ static stp_vec3 flattest_direction(const float sums[STP_NORMAL_SUMS])
     return direction.y < 0.0f ? stp_scale(direction, -1.0f) : direction;
 }
 
+/// Takes the normal of the candidate at a place of the grid from the sums of its neighbours.
+static void take_normal(const normal_search* s, size_t at, const float sums[STP_NORMAL_SUMS])
+{
+    uint32_t index = s->grid->index[at];
+    if (index >= s->point_count) {
+        return;
+    }
+    stp_vec3 normal = {0, 1, 0};
+    bool lonely = sums[0] < (float)LEAST_NEIGHBOURS;
+    if (!lonely) {
+        normal = flattest_direction(sums);
+        normal = stp_dot(normal, normal) > 0.0f ? normal : (stp_vec3){0, 1, 0};
+    }
+    memcpy(s->candidates->normals + 3 * (size_t)index, &normal, sizeof(normal));
+    s->lonely[index] = lonely ? 1 : 0;
+}
+
 static void estimate_normals(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const normal_search* s = user;
-    const stp_grid* grid = s->grid;
     float sums[BATCH][STP_NORMAL_SUMS];
     for (size_t first = begin; first < end; first += BATCH) {
         size_t last = first + BATCH < end ? first + BATCH : end;
-        s->sum_neighbours(grid, s->radius, first, last, sums);
+        s->sum_neighbours(s->grid, s->radius, first, last, sums);
         for (size_t at = first; at < last; ++at) {
-            stp_vec3 normal = {0, 1, 0};
-            if (sums[at - first][0] >= (float)LEAST_NEIGHBOURS) {
-                normal = flattest_direction(sums[at - first]);
-                normal = stp_dot(normal, normal) > 0.0f ? normal : (stp_vec3){0, 1, 0};
-            }
-            if (grid->index[at] < s->point_count) {
-                memcpy(s->candidates->normals + 3 * (size_t)grid->index[at], &normal,
-                       sizeof(normal));
-            }
+            take_normal(s, at, sums[at - first]);
+        }
+    }
+}
+
+/// The same of points that have too few neighbours so far.
+static void estimate_lonely(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const normal_search* s = user;
+    float sums[1][STP_NORMAL_SUMS];
+    for (size_t at = begin; at < end; ++at) {
+        uint32_t index = s->grid->index[at];
+        if (index < s->point_count && s->lonely[index] != 0) {
+            s->sum_neighbours(s->grid, s->radius, at, at + 1, sums);
+            take_normal(s, at, sums[0]);
         }
     }
 }
@@ -112,6 +137,28 @@ static stp_sum_neighbours* choose_kernel(void)
     return stp_sum_neighbours_portable;
 }
 
+static bool has_lonely(const normal_search* s)
+{
+    return memchr(s->lonely, 1, s->point_count) != NULL;
+}
+
+/// One pass over all points, or over those that had too few neighbours.
+static stp_result search_within(stp_context* context, normal_search* s, float radius, bool all)
+{
+    const stp_candidates* c = s->candidates;
+    stp_grid grid;
+    stp_result result = stp_grid_create_uncrowded(context, c->positions, c->normals, c->count,
+                                                  2.002f * radius, &grid);
+    if (result != STP_OK) {
+        return result;
+    }
+    s->grid = &grid;
+    s->radius = grid.cell / 2.002f;
+    stp_parallel_for(context, c->count, GRAIN, all ? estimate_normals : estimate_lonely, s);
+    stp_grid_destroy(context, &grid);
+    return STP_OK;
+}
+
 stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
                                       float radius)
 {
@@ -119,18 +166,18 @@ stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* cand
     if (!(radius > 0.0f) || point_count == 0) {
         return STP_OK;
     }
-    stp_grid grid;
-    stp_result result =
-        stp_grid_create_uncrowded(context, candidates->positions, candidates->normals,
-                                  candidates->count, 2.002f * radius, &grid);
-    if (result == STP_OK) {
-        normal_search search = {.grid = &grid,
-                                .radius = grid.cell / 2.002f,
-                                .sum_neighbours = choose_kernel(),
-                                .candidates = candidates,
-                                .point_count = point_count};
-        stp_parallel_for(context, candidates->count, GRAIN, estimate_normals, &search);
-        stp_grid_destroy(context, &grid);
+    normal_search search = {.sum_neighbours = choose_kernel(),
+                            .candidates = candidates,
+                            .point_count = point_count,
+                            .lonely = STP_NEW_ZEROED(context, uint8_t, point_count)};
+    if (search.lonely == NULL) {
+        return stp_fail_memory(context);
     }
+    stp_result result = search_within(context, &search, radius, true);
+    for (int i = 0; i < DOUBLINGS && result == STP_OK && has_lonely(&search); ++i) {
+        radius *= 2.0f;
+        result = search_within(context, &search, radius, false);
+    }
+    stp_free(context, search.lonely);
     return result;
 }

@@ -112,6 +112,59 @@ static stp_result count_points(const stp_scene* scene, const stp_source_list* li
     return STP_OK;
 }
 
+// Which attributes any of the sources has.
+static uint32_t find_attributes(const stp_scene* scene, const stp_source_list* list)
+{
+    uint32_t mask = 0;
+    for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
+        bool any = false;
+        for (size_t i = 0; i < list->part_count && !any; ++i) {
+            any = scene->point_sets[list->parts[i].part.index].attributes[a] != NULL;
+        }
+        for (size_t i = 0; i < list->set_count && !any; ++i) {
+            any = list->sets[i].surfels->attributes[a] != NULL;
+        }
+        mask |= any ? stp_attribute_bit((stp_attribute)a) : 0;
+    }
+    return mask;
+}
+
+// Copies values to their candidates; sources without the attribute have 0.
+static size_t copy_values(const void* from, size_t count, size_t size, size_t first, void* to)
+{
+    if (from != NULL) {
+        memcpy((unsigned char*)to + first * size, from, count * size);
+    }
+    return first + count;
+}
+
+// Points first, then the surfels of sets: the order of the candidates.
+static stp_result gather_attributes(const stp_scene* scene, const stp_source_list* list,
+                                    size_t count, stp_candidates* candidates)
+{
+    uint32_t mask = find_attributes(scene, list);
+    for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
+        size_t size = stp_attribute_size((stp_attribute)a), first = 0;
+        if ((mask & stp_attribute_bit((stp_attribute)a)) == 0) {
+            continue;
+        }
+        void* column = stp_alloc_zeroed(scene->context, count, size);
+        if (column == NULL) {
+            return stp_fail_memory(scene->context);
+        }
+        candidates->attributes[a] = column;
+        for (size_t i = 0; i < list->part_count; ++i) {
+            const stp_point_set* set = &scene->point_sets[list->parts[i].part.index];
+            first = copy_values(set->attributes[a], set->point_count, size, first, column);
+        }
+        for (size_t i = 0; i < list->set_count; ++i) {
+            const stp_placed_set* set = &list->sets[i];
+            first = copy_values(set->surfels->attributes[a], set->prefix, size, first, column);
+        }
+    }
+    return STP_OK;
+}
+
 static stp_result allocate(stp_context* context, size_t count, stp_candidates* candidates)
 {
     candidates->positions = STP_NEW_ARRAY(context, float, 3 * count);
@@ -139,6 +192,7 @@ stp_result stp_candidates_of_cloud(const stp_scene* scene, const stp_source_list
         place_set(&p);
     }
     candidates->count = (uint32_t)p.first;
+    result = result == STP_OK ? gather_attributes(scene, list, (size_t)count, candidates) : result;
     if (result == STP_OK && list->set_count != 0) {
         result = stp_candidates_add_sets(scene->context, list->sets, list->set_count, candidates);
     }

@@ -13,8 +13,9 @@ STP_MUST_USE stp_result stp_candidates_of_cloud(const stp_scene* scene, const st
 /// Whether all point sets of a list have normals.
 bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* list);
 
-/// Gives candidates that are points the normal of the candidates within `radius` of them, facing up rather than down; where
-/// they are too few, straight up. Surfels of sets keep theirs.
+/// Gives candidates that are points the normal of the candidates within `radius` of them, facing up rather than down. Where
+/// they are fewer than four, itself included, the radius is doubled, up to four times; where that does not help, the normal is
+/// straight up. Surfels of sets keep theirs.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_estimate_point_normals(stp_context* context, stp_candidates* candidates,
                                                    float radius);

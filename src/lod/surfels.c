@@ -11,6 +11,9 @@ void stp_splats_destroy(stp_context* context, stp_splats* surfels)
     stp_free(context, surfels->shapes);
     stp_free(context, surfels->ranges);
     stp_free(context, surfels->leaves);
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        stp_free(context, surfels->attributes[i]);
+    }
     *surfels = (stp_splats){0};
 }
 

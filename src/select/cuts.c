@@ -33,31 +33,40 @@ static stp_progressive_cut find(const uint32_t* ranges, uint32_t here, uint32_t 
     return count_drawn(ranges, &cut) == cut.splats ? cut : (stp_progressive_cut){0};
 }
 
-stp_result stp_select_count_most(stp_selection* s, uint32_t node, uint32_t* most)
+stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* most, bool* ends)
 {
-    uint32_t* known = &s->list->graph->most[node];
-    uint32_t set = stp_select_set_of(s, node), base = 0;
-    const stp_splats* whole = stp_store_describe_surfels(s->store, set);
-    *most = *known > 0 ? *known : whole->count;
-    if (*known > 0 || s->rule != &stp_select_rule_splits) {
-        return STP_OK;
-    }
+    const stp_splats* whole = stp_store_describe_surfels(store, set);
+    uint32_t base = 0;
     stp_splats got = {0};
-    stp_result result = STP_OK;
     for (uint32_t k = 1; k <= whole->octave_count && base == got.count; ++k) {
-        result = stp_store_get_surfels_prefix(s->store, set, k, &got);
+        stp_result result = stp_store_get_surfels_prefix(store, set, k, &got);
         if (result != STP_OK || got.ranges == NULL) {
+            *most = whole->count;
+            *ends = false;
             return result;
         }
         while (base < got.count && got.ranges[base] >> 16 >= STP_RANGE_INFINITE) {
             base += 1;
         }
     }
+    *ends = base < got.count || got.count == whole->count;
     base = base > 0 ? base : 1;        // of a set of which nothing is here
     *most = (whole->count + base) / 2; // each split replaces one splat by two
-    bool ends = base < got.count || got.count == whole->count;
-    *known = ends ? *most : 0;
     return STP_OK;
+}
+
+stp_result stp_select_count_most(stp_selection* s, uint32_t node, uint32_t* most)
+{
+    uint32_t* known = &s->list->graph->most[node];
+    uint32_t set = stp_select_set_of(s, node);
+    *most = *known > 0 ? *known : stp_store_describe_surfels(s->store, set)->count;
+    if (*known > 0 || s->rule != &stp_select_rule_splits) {
+        return STP_OK;
+    }
+    bool ends = false;
+    stp_result result = stp_select_count_states(s->store, set, most, &ends);
+    *known = result == STP_OK && ends ? *most : 0;
+    return result;
 }
 
 /// Room for one more than `count`.

@@ -7,6 +7,8 @@
 #include "select/pick_internal.h"
 #include "select/pick_mask.h"
 #include "store/clusters.h"
+#include "store/coloring.h"
+#include "store/columns.h"
 #include "store/format.h"
 #include "store/residency.h"
 
@@ -293,36 +295,86 @@ static stp_result pick_mesh(stp_pick_work* work, stp_store_part part, const stp_
                : result;
 }
 
+/// Points of a point set, or the splats of the set that holds them.
+typedef struct point_source {
+    stp_store_point_set points;
+    stp_splats set;           ///< its positions are NULL: there is none
+    const uint8_t* coverages; ///< of the splats, where classes are hidden: 0 is hidden
+    uint32_t count;
+} point_source;
+
+static stp_result open_points(stp_pick_work* work, uint32_t index, point_source* source)
+{
+    bool hides = stp_store_get_coloring(work->store)->hides;
+    *source = (point_source){.points = *stp_store_describe_point_set(work->store, index)};
+    if (source->points.held_by == 0) {
+        stp_result result = stp_store_get_point_set(work->store, index, &source->points);
+        source->points.colors = hides ? source->points.colors : NULL;
+        source->count = source->points.point_count;
+        return result;
+    }
+    stp_splats* set = &source->set;
+    stp_result result = stp_store_get_surfels(work->store, source->points.held_by - 1, set);
+    source->points.colors = NULL;
+    source->count = set->count;
+    if (result == STP_OK && hides && set->count > 0) {
+        source->coverages = set->coverages + stp_store_pyramid_begin(set, set->octave_count - 1);
+    }
+    return result;
+}
+
+static bool is_hidden(const point_source* source, uint32_t index)
+{
+    return (source->points.colors != NULL && source->points.colors[4 * (size_t)index + 3] == 0) ||
+           (source->coverages != NULL && source->coverages[index] == 0);
+}
+
+static stp_vec3 place_of(const point_source* source, uint32_t index)
+{
+    const stp_splats* set = &source->set;
+    if (set->positions == NULL) {
+        return read_vertex(source->points.positions, index);
+    }
+    const uint16_t* p = set->positions + 3 * (size_t)index;
+    double step = (double)set->step;
+    return (stp_vec3){(float)((double)set->origin.x + step * (double)p[0]),
+                      (float)((double)set->origin.y + step * (double)p[1]),
+                      (float)((double)set->origin.z + step * (double)p[2])};
+}
+
 static stp_result pick_points(stp_pick_work* work, stp_store_part part, const stp_affine* transform,
                               const ray_map* map)
 {
-    stp_store_point_set points;
+    point_source source;
     nearest_element nearest = {0};
-    stp_result result = stp_store_get_point_set(work->store, part.index, &points);
+    stp_result result = open_points(work, part.index, &source);
     if (result != STP_OK) {
         return result;
     }
     const stp_pick_desc* desc = work->desc;
-    for (uint32_t i = 0; i < points.point_count; ++i) {
-        corner c = turn(map, points.positions + 3 * (size_t)i);
+    for (uint32_t i = 0; i < source.count; ++i) {
+        if (is_hidden(&source, i)) {
+            continue;
+        }
+        stp_vec3 own = place_of(&source, i);
+        corner c = turn(map, (float[3]){own.x, own.y, own.z});
         double reach = desc->point_base + desc->point_slope * c.t;
-        stp_vec3d place =
-            stp_affine_point(transform, stp_to_double(read_vertex(points.positions, i)));
+        stp_vec3d place = stp_affine_point(transform, stp_to_double(own));
         if (reach > 0.0 && c.x * c.x + c.y * c.y <= reach * reach && counts(work, c.t, place)) {
             nearest = (nearest_element){.found = true, .index = i, .t = c.t};
             work->nearest = c.t;
         }
     }
-    work->pick->tests += points.point_count;
+    work->pick->tests += source.count;
     if (nearest.found) {
         stp_pick* pick = work->pick;
-        stp_vec3 place = read_vertex(points.positions, nearest.index);
         pick->hit = true;
         pick->part = part;
         pick->element = nearest.index;
         pick->distance = nearest.t;
-        pick->position = stp_affine_point(transform, stp_to_double(place));
-        pick->material = points.material;
+        pick->position =
+            stp_affine_point(transform, stp_to_double(place_of(&source, nearest.index)));
+        pick->material = source.points.material;
         pick->normal = stp_scaled(desc->ray.direction, -1.0);
         pick->corners[0] = pick->corners[1] = pick->corners[2] = pick->position;
     }

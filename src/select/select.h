@@ -192,3 +192,11 @@ STP_MUST_USE stp_result stp_select_rejected(stp_context* context, stp_store* sto
                                             const stp_view* view, const stp_quality* quality,
                                             stp_draw_list* list);
 void stp_draw_list_destroy(stp_context* context, stp_draw_list* list);
+
+/// How many splats the largest state of a set of `psp` has: as many as the whole set has, less the
+/// parents. Reads octaves until the base set ends.
+/// @param most the count of the set where it has no ranges or nothing can be read
+/// @param ends whether the end of the base set is known; else more octaves may give another count
+/// @return STP_OK, or as stp_store_get_surfels_prefix
+STP_MUST_USE stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* most,
+                                                bool* ends);

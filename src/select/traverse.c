@@ -114,6 +114,9 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
         count = mesh->triangle_count;
     } else {
         const stp_store_point_set* points = stp_store_describe_point_set(s->store, part.index);
+        if (points->held_by != 0 && s->streams) {
+            return STP_OK; // they come with their set
+        }
         item.kind = STP_DRAW_POINTS;
         item.prefix = item.full_prefix = points->point_count;
         count = points->point_count;

@@ -173,6 +173,28 @@ stp_result stp_store_get_clusters(stp_store* store, uint32_t index, stp_clusters
     return STP_OK;
 }
 
+// Colours that are not the file's, in memory of their own.
+static stp_result color_points(stp_store* store, uint32_t index, stp_store_point_record* record,
+                               stp_store_point_set* made)
+{
+    stp_store_block_source source = {.read = stp_store_read_mapped, .user = store};
+    uint64_t read_bytes = 0;
+    record->colored = stp_alloc_array(store->context, (size_t)made->point_count + 1, 4);
+    if (record->colored == NULL) {
+        return stp_fail_memory(store->context);
+    }
+    const char* fault =
+        stp_store_color_points(store, index, made->colors, &source, record->colored, &read_bytes);
+    if (fault != NULL) {
+        stp_free(store->context, record->colored);
+        record->colored = NULL;
+        stp_store_values values = stp_store_values_of(store, STP_BLOCK_POINT_ATTRIBUTES, index, 0);
+        return stp_store_fail_block(store, values.block, fault);
+    }
+    made->colors = record->colored;
+    return STP_OK;
+}
+
 stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_point_set* points)
 {
     if (index >= store->directory.point_set_count) {
@@ -180,6 +202,12 @@ stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_p
     }
     stp_store_point_record* records = store->tables[STP_SECTION_POINT_SETS];
     stp_store_point_record* record = &records[index];
+    if (!record->checked && record->points.held_by != 0) {
+        stp_result result = stp_store_make_held_points(store, index, record);
+        if (result != STP_OK) {
+            return result;
+        }
+    }
     if (!record->checked) {
         const unsigned char* bytes = NULL;
         stp_result result =
@@ -191,6 +219,9 @@ stp_result stp_store_get_point_set(stp_store* store, uint32_t index, stp_store_p
         stp_store_find_point_columns(record->present, bytes, &made);
         stp_store_judge judge = stp_store_own_judge(store);
         result = stp_store_judge_point_data(&judge, index, &made);
+        if (result == STP_OK && stp_store_is_colored(store)) {
+            result = color_points(store, index, record, &made);
+        }
         if (result != STP_OK) {
             return result;
         }

@@ -147,6 +147,9 @@ static stp_result check_block(stp_store* store, const stp_store_block* block)
     }
     case STP_BLOCK_TEXTURE:
         return check_texture(store, block);
+    case STP_BLOCK_ATTRIBUTES:
+    case STP_BLOCK_POINT_ATTRIBUTES:
+        return stp_store_check_values(store, block);
     default: // what a newer version adds is unknown
         return stp_store_verify_block(store, block, &bytes);
     }

@@ -29,8 +29,7 @@ enum {
     STP_STORE_LEAF_BYTES = 16,
 };
 
-/// Section types. Those above 22 are reserved: 33 bone weights, 34 point
-/// attributes; from 0x80000000 on they are free for private use.
+/// Section types. 33 is reserved for bone weights; from 0x80000000 on they are free for private use.
 typedef enum stp_store_section_type {
     STP_SECTION_NODES = 1,
     STP_SECTION_EDGES,
@@ -54,11 +53,15 @@ typedef enum stp_store_section_type {
     STP_SECTION_SCENE_PARTS,
     STP_SECTION_PAGES,
     STP_SECTION_KEYS,
-    STP_SECTION_CLUSTERS = 32, ///< which meshes are coded; critical
-    STP_SECTION_METHODS = 35,  ///< methods of the file's sets; critical
-    STP_SECTION_METHOD_NODES,  ///< nodes of the sets of all methods but the first; critical
-    STP_SECTION_LEAVES,        ///< leaves of sets
-    STP_SECTION_END            ///< one more than the last known type
+    STP_SECTION_CLUSTERS = 32,    ///< which meshes are coded; critical
+    STP_SECTION_ATTRIBUTES = 34,  ///< attributes of points, in figures
+    STP_SECTION_METHODS = 35,     ///< methods of the file's sets; critical
+    STP_SECTION_METHOD_NODES,     ///< nodes of the sets of all methods but the first; critical
+    STP_SECTION_ATTRIBUTE_VALUES, ///< how many points have which class
+    STP_SECTION_ATTRIBUTE_BLOCKS, ///< what blocks of attributes hold
+    STP_SECTION_COORDINATES,      ///< coordinate systems of sources
+    STP_SECTION_LEAVES,           ///< leaves of sets
+    STP_SECTION_END               ///< one more than the last known type
 } stp_store_section_type;
 
 enum {
@@ -71,12 +74,14 @@ typedef enum stp_store_block_kind {
     STP_BLOCK_POINT_SET,
     STP_BLOCK_TEXTURE,
     STP_BLOCK_SURFELS,
-    STP_BLOCK_CLUSTERS,   ///< a coded mesh
-    STP_BLOCK_LEAVES = 8, ///< of a surfel set
+    STP_BLOCK_CLUSTERS,         ///< a coded mesh
+    STP_BLOCK_ATTRIBUTES = 7,   ///< of an octave of a surfel set
+    STP_BLOCK_POINT_ATTRIBUTES, ///< of a point set
+    STP_BLOCK_LEAVES,           ///< of a surfel set
     STP_BLOCK_END
 } stp_store_block_kind;
 
-/// Whether this version knows blocks of a kind: 6 and 7 are reserved.
+/// Whether blocks of a kind each belong to a record that names them. 6 is reserved; those of attributes are listed (section 38).
 static inline bool stp_store_knows_block(uint32_t kind)
 {
     return (kind >= STP_BLOCK_MESH && kind <= STP_BLOCK_CLUSTERS) || kind == STP_BLOCK_LEAVES;

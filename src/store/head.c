@@ -52,6 +52,10 @@ static stp_result verify_texts(stp_store* store)
         result = result != STP_OK
                      ? result
                      : stp_store_verify_text(store, STP_SECTION_TEXT, &uses, d->sources[i].format);
+        const char* coordinates = d->sources[i].coordinate_system;
+        result = result != STP_OK
+                     ? result
+                     : stp_store_verify_text(store, STP_SECTION_TEXT, &uses, coordinates);
     }
     return result;
 }
@@ -78,6 +82,7 @@ stp_result stp_store_read_head(stp_store* store)
         result = stp_store_read_table(store, types[i], &text);
     }
     result = result != STP_OK ? result : stp_store_judge_summary(store);
+    result = result != STP_OK ? result : stp_store_read_figures(store, &text);
     result = result != STP_OK ? result : stp_store_read_method_names(store, &text);
     result = result != STP_OK ? result : stp_store_read_text(store, STP_SECTION_BUILD, &text);
     if (result != STP_OK) {

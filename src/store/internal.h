@@ -3,10 +3,13 @@
 #pragma once
 
 #include "base/file.h"
+#include "store/chunks.h"
+#include "store/coloring.h"
 #include "store/columns.h"
 #include "store/packed.h"
 #include "store/records.h"
 #include "store/validate.h"
+#include "store/values.h"
 
 /// What was read of a packed section.
 typedef struct stp_store_packed {
@@ -41,6 +44,10 @@ struct stp_store {
     stp_store_summary summary; ///< its parts are the table's
     stp_store_method* methods; ///< of the directory
     uint32_t* method_sets;     ///< of all methods but the first: by method, then by node
+    /// Of each octave, then of each point set, the record of its block of attributes; STP_STORE_NONE: it has none. NULL: there
+    /// are none in the file.
+    uint32_t* attribute_blocks;
+    stp_store_coloring coloring;
     bool objects_ready;
     bool partial;           ///< opened for its summary: the graph and what hangs on it was not read
     uint8_t* pages_checked; ///< a bit for each page of the sections that are not packed
@@ -164,6 +171,34 @@ const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
 STP_MUST_USE stp_result stp_store_read_methods(stp_store* store, stp_store_text* text);
 /// The methods alone, of a store opened for its summary.
 STP_MUST_USE stp_result stp_store_read_method_names(stp_store* store, stp_store_text* text);
+
+/// Reads figures of attributes and coordinate systems; the sources are there.
+STP_MUST_USE stp_result stp_store_read_figures(stp_store* store, stp_store_text* text);
+/// Fits blocks of attributes to their owners, which are linked.
+STP_MUST_USE stp_result stp_store_link_attributes(stp_store* store);
+/// The block of attributes of an octave or point set, read from the mapped file; without a block where it has none here.
+stp_store_values stp_store_values_of(const stp_store* store, uint32_t kind, uint32_t owner,
+                                     uint32_t octave);
+/// Whether colours or coverages are not the file's own.
+bool stp_store_is_colored(const stp_store* store);
+/// Drops what memory was made for points: they are read again when they are asked for.
+void stp_store_release_points(stp_store* store);
+/// Gives a point record the columns of the set that holds its points, in memory that the record owns.
+/// @return STP_OK; STP_ERROR_TRUNCATED, and as stp_store_get_surfels
+STP_MUST_USE stp_result stp_store_make_held_points(stp_store* store, uint32_t index,
+                                                   stp_store_point_record* record);
+
+/// Puts a store's own colours and marks in the place of those of an octave that was just read; the octaves before are there.
+/// `source` tells how the file is read. Nothing is done where points are not coloured. @return as stp_store_read_chunks
+const char* stp_store_color_octave(const stp_store* store, uint32_t index, uint32_t octave,
+                                   const stp_splats* surfels, const stp_store_block_source* source,
+                                   uint64_t* read_bytes);
+/// Makes the colours of a point set, 4 bytes each, from those it has (NULL: white).
+const char* stp_store_color_points(const stp_store* store, uint32_t index, const uint8_t* colors,
+                                   const stp_store_block_source* source, uint8_t* colored,
+                                   uint64_t* read_bytes);
+/// Checks all that a block of attributes holds.
+STP_MUST_USE stp_result stp_store_check_values(stp_store* store, const stp_store_block* block);
 
 typedef struct stp_store_large stp_store_large;
 /// Frees the lists of large triangles.

@@ -200,6 +200,22 @@ static stp_result link_mesh(const stp_store* store, uint32_t index)
     return judge_block(store, record->block, wanted);
 }
 
+// Points that a set of splats holds have no block.
+static stp_result link_held_points(const stp_store* store, uint32_t index)
+{
+    const stp_store_point_record* sets = store->tables[STP_SECTION_POINT_SETS];
+    const stp_store_surfels_record* splats = store->tables[STP_SECTION_SURFELS];
+    const stp_store_point_record* record = &sets[index];
+    uint32_t set = record->points.held_by - 1;
+    if (record->block != STP_STORE_NONE ||
+        record->present != (STP_COLUMN_NORMALS | STP_COLUMN_COLORS) ||
+        set >= store->counts[STP_SECTION_SURFELS]) {
+        return fail_format(store, "point set", index, "names no surfel set that could hold it");
+    }
+    stp_store_judge judge = stp_store_own_judge(store);
+    return stp_store_judge_held_points(&judge, index, &record->points, &splats[set].surfels);
+}
+
 static stp_result link_points(const stp_store* store, uint32_t index)
 {
     const stp_store_point_record* sets = store->tables[STP_SECTION_POINT_SETS];
@@ -212,6 +228,9 @@ static stp_result link_points(const stp_store* store, uint32_t index)
     };
     if (record->present > (STP_COLUMN_NORMALS | STP_COLUMN_COLORS)) {
         return fail_format(store, "point set", index, "has columns that are not of this version");
+    }
+    if (record->points.held_by != 0) {
+        return link_held_points(store, index);
     }
     return judge_block(store, record->block, wanted);
 }
@@ -269,9 +288,13 @@ stp_result stp_store_link_blocks(stp_store* store)
         return result;
     }
     // every owner has its own blocks (textures that share one: the first of them), so equal numbers mean that no block is nobody's
+    const stp_store_point_record* points = store->tables[STP_SECTION_POINT_SETS];
     uint64_t owned = (uint64_t)store->counts[STP_SECTION_OCTAVES] +
-                     store->counts[STP_SECTION_MESHES] + store->counts[STP_SECTION_POINT_SETS] +
-                     stp_store_count_texture_blocks(store) + leaf_tables;
+                     store->counts[STP_SECTION_MESHES] + stp_store_count_texture_blocks(store) +
+                     leaf_tables;
+    for (uint32_t i = 0; i < store->counts[STP_SECTION_POINT_SETS]; ++i) {
+        owned += points[i].points.held_by == 0 ? 1 : 0;
+    }
     uint64_t known = 0;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_BLOCKS]; ++i) {
         uint32_t kind = stp_store_block_at(store, i)->kind;
@@ -281,5 +304,5 @@ stp_result stp_store_link_blocks(stp_store* store)
         return stp_fail(store->context, STP_ERROR_FORMAT, "%s: a block belongs to nothing",
                         store->path);
     }
-    return STP_OK;
+    return stp_store_link_attributes(store);
 }

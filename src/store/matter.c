@@ -65,7 +65,9 @@ stp_result stp_store_matter_of_file(const stp_store* store, stp_store_matter* ma
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
         matter->point_sets[i] = (stp_store_amount){
             .count = point_sets[i].points.point_count,
-            .bytes = stp_store_block_at(store, point_sets[i].block)->size,
+            .bytes = point_sets[i].points.held_by == 0
+                         ? stp_store_block_at(store, point_sets[i].block)->size
+                         : 0,
             .material = point_sets[i].points.material,
         };
     }
@@ -99,7 +101,8 @@ stp_result stp_store_matter_of_plan(stp_context* context, const stp_store_conten
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
         matter->point_sets[i] = (stp_store_amount){
             .count = content->point_sets[i].point_count,
-            .bytes = plan->blocks[plan->point_blocks[i]].size,
+            .bytes =
+                content->point_sets[i].held_by == 0 ? plan->blocks[plan->point_blocks[i]].size : 0,
             .material = content->point_sets[i].material,
         };
     }

@@ -217,6 +217,9 @@ stp_result stp_store_add_octave(stp_store* store, uint32_t index, uint32_t octav
     stp_store_octave_targets(surfels, octave, targets);
     const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
                                               targets, &read_bytes);
+    if (fault == NULL) {
+        fault = stp_store_color_octave(store, index, octave, surfels, &source, &read_bytes);
+    }
     stp_free(store->context, source.waiting);
     if (fault != NULL) {
         return stp_store_fail_block(store, block, fault);

@@ -28,6 +28,24 @@ uint32_t stp_store_points_present(const stp_store_point_set* points)
            (points->colors != NULL ? (uint32_t)STP_COLUMN_COLORS : 0);
 }
 
+static uint32_t points_attributes(const stp_store_point_set* points)
+{
+    uint32_t mask = 0;
+    for (uint32_t i = 0; i < STP_ATTRIBUTES && points->held_by == 0; ++i) {
+        bool there = points->attributes[i] != NULL && points->point_count != 0;
+        mask |= there ? stp_attribute_bit((stp_attribute)i) : 0;
+    }
+    return mask;
+}
+
+uint32_t stp_store_planned_attributes(const stp_store_content* content,
+                                      const stp_store_block* block)
+{
+    return block->kind == STP_BLOCK_ATTRIBUTES
+               ? stp_splats_attributes(&content->surfels[block->owner])
+               : points_attributes(&content->point_sets[block->owner]);
+}
+
 // How much longer a transform can make a length: exact for rotations with scales along the axes.
 static double largest_scale(const stp_affine* transform)
 {
@@ -204,6 +222,39 @@ static valued_block value_texture(const stp_store_content* content, uint32_t ind
     return (valued_block){block, 0.0};
 }
 
+// Attributes of an octave: its radius orders them, and is not told.
+static valued_block value_octave_attributes(const stp_store_content* content, uint32_t set,
+                                            uint32_t octave, double scale)
+{
+    valued_block made = value_octave(content, set, octave, scale);
+    made.block = (stp_store_block){.kind = STP_BLOCK_ATTRIBUTES, .owner = set, .octave = octave};
+    return made;
+}
+
+// How many blocks of attributes there are.
+static uint64_t count_attribute_blocks(const stp_store_content* content)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < content->directory.surfels_count; ++i) {
+        const stp_splats* set = &content->surfels[i];
+        count += stp_splats_attributes(set) != 0 ? set->octave_count : 0;
+    }
+    for (uint32_t i = 0; i < content->directory.point_set_count; ++i) {
+        count += points_attributes(&content->point_sets[i]) != 0 ? 1 : 0;
+    }
+    return count;
+}
+
+// Point sets that no set of splats holds.
+static uint64_t count_point_blocks(const stp_store_content* content)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < content->directory.point_set_count; ++i) {
+        count += content->point_sets[i].held_by == 0 ? 1 : 0;
+    }
+    return count;
+}
+
 // Adds the blocks of all owners, in no order yet. @return how many
 static uint32_t add_blocks(const stp_store_content* content, const shown* s,
                            const uint32_t* texture_owners, valued_block* blocks)
@@ -213,6 +264,9 @@ static uint32_t add_blocks(const stp_store_content* content, const shown* s,
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
         for (uint32_t k = 0; k < content->surfels[i].octave_count; ++k) {
             *next++ = value_octave(content, i, k, s->set_scales[i]);
+            if (stp_splats_attributes(&content->surfels[i]) != 0) {
+                *next++ = value_octave_attributes(content, i, k, s->set_scales[i]);
+            }
         }
         if (content->surfels[i].leaf_count > 0) {
             *next++ = value_leaves(content, i, s->set_scales[i]);
@@ -222,7 +276,12 @@ static uint32_t add_blocks(const stp_store_content* content, const shown* s,
         *next++ = value_mesh(content, i, s->mesh_areas[i]);
     }
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
-        *next++ = value_points(content, i);
+        if (content->point_sets[i].held_by == 0) {
+            *next++ = value_points(content, i);
+        }
+        if (points_attributes(&content->point_sets[i]) != 0) {
+            *next++ = (valued_block){{.kind = STP_BLOCK_POINT_ATTRIBUTES, .owner = i}, 0.0};
+        }
     }
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
         if (texture_owners[i] == i) {
@@ -232,20 +291,24 @@ static uint32_t add_blocks(const stp_store_content* content, const shown* s,
     return (uint32_t)(next - blocks);
 }
 
-// Surfels first, then textures, meshes and point sets.
+// Surfels first, then their attributes, textures, meshes, point sets, and theirs.
 static int rank_of(uint32_t kind)
 {
     switch (kind) {
     case STP_BLOCK_SURFELS:
     case STP_BLOCK_LEAVES:
         return 0;
-    case STP_BLOCK_TEXTURE:
+    case STP_BLOCK_ATTRIBUTES:
         return 1;
+    case STP_BLOCK_TEXTURE:
+        return 2;
     case STP_BLOCK_MESH:
     case STP_BLOCK_CLUSTERS:
-        return 2;
-    default:
         return 3;
+    case STP_BLOCK_POINT_SET:
+        return 4;
+    default:
+        return 5;
     }
 }
 
@@ -308,6 +371,9 @@ static void place_blocks(uint64_t data_offset, const uint32_t* first_octaves, st
         case STP_BLOCK_POINT_SET:
             plan->point_blocks[block->owner] = i;
             break;
+        case STP_BLOCK_ATTRIBUTES:
+        case STP_BLOCK_POINT_ATTRIBUTES:
+            break;
         default:
             plan->texture_blocks[block->owner] = i;
             break;
@@ -327,13 +393,15 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
         octaves += content->surfels[i].octave_count;
         leaf_tables += content->surfels[i].leaf_count > 0 ? 1 : 0;
     }
-    uint64_t blocks = octaves + leaf_tables + directory->mesh_count + directory->point_set_count +
-                      directory->texture_count;
+    uint64_t attributes = count_attribute_blocks(content);
+    uint64_t blocks = octaves + leaf_tables + directory->mesh_count + count_point_blocks(content) +
+                      directory->texture_count + attributes;
     if (blocks >= STP_STORE_NONE) {
         return stp_fail(context, STP_ERROR_LIMIT, "a file cannot hold %llu blocks of data",
                         (unsigned long long)blocks);
     }
     plan->block_count = (uint32_t)blocks;
+    plan->attribute_count = (uint32_t)attributes;
     plan->blocks = STP_NEW_ARRAY(context, stp_store_block, plan->block_count + 1);
     plan->mesh_blocks = STP_NEW_ARRAY(context, uint32_t, directory->mesh_count + 1);
     plan->point_blocks = STP_NEW_ARRAY(context, uint32_t, directory->point_set_count + 1);
@@ -346,6 +414,9 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
         plan->leaf_blocks[i] = STP_STORE_NONE;
+    }
+    for (uint32_t i = 0; i < directory->point_set_count; ++i) {
+        plan->point_blocks[i] = STP_STORE_NONE; // where a set of splats holds the points
     }
     stp_result result = stp_store_find_texture_owners(context, content, texture_owners);
     shown s = {0};

@@ -13,7 +13,8 @@ typedef struct stp_store_plan {
     uint32_t* point_blocks;
     uint32_t* texture_blocks; ///< the same for textures that share a picture
     uint32_t* octave_blocks;
-    uint32_t* leaf_blocks; ///< of each set; STP_STORE_NONE: it has no leaves
+    uint32_t* leaf_blocks;    ///< of each set; STP_STORE_NONE: it has no leaves
+    uint32_t attribute_count; ///< blocks of attributes
     uint64_t file_bytes;
 } stp_store_plan;
 
@@ -29,3 +30,6 @@ const stp_coded_mesh* stp_store_coded_mesh(const stp_store_content* content, uin
 /// Which optional columns there are.
 uint32_t stp_store_mesh_present(const stp_store_mesh* mesh);
 uint32_t stp_store_points_present(const stp_store_point_set* points);
+/// The attributes that a block of attributes holds: a bit each.
+uint32_t stp_store_planned_attributes(const stp_store_content* content,
+                                      const stp_store_block* block);

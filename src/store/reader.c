@@ -179,8 +179,12 @@ static stp_result read_directory(stp_store* store)
     if (result == STP_OK) {
         result = read_summary(store, &text);
     }
+    static const uint32_t others[] = {STP_SECTION_CLUSTERS, STP_SECTION_ATTRIBUTE_BLOCKS};
+    for (int i = 0; i < 2 && result == STP_OK; ++i) {
+        result = stp_store_read_table(store, others[i], &text);
+    }
     if (result == STP_OK) {
-        result = stp_store_read_table(store, STP_SECTION_CLUSTERS, &text);
+        result = stp_store_read_figures(store, &text);
     }
     if (result == STP_OK) {
         result = stp_store_read_table(store, STP_SECTION_LEAVES, &text);
@@ -337,6 +341,7 @@ void stp_store_close(stp_store* store)
     for (uint32_t i = 0; i < store->counts[STP_SECTION_SURFELS]; ++i) {
         stp_store_free_columns(context, &sets[i]);
     }
+    stp_store_release_points(store);
     stp_store_release_textures(store);
     stp_store_release_leaves(store);
     for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
@@ -348,6 +353,7 @@ void stp_store_close(stp_store* store)
     stp_free(context, store->pages_checked);
     stp_free(context, store->methods);
     stp_free(context, store->method_sets);
+    stp_free(context, store->attribute_blocks);
     if (store->mapped) {
         store->file.size = store->mapped_bytes;
         stp_file_unmap(&store->file);

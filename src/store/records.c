@@ -241,7 +241,7 @@ static void code_points(stp_store_codec* codec, void* element)
     code_u32(codec, &record->points.material);
     code_u32(codec, &record->present);
     code_u32(codec, &record->block);
-    code_reserved(codec);
+    code_u32(codec, &record->points.held_by);
     code_vec3(codec, &record->points.bounds.min);
     code_vec3(codec, &record->points.bounds.max);
 }
@@ -380,6 +380,38 @@ static void code_method(stp_store_codec* codec, void* element)
     code_reserved(codec);
 }
 
+static void code_attribute(stp_store_codec* codec, void* element)
+{
+    stp_store_attribute* attribute = element;
+    code_u32(codec, &attribute->attribute);
+    code_reserved(codec);
+    code_u64(codec, &attribute->count);
+    code_f64(codec, &attribute->low);
+    code_f64(codec, &attribute->high);
+    code_f64(codec, &attribute->low_percentile);
+    code_f64(codec, &attribute->high_percentile);
+}
+
+static void code_attribute_value(stp_store_codec* codec, void* element)
+{
+    stp_store_attribute_value* value = element;
+    code_u32(codec, &value->attribute);
+    code_u32(codec, &value->value);
+    code_u64(codec, &value->count);
+}
+
+static void code_attribute_block(stp_store_codec* codec, void* element)
+{
+    stp_store_attribute_block* block = element;
+    code_u32(codec, &block->block);
+    code_u32(codec, &block->attributes);
+}
+
+static void code_coordinates(stp_store_codec* codec, void* element)
+{
+    code_text(codec, &((stp_store_coordinates*)element)->text);
+}
+
 void stp_store_code_section(stp_store_codec* codec, stp_store_section* section)
 {
     code_u32(codec, &section->type);
@@ -422,6 +454,13 @@ const stp_store_table* stp_store_table_of(uint32_t type)
                                   code_clusters},
         [STP_SECTION_METHODS] = {"method", 24, sizeof(stp_store_method_record), code_method},
         [STP_SECTION_METHOD_NODES] = {"method's node", 4, sizeof(uint32_t), code_page},
+        [STP_SECTION_ATTRIBUTES] = {"attribute", 48, sizeof(stp_store_attribute), code_attribute},
+        [STP_SECTION_ATTRIBUTE_VALUES] = {"value of an attribute", 16,
+                                          sizeof(stp_store_attribute_value), code_attribute_value},
+        [STP_SECTION_ATTRIBUTE_BLOCKS] = {"block of attributes", 8,
+                                          sizeof(stp_store_attribute_block), code_attribute_block},
+        [STP_SECTION_COORDINATES] = {"coordinate system", 4, sizeof(stp_store_coordinates),
+                                     code_coordinates},
         [STP_SECTION_LEAVES] = {"set's leaves", 8, sizeof(stp_store_leaves_record), code_leaves},
     };
     return &tables[type < STP_SECTION_END ? type : 0];

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/hash.h"
+#include "store/attributes.h"
 #include "store/clusters.h"
 #include "store/format.h"
 #include "store/leaves.h"
@@ -49,8 +50,11 @@ typedef struct stp_store_clusters_record {
 
 typedef struct stp_store_point_record {
     stp_store_point_set points;
-    uint32_t present, block;
+    uint32_t present, block; ///< block: STP_STORE_NONE where a set of splats holds the points
     bool checked;
+    void* made; ///< owned: columns made of such a set; NULL: none
+    uint8_t*
+        colored; ///< owned: colours that are not the file's; NULL: they are. Of a residency, its memory's
 } stp_store_point_record;
 
 typedef struct stp_store_texture_record {
@@ -89,6 +93,15 @@ typedef struct stp_store_leaves_record {
     stp_store_leaves leaves; ///< none until they are checked
     void* memory;            ///< of them; NULL: they are a residency's
 } stp_store_leaves_record;
+/// What a block of attributes holds.
+typedef struct stp_store_attribute_block {
+    uint32_t block;
+    uint32_t attributes; ///< a bit each
+} stp_store_attribute_block;
+
+typedef struct stp_store_coordinates {
+    const char* text; ///< NULL: not known
+} stp_store_coordinates;
 
 typedef struct stp_store_octave {
     uint32_t end, block;
@@ -132,6 +145,10 @@ typedef union stp_store_element {
     stp_store_method_record method;
     uint32_t method_node;
     stp_store_leaves_record leaves;
+    stp_store_attribute attribute;
+    stp_store_attribute_value attribute_value;
+    stp_store_attribute_block attribute_block;
+    stp_store_coordinates coordinates;
 } stp_store_element;
 
 /// By section type; of one that is none, or not known, everything is 0.

@@ -39,6 +39,15 @@ static const stp_store_block* block_of(const stp_store* store, stp_resident_kind
     return stp_store_block_at(store, block);
 }
 
+// Whether the file has the block of a thing that is no set. Points that a set holds have none, and leaves that are none.
+static bool is_in_file(const stp_store* store, stp_resident_kind kind, uint32_t index)
+{
+    bool held =
+        kind == STP_RESIDENT_POINTS && stp_store_describe_point_set(store, index)->held_by != 0;
+    const stp_store_block* block = held ? NULL : block_of(store, kind, index, 0);
+    return block != NULL && stp_store_is_block_here(store, block);
+}
+
 const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave)
 {
     stp_resident_kind kind = stp_residency_kind(r, thing);
@@ -58,7 +67,17 @@ uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t le
         uint32_t set = thing - r->firsts[STP_RESIDENT_LEAVES];
         return stp_store_leaves_bytes(stp_store_leaf_count(r->store, set)) + ALLOCATION_BYTES;
     }
-    return stp_residency_block(r, thing, 0)->size + ALLOCATION_BYTES;
+    return stp_residency_block(r, thing, 0)->size + stp_residency_color_bytes(r, thing) +
+           ALLOCATION_BYTES;
+}
+
+uint64_t stp_residency_color_bytes(const stp_residency* r, uint32_t thing)
+{
+    bool points = stp_residency_kind(r, thing) == STP_RESIDENT_POINTS;
+    uint32_t index = thing - r->firsts[STP_RESIDENT_POINTS];
+    return points && stp_store_is_colored(r->store)
+               ? 4 * (uint64_t)stp_store_describe_point_set(r->store, index)->point_count
+               : 0;
 }
 
 uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing)
@@ -122,8 +141,8 @@ static stp_result create_tables(stp_residency* r)
             const stp_store_surfels_record* sets = r->store->tables[STP_SECTION_SURFELS];
             r->things[i].most = (uint8_t)sets[i].whole;
         } else {
-            const stp_store_block* block = stp_residency_block(r, i, 0);
-            r->things[i].most = block != NULL && stp_store_is_block_here(r->store, block);
+            stp_resident_kind kind = stp_residency_kind(r, i);
+            r->things[i].most = is_in_file(r->store, kind, i - r->firsts[kind]);
         }
     }
     return STP_OK;
@@ -275,6 +294,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
     }
     stp_store_release_textures(store);
     stp_store_release_leaves(store);
+    stp_store_release_points(store);
     store->residency = r;
     *residency = r;
     stp_residency_update(r, NULL, 0);
@@ -355,7 +375,7 @@ static bool is_thing_here(const stp_store* store, stp_resident_kind kind, uint32
 {
     const stp_residency* r = store->residency;
     return r != NULL ? r->things[r->firsts[kind] + index].level > 0
-                     : stp_store_is_block_here(store, block_of(store, kind, index, 0));
+                     : is_in_file(store, kind, index);
 }
 
 static bool is_texture_here(const stp_store* store, const stp_store_texture_use* use)
@@ -379,6 +399,10 @@ bool stp_store_is_mesh_resident(const stp_store* store, uint32_t index)
 
 bool stp_store_are_points_resident(const stp_store* store, uint32_t index)
 {
+    const stp_store_point_set* points = stp_store_describe_point_set(store, index);
+    if (points->held_by != 0) {
+        return stp_store_resident_surfels(store, points->held_by - 1) == points->point_count;
+    }
     return !stp_store_streams(store) || is_thing_here(store, STP_RESIDENT_POINTS, index);
 }
 

@@ -108,6 +108,8 @@ static inline const stp_store_texture* stp_residency_texture(const stp_residency
 const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave);
 /// Memory that so much of a thing takes.
 uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t level);
+/// Of point sets, the part that are colours which are not the file's; they lie behind the block.
+uint64_t stp_residency_color_bytes(const stp_residency* r, uint32_t thing);
 /// What the decoder of a texture's picture takes, as the head of the mapped file tells.
 uint64_t stp_residency_decoder_bytes(const stp_residency* r, uint32_t thing);
 /// Memory that is needed beside it only while it is loaded: the picture file of a texture, and its decoder; of a set of

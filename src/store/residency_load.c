@@ -79,6 +79,10 @@ static bool read_octave(stp_residency* r, stp_load* load, uint32_t octave)
     stp_store_octave_targets(&load->columns, octave, targets);
     const char* fault = stp_store_read_chunks(&source, &span, 0, stp_store_chunk_count(&span),
                                               targets, &load->read_bytes);
+    if (fault == NULL) {
+        fault = stp_store_color_octave(r->store, index, octave, &load->columns, &source,
+                                       &load->read_bytes);
+    }
     if (fault != NULL && !atomic_load(&r->ending)) {
         stp_warn(r->context,
                  fault == stp_store_unreadable
@@ -137,6 +141,27 @@ static bool open_leaves(stp_residency* r, stp_load* load)
     return fault == NULL;
 }
 
+/// Colours that are not the file's lie behind the block's columns.
+static bool color_points(stp_residency* r, stp_load* load)
+{
+    const stp_store_point_record* records = r->store->tables[STP_SECTION_POINT_SETS];
+    uint32_t index = load->thing - r->firsts[STP_RESIDENT_POINTS];
+    if (!stp_store_is_colored(r->store)) {
+        return true;
+    }
+    stp_store_block_source source = {.read = read_part, .user = r};
+    stp_store_point_set points = {.point_count = records[index].points.point_count};
+    stp_store_find_point_columns(records[index].present, load->memory, &points);
+    uint8_t* colored = (uint8_t*)load->memory + stp_residency_block(r, load->thing, 0)->size;
+    const char* fault =
+        stp_store_color_points(r->store, index, points.colors, &source, colored, &load->read_bytes);
+    if (fault != NULL && !atomic_load(&r->ending)) {
+        stp_warn(r->context, "%s: attributes of point set %u: the %s is wrong: it stays away",
+                 r->store->path, index, fault);
+    }
+    return fault == NULL;
+}
+
 static bool decode_picture(const stp_residency* r, const stp_load* load,
                            const stp_store_block* block)
 {
@@ -173,7 +198,8 @@ static void fill_load(stp_residency* r, stp_load* load)
     bool good = read_block(r, block, load->picture != NULL ? load->picture : load->memory);
     good = good && (load->picture == NULL || decode_picture(r, load, block));
     good = good && (kind != STP_RESIDENT_MESH || judge_mesh(r, load));
-    good = good && (kind != STP_RESIDENT_POINTS || judge_points(r, load));
+    good =
+        good && (kind != STP_RESIDENT_POINTS || (judge_points(r, load) && color_points(r, load)));
     good = good && (kind != STP_RESIDENT_LEAVES || open_leaves(r, load));
     load->read_bytes = good ? block->size : 0;
     load->reached = good ? 1 : 0;

@@ -63,7 +63,8 @@ bool stp_residency_prepare(stp_residency* r, stp_load* load)
     if (stp_residency_kind(r, load->thing) == STP_RESIDENT_TEXTURE) {
         return prepare_texture(r, load);
     }
-    uint64_t size = stp_residency_block(r, load->thing, 0)->size;
+    uint64_t size =
+        stp_residency_block(r, load->thing, 0)->size + stp_residency_color_bytes(r, load->thing);
     if (stp_residency_kind(r, load->thing) == STP_RESIDENT_LEAVES) {
         uint32_t set = load->thing - r->firsts[STP_RESIDENT_LEAVES];
         size = stp_store_leaves_bytes(stp_store_leaf_count(r->store, set));
@@ -112,6 +113,10 @@ static void publish_points(const stp_residency* r, uint32_t index, void* memory)
     record->checked = memory != NULL;
     if (memory != NULL) {
         stp_store_find_point_columns(record->present, memory, &record->points);
+        if (stp_store_is_colored(r->store)) {
+            uint64_t size = stp_store_block_at(r->store, record->block)->size;
+            record->points.colors = (const uint8_t*)memory + size;
+        }
     } else {
         record->points.positions = NULL;
         record->points.normals = NULL;

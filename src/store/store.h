@@ -70,10 +70,13 @@ static inline uint32_t stp_store_mesh_corner(const stp_store_mesh* mesh, size_t 
 typedef struct stp_store_point_set {
     const char* name;
     uint32_t point_count, material;
+    uint32_t held_by; ///< 1 + the set of splats that has all its points and keeps them; 0: none
     stp_box bounds;
     const float* positions;
     const int16_t* normals; ///< NULL, or octahedral
     const uint8_t* colors;  ///< NULL, or RGBA, sRGB
+    /// For the writer alone: each NULL, or a value a point (stipple/attributes.h).
+    const void* attributes[STP_ATTRIBUTES];
 } stp_store_point_set;
 
 typedef enum stp_store_part_kind { STP_STORE_PART_MESH, STP_STORE_PART_POINTS } stp_store_part_kind;
@@ -124,13 +127,17 @@ typedef struct stp_store_source {
     const char* path;
     const char* format;
     uint64_t bytes;
+    const char* coordinate_system; ///< of its points: WKT, or "EPSG:25832"; NULL: not known
 } stp_store_source;
+
+typedef struct stp_store_attribute stp_store_attribute;             // store/attributes.h
+typedef struct stp_store_attribute_value stp_store_attribute_value; // store/attributes.h
 
 /// Everything but the bulk data. Arrays belong to the store. Also what the writer is given.
 typedef struct stp_store_directory {
     uint32_t node_count, edge_count, part_count, object_count, material_count, shading_count,
         texture_count, mesh_count, point_set_count, surfels_count, view_count, source_count,
-        method_count;
+        method_count, attribute_count, attribute_value_count;
     const stp_store_node* nodes;
     const stp_store_edge* edges;
     const stp_store_part* parts;
@@ -139,11 +146,13 @@ typedef struct stp_store_directory {
     const stp_shading* shadings;
     const stp_store_view* views;
     const stp_store_source* sources;
-    const stp_store_method* methods; ///< the first one's sets are those of the nodes
-    uint32_t root;                   ///< STP_STORE_NONE in an empty scene
-    double unit_metres;              ///< 0: unknown
-    char up;                         ///< the input's up axis
-    const char* build_json;          ///< the parameters of the build, one JSON object
+    const stp_store_method* methods;       ///< the first one's sets are those of the nodes
+    const stp_store_attribute* attributes; ///< of points; the writer makes them itself
+    const stp_store_attribute_value* attribute_values; ///< likewise
+    uint32_t root;                                     ///< STP_STORE_NONE in an empty scene
+    double unit_metres;                                ///< 0: unknown
+    char up;                                           ///< the input's up axis
+    const char* build_json; ///< the parameters of the build, one JSON object
 } stp_store_directory;
 
 /// The set of a node by a method, given by its place in the directory's table.

@@ -343,6 +343,17 @@ stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t ind
     return STP_OK;
 }
 
+stp_result stp_store_judge_held_points(const stp_store_judge* judge, uint32_t index,
+                                       const stp_store_point_set* points, const stp_splats* set)
+{
+    if (set->columns != 0 || set->count != points->point_count) {
+        return complain(judge,
+                        "%s: point set %u has %u points, the surfel set that holds it %u surfels",
+                        judge->path, index, points->point_count, set->count);
+    }
+    return STP_OK;
+}
+
 stp_result stp_store_judge_surfel_data(const stp_store_judge* judge, uint32_t index,
                                        const stp_store_surfel_data* data, uint32_t shading_count)
 {

@@ -41,6 +41,10 @@ STP_MUST_USE stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, 
                                                   const stp_store_mesh* mesh);
 STP_MUST_USE stp_result stp_store_judge_point_data(const stp_store_judge* judge, uint32_t index,
                                                    const stp_store_point_set* points);
+/// Whether a set of splats can hold a point set.
+STP_MUST_USE stp_result stp_store_judge_held_points(const stp_store_judge* judge, uint32_t index,
+                                                    const stp_store_point_set* points,
+                                                    const stp_splats* set);
 /// What is judged of some surfels of a set.
 typedef struct stp_store_surfel_data {
     uint64_t count;

@@ -101,8 +101,11 @@ static stp_result judge_content(const stp_store_writing* w)
         const stp_store_point_set* points = &w->content->point_sets[i];
         result =
             stp_store_judge_material(&judge, "point set", i, points->material, d->material_count);
-        if (result == STP_OK) {
+        if (result == STP_OK && points->held_by == 0) {
             result = stp_store_judge_point_data(&judge, i, points);
+        } else if (result == STP_OK) {
+            result = stp_store_judge_held_points(&judge, i, points,
+                                                 &w->content->surfels[points->held_by - 1]);
         }
     }
     for (uint32_t i = 0; i < d->texture_count && result == STP_OK; ++i) {
@@ -147,6 +150,9 @@ static stp_result write_all(stp_store_writing* w)
     stp_result result = stp_store_plan_make(w->context, w->content, 0, &w->plan);
     if (result == STP_OK) {
         result = stp_store_summarise_planned(w->context, w->content, &w->plan, &w->summary);
+    }
+    if (result == STP_OK) {
+        result = stp_store_measure_attributes(w);
     }
     if (result == STP_OK) {
         result = stp_file_writer_open(w->context, w->path, &w->file);
@@ -204,6 +210,7 @@ stp_result stp_store_write(stp_context* context, const stp_store_content* conten
     stp_store_packing_destroy(&w);
     stp_file_writer_abort(w.file);
     stp_store_plan_destroy(context, &w.plan);
+    stp_free(context, w.attribute_values);
     stp_free(context, w.text.bytes);
     stp_free(context, w.object_text.bytes);
     stp_store_summary_destroy(context, &w.summary);

@@ -121,7 +121,11 @@ stp_result stp_store_write_blocks(stp_store_writing* w)
             result = stp_store_batch_add(batch, i);
         } else { // after all octaves
             result = stp_store_batch_flush(batch);
-            result = result == STP_OK ? write_plain(w, &w->plan.blocks[i]) : result;
+            bool values = w->plan.blocks[i].kind == STP_BLOCK_ATTRIBUTES ||
+                          w->plan.blocks[i].kind == STP_BLOCK_POINT_ATTRIBUTES;
+            result = result != STP_OK ? result
+                     : values         ? stp_store_write_values(w, &w->plan.blocks[i])
+                                      : write_plain(w, &w->plan.blocks[i]);
         }
         uint64_t written = stp_file_writer_size(w->file);
         if (w->content->release_pages != NULL && written - released >= RELEASE_BYTES) {

@@ -10,13 +10,36 @@
 
 // In the order of the file: first what says what the file is, last what a picture does not need.
 static const uint8_t section_order[] = {
-    STP_SECTION_SUMMARY,    STP_SECTION_SCENE_PARTS,  STP_SECTION_VIEWS,    STP_SECTION_SOURCES,
-    STP_SECTION_BUILD,      STP_SECTION_NODES,        STP_SECTION_EDGES,    STP_SECTION_PARTS,
-    STP_SECTION_MATERIALS,  STP_SECTION_SHADINGS,     STP_SECTION_TEXTURES, STP_SECTION_MESHES,
-    STP_SECTION_POINT_SETS, STP_SECTION_SURFELS,      STP_SECTION_OCTAVES,  STP_SECTION_BREAKPOINTS,
-    STP_SECTION_METHODS,    STP_SECTION_METHOD_NODES, STP_SECTION_LEAVES,   STP_SECTION_BLOCKS,
-    STP_SECTION_CLUSTERS,   STP_SECTION_TEXT,         STP_SECTION_OBJECTS,  STP_SECTION_OBJECT_TEXT,
-    STP_SECTION_KEYS,       STP_SECTION_PAGES,
+    STP_SECTION_SUMMARY,
+    STP_SECTION_SCENE_PARTS,
+    STP_SECTION_VIEWS,
+    STP_SECTION_SOURCES,
+    STP_SECTION_COORDINATES,
+    STP_SECTION_ATTRIBUTES,
+    STP_SECTION_ATTRIBUTE_VALUES,
+    STP_SECTION_BUILD,
+    STP_SECTION_NODES,
+    STP_SECTION_EDGES,
+    STP_SECTION_PARTS,
+    STP_SECTION_MATERIALS,
+    STP_SECTION_SHADINGS,
+    STP_SECTION_TEXTURES,
+    STP_SECTION_MESHES,
+    STP_SECTION_POINT_SETS,
+    STP_SECTION_SURFELS,
+    STP_SECTION_OCTAVES,
+    STP_SECTION_BREAKPOINTS,
+    STP_SECTION_METHODS,
+    STP_SECTION_METHOD_NODES,
+    STP_SECTION_LEAVES,
+    STP_SECTION_BLOCKS,
+    STP_SECTION_ATTRIBUTE_BLOCKS,
+    STP_SECTION_CLUSTERS,
+    STP_SECTION_TEXT,
+    STP_SECTION_OBJECTS,
+    STP_SECTION_OBJECT_TEXT,
+    STP_SECTION_KEYS,
+    STP_SECTION_PAGES,
 };
 
 enum {
@@ -100,6 +123,15 @@ stp_result stp_store_code_element(stp_store_writing* w, uint32_t type, uint32_t 
     return STP_OK;
 }
 
+static stp_result emit_element(stp_store_writing* w, uint32_t type, uint32_t index,
+                               stp_store_element* element)
+{
+    unsigned char bytes[STP_STORE_RECORD_LIMIT];
+    stp_result result = stp_store_code_element(w, type, index, element, bytes);
+    return result == STP_OK ? stp_store_emit(w, bytes, stp_store_table_of(type)->record_size)
+                            : result;
+}
+
 // A table whose elements are the content's own.
 static stp_result write_table(stp_store_writing* w, uint32_t type, const void* elements,
                               uint32_t count)
@@ -108,12 +140,8 @@ static stp_result write_table(stp_store_writing* w, uint32_t type, const void* e
     stp_result result = begin_section(w, type, count);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         stp_store_element element;
-        unsigned char bytes[STP_STORE_RECORD_LIMIT];
         memcpy(&element, (const char*)elements + i * table->element_size, table->element_size);
-        result = stp_store_code_element(w, type, i, &element, bytes);
-        if (result == STP_OK) {
-            result = stp_store_emit(w, bytes, table->record_size);
-        }
+        result = emit_element(w, type, i, &element);
     }
     return end_section(w, type, result);
 }
@@ -156,7 +184,9 @@ static stp_store_element make_record(const stp_store_writing* w, uint32_t type, 
         break;
     case STP_SECTION_POINT_SETS:
         element.points.points = content->point_sets[index];
-        element.points.present = stp_store_points_present(&content->point_sets[index]);
+        element.points.present = element.points.points.held_by == 0
+                                     ? stp_store_points_present(&content->point_sets[index])
+                                     : STP_COLUMN_NORMALS | STP_COLUMN_COLORS;
         element.points.block = w->plan.point_blocks[index];
         break;
     default:
@@ -172,11 +202,7 @@ static stp_result write_records(stp_store_writing* w, uint32_t type, uint32_t co
     stp_result result = begin_section(w, type, count);
     for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
         stp_store_element element = make_record(w, type, i);
-        unsigned char bytes[STP_STORE_RECORD_LIMIT];
-        result = stp_store_code_element(w, type, i, &element, bytes);
-        if (result == STP_OK) {
-            result = stp_store_emit(w, bytes, stp_store_table_of(type)->record_size);
-        }
+        result = emit_element(w, type, i, &element);
     }
     return end_section(w, type, result);
 }
@@ -208,7 +234,6 @@ static stp_result write_sets(stp_store_writing* w, uint32_t type)
                                                          : set->table.size;
         for (uint32_t k = 0; k < records && result == STP_OK; ++k) {
             stp_store_element element = {0};
-            unsigned char bytes[STP_STORE_RECORD_LIMIT];
             if (type == STP_SECTION_SURFELS) {
                 element.surfels.surfels = *set;
                 element.surfels.first_octave = octave;
@@ -220,10 +245,7 @@ static stp_result write_sets(stp_store_writing* w, uint32_t type)
                 element.breakpoint.count = set->table.count[k];
                 element.breakpoint.radius = set->table.radius[k];
             }
-            result = stp_store_code_element(w, type, i, &element, bytes);
-            if (result == STP_OK) {
-                result = stp_store_emit(w, bytes, stp_store_table_of(type)->record_size);
-            }
+            result = emit_element(w, type, i, &element);
         }
         octave += set->octave_count;
         breakpoint += set->table.size;
@@ -250,16 +272,12 @@ static stp_result write_keys(stp_store_writing* w)
     stp_result result = begin_section(w, STP_SECTION_KEYS, count);
     for (uint64_t i = 0; i < count && result == STP_OK; ++i) {
         stp_store_element element = {0};
-        unsigned char bytes[STP_STORE_RECORD_LIMIT];
         if (i < sets && content->surfel_keys != NULL) {
             element.key.hash = content->surfel_keys[i];
         } else if (i >= sets && content->mesh_keys != NULL) {
             element.key.hash = content->mesh_keys[i - sets];
         }
-        result = stp_store_code_element(w, STP_SECTION_KEYS, (uint32_t)i, &element, bytes);
-        if (result == STP_OK) {
-            result = stp_store_emit(w, bytes, stp_store_table_of(STP_SECTION_KEYS)->record_size);
-        }
+        result = emit_element(w, STP_SECTION_KEYS, (uint32_t)i, &element);
     }
     return end_section(w, STP_SECTION_KEYS, result);
 }
@@ -270,11 +288,7 @@ static stp_result write_methods(stp_store_writing* w)
     stp_result result = begin_section(w, STP_SECTION_METHODS, d->method_count);
     for (uint32_t i = 0; i < d->method_count && result == STP_OK; ++i) {
         stp_store_element element = {.method = {d->methods[i]}};
-        unsigned char bytes[STP_STORE_RECORD_LIMIT];
-        result = stp_store_code_element(w, STP_SECTION_METHODS, i, &element, bytes);
-        if (result == STP_OK) {
-            result = stp_store_emit(w, bytes, stp_store_table_of(STP_SECTION_METHODS)->record_size);
-        }
+        result = emit_element(w, STP_SECTION_METHODS, i, &element);
     }
     return end_section(w, STP_SECTION_METHODS, result);
 }
@@ -298,6 +312,35 @@ static stp_result write_method_nodes(stp_store_writing* w)
     stp_result result = write_table(w, STP_SECTION_METHOD_NODES, nodes, count);
     stp_free(w->context, nodes);
     return result;
+}
+
+// What each block of attributes holds, in the order of the blocks.
+static stp_result write_attribute_blocks(stp_store_writing* w)
+{
+    const uint32_t type = STP_SECTION_ATTRIBUTE_BLOCKS;
+    stp_result result = begin_section(w, type, w->plan.attribute_count);
+    for (uint32_t i = 0; i < w->plan.block_count && result == STP_OK; ++i) {
+        const stp_store_block* block = &w->plan.blocks[i];
+        if (block->kind != STP_BLOCK_ATTRIBUTES && block->kind != STP_BLOCK_POINT_ATTRIBUTES) {
+            continue;
+        }
+        stp_store_element element = {
+            .attribute_block = {i, stp_store_planned_attributes(w->content, block)}};
+        result = emit_element(w, type, i, &element);
+    }
+    return end_section(w, type, result);
+}
+
+// One for each source.
+static stp_result write_coordinates(stp_store_writing* w)
+{
+    const stp_store_directory* d = &w->content->directory;
+    stp_result result = begin_section(w, STP_SECTION_COORDINATES, d->source_count);
+    for (uint32_t i = 0; i < d->source_count && result == STP_OK; ++i) {
+        stp_store_element element = {.coordinates = {d->sources[i].coordinate_system}};
+        result = emit_element(w, STP_SECTION_COORDINATES, i, &element);
+    }
+    return end_section(w, STP_SECTION_COORDINATES, result);
 }
 
 static stp_result write_section(stp_store_writing* w, uint32_t type)
@@ -348,6 +391,14 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_methods(w);
     case STP_SECTION_METHOD_NODES:
         return write_method_nodes(w);
+    case STP_SECTION_ATTRIBUTES:
+        return write_table(w, type, w->attributes, w->attribute_count);
+    case STP_SECTION_ATTRIBUTE_VALUES:
+        return write_table(w, type, w->attribute_values, w->attribute_value_count);
+    case STP_SECTION_ATTRIBUTE_BLOCKS:
+        return write_attribute_blocks(w);
+    case STP_SECTION_COORDINATES:
+        return write_coordinates(w);
     case STP_SECTION_PAGES: // what is written now is patched at the end
         return write_table(w, type, w->sums.crcs, (uint32_t)w->sums.count);
     default:
@@ -355,26 +406,47 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
     }
 }
 
-// Those of clusters and leaves only where there are any: before texts and objects, which readers may leave for later.
+// Sections that only some files have.
+static bool is_wanted(const stp_store_writing* w, uint32_t type)
+{
+    const stp_store_directory* d = &w->content->directory;
+    bool any = false;
+    switch (type) {
+    case STP_SECTION_CLUSTERS:
+        for (uint32_t i = 0; i < d->mesh_count; ++i) {
+            any = any || stp_store_coded_mesh(w->content, i) != NULL;
+        }
+        return any;
+    case STP_SECTION_LEAVES:
+        for (uint32_t i = 0; i < d->surfels_count; ++i) {
+            any = any || w->content->surfels[i].leaf_count > 0;
+        }
+        return any;
+    case STP_SECTION_COORDINATES:
+        for (uint32_t i = 0; i < d->source_count; ++i) {
+            any = any || d->sources[i].coordinate_system != NULL;
+        }
+        return any;
+    case STP_SECTION_METHODS:
+    case STP_SECTION_METHOD_NODES:
+        return stp_store_tells_methods(d);
+    case STP_SECTION_ATTRIBUTES:
+        return w->attribute_count != 0;
+    case STP_SECTION_ATTRIBUTE_VALUES:
+        return w->attribute_value_count != 0;
+    case STP_SECTION_ATTRIBUTE_BLOCKS:
+        return w->plan.attribute_count != 0;
+    default:
+        return true;
+    }
+}
+
 static void list_sections(stp_store_writing* w)
 {
-    bool any_coded = false, any_leaves = false;
-    for (uint32_t i = 0; i < w->content->directory.surfels_count; ++i) {
-        any_leaves = any_leaves || w->content->surfels[i].leaf_count > 0;
-    }
-    for (uint32_t i = 0; i < w->content->directory.mesh_count; ++i) {
-        any_coded = any_coded || stp_store_coded_mesh(w->content, i) != NULL;
-    }
     w->section_count = 0;
     for (size_t i = 0; i < SECTION_LIMIT; ++i) {
-        uint32_t type = section_order[i];
-        bool of_methods = type == STP_SECTION_METHODS || type == STP_SECTION_METHOD_NODES;
-        bool wanted = type == STP_SECTION_CLUSTERS ? any_coded
-                      : type == STP_SECTION_LEAVES ? any_leaves
-                      : of_methods                 ? stp_store_tells_methods(&w->content->directory)
-                                                   : true;
-        if (wanted) {
-            w->types[w->section_count++] = type;
+        if (is_wanted(w, section_order[i])) {
+            w->types[w->section_count++] = section_order[i];
         }
     }
 }

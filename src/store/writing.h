@@ -23,6 +23,9 @@ typedef struct stp_store_writing {
     stp_store_section sections[STP_SECTION_END]; ///< by type
     stp_store_text text, object_text;
     stp_store_summary summary;
+    stp_store_attribute attributes[STP_ATTRIBUTES]; ///< those that point sets have
+    stp_store_attribute_value* attribute_values;    ///< owned
+    uint32_t attribute_count, attribute_value_count;
     uint32_t crc; ///< of the section or block being written
     stp_store_page_sums sums;
     stp_store_packing* packing; ///< of the section being written; NULL: it is not packed
@@ -42,6 +45,11 @@ void stp_store_batch_destroy(stp_store_batch* batch);
 STP_MUST_USE stp_result stp_store_batch_add(stp_store_batch* batch, uint32_t block);
 /// Writes what waits.
 STP_MUST_USE stp_result stp_store_batch_flush(stp_store_batch* batch);
+
+/// Fills the figures of attributes.
+STP_MUST_USE stp_result stp_store_measure_attributes(stp_store_writing* w);
+/// Writes a block of attributes; its offset, size and checksum are noted in it.
+STP_MUST_USE stp_result stp_store_write_values(stp_store_writing* w, stp_store_block* block);
 
 /// Begins a packed section at the end of the file, whose type and records are known: `w->packing`.
 STP_MUST_USE stp_result stp_store_packing_begin(stp_store_writing* w, stp_store_section* section);

@@ -23,6 +23,8 @@ END
 refused 2 'expected one model' decimate -o a.ply
 refused 2 'expected -o' decimate ball.ply
 refused 2 'standard output' decimate ball.ply -o -
+refused 2 'neither .ply nor .stip' decimate ball.ply -o a.obj
+refused 2 'neither .ply nor .stip' decimate ball.ply -o a.splats --by blue
 refused 2 'neighbours' decimate ball.ply -o a.ply --neighbours 33
 refused 2 'merge-angle' decimate ball.ply -o a.ply --merge-angle 200
 refused 2 'octopus' decimate ball.ply -o a.ply --by octopus
@@ -67,6 +69,8 @@ done
 # the methods that psp is compared with
 refused 2 'need --by psp' decimate ball.ply -o a.ply --by octree --metric distances
 refused 2 'need --by psp' decimate ball.ply -o a.ply --by blue --neighbours 4
+refused 2 'need --by psp' decimate ball.ply -o a.ply --by octree --connect
+refused 2 'need --by psp' decimate ball.ply -o a.ply --by quadric --piece-size 100
 refused 1 'expected triangles' decimate ball.ply -o a.ply --by mesh
 [ ! -e a.ply ] || fail "a refused call left a file"
 for by in octree octree-level quadric blue; do

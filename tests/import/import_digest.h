@@ -40,6 +40,10 @@ static inline stp_hash digest_scene(const stp_scene* scene)
         hash = digest_array(hash, p->positions, p->point_count, 3 * sizeof(float));
         hash = digest_array(hash, p->normals, p->point_count, 3 * sizeof(float));
         hash = digest_array(hash, p->colors, p->point_count, 4);
+        for (int k = 0; k < STP_ATTRIBUTES; ++k) {
+            hash = digest_array(hash, p->attributes[k], p->point_count,
+                                stp_attribute_size((stp_attribute)k));
+        }
     }
     for (size_t i = 0; i < scene->material_count; ++i) {
         hash = digest_text(hash, scene->materials[i].name);

@@ -196,6 +196,59 @@ void test_ply_points(test_state* test)
     stp_context_destroy(context);
 }
 
+// CloudCompare writes floats, PDAL the types of LAS: both become the scene's. A point that is left out takes its values along.
+void test_ply_attributes(test_state* test)
+{
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_result result;
+    static const char text[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+        "property float y\nproperty float z\nproperty float scalar_Intensity\n"
+        "property uchar classification\nproperty double gps_time\n"
+        "property float scalar_Scan_Angle_Rank\nproperty uchar returnnumber\n"
+        "property uchar numberofreturns\nproperty ushort pointsourceid\nproperty uchar nir\n"
+        "end_header\n1 2 3 0.5 2 86400.125 -1.5 1 2 400 255\n"
+        "nan 2 3 0.25 7 1 1 1 1 1 1\n4 5 6 1 6 86401 90 2 2 65535 0\n";
+    stp_scene* scene = import_bytes(context, "a.ply", text, strlen(text), &result);
+    CHECK_EQUAL(STP_OK, result);
+    const stp_point_set* points = &scene->point_sets[0];
+    CHECK_EQUAL(2, points->point_count);
+    for (int i = 0; i < STP_ATTRIBUTES; ++i) {
+        CHECK(points->attributes[i] != NULL);
+    }
+    const uint16_t* intensity = points->attributes[STP_ATTRIBUTE_INTENSITY];
+    const uint8_t* class = points->attributes[STP_ATTRIBUTE_CLASS];
+    const double* time = points->attributes[STP_ATTRIBUTE_TIME];
+    const int16_t* angle = points->attributes[STP_ATTRIBUTE_SCAN_ANGLE];
+    const uint16_t* source = points->attributes[STP_ATTRIBUTE_SOURCE];
+    const uint16_t* infrared = points->attributes[STP_ATTRIBUTE_NEAR_INFRARED];
+    CHECK(intensity[0] == 32768 && intensity[1] == 65535);
+    CHECK(class[0] == 2 && class[1] == 6);
+    CHECK(time[0] == 86400.125 && time[1] == 86401.0);
+    CHECK(angle[0] == -250 && angle[1] == 15000);
+    CHECK(source[0] == 400 && source[1] == 65535);
+    CHECK(infrared[0] == 65535 && infrared[1] == 0);
+    CHECK(((const uint8_t*)points->attributes[STP_ATTRIBUTE_RETURN])[1] == 2);
+    CHECK(((const uint8_t*)points->attributes[STP_ATTRIBUTE_RETURNS])[0] == 2);
+    stp_scene_destroy(scene);
+
+    // binary; floats above 1 are taken as they are
+    unsigned char bytes[512];
+    int head = snprintf((char*)bytes, sizeof(bytes),
+                        "ply\nformat binary_little_endian 1.0\nelement vertex 2\n"
+                        "property float x\nproperty float y\nproperty float z\n"
+                        "property float intensity\nend_header\n");
+    static const float rows[8] = {0, 0, 0, 0.75f, 1, 0, 0, 300.0f};
+    memcpy(bytes + head, rows, sizeof(rows));
+    scene = import_bytes(context, "a.ply", (char*)bytes, (size_t)head + sizeof(rows), &result);
+    CHECK_EQUAL(STP_OK, result);
+    intensity = scene->point_sets[0].attributes[STP_ATTRIBUTE_INTENSITY];
+    CHECK(intensity[0] == 1 && intensity[1] == 300);
+    CHECK(scene->point_sets[0].attributes[STP_ATTRIBUTE_CLASS] == NULL);
+    stp_scene_destroy(scene);
+    stp_context_destroy(context);
+}
+
 // Made unit from their floats in double: gcc 12 left the rounding to floats out of x and y where it made vectors.
 void test_ply_normals_are_the_same_from_every_compiler(test_state* test)
 {

@@ -2,12 +2,9 @@
 //
 // Points of PLY files that are large beside the limit of memory: they go to the scene's spill as they are read, and nothing
 // else changes.
-#include "import/formats_test.h"
+#include "import/spilled_import.h"
 
-#include <signal.h>
-#include <sys/resource.h>
-
-enum { POINTS = 40000, ROW = 27, HEAD = 512, STRIDE = 4096 };
+enum { POINTS = 40000, ROW = 33, HEAD = 512, STRIDE = 4096 };
 
 // A binary file in pages of its own, as a mapping would be.
 static unsigned char* write_points(size_t* size)
@@ -22,6 +19,7 @@ static unsigned char* write_points(size_t* size)
                                  "property float x\nproperty float y\nproperty float z\n"
                                  "property float nx\nproperty float ny\nproperty float nz\n"
                                  "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                                 "property float intensity\nproperty ushort source\n"
                                  "end_header\n",
                                  POINTS);
     for (int i = 0; i < POINTS; ++i, at += ROW) {
@@ -30,44 +28,20 @@ static unsigned char* write_points(size_t* size)
         row[i % 5] = i % 1000 == 7 ? (float)NAN : row[i % 5]; // some are left out
         memcpy(bytes + at, row, sizeof(row));
         memset(bytes + at + sizeof(row), i % 251, 3);
+        float intensity = (float)(i % 65536);
+        memcpy(bytes + at + sizeof(row) + 3, &intensity, sizeof(intensity));
+        memset(bytes + at + sizeof(row) + 7, i % 13, 2);
     }
     *size = at;
     return bytes;
 }
 
-typedef struct outcome {
-    stp_result result;
-    stp_hash digest;
-    uint64_t peak_bytes, left_bytes;
-    bool spilled;
-} outcome;
-
-static outcome import_points(stp_context* context, const void* bytes, size_t size, bool spills)
+static stp_result read_points(stp_context* context, stp_scene* scene, const void* bytes,
+                              size_t size)
 {
-    outcome out = {.result = STP_OK};
-    uint64_t before = stp_context_live_bytes(context);
-    stp_scene* scene = NULL;
-    stp_spill* spill = NULL;
-    out.result = spills ? stp_spill_create(context, "/tmp", &spill) : STP_OK;
-    out.result = out.result != STP_OK ? out.result : stp_scene_create(context, &scene);
-    if (out.result == STP_OK && spills) {
-        stp_scene_use_spill(scene, spill, 1 << 20);
-    }
-    if (out.result == STP_OK) {
-        out.result = stp_import_memory(scene, "a.ply", bytes, size, &(stp_import_desc){0});
-    }
-    if (out.result == STP_OK) {
-        out.result = stp_scene_finish(scene);
-    }
-    if (out.result == STP_OK) {
-        out.digest = digest_scene(scene);
-        out.spilled = scene->point_sets[0].spilled;
-    }
-    stp_scene_destroy(scene);
-    stp_spill_destroy(spill);
-    out.left_bytes = stp_context_live_bytes(context) - before;
-    out.peak_bytes = stp_context_peak_bytes(context);
-    return out;
+    (void)context;
+    stp_result result = stp_import_memory(scene, "a.ply", bytes, size, &(stp_import_desc){0});
+    return result == STP_OK ? stp_scene_finish(scene) : result;
 }
 
 void test_ply_spilled_points_change_nothing_but_memory(test_state* test)
@@ -75,11 +49,11 @@ void test_ply_spilled_points_change_nothing_but_memory(test_state* test)
     size_t size = 0;
     unsigned char* bytes = write_points(&size);
     CHECK(bytes != NULL);
-    outcome plain = {0};
+    spilled_import plain = {0};
     for (uint32_t threads = 1; threads <= 3; ++threads) {
         for (int spills = 0; spills < 2; ++spills) {
             stp_context* context = test_context(NULL, threads, NULL);
-            outcome now = import_points(context, bytes, size, spills == 1);
+            spilled_import now = import_spilled(context, read_points, bytes, size, spills == 1);
             CHECK_EQUAL(STP_OK, now.result);
             CHECK_EQUAL(spills, now.spilled);
             plain = threads == 1 && spills == 0 ? now : plain;
@@ -102,7 +76,7 @@ void test_ply_spilled_points_survive_failing_allocator(test_state* test)
         test_heap heap = TEST_HEAP(n);
         stp_context* context = test_context(&heap, 1, NULL);
         if (context != NULL) {
-            outcome now = import_points(context, bytes, size, true);
+            spilled_import now = import_spilled(context, read_points, bytes, size, true);
             made = now.result == STP_OK && heap.count <= n;
             CHECK(now.result == STP_OK || now.result == STP_ERROR_OUT_OF_MEMORY);
         }
@@ -113,22 +87,17 @@ void test_ply_spilled_points_survive_failing_allocator(test_state* test)
     free(bytes);
 }
 
-// A limit on the size of files stands for a full disk.
 void test_ply_spilled_points_say_that_the_disk_is_full(test_state* test)
 {
     size_t size = 0;
     unsigned char* bytes = write_points(&size);
     CHECK(bytes != NULL);
-    struct rlimit before, limit = {.rlim_cur = 1 << 20};
-    CHECK(getrlimit(RLIMIT_FSIZE, &before) == 0);
-    limit.rlim_max = before.rlim_max;
     test_log log = {0};
     stp_context* context = test_context(NULL, 2, &log);
-    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
-    CHECK(setrlimit(RLIMIT_FSIZE, &limit) == 0);
-    outcome now = import_points(context, bytes, size, true);
-    (void)setrlimit(RLIMIT_FSIZE, &before);
-    (void)signal(SIGXFSZ, handler);
+    file_limit limit;
+    CHECK(file_limit_begin(&limit, 1 << 20));
+    spilled_import now = import_spilled(context, read_points, bytes, size, true);
+    file_limit_end(&limit);
     CHECK_EQUAL(STP_ERROR_IO, now.result);
     CHECK_EQUAL(1, log.errors);
     CHECK(strstr(log.text, "no room for") != NULL);

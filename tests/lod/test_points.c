@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "tests.h"
 
+#include "lod/blue/blue.h"
 #include "lod/candidate_helpers.h"
 #include "lod/points.h"
+#include "lod/surfels.h"
+#include "scene/scene.h"
+
+#include <string.h>
 
 void test_estimated_normals_of_a_sphere(test_state* test)
 {
@@ -42,4 +47,102 @@ void test_normals_of_lonely_points_face_up(test_state* test)
     CHECK_EQUAL(STP_OK, stp_estimate_point_normals(context, &m->candidates, 0.0f));
     maker_destroy(m);
     stp_context_destroy(context);
+}
+
+// A slope with few points beside many: where four neighbours are not within the radius, they are sought farther away.
+void test_normals_of_sparse_points_are_those_of_their_surroundings(test_state* test)
+{
+    stp_context* context = test_context(NULL, 2, NULL);
+    maker* m = maker_create(0.1);
+    CHECK(context != NULL);
+    for (int i = 0; i < 400; ++i) { // spaced 0.1, then 1
+        float step = i < 200 ? 0.1f : 1.0f, from = i < 200 ? -2.0f : 0.0f;
+        float along = from + step * (float)(i % 20), z = step * (float)(i % 200 / 20);
+        maker_add(m, (stp_vec3){0.8f * along, 0.6f * along, z}, (stp_vec3){1, 0, 0}, 0x808080ff);
+    }
+    CHECK_EQUAL(STP_OK, stp_estimate_point_normals(context, &m->candidates, 0.3f));
+    for (int i = 0; i < 400; ++i) {
+        const float* n = m->candidates.normals + 3 * (size_t)i;
+        CHECK(0.8f * n[1] - 0.6f * n[0] > 0.999f);
+    }
+    maker_destroy(m);
+    stp_context_destroy(context);
+}
+
+enum { SCANNED = 300 };
+
+// A point set along x, with intensities that tell where points are, and a class where asked for.
+static bool add_scan(stp_scene* scene, float y, bool classed)
+{
+    stp_context* context = scene->context;
+    stp_point_set set = {.point_count = SCANNED,
+                         .positions = STP_NEW_ARRAY(context, float, 3 * SCANNED)};
+    uint16_t* intensity = STP_NEW_ARRAY(context, uint16_t, SCANNED);
+    uint8_t* class = classed ? STP_NEW_ARRAY(context, uint8_t, SCANNED) : NULL;
+    set.attributes[STP_ATTRIBUTE_INTENSITY] = intensity;
+    set.attributes[STP_ATTRIBUTE_CLASS] = class;
+    bool made = set.positions != NULL && intensity != NULL && (class != NULL || !classed);
+    for (size_t i = 0; made && i < SCANNED; ++i) {
+        const float place[3] = {(float)i, y, 0.0f};
+        memcpy(set.positions + 3 * i, place, sizeof(place));
+        intensity[i] = (uint16_t)(7 * i);
+        if (classed) {
+            class[i] = 6;
+        }
+    }
+    if (!made) {
+        stp_free(context, set.positions);
+        stp_free(context, intensity);
+        stp_free(context, class);
+        return false;
+    }
+    uint32_t index, object;
+    return stp_scene_add_point_set(scene, &set, &index) == STP_OK &&
+           stp_scene_add_object(
+               scene, &(stp_object){.parent = STP_NONE, .transform = stp_affine_identity()},
+               &object) == STP_OK &&
+           stp_scene_add_part(scene, (stp_part){STP_PART_POINTS, index}) == STP_OK;
+}
+
+// Whether each surfel has the intensity and class of the point that it is.
+static bool has_own_attributes(const stp_splats* s)
+{
+    const uint16_t* intensity = s->attributes[STP_ATTRIBUTE_INTENSITY];
+    const uint8_t* class = s->attributes[STP_ATTRIBUTE_CLASS];
+    bool same = intensity != NULL && class != NULL && s->attributes[STP_ATTRIBUTE_TIME] == NULL;
+    for (uint32_t i = 0; same && i < s->count; ++i) {
+        float x = s->origin.x + s->step * (float)s->positions[3 * (size_t)i];
+        float y = s->origin.y + s->step * (float)s->positions[3 * (size_t)i + 1];
+        same = fabsf(7.0f * x - (float)intensity[i]) < 3.0f && class[i] == (y > 5.0f ? 6 : 0);
+    }
+    return same && s->count == 2 * SCANNED;
+}
+
+void test_surfels_of_clouds_have_the_attributes_of_their_points(test_state* test)
+{
+    static const uint8_t shadings[4] = {0};
+    for (int n = 0;; ++n) { // fail the n-th allocation, until one run gets through
+        CHECK(n < 4000);
+        test_heap heap = TEST_HEAP(n);
+        test_log log = {.errors = 0};
+        stp_context* context = test_context(&heap, 1, &log);
+        if (context == NULL) {
+            continue;
+        }
+        stp_scene* scene = NULL;
+        stp_splats set = {0};
+        stp_blue_desc desc = {.surfel_count = 0};
+        bool good = stp_scene_create(context, &scene) == STP_OK && add_scan(scene, 0.0f, false) &&
+                    add_scan(scene, 10.0f, true) && stp_scene_finish(scene) == STP_OK &&
+                    stp_blue_make(scene, scene->root, shadings, &desc, &set, NULL) == STP_OK;
+        bool right = !good || has_own_attributes(&set);
+        stp_splats_destroy(context, &set);
+        stp_scene_destroy(scene);
+        stp_context_destroy(context);
+        CHECK_EQUAL(0, heap.live_bytes);
+        CHECK(right);
+        if (good && heap.count <= n) {
+            break;
+        }
+    }
 }

@@ -25,6 +25,8 @@ cp "$source"/tests/golden/store/v1/methods-1.2.stip "$folder/methods.stip"
 cp "$source"/tests/golden/store/v1/methods-1.2.json "$folder/methods.json"
 cp "$source"/tests/golden/store/v1/operators-1.2.stip "$folder/operators.stip"
 cp "$source"/tests/golden/store/v1/operators-1.2.json "$folder/operators.json"
+cp "$source"/tests/golden/store/v1/attributes-1.2.stip "$folder/attributes.stip"
+cp "$source"/tests/golden/store/v1/attributes-1.2.json "$folder/attributes.json"
 count=0
 for file in "$folder"/*.stip; do
     python3 "$source/scripts/read_store.py" "$file" --expect "${file%.stip}.json" > "${file%.stip}.out"
@@ -42,7 +44,7 @@ picture = open(folder + "/first.ppm", "rb").read()
 assert len(picture) == len(b"P6 64 48 255\n") + 3 * 64 * 48 and len(set(picture[13:])) > 3
 END
 done
-test "$count" -ge 16
+test "$count" -ge 17
 # it must be able to fail: one byte wrong in the middle of the last file
 size=$(stat -c %s "$file")
 byte=$(od -An -tu1 -j $((size / 2)) -N 1 "$file")

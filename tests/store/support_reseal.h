@@ -45,6 +45,34 @@ static inline uint64_t reseal_chunks(unsigned char* bytes, size_t size, uint64_t
     return 0;
 }
 
+// The checksums of a block of attributes: of its chunks, in the table behind them, and of that. How many chunks there are, the
+// sizes tell: they come to what is before the table.
+static inline void reseal_values(unsigned char* bytes, size_t size, uint64_t offset,
+                                 uint64_t length)
+{
+    if (offset > size || length > size - offset) {
+        return;
+    }
+    for (uint64_t count = 1; 8 * count + 4 <= length && count < 64; ++count) {
+        uint64_t table = length - 8 * count - 4, sum = 0;
+        unsigned char* entries = bytes + offset + table;
+        for (uint64_t i = 0; i < count; ++i) {
+            sum += stp_read_u32(entries + 8 * i);
+        }
+        if (sum != table) {
+            continue;
+        }
+        uint64_t at = offset;
+        for (uint64_t i = 0; i < count; ++i) {
+            uint32_t chunk = stp_read_u32(entries + 8 * i);
+            stp_write_u32(entries + 8 * i + 4, reseal_crc(bytes, size, at, chunk));
+            at += chunk;
+        }
+        stp_write_u32(entries + 8 * count, reseal_crc(bytes, size, offset + table, 8 * count));
+        return;
+    }
+}
+
 // The checksums of blocks, in the table of blocks at `offset`.
 static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t offset,
                                  uint64_t length, uint32_t record_size)
@@ -55,6 +83,9 @@ static inline void reseal_blocks(unsigned char* bytes, size_t size, uint64_t off
     for (uint64_t at = 0; at + record_size <= length; at += record_size) {
         unsigned char* record = bytes + offset + at;
         uint64_t begin = stp_read_u64(record + 16), length_of_block = stp_read_u64(record + 24);
+        if (stp_read_u32(record) >= STP_BLOCK_ATTRIBUTES) {
+            reseal_values(bytes, size, begin, length_of_block);
+        }
         uint64_t table = stp_read_u32(record + 36) - 1 < 2
                              ? reseal_chunks(bytes, size, begin, length_of_block)
                              : 0;

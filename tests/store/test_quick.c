@@ -55,7 +55,7 @@ static bool write_large(stp_context* context, const char* path, bool packed)
     stp_store_texture texture = {.width = 1, .height = 1, .texels = texel};
     stp_store_view views[2] = {{.name = "first", .fov_degrees = 50.0},
                                {.name = "second", .fov_degrees = 60.0}};
-    stp_store_source source = {"model.glb", "gltf", 123};
+    stp_store_source source = {"model.glb", "gltf", 123, NULL};
     stp_store_content content = {.directory = {.root = NODES - 1,
                                                .node_count = NODES,
                                                .nodes = nodes,

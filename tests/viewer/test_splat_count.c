@@ -6,6 +6,7 @@
 #include "draw/support_store.h"
 #include "select/select.h"
 #include "select/support_built.h"
+#include "store/support_progressive.h"
 #include "viewer/splat_count.h"
 
 static const uint8_t grey[3] = {128, 128, 128};
@@ -77,6 +78,50 @@ void test_viewer_splat_count_is_what_a_view_draws_at_most(test_state* test)
         stp_store_close(store);
         made_free_surfels(context, &scene.surfels[0]);
         made_free_surfels(context, &scene.surfels[1]);
+        stp_context_destroy(context);
+    }
+}
+
+/// The square with one progressive set, placed twice.
+static stp_store* open_progressive(stp_context* context, stp_arena* arena, uint32_t base,
+                                   uint32_t splits)
+{
+    static made_scene scene;
+    make_scene(context, &scene);
+    made_free_surfels(context, &scene.surfels[0]);
+    made_free_surfels(context, &scene.surfels[1]);
+    progressive_desc desc = {.seed = 5, .base = base, .splits = splits};
+    if (!progressive_sample_make(arena, &desc, &scene.surfels[0])) {
+        return NULL;
+    }
+    progressive_sample_octaves(&scene.surfels[0], 16);
+    scene.surfels_count = 1;
+    scene.nodes[1].surfels = 0;
+    scene.nodes[2].surfels = STP_STORE_NONE;
+    scene.method = (stp_store_method){.name = "psp",
+                                      .id = STP_METHOD_PSP,
+                                      .columns = STP_SPLATS_SHAPES | STP_SPLATS_RANGES |
+                                                 STP_SPLATS_FLAT_COLORS};
+    return made_open(context, &scene);
+}
+
+void test_viewer_splat_count_of_merged_splats_with_many_roots(test_state* test)
+{
+    const struct {
+        uint32_t base, splits;
+    } cases[] = {{1, 0}, {1, 40}, {2, 1}, {50, 0}, {7, 60}, {30, 3}};
+    stp_view view = {
+        .eye = {0, 0, 50}, .up = {0, 1, 0}, .fov_degrees = 90, .width = 200, .height = 200};
+    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i) {
+        stp_context* context = test_context(NULL, 1, NULL);
+        stp_arena arena = stp_arena_create(context, 1 << 16);
+        stp_store* store = open_progressive(context, &arena, cases[i].base, cases[i].splits);
+        CHECK(store != NULL);
+        uint32_t count = splat_count_of_scene(store, 0);
+        CHECK_EQUAL(2 * (cases[i].base + cases[i].splits), count);
+        CHECK_EQUAL(count, count_drawn(context, store, &view));
+        stp_store_close(store);
+        stp_arena_destroy(&arena);
         stp_context_destroy(context);
     }
 }

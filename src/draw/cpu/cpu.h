@@ -21,6 +21,7 @@
 #include "raster/triangles.h"
 #include "select/view_frame.h"
 #include "store/clusters.h"
+#include "store/coloring.h"
 #include "store/format.h"
 #include "store/large_triangles.h"
 
@@ -362,7 +363,9 @@ typedef struct cpu_cuts {
 void cpu_find_cuts(const cpu_renderer* r, const cpu_item* item, cpu_cuts* cuts);
 /// Whether all of a box of the item's space is cut away. Adds the bits of the cuts that go through it to `mask`.
 bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint32_t* mask);
-/// Leaves of splats (by their centres) what is not cut away, and makes ghosts of those of a ghost: sets `wanted`,
+/// Whether an item may have splats or points of hidden classes.
+bool cpu_hides_some(const cpu_renderer* r, const cpu_item* item);
+/// Leaves of splats (by their centres) what is neither cut away nor hidden, and makes ghosts of those of a ghost: sets `wanted`,
 /// in the worker's scratch memory, and `share`. @return false where memory runs out
 bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                     cpu_worker* worker);

@@ -131,11 +131,32 @@ static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint3
     return left;
 }
 
+bool cpu_hides_some(const cpu_renderer* r, const cpu_item* item)
+{
+    bool marked =
+        item->kind == STP_DRAW_SURFELS ? item->coverages != NULL : item->points.colors != NULL;
+    return marked && stp_store_get_coloring(r->store)->hides;
+}
+
+/// The bits of up to 16 splats or points that no hidden class has (store/coloring.h).
+static uint16_t find_shown(const cpu_item* item, uint32_t first, uint32_t count)
+{
+    uint16_t shown = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        size_t at = (size_t)first + i;
+        uint8_t mark =
+            item->kind == STP_DRAW_SURFELS ? item->coverages[at] : item->points.colors[4 * at + 3];
+        shown = (uint16_t)(shown | (mark != 0 ? 1u : 0u) << i);
+    }
+    return shown;
+}
+
 bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                     cpu_worker* worker)
 {
     splats->share = item->draw->ghost ? stp_placement_ghost_part(cpu_ghost_share(r)) : 0.0f;
-    if (item->draw->sections == 0) {
+    bool hides = cpu_hides_some(r, item);
+    if (item->draw->sections == 0 && !hides) {
         return true;
     }
     size_t words = ((size_t)splats->end + 15) / 16;
@@ -143,12 +164,13 @@ bool cpu_cut_splats(const cpu_renderer* r, const cpu_item* item, stp_raster_spla
     if (left == NULL) {
         return false;
     }
-    float rows[STP_SECTION_PLANES][4];
+    float rows[STP_SECTION_PLANES][4] = {{0}};
     uint32_t cut_count;
     turn_cuts(r, item, splats->positions != NULL, rows, &cut_count);
     for (uint32_t first = splats->begin; first < splats->end; first += 16) {
         uint32_t count = splats->end - first < 16 ? splats->end - first : 16;
         uint32_t wanted = splats->wanted != NULL ? splats->wanted[first / 16] : 0xFFFFu;
+        wanted &= hides ? find_shown(item, first, count) : 0xFFFFu;
         left[first / 16] = (uint16_t)(wanted & find_left(splats, first, count, rows, cut_count));
     }
     splats->wanted = left;

@@ -223,7 +223,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.occluder = NULL;
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
-    bool cut = item->draw->sections != 0 || item->draw->ghost;
+    bool cut = item->draw->sections != 0 || item->draw->ghost || cpu_hides_some(r, item);
     bool left = late || (pick_levels(r, item, &splats, worker) && pick_runs(item, &splats, worker));
     if (item->draw->scattered && item->runs != NULL) {
         splats.nearest = item->runs[0].nearest;

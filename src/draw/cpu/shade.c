@@ -2,7 +2,9 @@
 // From the visibility buffer to colours, tile by tile.
 #include "draw/cpu/shade.h"
 
+#include "base/color_map.h"
 #include "draw/cpu/layers.h"
+#include "draw/recolor.h"
 
 #include <string.h>
 
@@ -13,6 +15,7 @@ typedef struct shader {
     cpu_shade_memory* memory;
     const cpu_shade_kernels* kernels;
     cpu_shade_scene scene;
+    stp_draw_heights heights;
     uint32_t buffer_count;
     uint64_t** buffers; ///< of workers that drew
     uint32_t empty;     ///< colour of pixels that show nothing
@@ -96,6 +99,23 @@ static void find_runs(const shader* s, cpu_shade_tile* tile)
     tile->row_runs[tile->height] = count;
 }
 
+/// Of the normal on the side that is seen; (x, y) is of the tile.
+static void color_normal(const shader* s, float x, float y, cpu_shade_surface* surface)
+{
+    const cpu_shade_scene* scene = &s->scene;
+    stp_vec3 n =
+        stp_normalize((stp_vec3){surface->normal[0], surface->normal[1], surface->normal[2]});
+    stp_vec3 eye = scene->start;
+    if (!scene->parallel) {
+        eye = stp_add(eye, stp_add(stp_scale(scene->across, x), stp_scale(scene->down, y)));
+    }
+    float side = stp_dot(n, eye) < 0.0f ? -0.5f : 0.5f;
+    const float parts[3] = {0.5f + side * n.x, 0.5f + side * n.y, 0.5f + side * n.z};
+    for (int c = 0; c < 3; ++c) {
+        surface->color[c] = parts[c] * parts[c];
+    }
+}
+
 /// Lanes of a run that has one colour and normal all over.
 static uint32_t add_flat_lanes(cpu_shade_lanes* lanes, uint32_t at, const cpu_shade_run* run,
                                uint32_t row)
@@ -109,6 +129,47 @@ static uint32_t add_flat_lanes(cpu_shade_lanes* lanes, uint32_t at, const cpu_sh
     return at;
 }
 
+/// The pixels' own surfaces, with colours of their heights or normals.
+static void recolor(const shader* s, const cpu_shade_tile* tile, const cpu_shade_run* run,
+                    uint32_t row, cpu_shade_surface* surfaces)
+{
+    const cpu_renderer* r = s->r;
+    const cpu_shade_nearness near = s->memory->nearness[run->surface];
+    static const float dark[3] = {0};
+    for (uint32_t k = 0; k < run->length; ++k) {
+        cpu_shade_surface* surface = &surfaces[k];
+        bool unlit = surface->material.unlit > 0.0f || r->style->coloring == STP_DRAW_NORMALS;
+        float x = (float)(tile->x + run->x + k) + 0.5f, y = (float)(tile->y + row) + 0.5f;
+        surface->material = cpu_make_shade_material(0.0f, 1.0f, dark, unlit);
+        if (r->style->coloring == STP_DRAW_NORMALS) {
+            color_normal(s, (float)(run->x + k) + 0.5f, (float)row + 0.5f, surface);
+            continue;
+        }
+        float nearness = tile->rows[row].nearness[run->x + k] * near.factor + near.shift;
+        const uint8_t* color = stp_color_map[stp_draw_height_place(&s->heights, x, y, nearness)];
+        for (int c = 0; c < 3; ++c) {
+            surface->color[c] = r->decode[color[c]];
+        }
+    }
+}
+
+/// Surfaces of a run's pixels, one each.
+static void make_own_surfaces(const shader* s, const cpu_shade_tile* tile, const cpu_shade_run* run,
+                              uint32_t row, cpu_shade_surface* surfaces)
+{
+    cpu_shade_memory* memory = s->memory;
+    if (memory->kind[run->surface] != SHADE_FLAT) {
+        cpu_make_pixel_surfaces(s->r, memory, run, tile->x + run->x, tile->y + row,
+                                tile->rows[row].nearness + run->x, surfaces);
+    }
+    for (uint32_t k = 0; memory->kind[run->surface] == SHADE_FLAT && k < run->length; ++k) {
+        surfaces[k] = memory->surfaces[run->surface];
+    }
+    if (s->r->style->coloring != STP_DRAW_OWN_COLORS) {
+        recolor(s, tile, run, row, surfaces);
+    }
+}
+
 static void add_lanes(const shader* s, cpu_shade_tile* tile, uint32_t row)
 {
     cpu_shade_memory* memory = s->memory;
@@ -116,7 +177,8 @@ static void add_lanes(const shader* s, cpu_shade_tile* tile, uint32_t row)
     uint32_t at = lanes->count;
     for (uint32_t i = tile->row_runs[row]; i < tile->row_runs[row + 1]; ++i) {
         cpu_shade_run* run = &tile->runs[i];
-        run->flat = memory->kind[run->surface] == SHADE_FLAT;
+        run->flat = memory->kind[run->surface] == SHADE_FLAT &&
+                    s->r->style->coloring == STP_DRAW_OWN_COLORS;
         if (run->surface == SHADE_EMPTY) {
             run->lane = SHADE_EMPTY_LANE;
             continue;
@@ -126,9 +188,7 @@ static void add_lanes(const shader* s, cpu_shade_tile* tile, uint32_t row)
             at = add_flat_lanes(lanes, at, run, row);
             continue;
         }
-        cpu_make_pixel_surfaces(s->r, memory, run, tile->x + run->x, tile->y + row,
-                                tile->rows[row].nearness + run->x,
-                                memory->surfaces + SHADE_OWN + at);
+        make_own_surfaces(s, tile, run, row, memory->surfaces + SHADE_OWN + at);
         for (uint32_t k = 0; k < run->length; ++k, ++at) {
             lanes->surface[at] = SHADE_OWN + at;
             lanes->x[at] = (float)(run->x + k) + 0.5f;
@@ -142,13 +202,13 @@ static void light_tile(shader* s, cpu_shade_tile* tile)
 {
     cpu_shade_lanes* lanes = &s->memory->lanes;
     lanes->count = 0;
+    place_eye(s->r, tile->x, tile->y, &s->scene);
     for (uint32_t row = 0; row < tile->height; ++row) {
         add_lanes(s, tile, row);
     }
     for (uint32_t i = 0; i < SHADE_LANES_MOST; ++i) {
         lanes->surface[lanes->count + i] = SHADE_EMPTY;
     }
-    place_eye(s->r, tile->x, tile->y, &s->scene);
     s->kernels->light(&s->scene, s->memory->surfaces, lanes);
 }
 
@@ -253,6 +313,8 @@ static shader make_shader(cpu_renderer* r, cpu_worker* worker)
                 .kernels = cpu_choose_shade_kernels(),
                 .scene = cpu_make_shade_scene(r),
                 .buffers = worker->buffers};
+    const stp_draw_pixels pixels = {r->shift_x, r->shift_y, r->nearness_scale, r->nearness_offset};
+    s.heights = stp_draw_heights_make(&r->frame, &pixels, r->style);
     s.buffer_count = find_buffers(r, s.buffers);
     write_pixel(r, nothing, 0.0f, (uint8_t*)&s.empty);
     for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {

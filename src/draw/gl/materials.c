@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Materials as shaders want them; they never change.
+#include "base/color.h"
+#include "base/color_map.h"
 #include "base/context.h"
 #include "draw/gl/renderer.h"
 
@@ -49,7 +51,8 @@ stp_result gl_materials_create(gl_renderer* r)
     stp_context* context = r->base.context;
     size_t light_count = SHADINGS + (size_t)d->material_count;
     size_t count = (size_t)d->material_count + 1; // never empty
-    light_material_block* lights = STP_NEW_ARRAY(context, light_material_block, light_count);
+    light_material_block* lights =
+        STP_NEW_ZEROED(context, light_material_block, light_count + SCALE_COLORS);
     material_block* materials = STP_NEW_ZEROED(context, material_block, count);
     if (lights == NULL || materials == NULL) {
         stp_free(context, lights);
@@ -67,8 +70,13 @@ stp_result gl_materials_create(gl_renderer* r)
         lights[SHADINGS + i] = make_light(m->metallic, m->roughness, m->emissive, m->flags);
         materials[i] = make_material(m);
     }
-    r->light_materials =
-        make_buffer(&r->gl, lights, light_count * sizeof(*lights), "light materials");
+    for (uint32_t i = 0; i < SCALE_COLORS; ++i) { // behind them, the even scale
+        for (int k = 0; k < 3; ++k) {
+            lights[light_count + i].surface[k] = stp_srgb8_to_linear(stp_color_map[i][k]);
+        }
+    }
+    r->light_materials = make_buffer(&r->gl, lights, (light_count + SCALE_COLORS) * sizeof(*lights),
+                                     "light materials");
     r->materials = make_buffer(&r->gl, materials, count * sizeof(*materials), "materials");
     stp_free(context, lights);
     stp_free(context, materials);

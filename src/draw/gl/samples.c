@@ -4,7 +4,9 @@
 #include "base/context.h"
 #include "draw/gl/renderer.h"
 #include "draw/lighting.h"
+#include "draw/recolor.h"
 #include "select/eyes.h"
+#include "store/coloring.h"
 
 enum { POINT_MARGIN = 64 };
 
@@ -46,6 +48,16 @@ static void set_eye(const stp_placement* p, view_block* view)
         set_vec3(view->eye_down, stp_scaled(f->down, -1.0 / f->scale));
     }
     set_vec3(view->eye_start, start);
+}
+
+static void set_heights(const gl_renderer* r, const stp_placement* p, view_block* view)
+{
+    const stp_draw_pixels pixels = {p->shift_x, p->shift_y, p->nearness_scale, p->nearness_offset};
+    stp_draw_heights h = stp_draw_heights_make(&p->frame, &pixels, r->style);
+    for (int i = 0; i < 3; ++i) {
+        view->height_place[i] = h.place[i];
+        view->height_along[i] = h.along[i];
+    }
 }
 
 /// Sections in right, down and depth of the view.
@@ -91,6 +103,9 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
         .point_extent = r->point_extent,
         .filtered = (uint32_t)r->style->filter,
         .ghost = ghost,
+        .hides = stp_store_get_coloring(r->store)->hides ? 1 : 0,
+        .recolors = (uint32_t)r->style->coloring,
+        .scale_first = SHADINGS + r->directory->material_count,
         .glass = r->layer_pass.active ? GLASS_LAYERS : GLASS_PATTERN,
         .ghost_seed = GHOST_SEED,
         .ghost_splats = stp_placement_ghost_part(ghost)};
@@ -99,6 +114,7 @@ static view_block make_view(const gl_renderer* r, const gl_sample* sample)
     view.screen[2] = (float)(1.0 / f->scale);
     set_light(r, f, &view);
     set_eye(p, &view);
+    set_heights(r, p, &view);
     set_cuts(p, &r->view->sections, &view);
     gl_occlusion_pass_set_view(r, &view);
     for (int k = 0; k < 3; ++k) {

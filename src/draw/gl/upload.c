@@ -6,6 +6,7 @@
 #include "base/coverage.h"
 #include "base/splat_codes.h"
 #include "raster/cutout.h"
+#include "store/coloring.h"
 #include "store/columns.h"
 
 static uint32_t point_chunks(const stp_store_point_set* points)
@@ -226,8 +227,13 @@ gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, b
         return result;
     }
     gl_writer writer = gl_writer_begin(r, entry, each * (end - begin));
-    for (size_t i = 3 * begin; i < 3 * end; ++i) {
-        gl_write_float(&writer, points.positions[i]);
+    bool hides = stp_store_get_coloring(r->store)->hides && points.colors != NULL;
+    for (size_t i = begin; i < end; ++i) {
+        bool hidden = hides && points.colors[4 * i + 3] == 0;
+        for (size_t k = 0; k < 3; ++k) {
+            gl_write_float(&writer,
+                           hidden ? 2.0f * (float)HIDDEN_PLACE : points.positions[3 * i + k]);
+        }
     }
     for (size_t i = begin; i < end && points.colors != NULL; ++i) {
         uint32_t word;

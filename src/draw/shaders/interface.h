@@ -72,6 +72,15 @@
 #define FILTER_BLEND 2u
 #define FILTER_TEXTURED 3u
 
+// What colours pixels have (stp_draw_coloring).
+#define RECOLORS_NOT 0u
+#define RECOLORS_HEIGHT 1u
+#define RECOLORS_NORMAL 2u
+#define SCALE_COLORS 256
+
+// Where a hidden point is: beyond anything.
+#define HIDDEN_PLACE 1e30
+
 // Flags of items.
 #define ITEM_FACING 1u             // disks face the eye
 #define ITEM_HAS_COLORS 2u         // of vertices or points
@@ -220,14 +229,17 @@ struct view_block {
     uint
         ghost_seed; // a constant that must not be one: Mesa 22.3 folds products of constants wrongly
     uint glass;     // a GLASS
-    uint spare1, spare2;
+    uint hides;     // whether splats of coverage 0 are not drawn
+    uint recolors;  // a RECOLORS
     uvec4 glass_shadings[2]; // a bit for each shading that is transparent
     vec4 screen;             // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
     vec4 cuts
         [SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
     vec4 earlier[4];      // from X, Y, true N, W to those of the picture whose depths are known
     float corner;         // distance over depth in a corner of the picture
-    float view_spare0, view_spare1, view_spare2;
+    uint scale_first;     // where the even scale begins among the materials of light
+    float view_spare1, view_spare2;
+    vec4 height_place, height_along; // src/draw/recolor.h
 };
 
 // What is done after shading (draw/effect_shape.h).
@@ -270,5 +282,5 @@ _Static_assert(sizeof(item_block) == 368, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");
-_Static_assert(sizeof(view_block) == 576, "layout of the view");
+_Static_assert(sizeof(view_block) == 608, "layout of the view");
 #endif

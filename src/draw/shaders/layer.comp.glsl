@@ -2,6 +2,7 @@
 #include "lib_surface.glsl"
 #include "lib_visible.glsl"
 #include "lib_eye.glsl"
+#include "lib_recolor.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 layout(rgba32f, binding = IMAGE_LIGHT) uniform image2D light;
@@ -30,6 +31,7 @@ void main()
     item_block item = items[find_item(id)];
     float depth = item.near_factor * nearness + item.near_shift;
     surface s = find_surface(item, id, pixel, depth);
+    recolor(s, vec2(pixel) + 0.5, depth);
     vec3 color = light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), s.light);
     vec4 so_far = imageLoad(light, pixel);
     float share = so_far.a * clamp(s.opacity, 0.0, 1.0);

@@ -23,7 +23,8 @@ float along(vec4 row, vec3 p)
     return sum;
 }
 
-// What is drawn of a splat's disk, between those of two octaves: a share of 255, or, above SPLAT_CUT, a code that cuts.
+// What is drawn of a splat's disk, between those of two octaves: a share of 255, or, above SPLAT_CUT, a code that cuts. 0: it is
+// hidden.
 #define SPLAT_CUT 256u
 uint splat_part(const item_block item, uint index)
 {
@@ -31,6 +32,9 @@ uint splat_part(const item_block item, uint index)
         return 255u;
     }
     uint own = fetch(item.colors + index) >> 24;
+    if (own == 0u && view.hides != 0u) {
+        return 0u;
+    }
     if (index < item.low_count) {
         uint low = fetch(item.low_colors + index) >> 24, share = uint(256.0 * (1.0 - item.blend) + 0.5);
         if (!coverage_cuts(own) && !coverage_cuts(low)) {
@@ -130,12 +134,13 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     } else {
         p = fetch_vec3(record.address + 3u * local);
     }
+    bool hidden = item.kind == KIND_POINTS && p.x >= HIDDEN_PLACE;
     splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
     splat.w = along(item.rows[3], p);
     find_options(record, item, local, splat);
     precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse * splat.own;
     uint index = record.first + local;
-    splat.part = splat_part(item, index);
+    splat.part = hidden ? 0u : splat_part(item, index);
     uint wanted = splat.glass ? 0u : splat_halvings(splat.part);
     float least = 1.5 + float(index * 0x9E3779B1u >> 24) * (1.5 / 256.0); // as splat_least: not all shrink at one depth
     splat.halvings = 0u;
@@ -158,7 +163,7 @@ bool is_wanted(const record_block record, const item_block item, const splat_pla
         return false;
     }
 #endif
-    return splat.there && splat.w >= record.nearest && splat.w <= record.farthest &&
+    return splat.there && splat.part != 0u && splat.w >= record.nearest && splat.w <= record.farthest &&
            !(item.sections != 0u && is_cut(item, to_view(item, vec4(splat.position, splat.w))));
 }
 

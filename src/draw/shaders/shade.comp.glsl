@@ -2,6 +2,7 @@
 #include "lib_surface.glsl"
 #include "lib_visible.glsl"
 #include "lib_eye.glsl"
+#include "lib_recolor.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 layout(rgba8, binding = IMAGE_PICTURE) uniform writeonly image2D picture;
@@ -25,6 +26,7 @@ vec3 shade(ivec2 pixel, uint id, float nearness, out float depth)
         return blended.rgb / blended.a;
     }
     surface s = find_surface(item, id, pixel, depth);
+    recolor(s, vec2(pixel) + 0.5, depth);
     return light_surface(s.color, s.normal, to_eye(vec2(pixel) + 0.5), s.light);
 }
 

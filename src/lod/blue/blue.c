@@ -134,6 +134,32 @@ static stp_result make_candidates(blue* b, uint32_t node)
     return result;
 }
 
+// Where all points of a cloud are wanted, those that coincide with others come last: each is kept once.
+static stp_result append_coincident(blue* b)
+{
+    uint32_t count = b->candidates.count, next = b->finish.count;
+    if (!b->from_points || b->wanted != count || next == count || next == 0) {
+        return STP_OK;
+    }
+    uint8_t* chosen = STP_NEW_ZEROED(b->scene->context, uint8_t, count);
+    if (chosen == NULL) {
+        return stp_fail_memory(b->scene->context);
+    }
+    for (uint32_t i = 0; i < next; ++i) {
+        chosen[b->order[i]] = 1;
+    }
+    float last = b->radii[next - 1]; // they cover nothing more
+    for (uint32_t i = 0; i < count; ++i) {
+        if (chosen[i] == 0) {
+            b->radii[next] = last;
+            b->order[next++] = i;
+        }
+    }
+    b->finish.count = next;
+    stp_free(b->scene->context, chosen);
+    return STP_OK;
+}
+
 static stp_result order_candidates(blue* b)
 {
     stp_context* context = b->scene->context;
@@ -144,8 +170,10 @@ static stp_result order_candidates(blue* b)
         return stp_fail_memory(context);
     }
     const float* normals = b->order_desc.metric == STP_METRIC_SIDE ? c->normals : NULL;
-    return stp_order_points(context, &b->order_desc, c->positions, normals, c->count, b->wanted,
-                            b->order, b->radii, &b->finish.count, &b->finish.final_radius, NULL);
+    stp_result result =
+        stp_order_points(context, &b->order_desc, c->positions, normals, c->count, b->wanted,
+                         b->order, b->radii, &b->finish.count, &b->finish.final_radius, NULL);
+    return result == STP_OK ? append_coincident(b) : result;
 }
 
 // The spacing of a point cloud stands for the pixel of a capture. Half the points, farthest first, still lie about

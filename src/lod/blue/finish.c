@@ -113,6 +113,43 @@ static stp_result allocate_columns(stp_context* context, stp_splats* s)
     return made ? STP_OK : stp_fail_memory(context);
 }
 
+typedef struct value_column {
+    const uint32_t* order;
+    const unsigned char* from;
+    unsigned char* to;
+    size_t size; ///< of a value
+} value_column;
+
+static void gather_values(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const value_column* c = user;
+    for (size_t i = begin; i < end; ++i) {
+        memcpy(c->to + i * c->size, c->from + c->order[i] * c->size, c->size);
+    }
+}
+
+// Surfels of a cloud are points: they have the attributes of these.
+static stp_result take_attributes(stp_context* context, const stp_finish_input* input,
+                                  stp_splats* s)
+{
+    for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
+        if (input->candidates->attributes[a] == NULL) {
+            continue;
+        }
+        value_column c = {.order = input->order,
+                          .from = input->candidates->attributes[a],
+                          .size = stp_attribute_size((stp_attribute)a)};
+        c.to = stp_alloc_array(context, s->count, c.size);
+        if (c.to == NULL) {
+            return stp_fail_memory(context);
+        }
+        s->attributes[a] = c.to;
+        stp_parallel_for(context, s->count, GRAIN, gather_values, &c);
+    }
+    return STP_OK;
+}
+
 static void make_tables(finish* f)
 {
     stp_splats* s = f->surfels;
@@ -148,6 +185,7 @@ static stp_result finish_surfels(stp_context* context, finish* f)
     s->octave_count =
         stp_choose_octaves(f->envelope, s->candidate_radius, s->count, s->octave_ends);
     stp_result result = allocate_columns(context, s);
+    result = result == STP_OK ? take_attributes(context, f->input, s) : result;
     if (result != STP_OK) {
         return result;
     }

@@ -3,11 +3,13 @@
 
 #include "base/coverage.h"
 
+#include <string.h>
+
 #define PI 3.14159265358979323846f
 #define THIN 1e-3f ///< of the major axis: the least minor axis
 #define CERTAIN                                                                                    \
     1e-5 ///< of the square of the largest eigenvalue: products of the others below it lose digits
-#define LINE 1e-12 ///< of the square of both variances: a determinant below it is that of a line
+#define LINE 1e-6f ///< of the square of both variances: a determinant below it is that of a line
 
 enum { SWEEPS_MOST = 32, NEWTON_MOST = 16, ROUNDS = 6 };
 
@@ -68,17 +70,18 @@ void stp_ellipse_fit_turn(stp_ellipse_fit* f, float least)
     f->scale = least / f->ratio;
 }
 
-static inline void reach(stp_ellipse_fit* f, stp_vec3 point)
+/// Square of the scale of an ellipse that reaches a point.
+static inline float find_square(const stp_ellipse_fit* f, stp_vec3 point)
 {
     stp_vec3 d = stp_sub(point, f->center);
     float u = stp_dot(d, f->major), v = stp_dot(d, f->minor) / f->ratio;
-    float away = sqrtf(u * u + v * v);
-    f->scale = away > f->scale ? away : f->scale;
+    return u * u + v * v;
 }
 
 void stp_ellipse_fit_reach(stp_ellipse_fit* fit, stp_vec3 point)
 {
-    reach(fit, point);
+    float away = sqrtf(find_square(fit, point));
+    fit->scale = away > fit->scale ? away : fit->scale;
 }
 
 stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* f)
@@ -91,40 +94,59 @@ stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* f)
 
 enum { MOST = STP_ELLIPSE_COVER_MOST };
 
-/// Points of a plane with weights whose sum is 1, their mean, and their scatter about it. Arrays are always full, so that loops
-/// over them become vector instructions.
+enum { LANES = 4, FOURS = MOST / LANES };
+
+/// Four numbers of an array that vector instructions work on at once, in one order on every machine.
+typedef float four __attribute__((vector_size(LANES * sizeof(float))));
+typedef int32_t four_masks __attribute__((vector_size(LANES * sizeof(int32_t))));
+
+/// Points of a plane with weights whose sum is 1, their mean, and their scatter about it.
 typedef struct weighed {
-    double x[MOST], y[MOST], weight[MOST];
-    double mean_x, mean_y, xx, xy, yy;
+    four x[FOURS], y[FOURS], weight[FOURS];
+    float mean_x, mean_y, xx, xy, yy;
 } weighed;
 
-/// The sum of an array, in one order on every machine.
-static inline double add_up(double a[MOST])
+static inline four fill(float value)
 {
-    for (int half = MOST / 2; half > 0; half /= 2) {
-        for (int i = 0; i < half; ++i) {
-            a[i] += a[i + half];
-        }
-    }
-    return a[0];
+    return (four){value, value, value, value};
 }
 
-static void find_spread(weighed* w)
+static inline four lesser(four a, four b)
 {
-    double a[MOST], b[MOST], c[MOST];
-    for (int i = 0; i < MOST; ++i) {
+    four_masks less = a < b;
+    return (four)(((four_masks)a & less) | ((four_masks)b & ~less));
+}
+
+static inline float add_up(const four a[FOURS])
+{
+    four sum = (a[0] + a[2]) + (a[1] + a[3]);
+    return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+}
+
+static inline float find_least(const four a[FOURS])
+{
+    four least = lesser(lesser(a[0], a[2]), lesser(a[1], a[3]));
+    float x = least[0] < least[2] ? least[0] : least[2];
+    float y = least[1] < least[3] ? least[1] : least[3];
+    return x < y ? x : y;
+}
+
+static inline void find_spread(weighed* w)
+{
+    four a[FOURS], b[FOURS], c[FOURS];
+    for (int i = 0; i < FOURS; ++i) {
         a[i] = w->weight[i] * w->x[i];
         b[i] = w->weight[i] * w->y[i];
     }
-    double x = add_up(a), y = add_up(b);
-    for (int i = 0; i < MOST; ++i) {
-        double dx = w->x[i] - x, dy = w->y[i] - y;
+    w->mean_x = add_up(a);
+    w->mean_y = add_up(b);
+    four x = fill(w->mean_x), y = fill(w->mean_y);
+    for (int i = 0; i < FOURS; ++i) {
+        four dx = w->x[i] - x, dy = w->y[i] - y;
         a[i] = w->weight[i] * (dx * dx);
         b[i] = w->weight[i] * (dx * dy);
         c[i] = w->weight[i] * (dy * dy);
     }
-    w->mean_x = x;
-    w->mean_y = y;
     w->xx = add_up(a);
     w->xy = add_up(b);
     w->yy = add_up(c);
@@ -133,32 +155,25 @@ static void find_spread(weighed* w)
 /// Gives the points farther from the mean more weight, as measured by their spread: the scatter tends to the shape of the
 /// smallest ellipse around them (the dual problem; Dette, Pepelyshev, Zhigljavsky 2008).
 /// @return false where they lie along a line
-static bool weigh_anew(weighed* w)
+static inline bool weigh_anew(weighed* w)
 {
-    double far[MOST], a[MOST];
-    double det = w->xx * w->yy - w->xy * w->xy, both = w->xx + w->yy;
+    float det = w->xx * w->yy - w->xy * w->xy, both = w->xx + w->yy;
     if (!(det > LINE * both * both)) {
         return false;
     }
-    double xx = w->yy / det, xy = -2.0 * w->xy / det, yy = w->xx / det;
-    for (int i = 0; i < MOST; ++i) {
-        double x = w->x[i] - w->mean_x, y = w->y[i] - w->mean_y;
-        double away = xx * (x * x) + xy * (x * y) + yy * (y * y); // the weighed mean is 2
-        far[i] = away > 0.0 ? away : 0.0;
-        a[i] = far[i];
+    four xx = fill(w->yy / det), xy = fill(-2.0f * w->xy / det), yy = fill(w->xx / det);
+    four mean_x = fill(w->mean_x), mean_y = fill(w->mean_y), far[FOURS];
+    for (int i = 0; i < FOURS; ++i) {
+        four x = w->x[i] - mean_x, y = w->y[i] - mean_y;
+        four away = xx * (x * x) + xy * (x * y) + yy * (y * y); // the weighed mean is 2
+        far[i] = (four)((four_masks)away & (away > fill(0.0f)));
     }
-    for (int half = MOST / 2; half > 0; half /= 2) {
-        for (int i = 0; i < half; ++i) {
-            a[i] = a[i] < a[i + half] ? a[i] : a[i + half];
-        }
+    four half = fill(0.5f * find_least(far));
+    for (int i = 0; i < FOURS; ++i) {
+        w->weight[i] *= far[i] - half;
     }
-    double nearest = a[0];
-    for (int i = 0; i < MOST; ++i) {
-        w->weight[i] *= far[i] - 0.5 * nearest;
-        a[i] = w->weight[i];
-    }
-    double share = 1.0 / add_up(a);
-    for (int i = 0; i < MOST; ++i) {
+    four share = fill(1.0f / add_up(w->weight));
+    for (int i = 0; i < FOURS; ++i) {
         w->weight[i] *= share;
     }
     return true;
@@ -167,22 +182,26 @@ static bool weigh_anew(weighed* w)
 /// Puts the centre where that of the smallest ellipse is, and the scatter in its shape.
 static void find_smallest(stp_ellipse_fit* f, const stp_vec3* points, size_t count)
 {
-    weighed w;
+    float x[MOST], y[MOST], weight[MOST];
     for (size_t i = 0; i < MOST; ++i) { // the last one fills what is left, without weight
         stp_vec3 d = stp_sub(points[i < count ? i : count - 1], f->center);
-        w.x[i] = (double)stp_dot(d, f->x);
-        w.y[i] = (double)stp_dot(d, f->y);
-        w.weight[i] = i < count ? 1.0 / (double)count : 0.0;
+        x[i] = stp_dot(d, f->x);
+        y[i] = stp_dot(d, f->y);
+        weight[i] = i < count ? 1.0f / (float)count : 0.0f;
     }
+    weighed w;
+    memcpy(w.x, x, sizeof(x));
+    memcpy(w.y, y, sizeof(y));
+    memcpy(w.weight, weight, sizeof(weight));
     find_spread(&w);
     for (int round = 0; round < ROUNDS && weigh_anew(&w); ++round) {
         find_spread(&w);
     }
-    stp_vec3 along = stp_scale(f->x, (float)w.mean_x), beside = stp_scale(f->y, (float)w.mean_y);
+    stp_vec3 along = stp_scale(f->x, w.mean_x), beside = stp_scale(f->y, w.mean_y);
     f->center = stp_add(f->center, stp_add(along, beside));
-    f->xx = w.xx;
-    f->xy = w.xy;
-    f->yy = w.yy;
+    f->xx = (double)w.xx;
+    f->xy = (double)w.xy;
+    f->yy = (double)w.yy;
 }
 
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
@@ -193,9 +212,13 @@ stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* 
         find_smallest(&fit, points, count);
     }
     stp_ellipse_fit_turn(&fit, least);
+    float most = 0.0f;
     for (size_t i = 0; i < count; ++i) {
-        reach(&fit, points[i]);
+        float square = find_square(&fit, points[i]);
+        most = square > most ? square : most;
     }
+    most = sqrtf(most);
+    fit.scale = most > fit.scale ? most : fit.scale;
     return stp_ellipse_fit_end(&fit);
 }
 

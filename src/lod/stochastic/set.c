@@ -44,6 +44,34 @@ typedef struct set_maker {
     stp_shape_directions directions;
 } set_maker;
 
+/// Copies the attributes of a candidate that is a point, where it has any.
+static void copy_attributes(const stp_candidates* c, uint32_t from, void* const to[STP_ATTRIBUTES],
+                            uint32_t at)
+{
+    for (int a = 0; a < STP_ATTRIBUTES; ++a) {
+        size_t size = stp_attribute_size((stp_attribute)a);
+        if (c->attributes[a] != NULL) {
+            memmove((unsigned char*)to[a] + at * size,
+                    (const unsigned char*)c->attributes[a] + from * size, size);
+        }
+    }
+}
+
+static stp_result allocate_attributes(const set_maker* m)
+{
+    for (int a = 0; a < STP_ATTRIBUTES; ++a) {
+        if (m->candidates->attributes[a] == NULL) {
+            continue;
+        }
+        m->splats->attributes[a] =
+            stp_alloc_array(m->context, m->splats->count, stp_attribute_size((stp_attribute)a));
+        if (m->splats->attributes[a] == NULL) {
+            return stp_fail_memory(m->context);
+        }
+    }
+    return STP_OK;
+}
+
 /// Moves a random choice of the candidates to the front, in their order (Knuth's method S).
 static void choose(const set_maker* m)
 {
@@ -60,6 +88,7 @@ static void choose(const set_maker* m)
         memmove(c->normals + 3 * (size_t)count, c->normals + 3 * (size_t)i, 3 * sizeof(float));
         memmove(c->colors + 4 * (size_t)count, c->colors + 4 * (size_t)i, 4);
         c->materials[count] = c->materials[i];
+        copy_attributes(c, i, c->attributes, count);
         of_sets += i >= sets ? 1 : 0;
         count += 1;
         left -= 1;
@@ -179,6 +208,7 @@ static void write_splat(const set_maker* m, const stp_leaf_facts* f, uint32_t fr
                        : alpha < 255                ? stp_coverage_of_share((double)alpha / 255.0)
                                                     : (uint8_t)STP_COVERAGE_WHOLE;
     s->shapes[at] = shape_of(m, f, s->normals + 2 * (size_t)at);
+    copy_attributes(c, from, s->attributes, at);
 }
 
 static void write_leaf(const set_maker* m, uint32_t index)
@@ -271,6 +301,7 @@ static stp_result make_set(set_maker* m, const stp_leaf_desc* desc)
     s->leaves = STP_NEW_ARRAY(context, stp_splat_leaf, s->leaf_count);
     result = m->facts == NULL || s->leaves == NULL ? stp_fail_memory(context) : find_facts(m);
     result = result == STP_OK ? stp_splats_make_columns(context, s) : result;
+    result = result == STP_OK ? allocate_attributes(m) : result;
     if (result == STP_OK) {
         make_table(m);
         stp_shape_directions_make(&m->directions);
@@ -323,6 +354,7 @@ stp_result stp_stochastic_make_of_samples(stp_context* context, const stp_splats
         candidates.colors[4 * i + 3] = 255;
         candidates.materials[i] = samples->materials[i];
     }
+    memcpy(candidates.attributes, samples->attributes, sizeof(candidates.attributes));
     if (result == STP_OK) {
         candidates.positions = taken.positions;
         candidates.normals = taken.normals;

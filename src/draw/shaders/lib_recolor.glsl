@@ -1,0 +1,24 @@
+// Colours of heights and normals: src/draw/recolor.h. The even scale lies behind the materials of light.
+
+// Which colour of the scale a pixel has.
+uint height_place(vec2 at, float nearness)
+{
+    float depth = view.parallel != 0u ? (nearness - view.nearness_offset) / view.nearness_scale
+                                      : view.nearness_scale / nearness;
+    float part = (view.height_place.x + view.height_place.y * at.x + view.height_place.z * at.y) +
+                 depth * (view.height_along.x + view.height_along.y * at.x + view.height_along.z * at.y);
+    return uint(clamp(part, 0.0, 1.0) * 255.0 + 0.5);
+}
+
+void recolor(inout surface s, vec2 at, float nearness)
+{
+    if (view.recolors == RECOLORS_HEIGHT) {
+        s.color = light_materials[view.scale_first + height_place(at, nearness)].surface.rgb;
+        s.light = make_light(0.0, 1.0, vec4(0.0, 0.0, 0.0, s.light.emissive.w));
+    } else if (view.recolors == RECOLORS_NORMAL) {
+        vec3 n = unit(s.normal), eye = to_eye(at);
+        vec3 color = 0.5 + 0.5 * (dot(n, eye) < 0.0 ? -n : n);
+        s.color = color * color;
+        s.light = make_light(0.0, 1.0, vec4(0.0, 0.0, 0.0, 1.0));
+    }
+}

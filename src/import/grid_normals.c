@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "import/grid_normals.h"
+
+#include <string.h>
+
+#define JUMP                                                                                       \
+    4.0f ///< a neighbour so many times as far as the opposite one is behind a jump in depth
+#define STEEP                                                                                      \
+    0.5f ///< so is one whose distance differs by more than this share of the way to the scanner
+#define GRAIN ((size_t)16) ///< columns
+#define POINT_GRAIN ((size_t)1 << 16)
+
+typedef struct work {
+    stp_cloud* cloud;
+    const stp_scan_grid* grid;
+} work;
+
+// The point of a cell; STP_NONE outside the grid and where the cell is empty.
+static uint32_t point_at(const work* w, int64_t column, int64_t row)
+{
+    const stp_scan_grid* g = w->grid;
+    if (column < 0 || row < 0 || column >= g->columns || row >= g->rows) {
+        return STP_NONE;
+    }
+    size_t cell = (size_t)column * g->rows + (size_t)row;
+    uint32_t point = g->cells != NULL ? g->cells[cell] : (uint32_t)cell;
+    return point != STP_NONE && !stp_cloud_is_empty(w->cloud, point) ? point : STP_NONE;
+}
+
+static stp_vec3 position(const work* w, uint32_t point)
+{
+    const float* p = w->cloud->set.positions + 3 * (size_t)point;
+    return (stp_vec3){p[0], p[1], p[2]};
+}
+
+// The way from p to a neighbour; zero where there is none on the same surface.
+static stp_vec3 step_to(const work* w, stp_vec3 p, uint32_t neighbour)
+{
+    if (neighbour == STP_NONE) {
+        return (stp_vec3){0};
+    }
+    stp_vec3 step = stp_sub(position(w, neighbour), p);
+    float reach = stp_length(stp_sub(w->grid->scanner, p));
+    return stp_length(step) <= STEEP * reach ? step : (stp_vec3){0};
+}
+
+// The difference along one direction of the grid: from neighbour to neighbour, or to the nearer one alone.
+static stp_vec3 difference(const work* w, stp_vec3 p, uint32_t before, uint32_t after)
+{
+    stp_vec3 back = step_to(w, p, before), on = step_to(w, p, after);
+    float shorter = stp_length(back), longer = stp_length(on);
+    bool back_is_longer = shorter > longer;
+    if (back_is_longer) {
+        float swapped = shorter;
+        shorter = longer;
+        longer = swapped;
+    }
+    if (longer <= JUMP * shorter) {
+        return stp_sub(on, back);
+    }
+    bool take_back = (shorter == 0.0f) == back_is_longer;
+    return take_back ? stp_scale(back, -1.0f) : on;
+}
+
+static void store_normal(const work* w, uint32_t point, stp_vec3 across)
+{
+    stp_vec3 toward = stp_sub(w->grid->scanner, position(w, point));
+    stp_vec3 n = stp_normalize(across);
+    if (stp_dot(n, n) == 0.0f) {
+        n = stp_normalize(toward);
+    } else if (stp_dot(n, toward) < 0.0f) {
+        n = stp_scale(n, -1.0f);
+    }
+    memcpy(w->cloud->set.normals + 3 * (size_t)point, &n, sizeof(n));
+}
+
+static void face_scanner(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    for (size_t i = begin; i < end; ++i) {
+        store_normal(user, (uint32_t)i, (stp_vec3){0});
+    }
+}
+
+static void fill_columns(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const work* w = user;
+    for (int64_t c = (int64_t)begin; c < (int64_t)end; ++c) {
+        for (int64_t r = 0; r < w->grid->rows; ++r) {
+            uint32_t point = point_at(w, c, r);
+            if (point != STP_NONE) {
+                stp_vec3 p = position(w, point);
+                stp_vec3 along = difference(w, p, point_at(w, c - 1, r), point_at(w, c + 1, r));
+                stp_vec3 up = difference(w, p, point_at(w, c, r - 1), point_at(w, c, r + 1));
+                store_normal(w, point, stp_cross(along, up));
+            }
+        }
+    }
+}
+
+void stp_grid_normals(stp_cloud* cloud, const stp_scan_grid* grid)
+{
+    work w = {cloud, grid};
+    stp_context* context = cloud->import->context;
+    if (cloud->set.point_count == 0) { // whatever number of empty columns there is
+        return;
+    }
+    if (grid->cells != NULL) {
+        stp_parallel_for(context, cloud->set.point_count, POINT_GRAIN, face_scanner, &w);
+    }
+    stp_parallel_for(context, grid->columns, GRAIN, fill_columns, &w);
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+//
+// Inside the LAS reader. A file is a header, variable length records (VLRs), points, and extended records
+// (EVLRs). Points come in chunks: runs of records, or compressed (laz.h). Each chunk is decoded alone, in blocks
+// of STP_LAS_BLOCK points, and a block is stored in the columns of a point set.
+//
+// Facts of the format: ASPRS, LAS Specification 1.4, revision 15.
+#pragma once
+
+#include "import/import.h"
+#include "import/point_columns.h"
+
+enum {
+    STP_LAS_BLOCK = 1024,
+    STP_LAS_NO_FIELD = 0,  ///< of an offset within a record: the format does not have it
+    STP_LAS_WAVE_SIZE = 29 ///< bytes of a wave packet's description
+};
+
+/// Where the fields of a point format lie within a record.
+typedef struct stp_las_layout {
+    uint8_t size; ///< bytes of a record without extra bytes
+    uint8_t time, rgb, nir, wave;
+} stp_las_layout;
+
+typedef struct stp_las_chunk {
+    uint64_t offset, size; ///< within the file
+    uint64_t first, count; ///< points
+} stp_las_chunk;
+
+typedef enum stp_laz_items { STP_LAZ_RAW, STP_LAZ_POINTWISE, STP_LAZ_LAYERED } stp_laz_items;
+
+typedef struct stp_las {
+    stp_import* import;
+    stp_context* context;
+    unsigned minor;  ///< of the version
+    unsigned format; ///< 0 to 10
+    bool compressed; ///< the file says so in its format byte
+    bool wkt;        ///< its coordinate system is written as WKT
+    stp_las_layout layout;
+    size_t record_size;
+    uint64_t point_count;
+    uint64_t header_size, points; ///< where the VLRs and the points begin
+    uint64_t vlr_count, evlr_count, evlrs;
+    double scale[3], offset[3], low[3], high[3];
+    int32_t origin[3]; ///< stored positions are relative to this one, in steps of `scale`
+    stp_las_chunk* chunks;
+    size_t chunk_count;
+    stp_laz_items items; ///< how chunks are coded
+    bool items_fixed;    ///< layered, version 4: see laz_layered.c
+} stp_las;
+
+typedef struct stp_las_record {
+    const char* user; ///< 16 bytes, not necessarily terminated
+    unsigned id;
+    const unsigned char* bytes;
+    uint64_t size;
+} stp_las_record;
+
+/// Reads and judges the header. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_UNSUPPORTED, STP_ERROR_TRUNCATED
+STP_MUST_USE stp_result stp_las_read_header(stp_las* las);
+
+/// Runs through VLRs, then EVLRs; begins with all zero.
+typedef struct stp_las_records {
+    uint64_t index, at;
+    bool damaged; ///< a record does not fit: it and those behind it are not given
+} stp_las_records;
+bool stp_las_next_record(const stp_las* las, stp_las_records* records, stp_las_record* record);
+/// The first record of a user and id. @return whether there is one
+bool stp_las_find_record(const stp_las* las, const char* user, unsigned id, stp_las_record* record);
+
+/// Tells the scene what the file says of its coordinates, and sets unit and axes. Scales z where it is in another
+/// unit. Geographic systems are refused. @return STP_OK, STP_ERROR_UNSUPPORTED, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_las_read_system(stp_las* las);
+
+/// What a text of WKT says of units. Zero: nothing.
+typedef struct stp_las_units {
+    double horizontal, vertical; ///< metres
+    bool geographic;             ///< horizontal coordinates are angles
+} stp_las_units;
+stp_las_units stp_las_wkt_units(const char* text, size_t size);
+
+/// Points of a chunk while they are decoded: columns of the values that are kept.
+typedef struct stp_las_block {
+    int32_t position[3][STP_LAS_BLOCK];
+    uint64_t time[STP_LAS_BLOCK]; ///< bits of a double
+    uint16_t rgb[3][STP_LAS_BLOCK];
+    uint16_t nir[STP_LAS_BLOCK];
+    uint16_t intensity[STP_LAS_BLOCK];
+    uint16_t source[STP_LAS_BLOCK];
+    int16_t angle[STP_LAS_BLOCK]; ///< 0.006 degrees each
+    uint8_t classes[STP_LAS_BLOCK];
+    uint8_t return_number[STP_LAS_BLOCK], return_count[STP_LAS_BLOCK];
+} stp_las_block;
+
+/// Whole degrees, as formats 0 to 5 have them, in steps of 0.006 degrees.
+static inline int16_t stp_las_angle(int8_t degrees)
+{
+    int rounding = degrees < 0 ? -3 : 3;
+    return (int16_t)((degrees * 1000 + rounding) / 6);
+}
+
+/// Reads `count` uncompressed records into a block, from its place `first` on.
+void stp_las_read_records(const stp_las* las, const unsigned char* bytes, size_t count,
+                          stp_las_block* block, size_t first);
+
+/// Bits of what was seen while points were stored: bit i: attribute i is not zero everywhere.
+enum {
+    STP_LAS_SEEN_COLOR = 1 << STP_ATTRIBUTES, ///< a colour is not black
+    STP_LAS_SEEN_WIDE = 2 << STP_ATTRIBUTES,  ///< a colour has more than 8 bits
+};
+
+/// Stores the first `count` points of a block in the columns of a set, from `first` on.
+/// Colours are taken from their upper 8 bits where `wide`. @return what was seen
+unsigned stp_las_store_block(const stp_las* las, const stp_las_block* block, size_t count,
+                             bool wide, stp_point_set* set, size_t first);
+/// Which columns a set of so many points has.
+stp_point_columns_desc stp_las_columns(const stp_las* las, uint32_t point_count);
+
+/// Lists uncompressed records as chunks. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_las_list_records(stp_las* las);
+/// How many chunks from `first` on make a set of at most `points_in_set` points, at least one, and how many they have.
+size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,
+                             uint64_t* point_count);
+/// Reads all points, in sets of whole chunks of at most `points_in_set` points, unless a chunk alone has more.
+STP_MUST_USE stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set);
+/// The whole reader; see stp_las_read_points.
+STP_MUST_USE stp_result stp_las_import(stp_import* import, uint64_t points_in_set);
+
+/// Counts what is not kept, and names extra bytes in one notice.
+void stp_las_report_losses(stp_las* las);
+
+/// Sees to it that COPC's hierarchy is sound; warns where it is not. The points are read without it.
+void stp_las_check_copc(const stp_las* las);

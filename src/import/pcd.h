@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+//
+// Inside the PCD reader: what the header says (pcd_header.c).
+#pragma once
+
+#include "import/import.h"
+
+enum { STP_PCD_FIELDS = 64 };
+
+typedef enum stp_pcd_encoding {
+    STP_PCD_ASCII,
+    STP_PCD_BINARY,
+    STP_PCD_COMPRESSED
+} stp_pcd_encoding;
+
+typedef struct stp_pcd_field {
+    char name[32];
+    char type;       ///< 'I', 'U' or 'F'
+    uint32_t size;   ///< bytes: 1, 2, 4 or 8
+    uint32_t count;  ///< values
+    uint32_t offset; ///< within a row
+} stp_pcd_field;
+
+typedef struct stp_pcd {
+    stp_pcd_field fields[STP_PCD_FIELDS];
+    uint32_t field_count;
+    uint32_t row_size;
+    uint64_t point_count;
+    stp_pcd_encoding encoding;
+    size_t body;        ///< where the points begin
+    uint64_t body_line; ///< its line, from 0
+} stp_pcd;
+
+/// Reads everything up to the line DATA. @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_TRUNCATED,
+/// STP_ERROR_UNSUPPORTED (logged)
+STP_MUST_USE stp_result stp_pcd_read_header(stp_import* import, stp_pcd* pcd);

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+//
+// What the columns of a text of points are: said by the caller, by a header line, or found by their
+// number and their values.
+#pragma once
+
+#include "import/import.h"
+#include "import/text_blocks.h"
+
+typedef enum stp_column {
+    STP_COLUMN_X,
+    STP_COLUMN_Y,
+    STP_COLUMN_Z,
+    STP_COLUMN_R,
+    STP_COLUMN_G,
+    STP_COLUMN_B,
+    STP_COLUMN_INTENSITY,
+    STP_COLUMN_NX,
+    STP_COLUMN_NY,
+    STP_COLUMN_NZ,
+    STP_COLUMN_CLASS,
+    STP_COLUMN_SKIP,
+} stp_column;
+
+enum { STP_COLUMN_SLOTS = STP_COLUMN_SKIP, STP_COLUMNS_MOST = 32 };
+
+typedef struct stp_columns {
+    uint8_t roles[STP_COLUMNS_MOST]; ///< an stp_column each
+    uint32_t count;                  ///< up to the last one that is used
+    uint32_t unused;                 ///< columns of the file that are not
+} stp_columns;
+
+/// The least and the greatest value of each column.
+typedef struct stp_column_ranges {
+    double low[STP_COLUMN_SLOTS], high[STP_COLUMN_SLOTS];
+} stp_column_ranges;
+
+stp_column_ranges stp_column_ranges_empty(void);
+
+static inline bool stp_columns_have(const stp_columns* columns, stp_column column)
+{
+    for (uint32_t i = 0; i < columns->count; ++i) {
+        if (columns->roles[i] == column) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static inline bool stp_separates(unsigned char c)
+{
+    return c == ',' || c == ';';
+}
+
+/// Reads names like "x,y,z,r,g,b,intensity,nx,ny,nz,class,-"; "-" skips a column.
+/// @return NULL, or what is wrong with them (static text)
+const char* stp_columns_parse(const char* names, stp_columns* columns);
+
+/// Of a text with a line for each point.
+typedef struct stp_columns_found {
+    stp_columns columns;
+    uint64_t first_line;      ///< of the points
+    uint64_t declared;        ///< points by the count lines before that
+    double first[3];          ///< the first position
+    bool color_fractions;     ///< a colour is written with a point or an exponent
+    stp_column_ranges ranges; ///< of some lines
+} stp_columns_found;
+
+/// Looks at the first lines and at some of the others. import->desc.columns decides where it is set.
+/// `intensity_first`: of four columns that might be colours the first is an intensity.
+/// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_columns_find(stp_import* import, const stp_text_blocks* blocks,
+                                         bool intensity_first, stp_columns_found* found);

@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# LAS and LAZ through the command line: info and build say the same of both, and a file that is cut short is refused.
+set -u
+stipple=$1
+scratch=$2
+rm -rf "$scratch"
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$scratch" && cd "$scratch" || exit 1
+command -v python3 > /dev/null || exit 77
+
+# The record of format 2: x, y, z, intensity, returns, class, angle, user, source, red, green, blue.
+python3 - <<'PY' || exit 1
+import struct
+def las(format, record, count, points):
+    size = len(points) // count
+    head = b"LASF" + bytes(20) + bytes([1, 2]) + bytes(68) + struct.pack("<HII", 227, 227, 0)
+    head += struct.pack("<BHI", format, size, count) + bytes(20)
+    head += struct.pack("<6d", .01, .01, .01, 600000, 5000000, 0)
+    head += struct.pack("<6d", 600010, 600000, 5000010, 5000000, 3, 0)
+    return head + points
+points = b"".join(
+    struct.pack("<iiiHBBbBHHHH", 10 * x, 10 * y, (x + y) % 300, 100 + x, 9, 2, -5, 0, 7, 200, x, y)
+    for x in range(100) for y in range(100))
+open("a.las", "wb").write(las(2, 26, 10000, points))
+open("cut.las", "wb").write(las(2, 26, 10000, points)[:-1])
+PY
+
+"$stipple" info a.las --json > info.json 2> info.err || fail "info of a LAS file"
+grep -q '"points": 10000' info.json || fail "info does not count the points"
+grep -q '"up": "z"' info.json || fail "info does not say that z is up"
+grep -q 'does not say its unit of length' info.err || fail "no word on the unit"
+"$stipple" build a.las -o a.stip --unit ft --progress none > build.out 2> build.err || fail "build of a LAS file"
+"$stipple" check a.stip > check.out || fail "check of what was built"
+"$stipple" info a.stip --json | grep -q '"unit": "ft"' || fail "the unit that was asked for"
+refused 1 "cut.las: ends after 9999 of the 10000 points that its header promises" \
+    build cut.las -o cut.stip --progress none
+[ ! -e cut.stip ] || fail "a failed build leaves a file"
+exit $((failures > 0))

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: MIT
+//
+// stipple scan: what a laser scanner would measure of a scene, as test data of which the truth is
+// known.
+#include "command.h"
+#include "option_value.h"
+#include "overwrite.h"
+#include "scan_file.h"
+#include "scan_stations.h"
+#include "scene_file.h"
+#include "tool.h"
+
+#include "base/clock.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { BATCH_POINTS = 1 << 16 };
+
+#define DEFAULT_RESOLUTION 0.25
+#define DEFAULT_NOISE 0.002
+#define DEFAULT_RANGE 350.0
+#define AIRBORNE_RANGE 1e6
+#define HALF_STRENGTH 40.0 ///< metres at which half of the light comes back
+
+static struct {
+    const char* output;
+    option_texts stations;
+    uint64_t count, seed, threads, memory;
+    double noise, resolution, range, height, shift[3];
+    bool has_noise, has_resolution, has_range, airborne, truth, json;
+} args;
+
+static const option* options(void)
+{
+    static const option table[] = {
+        {.name = "output",
+         .letter = 'o',
+         .type = OPTION_TEXT,
+         .argument = "OUT.las|OUT.ptx|OUT.e57|OUT.ply",
+         .help = "where to write the points",
+         .value = &args.output},
+        {.name = "stations",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..256",
+         .help = "how many stations are placed, or lines flown; default 1",
+         .value = &args.count},
+        {.name = "station",
+         .type = OPTION_TEXTS,
+         .argument = "X,Y,Z",
+         .help = "a station, in metres with z up; repeatable",
+         .value = &args.stations},
+        {.name = "airborne",
+         .help = "fly over the scene in parallel lines, and look down",
+         .value = &args.airborne},
+        {.name = "resolution",
+         .type = OPTION_NUMBER,
+         .argument = "DEG|N",
+         .words = "0.0055..65535",
+         .help = "up to 30: degrees between rays; above: rays a turn; default 0.25",
+         .value = &args.resolution,
+         .given = &args.has_resolution},
+        {.name = "noise",
+         .type = OPTION_NUMBER,
+         .argument = "M",
+         .words = "0..1000",
+         .help = "standard deviation of ranges in metres; default 0.002",
+         .value = &args.noise,
+         .given = &args.has_noise},
+        {.name = "range",
+         .type = OPTION_NUMBER,
+         .argument = "M",
+         .words = "0.001..1000000",
+         .help = "metres beyond which nothing is met; default 350, in flight 1000000",
+         .value = &args.range,
+         .given = &args.has_range},
+        {.name = "height",
+         .type = OPTION_NUMBER,
+         .argument = "M",
+         .words = "auto|0.001..1000",
+         .help =
+             "of placed stations above the floor, metres; default 1.8, less in small models; of a "
+             "flight above the highest place; default so that lines overlap",
+         .value = &args.height},
+        {.name = "shift",
+         .type = OPTION_VECTOR,
+         .argument = "X,Y,Z",
+         .help = "added to all coordinates of the file, metres, such as those of a map",
+         .value = args.shift},
+        {.name = "truth",
+         .help = "of .ply: columns of the true normal, the object, and the error of the range",
+         .value = &args.truth},
+        {.name = "seed",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .help = "of noise and of places; default 0",
+         .value = &args.seed},
+        OPTION_THREADS(&args.threads),
+        OPTION_MEMORY(&args.memory),
+        OPTION_JSON(&args.json),
+        {0},
+    };
+    return table;
+}
+
+/// A scan in the making.
+typedef struct scan {
+    stp_context* context;
+    const char* path;
+    stp_scene* scene; ///< or
+    stp_store* store;
+    scan_target target;
+    scan_settings settings;
+    scan_station* stations;
+    uint32_t station_count;
+    uint64_t points, misses;
+    stp_boxd bounds;
+    double cast_seconds;
+} scan;
+
+static stp_result open_target(scan* s)
+{
+    if (tool_is_store_file(s->path)) {
+        stp_result result = stp_store_open(s->context, s->path, &s->store);
+        return result == STP_OK ? scan_target_of_store(s->context, s->store, s->path, &s->target)
+                                : result;
+    }
+    stp_result result = tool_import_scene(s->context, s->path, &s->scene);
+    return result == STP_OK ? scan_target_of_scene(s->scene, s->path, &s->target) : result;
+}
+
+static bool read_place(const char* text, double place[3])
+{
+    char problem[256];
+    const option vector = {.type = OPTION_VECTOR, .value = place};
+    return option_set_value(&vector, text, problem, sizeof(problem));
+}
+
+static stp_result stand(scan* s)
+{
+    stp_vec3d* places = STP_NEW_ARRAY(s->context, stp_vec3d, s->station_count);
+    if (places == NULL) {
+        return stp_fail_memory(s->context);
+    }
+    for (uint32_t i = 0; i < args.stations.count; ++i) {
+        double v[3];
+        (void)read_place(args.stations.texts[i], v); // checked before
+        places[i] = (stp_vec3d){v[0] - args.shift[0], v[1] - args.shift[1], v[2] - args.shift[2]};
+    }
+    const scan_placing placing = {.count = s->station_count,
+                                  .height = args.height,
+                                  .range = s->settings.range,
+                                  .seed = args.seed};
+    stp_result result =
+        args.stations.count > 0 ? STP_OK : scan_place_stations(&s->target, &placing, places);
+    for (uint32_t i = 0; i < s->station_count && result == STP_OK; ++i) {
+        s->stations[i] = (scan_station){.number = i + 1,
+                                        .columns = s->settings.columns,
+                                        .rows = s->settings.rows,
+                                        .place = places[i]};
+    }
+    stp_free(s->context, places);
+    return result;
+}
+
+static stp_result place_stations(scan* s)
+{
+    scan_settings* set = &s->settings;
+    *set = (scan_settings){.airborne = args.airborne,
+                           .noise = args.has_noise ? args.noise : DEFAULT_NOISE,
+                           .range = args.has_range  ? args.range
+                                    : args.airborne ? AIRBORNE_RANGE
+                                                    : DEFAULT_RANGE,
+                           .half = HALF_STRENGTH,
+                           .seed = args.seed};
+    double step = scan_settings_set_resolution(set, args.has_resolution ? args.resolution
+                                                                        : DEFAULT_RESOLUTION);
+    s->station_count = args.stations.count > 0 ? args.stations.count
+                       : args.count > 0        ? (uint32_t)args.count
+                                               : 1;
+    s->stations = STP_NEW_ARRAY(s->context, scan_station, s->station_count);
+    if (s->stations == NULL) {
+        return stp_fail_memory(s->context);
+    }
+    return args.airborne
+               ? scan_plan_flight(&s->target, args.height, step, s->station_count, set, s->stations)
+               : stand(s);
+}
+
+/// One station into the file, a few columns at a time.
+static stp_result sweep_station(scan* s, scan_file* file, uint32_t index, scan_point* points,
+                                uint32_t batch)
+{
+    const scan_settings* set = &s->settings;
+    const scan_station* station = &s->stations[index];
+    stp_result result = scan_file_begin_station(file, station);
+    for (uint32_t first = 0; first < set->columns && result == STP_OK; first += batch) {
+        uint32_t left = set->columns - first, count = left < batch ? left : batch;
+        double start = stp_clock_ms();
+        scan_sweep(&s->target, set, station, first, count, points);
+        s->cast_seconds += 1e-3 * (stp_clock_ms() - start);
+        result = scan_file_add(file, station, points, (size_t)count * set->rows);
+        double done = (double)index + (double)(first + count) / (double)set->columns;
+        result = result == STP_OK
+                     ? stp_progress(s->context, "scan", done / (double)s->station_count)
+                     : result;
+    }
+    return result == STP_OK ? scan_file_end_station(file, station) : result;
+}
+
+static stp_result sweep_all(scan* s)
+{
+    uint32_t batch = BATCH_POINTS / s->settings.rows;
+    batch = batch > 0 ? batch : 1;
+    scan_point* points = STP_NEW_ARRAY(s->context, scan_point, (size_t)batch * s->settings.rows);
+    if (points == NULL) {
+        return stp_fail_memory(s->context);
+    }
+    const scan_file_desc desc = {.path = args.output,
+                                 .shift = {args.shift[0], args.shift[1], args.shift[2]},
+                                 .bounds = stp_caster_bounds(s->target.caster),
+                                 .truth = args.truth,
+                                 .stations = s->station_count};
+    scan_file file;
+    stp_result result = scan_file_open(s->context, &desc, &file);
+    if (result == STP_OK) {
+        for (uint32_t i = 0; i < s->station_count && result == STP_OK; ++i) {
+            result = sweep_station(s, &file, i, points, batch);
+        }
+        s->points = file.points;
+        s->misses = file.misses;
+        s->bounds = file.bounds;
+        if (result == STP_OK) {
+            result = scan_file_close(&file);
+        } else {
+            scan_file_abort(&file);
+        }
+    }
+    stp_free(s->context, points);
+    return result;
+}
+
+static json_t* describe_place(stp_vec3d place)
+{
+    return json_pack("[f, f, f]", place.x + args.shift[0], place.y + args.shift[1],
+                     place.z + args.shift[2]);
+}
+
+static int print_report(const scan* s, double seconds)
+{
+    uint64_t rays = s->points + s->misses;
+    double rate = s->cast_seconds > 0.0 ? (double)rays / s->cast_seconds : 0.0;
+    if (!args.json) {
+        printf("%llu points from %u stations, %llu rays met nothing; %.2f s, %.3g rays/s\n",
+               (unsigned long long)s->points, s->station_count, (unsigned long long)s->misses,
+               seconds, rate);
+        return 0;
+    }
+    json_t* places = json_array();
+    bool good = places != NULL;
+    for (uint32_t i = 0; good && i < s->station_count; ++i) {
+        good = json_array_append_new(places, describe_place(s->stations[i].place)) == 0;
+    }
+    json_t* bounds = s->points > 0 ? json_pack("{s:o, s:o}", "min", describe_place(s->bounds.min),
+                                               "max", describe_place(s->bounds.max))
+                                   : json_null();
+    return tool_print_json(json_pack(
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:f, s:o, s:o, s:I}", "points", (json_int_t)s->points,
+        "stations", (json_int_t)s->station_count, "misses", (json_int_t)s->misses, "columns",
+        (json_int_t)s->settings.columns, "rows", (json_int_t)s->settings.rows, "objects",
+        (json_int_t)s->target.part_count, "seconds", seconds, "rays_per_second", rate, "bounds",
+        bounds, "station_positions", places, "peak_bytes",
+        (json_int_t)stp_context_peak_bytes(s->context)));
+}
+
+static int make(scan* s)
+{
+    double start = stp_clock_ms();
+    stp_result result = open_target(s);
+    result = result == STP_OK ? place_stations(s) : result;
+    result = result == STP_OK ? sweep_all(s) : result;
+    if (result == STP_OK && s->points == 0) {
+        stp_warn(s->context, "%s: no ray met anything within %.6g m", s->path, s->settings.range);
+    }
+    return result == STP_OK ? print_report(s, 1e-3 * (stp_clock_ms() - start)) : 1;
+}
+
+static int check_stations(void)
+{
+    if (args.stations.count > 0 && args.count > 0) {
+        return tool_usage_error("--stations places them, --station says where: not both");
+    }
+    if (args.stations.count > 0 && args.airborne) {
+        return tool_usage_error("--airborne has lines of flight (--stations N), and no --station");
+    }
+    for (uint32_t i = 0; i < args.stations.count; ++i) {
+        double v[3];
+        if (!read_place(args.stations.texts[i], v)) {
+            return tool_usage_error("--station needs X,Y,Z, not %s", args.stations.texts[i]);
+        }
+    }
+    return 0;
+}
+
+static int check_arguments(int argc, const char* path)
+{
+    if (argc != 1) {
+        return tool_usage_error("scan needs one scene or model, and got %d", argc);
+    }
+    if (args.output == NULL) {
+        return tool_usage_error("scan needs -o OUT.las, .ptx, .e57 or .ply");
+    }
+    const scan_format* format = scan_format_of(args.output);
+    if (format == NULL) {
+        return tool_usage_error("%s: expected .las, .ptx, .ply or .e57", args.output);
+    }
+    if (args.truth && !format->has_truth) {
+        return tool_usage_error("--truth needs a .ply: %s files have no such columns",
+                                format->ending);
+    }
+    int code = check_stations();
+    return code != 0 ? code : overwrite_check(path, args.output);
+}
+
+static int run(int argc, char** argv)
+{
+    int code = check_arguments(argc, argc > 0 ? argv[0] : NULL);
+    if (code != 0) {
+        return code;
+    }
+    scan s = {.path = argv[0],
+              .context = tool_context_create((uint32_t)args.threads, args.memory, NULL)};
+    if (s.context == NULL) {
+        return 1;
+    }
+    s.target.context = s.context;
+    code = make(&s);
+    stp_free(s.context, s.stations);
+    scan_target_destroy(&s.target);
+    stp_scene_destroy(s.scene);
+    if (s.store != NULL) {
+        stp_store_close(s.store);
+    }
+    stp_context_destroy(s.context);
+    return code;
+}
+
+const command command_scan = {
+    .name = "scan",
+    .arguments = "scene:NAME|FILE.stip|MODEL -o OUT.las|ptx|e57|ply",
+    .summary = "a simulated laser scan: test data with known truth",
+    .text =
+        "Stands a laser scanner in a scene and writes what it measures: from each station a sweep "
+        "of 360 degrees, from 60 degrees below the horizon to the zenith, with the first surface "
+        "that each ray meets. Points are dense near the station and sparse far from it, and lie "
+        "where something is seen; surfaces behind others are missing, as in a real scan. The "
+        "original triangles are met, with cut-out and transparent textures; points of a cloud "
+        "are not.\n"
+        "\n"
+        "--stations places them: on floors with free space around, each where it sees much that "
+        "the others do not; around a model that stands alone. --station says where.\n"
+        "\n"
+        "--airborne flies over the scene, along its longer side and back, in as many lines as "
+        "--stations says, and looks down from 30 degrees on the left to 30 on the right.\n"
+        "\n"
+        "Coordinates are metres with z up, whatever the scene's unit and axes are; a scene that "
+        "does not say its unit is in metres. A point has its colour, an intensity (of the "
+        "albedo, the angle and the distance), the number of its station (from 1), and as its time "
+        "the number of its ray. The range has normal noise of the deviation --noise, and never "
+        "more than six times that.\n"
+        "\n"
+        "The truth is the scene itself. A .ply can have it in columns (--truth): the normal of the "
+        "surface, facing the scanner; the object, which is a use of a mesh; and how much too far "
+        "the point lies.\n"
+        "\n"
+        "The same input, options and seed give the same bytes with any number of threads.",
+    .examples = "A city from five places, as LAS:\n"
+                "$ stipple scan scene:city-small --stations 5 -o city.las\n"
+                "Finer, with more noise, and coordinates of a map:\n"
+                "$ stipple scan hall.glb --stations 3 --resolution 0.05 --noise 0.005 --shift "
+                "389000,5820000,34 -o hall.e57\n"
+                "Terrain from the air:\n"
+                "$ stipple scan scene:terrain --airborne --stations 6 -o terrain.las\n"
+                "With the truth, from a given place:\n"
+                "$ stipple scan scene:forest --station 0,0,2 --truth -o forest.ply\n",
+    .files = "OUT.las\t"
+             "LAS 1.4, point format 7, millimetres\n"
+             "OUT.ptx\t"
+             "text: the grid of each station, misses as zeros, with its pose\n"
+             "OUT.e57\t"
+             "E57: a scan a station, with its pose, rows and columns\n"
+             "OUT.ply\t"
+             "binary PLY, doubles\n",
+    .options = options,
+    .run = run,
+};

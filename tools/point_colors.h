@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// --color, --range and --classes: what colours points and pixels have.
+#pragma once
+
+#include "command.h"
+
+#include "draw/draw.h"
+#include "store/coloring.h"
+
+/// Words of --color, in the order of `point_color`.
+#define POINT_COLOR_WORDS                                                                          \
+    "rgb|intensity|elevation|class|return|returns|scan-angle|source|time|near-infrared|normal"
+
+typedef enum point_color {
+    POINT_COLOR_RGB,
+    POINT_COLOR_INTENSITY,
+    POINT_COLOR_ELEVATION,
+    POINT_COLOR_CLASS,
+    POINT_COLOR_RETURN,
+    POINT_COLOR_RETURNS,
+    POINT_COLOR_SCAN_ANGLE,
+    POINT_COLOR_SOURCE,
+    POINT_COLOR_TIME,
+    POINT_COLOR_NEAR_INFRARED,
+    POINT_COLOR_NORMAL,
+    POINT_COLORS
+} point_color;
+
+/// As given: a field left zero was not.
+typedef struct point_color_options {
+    int color;           ///< point_color
+    const char* range;   ///< LO,HI
+    const char* classes; ///< N,N
+} point_color_options;
+
+/// What was asked for, worked out for a file.
+typedef struct point_coloring {
+    stp_store_coloring points;
+    stp_draw_coloring pixels;
+    double elevation[2];
+} point_coloring;
+
+/// The attribute that a colour is of; STP_ATTRIBUTES: of none.
+stp_attribute point_color_attribute(int color);
+
+/// The word of a colour: "near-infrared".
+const char* point_color_name(int color);
+
+enum { POINT_COLOR_OPTION_ROOM = 4 }; ///< entries of a table
+
+/// Fills a table of POINT_COLOR_OPTION_ROOM entries. @return the table
+const option* point_color_options_table(option* table, point_color_options* options);
+
+/// Options that make no sense. @return 0, or 2 (message printed)
+int point_colors_check(const point_color_options* options);
+
+/// LO,HI. @return false where a text is none
+bool point_colors_read_range(const char* text, double* low, double* high);
+/// N,N: marks these classes, and no others. @return false where a text is none
+bool point_colors_read_classes(const char* text, uint8_t shown[256]);
+
+/// Whether options ask for what points alone have.
+bool point_colors_need_points(const point_color_options* options);
+
+/// Works out what was asked for, ranges that were not given included. `method` is the place of the one whose splats are drawn.
+/// @return STP_OK, STP_ERROR_ARGUMENT (the file lacks the attribute), or why it cannot be read; logged
+STP_MUST_USE stp_result point_colors_find(const point_color_options* options, stp_context* context,
+                                          stp_store* store, const char* path, uint32_t method,
+                                          bool reference, point_coloring* coloring);
+
+/// Heights between which nearly all of a scene lies: 2 and 98 of 100 splats of its root, else all of it.
+STP_MUST_USE stp_result point_colors_elevations(stp_context* context, stp_store* store,
+                                                uint32_t method, double range[2]);
+
+/// Adds "color" and "range" to what describes a picture. @return whether there was memory
+bool point_colors_describe(const point_color_options* options, const point_coloring* coloring,
+                           json_t* object);

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+//
+// Candidates stand on floors: places spread over the plan, each on the lowest surface that faces up
+// with room above and around it. Each looks around with a few hundred rays, and remembers in which
+// cells of the model's box it met something. Then that candidate is taken again and again that adds
+// most cells; one nearer to those taken before than evenly spread stations are counts for less.
+#include "scan_stations.h"
+
+#include "base/rng.h"
+#include "scenes/trigonometry.h"
+
+enum {
+    CELLS = 32, ///< of the box, along each axis
+    WORDS = CELLS * CELLS * CELLS / 64,
+    TURN = 48, ///< rays of a look around, a turn and from below to above
+    RISE = 20,
+    SIDES = 16,                ///< directions in which there must be room
+    RING = SCAN_MOST_STATIONS, ///< candidates around a model without floors
+    SPOTS = 256,               ///< candidates over the plan, and SPOTS_EACH more for each station
+    SPOTS_EACH = 8,
+    MOST_FLOORS = 64, ///< surfaces below each other that are looked at
+};
+
+#define FACES_UP 0.7    ///< least vertical part of a floor's normal
+#define SEES_ENOUGH 0.3 ///< of the rays of a look around that meet something
+
+typedef struct candidate {
+    stp_vec3d place;
+    bool good;
+    bool taken;
+    double apart; ///< squared distance to the nearest station taken
+    uint64_t cells[WORDS];
+} candidate;
+
+typedef struct chooser {
+    const scan_target* target;
+    const scan_placing* placing;
+    stp_boxd bounds;
+    double diagonal, height;
+    double spacing; ///< of stations, were they spread evenly
+    candidate* candidates;
+    uint32_t spots; ///< the candidates on floors; RING more follow
+} chooser;
+
+/// In 0..1.
+static double random_of(const chooser* c, uint64_t index)
+{
+    return (double)(stp_rng_hash(c->placing->seed, index) >> 11) / 9007199254740992.0;
+}
+
+static double fraction_of(double value)
+{
+    return value - floor(value);
+}
+
+/// Where there is a floor with room above it, the lowest; a roof over ground is none. @return false
+/// where there is none
+static bool find_floor(const chooser* c, double x, double y, double* z)
+{
+    const stp_vec3d down = {0.0, 0.0, -1.0};
+    double top = c->bounds.max.z + c->height, above = (double)INFINITY;
+    double span = top - c->bounds.min.z + c->height, from = 0.0, lowest = 0.0;
+    bool found = false;
+    scan_surface s;
+    for (int i = 0; i < MOST_FLOORS; ++i) {
+        if (!scan_target_meet(c->target, (stp_vec3d){x, y, top}, down, from, span, &s)) {
+            break;
+        }
+        bool floor = s.normal.z > FACES_UP && !s.from_behind;
+        lowest = floor ? s.place.z : lowest;
+        if (floor && above - s.place.z > 1.25 * c->height) {
+            *z = s.place.z;
+            found = true;
+        }
+        above = s.place.z;
+        from = s.distance + 1e-9 * c->diagonal;
+    }
+    return found && *z - lowest < c->height;
+}
+
+static bool has_room(const chooser* c, stp_vec3d place)
+{
+    scan_surface s;
+    for (int i = 0; i < SIDES; ++i) {
+        double turn = (double)i / SIDES;
+        stp_vec3d side = {turn_cosine(turn), turn_sine(turn), 0.0};
+        if (scan_target_meet(c->target, place, side, 0.0, c->height / 4.0, &s)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static uint32_t cell_of(double value, double low, double high)
+{
+    double cell = high > low ? CELLS * (value - low) / (high - low) : 0.0;
+    return cell > 0.0 ? cell < (double)(CELLS - 1) ? (uint32_t)cell : CELLS - 1 : 0;
+}
+
+/// Marks what it sees. @return how much of its rays meet something
+static double look_around(const chooser* c, candidate* at)
+{
+    uint32_t met = 0;
+    for (uint32_t i = 0; i < TURN * RISE; ++i) {
+        double turn = (double)(i % TURN) / TURN;
+        double z = -0.85 + 1.8 * ((double)(i / TURN) + 0.5) / RISE, level = sqrt(1.0 - z * z);
+        stp_vec3d direction = {level * turn_cosine(turn), level * turn_sine(turn), z};
+        scan_surface s;
+        if (!scan_target_meet(c->target, at->place, direction, 0.0, c->placing->range, &s)) {
+            continue;
+        }
+        const stp_boxd* b = &c->bounds;
+        uint32_t x = cell_of(s.place.x, b->min.x, b->max.x);
+        uint32_t y = cell_of(s.place.y, b->min.y, b->max.y);
+        uint32_t bit = (cell_of(s.place.z, b->min.z, b->max.z) * CELLS + y) * CELLS + x;
+        at->cells[bit / 64] |= UINT64_C(1) << bit % 64;
+        met += 1;
+    }
+    return (double)met / (TURN * RISE);
+}
+
+static void look_from_floors(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    chooser* c = user;
+    const stp_boxd* b = &c->bounds;
+    for (size_t i = begin; i < end; ++i) {
+        // evenly spread places (Roberts, The Unreasonable Effectiveness of Quasirandom Sequences,
+        // 2018)
+        candidate* at = &c->candidates[i];
+        double u = fraction_of(random_of(c, 0) + 0.7548776662466927 * (double)(i + 1));
+        double v = fraction_of(random_of(c, 1) + 0.5698402909980532 * (double)(i + 1));
+        double x = b->min.x + u * (b->max.x - b->min.x), y = b->min.y + v * (b->max.y - b->min.y);
+        double z;
+        if (find_floor(c, x, y, &z)) {
+            at->place = (stp_vec3d){x, y, z + c->height};
+            at->good = has_room(c, at->place) && look_around(c, at) >= SEES_ENOUGH;
+        }
+    }
+}
+
+// Around the model, at a distance at which all of it is seen, at two heights.
+static void look_from_ring(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    chooser* c = user;
+    const stp_boxd* b = &c->bounds;
+    stp_vec3d center = stp_scaled(stp_addd(b->min, b->max), 0.5);
+    for (size_t i = begin; i < end; ++i) {
+        candidate* at = &c->candidates[c->spots + i];
+        double turn = random_of(c, 2) + (double)i / RING;
+        double z = i % 2 == 0 ? b->min.z + c->height : center.z + 0.3 * c->diagonal;
+        at->place = (stp_vec3d){center.x + c->diagonal * turn_cosine(turn),
+                                center.y + c->diagonal * turn_sine(turn), z};
+        at->good = true;
+        (void)look_around(c, at);
+    }
+}
+
+static uint32_t count_new(const candidate* at, const uint64_t* seen)
+{
+    uint32_t count = 0;
+    for (size_t i = 0; i < WORDS; ++i) {
+        count += (uint32_t)__builtin_popcountll(at->cells[i] & ~seen[i]);
+    }
+    return count;
+}
+
+/// The best candidate that was not taken; there are always enough.
+static candidate* find_best(const chooser* c, uint32_t count, const uint64_t* seen)
+{
+    candidate* best = NULL;
+    double most = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        candidate* at = &c->candidates[i];
+        if (!at->good || at->taken) {
+            continue;
+        }
+        double near = fmin(1.0, sqrt(at->apart) / c->spacing);
+        double score = (double)count_new(at, seen) * near;
+        if (best == NULL || score > most || (score == most && at->apart > best->apart)) {
+            best = at;
+            most = score;
+        }
+    }
+    return best;
+}
+
+static void take(const chooser* c, uint32_t count, candidate* best, uint64_t* seen)
+{
+    best->taken = true;
+    for (size_t i = 0; i < WORDS; ++i) {
+        seen[i] |= best->cells[i];
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        stp_vec3d to = stp_subd(c->candidates[i].place, best->place);
+        c->candidates[i].apart = fmin(c->candidates[i].apart, stp_dotd(to, to));
+    }
+}
+
+/// How many cells candidates [begin, end) see together.
+static uint32_t count_seen(const chooser* c, uint32_t begin, uint32_t end)
+{
+    uint32_t count = 0;
+    for (size_t word = 0; word < WORDS; ++word) {
+        uint64_t bits = 0;
+        for (uint32_t i = begin; i < end; ++i) {
+            bits |= c->candidates[i].good ? c->candidates[i].cells[word] : 0;
+        }
+        count += (uint32_t)__builtin_popcountll(bits);
+    }
+    return count;
+}
+
+// Floors are left where more is seen from around, as of a thing that stands alone; else what is
+// around, where floors are enough.
+static void prefer_ring(const chooser* c)
+{
+    uint32_t good = 0, all = c->spots + RING;
+    for (uint32_t i = 0; i < c->spots; ++i) {
+        good += c->candidates[i].good ? 1 : 0;
+    }
+    bool around = count_seen(c, c->spots, all) > count_seen(c, 0, c->spots);
+    for (uint32_t i = 0; i < all; ++i) {
+        bool floor = i < c->spots;
+        bool left = around ? floor : !floor && good >= c->placing->count;
+        c->candidates[i].good = c->candidates[i].good && !left;
+    }
+}
+
+static void choose(const chooser* c, uint32_t count, uint64_t* seen, stp_vec3d* stations)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        c->candidates[i].apart = (double)INFINITY;
+    }
+    for (uint32_t k = 0; k < c->placing->count; ++k) {
+        candidate* best = find_best(c, count, seen);
+        take(c, count, best, seen);
+        stations[k] = best->place;
+    }
+}
+
+stp_result scan_place_stations(const scan_target* target, const scan_placing* placing,
+                               stp_vec3d* stations)
+{
+    stp_context* context = target->context;
+    chooser c = {.target = target,
+                 .placing = placing,
+                 .bounds = stp_caster_bounds(target->caster),
+                 .spots = SPOTS + SPOTS_EACH * placing->count};
+    stp_vec3d size = stp_subd(c.bounds.max, c.bounds.min);
+    c.diagonal = sqrt(stp_dotd(size, size));
+    c.spacing = sqrt(fmax(size.x * size.y, 1e-12 * c.diagonal * c.diagonal) / placing->count);
+    c.height = placing->height > 0.0 ? placing->height : fmin(1.8, 0.1 * c.diagonal);
+    uint64_t* seen = STP_NEW_ZEROED(context, uint64_t, WORDS);
+    c.candidates = STP_NEW_ZEROED(context, candidate, (size_t)c.spots + RING);
+    stp_result result = seen != NULL && c.candidates != NULL ? STP_OK : stp_fail_memory(context);
+    if (result == STP_OK) {
+        stp_parallel_for(context, c.spots, 4, look_from_floors, &c);
+        stp_parallel_for(context, RING, 1, look_from_ring, &c);
+        prefer_ring(&c);
+        choose(&c, c.spots + RING, seen, stations);
+    }
+    stp_free(context, c.candidates);
+    stp_free(context, seen);
+    return result;
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Where a simulated scanner stands: places of which each sees much that the others do not.
+#pragma once
+
+#include "scan_sweep.h"
+
+enum { SCAN_MOST_STATIONS = 256 };
+
+typedef struct scan_placing {
+    uint32_t count; ///< of stations, 1..SCAN_MOST_STATIONS
+    double height;  ///< above the floor, metres; 0: 1.8, in small models a tenth of their diagonal
+    double range;   ///< nothing farther is seen, metres
+    uint64_t seed;
+} scan_placing;
+
+/// Chooses stations on floors with free space around; around a model of which more is seen so.
+/// The same for any number of threads. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result scan_place_stations(const scan_target* target, const scan_placing* placing,
+                                            stp_vec3d* stations);
+
+/// Plans parallel lines of flight along the model, which overlap by a fifth over its highest place,
+/// and sets the columns of a sweep so that rays are as far apart along the flight as across it.
+/// @param height above the highest place, metres; 0: so that the lines overlap thus @param step
+/// degrees between rays @return STP_OK, or STP_ERROR_LIMIT (more than 65,535 columns; logged)
+STP_MUST_USE stp_result scan_plan_flight(const scan_target* target, double height, double step,
+                                         uint32_t count, scan_settings* settings,
+                                         scan_station* lines);

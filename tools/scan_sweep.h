@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// The sweep of a simulated scanner. One that stands turns around the vertical, and at each column
+// looks from 60 degrees below the horizon to the zenith, upwards, with equal angles. One that flies
+// looks down at each column, from 30 degrees on its left to 30 on its right.
+#pragma once
+
+#include "scan_target.h"
+
+/// What the scanner is told.
+typedef struct scan_settings {
+    bool airborne;
+    uint32_t columns; ///< of a sweep
+    uint32_t rows;    ///< rays of a column
+    double noise;     ///< standard deviation of ranges, metres
+    double range;     ///< nothing farther is met, metres
+    double half;      ///< distance at which half of the light comes back, metres
+    uint64_t seed;
+} scan_settings;
+
+/// A sweep: from a station, or along a line of flight.
+typedef struct scan_station {
+    uint32_t number; ///< from 1
+    uint32_t columns, rows;
+    stp_vec3d place; ///< metres, z up, without the file's shift
+    stp_vec3d along; ///< of a line of flight: from there to its end, level; else 0
+} scan_station;
+
+/// Sets the rows, and the columns of one that stands. @param resolution  up to 30: degrees between
+/// rays; above: rays a turn. @return degrees between rays
+double scan_settings_set_resolution(scan_settings* settings, double resolution);
+
+/// What came of one ray.
+typedef struct scan_point {
+    bool hit;
+    uint16_t intensity; ///< 65535: all light comes back
+    uint8_t color[3];   ///< sRGB
+    uint32_t row;       ///< from below, or from the left
+    uint32_t column;    ///< of the turn, or along the flight
+    uint32_t object;    ///< of the truth: which use of a mesh
+    float normal[3];    ///< of the truth, facing the scanner
+    float range_error;  ///< of the truth: how much too far the point lies, metres
+    float angle;        ///< degrees: elevation, or from below the flight to the right
+    double place[3];    ///< as measured, metres, z up
+    double time;        ///< number of the ray, over all stations
+} scan_point;
+
+/// The ray of a cell.
+typedef struct scan_ray {
+    stp_vec3d origin, direction; ///< z up, unit length
+    double angle;                ///< as scan_point has it
+} scan_ray;
+
+scan_ray scan_ray_of(const scan_settings* settings, const scan_station* station, uint32_t column,
+                     uint32_t row);
+
+/// Sweeps `count` columns from `first` on. Column after column, each `rows` points. The same for
+/// any number of threads.
+void scan_sweep(const scan_target* target, const scan_settings* settings,
+                const scan_station* station, uint32_t first, uint32_t count, scan_point* points);

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// What a simulated scanner looks at: the triangles of a scene or a .stip, and their colours.
+#pragma once
+
+#include "command.h"
+
+#include "measure/ray_cast.h"
+#include "raster/texture.h"
+#include "scene/scene.h"
+#include "store/store.h"
+
+/// How a surface is coloured, and where it is not there.
+typedef struct scan_material {
+    float base_color[4]; ///< linear
+    float uv_transform[2][3];
+    float cutoff;  ///< below this alpha nothing is met; 0: where alpha is 0
+    bool asks;     ///< whether alpha matters
+    bool textured; ///< `texture` multiplies the base colour
+    uint32_t texcoord;
+    stp_texture_pyramid texture; ///< of one level
+} scan_material;
+
+/// What colours need of a mesh, by the vertices that its triangles have.
+typedef struct scan_columns {
+    const float* texcoords;   ///< 2 a vertex, of the set that the material asks for; NULL: none
+    const uint16_t* colors;   ///< 4 a vertex, linear, 65535 is 1; NULL: see `wide_colors`
+    const float* wide_colors; ///< 4 a vertex, linear; NULL: none
+    uint32_t material;
+    void* owned[3]; ///< arrays that the target made for itself
+} scan_columns;
+
+typedef struct scan_target {
+    stp_context* context;
+    stp_caster* caster; ///< lengths are metres, z is up
+    stp_cast_mesh* meshes;
+    scan_columns* columns; ///< a mesh
+    scan_material* materials;
+    stp_cast_part* parts; ///< uses of meshes: an object of the truth is one of them, by its index
+    uint32_t mesh_count, material_count, part_count;
+    double metres; ///< length of a unit of the scene
+} scan_target;
+
+/// The target of a finished scene, which must outlive it. @return STP_OK, STP_ERROR_FORMAT (no
+/// triangles), STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (more than 16 million uses of parts);
+/// logged. On failure nothing is to be destroyed
+STP_MUST_USE stp_result scan_target_of_scene(const stp_scene* scene, const char* name,
+                                             scan_target* target);
+/// The same of an open .stip: its original triangles.
+STP_MUST_USE stp_result scan_target_of_store(stp_context* context, stp_store* store,
+                                             const char* name, scan_target* target);
+void scan_target_destroy(scan_target* target);
+
+/// What a ray met.
+typedef struct scan_surface {
+    stp_vec3d place, normal; ///< of the triangle, facing the origin of the ray
+    bool from_behind;        ///< the triangle's winding shows its back
+    float color[3];          ///< linear; texture and colours of vertices included
+    double distance;         ///< metres
+    uint32_t object;
+} scan_surface;
+
+/// Casts a ray. @param direction of unit length @return whether anything is met up to `farthest`
+bool scan_target_meet(const scan_target* target, stp_vec3d origin, stp_vec3d direction,
+                      double nearest, double farthest, scan_surface* surface);
