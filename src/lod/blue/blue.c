@@ -23,7 +23,8 @@ typedef struct blue {
     stp_order_desc order_desc;
     bool from_points;
     bool two_sided;
-    uint32_t wanted; ///< surfels
+    uint32_t wanted;   ///< surfels
+    uint32_t distinct; ///< of those ordered: without points that coincide with others
     uint32_t* order;
     float* radii;
     stp_finish_input finish;
@@ -173,6 +174,7 @@ static stp_result order_candidates(blue* b)
     stp_result result =
         stp_order_points(context, &b->order_desc, c->positions, normals, c->count, b->wanted,
                          b->order, b->radii, &b->finish.count, &b->finish.final_radius, NULL);
+    b->distinct = b->finish.count;
     return result == STP_OK ? append_coincident(b) : result;
 }
 
@@ -181,7 +183,7 @@ static stp_result order_candidates(blue* b)
 // the points lie at 0.35 of the distance.
 static void measure_spacing(blue* b)
 {
-    uint32_t count = b->finish.count;
+    uint32_t count = b->distinct;
     float half = count > 1 ? b->radii[(count + 1) / 2] : 0.0f;
     float eighth = count > 8 ? b->radii[(count + 7) / 8] * 0.35f : 0.0f;
     // All points are covered: the candidates left over are duplicates.
