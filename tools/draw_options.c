@@ -375,7 +375,8 @@ int draw_options_check(const draw_options* o)
 
 stp_quality draw_options_quality(const draw_options* o)
 {
-    // points keep their attributes in sets of blue; others would be drawn beside them where few splats suffice
+    // points keep their attributes in sets of blue and stochastic; others would be drawn beside those of blue where few splats
+    // suffice. A file without blue draws its first method
     uint32_t by_default = point_colors_need_points(&o->colors) ? STP_METHOD_BLUE : 0;
     stp_quality quality = {.method = o->has_method ? stp_methods[o->method].id : by_default,
                            .splat_size = (float)o->splat_size,

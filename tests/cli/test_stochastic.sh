@@ -92,7 +92,55 @@ for part in 20% 60%; do
     draw whole --splat-size 6
     alike part.png whole.png 0.5
 done
+# attributes of points: a strip of class 6 in ground
+python3 - << 'END'
+import math
+import random
+import struct
+some = random.Random(7)
+with open("scan.ply", "wb") as file:
+    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex 20000\n")
+    file.write(b"".join(b"property float %c\n" % axis for axis in b"xyz"))
+    file.write(b"property ushort intensity\nproperty uchar classification\nend_header\n")
+    for _ in range(20000):
+        x, z = some.uniform(-4, 4), some.uniform(-4, 4)
+        file.write(struct.pack("<3fHB", x, math.sin(x), z, int(30000 + 7000 * x), 6 if abs(z) < 0.5 else 2))
+END
+"$stipple" -q build scan.ply -o scan.stip --method stochastic || fail "no build of a scan"
+cp scan.stip first.stip
+rm -rf scan.stip.work
+"$stipple" -q build scan.ply -o scan.stip --method stochastic || fail "no second build of a scan"
+cmp -s scan.stip first.stip || fail "a set from a former output has other attributes"
+"$stipple" -q check scan.stip || fail "scan.stip is wrong"
+python3 "$3/scripts/read_store.py" scan.stip > /dev/null || fail "the second reader refuses scan.stip"
+paint() # NAME OPTIONS...
+{
+    local name=$1
+    shift
+    "$stipple" render scan.stip -o "$name.png" --size 200x150 --view top --splat-size 3 --once --json "$@" > "$name.json" \
+        2> err || fail "render scan.stip $*: $(cat err)"
+}
+paint plain
+for color in intensity class; do
+    paint $color --color $color
+    ! cmp -s $color.png plain.png || fail "--color $color colours nothing"
+    paint resident --color $color --memory 64M
+    cmp -s $color.png resident.png || fail "--color $color within a limit gives another picture"
+    if paint gl --color $color --backend gl && [ -e gl.png ]; then
+        alike $color.png gl.png 0.98
+    fi
+done
+paint strip --classes 6
+python3 -c '
+import json
+some, every = (json.load(open(name + ".json"))["covered_pixels"] for name in ("strip", "plain"))
+assert 0.1 * every < some < 0.2 * every, (some, every)' || fail "classes are not hidden"
+paint strip_gl --classes 6 --backend gl && alike strip.png strip_gl.png 0.98
 # beside another method, and of triangles
+"$stipple" -q build scan.ply -o scan.stip --method blue,stochastic || fail "no build of a scan by two methods"
+"$stipple" -q check scan.stip || fail "scan.stip of two methods is wrong"
+paint beside --color intensity --method stochastic
+alike beside.png intensity.png 0.9
 "$stipple" -q build cloud.ply -o both.stip --method blue,stochastic || fail "no build of two methods"
 "$stipple" -q check both.stip || fail "both.stip is wrong"
 "$stipple" -q build scene:spheres,scale=0.2 -o spheres.stip --method stochastic || fail "no build of a mesh"

@@ -28,6 +28,8 @@ typedef struct cloud {
     float positions[3 * POINTS], normals[3 * POINTS];
     uint8_t colors[4 * POINTS];
     uint32_t materials[POINTS];
+    uint16_t intensities[POINTS]; ///< of point i: i
+    double times[POINTS];         ///< and 0.5 i
 } cloud;
 
 /// The true direction outwards of a point of a ball or a cube; of sheets, away from the middle between them.
@@ -49,12 +51,14 @@ static stp_vec3 outwards(cloud_kind kind, const float* p)
 /// A crowd has most of its points in a few places.
 static void make_cloud(cloud* c, cloud_kind kind, uint64_t seed)
 {
-    c->candidates = (stp_candidates){.count = POINTS,
-                                     .positions = c->positions,
-                                     .normals = c->normals,
-                                     .colors = c->colors,
-                                     .materials = c->materials,
-                                     .origin = {3.0, 0.0, -2.0}};
+    c->candidates = (stp_candidates){
+        .count = POINTS,
+        .positions = c->positions,
+        .normals = c->normals,
+        .colors = c->colors,
+        .materials = c->materials,
+        .attributes = {[STP_ATTRIBUTE_INTENSITY] = c->intensities, [STP_ATTRIBUTE_TIME] = c->times},
+        .origin = {3.0, 0.0, -2.0}};
     for (uint64_t i = 0; i < POINTS; ++i) {
         double x = 2.0 * unit(seed, 4 * i) - 1.0, y = 2.0 * unit(seed, 4 * i + 1) - 1.0;
         double z = 2.0 * unit(seed, 4 * i + 2) - 1.0;
@@ -79,6 +83,8 @@ static void make_cloud(cloud* c, cloud_kind kind, uint64_t seed)
         c->colors[4 * i + 2] = 7;
         c->colors[4 * i + 3] = 255;
         c->materials[i] = 1;
+        c->intensities[i] = (uint16_t)i;
+        c->times[i] = 0.5 * (double)i;
     }
 }
 
@@ -90,6 +96,15 @@ static stp_result make_set(stp_context* context, cloud* c, uint32_t wanted, stp_
     const stp_stochastic_source source = {
         .candidates = &c->candidates, .shading_of_material = shadings, .wanted = wanted};
     return stp_stochastic_make_set(context, &source, &desc, set);
+}
+
+/// Which point a splat is. @return POINTS where its attributes are another's
+static uint32_t point_of(const stp_splats* s, uint32_t splat)
+{
+    uint32_t point = s->colors[3 * (size_t)splat] | (uint32_t)s->colors[3 * (size_t)splat + 1] << 8;
+    const uint16_t* intensities = s->attributes[STP_ATTRIBUTE_INTENSITY];
+    const double* times = s->attributes[STP_ATTRIBUTE_TIME];
+    return intensities[splat] == point && times[splat] == 0.5 * (double)point ? point : POINTS;
 }
 
 /// Whether a cube with these points is to be divided.
@@ -262,7 +277,7 @@ void test_stochastic_sets_hold_every_point_once(test_state* test)
                 stp_leaf_run run =
                     stp_leaf_run_of(place, place + leaf->count, k, set.octave_count, set.count);
                 for (uint32_t i = run.begin; i < run.end; ++i) {
-                    uint32_t point = set.colors[3 * i] | (uint32_t)set.colors[3 * i + 1] << 8;
+                    uint32_t point = point_of(&set, i);
                     CHECK(point < POINTS && !met[point]);
                     met[point] = true;
                     CHECK_EQUAL(3, set.materials[i]);
@@ -335,6 +350,9 @@ void test_stochastic_sets_do_not_depend_on_threads(test_state* test)
             make_cloud(&c, (cloud_kind)kind, 2);
             CHECK_EQUAL(STP_OK, make_set(context, &c, POINTS / 2, &set)); // a random half
             CHECK_EQUAL(POINTS / 2, set.count);
+            for (uint32_t i = 0; i < set.count; ++i) {
+                CHECK(point_of(&set, i) < POINTS);
+            }
             first = threads == 1 ? hash_of(&set) : first;
             CHECK(stp_hash_equal(first, hash_of(&set)));
             stp_splats_destroy(context, &set);
