@@ -7,6 +7,7 @@
 #include "../tests/store/support_reseal.h"
 #include "store/clusters.h"
 #include "store/coloring.h"
+#include "store/leaves.h"
 #include "store/store.h"
 
 #include <stdlib.h>
@@ -62,6 +63,16 @@ static uint64_t use_directory(stp_store* store)
         }
     }
     return total;
+}
+
+static uint64_t use_leaves(stp_store* store, uint32_t set)
+{
+    stp_store_leaves leaves;
+    if (stp_store_get_leaves(store, set, &leaves) != STP_OK) {
+        return 0;
+    }
+    return sum(leaves.leaves, leaves.leaf_count * sizeof(*leaves.leaves)) +
+           sum(leaves.nodes, leaves.node_count * sizeof(*leaves.nodes));
 }
 
 static uint64_t use_clusters(stp_store* store, uint32_t mesh)
@@ -138,6 +149,7 @@ static uint64_t use_surfels(stp_store* store)
     const stp_store_directory* d = stp_store_get_directory(store);
     uint64_t total = 0;
     for (uint32_t i = 0; i < d->surfels_count; ++i) {
+        total += use_leaves(store, i);
         stp_splats s;
         if (stp_store_get_surfels_prefix(store, i, 1, &s) != STP_OK ||
             stp_store_get_surfels(store, i, &s) != STP_OK) {

@@ -52,11 +52,12 @@ RECORDS = {
     37: ("attribute_values", "2IQ", "attribute value count"),
     38: ("attribute_blocks", "2I", "block attributes"),
     39: ("coordinates", "I", "text:text"),
+    40: ("leaves", "2I", "leaf_count block"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
 TEXT_SECTIONS = {15: "text", 16: "build", 18: "object_text"}
-KINDS = {1: "meshes", 2: "point_sets", 3: "textures", 4: "surfels", 5: "meshes"}
+KINDS = {1: "meshes", 2: "point_sets", 3: "textures", 4: "surfels", 5: "meshes", 9: "leaves"}
 
 
 def need(condition, what):
@@ -226,6 +227,10 @@ def check_graph(header, t):
     for i, part in enumerate(t["scene_parts"]):
         check_reference(part["object"], counts["objects"], f"scene part {i}: object")
     need(counts["clusters"] in (0, counts["meshes"]), "clusters")
+    need(counts["leaves"] in (0, counts["surfels"]), "leaves")
+    for i, leaves in enumerate(t["leaves"]):
+        leaves["set"] = t["surfels"][i]
+        need(leaves["leaf_count"] > 0 or leaves["block"] == NONE, f"surfel set {i}: a block without leaves")
     for i, mesh in enumerate(t["meshes"]):
         mesh["cluster_count"] = t["clusters"][i]["cluster_count"] if t["clusters"] else NONE
     need(counts["keys"] in (0, counts["surfels"] + counts["meshes"]), "keys")
@@ -288,6 +293,8 @@ def block_columns(t, block):
     record = t[KINDS[block["kind"]]][block["owner"]]
     if block["kind"] == 5:
         return record, [], 1
+    if block["kind"] == 9:
+        return record, [("leaves", 16 * record["leaf_count"])], 1
     n = record.get("vertex_count", record.get("point_count", 0))
     has = record.get("present", 0)
     corners = [("positions", 12 * n), ("normals", 4 * n * (has & 1))]
@@ -348,6 +355,8 @@ def check_content(t, record, block, name, column, place):
         need(all(v[0] < record["vertex_count"] for v in struct.iter_unpack("<I", column)), f"{place}: indices")
     if name == "picture":
         need(picture_size(block["encoding"], column) == (record["width"], record["height"]), f"{place}: picture size")
+    if name == "leaves":
+        check_leaves(record["set"], column, place)
     if name == "shapes":
         need(all(v[0] & 0xFFF != 0xFFF and v[0] >> 12 & 0xFFF <= v[0] & 0xFFF for v in struct.iter_unpack("<I", column)),
              f"{place}: shapes")
@@ -355,6 +364,24 @@ def check_content(t, record, block, name, column, place):
         need(all(low <= high <= 0xFF00 for low, high in struct.iter_unpack("<2H", column)), f"{place}: ranges")
     if name == "materials":
         need(max(column, default=-1) < len(t["shadings"]), f"{place}: materials")
+
+
+def check_leaves(surfels, column, place):
+    """Cubes along the curve that do not overlap, and whose splats are all of the set's."""
+    end, total = 0, 0
+    for *corner, where, extent, count, _, _, _, _ in struct.iter_unpack("<3H2BI2b2B", column):
+        depth = where & 31
+        width = 1 << (16 - min(depth, 16))
+        need(depth <= 16 and where < 128 and extent > 0 and count > 0, f"{place}: a leaf")
+        need(all(c % width == 0 for c in corner), f"{place}: a leaf is no cube of the grid")
+        code = sum((corner[k] >> bit & 1) << (3 * bit + k) for bit in range(16) for k in range(3))
+        need(code >= end, f"{place}: leaves overlap, or are not along the curve")
+        end, total = code + width ** 3, total + count
+    octaves = 1
+    while total >> 2 * (octaves - 1) >= 64:
+        octaves += 1
+    need(total == surfels["count"], f"{place}: splats of leaves")
+    need(surfels["octave_ends"] == [total >> 2 * (octaves - 1 - k) for k in range(octaves)], f"{place}: octaves")
 
 
 class Cluster:
@@ -613,7 +640,10 @@ def read_blocks(data, header, t):
         surfels = t["surfels"][points["held_by"] - 1]
         need(surfels["count"] == points["point_count"] and surfels["method_columns"] == 0, "count of held points")
     wanted = len(t["meshes"]) + len(t["point_sets"]) - len(held) + owners + len(t["octaves"])
-    need(len(owned) == wanted, "a mesh, point set, texture or octave has no block")
+    wanted += sum(leaves["leaf_count"] > 0 for leaves in t["leaves"])
+    need(len(owned) == wanted, "a mesh, point set, texture, octave or table of leaves has no block")
+    for leaves in t["leaves"]:  # named by their number
+        leaves["set"] = t["surfels"].index(leaves["set"])
 
 
 def read_store(data):

@@ -24,6 +24,9 @@ static struct {
     uint64_t samples, interval, surfels, threshold, resolution, directions, threads, memory, seed,
         color_threshold;
     int progress, capture;
+    double leaf_flatness;
+    uint64_t leaf_points;
+    bool leaf_points_given, leaf_flatness_given;
     bool json, error_given, color_threshold_given, threshold_given, up_given, unit_given, resume,
         fresh;
 } args;
@@ -53,8 +56,8 @@ static const option* options(void)
          .type = OPTION_TEXT,
          .argument = "NAME,...",
          .help = "how the scene becomes splats: blue (Progressive Blue Surfels), spt (Sequential "
-                 "Point Trees), psp (Progressive Splatting), or several for the same nodes; "
-                 "default blue",
+                 "Point Trees), psp (Progressive Splatting), stochastic (View-Dependent Stochastic "
+                 "Sampling), or several for the same nodes; default blue",
          .value = &args.method},
         {.name = "error",
          .type = OPTION_CHOICE,
@@ -73,6 +76,21 @@ static const option* options(void)
              "default 48",
          .value = &args.color_threshold,
          .given = &args.color_threshold_given},
+        {.name = "leaf-points",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "16..1000000",
+         .help = "most points of a leaf of stochastic; default 1024",
+         .value = &args.leaf_points,
+         .given = &args.leaf_points_given},
+        {.name = "leaf-flatness",
+         .type = OPTION_NUMBER,
+         .argument = "F",
+         .words = "0..0.1",
+         .help = "a leaf of stochastic with more than a few points is divided until its points lie "
+                 "flatter: their least variance is at most so much of all; default 0.005",
+         .value = &args.leaf_flatness,
+         .given = &args.leaf_flatness_given},
         {.name = "order",
          .type = OPTION_CHOICE,
          .words = "exact|paper-fast|paper-text|random",
@@ -320,6 +338,12 @@ static int build(stp_context* context, int argc, char** argv)
         .memory_bytes = args.memory,
     };
     desc.method_options.tree.error = errors[args.error];
+    if (args.leaf_points_given) {
+        desc.method_options.leaves.budget = (uint32_t)args.leaf_points;
+    }
+    if (args.leaf_flatness_given) {
+        desc.method_options.leaves.flatness = (float)args.leaf_flatness;
+    }
     if (args.color_threshold_given) {
         desc.method_options.tree.color_threshold = (uint32_t)args.color_threshold;
     }
@@ -364,11 +388,17 @@ static int run(int argc, char** argv)
     uint32_t count = choose_methods(chosen);
     if (count == 0) {
         return tool_usage_error(
-            "--method is a list of blue, spt and psp, each at most once, not %s", args.method);
+            "--method is a list of blue, spt, psp and stochastic, each at most once, not %s",
+            args.method);
     }
-    bool point_trees = false;
+    bool point_trees = false, leaves = false;
     for (uint32_t i = 0; i < count; ++i) {
         point_trees = point_trees || chosen[i]->id == STP_METHOD_SPT;
+        leaves = leaves || chosen[i]->id == STP_METHOD_STOCHASTIC;
+    }
+    if (!leaves && (args.leaf_points_given || args.leaf_flatness_given)) {
+        return tool_usage_error("--%s is of use with --method stochastic only",
+                                args.leaf_points_given ? "leaf-points" : "leaf-flatness");
     }
     if (!point_trees && (args.error_given || args.color_threshold_given)) {
         return tool_usage_error("--%s is of use with --method spt only",

@@ -2,6 +2,7 @@
 //
 // stipple view: a window to fly through a scene.
 #include "command.h"
+#include "cue_names.h"
 #include "draw_options.h"
 
 #include "lod/method.h"
@@ -10,7 +11,7 @@
 #include <string.h>
 
 static struct {
-    const char *view, *report;
+    const char *view, *report, *cues;
     uint32_t size[2];
     int backend, gl_splats, method;
     double budget_ms, scale;
@@ -64,6 +65,7 @@ static const option* options(void)
                  "was last time, or the file's first",
          .value = &args.method,
          .given = &args.has_method},
+        OPTION_CUES(&args.cues),
         {.name = "ui-scale",
          .type = OPTION_NUMBER,
          .argument = "F",
@@ -96,6 +98,10 @@ static int run(int argc, char** argv)
     if (args.has_splats && args.budget_ms > 0.0) {
         return tool_usage_error("--budget-ms and --splats exclude each other");
     }
+    uint32_t cues_off;
+    if (!cue_names_parse(args.cues, &cues_off)) {
+        return cue_names_refuse(args.cues);
+    }
     int code = point_colors_check(&args.colors);
     if (code != 0) {
         return code;
@@ -111,6 +117,7 @@ static int run(int argc, char** argv)
                         .gl_splats = args.gl_splats,
                         .budget_ms = (float)args.budget_ms,
                         .method = args.has_method ? stp_methods[args.method].id : 0,
+                        .cues_off = cues_off,
                         .splat_count = (uint32_t)args.splats,
                         .thread_count = (uint32_t)args.threads,
                         .memory_limit = args.memory,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "draw_options.h"
 
+#include "cue_names.h"
+
 #include "lod/method.h"
 
 #include <assert.h>
@@ -91,6 +93,7 @@ static size_t add_quality_options(option* table, size_t used, draw_options* o)
          .words = "on|off",
          .help = "spt: leave out groups of splats that face away; default on",
          .value = &o->normal_clusters},
+        OPTION_CUES(&o->cues),
         {.name = "policy",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -356,6 +359,10 @@ int draw_options_check(const draw_options* o)
     if (o->splat_texture != NULL && o->filter != STP_FILTER_TEXTURED) {
         return tool_usage_error("--splat-texture is of use with --filter textured only");
     }
+    uint32_t cues_off;
+    if (!cue_names_parse(o->cues, &cues_off)) {
+        return cue_names_refuse(o->cues);
+    }
     if (o->filter != STP_FILTER_NONE &&
         (o->colors.color == POINT_COLOR_ELEVATION || o->colors.color == POINT_COLOR_NORMAL)) {
         return tool_usage_error("--filter and --color %s exclude each other",
@@ -368,7 +375,8 @@ int draw_options_check(const draw_options* o)
 
 stp_quality draw_options_quality(const draw_options* o)
 {
-    // points keep their attributes in sets of blue; others would be drawn beside them where few splats suffice
+    // points keep their attributes in sets of blue and stochastic; others would be drawn beside those of blue where few splats
+    // suffice. A file without blue draws its first method
     uint32_t by_default = point_colors_need_points(&o->colors) ? STP_METHOD_BLUE : 0;
     stp_quality quality = {.method = o->has_method ? stp_methods[o->method].id : by_default,
                            .splat_size = (float)o->splat_size,
@@ -378,6 +386,7 @@ stp_quality draw_options_quality(const draw_options* o)
                            .nodes_only = o->hybrid == HYBRID_NODES,
                            .all_sides = o->normal_clusters == CLUSTERS_OFF,
                            .reference = o->reference};
+    (void)cue_names_parse(o->cues, &quality.cues_off);
     (void)parse_fovea(o, &quality.fovea);
     (void)parse_fovea_center(o, &quality.fovea);
     return quality;

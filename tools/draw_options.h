@@ -25,7 +25,7 @@ typedef struct draw_options {
     bool has_method;
     bool reference;
     option_prefix prefix;
-    const char *fovea, *fovea_center;
+    const char *fovea, *fovea_center, *cues;
     bool stereo, has_ipd;
     double ipd;
     uint64_t supersample;
@@ -45,7 +45,7 @@ typedef struct draw_options {
 } draw_options;
 
 /// Names of stp_methods, as words of an option.
-#define TOOL_METHOD_WORDS "blue|spt|psp"
+#define TOOL_METHOD_WORDS "blue|spt|psp|stochastic"
 
 enum { DRAW_OPTION_ROOM = 104 }; ///< entries of a table
 

@@ -199,7 +199,7 @@ static stp_result check_attribute(stp_context* context, const stp_store* store, 
     if (!is_drawn(store, method, reference, attribute)) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
                         "%s: splats by %s have no %s: they stand for several points (draw it by "
-                        "blue, or with --reference)",
+                        "blue or stochastic, or with --reference)",
                         path, d->method_count > 0 ? d->methods[method].name : "no method",
                         stp_attribute_name(attribute));
     }

@@ -103,7 +103,8 @@ void point_look_give(viewer* v, paint_request* request)
             STP_FILTER_NONE; // colours of pixels are worked out where none are blended
     }
     if ((a != STP_ATTRIBUTES || look->hides) && request->quality.method == 0) {
-        request->quality.method = STP_METHOD_BLUE; // whose splats are points
+        // whose splats are points, as those of stochastic: a file without blue draws its first method
+        request->quality.method = STP_METHOD_BLUE;
     }
 }
 

@@ -43,6 +43,7 @@ paint_request request_make(viewer* v)
         .quality = {.splat_size = s->splat_size,
                     .splat_count = splats,
                     .method = (uint32_t)s->splats_by,
+                    .cues_off = v->options.cues_off,
                     .policy = original ? STP_POLICY_INSERTION : (stp_policy)s->method,
                     .reference = original,
                     .fovea = original || splats > 0 ? (stp_fovea){0} : make_fovea(s)},

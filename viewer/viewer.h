@@ -17,6 +17,7 @@ typedef struct viewer_options {
     int gl_splats;              ///< how OpenGL draws splats: an stp_gl_splats
     float budget_ms;            ///< 0: as last time
     uint32_t method;            ///< STP_METHOD_*, whose splats are drawn; 0: as last time
+    uint32_t cues_off;          ///< STP_CUE_*_BIT that are not looked at
     uint32_t splat_count;       ///< so many splats are drawn; 0: as last time
     point_color_options colors; ///< of points, at first
     uint32_t thread_count;

@@ -71,6 +71,26 @@ typedef struct stp_splat_group {
     uint64_t replaced;        ///< a bit a splat, the lowest one first: large triangles replace it
 } stp_splat_group;
 
+/// A leaf of a set that was made leaf by leaf (docs/format.md, Leaves): a cube of the set's grid of positions, and what is
+/// known of the splats in it. These lie together in each octave, shuffled, so those of the leaf that come first are a
+/// random sample of it. Codes: src/base/leaf_codes.h.
+typedef struct stp_splat_leaf {
+    uint16_t corner[3]; ///< its lowest place on the grid
+    uint8_t place;      ///< bits 0-4 the depth d: 2^(16 - d) places wide; bits 5-6 STP_LEAF_*
+    uint8_t extent; ///< side of a square with the area of the surface in it: 64 is the cube's side
+    uint32_t count; ///< splats in the whole set, at least 1
+    int8_t normal[2]; ///< octahedral: the one that stands for all
+    uint8_t flatness; ///< how far from flat
+    uint8_t spread;   ///< sine of how far normals lie from that one, 255 is 1, or any
+} stp_splat_leaf;
+
+enum {
+    STP_LEAF_DEPTH = 31, ///< bits of stp_splat_leaf.place
+    STP_LEAF_DEPTH_MOST = 16,
+    STP_LEAF_EDGE = 32,     ///< there is an edge in it
+    STP_LEAF_ORIENTED = 64, ///< the sign of its normal is known
+};
+
 /// The splats of a node by any method, in its order. Those of `blue`, surfels, take 12 bytes each (position 6, normal 2,
 /// colour 3, material 1), about 14.4 with pyramids.
 typedef struct stp_splats {
@@ -90,6 +110,10 @@ typedef struct stp_splats {
     uint32_t* shapes;        ///< NULL, or 1 a surfel (src/base/splat_shape.h)
     uint32_t* ranges;        ///< NULL, or 1 a surfel (src/base/splat_range.h)
     stp_splat_group* groups; ///< NULL, or 1 for each STP_GROUP_SPLATS
+    /// NULL, or the leaves that the set was made of, along a Morton curve: their counts tell which splats are whose
+    /// (src/base/leaf_runs.h). Of a store's sets, see stp_store_get_leaves.
+    stp_splat_leaf* leaves;
+    uint32_t leaf_count;
     /// Each NULL, or a value a splat, as the point that it is has it (attributes.h). A store gives none with its sets:
     /// src/store/attributes.h.
     void* attributes[STP_ATTRIBUTES];

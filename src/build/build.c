@@ -178,6 +178,13 @@ static stp_result plan_surfels(build* b)
     return result;
 }
 
+// The only method, where it can do without samples; NULL: it cannot, or there are several.
+static const stp_method* method_alone(const stp_build_desc* desc)
+{
+    const stp_method* only = desc->method_count == 1 ? desc->methods[0] : NULL;
+    return only != NULL && only->make_alone != NULL ? only : NULL;
+}
+
 static stp_result make_surfels(build* b)
 {
     const stp_build_desc* desc = b->desc;
@@ -186,6 +193,8 @@ static stp_result make_surfels(build* b)
     stp_build_nodes_desc nodes = {
         .plan = &b->plan,
         .blue = &desc->blue,
+        .method = method_alone(desc),
+        .options = &desc->method_options,
         .shading_of_material = b->shadings.of_material,
         .shading_count = b->shadings.count,
         .from_triangles = desc->from_triangles,
@@ -214,6 +223,7 @@ static stp_result make_methods(build* b)
     stp_build_methods_desc methods = {
         .plan = &b->plan,
         .samples = b->nodes.sets,
+        .alone = method_alone(desc),
         .methods = desc->method_count != 0 ? desc->methods : only_blue,
         .method_count = desc->method_count != 0 ? desc->method_count : 1,
         .options = &desc->method_options,
@@ -334,7 +344,7 @@ static bool derives_sets(const stp_build_desc* desc)
     for (uint32_t i = 0; i < desc->method_count; ++i) {
         derives = derives || desc->methods[i]->make != NULL;
     }
-    return derives;
+    return derives && method_alone(desc) == NULL;
 }
 
 static void plan_stages(build* b)
@@ -368,7 +378,7 @@ static stp_result build_once(stp_context* context, const stp_build_desc* desc,
     *report = (stp_build_report){0};
     build b = {.context = context, .desc = desc, .report = report};
     plan_stages(&b);
-    b.draft = stp_build_draft_create(context, desc);
+    b.draft = method_alone(desc) == NULL ? stp_build_draft_create(context, desc) : NULL;
     stp_result result = try_output(context, desc->output);
     result = result != STP_OK ? result : open_work(&b);
     result = result != STP_OK ? result : import_inputs(&b);

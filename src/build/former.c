@@ -3,7 +3,9 @@
 
 #include "build/piece.h"
 #include "store/attributes.h"
+#include "store/leaves.h"
 
+#include <string.h>
 #include <sys/stat.h>
 
 struct stp_former {
@@ -59,6 +61,23 @@ static bool take_attributes(stp_former* former, uint32_t index, stp_splats* set)
     return true;
 }
 
+// Copies the leaves of a set. @return memory, to be freed, even where it has none; NULL: they cannot be had
+static stp_splat_leaf* take_leaves(stp_former* former, uint32_t index, stp_splats* set)
+{
+    stp_store_leaves leaves;
+    if (stp_store_get_leaves(former->store, index, &leaves) != STP_OK) {
+        return NULL;
+    }
+    stp_splat_leaf* copied =
+        stp_alloc_array(former->quiet, (size_t)leaves.leaf_count + 1, sizeof(*copied));
+    if (copied != NULL && leaves.leaf_count > 0) {
+        memcpy(copied, leaves.leaves, leaves.leaf_count * sizeof(*copied));
+    }
+    set->leaf_count = leaves.leaf_count;
+    set->leaves = copied;
+    return copied;
+}
+
 bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_count,
                              stp_work* work, stp_splats* surfels)
 {
@@ -70,13 +89,16 @@ bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_
         return false;
     }
     uint32_t candidates;
+    stp_splat_leaf* copied = NULL;
     bool taken = take_attributes(former, found.index, &columns) &&
+                 (copied = take_leaves(former, found.index, &columns)) != NULL &&
                  stp_piece_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
                  stp_piece_find_surfels(work, key, shading_count, surfels, &candidates);
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         stp_free(former->quiet, columns.attributes[i]);
     }
     stp_store_release_surfels(former->store, found.index);
+    stp_free(former->quiet, copied);
     return taken;
 }
 

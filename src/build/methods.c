@@ -26,6 +26,12 @@ static const stp_method* method_of(const run* r, size_t set)
     return r->desc->methods[set / r->desc->plan->step_count];
 }
 
+/// Whether a method's sets are still to be made, of the samples.
+static bool is_derived(const run* r, const stp_method* method)
+{
+    return method->make != NULL && method != r->desc->alone;
+}
+
 // What the work directory or the former output has.
 static bool find_set(run* r, stp_hash key, stp_splats* set)
 {
@@ -41,6 +47,16 @@ static bool find_set(run* r, stp_hash key, stp_splats* set)
     return found;
 }
 
+/// Whether a node is a cloud in a scene of clouds without normals.
+static bool is_two_sided(const stp_scene* scene, uint32_t node)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < scene->point_set_count; ++i) {
+        any = any || scene->point_sets[i].normals == NULL;
+    }
+    return any && scene->nodes[node].triangle_count == 0;
+}
+
 static stp_result make_within(run* r, const stp_method* method, size_t step, double level,
                               uint32_t triangles, stp_hash key, stp_splats* set)
 {
@@ -53,9 +69,11 @@ static stp_result make_within(run* r, const stp_method* method, size_t step, dou
         result = stp_take_node_triangles(r->scene, node, level, triangles, &large);
     }
     if (result == STP_OK) {
-        const stp_method_source source = {.samples = &r->desc->samples[step],
-                                          .corners = large.corners,
-                                          .triangle_count = large.count};
+        const stp_method_source source = {
+            .samples = &r->desc->samples[step],
+            .corners = large.corners,
+            .triangle_count = large.count,
+            .two_sided = is_two_sided(r->scene, r->desc->plan->steps[step].node)};
         result = method->make(context, &source, r->desc->options, &made);
     }
     stp_node_triangles_destroy(context, &large);
@@ -97,8 +115,9 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
         const stp_splats* samples = &r->desc->samples[step];
         stp_hash key = r->desc->plan->steps[step].key;
         stp_result result = STP_OK;
-        if (method->make == NULL) {
+        if (!is_derived(r, method)) {
             r->made->sets[i] = *samples;
+            key = stp_build_set_key(r->desc->alone, r->desc->options, key);
         } else {
             key = method->hash(key, r->desc->options);
             bool found = find_set(r, key, &r->made->sets[i]);
@@ -109,7 +128,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
         pthread_mutex_lock(&r->mutex);
         r->result = r->result != STP_OK ? r->result : result;
         pthread_mutex_unlock(&r->mutex);
-        if (method->make != NULL) {
+        if (is_derived(r, method)) {
             stp_progress_add(r->scene->context, samples->count);
         }
         if (result != STP_OK) {
@@ -158,10 +177,10 @@ static stp_result make_all(run* r)
     stp_result result = stp_gate_create(context, r->desc->memory_bytes, &r->gate);
     stp_loop_report report = {.stage = "methods", .unit = "samples"};
     for (uint32_t i = 0; i < count; ++i) {
-        bool derived = method_of(r, i)->make != NULL;
+        bool derived = is_derived(r, method_of(r, i));
         report.total += derived ? r->desc->samples[i % r->desc->plan->step_count].count : 0;
     }
-    bool derives = made->method_count > 1 || r->desc->methods[0]->make != NULL;
+    bool derives = made->method_count > 1 || is_derived(r, r->desc->methods[0]);
     if (result == STP_OK && !derives) {
         make_some(0, count, 0, r);
     } else if (result == STP_OK && count > 0) {
@@ -179,7 +198,7 @@ static void count_found(run* r)
 {
     size_t derived = 0;
     for (uint32_t i = 0; i < r->made->set_count; ++i) {
-        if (method_of(r, i)->make != NULL) {
+        if (is_derived(r, method_of(r, i))) {
             r->origins[derived++] = r->origins[i];
         }
     }

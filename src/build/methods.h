@@ -12,6 +12,8 @@
 typedef struct stp_build_methods_desc {
     const stp_build_plan* plan;
     const stp_splats* samples; ///< sets of `blue`, one a step of the plan
+    /// NULL, or the only method, whose sets were made without samples: `samples` are these.
+    const stp_method* alone;
     const stp_method* const* methods;
     uint32_t method_count; ///< at least 1; each method once
     const stp_method_options* options;

@@ -27,6 +27,12 @@ typedef struct run {
     stp_result result;            ///< the first failure
 } run;
 
+// A set that is made without samples is another than one that is made of them.
+static stp_hash key_of(const run* r, const stp_build_step* step)
+{
+    return stp_build_set_key(r->desc->method, r->desc->options, step->key);
+}
+
 // Waits until what a step may need is there. @return false where the run has failed meanwhile
 static bool wait_for_lower(run* r, uint32_t needs)
 {
@@ -53,7 +59,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     nodes->capture_ms += report->capture_ms;
     nodes->order_ms += report->order_ms;
     nodes->finish_ms += report->finish_ms;
-    r->origins[index] = (stp_build_origin){step->key, !found};
+    r->origins[index] = (stp_build_origin){key_of(r, step), !found};
     r->done[index] = true;
     while (r->done_count < plan->step_count && r->done[r->done_count]) {
         r->done_count += 1;
@@ -69,14 +75,14 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
 static bool find_step(run* r, const stp_build_step* step, stp_splats* set, stp_blue_report* report)
 {
     const stp_build_nodes_desc* desc = r->desc;
-    if (stp_piece_find_surfels(desc->work, step->key, desc->shading_count, set,
+    if (stp_piece_find_surfels(desc->work, key_of(r, step), desc->shading_count, set,
                                &report->candidate_count)) {
         return true;
     }
     pthread_mutex_lock(&r->former_mutex);
     bool found =
-        desc->former != NULL &&
-        stp_former_take_surfels(desc->former, step->key, desc->shading_count, desc->work, set);
+        desc->former != NULL && stp_former_take_surfels(desc->former, key_of(r, step),
+                                                        desc->shading_count, desc->work, set);
     pthread_mutex_unlock(&r->former_mutex);
     return found;
 }
@@ -89,11 +95,15 @@ static stp_result make_step(run* r, const stp_build_step* step, stp_splats* set,
     blue.capture.textures = r->textures;
     blue.sets = r->desc->from_triangles ? NULL : r->sets;
     stp_splats made;
+    const stp_build_nodes_desc* desc = r->desc;
     stp_result result =
-        stp_blue_make(r->scene, step->node, r->desc->shading_of_material, &blue, &made, report);
+        desc->method != NULL
+            ? desc->method->make_alone(r->scene, step->node, desc->shading_of_material, &blue,
+                                       desc->options, &made, report)
+            : stp_blue_make(r->scene, step->node, desc->shading_of_material, &blue, &made, report);
     if (result == STP_OK) {
-        result =
-            stp_piece_store_surfels(r->desc->work, step->key, &made, report->candidate_count, set);
+        result = stp_piece_store_surfels(desc->work, key_of(r, step), &made,
+                                         report->candidate_count, set);
         stp_splats_destroy(r->scene->context, &made);
     }
     return result;
@@ -194,6 +204,12 @@ stp_result stp_build_nodes_make(const stp_scene* scene, const stp_build_nodes_de
         stp_build_nodes_destroy(context, nodes);
     }
     return r.result;
+}
+
+stp_hash stp_build_set_key(const stp_method* method, const stp_method_options* options,
+                           stp_hash key)
+{
+    return method != NULL ? stp_hash_bytes(method->hash(key, options), "alone", 5) : key;
 }
 
 void stp_build_nodes_destroy(stp_context* context, stp_build_nodes* nodes)

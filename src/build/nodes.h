@@ -7,10 +7,13 @@
 #include "build/draft.h"
 #include "build/former.h"
 #include "build/plan.h"
+#include "lod/method.h"
 
 typedef struct stp_build_nodes_desc {
     const stp_build_plan* plan;
     const stp_blue_desc* blue;
+    const stp_method* method; ///< whose sets they are, made without samples; NULL: `blue`
+    const stp_method_options* options;
     const uint8_t* shading_of_material;
     uint32_t shading_count;
     bool from_triangles;   ///< top-down: children's results are not used (Brandt 3.4)
@@ -27,6 +30,10 @@ typedef struct stp_build_nodes {
     double capture_ms, order_ms, finish_ms; ///< of threads' time
     uint32_t made, found; ///< steps made now; steps whose result was there before the build began
 } stp_build_nodes;
+
+/// Under which key a step's set is kept, by the key of the step.
+stp_hash stp_build_set_key(const stp_method* method, const stp_method_options* options,
+                           stp_hash key);
 
 /// @return STP_OK, or what the stages return (logged)
 STP_MUST_USE stp_result stp_build_nodes_make(const stp_scene* scene,

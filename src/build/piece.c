@@ -17,10 +17,12 @@ enum {
     MESH_HEAD = 64,
     COLUMNS_AT = RADII_AT + 4 * STP_PREFIX_TABLE_SIZE, ///< STP_SPLATS_*
     ATTRIBUTES_AT = COLUMNS_AT + 4,                    ///< a bit for each attribute
+    LEAVES_AT = ATTRIBUTES_AT + 4,
     ATTRIBUTE_COLUMN = 7,
-    COLUMNS = ATTRIBUTE_COLUMN + STP_ATTRIBUTES,
+    LEAF_COLUMN = ATTRIBUTE_COLUMN + STP_ATTRIBUTES,
+    COLUMNS,
 };
-_Static_assert(ATTRIBUTES_AT + 4 <= SURFELS_HEAD, "the head holds the table");
+_Static_assert(LEAVES_AT + 4 <= SURFELS_HEAD, "the head holds the table");
 
 // Writes numbers in a row, or reads them.
 typedef struct cursor {
@@ -70,6 +72,7 @@ static void write_surfels_head(const stp_splats* s, uint32_t candidates,
     put_u32(&at, s->paper_count);
     put_u32(&at, candidates);
     stp_write_u32(head + COLUMNS_AT, s->columns);
+    stp_write_u32(head + LEAVES_AT, s->leaf_count);
     stp_write_u32(head + ATTRIBUTES_AT, stp_splats_attributes(s));
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         stp_write_u32(head + OCTAVES_AT + 4 * i, s->octave_ends[i]);
@@ -98,6 +101,7 @@ static bool read_surfels_head(const unsigned char* head, stp_splats* s, uint32_t
     s->paper_count = get_u32(&at);
     *candidates = get_u32(&at);
     s->columns = stp_read_u32(head + COLUMNS_AT);
+    s->leaf_count = stp_read_u32(head + LEAVES_AT);
     if (kind != SURFELS_KIND || s->columns > STP_SPLATS_COLUMNS ||
         s->octave_count > STP_OCTAVE_LIMIT || s->table.size > STP_PREFIX_TABLE_SIZE) {
         return false;
@@ -133,6 +137,7 @@ static void size_columns(const stp_splats* s, uint32_t attributes, size_t sizes[
     sizes[4] = entries;
     sizes[5] = (s->columns & STP_SPLATS_SHAPES) != 0 ? 4 * (size_t)s->count : 0;
     sizes[6] = (s->columns & STP_SPLATS_RANGES) != 0 ? 4 * (size_t)s->count : 0;
+    sizes[LEAF_COLUMN] = sizeof(stp_splat_leaf) * (size_t)s->leaf_count;
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         size_t size = stp_attribute_size((stp_attribute)i) * s->count;
         sizes[ATTRIBUTE_COLUMN + i] = has_bit(attributes, i) ? size : 0;
@@ -155,6 +160,9 @@ static bool is_sound(const stp_splats* s, uint32_t shading_count)
         if (!stp_range_is_valid(s->ranges[i])) {
             return false;
         }
+    }
+    if (s->leaf_count > 0 && stp_store_leaves_fault(s, s->leaves, s->leaf_count) != NULL) {
+        return false;
     }
     return s->count == 0 || highest < shading_count;
 }
@@ -184,6 +192,7 @@ static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_
     s->coverages = (uint8_t*)(bytes + offsets[4]);
     s->shapes = sizes[5] != 0 ? (uint32_t*)(bytes + offsets[5]) : NULL;
     s->ranges = sizes[6] != 0 ? (uint32_t*)(bytes + offsets[6]) : NULL;
+    s->leaves = sizes[LEAF_COLUMN] != 0 ? (stp_splat_leaf*)(bytes + offsets[LEAF_COLUMN]) : NULL;
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         bool there = sizes[ATTRIBUTE_COLUMN + i] != 0;
         s->attributes[i] = there ? (void*)(bytes + offsets[ATTRIBUTE_COLUMN + i]) : NULL;
@@ -220,6 +229,7 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* 
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         columns[ATTRIBUTE_COLUMN + i] = surfels->attributes[i];
     }
+    columns[LEAF_COLUMN] = surfels->leaves;
     stp_work_piece pieces[1 + 2 * COLUMNS] = {{head, SURFELS_HEAD}};
     for (int i = 0; i < COLUMNS; ++i) {
         pieces[1 + 2 * i] = (stp_work_piece){columns[i], sizes[i]};

@@ -4,7 +4,8 @@
 // lie. What is found points into the mapping: it must neither be written to nor freed, and lives until the directory
 // is closed.
 //
-//   surfels:     head 704 | positions | normals | materials | colours | coverages | shapes | ranges   each padded to 64
+//   surfels:     head 704 | positions | normals | materials | colours | coverages | shapes | ranges | each attribute | leaves
+//                each padded to 64
 //   coded mesh:  head 64 | bytes
 #pragma once
 

@@ -21,6 +21,10 @@ static inline stp_set_look stp_set_look_at(const stp_splats* surfels, uint32_t p
 {
     stp_set_look look = {0};
     uint32_t octave = 0;
+    if ((surfels->columns & STP_SPLATS_FLAT_COLORS) != 0) { // one colour each
+        look.share = 1.0f;
+        return look;
+    }
     while (octave + 1 < surfels->octave_count && surfels->octave_ends[octave] < prefix) {
         look.first_before = look.first;
         look.before = surfels->octave_ends[octave];

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "lod/method.h"
 
+#include "base/clock.h"
 #include "lod/psp/splats.h"
 #include "lod/spt/splats.h"
+#include "lod/stochastic/set.h"
 
 #include <string.h>
 
@@ -12,13 +14,16 @@ enum {
     SPT_TRIANGLE_BYTES = 100, ///< of a large triangle: in boxes, and their order
     PSP_VERSION = 2,
     PSP_BYTES = 1000, ///< of a sample
+    STOCHASTIC_VERSION = 2,
+    STOCHASTIC_BYTES = 120, ///< of a sample
     SPT_COLORS =
         48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter
 };
 
 stp_method_options stp_method_options_default(void)
 {
-    return (stp_method_options){.tree = {STP_TREE_GEOMETRIC, SPT_COLORS}};
+    return (stp_method_options){.tree = {STP_TREE_GEOMETRIC, SPT_COLORS},
+                                .leaves = stp_leaf_desc_default()};
 }
 
 static stp_hash hash_spt(stp_hash key, const stp_method_options* options)
@@ -63,6 +68,53 @@ static stp_result make_psp(stp_context* context, const stp_method_source* source
     return stp_psp_make(context, source->samples, splats);
 }
 
+static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)
+{
+    const stp_leaf_desc* leaves = &options->leaves;
+    const uint32_t all[] = {STOCHASTIC_VERSION, leaves->budget, leaves->least, leaves->sample};
+    key = stp_hash_bytes(key, "stochastic", 10);
+    key = stp_hash_bytes(key, all, sizeof(all));
+    return stp_hash_bytes(key, &leaves->flatness, sizeof(leaves->flatness));
+}
+
+static uint64_t stochastic_bytes(uint64_t samples, uint64_t triangles)
+{
+    (void)triangles;
+    return STOCHASTIC_BYTES * samples;
+}
+
+static stp_result make_stochastic(stp_context* context, const stp_method_source* source,
+                                  const stp_method_options* options, stp_splats* splats)
+{
+    return stp_stochastic_make_of_samples(context, source->samples, source->two_sided,
+                                          &options->leaves, splats);
+}
+
+static stp_result make_stochastic_alone(const stp_scene* scene, uint32_t node,
+                                        const uint8_t* shading_of_material,
+                                        const stp_blue_desc* desc,
+                                        const stp_method_options* options, stp_splats* splats,
+                                        stp_blue_report* report)
+{
+    double start = stp_clock_ms();
+    stp_blue_candidates found;
+    stp_result result = stp_blue_find_candidates(scene, node, desc, &found);
+    double captured = stp_clock_ms();
+    *report = (stp_blue_report){.candidate_count = found.candidates.count,
+                                .capture_ms = captured - start};
+    *splats = (stp_splats){.columns = STP_STOCHASTIC_COLUMNS};
+    if (result == STP_OK) {
+        const stp_stochastic_source source = {.candidates = &found.candidates,
+                                              .shading_of_material = shading_of_material,
+                                              .wanted = found.wanted,
+                                              .has_normals = !found.two_sided};
+        result = stp_stochastic_make_set(scene->context, &source, &options->leaves, splats);
+        report->order_ms = stp_clock_ms() - captured;
+    }
+    stp_candidates_destroy(scene->context, &found.candidates);
+    return result;
+}
+
 const stp_method stp_methods[STP_METHOD_COUNT] = {
     {.name = "blue", .title = "Progressive Blue Surfels", .id = STP_METHOD_BLUE},
     {.name = "spt",
@@ -79,6 +131,14 @@ const stp_method stp_methods[STP_METHOD_COUNT] = {
      .hash = hash_psp,
      .bytes = psp_bytes,
      .make = make_psp},
+    {.name = "stochastic",
+     .title = "View-Dependent Stochastic Sampling",
+     .id = STP_METHOD_STOCHASTIC,
+     .columns = STP_STOCHASTIC_COLUMNS,
+     .hash = hash_stochastic,
+     .bytes = stochastic_bytes,
+     .make = make_stochastic,
+     .make_alone = make_stochastic_alone},
 };
 
 const stp_method* stp_method_by_name(const char* name)

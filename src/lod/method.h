@@ -5,13 +5,16 @@
 #pragma once
 
 #include "base/hash.h"
+#include "lod/blue/blue.h"
 #include "lod/spt/point_tree.h"
+#include "lod/stochastic/leaf_octree.h"
 
 #include <stipple/surfels.h>
 
 /// Options of all methods. Start from stp_method_options_default(); all zero is not the default.
 typedef struct stp_method_options {
-    stp_tree_desc tree; ///< of `spt`
+    stp_tree_desc tree;   ///< of `spt`
+    stp_leaf_desc leaves; ///< of `stochastic`
 } stp_method_options;
 
 stp_method_options stp_method_options_default(void);
@@ -23,6 +26,7 @@ typedef struct stp_method_source {
     /// finite.
     const float* corners;
     uint32_t triangle_count;
+    bool two_sided; ///< a cloud that has no normals: the signs of the samples' are a guess
 } stp_method_source;
 
 typedef struct stp_method {
@@ -38,9 +42,15 @@ typedef struct stp_method {
     /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
     stp_result (*make)(stp_context* context, const stp_method_source* source,
                        const stp_method_options* options, stp_splats* splats);
+    /// Makes a node's set of its candidates, without samples, where a file holds sets of such methods alone. `desc->sets` are
+    /// of the same method. NULL: it needs samples. @return as stp_blue_make
+    stp_result (*make_alone)(const stp_scene* scene, uint32_t node,
+                             const uint8_t* shading_of_material, const stp_blue_desc* desc,
+                             const stp_method_options* options, stp_splats* splats,
+                             stp_blue_report* report);
 } stp_method;
 
-enum { STP_METHOD_COUNT = 3 };
+enum { STP_METHOD_COUNT = 4 };
 
 /// All methods; the first is `blue`.
 extern const stp_method stp_methods[STP_METHOD_COUNT];

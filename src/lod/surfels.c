@@ -10,6 +10,7 @@ void stp_splats_destroy(stp_context* context, stp_splats* surfels)
     stp_free(context, surfels->coverages);
     stp_free(context, surfels->shapes);
     stp_free(context, surfels->ranges);
+    stp_free(context, surfels->leaves);
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         stp_free(context, surfels->attributes[i]);
     }
@@ -25,8 +26,10 @@ stp_result stp_splats_make_columns(stp_context* context, stp_splats* s)
     s->colors = STP_NEW_ARRAY(context, uint8_t, 3 * count);
     s->coverages = STP_NEW_ARRAY(context, uint8_t, count);
     s->shapes = STP_NEW_ARRAY(context, uint32_t, count);
-    s->ranges = STP_NEW_ARRAY(context, uint32_t, count);
+    bool ranges = (s->columns & STP_SPLATS_RANGES) != 0;
+    s->ranges = ranges ? STP_NEW_ARRAY(context, uint32_t, count) : NULL;
     bool made = s->positions != NULL && s->normals != NULL && s->materials != NULL &&
-                s->colors != NULL && s->coverages != NULL && s->shapes != NULL && s->ranges != NULL;
+                s->colors != NULL && s->coverages != NULL && s->shapes != NULL &&
+                (s->ranges != NULL || !ranges);
     return made ? STP_OK : stp_fail_memory(context);
 }

@@ -7,6 +7,7 @@
 // What a view would draw or lacks is asked for, in splats of the size wanted that stand for it meanwhile.
 #include "base/prefix_table.h"
 #include "select/rule.h"
+#include "store/leaves.h"
 
 #define ROUNDED (1.0 + 1e-6)
 #define EAGER_MOST 4.0
@@ -90,6 +91,16 @@ static void want_set(stp_selection* s, const stp_select_entry* at, const stp_sig
                            .octaves = octaves,
                            .need = find_need(s, sight, at->covered * at->eager),
                            .octave_need = find_need(s, sight, scale)});
+}
+
+void stp_select_want_leaves(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                            uint32_t set)
+{
+    if (s->streams && stp_store_leaf_count(s->store, set) > 0) {
+        add_want(s, (stp_want){.kind = STP_RESIDENT_LEAVES,
+                               .index = set,
+                               .need = find_need(s, sight, at->covered * at->eager)});
+    }
 }
 
 static double radius_of(const stp_splats* surfels, uint32_t count)

@@ -11,6 +11,8 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
         return &stp_select_rule_levels;
     case STP_METHOD_PSP:
         return &stp_select_rule_splits;
+    case STP_METHOD_STOCHASTIC:
+        return &stp_select_rule_cues;
     default:
         return &stp_select_rule_blue;
     }

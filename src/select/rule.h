@@ -21,7 +21,8 @@ typedef struct stp_select_rule {
                       const stp_sight* sight);
 } stp_select_rule;
 
-extern const stp_select_rule stp_select_rule_blue, stp_select_rule_levels, stp_select_rule_splits;
+extern const stp_select_rule stp_select_rule_blue, stp_select_rule_levels, stp_select_rule_splits,
+    stp_select_rule_cues;
 
 /// By the id of a method (STP_METHOD_*); that of `blue` for others.
 const stp_select_rule* stp_select_rule_of(uint32_t id);

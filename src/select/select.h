@@ -20,6 +20,17 @@ typedef enum stp_policy {
     STP_POLICY_SWITCH, ///< insertion, at the node's nearest depth, without blending between levels
 } stp_policy;
 
+/// What decides how many splats of a leaf are drawn, of sets that were made leaf by leaf (select/cues.h).
+enum {
+    STP_CUE_FLATNESS_BIT = 1, ///< more where the surface bends
+    STP_CUE_EDGE_BIT = 2,     ///< and where there may be an edge
+    STP_CUE_COVERAGE_BIT =
+        4, ///< by the pixels of the leaf; without, all leaves are as near as the nearest
+    STP_CUE_SILHOUETTE_BIT = 8, ///< more where some of it may face away
+    STP_CUE_OCCLUSION_BIT = 16, ///< fewer where much stands before it
+    STP_CUES_ALL = 31,
+};
+
 typedef struct stp_quality {
     float splat_size; ///< pixels, at least 1; default 1
     /// Exactly so many splats instead, in all, or what there is; of `spt`, at most so many. 0: by
@@ -30,11 +41,12 @@ typedef struct stp_quality {
     /// Whose sets are drawn (STP_METHOD_*). 0: those of the file's first, and beside it of stp_select_coarse_method. None of
     /// the file's: those of its first alone.
     uint32_t method;
-    bool reference;   ///< original triangles and points only
-    bool splats_only; ///< a node that has splats is never opened, however near it is
-    bool nodes_only;  ///< a node is drawn by splats or by triangles, never by some of both
-    bool all_sides;   ///< splats that face away are drawn as well (stp_draw_item.one_sided)
-    stp_fovea fovea;  ///< all zero: splats are of one size
+    bool reference;    ///< original triangles and points only
+    bool splats_only;  ///< a node that has splats is never opened, however near it is
+    bool nodes_only;   ///< a node is drawn by splats or by triangles, never by some of both
+    bool all_sides;    ///< splats that face away are drawn as well (stp_draw_item.one_sided)
+    uint32_t cues_off; ///< STP_CUE_*_BIT that are not looked at
+    stp_fovea fovea;   ///< all zero: splats are of one size
     /// A node is opened where its surfels could still cover so many times better than they have to, provided that
     /// they number at least 1/STP_TRIANGLES_PER_SURFEL of its triangles there: 1 to 8; 0: 8.
     float spare;
@@ -63,9 +75,12 @@ typedef struct stp_draw_item {
     /// that is allowed anywhere. Of sets without ranges they mean nothing.
     float level_per_depth, level_least;
     // A state of a set that is refined by splits (base/progressive.h): splats before `divide` are held against another level.
-    uint32_t divide;      ///< 0: there is one level for all, as with all other sets
-    float level_below;    ///< of splats [0, divide), anywhere
-    uint32_t split_count; ///< splats of the prefix that are not of the state
+    uint32_t divide;   ///< 0: there is one level for all, as with all other sets
+    float level_below; ///< of splats [0, divide), anywhere
+    uint32_t
+        split_count; ///< splats of the prefix that are not of the state, or in no run of a scattered item
+    float shape_scale; ///< radii of splats with shapes are so many times larger; 0: 1
+    bool scattered;    ///< its runs begin and end anywhere, and have one range of depths
     /// Mesh: of its triangles those are drawn whose level (store/large_triangles.h) is at least that of the item at their
     /// nearest corner. Such items follow that of the set that they are drawn beside.
     bool large;
@@ -82,7 +97,7 @@ typedef struct stp_draw_item {
 } stp_draw_item;
 
 /// Splats [begin, end) of an item are drawn where nearest <= depth of the centre <= farthest; those in no run are not drawn.
-/// Runs ascend. They begin and end at multiples of 64, or with the prefix.
+/// Runs ascend. They begin and end at multiples of 64, or with the prefix; of scattered items anywhere.
 typedef struct stp_draw_run {
     uint32_t begin, end;
     float nearest, farthest;
@@ -117,6 +132,8 @@ typedef struct stp_draw_list {
     size_t cut_capacity;
     struct stp_select_share* shares; ///< of the count of splats
     size_t share_capacity;
+    struct stp_cue_cell* cells; ///< of the set that was added last
+    size_t cell_capacity;
 } stp_draw_list;
 
 /// The part of a mesh item's triangles that is drawn at a depth: where the cluster (or mesh) they belong to is nearest.

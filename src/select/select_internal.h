@@ -134,6 +134,9 @@ bool stp_select_want_coarse(stp_selection* s, const stp_select_entry* at, const 
 /// Asks for a mesh or points of a node. @return whether they are here
 bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
                           const stp_sight* sight);
+/// Asks for the leaves of a node's set. What is there of them, stp_store_get_leaves tells.
+void stp_select_want_leaves(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                            uint32_t set);
 /// Asks for a mesh that only makes better what is there without it: after all else. @return whether it is here
 bool stp_select_want_extra(stp_selection* s, uint32_t mesh);
 /// Makes the entry of a node with a set that of what is below it.

@@ -141,6 +141,10 @@ static stp_result check_block(stp_store* store, const stp_store_block* block)
             return block->octave == 0 ? check_operators(store, block->owner) : STP_OK;
         }
         return check_surfels(store, block);
+    case STP_BLOCK_LEAVES: {
+        stp_store_leaves leaves;
+        return stp_store_get_leaves(store, block->owner, &leaves);
+    }
     case STP_BLOCK_TEXTURE:
         return check_texture(store, block);
     case STP_BLOCK_ATTRIBUTES:

@@ -3,6 +3,7 @@
 // The numbers of the `.stip` format; docs/format.md says what they mean.
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -25,6 +26,7 @@ enum {
     STP_STORE_TEXT_LIMIT = 4095,  ///< bytes of a text that a record refers to
     STP_STORE_TEXTURE_LIMIT = 65536,
     STP_STORE_SHADING_LIMIT = 256,
+    STP_STORE_LEAF_BYTES = 16,
 };
 
 /// Section types. 33 is reserved for bone weights; from 0x80000000 on they are free for private use.
@@ -58,6 +60,7 @@ typedef enum stp_store_section_type {
     STP_SECTION_ATTRIBUTE_VALUES, ///< how many points have which class
     STP_SECTION_ATTRIBUTE_BLOCKS, ///< what blocks of attributes hold
     STP_SECTION_COORDINATES,      ///< coordinate systems of sources
+    STP_SECTION_LEAVES,           ///< leaves of sets
     STP_SECTION_END               ///< one more than the last known type
 } stp_store_section_type;
 
@@ -71,11 +74,18 @@ typedef enum stp_store_block_kind {
     STP_BLOCK_POINT_SET,
     STP_BLOCK_TEXTURE,
     STP_BLOCK_SURFELS,
-    STP_BLOCK_CLUSTERS, ///< a coded mesh
-    STP_BLOCK_END,      ///< one more than the last kind that a reader of version 1.2 must know
+    STP_BLOCK_CLUSTERS,         ///< a coded mesh
     STP_BLOCK_ATTRIBUTES = 7,   ///< of an octave of a surfel set
     STP_BLOCK_POINT_ATTRIBUTES, ///< of a point set
+    STP_BLOCK_LEAVES,           ///< of a surfel set
+    STP_BLOCK_END
 } stp_store_block_kind;
+
+/// Whether blocks of a kind each belong to a record that names them. 6 is reserved; those of attributes are listed (section 38).
+static inline bool stp_store_knows_block(uint32_t kind)
+{
+    return (kind >= STP_BLOCK_MESH && kind <= STP_BLOCK_CLUSTERS) || kind == STP_BLOCK_LEAVES;
+}
 
 /// Which optional columns a mesh or point set has.
 enum {

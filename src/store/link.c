@@ -50,7 +50,7 @@ static stp_result judge_block(const stp_store* store, uint32_t index, stp_store_
     static const char* const names[STP_BLOCK_END] = {
         [STP_BLOCK_MESH] = "mesh",       [STP_BLOCK_POINT_SET] = "point set",
         [STP_BLOCK_TEXTURE] = "texture", [STP_BLOCK_SURFELS] = "surfel set",
-        [STP_BLOCK_CLUSTERS] = "mesh",
+        [STP_BLOCK_CLUSTERS] = "mesh",   [STP_BLOCK_LEAVES] = "surfel set",
     };
     if (index >= store->counts[STP_SECTION_BLOCKS]) {
         return fail_format(store, names[wanted.kind], wanted.owner, "its block does not exist");
@@ -235,6 +235,33 @@ static stp_result link_points(const stp_store* store, uint32_t index)
     return judge_block(store, record->block, wanted);
 }
 
+// Each set's leaves. @param owned  receives how many have some
+static stp_result link_leaves(const stp_store* store, uint64_t* owned)
+{
+    const stp_store_leaves_record* records = store->tables[STP_SECTION_LEAVES];
+    uint32_t count = store->counts[STP_SECTION_LEAVES], sets = store->counts[STP_SECTION_SURFELS];
+    stp_result result = STP_OK;
+    *owned = 0;
+    if (store->known[STP_SECTION_LEAVES] != NULL && count != sets) {
+        return stp_fail(store->context, STP_ERROR_FORMAT,
+                        "%s: says of %u surfel sets which leaves they have, and has %u",
+                        store->path, count, sets);
+    }
+    for (uint32_t i = 0; i < count && result == STP_OK; ++i) {
+        if (records[i].leaf_count == 0 && records[i].block != STP_STORE_NONE) {
+            return fail_format(store, "surfel set", i, "has a block of leaves, and no leaves");
+        }
+        stp_store_block wanted = {.kind = STP_BLOCK_LEAVES,
+                                  .owner = i,
+                                  .size = STP_STORE_LEAF_BYTES * (uint64_t)records[i].leaf_count};
+        if (records[i].leaf_count > 0) {
+            *owned += 1;
+            result = judge_block(store, records[i].block, wanted);
+        }
+    }
+    return result;
+}
+
 stp_result stp_store_link_blocks(stp_store* store)
 {
     stp_result result = judge_blocks(store);
@@ -255,20 +282,23 @@ stp_result stp_store_link_blocks(stp_store* store)
         result = link_points(store, i);
     }
     result = result == STP_OK ? stp_store_link_textures(store) : result;
+    uint64_t leaf_tables = 0;
+    result = result == STP_OK ? link_leaves(store, &leaf_tables) : result;
     if (result != STP_OK) {
         return result;
     }
     // every owner has its own blocks (textures that share one: the first of them), so equal numbers mean that no block is nobody's
     const stp_store_point_record* points = store->tables[STP_SECTION_POINT_SETS];
     uint64_t owned = (uint64_t)store->counts[STP_SECTION_OCTAVES] +
-                     store->counts[STP_SECTION_MESHES] + stp_store_count_texture_blocks(store);
+                     store->counts[STP_SECTION_MESHES] + stp_store_count_texture_blocks(store) +
+                     leaf_tables;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_POINT_SETS]; ++i) {
         owned += points[i].points.held_by == 0 ? 1 : 0;
     }
     uint64_t known = 0;
     for (uint32_t i = 0; i < store->counts[STP_SECTION_BLOCKS]; ++i) {
         uint32_t kind = stp_store_block_at(store, i)->kind;
-        known += kind != 0 && kind < STP_BLOCK_END ? 1 : 0;
+        known += stp_store_knows_block(kind) ? 1 : 0;
     }
     if (known != owned) {
         return stp_fail(store->context, STP_ERROR_FORMAT, "%s: a block belongs to nothing",

@@ -163,6 +163,22 @@ static valued_block value_octave(const stp_store_content* content, uint32_t set,
     return (valued_block){block, (double)block.radius};
 }
 
+// Leaves come with the first octave that has as many splats as there are leaves: with fewer, few leaves have any.
+static valued_block value_leaves(const stp_store_content* content, uint32_t set, double scale)
+{
+    const stp_splats* surfels = &content->surfels[set];
+    uint32_t octave = 0;
+    while (octave + 1 < surfels->octave_count &&
+           surfels->octave_ends[octave] < surfels->leaf_count) {
+        octave += 1;
+    }
+    valued_block with = value_octave(content, set, octave, scale);
+    with.block.kind = STP_BLOCK_LEAVES;
+    with.block.octave = 0;
+    with.block.size = STP_STORE_LEAF_BYTES * (uint64_t)surfels->leaf_count;
+    return with;
+}
+
 // Meshes: the area that a byte of them shows. Walls, floors and large beams come before screws.
 static valued_block value_mesh(const stp_store_content* content, uint32_t index, double area)
 {
@@ -252,6 +268,9 @@ static uint32_t add_blocks(const stp_store_content* content, const shown* s,
                 *next++ = value_octave_attributes(content, i, k, s->set_scales[i]);
             }
         }
+        if (content->surfels[i].leaf_count > 0) {
+            *next++ = value_leaves(content, i, s->set_scales[i]);
+        }
     }
     for (uint32_t i = 0; i < directory->mesh_count; ++i) {
         *next++ = value_mesh(content, i, s->mesh_areas[i]);
@@ -277,6 +296,7 @@ static int rank_of(uint32_t kind)
 {
     switch (kind) {
     case STP_BLOCK_SURFELS:
+    case STP_BLOCK_LEAVES:
         return 0;
     case STP_BLOCK_ATTRIBUTES:
         return 1;
@@ -292,7 +312,7 @@ static int rank_of(uint32_t kind)
     }
 }
 
-// A total order: kinds, then the value, then octave and owner.
+// A total order: kinds, then the value, leaves after octaves, then octave and owner.
 static int compare_blocks(const void* left, const void* right)
 {
     const valued_block* a = left;
@@ -302,6 +322,9 @@ static int compare_blocks(const void* left, const void* right)
     }
     if (a->value > b->value || a->value < b->value) {
         return a->value > b->value ? -1 : 1;
+    }
+    if (a->block.kind != b->block.kind) { // leaves after octaves
+        return a->block.kind < b->block.kind ? -1 : 1;
     }
     if (a->block.octave != b->block.octave) {
         return a->block.octave < b->block.octave ? -1 : 1;
@@ -338,6 +361,9 @@ static void place_blocks(uint64_t data_offset, const uint32_t* first_octaves, st
         case STP_BLOCK_SURFELS:
             plan->octave_blocks[first_octaves[block->owner] + block->octave] = i;
             break;
+        case STP_BLOCK_LEAVES:
+            plan->leaf_blocks[block->owner] = i;
+            break;
         case STP_BLOCK_MESH:
         case STP_BLOCK_CLUSTERS:
             plan->mesh_blocks[block->owner] = i;
@@ -361,13 +387,14 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
                               uint32_t* texture_owners, stp_store_plan* plan)
 {
     const stp_store_directory* directory = &content->directory;
-    uint64_t octaves = 0;
+    uint64_t octaves = 0, leaf_tables = 0;
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
         first_octaves[i] = (uint32_t)octaves;
         octaves += content->surfels[i].octave_count;
+        leaf_tables += content->surfels[i].leaf_count > 0 ? 1 : 0;
     }
     uint64_t attributes = count_attribute_blocks(content);
-    uint64_t blocks = octaves + directory->mesh_count + count_point_blocks(content) +
+    uint64_t blocks = octaves + leaf_tables + directory->mesh_count + count_point_blocks(content) +
                       directory->texture_count + attributes;
     if (blocks >= STP_STORE_NONE) {
         return stp_fail(context, STP_ERROR_LIMIT, "a file cannot hold %llu blocks of data",
@@ -380,9 +407,13 @@ static stp_result plan_blocks(stp_context* context, const stp_store_content* con
     plan->point_blocks = STP_NEW_ARRAY(context, uint32_t, directory->point_set_count + 1);
     plan->texture_blocks = STP_NEW_ARRAY(context, uint32_t, directory->texture_count + 1);
     plan->octave_blocks = STP_NEW_ARRAY(context, uint32_t, octaves + 1);
+    plan->leaf_blocks = STP_NEW_ARRAY(context, uint32_t, (size_t)directory->surfels_count + 1);
     if (plan->blocks == NULL || plan->mesh_blocks == NULL || plan->point_blocks == NULL ||
-        plan->texture_blocks == NULL || plan->octave_blocks == NULL) {
+        plan->texture_blocks == NULL || plan->octave_blocks == NULL || plan->leaf_blocks == NULL) {
         return stp_fail_memory(context);
+    }
+    for (uint32_t i = 0; i < directory->surfels_count; ++i) {
+        plan->leaf_blocks[i] = STP_STORE_NONE;
     }
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
         plan->point_blocks[i] = STP_STORE_NONE; // where a set of splats holds the points
@@ -430,5 +461,6 @@ void stp_store_plan_destroy(stp_context* context, stp_store_plan* plan)
     stp_free(context, plan->point_blocks);
     stp_free(context, plan->texture_blocks);
     stp_free(context, plan->octave_blocks);
+    stp_free(context, plan->leaf_blocks);
     *plan = (stp_store_plan){0};
 }

@@ -13,6 +13,7 @@ typedef struct stp_store_plan {
     uint32_t* point_blocks;
     uint32_t* texture_blocks; ///< the same for textures that share a picture
     uint32_t* octave_blocks;
+    uint32_t* leaf_blocks;    ///< of each set; STP_STORE_NONE: it has no leaves
     uint32_t attribute_count; ///< blocks of attributes
     uint64_t file_bytes;
 } stp_store_plan;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Opens a file: decodes the directory's tables and fits them together.
 #include "store/internal.h"
+#include "store/leaves_internal.h"
 #include "store/pictures.h"
 
 #include <string.h>
@@ -186,6 +187,9 @@ static stp_result read_directory(stp_store* store)
         result = stp_store_read_figures(store, &text);
     }
     if (result == STP_OK) {
+        result = stp_store_read_table(store, STP_SECTION_LEAVES, &text);
+    }
+    if (result == STP_OK) {
         result = read_build(store);
     }
     if (result != STP_OK) {
@@ -339,6 +343,7 @@ void stp_store_close(stp_store* store)
     }
     stp_store_release_points(store);
     stp_store_release_textures(store);
+    stp_store_release_leaves(store);
     for (uint32_t type = 0; type < STP_SECTION_END; ++type) {
         stp_free(context, store->tables[type]);
     }

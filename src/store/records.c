@@ -362,6 +362,13 @@ static void code_clusters(stp_store_codec* codec, void* element)
     code_u32(codec, &record->cluster_count);
 }
 
+static void code_leaves(stp_store_codec* codec, void* element)
+{
+    stp_store_leaves_record* record = element;
+    code_u32(codec, &record->leaf_count);
+    code_u32(codec, &record->block);
+}
+
 static void code_method(stp_store_codec* codec, void* element)
 {
     stp_store_method* method = &((stp_store_method_record*)element)->method;
@@ -454,6 +461,7 @@ const stp_store_table* stp_store_table_of(uint32_t type)
                                           sizeof(stp_store_attribute_block), code_attribute_block},
         [STP_SECTION_COORDINATES] = {"coordinate system", 4, sizeof(stp_store_coordinates),
                                      code_coordinates},
+        [STP_SECTION_LEAVES] = {"set's leaves", 8, sizeof(stp_store_leaves_record), code_leaves},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

@@ -8,6 +8,7 @@
 #include "store/attributes.h"
 #include "store/clusters.h"
 #include "store/format.h"
+#include "store/leaves.h"
 #include "store/store.h"
 
 /// Texts one after the other, each ended by a zero byte; records refer to them by offset.
@@ -85,6 +86,13 @@ typedef struct stp_store_method_record {
     stp_store_method method; ///< `sets` is made by the reader
 } stp_store_method_record;
 
+/// The leaves of a set.
+typedef struct stp_store_leaves_record {
+    uint32_t leaf_count; ///< 0: it has none
+    uint32_t block;
+    stp_store_leaves leaves; ///< none until they are checked
+    void* memory;            ///< of them; NULL: they are a residency's
+} stp_store_leaves_record;
 /// What a block of attributes holds.
 typedef struct stp_store_attribute_block {
     uint32_t block;
@@ -136,6 +144,7 @@ typedef union stp_store_element {
     stp_store_clusters_record clusters;
     stp_store_method_record method;
     uint32_t method_node;
+    stp_store_leaves_record leaves;
     stp_store_attribute attribute;
     stp_store_attribute_value attribute_value;
     stp_store_attribute_block attribute_block;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A residency from beginning to end, and what is asked of it.
 #include "store/chunks.h"
+#include "store/leaves_internal.h"
 #include "store/pictures.h"
 #include "store/residency_internal.h"
 
@@ -28,6 +29,8 @@ static const stp_store_block* block_of(const stp_store* store, stp_resident_kind
     case STP_RESIDENT_POINTS:
         block = ((const stp_store_point_record*)store->tables[STP_SECTION_POINT_SETS])[index].block;
         break;
+    case STP_RESIDENT_LEAVES:
+        return stp_store_leaves_block(store, index);
     case STP_RESIDENT_TEXTURE:
     case STP_RESIDENT_KINDS:
         block = ((const stp_store_texture_record*)store->tables[STP_SECTION_TEXTURES])[index].block;
@@ -36,12 +39,13 @@ static const stp_store_block* block_of(const stp_store* store, stp_resident_kind
     return stp_store_block_at(store, block);
 }
 
-// Whether the file has the block of a thing that is no set. Points that a set holds have none.
+// Whether the file has the block of a thing that is no set. Points that a set holds have none, and leaves that are none.
 static bool is_in_file(const stp_store* store, stp_resident_kind kind, uint32_t index)
 {
     bool held =
         kind == STP_RESIDENT_POINTS && stp_store_describe_point_set(store, index)->held_by != 0;
-    return !held && stp_store_is_block_here(store, block_of(store, kind, index, 0));
+    const stp_store_block* block = held ? NULL : block_of(store, kind, index, 0);
+    return block != NULL && stp_store_is_block_here(store, block);
 }
 
 const stp_store_block* stp_residency_block(const stp_residency* r, uint32_t thing, uint32_t octave)
@@ -58,6 +62,10 @@ uint64_t stp_residency_bytes(const stp_residency* r, uint32_t thing, uint32_t le
     if (stp_residency_kind(r, thing) == STP_RESIDENT_TEXTURE) {
         const stp_store_texture* texture = stp_residency_texture(r, thing);
         return 4 * (uint64_t)texture->width * texture->height + ALLOCATION_BYTES;
+    }
+    if (stp_residency_kind(r, thing) == STP_RESIDENT_LEAVES) {
+        uint32_t set = thing - r->firsts[STP_RESIDENT_LEAVES];
+        return stp_store_leaves_bytes(stp_store_leaf_count(r->store, set)) + ALLOCATION_BYTES;
     }
     return stp_residency_block(r, thing, 0)->size + stp_residency_color_bytes(r, thing) +
            ALLOCATION_BYTES;
@@ -107,7 +115,8 @@ static void count_things(const stp_store* store, uint32_t firsts[STP_RESIDENT_KI
     firsts[STP_RESIDENT_MESH] = directory->surfels_count;
     firsts[STP_RESIDENT_POINTS] = firsts[STP_RESIDENT_MESH] + directory->mesh_count;
     firsts[STP_RESIDENT_TEXTURE] = firsts[STP_RESIDENT_POINTS] + directory->point_set_count;
-    firsts[STP_RESIDENT_KINDS] = firsts[STP_RESIDENT_TEXTURE] + directory->texture_count;
+    firsts[STP_RESIDENT_LEAVES] = firsts[STP_RESIDENT_TEXTURE] + directory->texture_count;
+    firsts[STP_RESIDENT_KINDS] = firsts[STP_RESIDENT_LEAVES] + store->counts[STP_SECTION_LEAVES];
 }
 
 static stp_result create_tables(stp_residency* r)
@@ -284,6 +293,7 @@ stp_result stp_residency_create(stp_store* store, const stp_residency_desc* desc
         stp_store_release_surfels(store, i);
     }
     stp_store_release_textures(store);
+    stp_store_release_leaves(store);
     stp_store_release_points(store);
     store->residency = r;
     *residency = r;

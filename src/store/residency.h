@@ -16,6 +16,7 @@ typedef enum stp_resident_kind {
     STP_RESIDENT_MESH,    ///< with the textures of its material
     STP_RESIDENT_POINTS,
     STP_RESIDENT_TEXTURE, ///< by itself
+    STP_RESIDENT_LEAVES,  ///< of a set, with the tree over them
     STP_RESIDENT_KINDS
 } stp_resident_kind;
 

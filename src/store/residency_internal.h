@@ -27,7 +27,8 @@ typedef struct stp_load {
     uint64_t transient; ///< bytes of both, and of the decoder
     stp_splats columns; ///< surfels: in `memory`, cut to `to`
     stp_splats before;  ///< and the columns that are resident, of which `from` octaves are copied
-    stp_clusters clusters; ///< a coded mesh, opened
+    stp_clusters clusters;   ///< a coded mesh, opened
+    stp_store_leaves leaves; ///< a set's, opened
 } stp_load;
 
 /// A thing of the store, and how much of it is here.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The threads that read: a load is taken from the queue, filled, checked, and handed back.
 #include "store/chunks.h"
+#include "store/leaves_internal.h"
 #include "store/pictures.h"
 #include "store/residency_internal.h"
 
@@ -130,6 +131,16 @@ static bool judge_points(stp_residency* r, const stp_load* load)
     return stp_store_judge_point_data(&judge, index, &points) == STP_OK;
 }
 
+static bool open_leaves(stp_residency* r, stp_load* load)
+{
+    uint32_t set = load->thing - r->firsts[STP_RESIDENT_LEAVES];
+    const char* fault = stp_store_open_leaves(r->store, set, load->memory, &load->leaves);
+    if (fault != NULL) {
+        stp_warn(r->context, "%s: surfel set %u: %s", r->store->path, set, fault);
+    }
+    return fault == NULL;
+}
+
 /// Colours that are not the file's lie behind the block's columns.
 static bool color_points(stp_residency* r, stp_load* load)
 {
@@ -189,6 +200,7 @@ static void fill_load(stp_residency* r, stp_load* load)
     good = good && (kind != STP_RESIDENT_MESH || judge_mesh(r, load));
     good =
         good && (kind != STP_RESIDENT_POINTS || (judge_points(r, load) && color_points(r, load)));
+    good = good && (kind != STP_RESIDENT_LEAVES || open_leaves(r, load));
     load->read_bytes = good ? block->size : 0;
     load->reached = good ? 1 : 0;
 }

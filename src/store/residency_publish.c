@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What comes and goes in the store's tables. Between frames only, on the thread that updates.
 #include "store/chunks.h"
+#include "store/leaves_internal.h"
 #include "store/residency_internal.h"
 
 static stp_store_surfels_record* surfels_record(const stp_residency* r, uint32_t thing)
@@ -61,11 +62,14 @@ bool stp_residency_prepare(stp_residency* r, stp_load* load)
     }
     if (stp_residency_kind(r, load->thing) == STP_RESIDENT_TEXTURE) {
         return prepare_texture(r, load);
-    } else {
-        uint64_t size = stp_residency_block(r, load->thing, 0)->size +
-                        stp_residency_color_bytes(r, load->thing);
-        load->memory = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
     }
+    uint64_t size =
+        stp_residency_block(r, load->thing, 0)->size + stp_residency_color_bytes(r, load->thing);
+    if (stp_residency_kind(r, load->thing) == STP_RESIDENT_LEAVES) {
+        uint32_t set = load->thing - r->firsts[STP_RESIDENT_LEAVES];
+        size = stp_store_leaves_bytes(stp_store_leaf_count(r->store, set));
+    }
+    load->memory = stp_alloc(r->context, size > 0 ? (size_t)size : 1);
     return load->memory != NULL;
 }
 
@@ -121,15 +125,16 @@ static void publish_points(const stp_residency* r, uint32_t index, void* memory)
 }
 
 /// NULL: the thing is gone.
-static void publish(const stp_residency* r, uint32_t thing, void* memory,
-                    const stp_clusters* clusters)
+static void publish(const stp_residency* r, uint32_t thing, void* memory, const stp_load* load)
 {
     stp_resident_kind kind = stp_residency_kind(r, thing);
     uint32_t index = thing - r->firsts[kind];
     if (kind == STP_RESIDENT_MESH) {
-        publish_mesh(r, index, memory, clusters);
+        publish_mesh(r, index, memory, load != NULL ? &load->clusters : NULL);
     } else if (kind == STP_RESIDENT_POINTS) {
         publish_points(r, index, memory);
+    } else if (kind == STP_RESIDENT_LEAVES) {
+        stp_store_publish_leaves(r->store, index, load != NULL ? &load->leaves : NULL);
     } else {
         stp_store_texture_record* records = r->store->tables[STP_SECTION_TEXTURES];
         records[index].texture.texels = memory;
@@ -173,7 +178,7 @@ void stp_residency_take(stp_residency* r, stp_load* load)
             stp_store_set_columns(surfels_record(r, load->thing), load->memory, &load->columns,
                                   load->reached);
         } else {
-            publish(r, load->thing, load->memory, &load->clusters);
+            publish(r, load->thing, load->memory, load);
         }
     }
     load->next = r->spare;

@@ -258,6 +258,20 @@ stp_result stp_store_judge_surfels(const stp_store_judge* judge, uint32_t index,
     return STP_OK;
 }
 
+stp_result stp_store_judge_leaves(const stp_store_judge* judge, uint32_t index,
+                                  const stp_splats* surfels)
+{
+    const char* fault = surfels->leaf_count == 0 ? NULL
+                        : surfels->leaves == NULL
+                            ? "its leaves are not there"
+                            : stp_store_leaves_fault(surfels, surfels->leaves, surfels->leaf_count);
+    if (fault != NULL) {
+        return stp_fail(judge->context, judge->failure, "%s: surfel set %u: %s", judge->path, index,
+                        fault);
+    }
+    return STP_OK;
+}
+
 // The first number that is not finite; `count` where all are.
 static uint64_t find_not_finite(const float* numbers, uint64_t count)
 {

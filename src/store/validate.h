@@ -32,6 +32,10 @@ STP_MUST_USE stp_result stp_store_judge_surfels(const stp_store_judge* judge, ui
 /// What is wrong with a set, its columns apart; NULL: nothing.
 const char* stp_store_surfels_fault(const stp_splats* surfels);
 
+/// The leaves that a set comes with, if any.
+STP_MUST_USE stp_result stp_store_judge_leaves(const stp_store_judge* judge, uint32_t index,
+                                               const stp_splats* surfels);
+
 // The bulk data.
 STP_MUST_USE stp_result stp_store_judge_mesh_data(const stp_store_judge* judge, uint32_t index,
                                                   const stp_store_mesh* mesh);

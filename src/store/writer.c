@@ -115,6 +115,7 @@ static stp_result judge_content(const stp_store_writing* w)
     for (uint32_t i = 0; i < d->surfels_count && result == STP_OK; ++i) {
         const stp_splats* surfels = &w->content->surfels[i];
         result = stp_store_judge_surfels(&judge, i, surfels);
+        result = result == STP_OK ? stp_store_judge_leaves(&judge, i, surfels) : result;
         if (result == STP_OK) {
             stp_store_surfel_data data = {surfels->count, surfels->materials, surfels->shapes,
                                           surfels->ranges};

@@ -88,6 +88,8 @@ static stp_result write_block(stp_store_writing* w, const stp_store_block* block
         return write_clusters(w, block->owner);
     case STP_BLOCK_POINT_SET:
         return write_points(w, block->owner);
+    case STP_BLOCK_LEAVES:
+        return stp_store_emit(w, w->content->surfels[block->owner].leaves, (size_t)block->size);
     default: {
         const stp_store_texture* texture = &w->content->textures[block->owner];
         return stp_store_emit(w, texture->encoded != NULL ? texture->encoded : texture->texels,

@@ -31,6 +31,7 @@ static const uint8_t section_order[] = {
     STP_SECTION_BREAKPOINTS,
     STP_SECTION_METHODS,
     STP_SECTION_METHOD_NODES,
+    STP_SECTION_LEAVES,
     STP_SECTION_BLOCKS,
     STP_SECTION_ATTRIBUTE_BLOCKS,
     STP_SECTION_CLUSTERS,
@@ -177,6 +178,10 @@ static stp_store_element make_record(const stp_store_writing* w, uint32_t type, 
         element.clusters.cluster_count = coded != NULL ? coded->cluster_count : STP_STORE_NONE;
         break;
     }
+    case STP_SECTION_LEAVES:
+        element.leaves.leaf_count = content->surfels[index].leaf_count;
+        element.leaves.block = w->plan.leaf_blocks[index];
+        break;
     case STP_SECTION_POINT_SETS:
         element.points.points = content->point_sets[index];
         element.points.present = element.points.points.held_by == 0
@@ -359,6 +364,8 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
         return write_records(w, type, d->mesh_count);
     case STP_SECTION_POINT_SETS:
         return write_records(w, type, d->point_set_count);
+    case STP_SECTION_LEAVES:
+        return write_records(w, type, d->surfels_count);
     case STP_SECTION_VIEWS:
         return write_table(w, type, d->views, d->view_count);
     case STP_SECTION_SOURCES:
@@ -408,6 +415,11 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
     case STP_SECTION_CLUSTERS:
         for (uint32_t i = 0; i < d->mesh_count; ++i) {
             any = any || stp_store_coded_mesh(w->content, i) != NULL;
+        }
+        return any;
+    case STP_SECTION_LEAVES:
+        for (uint32_t i = 0; i < d->surfels_count; ++i) {
+            any = any || w->content->surfels[i].leaf_count > 0;
         }
         return any;
     case STP_SECTION_COORDINATES:

@@ -15,9 +15,9 @@ value() # FILE KEY: of a JSON object
 command -v python3 > /dev/null || exit 77
 
 # methods that are none
-refused 2 'list of blue, spt and psp' build scene:spheres -o a.stip --method zebra
-refused 2 'list of blue, spt and psp' build scene:spheres -o a.stip --method blue,blue
-refused 2 'list of blue, spt and psp' build scene:spheres -o a.stip --method ''
+refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip --method zebra
+refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip --method blue,blue
+refused 2 'list of blue, spt, psp and stochastic' build scene:spheres -o a.stip --method ''
 refused 2 'method' render a.stip -o a.png --method zebra
 [ ! -e a.stip ] || fail "a refused build left a file"
 

@@ -4,6 +4,8 @@
 #include "draw/cpu/layers.h"
 #include "draw/one_sided.h"
 
+#include <string.h>
+
 /// The last that begins at or before it.
 const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
 {
@@ -70,7 +72,7 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
                       const stp_raster_target* target, cpu_worker* worker, range_drawer draw)
 {
     uint32_t begin = splats->begin, end = splats->end, run = 0;
-    if (item->runs == NULL) {
+    if (item->runs == NULL || item->draw->scattered) {
         draw(r, item, splats, target, worker);
         return;
     }
@@ -110,6 +112,11 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
     }
 }
 
+static float shape_scale(const stp_draw_item* draw)
+{
+    return draw->shape_scale > 0.0f ? draw->shape_scale : 1.0f;
+}
+
 /// Selects the surfels whose ranges hold the level at their depth. @return false if there are none
 static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                         cpu_worker* worker)
@@ -136,6 +143,45 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
     return any;
 }
 
+/// Selects the splats of a scattered item's runs. @return false if there are none
+static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worker* worker)
+{
+    if (!item->draw->scattered || item->runs == NULL) {
+        return true;
+    }
+    uint32_t low = 0, high = item->draw->run_count;
+    while (low < high) { // the first run that ends behind the beginning
+        uint32_t middle = low + (high - low) / 2;
+        *(item->runs[middle].end <= splats->begin ? &low : &high) =
+            item->runs[middle].end <= splats->begin ? middle + 1 : middle;
+    }
+    uint16_t* bits = STP_ARENA_ARRAY(&worker->scratch, uint16_t, ((size_t)splats->end + 15) / 16);
+    if (bits == NULL) {
+        worker->failed = true;
+        return false;
+    }
+    bool any = false;
+    memset(bits + splats->begin / 16, 0,
+           (((size_t)splats->end + 15) / 16 - splats->begin / 16) * sizeof(*bits));
+    for (uint32_t r = low; r < item->draw->run_count && item->runs[r].begin < splats->end; ++r) {
+        uint32_t at = item->runs[r].begin > splats->begin ? item->runs[r].begin : splats->begin;
+        uint32_t end = item->runs[r].end < splats->end ? item->runs[r].end : splats->end;
+        for (; at < end && (at % 16 != 0 || end - at < 16); ++at) {
+            bits[at / 16] |= (uint16_t)(1u << at % 16);
+            any = true;
+        }
+        for (; end - at >= 16; at += 16) {
+            bits[at / 16] = 0xFFFF;
+            any = true;
+        }
+        for (; at < end; ++at) {
+            bits[at / 16] |= (uint16_t)(1u << at % 16);
+        }
+    }
+    splats->wanted = bits;
+    return any;
+}
+
 /// Splats [begin, end) of a piece. `late`: those that were hidden so far.
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
@@ -155,8 +201,9 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.low_coverages = item->low_coverages;
         splats.plain_coverages = item->surfels.plain_coverages;
         splats.shapes = item->surfels.shapes;
-        splats.radius =
-            splats.shapes != NULL ? item->surfels.step * cpu_splat_scale(r) : splats.radius;
+        splats.radius = splats.shapes != NULL
+                            ? item->surfels.step * cpu_splat_scale(r) * shape_scale(item->draw)
+                            : splats.radius;
         splats.low_share = (uint32_t)(256.0f * (1.0f - item->blend) + 0.5f);
         splats.low_count = item->coverages != NULL && splats.low_share > 0 ? item->low_count : 0;
         splats.rim_depth = RIM_DEPTH;
@@ -177,7 +224,11 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
     }
     stp_arena_mark mark = stp_arena_get_mark(&worker->scratch);
     bool cut = item->draw->sections != 0 || item->draw->ghost || cpu_hides_some(r, item);
-    bool left = late || pick_levels(r, item, &splats, worker);
+    bool left = late || (pick_levels(r, item, &splats, worker) && pick_runs(item, &splats, worker));
+    if (item->draw->scattered && item->runs != NULL) {
+        splats.nearest = item->runs[0].nearest;
+        splats.farthest = item->runs[0].farthest;
+    }
     if (cut && left && !cpu_cut_splats(r, item, &splats, worker)) {
         worker->failed = true;
     } else if (!left) {

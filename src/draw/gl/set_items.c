@@ -224,7 +224,8 @@ stp_result gl_set_item_make(gl_renderer* r, uint32_t index)
     r->frame.beside = false;
     if ((known->columns & STP_SPLATS_SHAPES) != 0) {
         item->flags |= ITEM_SHAPES;
-        placed->radius = known->step * placed->scale;
+        float larger = draw->shape_scale > 0.0f ? draw->shape_scale : 1.0f;
+        placed->radius = known->step * placed->scale * larger;
     }
     if ((known->columns & STP_SPLATS_RANGES) != 0) {
         item->flags |= ITEM_RANGES;

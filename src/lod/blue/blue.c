@@ -77,6 +77,21 @@ static bool is_cloud(const stp_scene* scene, uint32_t node)
            scene->nodes[node].point_count != 0;
 }
 
+// Octaves of a set without a pyramid are spread evenly as a whole; a part of one need not be.
+static void round_prefixes(stp_source_list* list)
+{
+    for (size_t i = 0; i < list->set_count; ++i) {
+        const stp_splats* set = list->sets[i].surfels;
+        uint32_t octave = 0;
+        if ((set->columns & STP_SPLATS_FLAT_COLORS) != 0) {
+            while (set->octave_ends[octave] < list->sets[i].prefix) {
+                octave += 1;
+            }
+            list->sets[i].prefix = set->octave_ends[octave];
+        }
+    }
+}
+
 // From the sets below, which have all points, as densely as is wanted; else from the points themselves.
 static stp_result make_cloud_candidates(blue* b, uint32_t node)
 {
@@ -90,6 +105,7 @@ static stp_result make_cloud_candidates(blue* b, uint32_t node)
     uint64_t count = choose_count(b), points = b->list.point_count;
     if (b->desc->sets != NULL && count < points) {
         result = stp_list_cloud(b->scene, node, b->desc, count, &b->list);
+        round_prefixes(&b->list);
     }
     if (result == STP_OK) {
         result = stp_candidates_of_cloud(b->scene, &b->list, !b->two_sided, &b->candidates);
@@ -223,6 +239,23 @@ static stp_result make(blue* b, uint32_t node, const uint8_t* shading_of_materia
     }
     result = finish(b, shading_of_material, surfels);
     report->finish_ms = stp_clock_ms() - ordered;
+    return result;
+}
+
+stp_result stp_blue_find_candidates(const stp_scene* scene, uint32_t node,
+                                    const stp_blue_desc* desc, stp_blue_candidates* found)
+{
+    *found = (stp_blue_candidates){0};
+    if (!is_cloud(scene, node) && !is_measurable(scene, node)) {
+        return STP_OK;
+    }
+    blue b = {.scene = scene, .desc = desc};
+    stp_result result = make_candidates(&b, node);
+    stp_source_list_destroy(scene->context, &b.list);
+    *found = (stp_blue_candidates){.candidates = b.candidates,
+                                   .wanted = b.wanted,
+                                   .from_points = b.from_points,
+                                   .two_sided = b.two_sided};
     return result;
 }
 

@@ -39,3 +39,17 @@ typedef struct stp_blue_report {
 STP_MUST_USE stp_result stp_blue_make(const stp_scene* scene, uint32_t node,
                                       const uint8_t* shading_of_material, const stp_blue_desc* desc,
                                       stp_splats* surfels, stp_blue_report* report);
+
+/// What the surfels of a node are chosen from.
+typedef struct stp_blue_candidates {
+    stp_candidates candidates;
+    uint32_t wanted; ///< how many would be chosen
+    bool from_points;
+    bool two_sided; ///< of points without normals: they are still to be estimated
+} stp_blue_candidates;
+
+/// Finds the candidates of everything below a node, as stp_blue_make does; none where nothing can be seen.
+/// @return as stp_blue_make. `found->candidates` is to be destroyed, also after a failure
+STP_MUST_USE stp_result stp_blue_find_candidates(const stp_scene* scene, uint32_t node,
+                                                 const stp_blue_desc* desc,
+                                                 stp_blue_candidates* found);

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: MIT
+#include "lod/stochastic/facts.h"
+
+#include "base/leaf_codes.h"
+#include "lod/stochastic/scatter.h"
+
+#include <string.h>
+
+enum {
+    GRAIN = 64,         ///< leaves
+    PLANE_SAMPLE = 256, ///< points that the plane is of; the first ones, which are in random order
+    EDGE_POINTS = 8,    ///< of which any may lie on an edge
+    EDGE_AMONG = 128,   ///< points that neighbours are looked for among
+    EDGE_NEIGHBOURS = 16,
+    BEND_SAMPLE = 48,
+    LEAST_POINTS = 6, ///< for a plane and an area of its own
+};
+#define AREA_OF_SCATTER 12.5 // a rectangle has 12 sqrt(l1 l2), a disk 4 pi
+#define AREA_OF_FOLD 4.0     // how much more a folded surface has, by its flatness
+#define LEAST_RATIO 0.5f     // of radii of a splat
+#define LEAST_BEND                                                                                 \
+    0.1f         // radius of a splat of few, in radii of curvature, below which it stays a disk
+#define FEW 6.0f // how much larger a splat is where few are drawn
+
+typedef struct fact_loop {
+    const stp_leaf_octree* octree;
+    const stp_leaf_points* points;
+    stp_leaf_facts* facts;
+} fact_loop;
+
+static const uint32_t* points_of(const fact_loop* l, size_t leaf, uint32_t most, uint32_t* count)
+{
+    const stp_leaf_cell* at = &l->octree->leaves[leaf];
+    uint32_t all = at->end - at->begin;
+    *count = all < most ? all : most;
+    return l->octree->order + at->begin;
+}
+
+static stp_vec3 normal_of(const fact_loop* l, uint32_t point)
+{
+    const float* n = l->points->normals + 3 * (size_t)point;
+    return (stp_vec3){n[0], n[1], n[2]};
+}
+
+/// A point relative to the corner of its leaf: whole numbers, so sums are exact.
+static stp_vec3d place_of(const fact_loop* l, size_t leaf, uint32_t point)
+{
+    const uint16_t* p = l->points->positions + 3 * (size_t)point;
+    const uint16_t* c = l->octree->leaves[leaf].corner;
+    return (stp_vec3d){(double)p[0] - (double)c[0], (double)p[1] - (double)c[1],
+                       (double)p[2] - (double)c[2]};
+}
+
+/// Whether the points nearest to one lie as at an edge. `among` are its leaf's first ones.
+static bool is_edge_point(const stp_vec3d* among, uint32_t count, uint32_t point)
+{
+    double far[EDGE_NEIGHBOURS];
+    uint32_t nearest[EDGE_NEIGHBOURS], found = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        stp_vec3d d = stp_subd(among[i], among[point]);
+        double distance = stp_dotd(d, d);
+        if (found == EDGE_NEIGHBOURS && distance >= far[found - 1]) {
+            continue;
+        }
+        uint32_t at = found < EDGE_NEIGHBOURS ? found++ : found - 1;
+        for (; at > 0 && far[at - 1] > distance; --at) {
+            far[at] = far[at - 1];
+            nearest[at] = nearest[at - 1];
+        }
+        far[at] = distance;
+        nearest[at] = i;
+    }
+    stp_scatter scatter = {0};
+    for (uint32_t i = 0; i < found; ++i) {
+        stp_vec3d d = stp_subd(among[nearest[i]], among[point]);
+        stp_scatter_add(&scatter, d.x, d.y, d.z);
+    }
+    double matrix[6], eigenvalues[3];
+    stp_scatter_matrix(&scatter, matrix);
+    stp_symmetric_eigenvalues(matrix, eigenvalues);
+    return stp_scatter_is_edge(eigenvalues);
+}
+
+/// If none of the points chosen lies at an edge, there is none (2, Edge Containment).
+static bool has_edge(const fact_loop* l, size_t leaf)
+{
+    uint32_t count;
+    const uint32_t* order = points_of(l, leaf, EDGE_AMONG, &count);
+    stp_vec3d among[EDGE_AMONG];
+    for (uint32_t i = 0; i < count; ++i) {
+        among[i] = place_of(l, leaf, order[i]);
+    }
+    bool edge = false;
+    for (uint32_t i = 0; i < EDGE_POINTS && count >= EDGE_NEIGHBOURS && !edge; ++i) {
+        edge = is_edge_point(among, count, i);
+    }
+    return edge;
+}
+
+static void measure_places(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const fact_loop* l = user;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_leaf_cell* leaf = &l->octree->leaves[i];
+        stp_leaf_facts* f = &l->facts[i];
+        uint32_t count;
+        const uint32_t* order = points_of(l, i, PLANE_SAMPLE, &count);
+        stp_scatter scatter = {0};
+        for (uint32_t k = 0; k < count; ++k) {
+            stp_vec3d p = place_of(l, i, order[k]);
+            stp_scatter_add(&scatter, p.x, p.y, p.z);
+        }
+        double matrix[6], e[3];
+        stp_scatter_matrix(&scatter, matrix);
+        stp_symmetric_eigenvalues(matrix, e);
+        double sum = matrix[0] + matrix[3] + matrix[5];
+        double flatness = sum > 0.0 && e[0] > 0.0 ? e[0] / sum : 0.0;
+        double area = e[1] > 0.0 ? AREA_OF_SCATTER * sqrt(e[1] * e[2]) : 0.0;
+        area *=
+            (1.0 + AREA_OF_FOLD * flatness) * (double)count / (double)(count > 1 ? count - 1 : 1);
+        bool known = count >= LEAST_POINTS && area > 0.0;
+        *f =
+            (stp_leaf_facts){.mean = {(float)(scatter.x / (double)count + (double)leaf->corner[0]),
+                                      (float)(scatter.y / (double)count + (double)leaf->corner[1]),
+                                      (float)(scatter.z / (double)count + (double)leaf->corner[2])},
+                             .normal = stp_to_float(stp_symmetric_eigenvector(matrix, e[0])),
+                             .flatness = (float)flatness,
+                             .area = known ? (float)area : 0.0f,
+                             .ratio = 1.0f,
+                             .known = known,
+                             .edge = flatness > 0.0 && (stp_scatter_is_edge(e) || has_edge(l, i))};
+        f->spacing = sqrtf(f->area / (float)(leaf->end - leaf->begin));
+    }
+}
+
+void stp_leaf_facts_of_places(stp_context* context, const stp_leaf_octree* octree,
+                              const stp_leaf_points* points, stp_leaf_facts* facts)
+{
+    fact_loop loop = {octree, points, facts};
+    stp_parallel_for(context, octree->leaf_count, GRAIN, measure_places, &loop);
+}
+
+enum { SPACINGS = 512 }; ///< sixteen to a factor of two
+
+/// Which of the classes a spacing is in.
+static uint32_t class_of(float spacing)
+{
+    const uint32_t lowest = (127u - 8u) << 4; // a 256th of a step
+    uint32_t code = stp_bits_of_float(spacing) >> 19;
+    return code < lowest ? 0 : code - lowest < SPACINGS ? code - lowest : SPACINGS - 1;
+}
+
+float stp_leaf_median_spacing(const stp_leaf_octree* octree, const stp_leaf_facts* facts)
+{
+    uint64_t counts[SPACINGS] = {0}, all = 0, below = 0;
+    double sums[SPACINGS] = {0};
+    for (uint32_t i = 0; i < octree->leaf_count; ++i) {
+        uint32_t count = octree->leaves[i].end - octree->leaves[i].begin;
+        if (facts[i].spacing > 0.0f) {
+            counts[class_of(facts[i].spacing)] += count;
+            sums[class_of(facts[i].spacing)] += (double)facts[i].spacing * (double)count;
+            all += count;
+        }
+    }
+    for (uint32_t k = 0; k < SPACINGS && all > 0; ++k) {
+        below += counts[k];
+        if (2 * below >= all) {
+            return (float)(sums[k] / (double)counts[k]);
+        }
+    }
+    return 0.0f;
+}
+
+static void measure_normals(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const fact_loop* l = user;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t count;
+        const uint32_t* order = points_of(l, i, BEND_SAMPLE, &count);
+        stp_vec3 sum = {0};
+        for (uint32_t k = 0; k < count; ++k) {
+            sum = stp_add(sum, normal_of(l, order[k]));
+        }
+        stp_vec3 mean = stp_normalize(sum), plane = l->facts[i].normal;
+        if (stp_length(sum) > 0.25f * (float)count) { // they do not face away from each other
+            l->facts[i].normal = mean;
+        } else if (stp_dot(mean, plane) < 0.0f) {
+            l->facts[i].normal = stp_scale(plane, -1.0f);
+        }
+    }
+}
+
+void stp_leaf_facts_of_normals(stp_context* context, const stp_leaf_octree* octree,
+                               const stp_leaf_points* points, stp_leaf_facts* facts)
+{
+    fact_loop loop = {octree, points, facts};
+    if (points->are_oriented) {
+        stp_parallel_for(context, octree->leaf_count, GRAIN, measure_normals, &loop);
+    }
+}
+
+/// A symmetric matrix of two rows.
+typedef struct bend {
+    double uu, uv, vv;
+} bend;
+
+/// How normals turn along a surface, by least squares: the matrix S with dn = S dp.
+static bool fit_bend(const fact_loop* l, size_t leaf, stp_vec3 u, stp_vec3 v, bend* out)
+{
+    uint32_t count;
+    const uint32_t* order = points_of(l, leaf, BEND_SAMPLE, &count);
+    const stp_leaf_facts* f = &l->facts[leaf];
+    double pp[3] = {0}, np[4] = {0}; // p p^t; n p^t
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint16_t* at = l->points->positions + 3 * (size_t)order[k];
+        stp_vec3 p = {(float)at[0] - f->mean[0], (float)at[1] - f->mean[1],
+                      (float)at[2] - f->mean[2]};
+        stp_vec3 n = normal_of(l, order[k]);
+        n = stp_dot(n, f->normal) < 0.0f ? stp_scale(n, -1.0f) : n;
+        double pu = (double)stp_dot(p, u), pv = (double)stp_dot(p, v);
+        double nu = (double)stp_dot(n, u), nv = (double)stp_dot(n, v);
+        pp[0] += pu * pu;
+        pp[1] += pu * pv;
+        pp[2] += pv * pv;
+        np[0] += nu * pu;
+        np[1] += nu * pv;
+        np[2] += nv * pu;
+        np[3] += nv * pv;
+    }
+    double det = pp[0] * pp[2] - pp[1] * pp[1];
+    if (count < LEAST_POINTS || !(det > 1e-6 * (pp[0] + pp[2]) * (pp[0] + pp[2]))) {
+        return false;
+    }
+    double i0 = pp[2] / det, i1 = -pp[1] / det, i2 = pp[0] / det;
+    *out = (bend){.uu = np[0] * i0 + np[1] * i1,
+                  .uv = 0.5 * (np[0] * i1 + np[1] * i2 + np[2] * i0 + np[3] * i1),
+                  .vv = np[2] * i1 + np[3] * i2};
+    return true;
+}
+
+/// The ellipse of a leaf's splats: as long against its width as the larger curvature is to the smaller one, along the smaller.
+static void find_ellipse(const fact_loop* l, size_t leaf)
+{
+    stp_leaf_facts* f = &l->facts[leaf];
+    stp_vec3 n = f->normal;
+    stp_vec3 other = fabsf(n.x) < 0.6f ? (stp_vec3){1, 0, 0} : (stp_vec3){0, 1, 0};
+    stp_vec3 u = stp_normalize(stp_cross(n, other)), v = stp_cross(n, u);
+    bend b;
+    if (!fit_bend(l, leaf, u, v, &b)) {
+        return;
+    }
+    double mean = 0.5 * (b.uu + b.vv), half = 0.5 * (b.uu - b.vv);
+    double root = sqrt(half * half + b.uv * b.uv);
+    double first = mean + root, second = mean - root; // of the directions below
+    bool first_is_larger = fabs(first) >= fabs(second);
+    double larger = first_is_larger ? fabs(first) : fabs(second);
+    double smaller = first_is_larger ? fabs(second) : fabs(first);
+    if (!((float)larger * f->spacing * FEW > LEAST_BEND)) {
+        return; // flat
+    }
+    // the eigenvector of the first, from whichever row is longer
+    double x = half + root, y = b.uv;
+    if (half < 0.0) {
+        x = b.uv;
+        y = root - half;
+    }
+    double length = sqrt(x * x + y * y);
+    double along_u = length > 0.0 ? x / length : 1.0, along_v = length > 0.0 ? y / length : 0.0;
+    if (first_is_larger) { // the other one is across
+        double kept = along_u;
+        along_u = -along_v;
+        along_v = kept;
+    }
+    f->ratio = stp_max((float)(smaller / larger), LEAST_RATIO);
+    f->stretch = stp_normalize(stp_add(stp_scale(u, (float)along_u), stp_scale(v, (float)along_v)));
+}
+
+static void measure_bends(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const fact_loop* l = user;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t count;
+        const uint32_t* order = points_of(l, i, BEND_SAMPLE, &count);
+        float least = 1.0f;
+        for (uint32_t k = 0; k < count; ++k) {
+            float cosine = stp_dot(normal_of(l, order[k]), l->facts[i].normal);
+            least = stp_min(least, l->points->are_oriented ? cosine : fabsf(cosine));
+        }
+        l->facts[i].spread = least > 0.0f ? sqrtf(stp_max(1.0f - least * least, 0.0f)) : 1.0f;
+        find_ellipse(l, i);
+    }
+}
+
+void stp_leaf_facts_of_bends(stp_context* context, const stp_leaf_octree* octree,
+                             const stp_leaf_points* points, stp_leaf_facts* facts)
+{
+    fact_loop loop = {octree, points, facts};
+    stp_parallel_for(context, octree->leaf_count, GRAIN, measure_bends, &loop);
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// The octree of a cloud over the grid of positions of its set (Bhakar, Luo, Mudur 2004, 3.1): cubes are divided until they hold
+// few points, and those lie flat.
+#pragma once
+
+#include "base/context.h"
+
+#include <stipple/surfels.h>
+
+/// What decides where a division ends.
+typedef struct stp_leaf_desc {
+    uint32_t budget; ///< most points of a leaf, at least `least`: the paper's max_point_budget
+    uint32_t least;  ///< a cube of at most so many points is not divided, flat or not
+    float
+        flatness; ///< at most this, l0 / (l0 + l1 + l2), for a leaf to be flat; 0.005 or 0.001 (Table 1, Figure 1)
+    uint32_t sample; ///< so many points, chosen at random, stand for the region where it has more
+} stp_leaf_desc;
+
+stp_leaf_desc stp_leaf_desc_default(void);
+
+/// A leaf: points [begin, end) of the order.
+typedef struct stp_leaf_cell {
+    uint32_t begin, end;
+    uint16_t corner[3];
+    uint8_t depth;
+} stp_leaf_cell;
+
+typedef struct stp_leaf_octree {
+    uint32_t leaf_count;
+    stp_leaf_cell* leaves; ///< along the Morton curve
+    uint32_t* order;       ///< the points, leaf by leaf, each leaf's in random order
+} stp_leaf_octree;
+
+/// @param positions 3 a point, on the grid
+/// @param seed of the random orders
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_leaf_octree_destroy, also after a failure
+STP_MUST_USE stp_result stp_leaf_octree_make(stp_context* context, const uint16_t* positions,
+                                             uint32_t count, const stp_leaf_desc* desc,
+                                             uint64_t seed, stp_leaf_octree* octree);
+void stp_leaf_octree_destroy(stp_context* context, stp_leaf_octree* octree);

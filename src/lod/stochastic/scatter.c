@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+#include "lod/stochastic/scatter.h"
+
+enum { NEWTON_STEPS = 6 };
+#define ROOT_THREE 1.7320508075688772
+#define IS_ROOT 0.1   // what of the equation may be left, of its largest term
+#define ALIKE 0.1     // as much of the larger one, for two eigenvalues to be about the same
+#define CERTAIN 1e-24 // of squares of eigenvalues: below that no direction stands out
+
+void stp_scatter_add(stp_scatter* s, double x, double y, double z)
+{
+    s->count += 1.0;
+    s->x += x;
+    s->y += y;
+    s->z += z;
+    s->xx += x * x;
+    s->xy += x * y;
+    s->xz += x * z;
+    s->yy += y * y;
+    s->yz += y * z;
+    s->zz += z * z;
+}
+
+void stp_scatter_matrix(const stp_scatter* s, double matrix[6])
+{
+    double each = s->count > 0.0 ? 1.0 / s->count : 0.0;
+    double x = s->x * each, y = s->y * each, z = s->z * each;
+    matrix[0] = s->xx * each - x * x;
+    matrix[1] = s->xy * each - x * y;
+    matrix[2] = s->xz * each - x * z;
+    matrix[3] = s->yy * each - y * y;
+    matrix[4] = s->yz * each - y * z;
+    matrix[5] = s->zz * each - z * z;
+}
+
+/// What the cubic equation is made of: l^3 - sum l^2 + squares l - det = 0.
+typedef struct cubic {
+    double sum, squares, det;
+} cubic;
+
+static cubic cubic_of(const double m[6])
+{
+    return (cubic){
+        .sum = m[0] + m[3] + m[5],
+        .squares =
+            (m[0] * m[3] - m[1] * m[1]) + (m[0] * m[5] - m[2] * m[2]) + (m[3] * m[5] - m[4] * m[4]),
+        .det = m[0] * (m[3] * m[5] - m[4] * m[4]) - m[1] * (m[1] * m[5] - m[4] * m[2]) +
+               m[2] * (m[1] * m[4] - m[3] * m[2]),
+    };
+}
+
+/// cos(acos(c) / 3), between 1/2 and 1: the root of 4 t^3 - 3 t = c, by Newton's method from above it.
+static double cosine_of_third(double c)
+{
+    c = c > -1.0 ? (c < 1.0 ? c : 1.0) : -1.0;
+    double t = 0.5 + 0.5 * sqrt(0.5 * (1.0 + c)) + 0.05 * sqrt(1.0 + c);
+    for (int i = 0; i < NEWTON_STEPS; ++i) {
+        double slope = 12.0 * t * t - 3.0;
+        t -= slope > 0.0 ? ((4.0 * t * t - 3.0) * t - c) / slope : 0.0;
+    }
+    return t > 0.5 ? (t < 1.0 ? t : 1.0) : 0.5;
+}
+
+void stp_symmetric_eigenvalues(const double m[6], double eigenvalues[3])
+{
+    double mean = (m[0] + m[3] + m[5]) / 3.0;
+    double a[6] = {m[0] - mean, m[1], m[2], m[3] - mean, m[4], m[5] - mean};
+    double off = a[1] * a[1] + a[2] * a[2] + a[4] * a[4];
+    double scale = sqrt((a[0] * a[0] + a[3] * a[3] + a[5] * a[5] + 2.0 * off) / 6.0);
+    if (!(scale > 0.0)) {
+        eigenvalues[0] = eigenvalues[1] = eigenvalues[2] = mean;
+        return;
+    }
+    for (int i = 0; i < 6; ++i) {
+        a[i] /= scale;
+    }
+    double t = cosine_of_third(0.5 * cubic_of(a).det);
+    double s = 1.0 - t * t;
+    double low = -0.5 * t - 0.5 * ROOT_THREE * sqrt(s > 0.0 ? s : 0.0);
+    eigenvalues[2] = mean + 2.0 * scale * t;
+    eigenvalues[0] = mean + 2.0 * scale * low;
+    double middle = mean - 2.0 * scale * (t + low);
+    middle = middle < eigenvalues[2] ? middle : eigenvalues[2];
+    eigenvalues[1] = middle > eigenvalues[0] ? middle : eigenvalues[0];
+}
+
+bool stp_smallest_eigenvalue(const double m[6], double* eigenvalue)
+{
+    cubic c = cubic_of(m);
+    *eigenvalue = 0.0;
+    if (!(c.squares > CERTAIN * c.sum * c.sum)) {
+        return false; // all lie on a line
+    }
+    double x = c.det > 0.0 ? c.det / c.squares : 0.0;
+    // put back, the last two terms cancel; they are as large as the equation has any
+    double left = x * x * (c.sum - x), largest = c.squares * x;
+    if (!(left <= IS_ROOT * largest)) {
+        return false;
+    }
+    *eigenvalue = x;
+    return true;
+}
+
+stp_vec3d stp_symmetric_eigenvector(const double m[6], double eigenvalue)
+{
+    // across two rows of the matrix less the eigenvalue
+    const stp_vec3d rows[3] = {{m[0] - eigenvalue, m[1], m[2]},
+                               {m[1], m[3] - eigenvalue, m[4]},
+                               {m[2], m[4], m[5] - eigenvalue}};
+    stp_vec3d best = {0};
+    for (int i = 0; i < 3; ++i) {
+        stp_vec3d across = stp_crossd(rows[i], rows[(i + 1) % 3]);
+        best = stp_dotd(across, across) > stp_dotd(best, best) ? across : best;
+    }
+    double sum = fabs(m[0]) + fabs(m[3]) + fabs(m[5]);
+    bool certain = stp_dotd(best, best) > CERTAIN * (sum * sum) * (sum * sum);
+    stp_vec3d direction = stp_normalized(best);
+    bool given = certain && stp_dotd(direction, direction) > 0.5;
+    return given ? direction : (stp_vec3d){0.0, 1.0, 0.0};
+}
+
+double stp_scatter_flatness(const double matrix[6])
+{
+    double e[3], sum = matrix[0] + matrix[3] + matrix[5];
+    stp_symmetric_eigenvalues(matrix, e);
+    return sum > 0.0 && e[0] > 0.0 ? e[0] / sum : 0.0;
+}
+
+bool stp_scatter_is_flat(const double matrix[6], double threshold)
+{
+    double least, sum = matrix[0] + matrix[3] + matrix[5];
+    if (!(sum > 0.0)) {
+        return true; // one place
+    }
+    return stp_smallest_eigenvalue(matrix, &least) && least <= threshold * sum;
+}
+
+bool stp_scatter_is_edge(const double e[3])
+{
+    bool alike = e[0] > ALIKE * e[1];
+    double twice = 2.0 * e[0];
+    return alike && e[2] > ALIKE * twice && ALIKE * e[2] < twice;
+}

@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: MIT
+#include "lod/stochastic/set.h"
+
+#include "base/coverage.h"
+#include "base/leaf_codes.h"
+#include "base/leaf_runs.h"
+#include "base/octahedral.h"
+#include "base/rng.h"
+#include "lod/blue/finish.h"
+#include "lod/points.h"
+#include "lod/samples.h"
+#include "lod/shape_coding.h"
+#include "lod/stochastic/facts.h"
+#include "lod/stochastic/orient.h"
+#include "lod/surfels.h"
+
+#include <string.h>
+
+enum {
+    GRAIN = 16384, ///< points
+    LEAF_GRAIN = 32,
+    BATCH = 64,        ///< splats whose normals are coded together
+    OCTAVES_MOST = 16, ///< of 2^32 points
+};
+#define SEED UINT64_C(0x42686B72)
+#define NORMAL_SPACINGS 2.5f // how far around a point its normal is taken from
+#define GROWTH                                                                                     \
+    1.25f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
+#define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
+#define FINEST 0x1p-10           // of the spacing, below which a grid's step would waste bits
+#define HALF_DIAGONAL 0.8660255f // of a cell of the grid
+#define OUTLIER                                                                                    \
+    8.0f // spacings of leaves are that many times the usual one, or one part of so many, at the most
+
+typedef struct set_maker {
+    stp_context* context;
+    const stp_stochastic_source* source;
+    stp_candidates* candidates;
+    stp_splats* splats;
+    uint16_t* places; ///< of candidates, on the grid
+    stp_leaf_octree octree;
+    stp_leaf_facts* facts;
+    float spacing; ///< the usual one, steps
+    stp_shape_directions directions;
+} set_maker;
+
+/// Copies the attributes of a candidate that is a point, where it has any.
+static void copy_attributes(const stp_candidates* c, uint32_t from, void* const to[STP_ATTRIBUTES],
+                            uint32_t at)
+{
+    for (int a = 0; a < STP_ATTRIBUTES; ++a) {
+        size_t size = stp_attribute_size((stp_attribute)a);
+        if (c->attributes[a] != NULL) {
+            memmove((unsigned char*)to[a] + at * size,
+                    (const unsigned char*)c->attributes[a] + from * size, size);
+        }
+    }
+}
+
+static stp_result allocate_attributes(const set_maker* m)
+{
+    for (int a = 0; a < STP_ATTRIBUTES; ++a) {
+        if (m->candidates->attributes[a] == NULL) {
+            continue;
+        }
+        m->splats->attributes[a] =
+            stp_alloc_array(m->context, m->splats->count, stp_attribute_size((stp_attribute)a));
+        if (m->splats->attributes[a] == NULL) {
+            return stp_fail_memory(m->context);
+        }
+    }
+    return STP_OK;
+}
+
+/// Moves a random choice of the candidates to the front, in their order (Knuth's method S).
+static void choose(const set_maker* m)
+{
+    stp_candidates* c = m->candidates;
+    uint32_t left = m->source->wanted, count = 0, sets = stp_first_of_sets(c), of_sets = 0;
+    if (left >= c->count) {
+        return;
+    }
+    for (uint32_t i = 0; left > 0; ++i) {
+        if (stp_rng_below(SEED, i, c->count - i) >= left) {
+            continue;
+        }
+        memmove(c->positions + 3 * (size_t)count, c->positions + 3 * (size_t)i, 3 * sizeof(float));
+        memmove(c->normals + 3 * (size_t)count, c->normals + 3 * (size_t)i, 3 * sizeof(float));
+        memmove(c->colors + 4 * (size_t)count, c->colors + 4 * (size_t)i, 4);
+        c->materials[count] = c->materials[i];
+        copy_attributes(c, i, c->attributes, count);
+        of_sets += i >= sets ? 1 : 0;
+        count += 1;
+        left -= 1;
+    }
+    c->count = count;
+    c->set_count = of_sets;
+}
+
+static void choose_grid(set_maker* m)
+{
+    const stp_candidates* c = m->candidates;
+    stp_box box = stp_box_empty();
+    for (uint32_t i = 0; i < c->count; ++i) {
+        const float* p = c->positions + 3 * (size_t)i;
+        stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});
+    }
+    stp_vec3 size = stp_sub(box.max, box.min);
+    double diagonal = (double)stp_length(size);
+    double spacing = c->pixel_size > 0.0 ? c->pixel_size : diagonal / sqrt((double)c->count + 1.0);
+    stp_boxd placed = {stp_addd(c->origin, stp_to_double(box.min)),
+                       stp_addd(c->origin, stp_to_double(box.max))};
+    stp_choose_position_grid(placed, spacing * FINEST, &m->splats->origin, &m->splats->step);
+}
+
+static void place_some(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    set_maker* m = user;
+    const stp_candidates* c = m->candidates;
+    const double origin[3] = {c->origin.x - (double)m->splats->origin.x,
+                              c->origin.y - (double)m->splats->origin.y,
+                              c->origin.z - (double)m->splats->origin.z};
+    double per_step = 1.0 / (double)m->splats->step;
+    for (size_t i = 3 * begin; i < 3 * end; ++i) {
+        double place = (origin[i % 3] + (double)c->positions[i]) * per_step + 0.5;
+        m->places[i] = (uint16_t)(place > 0.0 ? (place < 65535.0 ? place : 65535.0) : 0.0);
+    }
+}
+
+/// Leaves of too few points, and what stands out, get the usual spacing, or as much more or less as may be.
+static void settle_spacings(set_maker* m)
+{
+    m->spacing = stp_leaf_median_spacing(&m->octree, m->facts);
+    m->spacing = m->spacing > 0.0f ? m->spacing : 1.0f;
+    for (uint32_t i = 0; i < m->octree.leaf_count; ++i) {
+        stp_leaf_facts* f = &m->facts[i];
+        uint32_t count = m->octree.leaves[i].end - m->octree.leaves[i].begin;
+        f->spacing = f->spacing > 0.0f
+                         ? stp_clamp(f->spacing, m->spacing / OUTLIER, m->spacing * OUTLIER)
+                         : m->spacing;
+        f->area = f->spacing * f->spacing * (float)count;
+    }
+}
+
+/// Gives points the sides of their leaves.
+static void turn_some(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const set_maker* m = user;
+    for (size_t l = begin; l < end; ++l) {
+        const stp_leaf_cell* leaf = &m->octree.leaves[l];
+        for (uint32_t i = leaf->begin; i < leaf->end; ++i) {
+            float* n = m->candidates->normals + 3 * (size_t)m->octree.order[i];
+            stp_vec3 normal = {n[0], n[1], n[2]};
+            if (stp_dot(normal, m->facts[l].normal) < 0.0f) {
+                n[0] = -n[0];
+                n[1] = -n[1];
+                n[2] = -n[2];
+            }
+        }
+    }
+}
+
+static stp_result find_facts(set_maker* m)
+{
+    stp_context* context = m->context;
+    bool oriented = m->source->has_normals;
+    stp_leaf_points points = {m->places, m->candidates->normals, oriented};
+    stp_leaf_facts_of_places(context, &m->octree, &points, m->facts);
+    settle_spacings(m);
+    stp_result result = STP_OK;
+    if (oriented) {
+        stp_leaf_facts_of_normals(context, &m->octree, &points, m->facts);
+    } else {
+        float radius = NORMAL_SPACINGS * m->spacing * m->splats->step;
+        result = stp_estimate_point_normals(context, m->candidates, radius);
+        result = result == STP_OK ? stp_orient_leaves(context, &m->octree, m->facts) : result;
+        if (result == STP_OK) {
+            stp_parallel_for(context, m->octree.leaf_count, LEAF_GRAIN, turn_some, m);
+        }
+    }
+    stp_leaf_facts_of_bends(context, &m->octree, &points, m->facts);
+    return result;
+}
+
+/// The ellipse of a splat with this normal: of the area of its leaf's disks.
+static uint32_t shape_of(const set_maker* m, const stp_leaf_facts* f, const int8_t normal[2])
+{
+    float radius = stp_max(GROWTH * f->spacing, HALF_DIAGONAL);
+    float ratio = f->ratio < DISK_RATIO ? sqrtf(f->ratio) : 1.0f;
+    return stp_shape_of_ellipse(&m->directions, radius / ratio, radius * ratio, f->stretch, normal);
+}
+
+static void write_splat(const set_maker* m, const stp_leaf_facts* f, uint32_t from,
+                        const int8_t normal[2], uint32_t at)
+{
+    stp_splats* s = m->splats;
+    const stp_candidates* c = m->candidates;
+    uint32_t material = c->materials[from];
+    bool of_set = from >= stp_first_of_sets(c);
+    memcpy(s->positions + 3 * (size_t)at, m->places + 3 * (size_t)from, 3 * sizeof(uint16_t));
+    memcpy(s->normals + 2 * (size_t)at, normal, 2);
+    memcpy(s->colors + 3 * (size_t)at, c->colors + 4 * (size_t)from, 3);
+    s->materials[at] = of_set ? (uint8_t)material : m->source->shading_of_material[material];
+    uint8_t alpha = c->colors[4 * (size_t)from + 3];
+    s->coverages[at] = m->source->coverages != NULL ? m->source->coverages[from]
+                       : alpha < 255                ? stp_coverage_of_share((double)alpha / 255.0)
+                                                    : (uint8_t)STP_COVERAGE_WHOLE;
+    s->shapes[at] = shape_of(m, f, s->normals + 2 * (size_t)at);
+    copy_attributes(c, from, s->attributes, at);
+}
+
+static void write_leaf(const set_maker* m, uint32_t index)
+{
+    const stp_leaf_cell* leaf = &m->octree.leaves[index];
+    const stp_leaf_facts* f = &m->facts[index];
+    stp_splat_leaf* out = &m->splats->leaves[index];
+    bool edge = f->edge;
+    *out = (stp_splat_leaf){
+        .corner = {leaf->corner[0], leaf->corner[1], leaf->corner[2]},
+        .place = (uint8_t)(leaf->depth | (edge ? STP_LEAF_EDGE : 0) | STP_LEAF_ORIENTED),
+        .extent = stp_leaf_extent_code(sqrtf(f->area) / (float)stp_leaf_width(leaf->depth)),
+        .count = leaf->end - leaf->begin,
+        .flatness = stp_leaf_flatness_code(f->flatness),
+        .spread = (uint8_t)stp_min(f->spread * 255.0f + 0.999f, 255.0f)};
+    stp_octahedral_encode(f->normal, out->normal);
+}
+
+/// Places [begin, end) of the row, at most BATCH, of one leaf. @param next  where in each octave the next splat goes
+static void write_batch(const set_maker* m, const stp_leaf_facts* f, uint32_t begin, uint32_t end,
+                        uint32_t next[OCTAVES_MOST])
+{
+    float normals[3 * BATCH] = {0};
+    int8_t codes[2 * BATCH];
+    const uint32_t* from = m->octree.order + begin;
+    for (uint32_t i = 0; i < end - begin; ++i) {
+        memcpy(normals + 3 * i, m->candidates->normals + 3 * (size_t)from[i], 3 * sizeof(float));
+    }
+    stp_octahedral_encode_many(normals, end - begin, codes);
+    for (uint32_t i = 0; i < end - begin; ++i) {
+        uint32_t octave = stp_leaf_octave_of(begin + i + 1, m->splats->octave_count);
+        write_splat(m, f, from[i], codes + 2 * i, next[octave]++);
+    }
+}
+
+static void write_some(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const set_maker* m = user;
+    uint32_t octaves = m->splats->octave_count, count = m->splats->count;
+    for (size_t l = begin; l < end; ++l) {
+        const stp_leaf_cell* leaf = &m->octree.leaves[l];
+        uint32_t next[OCTAVES_MOST];
+        for (uint32_t k = 0; k < octaves; ++k) {
+            next[k] = stp_leaf_run_of(leaf->begin, leaf->begin, k, octaves, count).begin;
+        }
+        for (uint32_t i = leaf->begin; i < leaf->end; i += BATCH) {
+            uint32_t last = leaf->end - i < BATCH ? leaf->end : i + BATCH;
+            write_batch(m, &m->facts[l], i, last, next);
+        }
+        write_leaf(m, (uint32_t)l);
+    }
+}
+
+/// To what a prefix reaches: the spacing of its random sample, and half a cell.
+static void make_table(set_maker* m)
+{
+    stp_splats* s = m->splats;
+    s->octave_count = stp_leaf_octaves(s->count);
+    for (uint32_t k = 0; k < s->octave_count; ++k) {
+        uint32_t end = stp_leaf_until(s->count, k, s->octave_count);
+        float sparser = sqrtf((float)s->count / (float)end);
+        s->octave_ends[k] = end;
+        s->table.count[k] = end;
+        s->table.radius[k] = s->step * (GROWTH * m->spacing * sparser + HALF_DIAGONAL);
+    }
+    s->table.size = s->octave_count;
+    double radius = m->candidates->surface_radius;
+    radius = radius > 0.0 ? radius : m->candidates->pixel_size * 0.70710678118654752;
+    s->candidate_radius = radius > 0.0 ? (float)radius : s->step * m->spacing * 0.70710678f;
+}
+
+static stp_result make_set(set_maker* m, const stp_leaf_desc* desc)
+{
+    stp_context* context = m->context;
+    stp_splats* s = m->splats;
+    s->count = m->candidates->count;
+    choose_grid(m);
+    m->places = STP_NEW_ARRAY(context, uint16_t, 3 * (size_t)s->count);
+    if (m->places == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_parallel_for(context, s->count, GRAIN, place_some, m);
+    stp_result result = stp_leaf_octree_make(context, m->places, s->count, desc, SEED, &m->octree);
+    if (result != STP_OK) {
+        return result;
+    }
+    s->leaf_count = m->octree.leaf_count;
+    m->facts = STP_NEW_ARRAY(context, stp_leaf_facts, s->leaf_count);
+    s->leaves = STP_NEW_ARRAY(context, stp_splat_leaf, s->leaf_count);
+    result = m->facts == NULL || s->leaves == NULL ? stp_fail_memory(context) : find_facts(m);
+    result = result == STP_OK ? stp_splats_make_columns(context, s) : result;
+    result = result == STP_OK ? allocate_attributes(m) : result;
+    if (result == STP_OK) {
+        make_table(m);
+        stp_shape_directions_make(&m->directions);
+        stp_parallel_for(context, s->leaf_count, LEAF_GRAIN, write_some, m);
+    }
+    return result;
+}
+
+stp_result stp_stochastic_make_set(stp_context* context, const stp_stochastic_source* source,
+                                   const stp_leaf_desc* desc, stp_splats* splats)
+{
+    *splats = (stp_splats){.columns = STP_STOCHASTIC_COLUMNS};
+    set_maker m = {
+        .context = context, .source = source, .candidates = source->candidates, .splats = splats};
+    choose(&m);
+    if (m.candidates->count == 0) {
+        return STP_OK;
+    }
+    stp_result result = make_set(&m, desc);
+    stp_free(context, m.facts);
+    stp_leaf_octree_destroy(context, &m.octree);
+    stp_free(context, m.places);
+    if (result != STP_OK) {
+        stp_splats_destroy(context, splats);
+        splats->columns = STP_STOCHASTIC_COLUMNS;
+    }
+    return result;
+}
+
+stp_result stp_stochastic_make_of_samples(stp_context* context, const stp_splats* samples,
+                                          bool two_sided, const stp_leaf_desc* desc,
+                                          stp_splats* splats)
+{
+    *splats = (stp_splats){.columns = STP_STOCHASTIC_COLUMNS};
+    if (samples->count == 0) {
+        return STP_OK;
+    }
+    stp_method_samples taken;
+    stp_candidates candidates = {.count = samples->count,
+                                 .set_count = samples->count,
+                                 .surface_radius = (double)samples->candidate_radius};
+    stp_result result = stp_method_samples_take(context, samples, &taken);
+    candidates.colors = STP_NEW_ARRAY(context, uint8_t, 4 * (size_t)samples->count);
+    candidates.materials = STP_NEW_ARRAY(context, uint32_t, samples->count);
+    if (result == STP_OK && (candidates.colors == NULL || candidates.materials == NULL)) {
+        result = stp_fail_memory(context);
+    }
+    for (size_t i = 0; i < samples->count && result == STP_OK; ++i) {
+        memcpy(candidates.colors + 4 * i, taken.points.colors + 3 * i, 3);
+        candidates.colors[4 * i + 3] = 255;
+        candidates.materials[i] = samples->materials[i];
+    }
+    memcpy(candidates.attributes, samples->attributes, sizeof(candidates.attributes));
+    if (result == STP_OK) {
+        candidates.positions = taken.positions;
+        candidates.normals = taken.normals;
+        const stp_stochastic_source source = {.candidates = &candidates,
+                                              .coverages = taken.coverages,
+                                              .wanted = samples->count,
+                                              .has_normals = !two_sided};
+        result = stp_stochastic_make_set(context, &source, desc, splats);
+    }
+    stp_free(context, candidates.materials);
+    stp_free(context, candidates.colors);
+    stp_method_samples_destroy(context, &taken);
+    return result;
+}

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "select/cue_cells.h"
+
+#include "base/leaf_runs.h"
+
+enum { GROWTHS = 2 * STP_OCTAVE_LIMIT };
+
+#define ROUND_UP 0.62 // splats are rather too large than too small: by 0.9 to 1.27
+
+uint32_t stp_cue_count(const stp_splats* set, uint32_t first, uint32_t last, uint32_t octaves)
+{
+    uint32_t all = set->octave_count;
+    return octaves == 0
+               ? 0
+               : stp_leaf_until(last, octaves - 1, all) - stp_leaf_until(first, octaves - 1, all);
+}
+
+uint32_t stp_cue_octaves(const stp_splats* set, double share, uint32_t here)
+{
+    uint32_t octaves = set->octave_count;
+    while (octaves > 1 && (set->octave_ends[octaves - 1] > here || share < 0.5)) {
+        octaves -= 1;
+        share *= 4.0;
+    }
+    return octaves;
+}
+
+/// How often a cell's splats are halved, about.
+static uint32_t growth_of(const stp_cue_cell* cell)
+{
+    double sparser = (double)(cell->last - cell->first) / (double)cell->count, power = 1.0;
+    uint32_t growth = 0;
+    while (growth + 1 < GROWTHS && sparser > power * (2.0 * ROUND_UP)) {
+        growth += 1;
+        power *= 2.0;
+    }
+    return growth;
+}
+
+/// Appends splats of one octave of a cell to the runs of its item, the first of which is `first_run`.
+static stp_result add_run(stp_selection* s, stp_leaf_run run, size_t first_run,
+                          stp_depth_range drawn)
+{
+    stp_draw_list* list = s->list;
+    if (run.begin == run.end) {
+        return STP_OK;
+    }
+    if (list->run_count > first_run && list->runs[list->run_count - 1].end == run.begin) {
+        list->runs[list->run_count - 1].end = run.end;
+        return STP_OK;
+    }
+    return stp_select_add_run(s, run.begin, run.end, drawn);
+}
+
+/// The part of an octave that a cell draws: all of it, or as much as is missing.
+static stp_leaf_run run_of(const stp_splats* set, const stp_cue_cell* cell, uint32_t octave)
+{
+    stp_leaf_run run =
+        stp_leaf_run_of(cell->first, cell->last, octave, set->octave_count, set->count);
+    uint32_t before = stp_cue_count(set, cell->first, cell->last, octave);
+    uint32_t left = cell->count > before ? cell->count - before : 0;
+    run.end = left < run.end - run.begin ? run.begin + left : run.end;
+    return run;
+}
+
+/// The item of all cells of a growth.
+static stp_result add_item(stp_selection* s, const stp_splats* set, const stp_cue_cell* cells,
+                           size_t count, uint32_t growth, stp_draw_item item, stp_depth_range drawn)
+{
+    size_t first = s->list->run_count;
+    uint32_t splats = 0;
+    stp_result result = STP_OK;
+    for (uint32_t k = 0; k < set->octave_count; ++k) {
+        for (size_t i = 0; i < count && result == STP_OK; ++i) {
+            if (cells[i].growth == growth) {
+                stp_leaf_run run = run_of(set, &cells[i], k);
+                splats += run.end - run.begin;
+                result = add_run(s, run, first, drawn);
+            }
+        }
+    }
+    size_t runs = s->list->run_count - first;
+    if (result != STP_OK || runs == 0) {
+        return result;
+    }
+    if (s->list->run_count > UINT32_MAX) {
+        return stp_fail(s->context, STP_ERROR_LIMIT, "view: too many runs of splats");
+    }
+    item.prefix = item.full_prefix = s->list->runs[s->list->run_count - 1].end;
+    item.split_count = item.prefix - splats;
+    item.first_run = (uint32_t)first;
+    item.run_count = (uint32_t)runs;
+    item.shape_scale = 1.0f;
+    for (uint32_t i = 0; i + 1 < growth; i += 2) {
+        item.shape_scale *= 2.0f;
+    }
+    item.shape_scale *= growth % 2 != 0 ? 1.41421356f : 1.0f;
+    return stp_select_add_item(s, item, item.prefix);
+}
+
+stp_result stp_cue_add_items(stp_selection* s, const stp_splats* set, stp_cue_cell* cells,
+                             size_t count, stp_draw_item item, stp_depth_range drawn)
+{
+    bool has[GROWTHS] = {false};
+    for (size_t i = 0; i < count; ++i) {
+        cells[i].growth = growth_of(&cells[i]);
+        has[cells[i].growth] = true;
+    }
+    stp_result result = STP_OK;
+    item.scattered = true;
+    for (uint32_t growth = 0; growth < GROWTHS && result == STP_OK; ++growth) {
+        if (has[growth]) {
+            result = add_item(s, set, cells, count, growth, item, drawn);
+        }
+    }
+    return result;
+}

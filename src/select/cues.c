@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "select/cues.h"
+
+#include "base/leaf_codes.h"
+#include "base/octahedral.h"
+
+#define LEAST_SEEN                                                                                 \
+    0.25 // of the samples of a region that is hidden: some of it may be seen beside what stands before it
+#define STRAIGHT 1e-12 // of a direction's length: along no axis
+
+/// Solves 3 equations by Cramer's rule. False where they have no one solution.
+static bool solve(const double (*m)[4], stp_vec3d right, stp_vec3d* out)
+{
+    stp_vec3d a = {m[0][0], m[1][0], m[2][0]}, b = {m[0][1], m[1][1], m[2][1]},
+              c = {m[0][2], m[1][2], m[2][2]};
+    double det = stp_dotd(a, stp_crossd(b, c));
+    if (!(fabs(det) > 0.0) || !isfinite(1.0 / det)) {
+        return false;
+    }
+    *out = (stp_vec3d){stp_dotd(right, stp_crossd(b, c)) / det,
+                       stp_dotd(a, stp_crossd(right, c)) / det,
+                       stp_dotd(a, stp_crossd(b, right)) / det};
+    return true;
+}
+
+stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* at,
+                               const stp_splats* set, const stp_store_leaves* leaves,
+                               const stp_sight* sight)
+{
+    const stp_view_frame* frame = &s->frames[0];
+    stp_cue_view view = {.s = s,
+                         .at = at,
+                         .set = set,
+                         .leaves = leaves,
+                         .sight = sight,
+                         .cues = STP_CUES_ALL & ~s->quality->cues_off,
+                         .scale = stp_affine_scale(&at->transform),
+                         .flat_view = frame->parallel};
+    const double(*m)[4] = at->transform.m;
+    stp_vec3d to = {frame->eye.x - m[0][3], frame->eye.y - m[1][3], frame->eye.z - m[2][3]};
+    if (frame->parallel) {
+        to = stp_scaled(frame->forward, -1.0);
+    }
+    stp_vec3d eye;
+    if (!solve(m, to, &eye)) { // flattened: nothing can be told of what hides what
+        view.cues &= ~(uint32_t)STP_CUE_OCCLUSION_BIT;
+        eye = (stp_vec3d){0};
+    }
+    if (!frame->parallel) {
+        eye = stp_scaled(stp_subd(eye, stp_to_double(set->origin)), 1.0 / (double)set->step);
+    }
+    view.eye = eye;
+    return view;
+}
+
+static stp_vec3d middle_of(const stp_leaf_node* node)
+{
+    double half = 0.5 * (double)stp_leaf_width(node->depth);
+    return (stp_vec3d){(double)node->corner[0] + half, (double)node->corner[1] + half,
+                       (double)node->corner[2] + half};
+}
+
+stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    double step = (double)view->set->step, width = step * (double)stp_leaf_width(node->depth);
+    stp_vec3d low = stp_to_double(view->set->origin);
+    low = stp_addd(low, (stp_vec3d){step * (double)node->corner[0], step * (double)node->corner[1],
+                                    step * (double)node->corner[2]});
+    const stp_boxd box = {low, stp_addd(low, (stp_vec3d){width, width, width})};
+    return stp_select_place_box(&view->at->transform, &box);
+}
+
+/// Pixels that the surface of a cube covers where it is nearest, were it seen from above.
+static double pixels_of(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
+{
+    bool near = (view->cues & STP_CUE_COVERAGE_BIT) != 0;
+    double depth = near ? sight->range.near : view->sight->range.near;
+    double pixel = stp_view_frame_pixel_size(&view->s->frames[0], depth);
+    double side = view->scale * (double)view->set->step / pixel;
+    return (double)node->area * side * side;
+}
+
+static double size_of(const stp_cue_view* view, const stp_sight* sight)
+{
+    bool near = (view->cues & STP_CUE_COVERAGE_BIT) != 0;
+    return near ? sight->splat_size : view->sight->splat_size;
+}
+
+double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
+{
+    double size = size_of(view, sight);
+    return pixels_of(view, node, sight) / (size * size);
+}
+
+double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node, double samples)
+{
+    double all = (double)node->count;
+    if ((view->cues & STP_CUE_FLATNESS_BIT) != 0) {
+        samples = fmin((1.0 + fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0)) * samples, all);
+    }
+    bool edge = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
+    return fmin(edge ? STP_CUE_FEATURE * samples : samples, all);
+}
+
+bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    stp_vec3 n = stp_octahedral_decode(node->normal[0], node->normal[1]);
+    stp_vec3d way = view->flat_view ? view->eye : stp_subd(view->eye, middle_of(node));
+    // a normal times a direction is the same in the space of the set, but for stretched transforms
+    double length = sqrt(stp_dotd(way, way));
+    double cosine = length > 0.0 ? stp_dotd(stp_to_double(n), way) / length : 0.0;
+    return node->spread == 255 || fabs(cosine) * 255.0 < (double)node->spread;
+}
+
+/// A way from a cube's middle: parameters from 0 to `end`.
+typedef struct ray {
+    double from[3], per[3], end;
+} ray;
+
+static ray ray_of(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    stp_vec3d middle = middle_of(node);
+    stp_vec3d way = view->flat_view ? view->eye : stp_subd(view->eye, middle);
+    double length = sqrt(stp_dotd(way, way));
+    way = length > 0.0 ? stp_scaled(way, 1.0 / length) : way;
+    ray r = {.from = {middle.x, middle.y, middle.z}, .end = view->flat_view ? HUGE_VAL : length};
+    const double along[3] = {way.x, way.y, way.z};
+    for (int k = 0; k < 3; ++k) { // slabs along an axis are entered at no parameter at all
+        double step =
+            fabs(along[k]) > STRAIGHT ? along[k] : (along[k] < 0.0 ? -STRAIGHT : STRAIGHT);
+        r.per[k] = 1.0 / step;
+    }
+    return r;
+}
+
+/// Whether a way enters a cube (Revelles, Urena, Lastra 2000: where it passes the planes of an octree's cube). @param apart  at
+/// least so far from the way's beginning along some axis
+static bool enters(const ray* r, const stp_leaf_node* node)
+{
+    double in = 0.0, out = r->end, width = (double)stp_leaf_width(node->depth);
+    for (int k = 0; k < 3; ++k) {
+        double a = ((double)node->corner[k] - r->from[k]) * r->per[k];
+        double b = ((double)node->corner[k] + width - r->from[k]) * r->per[k];
+        in = fmax(in, fmin(a, b));
+        out = fmin(out, fmax(a, b));
+    }
+    return in < out;
+}
+
+/// Whether two cubes touch or overlap.
+static bool touches(const stp_leaf_node* a, const stp_leaf_node* b)
+{
+    bool near = true;
+    for (int k = 0; k < 3; ++k) {
+        uint32_t a_low = a->corner[k], b_low = b->corner[k];
+        near = near && a_low <= b_low + stp_leaf_width(b->depth) &&
+               b_low <= a_low + stp_leaf_width(a->depth);
+    }
+    return near;
+}
+
+double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, double pixels)
+{
+    const stp_leaf_node* nodes = view->leaves->nodes;
+    ray r = ray_of(view, node);
+    stp_vec3 way = stp_to_float((stp_vec3d){1.0 / r.per[0], 1.0 / r.per[1], 1.0 / r.per[2]});
+    double before = 0.0, enough = pixels / STP_CUE_OCCLUSION;
+    for (uint32_t i = 0; i < view->leaves->node_count && before < enough;) {
+        const stp_leaf_node* other = &nodes[i];
+        bool entered = enters(&r, other);
+        bool whole =
+            other->leaf_count == 1 || other->depth > node->depth; // smaller ones count as one
+        if (entered && whole && !touches(node, other)) {
+            stp_vec3 n = stp_octahedral_decode(other->normal[0], other->normal[1]);
+            before += (double)other->count * (double)fabsf(stp_dot(n, way));
+        }
+        i = entered && !whole ? i + 1 : other->next;
+    }
+    return pixels > 0.0 ? fmin(STP_CUE_OCCLUSION * before / pixels, 1.0) : 0.0;
+}
+
+double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
+{
+    double all = (double)node->count, nominal = fmin(stp_cue_nominal(view, node, sight), all);
+    double samples = stp_cue_shape(view, node, nominal);
+    bool marked = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
+    if (!marked && (view->cues & STP_CUE_SILHOUETTE_BIT) != 0 && stp_cue_silhouette(view, node)) {
+        samples = fmin(STP_CUE_FEATURE * samples, all);
+    }
+    if ((view->cues & STP_CUE_OCCLUSION_BIT) != 0) {
+        double hidden = stp_cue_occlusion(view, node, pixels_of(view, node, sight));
+        samples *= fmax(1.0 - hidden, LEAST_SEEN);
+    }
+    return samples;
+}

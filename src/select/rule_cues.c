@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+// Sets that were made leaf by leaf, `stochastic`: a view takes from each leaf as many of its splats as the cues are worth, the
+// first ones of its random order, so a leaf's splats stay while the eye rests (Bhakar, Luo, Mudur 2004, 3.2). What is far away is
+// taken cube by cube of the octree. Where all splats of a set do not suffice, the node is opened.
+#include "base/leaf_runs.h"
+#include "base/prefix_table.h"
+#include "select/cue_cells.h"
+#include "select/cues.h"
+#include "select/rule.h"
+
+enum { CELL_SAMPLES = 64 }; ///< of a cube that is not opened, at the most
+#define CUES_MOST 8.0       // times the nominal samples: a bent region with an edge or a silhouette
+
+/// The shortest run of octaves with so many splats.
+static uint32_t round_count(const stp_splats* set, double count)
+{
+    for (uint32_t k = 0; k < set->octave_count; ++k) {
+        if ((double)set->octave_ends[k] >= count) {
+            return set->octave_ends[k];
+        }
+    }
+    return set->count;
+}
+
+static double reach_of(const stp_splats* set, uint32_t count)
+{
+    return (double)stp_prefix_table_radius(&set->table, count);
+}
+
+/// The octaves that any leaf seen from `nearest` on may need.
+static void use_from(double nearest, stp_set_use* use)
+{
+    double wanted = use->per_depth * nearest, all = reach_of(use->surfels, use->surfels->count);
+    double share = wanted > all ? all / wanted : 1.0;
+    use->count = round_count(use->surfels, CUES_MOST * share * share * (double)use->surfels->count);
+    use->radius = fmax(wanted, all);
+}
+
+static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
+                    bool cloud, stp_set_use* use)
+{
+    double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
+    stp_depth_range range = sight->range;
+    bool suffices = cloud || range.near >= suffices_from;
+    bool part = !suffices && range.far > suffices_from && s->quality->policy != STP_POLICY_SWITCH;
+    if (!suffices && !part) {
+        use->switch_depth = suffices_from;
+        return;
+    }
+    use->switch_depth = suffices ? 0.0 : suffices_from;
+    use->extra = !suffices;
+    use_from(suffices ? range.near : suffices_from, use);
+}
+
+/// Exactly `count` splats of all leaves, seen or not.
+static void use_count(stp_set_use* use, uint32_t count)
+{
+    use->state = count < use->surfels->count ? count : use->surfels->count;
+    use->count = round_count(use->surfels, (double)use->state * CUES_MOST);
+    use->radius = reach_of(use->surfels, count);
+}
+
+static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use)
+{
+    (void)at;
+    if (use->per_depth > 0.0 && use->state == 0) {
+        use_from(nearest, use);
+    }
+    if (use->count > here || use->count == 0) {
+        use->count = here;
+        use->radius = fmax(use->radius, reach_of(use->surfels, here));
+    }
+    use->state = use->state < here ? use->state : here;
+}
+
+static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
+{
+    stp_draw_list* list = s->list;
+    if (cell.count == 0) {
+        return STP_OK;
+    }
+    if (*count == list->cell_capacity) {
+        stp_cue_cell* cells = stp_grow_array(s->context, list->cells, &list->cell_capacity,
+                                             *count + 1, sizeof(*cells));
+        if (cells == NULL) {
+            return stp_fail_memory(s->context);
+        }
+        list->cells = cells;
+    }
+    list->cells[(*count)++] = cell;
+    return STP_OK;
+}
+
+/// The splats of a cube for a number of samples: of several leaves whole octaves, of one as many as are wanted.
+static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, double samples,
+                            uint32_t here)
+{
+    stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
+    double share = samples / (double)node->count;
+    uint32_t octaves =
+        node->leaf_count > 1 ? stp_cue_octaves(set, share, here) : stp_cue_octaves(set, 1.0, here);
+    uint32_t most = stp_cue_count(set, cell.first, cell.last, octaves);
+    uint32_t wanted = samples < (double)most ? (uint32_t)(samples + 0.5) : most;
+    cell.count = node->leaf_count > 1 ? most : wanted;
+    return cell;
+}
+
+/// Looks at the cubes that are seen, and opens them where they are worth many splats.
+static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint32_t here,
+                               size_t* count)
+{
+    const stp_leaf_node* nodes = view->leaves->nodes;
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
+        const stp_leaf_node* node = &nodes[i];
+        stp_boxd box = stp_cue_box(view, node);
+        stp_sight sight;
+        if (!stp_select_see(s, &box, &sight)) {
+            i = node->next;
+            continue;
+        }
+        bool opens =
+            node->leaf_count > 1 && stp_cue_nominal(view, node, &sight) > (double)CELL_SAMPLES;
+        if (!opens) {
+            double samples = stp_cue_samples(view, node, &sight);
+            result = add_cell(s, count, cell_of(view->set, node, samples, here));
+        }
+        i = opens ? i + 1 : node->next;
+    }
+    return result;
+}
+
+/// What a splat count is shared by: cues that do not depend on the eye.
+static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    double samples = (double)node->area;
+    bool edge = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
+    samples *= edge ? STP_CUE_FEATURE : 1.0;
+    bool bends = (view->cues & STP_CUE_FLATNESS_BIT) != 0;
+    return samples * (bends ? 1.0 + fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0) : 1.0);
+}
+
+static double most_of(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
+{
+    return (double)stp_cue_count(set, node->first, node->first + node->count,
+                                 stp_cue_octaves(set, 1.0, here));
+}
+
+/// Splats of all leaves where a part 1 of the worth has `density` of them.
+static double count_at(const stp_cue_view* view, double density, uint32_t here)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < view->leaves->node_count; ++i) {
+        const stp_leaf_node* node = &view->leaves->nodes[i];
+        if (node->leaf_count == 1) {
+            sum += fmin(density * worth_of(view, node), most_of(view->set, node, here));
+        }
+    }
+    return sum;
+}
+
+/// Shares `wanted` splats among all leaves: as many as they are worth, within what they have, and one more or less so that the
+/// sum is right.
+static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t wanted,
+                            uint32_t here, size_t* count)
+{
+    enum { STEPS = 60 };
+    double low = 0.0, high = 1e-30, carried = 0.0;
+    for (int i = 0; i < 2 * STEPS * 8 && count_at(view, high, here) < (double)wanted && high < 1e30;
+         ++i) {
+        high *= 2.0;
+    }
+    for (int i = 0; i < STEPS; ++i) {
+        double middle = 0.5 * (low + high);
+        *(count_at(view, middle, here) < (double)wanted ? &low : &high) = middle;
+    }
+    uint32_t left = wanted;
+    stp_result result = STP_OK;
+    for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK; ++i) {
+        const stp_leaf_node* node = &view->leaves->nodes[i];
+        if (node->leaf_count > 1) {
+            continue;
+        }
+        double most = most_of(view->set, node, here);
+        carried += fmin(high * worth_of(view, node), most);
+        double whole = fmin(fmin(floor(carried + 0.5), most), (double)left);
+        uint32_t drawn = whole > 0.0 ? (uint32_t)whole : 0;
+        carried -= (double)drawn;
+        left -= drawn;
+        result =
+            add_cell(s, count, (stp_cue_cell){node->first, node->first + node->count, drawn, 0});
+    }
+    for (size_t i = 0; i < *count && left > 0; ++i) { // what rounding left over
+        stp_cue_cell* cell = &s->list->cells[i];
+        uint32_t most = stp_cue_count(view->set, cell->first, cell->last,
+                                      stp_cue_octaves(view->set, 1.0, here));
+        uint32_t more = most - cell->count < left ? most - cell->count : left;
+        cell->count += more;
+        left -= more;
+    }
+    return result;
+}
+
+static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* at,
+                               const stp_set_use* use)
+{
+    return (stp_draw_item){.kind = STP_DRAW_SURFELS,
+                           .index = use->set,
+                           .prefix = use->count,
+                           .full_prefix = use->count,
+                           .radius = (float)use->radius,
+                           .sections = at->sections,
+                           .ghost = at->shown == STP_SHOW_GHOST,
+                           .one_sided = !s->quality->all_sides &&
+                                        s->directory->nodes[at->node].point_count == 0,
+                           .transform = at->transform};
+}
+
+/// Without leaves, a prefix of the set is a random choice of it, with splats as large as it needs.
+static stp_result add_plain(stp_selection* s, const stp_set_use* use, stp_draw_item item,
+                            stp_depth_range drawn)
+{
+    uint32_t prefix = use->state > 0 ? use->state : use->count;
+    item.prefix = item.full_prefix = prefix;
+    item.shape_scale = (float)sqrt((double)use->surfels->count / (double)prefix);
+    if (drawn.near > 0.0 || drawn.far < HUGE_VAL) {
+        size_t first = s->list->run_count;
+        stp_result result = stp_select_add_run(s, 0, prefix, drawn);
+        if (result != STP_OK) {
+            return result;
+        }
+        item.first_run = (uint32_t)first;
+        item.run_count = 1;
+    }
+    return stp_select_add_item(s, item, item.prefix);
+}
+
+static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
+                      const stp_sight* sight)
+{
+    stp_store_leaves leaves = {0};
+    stp_select_want_leaves(s, at, sight, use->set);
+    stp_result result = stp_store_get_leaves(s->store, use->set, &leaves);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_draw_item item = make_item(s, at, use);
+    stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
+                             at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};
+    drawn.near = drawn.near <= sight->range.near ? 0.0 : drawn.near;
+    drawn.far = drawn.far >= sight->range.far ? HUGE_VAL : drawn.far;
+    uint64_t before = s->list->splat_count;
+    if (leaves.leaf_count == 0) {
+        result = add_plain(s, use, item, drawn);
+    } else {
+        stp_cue_view view = stp_cue_view_make(s, at, use->surfels, &leaves, sight);
+        size_t count = 0;
+        result = use->state > 0 ? share_out(s, &view, use->state, use->count, &count)
+                                : choose_cells(s, &view, use->count, &count);
+        result = result == STP_OK
+                     ? stp_cue_add_items(s, use->surfels, s->list->cells, count, item, drawn)
+                     : result;
+    }
+    s->list->extra_splats += at->extra || use->extra ? s->list->splat_count - before : 0;
+    return result;
+}
+
+const stp_select_rule stp_select_rule_cues = {use_set, use_count, limit, add};

@@ -1,0 +1,151 @@
+#!/usr/bin/env bash
+# Method stochastic: builds, pictures by both backends, cues, counts, prefixes, and what is refused.
+# Arguments: executable, scratch folder, source folder.
+set -u
+stipple=$1
+# shellcheck source=/dev/null
+. "$(dirname "$0")/shared.sh"
+mkdir -p "$2" && cd "$2" || exit 1
+rm -rf ./*
+command -v python3 > /dev/null || exit 77
+
+value() # FILE KEY: of a JSON object
+{
+    python3 -c 'import json, sys; print(json.load(open(sys.argv[1])).get(sys.argv[2]))' "$1" "$2"
+}
+alike() # A.png B.png LEAST: by SSIM
+{
+    "$stipple" compare "$1" "$2" --json > compare.json
+    python3 -c 'import json, sys; sys.exit(json.load(open("compare.json"))["ssim"] < float(sys.argv[1]))' "$3" ||
+        fail "$1 and $2 differ: $(cat compare.json)"
+}
+
+# a ball above a floor, without normals
+python3 - << 'END'
+import math
+import random
+import struct
+some = random.Random(5)
+points = [(some.uniform(-4, 4), 0.0, some.uniform(-4, 4), 90, 140, 70) for _ in range(20000)]
+for _ in range(20000):
+    v = [some.gauss(0, 1) for _ in range(3)]
+    length = math.sqrt(sum(x * x for x in v))
+    points.append((v[0] / length, 1.5 + v[1] / length, v[2] / length, 200, 60, 50))
+with open("cloud.ply", "wb") as file:
+    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(points))
+    file.write(b"".join(b"property float %c\n" % axis for axis in b"xyz"))
+    file.write(b"property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n")
+    file.write(b"".join(struct.pack("<3f3B", *point) for point in points))
+END
+refused 2 'leaf-points is of use with --method stochastic' build cloud.ply -o a.stip --leaf-points 100
+refused 2 'leaf-flatness is of use with --method stochastic' build cloud.ply -o a.stip --leaf-flatness 0.001
+"$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no build"
+"$stipple" -q build cloud.ply -o other.stip --method stochastic --threads 1 --fresh || fail "no build by one thread"
+cmp -s cloud.stip other.stip || fail "the file depends on the number of threads"
+"$stipple" -q build cloud.ply -o finer.stip --method stochastic --leaf-points 100 --leaf-flatness 0.001 || fail "no finer build"
+[ "$(wc -c < finer.stip)" -gt "$(wc -c < cloud.stip)" ] || fail "finer leaves take no more bytes"
+for file in cloud finer; do
+    "$stipple" -q check $file.stip || fail "$file.stip is wrong"
+    python3 "$3/scripts/read_store.py" $file.stip > /dev/null || fail "the second reader refuses $file.stip"
+done
+# made again from what was there
+"$stipple" -q build cloud.ply -o cloud.stip --method stochastic || fail "no second build"
+cmp -s cloud.stip other.stip || fail "a build from a former output is another"
+
+draw() # NAME OPTIONS...
+{
+    local name=$1
+    shift
+    "$stipple" render cloud.stip -o "$name.png" --size 200x150 --eye 3,4,8 --target 0,1,0 --once --json "$@" > "$name.json" \
+        2> err || fail "render $*: $(cat err)"
+}
+draw all --splat-size 3
+[ "$(value all.json method)" = stochastic ] || fail "drawn by $(value all.json method)"
+draw again --splat-size 3
+cmp -s all.png again.png || fail "two frames of one view differ"
+draw resident --splat-size 3 --memory 64M
+cmp -s all.png resident.png || fail "resident leaves give another picture"
+if draw gl --splat-size 3 --backend gl && [ -e gl.png ]; then
+    alike all.png gl.png 0.98
+fi
+# exactly as many as are asked for
+for count in 1 77 3000 40000; do
+    draw count --splats $count
+    [ "$(value count.json splats)" = $count ] || fail "--splats $count draws $(value count.json splats)"
+done
+# each cue adds or takes away
+draw flat --splat-size 3 --cues edge,coverage,silhouette,occlusion
+draw inside --splat-size 3 --cues flatness,edge,coverage,occlusion
+draw open --splat-size 3 --cues flatness,edge,coverage,silhouette
+draw coverage --splat-size 3 --cues coverage
+draw none --splat-size 3 --cues none
+[ "$(value flat.json splats)" -lt "$(value all.json splats)" ] || fail "flatness adds no splats"
+[ "$(value inside.json splats)" -lt "$(value all.json splats)" ] || fail "silhouettes add no splats"
+[ "$(value open.json splats)" -gt "$(value all.json splats)" ] || fail "occlusion takes no splats away"
+[ "$(value coverage.json splats)" -lt "$(value none.json splats)" ] || fail "coverage takes no splats away"
+refused 2 'list of flatness, edge' render cloud.stip -o a.png --cues zebra
+refused 2 'list of flatness, edge' render cloud.stip -o a.png --cues edge,edge
+refused 2 'list of flatness, edge' render cloud.stip -o a.png --cues ''
+# a file cut short is the whole scene
+for part in 20% 60%; do
+    draw part --splat-size 6 --prefix $part
+    draw whole --splat-size 6
+    alike part.png whole.png 0.5
+done
+# attributes of points: a strip of class 6 in ground
+python3 - << 'END'
+import math
+import random
+import struct
+some = random.Random(7)
+with open("scan.ply", "wb") as file:
+    file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex 20000\n")
+    file.write(b"".join(b"property float %c\n" % axis for axis in b"xyz"))
+    file.write(b"property ushort intensity\nproperty uchar classification\nend_header\n")
+    for _ in range(20000):
+        x, z = some.uniform(-4, 4), some.uniform(-4, 4)
+        file.write(struct.pack("<3fHB", x, math.sin(x), z, int(30000 + 7000 * x), 6 if abs(z) < 0.5 else 2))
+END
+"$stipple" -q build scan.ply -o scan.stip --method stochastic || fail "no build of a scan"
+cp scan.stip first.stip
+rm -rf scan.stip.work
+"$stipple" -q build scan.ply -o scan.stip --method stochastic || fail "no second build of a scan"
+cmp -s scan.stip first.stip || fail "a set from a former output has other attributes"
+"$stipple" -q check scan.stip || fail "scan.stip is wrong"
+python3 "$3/scripts/read_store.py" scan.stip > /dev/null || fail "the second reader refuses scan.stip"
+paint() # NAME OPTIONS...
+{
+    local name=$1
+    shift
+    "$stipple" render scan.stip -o "$name.png" --size 200x150 --view top --splat-size 3 --once --json "$@" > "$name.json" \
+        2> err || fail "render scan.stip $*: $(cat err)"
+}
+paint plain
+for color in intensity class; do
+    paint $color --color $color
+    ! cmp -s $color.png plain.png || fail "--color $color colours nothing"
+    paint resident --color $color --memory 64M
+    cmp -s $color.png resident.png || fail "--color $color within a limit gives another picture"
+    if paint gl --color $color --backend gl && [ -e gl.png ]; then
+        alike $color.png gl.png 0.98
+    fi
+done
+paint strip --classes 6
+python3 -c '
+import json
+some, every = (json.load(open(name + ".json"))["covered_pixels"] for name in ("strip", "plain"))
+assert 0.1 * every < some < 0.2 * every, (some, every)' || fail "classes are not hidden"
+paint strip_gl --classes 6 --backend gl && alike strip.png strip_gl.png 0.98
+# beside another method, and of triangles
+"$stipple" -q build scan.ply -o scan.stip --method blue,stochastic || fail "no build of a scan by two methods"
+"$stipple" -q check scan.stip || fail "scan.stip of two methods is wrong"
+paint beside --color intensity --method stochastic
+alike beside.png intensity.png 0.9
+"$stipple" -q build cloud.ply -o both.stip --method blue,stochastic || fail "no build of two methods"
+"$stipple" -q check both.stip || fail "both.stip is wrong"
+"$stipple" -q build scene:spheres,scale=0.2 -o spheres.stip --method stochastic || fail "no build of a mesh"
+"$stipple" -q check spheres.stip || fail "spheres.stip is wrong"
+"$stipple" -q render spheres.stip -o spheres.png --size 200x150 --splat-size 2 --once || fail "no picture of a mesh"
+"$stipple" -q render spheres.stip -o truth.png --size 200x150 --reference --once || fail "no reference of a mesh"
+alike spheres.png truth.png 0.7
+echo ok

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// How many splats of a leaf a view takes (src/select/cues.c), and the runs it draws (src/select/cue_cells.c).
+#include "tests.h"
+
+#include "base/leaf_codes.h"
+#include "base/leaf_runs.h"
+#include "base/octahedral.h"
+#include "base/rng.h"
+#include "select/cue_cells.h"
+#include "select/cues.h"
+
+#include <string.h>
+
+enum { LEAVES = 400, NODES = 2 * LEAVES };
+
+typedef struct scene {
+    stp_splats set;
+    stp_splat_leaf leaves[LEAVES];
+    stp_leaf_node nodes[NODES];
+    stp_store_leaves tree;
+    stp_quality quality;
+    stp_draw_list list;
+    stp_selection selection;
+    stp_select_entry at;
+    stp_sight sight;
+} scene;
+
+/// Leaves of depth 4 in some of the cubes, in the order of the curve, flat and facing up.
+static void make_scene(scene* s, uint64_t seed)
+{
+    *s = (scene){.at = {.transform = stp_affine_identity()}};
+    uint32_t count = 0;
+    for (uint64_t code = 0; code < 4096 && count < LEAVES; ++code) {
+        if (stp_rng_hash(seed, code) % 10 != 0) {
+            continue;
+        }
+        stp_splat_leaf* leaf = &s->leaves[count++];
+        *leaf = (stp_splat_leaf){.place = 4, .extent = 64, .count = 1 + (uint32_t)(code % 700)};
+        for (int bit = 0; bit < 12; ++bit) {
+            uint32_t set = (uint32_t)(code >> bit) & 1u;
+            leaf->corner[bit % 3] |= (uint16_t)(set << (12 + bit / 3));
+        }
+        stp_octahedral_encode((stp_vec3){0, 1, 0}, leaf->normal);
+        s->set.count += leaf->count;
+    }
+    s->set.step = 0x1p-10f; // 64 units wide
+    s->set.octave_count = stp_leaf_octaves(s->set.count);
+    for (uint32_t k = 0; k < s->set.octave_count; ++k) {
+        s->set.octave_ends[k] = stp_leaf_until(s->set.count, k, s->set.octave_count);
+    }
+    s->tree = (stp_store_leaves){.leaf_count = count, .leaves = s->leaves, .nodes = s->nodes};
+    s->tree.node_count = stp_leaf_tree_make(s->leaves, count, s->nodes);
+    s->list.splat_size = 2.0f;
+    s->selection = (stp_selection){.quality = &s->quality, .list = &s->list, .eye_count = 1};
+}
+
+static stp_cue_view look(scene* s, stp_vec3d eye, uint32_t cues)
+{
+    const stp_view view = {.eye = eye,
+                           .target = {32, 0, 32},
+                           .up = {0, 0, 1},
+                           .fov_degrees = 90,
+                           .width = 1000,
+                           .height = 1000};
+    s->quality.cues_off = STP_CUES_ALL & ~cues;
+    (void)stp_view_frame_make(&view, &s->selection.frames[0]);
+    const stp_boxd all = {{0, 0, 0}, {64, 64, 64}};
+    (void)stp_select_see(&s->selection, &all, &s->sight);
+    return stp_cue_view_make(&s->selection, &s->at, &s->set, &s->tree, &s->sight);
+}
+
+// Table 1: W / 4 samples at two pixels; up to twice as many where the surface bends; four times at edges and silhouettes.
+void test_cues_are_those_of_table_1(test_state* test)
+{
+    static scene s;
+    make_scene(&s, 1);
+    stp_leaf_node node = s.nodes[s.tree.node_count - 1];
+    node.count = 1000000;
+    stp_cue_view view = look(&s, (stp_vec3d){32, 300, 32}, STP_CUES_ALL & ~STP_CUE_OCCLUSION_BIT);
+    stp_boxd box = stp_cue_box(&view, &node);
+    stp_sight sight;
+    CHECK(stp_select_see(&s.selection, &box, &sight));
+    CHECK(fabs(box.max.x - box.min.x - 4.0) < 1e-9);
+    // 4 units at the depth of its top, of 1000 pixels for twice the depth
+    double depth = 300.0 - box.max.y, side = 4.0 * 1000.0 / (2.0 * depth), w = side * side;
+    double flat = stp_cue_samples(&view, &node, &sight);
+    CHECK(fabs(flat - w / 4.0) < 0.01 * w);
+    node.flatness = 0.0025f;
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 1.5 * flat) < 1e-4 * w);
+    node.flatness = 0.3f;
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 2.0 * flat) < 1e-6 * w);
+    node.edge = true;
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 8.0 * flat) < 1e-6 * w);
+    node.spread = 255; // a silhouette beside an edge is no more
+    CHECK(stp_cue_silhouette(&view, &node));
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 8.0 * flat) < 1e-6 * w);
+    view = look(&s, (stp_vec3d){32, 300, 32}, STP_CUE_SILHOUETTE_BIT | STP_CUE_COVERAGE_BIT);
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - 4.0 * flat) < 1e-6 * w);
+    node.spread = 0;
+    CHECK(!stp_cue_silhouette(&view, &node));
+    CHECK(fabs(stp_cue_samples(&view, &node, &sight) - flat) < 1e-6 * w);
+    node.count = 10; // no more than there are
+    CHECK(stp_cue_samples(&view, &node, &sight) == 10.0);
+}
+
+/// What stands before a leaf: all that hold a place of many along the way to the eye.
+static double march(const scene* s, const stp_leaf_node* node, stp_vec3d eye)
+{
+    enum { STEPS = 200000 };
+    static bool met[16][16][16];
+    double sum = 0.0;
+    stp_vec3d from = {node->corner[0] + 2048.0, node->corner[1] + 2048.0, node->corner[2] + 2048.0};
+    stp_vec3d to = stp_scaled(eye, 1.0 / (double)s->set.step), way = stp_subd(to, from);
+    double up = fabs(way.y) / sqrt(stp_dotd(way, way));
+    memset(met, 0, sizeof(met));
+    for (int i = 0; i <= STEPS; ++i) {
+        stp_vec3d p = stp_scaled(stp_addd(from, stp_scaled(way, (double)i / STEPS)), 1.0 / 4096.0);
+        if (fmin(fmin(p.x, p.y), p.z) >= 0.0 && fmax(fmax(p.x, p.y), p.z) < 16.0) {
+            met[(int)p.x][(int)p.y][(int)p.z] = true;
+        }
+    }
+    for (uint32_t l = 0; l < s->tree.leaf_count; ++l) {
+        const stp_splat_leaf* leaf = &s->leaves[l];
+        bool near = true;
+        for (int k = 0; k < 3; ++k) {
+            near = near && abs((int)leaf->corner[k] - (int)node->corner[k]) <= 4096;
+        }
+        bool there = met[leaf->corner[0] >> 12][leaf->corner[1] >> 12][leaf->corner[2] >> 12];
+        sum += there && !near ? (double)leaf->count * up : 0.0;
+    }
+    return sum;
+}
+
+void test_cues_find_what_stands_before(test_state* test)
+{
+    static scene s;
+    uint32_t hidden = 0;
+    for (uint64_t seed = 0; seed < 6; ++seed) {
+        make_scene(&s, seed);
+        stp_vec3d eye = {(double)(seed * 37 % 90) + 0.37, 90.0, (double)(seed * 53 % 70) + 0.11};
+        stp_cue_view view = look(&s, eye, STP_CUES_ALL);
+        for (uint32_t i = 0; i < s.tree.node_count; i += 9) {
+            const stp_leaf_node* node = &s.nodes[i];
+            if (node->leaf_count > 1) {
+                continue;
+            }
+            double truth = march(&s, node, eye);
+            double q = stp_cue_occlusion(&view, node, 1000.0);
+            double expected = fmin(0.01 * truth / 1000.0, 1.0);
+            CHECK(fabs(q - expected) <= 0.02 * expected + 1e-3); // a corner may be stepped over
+            hidden += q > 0.0 ? 1 : 0;
+        }
+    }
+    CHECK(hidden > 50);
+}
+
+// Cells of any counts become items whose runs ascend, hold each splat at most once, and as many as were asked for.
+void test_cue_cells_draw_what_is_asked(test_state* test)
+{
+    static scene s;
+    static stp_cue_cell cells[LEAVES];
+    static uint8_t drawn[1 << 20];
+    stp_context* context = test_context(NULL, 1, NULL);
+    CHECK(context != NULL);
+    for (uint64_t seed = 0; seed < 8; ++seed) {
+        make_scene(&s, seed);
+        stp_store_directory directory = {.node_count = 1};
+        s.selection.context = context;
+        s.selection.directory = &directory;
+        uint32_t place = 0, wanted = 0;
+        for (uint32_t l = 0; l < s.tree.leaf_count; ++l) {
+            uint32_t count = s.leaves[l].count;
+            uint32_t some = 1 + (uint32_t)(stp_rng_hash(seed, l) % count);
+            cells[l] = (stp_cue_cell){place, place + count, seed == 0 ? count : some, 0};
+            wanted += cells[l].count;
+            place += count;
+        }
+        CHECK(place < sizeof(drawn));
+        const stp_draw_item item = {.kind = STP_DRAW_SURFELS};
+        CHECK_EQUAL(STP_OK, stp_cue_add_items(&s.selection, &s.set, cells, s.tree.leaf_count, item,
+                                              (stp_depth_range){0.0, HUGE_VAL}));
+        CHECK_EQUAL(wanted, s.list.splat_count);
+        memset(drawn, 0, sizeof(drawn));
+        for (size_t i = 0; i < s.list.count; ++i) {
+            const stp_draw_item* made = &s.list.items[i];
+            uint32_t end = 0;
+            for (uint32_t r = 0; r < made->run_count; ++r) {
+                const stp_draw_run* run = &s.list.runs[made->first_run + r];
+                CHECK(run->begin >= end && run->end > run->begin && run->end <= made->prefix);
+                end = run->end;
+                for (uint32_t k = run->begin; k < run->end; ++k) {
+                    CHECK(drawn[k] == 0);
+                    drawn[k] = 1;
+                }
+            }
+            CHECK_EQUAL(end, made->prefix);
+            CHECK(made->scattered && made->shape_scale >= 1.0f);
+        }
+        CHECK(seed != 0 || (s.list.count == 1 && s.list.run_count == 1)); // all: one run
+        for (uint32_t l = 0; l < s.tree.leaf_count; ++l) { // the first ones of each leaf
+            uint32_t mine = 0;
+            for (uint32_t k = 0; k < s.set.octave_count; ++k) {
+                stp_leaf_run run = stp_leaf_run_of(cells[l].first, cells[l].last, k,
+                                                   s.set.octave_count, s.set.count);
+                bool ended = false;
+                for (uint32_t i = run.begin; i < run.end; ++i) {
+                    CHECK(drawn[i] == 0 || !ended);
+                    ended = ended || drawn[i] == 0;
+                    mine += drawn[i];
+                }
+            }
+            CHECK_EQUAL(cells[l].count, mine);
+            double sparser = (double)(cells[l].last - cells[l].first) / (double)cells[l].count;
+            double scale = pow(2.0, 0.5 * cells[l].growth) / sqrt(sparser);
+            CHECK(scale > 0.85 && scale < 1.3);
+        }
+        s.list.graph = NULL;
+        stp_draw_list_destroy(context, &s.list);
+    }
+    stp_context_destroy(context);
+}
