@@ -4,7 +4,7 @@
 // Seeds: files of tests/import/e57_writer.h
 //
 // Any bytes as E57, with the checksums of their pages made right: refused with one sentence, or a sound scene.
-#include "fuzz_points.h"
+#include "fuzz_import.h"
 
 #include "../tests/import/e57_writer.h"
 

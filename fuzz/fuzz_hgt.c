@@ -4,7 +4,7 @@
 // Seeds: none are needed
 //
 // Any heights at the northern end of a tile that is void elsewhere: a sound scene, whose mesh leaves the voids out.
-#include "fuzz_points.h"
+#include "fuzz_import.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

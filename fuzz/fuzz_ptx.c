@@ -4,7 +4,7 @@
 // Seeds: the texts of tests/import/test_ptx.c
 //
 // Any bytes as PTX: refused with one sentence, or a sound scene.
-#include "fuzz_points.h"
+#include "fuzz_import.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -4,7 +4,7 @@
 // Seeds: texts of numbers, with an x or a p before them
 //
 // Any bytes as a text of points: refused with one sentence, or a sound scene. The first byte chooses PTS or XYZ.
-#include "fuzz_points.h"
+#include "fuzz_import.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What targets of point formats share: an import is refused with one sentence, or makes a sound scene.
+// What targets of formats share: an import is refused with one sentence, or makes a sound scene.
 #pragma once
 
 #include "fuzz.h"
