@@ -15,9 +15,6 @@ typedef struct e57_pages {
     unsigned char payload[E57_PAYLOAD];
 } e57_pages;
 
-/// CRC-32C (Castagnoli) of bytes.
-uint32_t e57_crc(const unsigned char* bytes, size_t size);
-
 /// Where the next byte comes to lie.
 uint64_t e57_physical(const e57_pages* pages);
 uint64_t e57_logical(const e57_pages* pages);
