@@ -6,6 +6,7 @@
 #include "base/coverage.h"
 #include "base/octahedral.h"
 #include "base/splat_codes.h"
+#include "base/splat_place.h"
 #include "present/camera.h"
 #include "store/clusters.h"
 
@@ -177,12 +178,9 @@ static stp_vec3d turn_direction(const placing* p, stp_vec3 d)
 static stp_disk_shape make_disk(const item_splats* s, uint32_t i)
 {
     const stp_splats* set = s->set;
-    const uint16_t* at = set->positions + 3 * (size_t)i;
     const int8_t* code = set->normals + 2 * (size_t)i;
     double step = (double)set->step, larger = (double)s->item->radius, smaller = larger;
-    stp_vec3d position = {(double)set->origin.x + step * (double)at[0],
-                          (double)set->origin.y + step * (double)at[1],
-                          (double)set->origin.z + step * (double)at[2]};
+    stp_vec3d position = stp_splat_place(set, i);
     stp_disk_axes axes = stp_disk_axes_of((float)code[0], (float)code[1]);
     stp_vec3 direction = axes.x;
     if (set->shapes != NULL) {

@@ -3,6 +3,7 @@
 #include "base/color.h"
 #include "base/coverage.h"
 #include "base/octahedral.h"
+#include "base/splat_place.h"
 #include "capture/splats.h"
 
 #define LEAST_FACING 0.3    // cosine: flatter views do not judge whether a centre is visible
@@ -11,13 +12,7 @@
 
 stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel)
 {
-    const stp_splats* s = placing->surfels;
-    const uint16_t* value = s->positions + 3 * (size_t)surfel;
-    double step = (double)s->step;
-    stp_vec3d at = {(double)s->origin.x + step * (double)value[0],
-                    (double)s->origin.y + step * (double)value[1],
-                    (double)s->origin.z + step * (double)value[2]};
-    return stp_affine_point(&placing->placement, at);
+    return stp_affine_point(&placing->placement, stp_splat_place(placing->surfels, surfel));
 }
 
 stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t surfel)

@@ -2,6 +2,7 @@
 #include "lod/points.h"
 
 #include "base/color.h"
+#include "base/splat_place.h"
 
 #include <string.h>
 
@@ -71,14 +72,9 @@ bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* lis
 // The box of a set's prefix, or of more of it: its grid.
 static stp_boxd box_of_set(const stp_placed_set* set)
 {
-    double step = (double)set->surfels->step;
     stp_boxd box = stp_boxd_empty();
-    stp_vec3d origin = stp_to_double(set->surfels->origin);
     for (uint32_t i = 0; i < set->prefix; ++i) {
-        const uint16_t* at = set->surfels->positions + 3 * (size_t)i;
-        stp_boxd_add(&box,
-                     (stp_vec3d){origin.x + step * (double)at[0], origin.y + step * (double)at[1],
-                                 origin.z + step * (double)at[2]});
+        stp_boxd_add(&box, stp_splat_place(set->surfels, i));
     }
     return stp_affine_box(&set->transform, box);
 }

@@ -4,6 +4,7 @@
 // where that lies on one side of all its edges. An edge's side is the same number, but for its sign, in both triangles
 // that share it, so no ray slips through between them (Woop, Benthin, Wald 2013).
 #include "base/context.h"
+#include "base/splat_place.h"
 #include "select/pick_internal.h"
 #include "select/pick_mask.h"
 #include "store/clusters.h"
@@ -331,15 +332,8 @@ static bool is_hidden(const point_source* source, uint32_t index)
 
 static stp_vec3 place_of(const point_source* source, uint32_t index)
 {
-    const stp_splats* set = &source->set;
-    if (set->positions == NULL) {
-        return read_vertex(source->points.positions, index);
-    }
-    const uint16_t* p = set->positions + 3 * (size_t)index;
-    double step = (double)set->step;
-    return (stp_vec3){(float)((double)set->origin.x + step * (double)p[0]),
-                      (float)((double)set->origin.y + step * (double)p[1]),
-                      (float)((double)set->origin.z + step * (double)p[2])};
+    return source->set.positions != NULL ? stp_to_float(stp_splat_place(&source->set, index))
+                                         : read_vertex(source->points.positions, index);
 }
 
 static stp_result pick_points(stp_pick_work* work, stp_store_part part, const stp_affine* transform,

@@ -2,6 +2,7 @@
 // Points that a set of splats holds: the set has each of them once, so the file keeps no other copy. Whoever asks for the
 // points gets columns that are made of the set's.
 #include "base/octahedral.h"
+#include "base/splat_place.h"
 #include "store/internal.h"
 
 #include <string.h>
@@ -20,13 +21,10 @@ static void fill(const stp_store* store, const stp_splats* set, const columns* t
     uint64_t finest = stp_store_pyramid_begin(set, set->octave_count - 1);
     const uint8_t *colors = set->colors + 3 * finest, *coverages = set->coverages + finest;
     bool hides = stp_store_is_colored(store); // coverage 0 then hides a splat (coloring.h)
-    const float origin[3] = {set->origin.x, set->origin.y, set->origin.z};
     for (size_t i = 0; i < set->count; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            to->positions[3 * i + k] =
-                (float)((double)origin[k] + (double)set->step * (double)set->positions[3 * i + k]);
-            to->colors[4 * i + k] = colors[3 * i + k];
-        }
+        stp_vec3 place = stp_to_float(stp_splat_place(set, i));
+        memcpy(to->positions + 3 * i, &place, sizeof(place));
+        memcpy(to->colors + 4 * i, colors + 3 * i, 3);
         to->colors[4 * i + 3] = hides && coverages[i] == 0 ? 0 : OPAQUE;
         stp_octahedral_encode16(stp_octahedral_decode(set->normals[2 * i], set->normals[2 * i + 1]),
                                 to->normals + 2 * i);
