@@ -41,6 +41,19 @@ double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entr
     return per_depth > 0.0 && isfinite(per_depth) ? per_depth : 0.0;
 }
 
+bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
+                             const stp_sight* sight, bool cloud, stp_set_use* use, double* nearest)
+{
+    double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
+    stp_depth_range range = sight->range;
+    bool suffices = cloud || range.near >= suffices_from;
+    bool part = !suffices && range.far > suffices_from && s->quality->policy != STP_POLICY_SWITCH;
+    *nearest = suffices ? range.near : suffices_from;
+    use->switch_depth = suffices ? 0.0 : suffices_from;
+    use->extra = part;
+    return suffices || part;
+}
+
 stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* rule, uint32_t set)
 {
     return (stp_set_use){.rule = rule,

@@ -36,6 +36,10 @@ bool stp_select_uses_triangles(stp_selection* s, const stp_select_entry* at, con
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use, const stp_sight* sight);
 
+/// Finds the nearest depth at which a set is drawn whose splats have levels: that of the node where the set suffices, else the
+/// depth from which it does. Sets the switch depth. @return false: the set is not drawn
+bool stp_select_find_nearest(const stp_selection* s, const stp_select_entry* at,
+                             const stp_sight* sight, bool cloud, stp_set_use* use, double* nearest);
 /// The use of a set that is not decided yet: none of it is drawn, and the node is opened.
 stp_set_use stp_select_begin_use(const stp_selection* s, const stp_select_rule* rule, uint32_t set);
 /// Replaces the use of a set by that of the coarse method, where it is a small share of the set and the other one is here.

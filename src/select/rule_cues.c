@@ -39,17 +39,10 @@ static void use_from(double nearest, stp_set_use* use)
 static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                     bool cloud, stp_set_use* use)
 {
-    double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
-    stp_depth_range range = sight->range;
-    bool suffices = cloud || range.near >= suffices_from;
-    bool part = !suffices && range.far > suffices_from && s->quality->policy != STP_POLICY_SWITCH;
-    if (!suffices && !part) {
-        use->switch_depth = suffices_from;
-        return;
+    double nearest;
+    if (stp_select_find_nearest(s, at, sight, cloud, use, &nearest)) {
+        use_from(nearest, use);
     }
-    use->switch_depth = suffices ? 0.0 : suffices_from;
-    use->extra = !suffices;
-    use_from(suffices ? range.near : suffices_from, use);
 }
 
 /// Exactly `count` splats of all leaves, seen or not.

@@ -72,18 +72,10 @@ static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp
 static void use_set(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                     bool cloud, stp_set_use* use)
 {
-    double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
-    stp_depth_range range = sight->range;
-    bool suffices = cloud || range.near >= suffices_from;
-    bool part = !suffices && range.far > suffices_from && s->quality->policy != STP_POLICY_SWITCH;
-    if (!suffices && !part) {
-        use->switch_depth = suffices_from; // nearer than that what is below is drawn
-        return;
+    double nearest;
+    if (stp_select_find_nearest(s, at, sight, cloud, use, &nearest)) {
+        use_from(at, nearest, use);
     }
-    double nearest = suffices ? range.near : suffices_from;
-    use->switch_depth = suffices ? 0.0 : suffices_from;
-    use->extra = !suffices;
-    use_from(at, nearest, use);
 }
 
 /// Uses the first `count` splats, or as many as are used now.
