@@ -323,7 +323,7 @@ static int compare_blocks(const void* left, const void* right)
     if (a->value > b->value || a->value < b->value) {
         return a->value > b->value ? -1 : 1;
     }
-    if (a->block.kind != b->block.kind) { // leaves after octaves
+    if (rank_of(a->block.kind) == 0 && a->block.kind != b->block.kind) { // leaves after octaves
         return a->block.kind < b->block.kind ? -1 : 1;
     }
     if (a->block.octave != b->block.octave) {
