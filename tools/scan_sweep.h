@@ -29,7 +29,7 @@ typedef struct scan_station {
 /// rays; above: rays a turn. @return degrees between rays
 double scan_settings_set_resolution(scan_settings* settings, double resolution);
 
-/// What came of one ray.
+/// Result of one ray.
 typedef struct scan_point {
     bool hit;
     uint16_t intensity; ///< 65535: all light comes back

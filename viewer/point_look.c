@@ -123,8 +123,8 @@ static void show_choice(viewer* v)
         }
     }
     if (gui_choice("Colour", &chosen, words, count,
-                   "Colours of points by what the scanner says of them; of everything by "
-                   "elevation or normal")) {
+                   "Colours points by a scan attribute, or everything by elevation or "
+                   "normal")) {
         v->look.color = colors[chosen];
         v->look.has_range = false;
     }

@@ -8,7 +8,7 @@
 
 enum { STP_SCAN_MARGIN = 64 }; ///< bytes behind the text that must be readable
 
-// How many of eight bytes are digits before the first that is none; each as its value in *values.
+// Number of leading digits among the next eight bytes. *values receives the value of each byte.
 static inline unsigned stp_scan_digits(stp_text at, uint64_t* values)
 {
     *values = stp_read_u64(at) ^ UINT64_C(0x3030303030303030);
