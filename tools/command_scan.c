@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// stipple scan: what a laser scanner would measure of a scene, as test data of which the truth is
+// stipple scan: a simulated laser scan of a scene, as test data whose truth is
 // known.
 #include "command.h"
 #include "option_value.h"

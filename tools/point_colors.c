@@ -90,7 +90,7 @@ static bool read_range(const char* text, double range[2])
     return range[0] < range[1];
 }
 
-/// Marks the classes of a list. @return false where it is none
+/// Marks the classes of a list. @return false if the text is not a list of classes
 static bool read_classes(const char* text, uint8_t shown[CLASSES])
 {
     memset(shown, 0, CLASSES);

@@ -54,9 +54,9 @@ const option* point_color_options_table(option* table, point_color_options* opti
 /// Options that make no sense. @return 0, or 2 (message printed)
 int point_colors_check(const point_color_options* options);
 
-/// LO,HI. @return false where a text is none
+/// Reads LO,HI. @return false if the text is not such a pair
 bool point_colors_read_range(const char* text, double* low, double* high);
-/// N,N: marks these classes, and no others. @return false where a text is none
+/// Reads N,N and marks these classes only. @return false if the text is not such a list
 bool point_colors_read_classes(const char* text, uint8_t shown[256]);
 
 /// Whether options ask for what points alone have.

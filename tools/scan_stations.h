@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a simulated scanner stands: places of which each sees much that the others do not.
+// Chooses the stations of a simulated scanner, so that each sees much that the others do not.
 #pragma once
 
 #include "scan_sweep.h"
@@ -13,7 +13,7 @@ typedef struct scan_placing {
     uint64_t seed;
 } scan_placing;
 
-/// Chooses stations on floors with free space around; around a model of which more is seen so.
+/// Chooses stations on floors with free space around them, or around the model if more is seen from there.
 /// The same for any number of threads. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result scan_place_stations(const scan_target* target, const scan_placing* placing,
                                             stp_vec3d* stations);

@@ -26,7 +26,7 @@ static bool has_scale(int color)
     return color == POINT_COLOR_ELEVATION || (a != STP_ATTRIBUTES && !stp_attribute_is_distinct(a));
 }
 
-/// The ends of the scale that nobody chose. Elevations are read from the window's own file, once a scene.
+/// The default ends of the scale. Elevations are read from the window's own file, once a scene.
 static void usual_range(viewer* v, double range[2])
 {
     point_look* look = &v->look;

@@ -60,7 +60,7 @@ static bool prepare(const stp_las* las, worker* w)
     return w->block != NULL && (w->laz != NULL || las->items == STP_LAZ_RAW);
 }
 
-// The next points of a chunk, of which `done` are read.
+// Reads the next points of a chunk; `done` points are read already.
 static bool next_block(const stp_las* las, worker* w, const stp_las_chunk* chunk, uint64_t done,
                        size_t count)
 {

@@ -57,7 +57,7 @@ static const struct {
     {"scalar_classification", STP_COLUMN_CLASS},
 };
 
-// The column of a name; STP_COLUMN_SKIP where it is none.
+// The column of a name; STP_COLUMN_SKIP for an unknown name.
 static uint8_t column_named(stp_text begin, stp_text end)
 {
     while (end - begin >= 2 && *begin == '"' && end[-1] == '"') {
@@ -325,7 +325,7 @@ static void take_samples(samples* s, const stp_text_blocks* blocks, size_t first
 }
 
 typedef struct beginning {
-    stp_text at; ///< of the first line of points; NULL: there is none
+    stp_text at; ///< first line of points; NULL: the file has no points
     uint64_t line, declared;
     size_t block;
     row first;

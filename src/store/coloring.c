@@ -81,7 +81,7 @@ static void take_classes(void* user, uint64_t first, const void* values, size_t 
     }
 }
 
-// Colours and marks `values->count` things; what hides nobody is marked already.
+// Colours and marks `values->count` things; visible things are marked already.
 static const char* paint_values(const stp_store_values* values, paint* p, uint64_t* read_bytes)
 {
     const stp_store_coloring* c = p->coloring;

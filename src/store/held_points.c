@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Points that a set of splats holds: the set has each of them once, so the file keeps no other copy. Whoever asks for the
-// points gets columns that are made of the set's.
+// Points that a set of splats holds: the set contains each point once, so the file stores no other
+// copy. Columns of points are made from the set on request.
 #include "base/octahedral.h"
 #include "base/splat_place.h"
 #include "store/internal.h"

@@ -39,7 +39,8 @@ static const stp_store_block* block_of(const stp_store* store, stp_resident_kind
     return stp_store_block_at(store, block);
 }
 
-// Whether the file has the block of a thing that is no set. Points that a set holds have none, and leaves that are none.
+// Whether the file has the block of a mesh, point set, texture or table of leaves. Points that a set
+// holds, and sets without leaves, have no block.
 static bool is_in_file(const stp_store* store, stp_resident_kind kind, uint32_t index)
 {
     bool held =

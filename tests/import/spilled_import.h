@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the tests of large files share: importing with and without a spill, and what came of it.
+// Shared by tests of large files: importing with and without a spill, and comparing the results.
 #pragma once
 
 #include "import/formats_test.h"

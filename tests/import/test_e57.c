@@ -40,7 +40,7 @@ static unsigned char* write_two(size_t* size)
         v[4][i] = i % 1001;            // 10 bits: intensity from 0 to 1000
         v[5][i] = i % 256;
         v[6][i] = 255 - i % 256;
-        v[8][i] = i % 8; // a field nobody knows, 3 bits
+        v[8][i] = i % 8; // an unknown field, 3 bits
         v[9][i] = bits_of_double((double)i * 0.125);
     }
     const e57_stream first[] = {{64, v[0]}, {32, v[1]}, {15, v[2]}, {2, v[3]}, {10, v[4]},

@@ -221,7 +221,7 @@ void test_las_splits_large_files_into_sets(test_state* test)
     }
 }
 
-// 5 thousand million points, of which the file seems to hold all: no place may wrap around.
+// A sparse file of 5 thousand million points: no offset may overflow.
 void test_las_addresses_more_than_32_bits(test_state* test)
 {
     const uint64_t count = 5000000000u;

@@ -105,7 +105,7 @@ void test_scatter_shortcut_is_checked_by_substitution(test_state* test)
     CHECK(flat > 500 && not_flat > 500);
 }
 
-// Points near where two or three planes meet; on a plane; on a ball of which little is seen.
+// Points near the meeting of two or three planes; on a plane; on a small part of a ball.
 void test_scatter_tells_edges(test_state* test)
 {
     uint32_t edges = 0, planes = 0, balls = 0;

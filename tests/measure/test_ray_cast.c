@@ -185,7 +185,7 @@ void test_ray_cast_slips_through_no_edge(test_state* test)
     stp_context_destroy(context);
 }
 
-// Boxes that cannot be told apart, and boxes of which each is half as large as the one before.
+// Identical boxes, and boxes that halve in size.
 void test_ray_cast_of_odd_boxes(test_state* test)
 {
     enum { SAME = 1000, HALVES = 120 };

@@ -159,7 +159,7 @@ void test_leaves_come_with_a_residency(test_state* test)
     CHECK_EQUAL(STP_OK, stp_residency_create(store, &desc, &residency));
     stp_store_leaves leaves;
     CHECK_EQUAL(STP_OK, stp_store_get_leaves(store, 0, &leaves));
-    CHECK_EQUAL(0, leaves.leaf_count); // nobody asked for them
+    CHECK_EQUAL(0, leaves.leaf_count); // not requested
     const stp_want want = {.kind = STP_RESIDENT_LEAVES, .index = 0, .need = 2.0f};
     do {
         stp_residency_update(residency, &want, 1);

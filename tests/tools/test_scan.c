@@ -268,7 +268,7 @@ void test_scan_flies_over_all(test_state* test)
     stp_context_destroy(context);
 }
 
-// A box alone is looked at from around it: each of its sides is seen, which nobody sees from its top.
+// A lone box is scanned from around it, since its sides cannot be seen from its top.
 void test_scan_stands_around_what_is_alone(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);

@@ -143,7 +143,7 @@ static bool pick_levels(const cpu_renderer* r, const cpu_item* item, stp_raster_
     return any;
 }
 
-/// Selects the splats of a scattered item's runs. @return false if there are none
+/// Selects the splats of a scattered item's runs. @return false if it has no splats
 static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worker* worker)
 {
     if (!item->draw->scattered || item->runs == NULL) {

@@ -9,7 +9,7 @@
 enum {
     GRAIN = 64,         ///< leaves
     PLANE_SAMPLE = 256, ///< points that the plane is of; the first ones, which are in random order
-    EDGE_POINTS = 8,    ///< of which any may lie on an edge
+    EDGE_POINTS = 8,    ///< points tested for lying on an edge
     EDGE_AMONG = 128,   ///< points that neighbours are looked for among
     EDGE_NEIGHBOURS = 16,
     BEND_SAMPLE = 48,

@@ -25,7 +25,7 @@ void stp_symmetric_eigenvalues(const double matrix[6], double eigenvalues[3]);
 /// The smallest eigenvalue of a matrix that has no negative ones, where it is far below the others: the sum of the reciprocals of
 /// all three is the quotient of two coefficients of the cubic equation, and the smallest one's is nearly all of that sum. What
 /// comes out is at most the smallest eigenvalue, and put back into the equation to see whether it is a root (4.2).
-/// @return false where it is none: the region is not flat
+/// @return false if the region is not flat
 bool stp_smallest_eigenvalue(const double matrix[6], double* eigenvalue);
 
 /// The eigenvector of unit length of an eigenvalue that differs from the other two; (0, 1, 0) where no direction stands out.
