@@ -30,8 +30,8 @@ const stp_select_rule* stp_select_rule_of(uint32_t id);
 // Large triangles beside the splats of a node that is drawn by its set (Dachsbacher et al. 2003, 3.8): those of its own meshes
 // and of all below it, where these are few (rule_triangles.c).
 /// Whether they are drawn: the set has splats that they replace, and all are here.
-bool stp_select_uses_triangles(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                               const stp_sight* sight);
+stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at,
+                                    const stp_set_use* use, const stp_sight* sight, bool* uses);
 /// Appends their items; the set's is the last one so far.
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,
                                     const stp_set_use* use, const stp_sight* sight);

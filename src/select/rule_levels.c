@@ -115,7 +115,10 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
         use_at_most(&less, use->state);
         item = make_item(s, at, &less);
     }
-    item.beside_triangles = stp_select_uses_triangles(s, at, use, sight);
+    result = stp_select_use_triangles(s, at, use, sight, &item.beside_triangles);
+    if (result != STP_OK) {
+        return result;
+    }
     stp_depth_range drawn = {use->extra ? use->switch_depth : 0.0,
                              at->ceiling < HUGE_VAL ? at->ceiling * STP_LEVELS_GROW : HUGE_VAL};
     drawn.near = drawn.near <= sight->range.near ? 0.0 : drawn.near;

@@ -22,21 +22,24 @@ typedef struct walk {
     bool all;       ///< what was asked for is here
 } walk;
 
-/// Whether large triangles may replace splats of the prefix: for certain where the set is loaded.
-static bool has_replaced(const stp_selection* s, const stp_splats* surfels, uint32_t count)
+/// Whether large triangles replace splats of the prefix, of which no octave is missing that the picture needs.
+static stp_result has_replaced(const stp_selection* s, const stp_set_use* use, bool* has)
 {
-    if ((surfels->columns & STP_SPLATS_REPLACED) == 0) {
-        return false;
+    *has = false;
+    if ((use->surfels->columns & STP_SPLATS_REPLACED) == 0) {
+        return STP_OK;
     }
-    if (surfels->groups == NULL) {
-        return !s->streams;
+    uint32_t octaves = stp_store_octaves_for(use->surfels, use->count);
+    stp_splats here;
+    stp_result result = stp_store_get_surfels_prefix(s->store, use->set, octaves, &here);
+    if (result != STP_OK || here.groups == NULL) {
+        return result;
     }
-    for (uint32_t i = 0; i < count; i += STP_GROUP_SPLATS) {
-        if (surfels->groups[i / STP_GROUP_SPLATS].replaced != 0) {
-            return true;
-        }
+    uint32_t count = use->count < here.count ? use->count : here.count;
+    for (uint32_t i = 0; i < count && !*has; i += STP_GROUP_SPLATS) {
+        *has = here.groups[i / STP_GROUP_SPLATS].replaced != 0;
     }
-    return false;
+    return STP_OK;
 }
 
 /// Whether a part can have triangles that count at this scale.
@@ -111,26 +114,33 @@ static walk begin_walk(stp_selection* s, const stp_select_entry* at, const stp_s
         .s = s, .at = at, .use = use, .sight = sight, .left = STP_LARGE_USES + 1, .all = true};
 }
 
-bool stp_select_uses_triangles(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
-                               const stp_sight* sight)
+stp_result stp_select_use_triangles(stp_selection* s, const stp_select_entry* at,
+                                    const stp_set_use* use, const stp_sight* sight, bool* uses)
 {
     const stp_quality* q = s->quality;
     bool by_level = use->level_per_depth > 0.0 || use->level_least > 0.0;
+    *uses = false;
     if (q->splats_only || q->nodes_only || q->splat_count != 0 || !by_level || at->sections != 0 ||
-        at->shown == STP_SHOW_GHOST || !has_replaced(s, use->surfels, use->count)) {
-        return false;
+        at->shown == STP_SHOW_GHOST) {
+        return STP_OK;
     }
+    bool replaced = false;
+    stp_result result = has_replaced(s, use, &replaced);
     stp_affine here = stp_affine_identity();
     walk w = begin_walk(s, at, use, sight);
-    (void)look_at(&w, at->node, &here);
+    if (result == STP_OK && replaced) {
+        result = look_at(&w, at->node, &here);
+    }
     bool fits = s->list->id_count + w.ids + use->surfels->count < IDS_MOST &&
                 s->list->count + w.items < ITEMS_MOST;
-    if (w.left == 0 || w.items == 0 || !fits) {
-        return false;
+    if (result != STP_OK || w.left == 0 || w.items == 0 || !fits) {
+        return result;
     }
     w = begin_walk(s, at, use, sight);
     w.does = WALK_ASKS;
-    return !s->streams || (look_at(&w, at->node, &here) == STP_OK && w.all);
+    result = s->streams ? look_at(&w, at->node, &here) : STP_OK;
+    *uses = w.all;
+    return result;
 }
 
 stp_result stp_select_add_triangles(stp_selection* s, const stp_select_entry* at,

@@ -70,14 +70,20 @@ static void make_mesh(half_and_half* m)
     }
 }
 
-static bool set_up(fixture* f)
+/// @param away how far from the triangles the set's large ones are, so that they replace no splat and no flat part ends the
+/// tree; 0: they are the same
+static bool set_up_away(fixture* f, float away)
 {
     static const uint8_t red[3] = {255, 0, 0};
     *f = (fixture){.context = test_context(NULL, 2, NULL)};
     make_mesh(&f->mesh);
+    for (int i = 0; i < 18; i += 3) {
+        f->mesh.corners[i] += away;
+    }
     f->samples = made_square_surfels(f->context, LOG_SIDE, red);
-    const stp_spt_desc desc = {
-        .tree = {STP_TREE_GEOMETRIC, 255}, .corners = f->mesh.corners, .triangle_count = 2};
+    const stp_spt_desc desc = {.tree = {away > 0.0f ? STP_TREE_DIAMETER : STP_TREE_GEOMETRIC, 255},
+                               .corners = f->mesh.corners,
+                               .triangle_count = 2};
     const stp_store_mesh mesh = {.vertex_count = 4 + (ROWS + 1) * (ROWS + 1),
                                  .triangle_count = 2 + SMALL,
                                  .positions = f->mesh.positions,
@@ -96,6 +102,11 @@ static bool set_up(fixture* f)
         .eye = {0, 0, 6}, .up = {0, 1, 0}, .fov_degrees = 60, .width = SIDE, .height = SIDE};
     f->quality = (stp_quality){.splat_size = 1.0f, .spare = 1};
     return f->store != NULL;
+}
+
+static bool set_up(fixture* f)
+{
+    return set_up_away(f, 0.0f);
 }
 
 static void tear_down(fixture* f)
@@ -228,6 +239,28 @@ void test_hybrid_draws_without_holes(test_state* test)
     }
     CHECK(beside > 8 && holes > 20 * beside);
     stp_renderer_destroy(renderer);
+    tear_down(&f);
+}
+
+// Which splats triangles replace is known for octaves that no earlier picture has read.
+void test_hybrid_reads_octaves_it_looks_at(test_state* test)
+{
+    static fixture f;
+    CHECK(set_up_away(&f, 100.0f)); // no splat is replaced, so all are looked at
+    CHECK(f.set.octave_count > 3 && (f.set.columns & STP_SPLATS_REPLACED) != 0);
+    uint32_t most = 0;
+    for (int i = 0; i < 24; ++i) {
+        f.view.eye.z = 2.0 * pow(1.3, i);
+        for (uint32_t k = 0; k <= f.set.octave_count; ++k) {
+            stp_splats got;
+            stp_store_release_surfels(f.store, 0);
+            CHECK_EQUAL(STP_OK, stp_store_get_surfels_prefix(f.store, 0, k, &got));
+            CHECK_EQUAL(STP_OK, select_items(&f));
+            CHECK(f.list.count == 1 && !f.list.items[0].beside_triangles);
+            most = f.list.items[0].prefix > most ? f.list.items[0].prefix : most;
+        }
+    }
+    CHECK(most > f.set.octave_ends[1]);
     tear_down(&f);
 }
 
