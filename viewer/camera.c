@@ -18,6 +18,7 @@ stp_boxd camera_scene_box(const viewer* v)
 void camera_begin(viewer* v)
 {
     stp_boxd box = camera_scene_box(v);
+    v->picture_area = panels_layout(v); // beside the panels of this scene, not of an empty window
     uint32_t width = (uint32_t)v->picture_area.width, height = (uint32_t)v->picture_area.height;
     stp_navigator_init(&v->camera, &box, width, height);
     const char* name = v->options.view;

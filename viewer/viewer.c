@@ -121,7 +121,8 @@ static bool lacks_method(const viewer* v)
 
 static void take_scene(viewer* v)
 {
-    const painter_scene* scene = painter_adopt(v->painter);
+    // the first camera fits beside the panels, whose heights are known once they have been shown
+    const painter_scene* scene = v->shows > 0 ? painter_adopt(v->painter) : NULL;
     if (scene == NULL) {
         return;
     }

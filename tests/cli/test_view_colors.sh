@@ -26,10 +26,14 @@ for memory in "" "--memory 512M"; do
     open_viewer scan.stip --backend "$drawn_by" --color intensity --range 0,60000 $memory
     wait_until 'r["loading"] == "done" and r["rests"] and r["color"] == "intensity" and picture["complete"]'
     shot "intensity$memory.png"
+    cp report.json "first$memory.json"
     cmp -s plain.png "intensity$memory.png" && fail "intensities change nothing"
     close_viewer
 done
-same intensity.png "intensity--memory 512M.png" 0.99 2> /dev/null || true
+same intensity.png "intensity--memory 512M.png" 0.99
+# however soon the scene is there, the first camera fits beside the panels
+"$python" -S -E -c 'import json; one, other = (json.load(open(f"first{m}.json"))["camera"] for m in ("", "--memory 512M"))
+assert one == other, (one, other)' || fail "first cameras differ"
 open_viewer scan.stip --backend "$drawn_by" --color elevation --classes 6
 wait_until 'r["loading"] == "done" and r["rests"] and r["color"] == "elevation" and r["hides"] and picture["complete"]'
 xdotool key F2

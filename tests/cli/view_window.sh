@@ -88,7 +88,11 @@ open_viewer()
     viewer=$!
     wait_until 'r["shows"] > 0'
     until window=$(xdotool search --onlyvisible --pid $viewer 2> /dev/null | tail -1) && [ -n "$window" ]; do
-        kill -0 $viewer 2> /dev/null || exit 1
+        kill -0 $viewer 2> /dev/null || {
+            wait $viewer
+            fail "the viewer ended before it had a window, with code $?: $(cat viewer.err)"
+            exit 1
+        }
         sleep 0.1
     done
     xdotool windowmove "$window" 0 0 windowfocus "$window"
