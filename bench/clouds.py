@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Processor time of building clouds of points, in turn with each of several executables.
+"""CPU time of building point clouds, alternating between several executables.
 
-    bench/clouds.py build/release/tools/stipple [OTHER...] [--counts 10000,100000,1000000] [--runs 5] [--json FILE]
+    bench/clouds.py build/release/tools/stipple [OTHER...] [--counts 10000,100000,1000000]
+                    [--runs 5] [--json FILE]
 
-A cloud is a wavy sheet without normals, far from the origin (as maps are), with doubles for coordinates. Time is user
-and system time of the whole process, the median over the runs; the start of a process that builds nothing is shown apart.
+A cloud is a wavy sheet without normals, far from the origin (as maps are), with coordinates in
+double precision. Times are user and system time of the whole process, the median over the runs. The
+start of a process that builds nothing is shown separately.
 """
 import argparse
 import array
@@ -55,7 +57,7 @@ def main():
             for _ in range(options.runs):
                 for name in options.executables:
                     if os.path.exists(output):
-                        os.remove(output)  # else its results would be used again
+                        os.remove(output)  # else the build would reuse its results
                     times[name].append(seconds(name, "build", cloud, "-o", output) if count else seconds(name, "help"))
             for name, runs in times.items():
                 user, system = (statistics.median(run[k] for run in runs) for k in (0, 1))

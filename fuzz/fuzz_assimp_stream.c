@@ -2,7 +2,7 @@
 //
 // build/fuzz/fuzz/fuzz_assimp_stream -max_total_time=60 -max_len=4096 build/corpus/fuzz_assimp_stream
 //
-// Any bytes as what the child process that runs assimp sends: refused, or a sound scene.
+// Arbitrary bytes as the output of the assimp child process: rejected, or a valid scene.
 #include "../tests/import/import_digest.h"
 #include "import/assimp_stream.h"
 

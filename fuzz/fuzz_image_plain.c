@@ -2,7 +2,7 @@
 //
 // build/fuzz/fuzz/fuzz_image_plain -max_total_time=60 -max_len=4096 build/corpus/fuzz_image_plain
 //
-// Any bytes as a TGA or BMP picture: refused, or as many texels as it says.
+// Arbitrary bytes as a TGA or BMP picture: rejected, or as many texels as it claims.
 #include "import/image_plain.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 // build/fuzz/fuzz/fuzz_mtl -max_total_time=60 -max_len=4096 build/corpus/fuzz_mtl
 // Seeds: /usr/share/assimp/models/OBJ/*.mtl
 //
-// Any bytes as a material library: its materials have numbers in range.
+// Arbitrary bytes as a material library: the values of its materials are in range.
 #include "import/obj.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 // build/fuzz/fuzz/fuzz_png -max_total_time=60 -max_len=4096 build/corpus/fuzz_png
 // Seeds: /usr/share/assimp/models/*/*/*.png
 //
-// Any bytes as a PNG; what can be read must survive being written and read again.
+// Arbitrary bytes as a PNG. A picture that can be read must survive a round trip.
 #include "present/png.h"
 
 #include <stdlib.h>

@@ -18,7 +18,8 @@
 
 #define ALIGNMENT ((size_t)64)
 #define MESSAGE_SIZE 1024
-// Blocks from here on come straight from the system. The sanitizers know what malloc gives, and see more errors.
+// Blocks of at least this size bypass malloc. Sanitizers track malloc, so they find more errors
+// without this.
 #if defined(STP_SANITIZED)
 #define LARGE_SIZE SIZE_MAX
 #else
@@ -38,7 +39,7 @@ const char* stp_result_string(stp_result result)
     return "unknown result";
 }
 
-// What may be kept of freed blocks: what is counted and what is kept are within the limit together.
+// Limit on kept freed blocks: allocated and kept bytes together stay within the memory limit.
 static size_t most_kept(const stp_context* context, size_t freed)
 {
     uint64_t limit = context->desc.memory_limit_bytes;
@@ -134,7 +135,7 @@ static void raise_to(atomic_uint_fast64_t* most, uint64_t value)
     }
 }
 
-// Adds to the count of live bytes; false where that would pass the limit.
+// Adds to the count of live bytes; false if that would exceed the limit.
 static bool count_bytes(stp_context* context, uint64_t size)
 {
     uint64_t live = atomic_fetch_add(&context->live_bytes, size) + size;
@@ -246,7 +247,7 @@ static void log_message(stp_context* context, stp_log_level level, const char* f
     if (context->desc.log != NULL) {
         char message[MESSAGE_SIZE], shown[MESSAGE_SIZE];
         vsnprintf(message, sizeof(message), format, list);
-        stp_make_printable(message, shown, sizeof(shown)); // names in files are in it
+        stp_make_printable(message, shown, sizeof(shown)); // messages contain names from files
         context->desc.log(level, shown, context->desc.log_user);
     }
 }
@@ -272,7 +273,7 @@ stp_result stp_fail_memory(stp_context* context)
                             (unsigned long long)limit, (unsigned long long)(needed / 1000000 + 1));
         }
         uint64_t refused = atomic_load(&context->refused_bytes);
-        if (refused == 0) { // the system itself has no more
+        if (refused == 0) { // the system itself is out of memory
             return stp_fail(context, STP_ERROR_OUT_OF_MEMORY, "out of memory");
         }
         return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,

@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #define HUGE_PAGE ((size_t)2 << 20)
-#define HUGE_SIZE ((size_t)4 << 20) // from here on, asking for huge pages saves more than it costs
-#define LOOSEST_FIT 2u              // a kept block is used again for what is at least half as large
+#define HUGE_SIZE ((size_t)4 << 20) // from this size on, huge pages save more than they cost
+#define LOOSEST_FIT 2u              // a kept block serves requests of at least half its size
 
 void stp_large_blocks_open(stp_large_blocks* blocks)
 {
@@ -44,7 +44,7 @@ static stp_large_block take_kept(stp_large_blocks* blocks, size_t index)
     return block;
 }
 
-// Gives back what was freed first until so much is left; the mutex is held.
+// Frees the oldest kept blocks until both limits hold. Call with the mutex held.
 static void trim(stp_large_blocks* blocks, size_t most_blocks, size_t most_bytes)
 {
     while (blocks->kept_count > most_blocks || blocks->kept_bytes > most_bytes) {
@@ -58,7 +58,7 @@ void stp_large_blocks_close(stp_large_blocks* blocks)
     pthread_mutex_destroy(&blocks->mutex);
 }
 
-// The smallest kept block that will do, without what is too much of it.
+// Finds the smallest kept block that fits without too much waste.
 static stp_large_block reuse(stp_large_blocks* blocks, size_t size)
 {
     size_t best = blocks->kept_count;
@@ -89,7 +89,7 @@ static void* map(size_t size)
     unmap((stp_large_block){mapped, before});
     unmap((stp_large_block){mapped + before + size, extra - before});
 #if defined(MADV_HUGEPAGE)
-    // a wish: nothing depends on it; not for the last, which would be larger than what was asked for
+    // only a hint; not for the last partial page, which would make the block larger than requested
     (void)madvise(mapped + before, size / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
     return mapped + before;

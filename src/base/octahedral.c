@@ -11,7 +11,7 @@ static int8_t clamp_code(int value)
     return (int8_t)(value < -127 ? -127 : value > 127 ? 127 : value);
 }
 
-// Where a unit vector lies on the unfolded square, -1..1 each way; @return false for zero
+// Maps a unit vector to the unfolded square, -1..1 on each axis; @return false for zero
 static bool unfold(stp_vec3 n, float square[2])
 {
     float sum = fabsf(n.x) + fabsf(n.y) + fabsf(n.z);

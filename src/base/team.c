@@ -24,7 +24,7 @@ typedef struct shared_loop {
     const atomic_bool* stopped;
 } shared_loop;
 
-// One member's share: `begin` is the member's number, whichever thread it runs on.
+// Runs one member. `begin` is the member's number, whichever thread runs it.
 static void run_member(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)end, (void)worker;

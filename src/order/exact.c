@@ -2,15 +2,15 @@
 //
 // The exact greedy permutation (farthest-first traversal; Gonzalez 1985), in phases.
 //
-// With r the largest gap, nothing whose gap is below T = (0.9 r)^2 can be chosen while some gap is
-// at least T. So a phase takes the few points with gaps of at least T, its *front*, orders them
-// greedily among themselves in a tree small enough for the cache, until no gap of at least T is
-// left, and only then tells the whole set what was chosen, all at once. There, each leaf notes the
-// points that may concern it and looks at them when its gap reaches the front: most leaves are
+// With r the largest gap, a point whose gap is below T = (0.9 r)^2 cannot be chosen while some gap
+// is at least T. So each phase takes the few points with gaps of at least T, its *front*, and
+// orders them greedily in a tree small enough for the cache, until no gap of at least T is left.
+// Only then does it push the chosen points to the whole set, all at once. There, each leaf records
+// the points that may affect it and evaluates them when its gap reaches the front. Most leaves are
 // touched far less often than points are chosen near them.
 //
-// The result is exactly that of choosing one by one: the largest gap first, among equal ones the
-// lowest position on the Morton curve. Fronts, threads and vector widths change the time, not the
+// The result is exactly that of choosing one by one: the largest gap first; ties go to the lowest
+// position on the Morton curve. Fronts, threads and vector widths change the time, not the order.
 // order.
 #include "base/clock.h"
 #include "base/math.h"

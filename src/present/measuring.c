@@ -29,7 +29,7 @@ double stp_measure_angle(stp_vec3d from, stp_vec3d corner, stp_vec3d to)
     if (length_of(a) == 0.0 || length_of(b) == 0.0) {
         return 0.0;
     }
-    // exact near 0 and 180 degrees too, unlike the arc cosine (Kahan)
+    // unlike the arc cosine, exact near 0 and 180 degrees too (Kahan)
     return degrees(2.0 * atan2(length_of(stp_subd(a, b)), length_of(stp_addd(a, b))));
 }
 

@@ -4,10 +4,10 @@
 #include "present/camera.h"
 
 static const double quarter = 0.5 * STP_PI;
-static const double reaches_a_second = 0.6; // of flight
-static const double seeing_seconds = 0.35;  // until most of a new distance is taken in
+static const double reaches_a_second = 0.6; // flight speed
+static const double seeing_seconds = 0.35;  // time to adapt to most of a new distance
 static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
-static const double alike = 3.0; // depths within such a factor are about the same
+static const double alike = 3.0; // depths within this factor count as similar
 
 static double clamp(double x, double low, double high)
 {
@@ -75,7 +75,7 @@ void stp_navigator_take(stp_navigator* n, const stp_view* view)
     n->eye = view->eye;
     n->elevation = asin(clamp(back.y, -1.0, 1.0));
     double flat = sqrt(back.x * back.x + back.z * back.z);
-    bool upright = flat < 1e-9; // the picture's up says where the front is
+    bool upright = flat < 1e-9; // then the picture's up gives the azimuth
     double side = back.y > 0.0 ? -1.0 : 1.0;
     n->azimuth = upright ? atan2(side * view->up.x, side * view->up.z) : atan2(back.x, back.z);
     n->roll = 0.0;
@@ -175,7 +175,7 @@ void stp_navigator_look(stp_navigator* n, double right, double down)
     n->elevation = clamp(n->elevation + down, -quarter, quarter);
 }
 
-// A pivot that nobody chose is where one looks.
+// A pivot that was not chosen moves with the view.
 static void move(stp_navigator* n, stp_vec3d by)
 {
     n->eye = stp_addd(n->eye, by);
@@ -196,7 +196,7 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
         double height = clamp(n->ortho_height * factor, n->least_reach, n->most_reach);
         factor = height / n->ortho_height;
         n->ortho_height = height;
-        // only sideways: how far the eye is does not matter, but for what it is to be when perspective comes back
+        // only sideways; the eye's distance matters only when switching back to perspective
         stp_navigator_axes axes = stp_navigator_get_axes(n);
         stp_vec3d o = along(&axes, offset);
         n->eye = stp_addd(point, across(&axes, (stp_vec3d){o.x * factor, o.y * factor, o.z}));
@@ -217,7 +217,7 @@ void stp_navigator_fly(stp_navigator* n, const double moves[3], double seconds, 
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     stp_vec3d by = stp_scaled(axes.right, moves[0] * step);
     by.y += moves[1] * step;
-    if (n->ortho_height > 0.0) { // forward means larger
+    if (n->ortho_height > 0.0) { // forward enlarges
         double height = n->ortho_height * exp(-moves[2] * step / n->reach);
         n->ortho_height = clamp(height, n->least_reach, n->most_reach);
     } else {
@@ -290,7 +290,7 @@ void stp_navigator_switch_projection(stp_navigator* n)
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     double x, y, depth;
     if (n->ortho_height > 0.0) {
-        // as far from the pivot as makes it as large as it is
+        // the distance from the pivot that keeps its size
         (void)stp_navigator_project(n, n->pivot, &x, &y, &depth);
         double wanted = 0.5 * n->ortho_height / slope_of(n);
         n->eye = stp_addd(n->eye, stp_scaled(axes.back, wanted - depth));
@@ -332,7 +332,7 @@ stp_navigator stp_navigator_mix(const stp_navigator* from, const stp_navigator* 
     n.ortho_height = between_sizes(from->ortho_height, to->ortho_height, part);
     n.fov_degrees = between(from->fov_degrees, to->fov_degrees, part);
     n.reach = between_sizes(from->reach, to->reach, part);
-    // what is looked at moves straight, and the eye is where distance and direction want it
+    // the pivot moves linearly; distance and direction determine the eye
     stp_navigator_axes a = stp_navigator_get_axes(from), b = stp_navigator_get_axes(to);
     stp_navigator_axes axes = stp_navigator_get_axes(&n);
     stp_vec3d start = stp_subd(from->eye, stp_scaled(a.back, from->reach));

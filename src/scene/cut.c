@@ -11,12 +11,13 @@
 #include <string.h>
 
 #define GRAIN 65536
-#define LARGE_SIZE ((size_t)64 << 20) // working data of that size are spilled where the mesh is
+#define LARGE_SIZE ((size_t)64 << 20) // from this size on, working data is spilled if the mesh is
 
-// What the jobs share. Pieces lie behind the scene's own; they count only when all are made.
+// State shared by the jobs. New pieces follow the scene's own items and count only once all are
+// made.
 typedef struct cutter {
     stp_scene* scene;
-    const stp_mesh* mesh; ///< one of them is NULL
+    const stp_mesh* mesh; ///< exactly one of them is not NULL
     const stp_point_set* points;
     stp_mesh* mesh_pieces;
     stp_point_set* point_pieces;
@@ -25,7 +26,7 @@ typedef struct cutter {
     uint32_t piece_count;
     bool spilled;
     pthread_mutex_t mutex;
-    stp_result result; ///< of the first failure; IO was logged already
+    stp_result result; ///< of the first failure; I/O errors are already logged
 } cutter;
 
 static void find_places(size_t begin, size_t end, uint32_t worker, void* user)
@@ -49,7 +50,8 @@ static void find_places(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Room for a piece's arrays, whose sizes are set; false where there is none. A failure of the spill is logged once.
+// Allocates a piece's arrays, whose sizes are set; false on failure. A failure of the spill is
+// logged once.
 static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
 {
     pthread_mutex_lock(&c->mutex);
@@ -83,7 +85,7 @@ static unsigned bits_of(uint32_t count)
     return bits;
 }
 
-// Copies `size` bytes of each vertex, and where the vertex changes, goes on to the next.
+// Copies `size` bytes of each distinct vertex; corners are sorted by vertex.
 static void gather(const void* from, void* to, size_t size, const uint64_t* corners, size_t count)
 {
     unsigned char* out = to;
@@ -95,7 +97,8 @@ static void gather(const void* from, void* to, size_t size, const uint64_t* corn
     }
 }
 
-// Makes a piece from its corners, sorted by vertex: vertex in the upper half, number of the corner in the lower.
+// Makes a piece from its corners, sorted by vertex: vertex in the upper half, corner index in the
+// lower.
 static bool fill_mesh_piece(cutter* c, stp_mesh* piece, const uint64_t* corners)
 {
     const stp_mesh* mesh = c->mesh;
@@ -128,7 +131,7 @@ static bool fill_mesh_piece(cutter* c, stp_mesh* piece, const uint64_t* corners)
         piece->indices[(uint32_t)corners[i]] = vertex;
     }
     stp_mesh_measure(piece);
-    // where the same triangles are rounded differently, they are another thing
+    // equal triangles with different rounding are different content
     piece->content = stp_hash_bytes(stp_mesh_hash(piece), &piece->grid_step, sizeof(double));
     return true;
 }
@@ -204,7 +207,7 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
     }
 }
 
-// Counts the pieces' memory, and frees them again where one could not be made.
+// Counts the pieces' memory, and frees all pieces if one failed.
 static void settle_pieces(cutter* c)
 {
     for (uint32_t i = 0; i < c->piece_count; ++i) {
@@ -224,7 +227,7 @@ static void settle_pieces(cutter* c)
     }
 }
 
-// Divides the elements, and makes the pieces.
+// Divides the elements and makes the pieces.
 static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
 {
     stp_context* context = c->scene->context;

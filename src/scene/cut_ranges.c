@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A k-d tree, level by level: each run is divided across its longest axis, in proportion to the pieces that it
-// shall give. Ties go by index, so coinciding places are divided as well.
+// A k-d tree, level by level: each run is divided across its longest axis, in proportion to the
+// number of pieces it must give. Ties are broken by index, so coinciding places are divided as
+// well.
 #include "scene/cut_ranges.h"
 
 #include <stdlib.h>
@@ -12,7 +13,7 @@ typedef struct run {
 
 typedef struct cutting {
     stp_place* places;
-    run *from, *to; ///< of this level and the next; two places for each run of this one
+    run *from, *to; ///< of this level and the next; the next has two places per run
 } cutting;
 
 static bool comes_before(const stp_place* a, const stp_place* b, int axis)
@@ -43,7 +44,7 @@ static int longest_axis(const stp_place* places, uint32_t count)
     return axis;
 }
 
-// Hoare's selection: the `rank` first along the axis come to the front.
+// Hoare's selection: moves the `rank` smallest along the axis to the front.
 static void select_first(stp_place* places, uint32_t count, uint32_t rank, int axis)
 {
     uint32_t low = 0, high = count - 1; // the last of the first `rank` is at rank - 1
@@ -66,7 +67,7 @@ static void select_first(stp_place* places, uint32_t count, uint32_t rank, int a
             places[i] = places[j];
             places[j] = swap;
         }
-        // the pivot, which no other equals, is at i == j
+        // the pivot is unique, at i == j
         if (rank - 1 == i) {
             return;
         }
@@ -110,7 +111,7 @@ static void sort_runs(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Leaves out what a run of a single piece left empty.
+// Removes the empty runs left by single pieces.
 static uint32_t keep_runs(run* runs, uint32_t count)
 {
     uint32_t kept = 0;

@@ -17,7 +17,7 @@ static uint32_t next_random(uint32_t* state)
     return *state >> 8;
 }
 
-// Marks pages, so that blocks which share one are noticed.
+// Marks pages, which detects overlapping blocks.
 static void fill(unsigned char* block, size_t size, unsigned char value)
 {
     for (size_t i = 0; i < size; i += KILOBYTE) {
@@ -86,7 +86,7 @@ void test_large_blocks_are_used_again(test_state* test)
     stp_large_free(&large, first, 6 * MEGABYTE, SIZE_MAX);
     stp_large_free(&large, second, 5 * MEGABYTE, SIZE_MAX);
     CHECK_EQUAL(11 * MEGABYTE, large.kept_bytes);
-    // the smallest that is large enough, and never one that is far too large
+    // the smallest block that fits, and never one that is far too large
     CHECK(stp_large_alloc(&large, 4 * MEGABYTE, SIZE_MAX) == second);
     CHECK_EQUAL(6 * MEGABYTE, large.kept_bytes);
     void* small = stp_large_alloc(&large, MEGABYTE, SIZE_MAX);
@@ -101,7 +101,7 @@ void test_large_blocks_are_used_again(test_state* test)
     stp_large_blocks_close(&large);
 }
 
-// What a job holds, and what is kept of former ones, in one limit.
+// Memory in use and kept blocks share one limit.
 typedef struct held {
     stp_context* context;
     int failed[4];
@@ -136,7 +136,7 @@ void test_contexts_keep_freed_blocks_within_their_limit(test_state* test)
         allocate_some(i, i + 1, 0, &h);
         size_t live = (size_t)stp_context_live_bytes(context);
         CHECK(live + context->large_blocks.kept_bytes <= limit);
-        void* most = stp_alloc(context, limit - live - KILOBYTE); // what is kept gives way
+        void* most = stp_alloc(context, limit - live - KILOBYTE); // kept blocks give way
         CHECK(most != NULL);
         CHECK(context->large_blocks.kept_bytes <= KILOBYTE);
         stp_free(context, most);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Colours, normals, transforms, hashes and sorting: small pure functions, held against plain
-// definitions.
+// Colours, normals, transforms, hashes and sorting: small pure functions against plain definitions.
 #include "tests.h"
 
 #include "base/bytes.h"
@@ -194,7 +193,7 @@ void test_hashes_tell_contents_and_sequences_apart(test_state* test)
     stp_hash ab = stp_hash_bytes(stp_hash_bytes(zero, "a", 1), "b", 1);
     stp_hash ba = stp_hash_bytes(stp_hash_bytes(zero, "b", 1), "a", 1);
     CHECK(!stp_hash_equal(ab, ba));
-    // both halves of what came before count
+    // both halves of the previous hash count
     stp_hash one = {.low = 1, .high = 2}, other = {.low = 1, .high = 3};
     CHECK(!stp_hash_equal(stp_hash_bytes(one, "x", 1), stp_hash_bytes(other, "x", 1)));
     CHECK(!stp_hash_equal(stp_hash_bytes(zero, NULL, 0), zero));
