@@ -185,7 +185,8 @@ static stp_result check_parts(const stp_scene* scene, const char* path)
     for (size_t i = 0; i < scene->part_count; ++i) {
         if (scene->parts[i].kind != STP_PART_MESH) {
             return stp_fail(scene->context, STP_ERROR_UNSUPPORTED,
-                            "%s: the scene contains points; glTF output does not support them", path);
+                            "%s: the scene contains points; glTF output does not support them",
+                            path);
         }
     }
     return STP_OK;

@@ -7,8 +7,8 @@
 /// A node of the file, in file order: parents come first, siblings are adjacent.
 typedef struct gltf_node {
     uint32_t object;
-    uint32_t instance; ///< shows only this instance of its parts; STP_NONE: the object
-    uint32_t content;  ///< object whose parts it shows; STP_NONE: none
+    uint32_t instance;    ///< shows only this instance of its parts; STP_NONE: the object
+    uint32_t content;     ///< object whose parts it shows; STP_NONE: none
     uint32_t first_child; ///< node
     uint32_t child_count;
     bool part_only; ///< shows only parts of a used object, without a transform of its own

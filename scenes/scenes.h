@@ -8,8 +8,7 @@
 #include "scene/scene.h"
 
 typedef struct scene_options {
-    double
-        scale; ///< amount of content (not its size): 1 is the whole; 1/16 for quick trials
+    double scale;  ///< amount of content (not its size): 1 is the whole; 1/16 for quick trials
     uint64_t seed; ///< default 0
 } scene_options;
 

@@ -73,8 +73,7 @@ static inline stp_shape_axis stp_shape_smaller(uint32_t code)
         cosine += power;
         sine += x * power / (double)(2 * k + 1);
     }
-    return (stp_shape_axis){(float)cosine,
-                            (float)sine};
+    return (stp_shape_axis){(float)cosine, (float)sine};
 }
 
 /// Extra weight of the square of an offset along the smaller radius; 0 for disks.

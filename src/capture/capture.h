@@ -31,7 +31,7 @@ typedef struct stp_capture_desc {
         ///< directions. Default: chosen so that about `wanted_candidates` come out.
     double pixel_size;          ///< side of a pixel in scene units; 0: from `resolution`
     uint64_t wanted_candidates; ///< for the automatic resolution; default 1.75 million
-    bool no_fill; ///< skip the fill (fill.h); 26 directions are never filled
+    bool no_fill;               ///< skip the fill (fill.h); 26 directions are never filled
     const stp_capture_textures* textures; ///< of this scene; NULL: made for this call
 } stp_capture_desc;
 

@@ -58,7 +58,7 @@ STP_MUST_USE stp_result stp_image_decode(stp_context* context, const char* name,
 
 /// Compression effort.
 typedef enum stp_image_effort {
-    STP_IMAGE_FAST, ///< RGBA at a low level: for rendered pictures
+    STP_IMAGE_FAST,  ///< RGBA at a low level: for rendered pictures
     STP_IMAGE_SMALL, ///< fewest channels that hold the picture, at a higher level: for stored files
 } stp_image_effort;
 

@@ -12,7 +12,7 @@ typedef struct stp_distribution {
         coverage_max;            ///< distance of each point of the set to the prefix
     double even_spacing;         ///< the largest possible: as many points on a hexagonal lattice
     double relative_spacing_min; ///< spacing_min over even_spacing
-    double uncovered_fraction;   ///< share of the set farther from the prefix than its median spacing
+    double uncovered_fraction;   ///< share farther from the prefix than its median spacing
 } stp_distribution;
 
 /// Statistics of the first `count` of `ordered` against `points` (3 floats each). `spacings` (may

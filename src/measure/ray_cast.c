@@ -227,7 +227,7 @@ typedef struct cast {
     // within the part that is looked at
     const stp_cast_mesh* mesh;
     uint32_t part;
-    double origin[3], shear[2], stretch; ///< shear transform that aligns the ray with the axis `along`
+    double origin[3], shear[2], stretch; ///< align the ray with axis `along`
     int along, across, off;
 } cast;
 

@@ -134,8 +134,9 @@ stp_result stp_flight_parse(stp_context* context, const char* name, const unsign
 {
     *flight = (stp_flight){0};
     if (size > STP_FLIGHT_BYTES_MOST) {
-        return stp_fail(context, STP_ERROR_LIMIT, "%s: a flight may have at most %zu bytes, this has %zu",
-                        name, STP_FLIGHT_BYTES_MOST, size);
+        return stp_fail(context, STP_ERROR_LIMIT,
+                        "%s: a flight may have at most %zu bytes, this has %zu", name,
+                        STP_FLIGHT_BYTES_MOST, size);
     }
     json_t* root;
     stp_result result = stp_json_parse(context, name, bytes, size, &root);

@@ -21,7 +21,7 @@ typedef struct stp_navigator {
     double reach;                    ///< distance to the visible surface: it scales speeds
     stp_vec3d pivot;                 ///< centre of orbits
     bool pivot_chosen;               ///< the user chose it: it stays
-    double speed;                    ///< flight speed, as a factor on the one derived from `reach`; initially 1
+    double speed;                    ///< flight speed factor; initially 1
     double least_reach, most_reach;
     uint32_t width, height; ///< pixels
 } stp_navigator;

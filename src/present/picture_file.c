@@ -41,8 +41,8 @@ static stp_result check_sides(stp_context* context, const stp_image* image, cons
         return STP_OK;
     }
     return stp_fail(context, STP_ERROR_LIMIT,
-                    "%s: the picture has %ux%u pixels, but this format allows at most %u per side", path,
-                    image->width, image->height, limit);
+                    "%s: the picture has %ux%u pixels, but this format allows at most %u per side",
+                    path, image->width, image->height, limit);
 }
 
 static stp_result write_bytes(stp_context* context, const char* path, const void* bytes,

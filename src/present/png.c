@@ -60,8 +60,9 @@ static stp_result check_size(stp_context* context, const char* name, const struc
     static const unsigned channels[] = {1, 0, 3, 1, 2, 0, 4};
     uint64_t pixels = (uint64_t)header->width * header->height;
     if (pixels > PIXEL_LIMIT) {
-        return stp_fail(context, STP_ERROR_LIMIT, "%s: PNG: %u x %u pixels exceed the limit of 2^28",
-                        name, header->width, header->height);
+        return stp_fail(context, STP_ERROR_LIMIT,
+                        "%s: PNG: %u x %u pixels exceed the limit of 2^28", name, header->width,
+                        header->height);
     }
     uint64_t raw_bytes = pixels * channels[header->color_type] * header->bit_depth / 8;
     if (raw_bytes / DEFLATE_RATIO > file_size || !stp_image_believes(pixels, file_size)) {
@@ -92,8 +93,8 @@ static stp_result decode(stp_context* context, spng_ctx* codec, const char* name
         return stp_fail_memory(context);
     }
     code = spng_decode_image(codec, pixels, pixel_bytes, SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
-    code = code != 0 ? code
-                     : spng_decode_chunks(codec); // read to the end, to detect a truncated file
+    code =
+        code != 0 ? code : spng_decode_chunks(codec); // read to the end, to detect a truncated file
     if (code != 0) {
         stp_free(context, pixels);
         return fail_codec(context, name, code);

@@ -142,8 +142,8 @@ stp_result stp_viewpoints_write(stp_context* context, const char* path,
     stp_result result =
         size <= STP_VIEWPOINTS_BYTES_MOST
             ? stp_file_writer_open(context, path, &writer)
-            : stp_fail(context, STP_ERROR_LIMIT, "%s: the viewpoints file would exceed %zu bytes", path,
-                       STP_VIEWPOINTS_BYTES_MOST);
+            : stp_fail(context, STP_ERROR_LIMIT, "%s: the viewpoints file would exceed %zu bytes",
+                       path, STP_VIEWPOINTS_BYTES_MOST);
     if (result == STP_OK) {
         result = stp_file_writer_append(writer, text, size);
         result = result == STP_OK ? stp_file_writer_append(writer, "\n", 1) : result;

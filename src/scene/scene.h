@@ -94,11 +94,10 @@ typedef struct stp_mesh {
     uint32_t material;
     stp_box bounds;
     stp_hash content; ///< of the geometry, without the material; set by stp_scene_finish
-    double
-        grid_step; ///< of the stored positions (base/position_grid.h); set by stp_scene_finish
-    double area;   ///< of the triangles; set by stp_scene_finish
-    bool spilled;  ///< the arrays are in the scene's spill file, perhaps shared with other meshes
-    bool cut;      ///< a piece of a larger mesh, adjacent to other pieces at its borders
+    double grid_step; ///< of the stored positions (base/position_grid.h); set by stp_scene_finish
+    double area;      ///< of the triangles; set by stp_scene_finish
+    bool spilled; ///< the arrays are in the scene's spill file, perhaps shared with other meshes
+    bool cut;     ///< a piece of a larger mesh, adjacent to other pieces at its borders
 } stp_mesh;
 
 typedef struct stp_point_set {
@@ -155,7 +154,7 @@ typedef struct stp_node {
     stp_boxd bounds;                 ///< of the whole subtree, in the node's own space
     uint64_t triangle_count;         ///< of the whole subtree; each instance counts
     uint64_t point_count;
-    double area;      ///< of the subtree's triangles; each instance counts; square units of its space
+    double area; ///< of the subtree's triangles; each instance counts; square units of its space
     stp_hash content; ///< of the whole subtree: geometry, materials, textures, transforms, flags
 } stp_node;
 

@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-#define WIDTH 0.75 // minimum share of the parent's extent along each relevant axis
+#define WIDTH 0.75       // minimum share of the parent's extent along each relevant axis
 #define THIN (1.0 / 16.) // relevant axes: minimum share of the parent's largest extent
-#define MOST_NESTED 8 // limit on nested dissolving: content is visited once per level
+#define MOST_NESTED 8    // limit on nested dissolving: content is visited once per level
 // A child with this many times the items of the rest is nearly its parent, and stays whole.
 #define MOST_ALONE 4
 

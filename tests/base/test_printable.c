@@ -27,8 +27,7 @@ void test_printable_escapes_what_terminals_obey(test_state* test)
         char out[128];
         CHECK_EQUAL(strlen(cases[i].shown), stp_make_printable(cases[i].text, out, sizeof(out)));
         CHECK(strcmp(out, cases[i].shown) == 0);
-        for (size_t size = 0; size < sizeof(out);
-             ++size) { // for any size, nothing is split
+        for (size_t size = 0; size < sizeof(out); ++size) { // for any size, nothing is split
             char small[129];
             memset(small, 'X', sizeof(small));
             size_t length = stp_make_printable(cases[i].text, small, size);

@@ -128,7 +128,7 @@ void test_image_refuses_every_truncation(test_state* test)
         // the last bytes of each are not needed for pixels: checksums, an end marker, padding
         size_t needed = sizes[kind] - (kind == 0 ? 20 : kind == 1 ? 4 : 2);
         for (size_t size = 0; size < needed; ++size) {
-            unsigned char* cut = malloc(size + 1); // a block of its own, so that sanitizers detect reads past its end
+            unsigned char* cut = malloc(size + 1); // sanitizers detect reads past its end
             CHECK(cut != NULL);
             memcpy(cut, bytes[kind], size);
             stp_image texture = {0};

@@ -75,8 +75,7 @@ void test_image_compare_agrees_with_scikit_image(test_state* test)
     CHECK_EQUAL(STP_OK, stp_image_compare(context, &a, &b, NULL, NULL, &quality));
     // printed by scripts/make_ssim_values.py (scikit-image 0.19.3, SciPy 1.10.1)
     CHECK(is_near(0.736942169738604, quality.ssim, 1e-12));
-    CHECK(
-        is_near(0.836988668141988, quality.ms_ssim, 1e-8)); // averages of 2 x 2 are stored as floats
+    CHECK(is_near(0.836988668141988, quality.ms_ssim, 1e-8)); // 2 x 2 averages are floats
     CHECK(is_near(16.488822777826, quality.psnr, 1e-10));
     free(a.pixels);
     free(b.pixels);

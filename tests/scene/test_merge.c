@@ -123,7 +123,7 @@ void test_materials_differing_in_anything_stay_apart(test_state* test)
         CHECK_EQUAL(STP_OK, stp_scene_add_material(scene, &m, NULL));
     }
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
-    CHECK_EQUAL(1 + CHANGES, scene->material_count); // the last change is no change: equal to all others
+    CHECK_EQUAL(1 + CHANGES, scene->material_count); // the last change changes nothing
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }

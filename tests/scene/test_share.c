@@ -244,8 +244,7 @@ void test_flatten_keeps_order_and_flags(test_state* test)
     size_t count = 0;
     CHECK_EQUAL(STP_OK, stp_scene_flatten(scene, scene->root, 10, &parts, &count));
     CHECK_EQUAL(3, count);
-    for (uint32_t i = 0; i < 3;
-         ++i) { // as in the input; everything below a moving object moves
+    for (uint32_t i = 0; i < 3; ++i) { // as in the input; everything below a moving object moves
         CHECK_EQUAL(meshes[i], parts[i].part.index);
         CHECK_EQUAL(i == 1 ? STP_OBJECT_MOVING : 0, parts[i].flags);
     }

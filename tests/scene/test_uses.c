@@ -70,7 +70,7 @@ void test_uses_join_what_the_object_has(test_state* test)
     uint32_t mesh, wheel, car, moving, planted;
     CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
     CHECK(add_strip(scene, 1, 0.0f, &mesh));
-    CHECK(add_mesh_object(scene, STP_NONE, stp_affine_identity(), mesh, &wheel)); // also visible itself
+    CHECK(add_mesh_object(scene, STP_NONE, stp_affine_identity(), mesh, &wheel)); // also visible
     CHECK(add_mesh_object(scene, STP_NONE, stp_affine_identity(), mesh, &car));
     CHECK_EQUAL(STP_OK, stp_scene_add_use(scene, wheel));
     CHECK(add_mesh_object(scene, car, make_translation(0, 1, 0), mesh, NULL));
