@@ -24,7 +24,8 @@ enum {
     FLOAT_DIGITS = 23,
     NUMBER_BITS = 29,  // a coordinate is less than 2^30 steps
     STEP_LEAST = -149, // exponent of the smallest float
-    STEP_MOST = 96,    // 2^31 steps stay finite; scenes need no larger numbers (scene/reach.h)
+    // 2^31 steps stay finite; scenes need no larger numbers (scene/distance_limit.h)
+    STEP_MOST = 96,
 };
 
 typedef struct octave_counts {
