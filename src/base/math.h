@@ -26,6 +26,17 @@ static inline float stp_clamp(float x, float low, float high)
     return x < low ? low : x > high ? high : x;
 }
 
+static inline double stp_maxd(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/// NaN becomes `low`.
+static inline double stp_clampd(double x, double low, double high)
+{
+    return x > low ? x < high ? x : high : low;
+}
+
 static inline stp_vec3 stp_add(stp_vec3 a, stp_vec3 b)
 {
     return (stp_vec3){a.x + b.x, a.y + b.y, a.z + b.z};

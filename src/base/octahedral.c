@@ -5,6 +5,7 @@
 #include "base/processor.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 static int8_t clamp_code(int value)
 {
@@ -70,5 +71,17 @@ void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out)
     for (; done < count; ++done) {
         const float* n = normals + 3 * done;
         stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, out + 2 * done);
+    }
+}
+
+void stp_octahedral_encode16_many(const float* normals, size_t count, int16_t* out)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const float* n = normals + 3 * i;
+        if (i > 0 && memcmp(n, n - 3, 3 * sizeof(*n)) == 0) { // vertices of a flat face
+            memcpy(out + 2 * i, out + 2 * i - 2, 2 * sizeof(*out));
+        } else {
+            stp_octahedral_encode16((stp_vec3){n[0], n[1], n[2]}, out + 2 * i);
+        }
     }
 }

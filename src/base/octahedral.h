@@ -39,3 +39,5 @@ static inline stp_vec3 stp_octahedral_decode16(int16_t u16, int16_t v16)
 
 /// Rounds each axis to the nearest code: the error is below a hundredth of a degree.
 void stp_octahedral_encode16(stp_vec3 n, int16_t out[2]);
+/// Encodes `count` directions, 3 floats each.
+void stp_octahedral_encode16_many(const float* normals, size_t count, int16_t* out);

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Progress of stages, of reported loops, and of the whole call.
 #include "base/context_internal.h"
+#include "base/math.h"
 
 #include <string.h>
-
-static double clamp_fraction(double fraction)
-{
-    return fraction > 0.0 ? fraction < 1.0 ? fraction : 1.0 : 0.0;
-}
 
 void stp_progress_plan(stp_context* context, const stp_stage* stages, size_t count)
 {
@@ -31,7 +27,7 @@ static double find_overall(stp_context* context, const char* stage, double fract
         }
         whole += context->stages[i].weight;
     }
-    double reached = whole > 0.0 ? clamp_fraction((before + here * fraction) / whole) : 0.0;
+    double reached = whole > 0.0 ? stp_clampd((before + here * fraction) / whole, 0.0, 1.0) : 0.0;
     if (context->stage_count != 0 && reached > context->overall) {
         context->overall = reached;
     }
@@ -45,7 +41,7 @@ static bool send(stp_context* context, stp_progress_report* report)
     if (desc->progress == NULL) {
         return true;
     }
-    report->fraction = clamp_fraction(report->fraction);
+    report->fraction = stp_clampd(report->fraction, 0.0, 1.0);
     report->overall = find_overall(context, report->stage, report->fraction);
     return desc->progress(report, desc->progress_user) == 0;
 }

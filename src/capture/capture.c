@@ -78,10 +78,7 @@ static double outline_area(const stp_capture_job* job, stp_vec3d toward)
 
 static double clamp_resolution(double resolution, double most)
 {
-    resolution = resolution > (double)STP_CAPTURE_RESOLUTION_LEAST
-                     ? resolution
-                     : (double)STP_CAPTURE_RESOLUTION_LEAST;
-    return resolution < most ? resolution : most;
+    return stp_clampd(resolution, (double)STP_CAPTURE_RESOLUTION_LEAST, most);
 }
 
 /// Bounds for choosing the resolution.

@@ -69,21 +69,16 @@ static float nearest_fragment(const set_projection* p)
     return (float)(p->middle[2] + p->reach[2]) + (float)BOX_SLACK;
 }
 
-static double clamp_to(double value, double most)
-{
-    return value > 0.0 ? (value < most ? value : most) : 0.0;
-}
-
 // Whether the pixels drawn so far hide the whole set. Tested only if cheaper than drawing.
 static bool is_hidden(const set_projection* p, const stp_raster_target* target, uint32_t first_row,
                       uint32_t surfels)
 {
     double right = (double)target->width - 1.0, bottom = (double)target->height - 1.0;
     double top = p->middle[1] - (double)first_row;
-    size_t x0 = (size_t)clamp_to(p->middle[0] - p->reach[0] - 1.0, right);
-    size_t x1 = (size_t)clamp_to(p->middle[0] + p->reach[0] + 1.0, right);
-    size_t y0 = (size_t)clamp_to(top - p->reach[1] - 1.0, bottom);
-    size_t y1 = (size_t)clamp_to(top + p->reach[1] + 1.0, bottom);
+    size_t x0 = (size_t)stp_clampd(p->middle[0] - p->reach[0] - 1.0, 0.0, right);
+    size_t x1 = (size_t)stp_clampd(p->middle[0] + p->reach[0] + 1.0, 0.0, right);
+    size_t y0 = (size_t)stp_clampd(top - p->reach[1] - 1.0, 0.0, bottom);
+    size_t y1 = (size_t)stp_clampd(top + p->reach[1] + 1.0, 0.0, bottom);
     if ((double)(x1 - x0 + 1) * (double)(y1 - y0 + 1) > PIXELS_A_SURFEL * (double)surfels) {
         return false;
     }

@@ -9,11 +9,6 @@ static const double seeing_seconds = 0.35;  // time to adapt to most of a new di
 static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
 static const double alike = 3.0; // depths within this factor count as similar
 
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 static double length_of(stp_vec3d v)
 {
     return sqrt(stp_dotd(v, v));
@@ -26,7 +21,7 @@ static double slope_of(const stp_navigator* n)
 
 static void clamp_reach(stp_navigator* n)
 {
-    n->reach = clamp(n->reach, n->least_reach, n->most_reach);
+    n->reach = stp_clampd(n->reach, n->least_reach, n->most_reach);
 }
 
 stp_navigator_axes stp_navigator_get_axes(const stp_navigator* n)
@@ -73,7 +68,7 @@ void stp_navigator_take(stp_navigator* n, const stp_view* view)
 {
     stp_vec3d gaze = stp_subd(view->eye, view->target), back = stp_normalized(gaze);
     n->eye = view->eye;
-    n->elevation = asin(clamp(back.y, -1.0, 1.0));
+    n->elevation = asin(stp_clampd(back.y, -1.0, 1.0));
     double flat = sqrt(back.x * back.x + back.z * back.z);
     bool upright = flat < 1e-9; // then the picture's up gives the azimuth
     double side = back.y > 0.0 ? -1.0 : 1.0;
@@ -136,7 +131,7 @@ void stp_navigator_orbit(stp_navigator* n, double dx, double dy)
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     stp_vec3d offset = along(&axes, stp_subd(n->eye, n->pivot));
     n->azimuth = remainder(n->azimuth - dx * angle, 2.0 * STP_PI);
-    n->elevation = clamp(n->elevation + dy * angle, -quarter, quarter);
+    n->elevation = stp_clampd(n->elevation + dy * angle, -quarter, quarter);
     axes = stp_navigator_get_axes(n);
     n->eye = stp_addd(n->pivot, across(&axes, offset));
 }
@@ -172,7 +167,7 @@ void stp_navigator_choose_pivot(stp_navigator* n, stp_vec3d pivot)
 void stp_navigator_look(stp_navigator* n, double right, double down)
 {
     n->azimuth = remainder(n->azimuth - right, 2.0 * STP_PI);
-    n->elevation = clamp(n->elevation + down, -quarter, quarter);
+    n->elevation = stp_clampd(n->elevation + down, -quarter, quarter);
 }
 
 // A pivot that was not chosen moves with the view.
@@ -193,7 +188,7 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
 {
     stp_vec3d offset = stp_subd(n->eye, point);
     if (n->ortho_height > 0.0) {
-        double height = clamp(n->ortho_height * factor, n->least_reach, n->most_reach);
+        double height = stp_clampd(n->ortho_height * factor, n->least_reach, n->most_reach);
         factor = height / n->ortho_height;
         n->ortho_height = height;
         // only sideways; the eye's distance matters only when switching back to perspective
@@ -203,7 +198,8 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
         n->reach *= factor;
     } else {
         double distance = length_of(offset);
-        double wanted = clamp(distance * factor, n->least_reach, fmax(n->most_reach, distance));
+        double wanted =
+            stp_clampd(distance * factor, n->least_reach, fmax(n->most_reach, distance));
         factor = distance > 0.0 ? wanted / distance : 1.0;
         n->eye = stp_addd(point, stp_scaled(offset, factor));
         n->reach *= factor;
@@ -219,7 +215,7 @@ void stp_navigator_fly(stp_navigator* n, const double moves[3], double seconds, 
     by.y += moves[1] * step;
     if (n->ortho_height > 0.0) { // forward enlarges
         double height = n->ortho_height * exp(-moves[2] * step / n->reach);
-        n->ortho_height = clamp(height, n->least_reach, n->most_reach);
+        n->ortho_height = stp_clampd(height, n->least_reach, n->most_reach);
     } else {
         by = stp_subd(by, stp_scaled(axes.back, moves[2] * step));
     }
@@ -229,7 +225,7 @@ void stp_navigator_fly(stp_navigator* n, const double moves[3], double seconds, 
 void stp_navigator_see(stp_navigator* n, double distance, double seconds)
 {
     if (distance > 0.0 && isfinite(distance)) {
-        double wanted = clamp(distance, n->least_reach, n->most_reach);
+        double wanted = stp_clampd(distance, n->least_reach, n->most_reach);
         double part = 1.0 - exp(-seconds / seeing_seconds);
         n->reach *= pow(wanted / n->reach, part);
         clamp_reach(n);
@@ -238,7 +234,7 @@ void stp_navigator_see(stp_navigator* n, double distance, double seconds)
 
 void stp_navigator_change_speed(stp_navigator* n, double steps)
 {
-    n->speed = clamp(n->speed * pow(speed_step, steps), speed_least, speed_most);
+    n->speed = stp_clampd(n->speed * pow(speed_step, steps), speed_least, speed_most);
 }
 
 void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections)
@@ -257,10 +253,10 @@ void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sectio
     stp_camera_fit(&view, box);
     double distance = length_of(stp_subd(view.eye, view.target));
     if (n->ortho_height > 0.0) {
-        n->ortho_height = clamp(view.ortho_height, n->least_reach, n->most_reach);
+        n->ortho_height = stp_clampd(view.ortho_height, n->least_reach, n->most_reach);
         distance = 0.5 * n->ortho_height / slope_of(n);
     }
-    distance = clamp(distance, n->least_reach, n->most_reach);
+    distance = stp_clampd(distance, n->least_reach, n->most_reach);
     n->eye = stp_addd(view.target, stp_scaled(axes.back, distance));
     n->reach = distance;
     n->pivot = stp_scaled(stp_addd(box->min, box->max), 0.5);

@@ -230,8 +230,7 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
     uint32_t part = splat_part(frame->splats, index);
     uint32_t cut = part > SPLAT_CUT ? part - SPLAT_CUT : 0;
     part = cut != 0 ? 255 : part;
-    int32_t halvings =
-        (int32_t)splat_halvings(part); // large as it is, what is left is never too little
+    int32_t halvings = (int32_t)splat_halvings(part); // the disk is large, so enough is left
     large_disk disk = make_disk(frame, index, halvings);
     if (cut != 0 && frame->splats->normals != NULL) {
         cut_large(frame, index, (uint8_t)cut, &disk);

@@ -34,13 +34,13 @@ typedef struct partition {
     stp_edge* old_edges;
     stp_part* old_parts;
     size_t old_count;
-    uint8_t* dissolved;    ///< of each old edge: the parent absorbs the child's content (wide.h)
-    uint32_t* made;        ///< of each old node: the new one
-    uint32_t* cut_meshes;  ///< of each mesh: the node of its pieces; STP_NONE: not cut
-    uint32_t* cut_points;  ///< of each point set
-    item* items;           ///< of the node being made
-    stp_boxd* boxes;       ///< of the items
-    stp_edge* stack;       ///< old nodes whose content is absorbed
+    uint8_t* dissolved;   ///< of each old edge: the parent absorbs the child's content (dissolve.h)
+    uint32_t* made;       ///< of each old node: the new one
+    uint32_t* cut_meshes; ///< of each mesh: the node of its pieces; STP_NONE: not cut
+    uint32_t* cut_points; ///< of each point set
+    item* items;          ///< of the node being made
+    stp_boxd* boxes;      ///< of the items
+    stp_edge* stack;      ///< old nodes whose content is absorbed
     stp_grouping grouping; ///< of the boxes
     item* results;         ///< node of each group
     size_t item_count, item_capacity, box_capacity, stack_count, stack_capacity, result_capacity;

@@ -86,7 +86,7 @@ typedef struct stp_mesh {
     const char* name; ///< may be NULL
     uint32_t vertex_count;
     uint32_t triangle_count;
-    float* positions;    ///< 3 per vertex; within reach once added (reach.h)
+    float* positions;    ///< 3 per vertex; within reach once added (distance_limit.h)
     float* normals;      ///< optional: 3 per vertex, unit or zero; NULL: flat, from the winding
     float* texcoords[2]; ///< optional: 2 per vertex
     uint16_t* colors;    ///< optional: 4 per vertex, linear, 65535 is 1; multiplies the base colour
@@ -103,7 +103,7 @@ typedef struct stp_mesh {
 typedef struct stp_point_set {
     const char* name; ///< may be NULL
     uint32_t point_count;
-    float* positions;                 ///< 3 per point; within reach once added (reach.h)
+    float* positions;                 ///< 3 per point; within reach once added (distance_limit.h)
     float* normals;                   ///< optional: 3 per point
     uint8_t* colors;                  ///< optional: RGBA per point, sRGB
     void* attributes[STP_ATTRIBUTES]; ///< each optional: one value per point (attributes.h)
@@ -172,7 +172,7 @@ typedef struct stp_source {
     const char* coordinate_system; ///< as in the file: WKT, or "EPSG:25832"; NULL: unspecified
 } stp_source;
 
-/// Meshes and point sets of which parts were dropped when they were added (reach.h).
+/// Meshes and point sets of which parts were dropped when they were added (distance_limit.h).
 typedef struct stp_damage {
     uint32_t count;   ///< number of such items
     stp_part first;   ///< the first one

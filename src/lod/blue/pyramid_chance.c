@@ -67,14 +67,9 @@ stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates)
     };
 }
 
-static double clamp(double value)
-{
-    return value > 0.0 ? value < 1.0 ? value : 1.0 : 0.0; // NaN becomes 0
-}
-
 static double ramp(double value, double low, double high)
 {
-    return clamp((value - low) / (high - low));
+    return stp_clampd((value - low) / (high - low), 0.0, 1.0);
 }
 
 // How much of the surface nearest to a surfel faces as it does: the mean cosine.
@@ -83,7 +78,7 @@ static double facing(const stp_pyramid* p, const stp_pyramid_entry* e, uint32_t 
     const float* n = p->input->normals + 3 * (size_t)surfel;
     double along = (double)n[0] * (double)e->toward[0] + (double)n[1] * (double)e->toward[1] +
                    (double)n[2] * (double)e->toward[2];
-    return e->area > 0.0f ? clamp(along / (double)e->area) : 0.0;
+    return e->area > 0.0f ? stp_clampd(along / (double)e->area, 0.0, 1.0) : 0.0;
 }
 
 // Disks of one prefix overlap about twice, so each is drawn with a chance whose union is the fraction.
@@ -95,7 +90,7 @@ static double overlapping_chance(uint16_t fraction)
 // How much of the nearest surface is taken for the surfel's own.
 static double own_part(double cosine)
 {
-    double part = clamp(cosine / LEAST_FACING);
+    double part = stp_clampd(cosine / LEAST_FACING, 0.0, 1.0);
     return part * part * part * part;
 }
 
