@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The benchmark scene of Brandt et al. 2019, section 5.1.
-// The benchmark scene of Brandt et al. 2019, section 5.1, and what it is made of.
+// The benchmark scene of Brandt et al. 2019, section 5.1, and its parts.
 #pragma once
 
 #include "scenes/scenes.h"

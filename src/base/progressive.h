@@ -19,7 +19,7 @@ typedef struct stp_progressive_counts {
     uint32_t base;   ///< splats in the base set
     uint32_t splits; ///< splits whose two splats are both in the prefix
     uint32_t
-        parents; ///< splats that are not leaves; in a whole set as many as `splits`, else at least
+        parents; ///< splats that are not leaves; as many as `splits` in a whole set, else no fewer
 } stp_progressive_counts;
 
 /// Counts the base set, the splits and the parents in the first `count` splats of a set.

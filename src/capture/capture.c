@@ -12,8 +12,7 @@
 
 // Fraction of its box's outlines that an object usually covers.
 #define PROBE_COVERED 0.5
-// Keep the probe view if it promises at least this fraction of the wanted candidates, and at most
-// the inverse.
+// The probe view is kept if it promises between these multiples of the wanted candidates.
 #define PROBE_LEAST 0.75
 #define PROBE_MOST 1.35
 
@@ -21,9 +20,8 @@ enum {
     RESOLUTION_AUTO_MOST = 8192, ///< limit for nearly empty pictures
     RESOLUTION_OF_SETS = 1024,   ///< default if a capture with sets gives none
     ATTEMPTS = 3,
-    EMPTIEST =
-        100, ///< pictures with fewer covered pixels than one in so many are not drawn finer for it
-    FILL_ROOM = 4, ///< room for so many times fewer candidates is kept for the fill
+    EMPTIEST = 100, ///< a share of covered pixels below 1 in 100 does not raise the resolution
+    FILL_ROOM = 4,  ///< the fill gets spare room for 1 / FILL_ROOM of the candidates
 };
 
 /// Whether a box is valid. Parts with invalid boxes are not drawn.

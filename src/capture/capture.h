@@ -72,7 +72,7 @@ typedef struct stp_candidates {
     uint32_t set_count; ///< the last `set_count` candidates are surfels of sets
     float set_radius;   ///< largest radius of their disks, scene units
     float*
-        set_areas; ///< how much surface each of them stands for, scene units squared; NULL where there are none
+        set_areas; ///< surface area that each of them represents, square scene units; may be NULL
     double surface_radius; ///< how far surface that was seen may lie from a candidate; 0: half a
                            ///< pixel's diagonal
     uint32_t resolution, direction_count;

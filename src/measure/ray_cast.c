@@ -224,7 +224,7 @@ typedef struct cast {
     stp_cast_hit* hit;
     double farthest;
     bool met;
-    // within the part that is looked at
+    // within the current part
     const stp_cast_mesh* mesh;
     uint32_t part;
     double origin[3], shear[2], stretch; ///< align the ray with axis `along`

@@ -5,11 +5,12 @@
 // comparisons. The names denote the two schedules that the paper's text and its printed times
 // imply.
 //
-//   paper-text   `samples` a round; one more accepted a round after every `interval` rounds, from one on.
-//   paper-fast   as the authors' program does: round 0 accepts none; then, after every `interval` rounds from round
-//                0 on, the samples are halved (never below 20) and one more is accepted (at most 3 in 10 samples):
-//                200/0, 100/1, 50/2, 25/3, 20/4, 20/5, and 20/6 from there. The next best sample after the accepted
-//                ones is taken out of the input; it comes back only should the input run empty.
+//   paper-text   `samples` per round. Accepts one per round at first, and one more per round after
+//                every `interval` rounds.
+//   paper-fast   like the authors' program. Round 0 accepts none. Then, after every `interval` rounds
+//                from round 0 on, halves the samples (never below 20) and accepts one more (at most 3
+//                of 10 samples): 200/0, 100/1, 50/2, 25/3, 20/4, 20/5, then always 20/6. The best
+//                sample that was not accepted leaves the input, and returns only if it runs empty.
 //   best-of-k    the best of `samples` (Mitchell 1991): one accepted a round, always.
 //
 // The distances of a round are to the points chosen before the round, as in the paper. The output

@@ -28,7 +28,7 @@ typedef struct stp_navigator {
 
 /// The axes of a camera.
 typedef struct stp_navigator_axes {
-    stp_vec3d right, up, back; ///< unit; `back` from what is seen to the eye
+    stp_vec3d right, up, back; ///< unit; `back` points towards the viewer
 } stp_navigator_axes;
 
 /// Looks from the "iso" direction at the whole box, which also defines near and far.

@@ -23,10 +23,9 @@ typedef struct stp_raster_splats {
     uint32_t begin, end;       ///< range of splats to draw
     stp_vec3 origin;           ///< position = origin + step * value, in object space
     float step;
-    float
-        radius; ///< of every disk, object space; 0: the centre's pixel only. With shapes: of one step
+    float radius; ///< of all disks, object space; 0: centre pixels only. With shapes: of one step
     const uint32_t*
-        shapes; ///< NULL, or 1 a splat (base/splat_codes.h): ellipses with radii of their own
+        shapes; ///< NULL, or 1 per splat (base/splat_codes.h): ellipses with individual radii
     /// If not both 0: draw only splats whose centre is within these depths (W of the matrix).
     float nearest, farthest;
     /// How far the rim of a disk lies behind its plane, in radii (0: not at all; the centre never
@@ -46,10 +45,9 @@ typedef struct stp_raster_splats {
     /// both.
     const uint8_t* low_coverages;
     uint32_t low_count, low_share;
-    float share;   ///< fraction of the fragments drawn, for ghosts; 0: all
-    uint32_t seed; ///< of the hash for holes
-    const float*
-        points; ///< 3 a splat, used where `positions` is NULL (origin and step are ignored)
+    float share;         ///< fraction of the fragments drawn, for ghosts; 0: all
+    uint32_t seed;       ///< of the hash for holes
+    const float* points; ///< 3 per splat, used if `positions` is NULL (origin and step are ignored)
     /// NULL, or an occluder: splats behind it are not drawn. Surfels only.
     const stp_raster_occluder* occluder;
     /// NULL, or one bit per splat (from splat 0 on): set for splats that the occluder hid, cleared

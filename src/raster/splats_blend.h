@@ -29,7 +29,7 @@ typedef struct stp_raster_plane {
     uint32_t id;    ///< of the visible splat; UINT32_MAX: none
     float nearness; ///< of its plane, at the pixel; FLT_MAX: unknown
     float right,
-        down; ///< change of nearness a pixel; not numbers: a splat too small to have a plane
+        down; ///< change of nearness per pixel; NaN: a splat too small to have a plane
 } stp_raster_plane;
 
 typedef struct stp_raster_blend {
