@@ -98,6 +98,11 @@ static inline double stp_dotd(stp_vec3d a, stp_vec3d b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+static inline double stp_lengthd(stp_vec3d a)
+{
+    return sqrt(stp_dotd(a, a));
+}
+
 static inline stp_vec3d stp_crossd(stp_vec3d a, stp_vec3d b)
 {
     return (stp_vec3d){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -105,7 +110,7 @@ static inline stp_vec3d stp_crossd(stp_vec3d a, stp_vec3d b)
 
 static inline stp_vec3d stp_normalized(stp_vec3d a)
 {
-    double length = sqrt(stp_dotd(a, a));
+    double length = stp_lengthd(a);
     return length > 0.0 ? stp_scaled(a, 1.0 / length) : (stp_vec3d){0};
 }
 

@@ -33,11 +33,6 @@ typedef struct prover {
     double left_out;     ///< largest bound of cells that were not subdivided further
 } prover;
 
-static double length_of(stp_vec3d v)
-{
-    return sqrt(stp_dotd(v, v));
-}
-
 static void measure_cell(const prover* p, cell* c, uint32_t* hint)
 {
     stp_vec3d sum = stp_addd(stp_addd(c->corners[0], c->corners[1]), c->corners[2]);
@@ -45,7 +40,7 @@ static void measure_cell(const prover* p, cell* c, uint32_t* hint)
     c->distance = sqrt(stp_shape_tree_distance_squared(p->tree, c->middle, hint));
     double reach = 0.0, farthest = 0.0;
     for (int k = 0; k < 3; ++k) {
-        reach = fmax(reach, length_of(stp_subd(c->corners[k], c->middle)));
+        reach = fmax(reach, stp_lengthd(stp_subd(c->corners[k], c->middle)));
         farthest =
             fmax(farthest, stp_shape_tree_distance_squared_to(p->tree, *hint, c->corners[k]));
     }

@@ -57,11 +57,6 @@ static stp_result read_vector(const reader* r, const json_t* key, const char* me
     return good ? STP_OK : fail_key(r, member, "three numbers of at most 1e12 in size");
 }
 
-static double length_of(stp_vec3d v)
-{
-    return sqrt(stp_dotd(v, v));
-}
-
 static stp_result read_key(const reader* r, const json_t* json, stp_flight_key* key)
 {
     const json_t* time = json_object_get(json, "t");
@@ -76,11 +71,11 @@ static stp_result read_key(const reader* r, const json_t* json, stp_flight_key* 
     key->up = (stp_vec3d){0, 1, 0};
     if (result == STP_OK && json_object_get(json, "up") != NULL) {
         result = read_vector(r, json, "up", &key->up);
-        if (result == STP_OK && !(length_of(key->up) > 1e-12)) {
+        if (result == STP_OK && !(stp_lengthd(key->up) > 1e-12)) {
             return fail_key(r, "up", "a vector longer than 0");
         }
     }
-    if (result == STP_OK && !(length_of(stp_subd(key->target, key->eye)) > 1e-12)) {
+    if (result == STP_OK && !(stp_lengthd(stp_subd(key->target, key->eye)) > 1e-12)) {
         return fail_key(r, "target", "different from \"eye\"");
     }
     key->up = stp_normalized(key->up);
@@ -239,5 +234,5 @@ void stp_flight_look(const stp_flight* flight, double t, stp_view* view)
     view->target = interpolate(targets, h, u);
     stp_vec3d up = stp_addd(stp_scaled(k->up, 1.0 - u), stp_scaled(k[1].up, u));
     // the mix of opposite vectors has no direction
-    view->up = length_of(up) > 1e-6 ? stp_normalized(up) : u < 0.5 ? k->up : k[1].up;
+    view->up = stp_lengthd(up) > 1e-6 ? stp_normalized(up) : u < 0.5 ? k->up : k[1].up;
 }

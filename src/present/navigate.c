@@ -9,11 +9,6 @@ static const double seeing_seconds = 0.35;  // time to adapt to most of a new di
 static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
 static const double alike = 3.0; // depths within this factor count as similar
 
-static double length_of(stp_vec3d v)
-{
-    return sqrt(stp_dotd(v, v));
-}
-
 static double slope_of(const stp_navigator* n)
 {
     return tan(n->fov_degrees * (STP_PI / 360.0));
@@ -52,7 +47,7 @@ void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width,
 {
     stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
     stp_boxd box = stp_boxd_is_empty(*scene) ? unit : *scene;
-    double size = length_of(stp_subd(box.max, box.min));
+    double size = stp_lengthd(stp_subd(box.max, box.min));
     size = size > 0.0 ? size : 1.0;
     *n = (stp_navigator){.fov_degrees = 60.0,
                          .speed = 1.0,
@@ -79,7 +74,7 @@ void stp_navigator_take(stp_navigator* n, const stp_view* view)
     n->roll = fabs(x) > 1e-9 * fabs(y) ? atan2(x, y) : y < 0.0 ? STP_PI : 0.0;
     n->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : n->fov_degrees;
     n->ortho_height = view->ortho_height;
-    n->reach = length_of(gaze);
+    n->reach = stp_lengthd(gaze);
     n->pivot = view->target;
     n->pivot_chosen = false;
     clamp_reach(n);
@@ -197,7 +192,7 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
         n->eye = stp_addd(point, across(&axes, (stp_vec3d){o.x * factor, o.y * factor, o.z}));
         n->reach *= factor;
     } else {
-        double distance = length_of(offset);
+        double distance = stp_lengthd(offset);
         double wanted =
             stp_clampd(distance * factor, n->least_reach, fmax(n->most_reach, distance));
         factor = distance > 0.0 ? wanted / distance : 1.0;
@@ -251,7 +246,7 @@ void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sectio
                      .ortho_height = n->ortho_height};
     view.sections = sections != NULL ? *sections : view.sections;
     stp_camera_fit(&view, box);
-    double distance = length_of(stp_subd(view.eye, view.target));
+    double distance = stp_lengthd(stp_subd(view.eye, view.target));
     if (n->ortho_height > 0.0) {
         n->ortho_height = stp_clampd(view.ortho_height, n->least_reach, n->most_reach);
         distance = 0.5 * n->ortho_height / slope_of(n);

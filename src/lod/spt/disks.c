@@ -54,11 +54,6 @@ static double dot(stp_vec3d a, stp_vec3d b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-static double length_of(stp_vec3d a)
-{
-    return sqrt(dot(a, a));
-}
-
 // Two directions that are perpendicular to a unit normal and to each other (Duff et al. 2017).
 static frame make_frame(stp_vec3 normal)
 {
@@ -83,7 +78,7 @@ static stp_vec3d flatten(stp_vec3d offset, stp_vec3 normal)
 static stp_vec3d join_two(stp_vec3d a, double ra, stp_vec3d b, double rb)
 {
     stp_vec3d offset = stp_subd(b, a);
-    double distance = length_of(offset);
+    double distance = stp_lengthd(offset);
     if (distance + rb <= ra) {
         return a;
     }
@@ -144,11 +139,11 @@ static void find_enclosing(const flat_children* f, stp_vec3d* center)
         join_two(place_of(f, first), f->radii[first], place_of(f, second), f->radii[second]);
     *center = at;
     double best = reach_from(f, at, &farthest);
-    double apart = length_of(stp_subd(place_of(f, second), place_of(f, first)));
+    double apart = stp_lengthd(stp_subd(place_of(f, second), place_of(f, first)));
     double least = 0.5 * (apart + f->radii[first] + f->radii[second]) * CLOSE_ENOUGH;
     for (int round = 1; round <= ROUNDS && best > least; ++round) {
         stp_vec3d offset = stp_subd(place_of(f, farthest), at);
-        double distance = length_of(offset);
+        double distance = stp_lengthd(offset);
         double step = distance > 0.0 ? fmin(best / (distance * (double)(round + 2)), 0.5) : 0.0;
         at = stp_addd(at, stp_scaled(offset, step));
         double reach = reach_from(f, at, &farthest);
@@ -172,7 +167,7 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
     middle = stp_scaled(middle, 1.0 / sum);
     stp_disk disk = {.normal = {(float)normal.x, (float)normal.y, (float)normal.z}};
     // normals that cancel each other out point nowhere
-    bool turned = length_of(normal) > 1e-3 * sum;
+    bool turned = stp_lengthd(normal) > 1e-3 * sum;
     disk.normal = turned ? stp_normalize(disk.normal) : (stp_vec3){0};
     flat_children flat = {.count = count};
     for (uint32_t i = 0; i < count; ++i) {
