@@ -49,11 +49,6 @@ typedef struct frame {
     stp_vec3d across, along;
 } frame;
 
-static double dot(stp_vec3d a, stp_vec3d b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 // Two directions that are perpendicular to a unit normal and to each other (Duff et al. 2017).
 static frame make_frame(stp_vec3 normal)
 {
@@ -71,7 +66,7 @@ static bool is_sphere(const stp_disk* disk)
 static stp_vec3d flatten(stp_vec3d offset, stp_vec3 normal)
 {
     stp_vec3d n = stp_to_double(normal);
-    return stp_subd(offset, stp_scaled(n, dot(offset, n)));
+    return stp_subd(offset, stp_scaled(n, stp_dotd(offset, n)));
 }
 
 // The centre of the smallest disk around two, which may be one of them.
@@ -191,7 +186,7 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
 // How far a child reaches along a direction of unit length, on either side of its centre.
 static double half_width(const stp_disk* child, stp_vec3d direction)
 {
-    double turned = dot(stp_to_double(child->normal), direction);
+    double turned = stp_dotd(stp_to_double(child->normal), direction);
     double part = 1.0 - turned * turned;
     return (double)child->radius * sqrt(part > 0.0 ? part : 0.0); // of a sphere all of its radius
 }
@@ -203,7 +198,7 @@ static double width_along(const stp_disk* disk, const stp_disk* children, uint32
     double low = HUGE_VAL, high = -HUGE_VAL;
     for (uint32_t i = 0; i < count; ++i) {
         stp_vec3d offset = stp_subd(stp_to_double(children[i].center), stp_to_double(disk->center));
-        double at = dot(offset, direction), half = half_width(&children[i], direction);
+        double at = stp_dotd(offset, direction), half = half_width(&children[i], direction);
         low = at - half < low ? at - half : low;
         high = at + half > high ? at + half : high;
     }
