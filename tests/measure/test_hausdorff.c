@@ -158,7 +158,7 @@ void test_hausdorff_needs_both_sides(test_state* test)
     stp_measured_surface square = make_square(), nothing = {0};
     stp_hausdorff found;
     CHECK(!measure(context, &nothing, &shapes, 10, &found));
-    CHECK(strstr(log.text, "no surface") != NULL);
+    CHECK(strstr(log.text, "surface to measure is empty") != NULL);
     CHECK(!measure(context, &square, &no_shapes, 10, &found));
     CHECK(strstr(log.text, "no splat") != NULL);
     CHECK_EQUAL(2, log.errors);

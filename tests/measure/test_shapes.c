@@ -327,7 +327,7 @@ void test_shape_tree_refuses_what_is_not_finite(test_state* test)
         *numbers[kind] = kind % 2 == 0 ? NAN : INFINITY;
         stp_shape_tree tree;
         CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_shape_tree_create(context, &shapes, &tree));
-        CHECK(strstr(log.text, "not finite") != NULL);
+        CHECK(strstr(log.text, "non-finite") != NULL);
     }
     stp_context_destroy(context);
 }

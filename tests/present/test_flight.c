@@ -138,7 +138,7 @@ void test_flight_refuses_what_is_none(test_state* test)
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 0], " KEY "]}", "different from"},
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 9], \"up\": [0, 0, 0], " KEY "]}", "key 0: \"up\""},
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 9], " KEY ", {\"t\": 0, \"eye\": [0, 0, 9], " KEY "]}",
-         "key 1: \"t\" must be later"},
+         "key 1: \"t\" must be greater"},
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 9], " KEY ", {\"t\": 1e6, \"eye\": [0, 0, 9], " KEY "]}",
          "longer than a day"},
     };
