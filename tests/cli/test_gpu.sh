@@ -34,4 +34,4 @@ assert any(r["name"] == "gl select" for r in results)
 END
 [ "$(grep -c '^| .* | points |' "$markdown")" -ge 2 ] || fail "$markdown has no rows of points"
 bash "$source/bench/gpu.sh" --colour red > out.txt 2> err && fail "an option that is none is taken"
-grep -q "is no option" err || fail "gpu.sh does not say what is no option"
+grep -q "is not an option" err || fail "gpu.sh does not name the unknown option"
