@@ -16,6 +16,7 @@ enum {
     LEAST_POINTS = 6, ///< for a plane and an area of its own
 };
 #define AREA_OF_SCATTER 12.5 // a rectangle has 12 sqrt(l1 l2), a disk 4 pi
+#define LINE_OF_SCATTER 12.0   // the square of a line's length: points on it stand for squares as wide as they are apart
 #define AREA_OF_FOLD 4.0     // how much more a folded surface has, by its flatness
 #define LEAST_RATIO 0.5f     // of radii of a splat
 #define LEAST_BEND                                                                                 \
@@ -117,6 +118,7 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
         double sum = matrix[0] + matrix[3] + matrix[5];
         double flatness = sum > 0.0 && e[0] > 0.0 ? e[0] / sum : 0.0;
         double area = e[1] > 0.0 ? AREA_OF_SCATTER * sqrt(e[1] * e[2]) : 0.0;
+        area = fmax(area, LINE_OF_SCATTER * e[2] / (double)(leaf->end - leaf->begin));
         area *=
             (1.0 + AREA_OF_FOLD * flatness) * (double)count / (double)(count > 1 ? count - 1 : 1);
         bool known = count >= LEAST_POINTS && area > 0.0;
