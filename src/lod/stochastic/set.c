@@ -26,9 +26,8 @@ enum {
 };
 #define SEED UINT64_C(0x42686B72)
 #define NORMAL_SPACINGS 2.5f // how far around a point its normal is taken from
-#include <stdlib.h>
-#define LARGEST (getenv("OL")?(float)atof(getenv("OL")):2.0f)
-#define GROWTH (getenv("GR")?(float)atof(getenv("GR")):0.9f) // of a splat's radius, in the sides of the square that it stands for: disks lie at random
+#define LARGEST 2.0f
+#define GROWTH 1.05f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
 #define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
 #define FINEST 0x1p-10           // of the spacing, below which a grid's step would waste bits
 #define HALF_DIAGONAL 0.8660255f // of a cell of the grid
@@ -114,8 +113,6 @@ static void settle_areas(set_maker* m)
         stp_leaf_facts* f = &m->facts[i];
         uint32_t count = m->octree.leaves[i].end - m->octree.leaves[i].begin;
         float ratio = f->spacing > 0.0f ? f->spacing / m->spacing : 1.0f;
-        float AL=getenv("AL")?(float)atof(getenv("AL")):1.4f;
-        ratio = ratio > AL ? ratio / AL : ratio < 1.0f / AL ? ratio * AL : 1.0f;
         float spacing = m->spacing * stp_clamp(ratio, 1.0f / OUTLIER, OUTLIER);
         f->area = spacing * spacing * (float)count;
     }
