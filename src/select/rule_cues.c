@@ -8,7 +8,7 @@
 #include "select/cues.h"
 #include "select/rule.h"
 
-enum { CELL_SAMPLES = 64 }; ///< of a cube that is not opened, at the most
+#define CELL_SAMPLES 0.5      // of each leaf of a cube that is not opened, at the most
 #define CUES_MOST 8.0       // times the nominal samples: a bent region with an edge or a silhouette
 
 /// The shortest run of octaves with so many splats.
@@ -98,12 +98,23 @@ static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, do
     return cell;
 }
 
+/// Whole samples of a leaf; the rest goes to the leaf that is next along the curve.
+static double round_leaf(const stp_leaf_node* node, double samples, double* carried)
+{
+    double all = (double)node->count;
+    *carried += fmin(samples, all);
+    double whole = fmin(floor(*carried + 0.5), all);
+    *carried -= whole;
+    return whole;
+}
+
 /// Looks at the cubes that are seen, and opens them where they are worth many splats.
 static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint32_t here,
                                size_t* count)
 {
     const stp_leaf_node* nodes = view->leaves->nodes;
     stp_result result = STP_OK;
+    double carried = 0.0;
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &nodes[i];
         stp_boxd box = stp_cue_box(view, node);
@@ -113,9 +124,10 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
             continue;
         }
         bool opens =
-            node->leaf_count > 1 && stp_cue_nominal(view, node, &sight) > (double)CELL_SAMPLES;
+            node->leaf_count > 1 && stp_cue_nominal(view, node, &sight) > CELL_SAMPLES * (double)node->leaf_count;
         if (!opens) {
             double samples = stp_cue_samples(view, node, &sight);
+            samples = node->leaf_count == 1 ? round_leaf(node, samples, &carried) : samples;
             result = add_cell(s, count, cell_of(view->set, node, samples, here));
         }
         i = opens ? i + 1 : node->next;
@@ -123,10 +135,13 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
     return result;
 }
 
-/// What a splat count is shared by: cues that do not depend on the eye.
+/// What a splat count is shared by: cues that do not depend on the eye. By STP_CUE_ERROR_BIT it is the area alone.
 static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
 {
     double samples = (double)node->area;
+    if ((view->cues & STP_CUE_ERROR_BIT) != 0) {
+        return samples;
+    }
     bool edge = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
     samples *= edge ? STP_CUE_FEATURE : 1.0;
     bool bends = (view->cues & STP_CUE_FLATNESS_BIT) != 0;

@@ -28,7 +28,11 @@ enum {
         4, ///< by the pixels of the leaf; without, all leaves are as near as the nearest
     STP_CUE_SILHOUETTE_BIT = 8, ///< more where some of it may face away
     STP_CUE_OCCLUSION_BIT = 16, ///< fewer where much stands before it
-    STP_CUES_ALL = 31,
+    /// By how far the samples' splats cover, not by the paper's numbers: see STP_CUE_COVERING.
+    STP_CUE_ERROR_BIT = 32,
+    STP_CUE_SPECULAR_BIT = 64, ///< more where a polished surface may show a highlight
+    STP_CUES_ALL = 127,
+    STP_CUES_PAPER = 31, ///< Table 1 as it is printed
 };
 
 typedef struct stp_quality {
