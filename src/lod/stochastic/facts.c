@@ -13,6 +13,7 @@ enum {
     EDGE_AMONG = 128,   ///< points that neighbours are looked for among
     EDGE_NEIGHBOURS = 16,
     BEND_SAMPLE = 48,
+    OUTLYING = 10, ///< one of so many normals may lie farther from the representative one than the spread
     LEAST_POINTS = 6, ///< for a plane and an area of its own
 };
 #define AREA_OF_SCATTER 12.5 // a rectangle has 12 sqrt(l1 l2), a disk 4 pi
@@ -286,11 +287,21 @@ static void measure_bends(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t i = begin; i < end; ++i) {
         uint32_t count;
         const uint32_t* order = points_of(l, i, BEND_SAMPLE, &count);
-        float least = 1.0f;
-        for (uint32_t k = 0; k < count; ++k) {
+        float lowest[BEND_SAMPLE / OUTLYING + 1];
+        uint32_t kept = count / OUTLYING + 1, found = 0;
+        for (uint32_t k = 0; k < count; ++k) { // the lowest cosines, ascending
             float cosine = stp_dot(normal_of(l, order[k]), l->facts[i].normal);
-            least = stp_min(least, l->points->are_oriented ? cosine : fabsf(cosine));
+            cosine = l->points->are_oriented ? cosine : fabsf(cosine);
+            if (found == kept && cosine >= lowest[kept - 1]) {
+                continue;
+            }
+            uint32_t at = found < kept ? found++ : kept - 1;
+            for (; at > 0 && lowest[at - 1] > cosine; --at) {
+                lowest[at] = lowest[at - 1];
+            }
+            lowest[at] = cosine;
         }
+        float least = lowest[kept - 1];
         l->facts[i].spread = least > 0.0f ? sqrtf(stp_max(1.0f - least * least, 0.0f)) : 1.0f;
         find_ellipse(l, i);
     }

@@ -25,7 +25,6 @@ enum {
     OCTAVES_MOST = 16, ///< of 2^32 points
 };
 #define SEED UINT64_C(0x42686B72)
-#define NORMAL_SPACINGS 2.5f // how far around a point its normal is taken from
 #define LARGEST 2.0f
 #define GROWTH 1.05f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
 #define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
@@ -36,6 +35,7 @@ enum {
 typedef struct set_maker {
     stp_context* context;
     const stp_stochastic_source* source;
+    const stp_leaf_desc* desc;
     stp_candidates* candidates;
     stp_splats* splats;
     uint16_t* places; ///< of candidates, on the grid
@@ -178,7 +178,8 @@ static stp_result find_facts(set_maker* m)
     settle_areas(m);
     stp_result result = STP_OK;
     if (!oriented) {
-        float radius = NORMAL_SPACINGS * m->spacing * m->splats->step;
+        float around = sqrtf((float)m->desc->normal_neighbours / 3.14159265f); // in spacings
+        float radius = around * m->spacing * m->splats->step;
         result = stp_estimate_point_normals(context, m->candidates, radius);
     }
     result = result == STP_OK ? spread(m) : result;
@@ -189,7 +190,7 @@ static stp_result find_facts(set_maker* m)
     if (oriented) {
         stp_leaf_facts_of_normals(context, &m->octree, &points, m->facts);
     } else {
-        result = stp_orient_leaves(context, &m->octree, m->facts);
+        result = stp_orient_leaves(context, &m->octree, m->facts, m->desc->neighbours);
         stp_parallel_for(context, m->octree.leaf_count, LEAF_GRAIN, turn_some, m);
     }
     stp_leaf_facts_of_bends(context, &m->octree, &points, m->facts);
@@ -293,7 +294,7 @@ static void make_table(set_maker* m)
     s->candidate_radius = radius > 0.0 ? (float)radius : s->step * m->spacing * 0.70710678f;
 }
 
-static stp_result make_set(set_maker* m, const stp_leaf_desc* desc)
+static stp_result make_set(set_maker* m)
 {
     stp_context* context = m->context;
     stp_splats* s = m->splats;
@@ -306,7 +307,7 @@ static stp_result make_set(set_maker* m, const stp_leaf_desc* desc)
     }
     stp_parallel_for(context, count, GRAIN, place_some, m);
     stp_result result =
-        stp_leaf_octree_make(context, m->places, m->candidates->count, desc, SEED, &m->octree);
+        stp_leaf_octree_make(context, m->places, m->candidates->count, m->desc, SEED, &m->octree);
     if (result != STP_OK) {
         return result;
     }
@@ -329,12 +330,15 @@ stp_result stp_stochastic_make_set(stp_context* context, const stp_stochastic_so
                                    const stp_leaf_desc* desc, stp_splats* splats)
 {
     *splats = (stp_splats){.columns = STP_STOCHASTIC_COLUMNS};
-    set_maker m = {
-        .context = context, .source = source, .candidates = source->candidates, .splats = splats};
+    set_maker m = {.context = context,
+                   .source = source,
+                   .desc = desc,
+                   .candidates = source->candidates,
+                   .splats = splats};
     if (m.candidates->count == 0 || source->wanted == 0) {
         return STP_OK;
     }
-    stp_result result = make_set(&m, desc);
+    stp_result result = make_set(&m);
     stp_free(context, m.facts);
     stp_leaf_octree_destroy(context, &m.octree);
     stp_free(context, m.places);
