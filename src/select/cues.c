@@ -63,9 +63,9 @@ stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* a
         eye = stp_scaled(stp_subd(eye, stp_to_double(set->origin)), 1.0 / (double)set->step);
     }
     view.eye = eye;
-    stp_vec3d light = stp_addd(stp_scaled(frame->right, light_right),
-                               stp_addd(stp_scaled(frame->down, -light_up),
-                                        stp_scaled(frame->forward, -light_back)));
+    stp_vec3d light = stp_addd(
+        stp_scaled(frame->right, light_right),
+        stp_addd(stp_scaled(frame->down, -light_up), stp_scaled(frame->forward, -light_back)));
     view.polished = is_polished(s->directory) && solve(m, light, &view.light);
     view.light = stp_normalized(view.light);
     return view;

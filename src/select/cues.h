@@ -17,7 +17,7 @@
 #define STP_CUE_COVERING 4.41     ///< (2 x 1.05)^2 splats to a square of the splat size
 #define STP_CUE_ERROR_BENT 1.25   ///< times the samples of a bent region, at the most
 #define STP_CUE_ERROR_FEATURE 1.5 ///< where there is a silhouette, an edge or a highlight
-#define STP_CUE_HIGHLIGHT 0.26    ///< sine of how far from the mirror's direction a highlight reaches
+#define STP_CUE_HIGHLIGHT 0.26 ///< sine of how far from the mirror's direction a highlight reaches
 
 /// What is known of a set in a view.
 typedef struct stp_cue_view {

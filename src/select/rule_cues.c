@@ -8,8 +8,8 @@
 #include "select/cues.h"
 #include "select/rule.h"
 
-#define CELL_SAMPLES 0.5      // of each leaf of a cube that is not opened, at the most
-#define CUES_MOST 8.0       // times the nominal samples: a bent region with an edge or a silhouette
+#define CELL_SAMPLES 0.5 // of each leaf of a cube that is not opened, at the most
+#define CUES_MOST 8.0    // times the nominal samples: a bent region with an edge or a silhouette
 
 /// The shortest run of octaves with so many splats.
 static uint32_t round_count(const stp_splats* set, double count)
@@ -123,8 +123,8 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
             i = node->next;
             continue;
         }
-        bool opens =
-            node->leaf_count > 1 && stp_cue_nominal(view, node, &sight) > CELL_SAMPLES * (double)node->leaf_count;
+        bool opens = node->leaf_count > 1 &&
+                     stp_cue_nominal(view, node, &sight) > CELL_SAMPLES * (double)node->leaf_count;
         if (!opens) {
             double samples = stp_cue_samples(view, node, &sight);
             samples = node->leaf_count == 1 ? round_leaf(node, samples, &carried) : samples;
@@ -154,17 +154,30 @@ static double most_of(const stp_splats* set, const stp_leaf_node* node, uint32_t
                                  stp_cue_octaves(set, 1.0, here));
 }
 
-/// Splats of all leaves where a part 1 of the worth has `density` of them.
-static double count_at(const stp_cue_view* view, double density, uint32_t here)
+/// How many splats a part 1 of the worth gets so that all leaves together have `wanted`. Leaves that cannot give as many give
+/// all; what they lack is shared by the others, of which some then cannot, and so on.
+static double find_density(const stp_cue_view* view, double wanted, uint32_t here)
 {
-    double sum = 0.0;
-    for (uint32_t i = 0; i < view->leaves->node_count; ++i) {
-        const stp_leaf_node* node = &view->leaves->nodes[i];
-        if (node->leaf_count == 1) {
-            sum += fmin(density * worth_of(view, node), most_of(view->set, node, here));
+    enum { ROUNDS_MOST = 64 };
+    double density = 0.0;
+    bool grows = true;
+    for (int round = 0; round < ROUNDS_MOST && grows; ++round) {
+        double given = 0.0, worth = 0.0;
+        for (uint32_t i = 0; i < view->leaves->node_count; ++i) {
+            const stp_leaf_node* node = &view->leaves->nodes[i];
+            if (node->leaf_count > 1) {
+                continue;
+            }
+            double mine = worth_of(view, node), most = most_of(view->set, node, here);
+            bool all = density * mine >= most;
+            given += all ? most : 0.0;
+            worth += all ? 0.0 : mine;
         }
+        double next = worth > 0.0 ? (wanted - given) / worth : density;
+        grows = next > density;
+        density = grows ? next : density;
     }
-    return sum;
+    return density;
 }
 
 /// Shares `wanted` splats among all leaves: as many as they are worth, within what they have, and one more or less so that the
@@ -172,16 +185,7 @@ static double count_at(const stp_cue_view* view, double density, uint32_t here)
 static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t wanted,
                             uint32_t here, size_t* count)
 {
-    enum { STEPS = 60 };
-    double low = 0.0, high = 1e-30, carried = 0.0;
-    for (int i = 0; i < 2 * STEPS * 8 && count_at(view, high, here) < (double)wanted && high < 1e30;
-         ++i) {
-        high *= 2.0;
-    }
-    for (int i = 0; i < STEPS; ++i) {
-        double middle = 0.5 * (low + high);
-        *(count_at(view, middle, here) < (double)wanted ? &low : &high) = middle;
-    }
+    double density = find_density(view, (double)wanted, here), carried = 0.0;
     uint32_t left = wanted;
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK; ++i) {
@@ -190,7 +194,7 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
             continue;
         }
         double most = most_of(view->set, node, here);
-        carried += fmin(high * worth_of(view, node), most);
+        carried += fmin(density * worth_of(view, node), most);
         double whole = fmin(fmin(floor(carried + 0.5), most), (double)left);
         uint32_t drawn = whole > 0.0 ? (uint32_t)whole : 0;
         carried -= (double)drawn;

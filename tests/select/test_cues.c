@@ -76,8 +76,8 @@ void test_cues_are_those_of_table_1(test_state* test)
     make_scene(&s, 1);
     stp_leaf_node node = s.nodes[s.tree.node_count - 1];
     node.count = 1000000;
-    stp_cue_view view = look(&s, (stp_vec3d){32, 300, 32},
-                             STP_CUES_PAPER & ~(uint32_t)STP_CUE_OCCLUSION_BIT);
+    stp_cue_view view =
+        look(&s, (stp_vec3d){32, 300, 32}, STP_CUES_PAPER & ~(uint32_t)STP_CUE_OCCLUSION_BIT);
     stp_boxd box = stp_cue_box(&view, &node);
     stp_sight sight;
     CHECK(stp_select_see(&s.selection, &box, &sight));
@@ -141,9 +141,9 @@ void test_cues_cover_with_splats_of_the_size(test_state* test)
             double samples = stp_cue_samples(&view, &node, &sight);
             bool shines = stp_cue_highlight(&view, &node);
             CHECK(fabs(samples - (shines ? 1.5 : 1.0) * flat) < 1e-6 * flat);
-            stp_vec3d mirrored = stp_subd(
-                stp_scaled(stp_to_double(n), 2.0 * stp_dotd(view.light, stp_to_double(n))),
-                view.light);
+            stp_vec3d mirrored =
+                stp_subd(stp_scaled(stp_to_double(n), 2.0 * stp_dotd(view.light, stp_to_double(n))),
+                         view.light);
             bool toward = mirrored.y > 0.97; // the eye is above
             CHECK(!toward || shines);
             shining += shines ? 1 : 0;

@@ -13,13 +13,15 @@ enum {
     EDGE_AMONG = 128,   ///< points that neighbours are looked for among
     EDGE_NEIGHBOURS = 16,
     BEND_SAMPLE = 48,
-    OUTLYING = 10, ///< one of so many normals may lie farther from the representative one than the spread
+    OUTLYING =
+        10, ///< one of so many normals may lie farther from the representative one than the spread
     LEAST_POINTS = 6, ///< for a plane and an area of its own
 };
 #define AREA_OF_SCATTER 12.5 // a rectangle has 12 sqrt(l1 l2), a disk 4 pi
-#define LINE_OF_SCATTER 12.0   // the square of a line's length: points on it stand for squares as wide as they are apart
-#define AREA_OF_FOLD 4.0     // how much more a folded surface has, by its flatness
-#define LEAST_RATIO 0.5f     // of radii of a splat
+#define LINE_OF_SCATTER                                                                            \
+    12.0 // the square of a line's length: points on it stand for squares as wide as they are apart
+#define AREA_OF_FOLD 4.0 // how much more a folded surface has, by its flatness
+#define LEAST_RATIO 0.5f // of radii of a splat
 #define LEAST_BEND                                                                                 \
     0.1f         // radius of a splat of few, in radii of curvature, below which it stays a disk
 #define FEW 6.0f // how much larger a splat is where few are drawn

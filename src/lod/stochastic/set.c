@@ -26,11 +26,13 @@ enum {
 };
 #define SEED UINT64_C(0x42686B72)
 #define LARGEST 2.0f
-#define GROWTH 1.05f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
+#define GROWTH                                                                                     \
+    1.05f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
 #define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
 #define FINEST 0x1p-10           // of the spacing, below which a grid's step would waste bits
 #define HALF_DIAGONAL 0.8660255f // of a cell of the grid
-#define OUTLIER 8.0f // spacings of leaves are that many times the usual one, or one part of so many, at the most
+#define OUTLIER                                                                                    \
+    8.0f // spacings of leaves are that many times the usual one, or one part of so many, at the most
 
 typedef struct set_maker {
     stp_context* context;

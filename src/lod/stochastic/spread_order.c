@@ -7,16 +7,18 @@
 #include <string.h>
 
 enum {
-    GRAIN = 16,   ///< leaves
-    BLOCK = 2048, ///< points of a leaf that are spread together; those of larger leaves come block by block
-    SHARE = 4,    ///< one of so many points is spread
-    LEAST = 4,    ///< points, of which any order is as good
+    GRAIN = 16, ///< leaves
+    BLOCK =
+        2048, ///< points of a leaf that are spread together; those of larger leaves come block by block
+    SHARE = 4, ///< one of so many points is spread
+    LEAST = 4, ///< points, of which any order is as good
 };
 
 /// Points of a leaf. A cube is as wide as 16 bits, so differences of places wrap as equal cubes side by side would.
 typedef struct spread_block {
     int16_t at[3][BLOCK];
-    int16_t far[BLOCK]; ///< squared distance to the nearest point chosen so far, over 2^16; -1: it is one
+    int16_t far
+        [BLOCK]; ///< squared distance to the nearest point chosen so far, over 2^16; -1: it is one
     uint32_t index[BLOCK];
     uint32_t count;
 } spread_block;
@@ -161,9 +163,7 @@ static void place_leaves(size_t begin, size_t end, uint32_t worker, void* user)
 void stp_spread_order_place(stp_context* context, const uint32_t* ranked, uint32_t count,
                             stp_leaf_octree* octree)
 {
-    spread_loop loop = {.octree = octree,
-                        .from = ranked,
-                        .to = octree->order,
-                        .octaves = stp_leaf_octaves(count)};
+    spread_loop loop = {
+        .octree = octree, .from = ranked, .to = octree->order, .octaves = stp_leaf_octaves(count)};
     stp_parallel_for(context, octree->leaf_count, GRAIN, place_leaves, &loop);
 }

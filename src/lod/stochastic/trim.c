@@ -4,42 +4,38 @@
 #include <math.h>
 #include <string.h>
 
-enum { STEPS = 100 }; ///< of bisection
+enum { ROUNDS_MOST = 64 };
 
 static double count_of(const stp_leaf_octree* octree, uint32_t leaf)
 {
     return (double)(octree->leaves[leaf].end - octree->leaves[leaf].begin);
 }
 
-/// Points that are kept where a square of the grid's step has `density` of them.
-static double kept_at(const stp_leaf_octree* octree, const stp_leaf_facts* facts, double density)
-{
-    double sum = 0.0;
-    for (uint32_t l = 0; l < octree->leaf_count; ++l) {
-        sum += fmin(density * (double)facts[l].area, count_of(octree, l));
-    }
-    return sum;
-}
-
-/// The density with which about `wanted` points are kept.
+/// Points that a square of the grid's step keeps so that about `wanted` are kept. Leaves that have fewer keep all; what they lack
+/// is shared by the others, of which some then have too few, and so on.
 static double find_density(const stp_leaf_octree* octree, const stp_leaf_facts* facts,
-                           uint32_t wanted)
+                           double wanted)
 {
-    double low = 0.0, high = 0x1p-40;
-    while (high < 0x1p80 && kept_at(octree, facts, high) < (double)wanted) {
-        high *= 2.0;
+    double density = 0.0;
+    bool grows = true;
+    for (int round = 0; round < ROUNDS_MOST && grows; ++round) {
+        double given = 0.0, area = 0.0;
+        for (uint32_t l = 0; l < octree->leaf_count; ++l) {
+            bool all = density * (double)facts[l].area >= count_of(octree, l);
+            given += all ? count_of(octree, l) : 0.0;
+            area += all ? 0.0 : (double)facts[l].area;
+        }
+        double next = area > 0.0 ? (wanted - given) / area : density;
+        grows = next > density;
+        density = grows ? next : density;
     }
-    for (int i = 0; i < STEPS; ++i) {
-        double middle = 0.5 * (low + high);
-        *(kept_at(octree, facts, middle) < (double)wanted ? &low : &high) = middle;
-    }
-    return high;
+    return density;
 }
 
 void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_facts* facts, uint32_t* ranked,
                    uint32_t wanted)
 {
-    double density = find_density(octree, facts, wanted), carried = 0.5;
+    double density = find_density(octree, facts, (double)wanted), carried = 0.5;
     uint32_t leaves = 0, kept = 0, all = 0;
     for (uint32_t l = 0; l < octree->leaf_count; ++l) {
         all += octree->leaves[l].end - octree->leaves[l].begin;
