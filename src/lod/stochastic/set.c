@@ -25,9 +25,9 @@ enum {
     OCTAVES_MOST = 16, ///< of 2^32 points
 };
 #define SEED UINT64_C(0x42686B72)
-#define LARGEST 2.0f
+#define LARGEST 2.0f // radii of far apart points, in those of usual ones
 #define GROWTH                                                                                     \
-    1.05f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
+    1.05f // of a splat's radius, in sides of the square that it stands for (STP_CUE_COVERING)
 #define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
 #define FINEST 0x1p-10           // of the spacing, below which a grid's step would waste bits
 #define HALF_DIAGONAL 0.8660255f // of a cell of the grid
