@@ -45,6 +45,8 @@ typedef struct stp_quality {
     bool splats_only;  ///< a node that has splats is never opened, however near it is
     bool nodes_only;   ///< a node is drawn by splats or by triangles, never by some of both
     bool all_sides;    ///< splats that face away are drawn as well (stp_draw_item.one_sided)
+    /// Sets that show points and triangles together are not drawn: their splats have no attributes, and no fixed size.
+    bool points_apart;
     uint32_t cues_off; ///< STP_CUE_*_BIT that are not looked at
     stp_fovea fovea;   ///< all zero: splats are of one size
     /// A node is opened where its surfels could still cover so many times better than they have to, provided that
@@ -93,6 +95,7 @@ typedef struct stp_draw_item {
     uint32_t sections; ///< bits of the view's planes that may cut it; 0: it lies inside them all
     bool ghost;        ///< drawn in some of its pixels only (stp_draw_style.ghost)
     bool one_sided; ///< surfels: what faces away need not be drawn; all sides of a thing have some
+    bool of_points; ///< splats are original points, or these are drawn: their size may be fixed
     stp_affine transform; ///< to scene space
 } stp_draw_item;
 
