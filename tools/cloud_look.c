@@ -55,6 +55,5 @@ void cloud_look_set_size(const cloud_point_size* size, const stp_store* store,
     style->point_sizing = !(size->width > 0.0) ? STP_POINTS_ADAPTIVE
                           : size->in_metres    ? STP_POINTS_UNITS
                                                : STP_POINTS_PIXELS;
-    style->point_size =
-        (float)(size->in_metres && unit > 0.0 ? size->width / unit : size->width);
+    style->point_size = (float)(size->in_metres && unit > 0.0 ? size->width / unit : size->width);
 }

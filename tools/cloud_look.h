@@ -9,6 +9,13 @@
 /// Strength of eye-dome lighting for clouds, as --eye-dome takes it.
 #define CLOUD_EYE_DOME 1.0f
 
+/// Size of original points that are drawn because splats lack an attribute: by themselves they have none.
+#define CLOUD_ORIGINAL_SIZE "3px"
+#define CLOUD_ORIGINAL_PIXELS 3.0f
+
+/// Strength for thumbnails: their few, large splats stand apart, and would be outlined.
+#define CLOUD_THUMBNAIL_EYE_DOME 0.4f
+
 /// --point-size as given.
 typedef struct cloud_point_size {
     bool in_metres;
@@ -20,8 +27,9 @@ enum { CLOUD_POINT_PIXELS = 64 }; ///< most
 #define OPTION_POINT_SIZE(where)                                                                   \
     {                                                                                              \
         .name = "point-size", .type = OPTION_TEXT, .argument = "SIZE",                             \
-        .help = "width of points: so many pixels (3, 3px) or metres (0.05m), or adaptive, as wide " \
-                "as closes the gaps between those that are drawn; default adaptive",               \
+        .help =                                                                                    \
+            "width of points: so many pixels (3, 3px) or metres (0.05m), or adaptive, as wide "    \
+            "as closes the gaps between those that are drawn; default adaptive",                   \
         .value = (where)                                                                           \
     }
 

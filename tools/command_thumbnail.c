@@ -175,7 +175,7 @@ static stp_result open_any(thumbnail* t)
 static stp_result draw(thumbnail* t)
 {
     stp_draw_style style = {.transparency = STP_TRANSPARENCY_LAYERS,
-                            .eye_dome = t->is_cloud ? CLOUD_EYE_DOME : 0.0f};
+                            .eye_dome = t->is_cloud ? CLOUD_THUMBNAIL_EYE_DOME : 0.0f};
     frame_maker maker = {0};
     frame_figures figures = {0};
     if (!frame_image_create(t->context, t->view.width, t->view.height, &t->image)) {

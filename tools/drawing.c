@@ -31,12 +31,13 @@ static void choose_method(drawing* d, draw_options* o, const char* path)
     if (method != NULL) {
         o->has_method = true;
         o->method = (int)(method - stp_methods);
-        stp_notice(d->context, "%s: drawn by %s: splats by %s have no %s", path, method->name,
-                   directory->methods[usual].name, what);
-    } else if (point_colors_has_originals(&o->colors, d->store) && !stp_store_is_truncated(d->store) &&
-               !o->has_splats && !o->has_budget) {
+        stp_warn(d->context, "%s: drawn by %s: splats by %s have no %s", path, method->name,
+                 directory->methods[usual].name, what);
+    } else if (point_colors_has_originals(&o->colors, d->store) &&
+               !stp_store_is_truncated(d->store) && !o->has_splats && !o->has_budget) {
         o->reference = true;
-        stp_notice(d->context, "%s: original points are drawn: splats have no %s", path, what);
+        o->point_size = o->point_size != NULL ? o->point_size : CLOUD_ORIGINAL_SIZE;
+        stp_warn(d->context, "%s: original points are drawn: splats have no %s", path, what);
     }
 }
 

@@ -19,7 +19,7 @@ typedef struct drawing {
 bool drawing_begin(drawing* d, const draw_options* options);
 
 /// Opens a file, or builds it first. Where no method was asked for and the usual one's splats lack what --color or --classes
-/// ask for, `options` name one whose splats have it, or original points, with a notice. Failures are logged.
+/// ask for, `options` name one whose splats have it, or original points, with a warning. Failures are logged.
 STP_MUST_USE stp_result drawing_open(drawing* d, draw_options* options, const char* path);
 
 /// Makes what draws the open scene; under a limit of memory, it loads what it needs. Failures are logged.

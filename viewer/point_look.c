@@ -104,11 +104,14 @@ void point_look_give(viewer* v, paint_request* request)
             STP_FILTER_NONE; // colours of pixels are worked out where none are blended
     }
     const point_color_options o = {.color = look->color, .classes = look->hides ? "" : NULL};
-    request->quality.points_apart =
-        request->quality.points_apart || point_colors_need_points(&o);
+    request->quality.points_apart = request->quality.points_apart || point_colors_need_points(&o);
     if (!request->quality.reference) {
         uint32_t method = point_look_method(v, &request->quality.reference);
         request->quality.method = method != 0 ? method : request->quality.method;
+        if (request->quality.reference && request->style.point_sizing == STP_POINTS_ADAPTIVE) {
+            request->style.point_sizing = STP_POINTS_PIXELS;
+            request->style.point_size = CLOUD_ORIGINAL_PIXELS;
+        }
     }
 }
 

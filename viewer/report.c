@@ -137,8 +137,8 @@ static json_t* describe_method(const viewer* v)
     const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
     bool originals;
     return d != NULL && d->surfels_count > 0
-               ? json_string(d->methods[stp_store_find_method(d, point_look_method(v, &originals))]
-                                 .name)
+               ? json_string(
+                     d->methods[stp_store_find_method(d, point_look_method(v, &originals))].name)
                : json_null();
 }
 

@@ -32,12 +32,12 @@ typedef struct viewer_settings {
     int method;           ///< stp_policy; beyond it: original geometry only
     int splats_by; ///< whose splats are drawn (STP_METHOD_*); 0, or none of the file's: its first
     int filter, light;
-    int unit;          ///< UNIT_*
-    int point_sizing;  ///< stp_point_sizing, in scenes that have points
-    float point_scale; ///< times the usual size of points, where it is adaptive
+    int unit;                         ///< UNIT_*
+    int point_sizing;                 ///< stp_point_sizing, in scenes that have points
+    float point_scale;                ///< times the usual size of points, where it is adaptive
     float point_pixels, point_metres; ///< their width, where it is fixed
-    bool guides;       ///< view cube and scale bar
-    bool caps;         ///< solids that sections cut are filled
+    bool guides;                      ///< view cube and scale bar
+    bool caps;                        ///< solids that sections cut are filled
     bool fovea;
     float fovea_factor;
     float eye_dome;          ///< 0: none; below: as usual for the scene

@@ -335,7 +335,7 @@ static void set_options(viewer* v)
     if (o->has_point_size) {
         bool fixed = o->point_size.width > 0.0, metres = o->point_size.in_metres;
         float width = (float)o->point_size.width;
-        v->settings.point_sizing = !fixed ? STP_POINTS_ADAPTIVE
+        v->settings.point_sizing = !fixed   ? STP_POINTS_ADAPTIVE
                                    : metres ? STP_POINTS_UNITS
                                             : STP_POINTS_PIXELS;
         v->settings.point_metres = fixed && metres ? width : v->settings.point_metres;

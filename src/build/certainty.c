@@ -17,9 +17,8 @@ static void look_at_nodes(const stp_scene* scene, node_certainty* nodes)
         const stp_node* node = &scene->nodes[i];
         for (uint32_t k = 0; k < node->part_count; ++k) {
             stp_part part = scene->node_parts[node->first_part + k];
-            nodes[i].unknown =
-                nodes[i].unknown || (part.kind == STP_PART_POINTS &&
-                                     scene->point_sets[part.index].normals == NULL);
+            nodes[i].unknown = nodes[i].unknown || (part.kind == STP_PART_POINTS &&
+                                                    scene->point_sets[part.index].normals == NULL);
         }
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             uint32_t child = scene->edges[node->first_edge + k].node;
@@ -48,8 +47,7 @@ static void note_signs(const stp_scene* scene, const stp_store_directory* d,
         for (uint32_t i = 0; i < d->node_count; ++i) {
             uint32_t set = stp_store_set_of(d, m, i);
             if (set != STP_STORE_NONE && !finds_signs) {
-                sets[set].unknown_signs =
-                    nodes[i].unknown && scene->nodes[i].triangle_count == 0;
+                sets[set].unknown_signs = nodes[i].unknown && scene->nodes[i].triangle_count == 0;
             }
         }
     }
@@ -70,9 +68,8 @@ stp_result stp_build_note_certainty(const stp_scene* scene, const stp_store_cont
         const stp_store_node* node = &d->nodes[i];
         for (uint32_t k = 0; k < node->part_count; ++k) {
             stp_store_part part = d->parts[node->first_part + k];
-            uint32_t held_by = part.kind == STP_STORE_PART_POINTS
-                                   ? content->point_sets[part.index].held_by
-                                   : 0;
+            uint32_t held_by =
+                part.kind == STP_STORE_PART_POINTS ? content->point_sets[part.index].held_by : 0;
             if (held_by != 0) {
                 stp_splats* set = &methods->sets[held_by - 1];
                 set->position_error = (float)(0.5 * (double)set->step * nodes[i].scale);

@@ -6,7 +6,8 @@ stp_result stp_store_judge_certainty(const stp_store* store)
 {
     const stp_store_certainty* records = store->tables[STP_SECTION_CERTAINTY];
     for (uint32_t i = 0; i < store->counts[STP_SECTION_CERTAINTY]; ++i) {
-        if (records[i].flags > STP_CERTAINTY_UNKNOWN_SIGNS || !(records[i].position_error >= 0.0f)) {
+        if (records[i].flags > STP_CERTAINTY_UNKNOWN_SIGNS ||
+            !(records[i].position_error >= 0.0f)) {
             return stp_fail(store->context, STP_ERROR_FORMAT,
                             "%s: surfel set %u: says how certain it is in another way than this "
                             "version",
@@ -21,7 +22,8 @@ stp_result stp_store_link_certainty(stp_store* store)
     const stp_store_certainty* records = store->tables[STP_SECTION_CERTAINTY];
     stp_store_surfels_record* sets = store->tables[STP_SECTION_SURFELS];
     uint32_t count = store->counts[STP_SECTION_CERTAINTY];
-    if (store->known[STP_SECTION_CERTAINTY] != NULL && count != store->counts[STP_SECTION_SURFELS]) {
+    if (store->known[STP_SECTION_CERTAINTY] != NULL &&
+        count != store->counts[STP_SECTION_SURFELS]) {
         return stp_fail(store->context, STP_ERROR_FORMAT,
                         "%s: says of %u surfel sets how certain they are, and has %u", store->path,
                         count, store->counts[STP_SECTION_SURFELS]);

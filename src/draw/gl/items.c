@@ -253,17 +253,16 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
     gl_placed* placed = &r->frame.placed[index];
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
     *placed = (gl_placed){.draw = draw, .scale = scale, .radius = draw->radius * scale};
-    *item = (item_block){.kind = (uint32_t)draw->kind,
-                         .first_id = draw->first_id,
-                         .flags = (draw->ghost ? ITEM_GHOST : 0u) |
-                                  (stp_point_size_is_fixed(r->style, draw)
-                                       ? ITEM_FIXED | ITEM_FACING
-                                       : 0u),
-                         .sections = draw->sections,
-                         .blend = 1.0f,
-                         .base_color = NO_ADDRESS,
-                         .metallic_roughness = NO_ADDRESS,
-                         .emissive = NO_ADDRESS};
+    *item = (item_block){
+        .kind = (uint32_t)draw->kind,
+        .first_id = draw->first_id,
+        .flags = (draw->ghost ? ITEM_GHOST : 0u) |
+                 (stp_point_size_is_fixed(r->style, draw) ? ITEM_FIXED | ITEM_FACING : 0u),
+        .sections = draw->sections,
+        .blend = 1.0f,
+        .base_color = NO_ADDRESS,
+        .metallic_roughness = NO_ADDRESS,
+        .emissive = NO_ADDRESS};
     switch (draw->kind) {
     case STP_DRAW_SURFELS:
         return gl_set_item_make(r, index);
