@@ -24,7 +24,8 @@ static inline stp_point_radius stp_point_radius_of(const stp_draw_style* style,
 {
     float half = 0.5f * style->point_size;
     if (style->point_sizing == STP_POINTS_PIXELS) {
-        return (stp_point_radius){.pixels = half};
+        // a disk that may lie between the middles of pixels is the pixel of its centre
+        return (stp_point_radius){.pixels = half < 0.7072f ? 0.2f : half};
     }
     double scale = stp_affine_scale(&item->transform);
     return (stp_point_radius){.units = scale > 0.0 ? (float)((double)half / scale) : 0.0f};

@@ -43,7 +43,7 @@ static uint32_t covered_from(made_picture* p, double distance)
 
 static bool is_about(uint32_t found, double wanted)
 {
-    return fabs((double)found - wanted) <= 0.12 * wanted;
+    return fabs((double)found - wanted) <= 0.2 * wanted;
 }
 
 static void check_sizes(test_state* test, made_picture* p)
@@ -120,7 +120,7 @@ void test_gl_points_have_fixed_sizes(test_state* test)
         m.picture.style = styles[i];
         CHECK_EQUAL(STP_OK, made_picture_draw(&m.picture));
         CHECK_EQUAL(STP_OK, made_gl_draw(&m));
-        CHECK(count_covered(m.pixels) > 0);
+        CHECK(count_covered(m.pixels) >= POINTS);
         CHECK(made_count_different(m.picture.pixels, m.pixels, 8) <= 8);
     }
     made_gl_end(&m);
@@ -160,7 +160,6 @@ void test_unknown_signs_push_nothing_back(test_state* test)
             CHECK_EQUAL(STP_OK, made_picture_open(p));
         }
         p->quality.splats_only = true;
-        p->quality.splat_size = 4.0f;
         CHECK_EQUAL(STP_OK, made_picture_draw(p));
         const uint8_t* middle = made_picture_pixel(p, 31, 31);
         CHECK_EQUAL(unknown ? 255 : 0, middle[0]); // only what is known to face away gives way
