@@ -46,8 +46,10 @@ static void note_signs(const stp_scene* scene, const stp_store_directory* d,
         bool finds_signs = method != NULL && method->finds_signs;
         for (uint32_t i = 0; i < d->node_count; ++i) {
             uint32_t set = stp_store_set_of(d, m, i);
-            if (set != STP_STORE_NONE && !finds_signs) {
-                sets[set].unknown_signs = nodes[i].unknown && scene->nodes[i].triangle_count == 0;
+            if (set != STP_STORE_NONE) { // what a former output said of a set is said anew
+                sets[set].position_error = 0.0f;
+                sets[set].unknown_signs =
+                    !finds_signs && nodes[i].unknown && scene->nodes[i].triangle_count == 0;
             }
         }
     }
