@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "build/origin.h"
+#include "build/found_results.h"
 
 #include <stdlib.h>
 
 static int compare_keys(const void* left, const void* right)
 {
-    const stp_hash* a = &((const stp_build_origin*)left)->key;
-    const stp_hash* b = &((const stp_build_origin*)right)->key;
+    const stp_hash* a = &((const stp_build_result*)left)->key;
+    const stp_hash* b = &((const stp_build_result*)right)->key;
     if (a->high != b->high) {
         return a->high < b->high ? -1 : 1;
     }
     return a->low < b->low ? -1 : a->low > b->low ? 1 : 0;
 }
 
-size_t stp_build_count_found(stp_build_origin* origins, size_t count)
+size_t stp_build_count_found(stp_build_result* origins, size_t count)
 {
     size_t found = 0;
     if (count > 1) {

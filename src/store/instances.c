@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "store/spots.h"
+#include "store/instances.h"
 
 #define SAME_PART 1e-6   // of the thing's diagonal
 #define SAME_ROUND 1e-11 // of its coordinates
@@ -14,17 +14,19 @@ static double largest_of(stp_vec3d v)
     return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
 }
 
-stp_spot stp_spot_of_node(const stp_store* store, uint32_t node, const stp_affine* transform)
+stp_instance stp_instance_of_node(const stp_store* store, uint32_t node,
+                                  const stp_affine* transform)
 {
-    stp_spot thing = {.node = node, .transform = *transform};
+    stp_instance thing = {.node = node, .transform = *transform};
     thing.bounds = stp_store_get_directory(store)->nodes[node].bounds;
     thing.center = stp_affine_point(transform, middle_of(&thing.bounds));
     return thing;
 }
 
-stp_spot stp_spot_of_part(const stp_store* store, stp_store_part part, const stp_affine* transform)
+stp_instance stp_instance_of_part(const stp_store* store, stp_store_part part,
+                                  const stp_affine* transform)
 {
-    stp_spot thing = {.is_part = true, .part = part, .transform = *transform};
+    stp_instance thing = {.is_part = true, .part = part, .transform = *transform};
     stp_box box = part.kind == STP_STORE_PART_MESH
                       ? stp_store_describe_mesh(store, part.index)->bounds
                       : stp_store_describe_point_set(store, part.index)->bounds;
@@ -33,7 +35,7 @@ stp_spot stp_spot_of_part(const stp_store* store, stp_store_part part, const stp
     return thing;
 }
 
-bool stp_spot_is_same(const stp_boxd* bounds, const stp_affine* a, const stp_affine* b)
+bool stp_instance_is_same(const stp_boxd* bounds, const stp_affine* a, const stp_affine* b)
 {
     stp_vec3d size = stp_subd(bounds->max, bounds->min);
     const stp_vec3d corners[4] = {
@@ -52,7 +54,7 @@ bool stp_spot_is_same(const stp_boxd* bounds, const stp_affine* a, const stp_aff
     return apart <= SAME_PART * width + SAME_ROUND * most;
 }
 
-bool stp_spot_may_hold(const stp_boxd* bounds, const stp_affine* transform, stp_vec3d point)
+bool stp_instance_may_hold(const stp_boxd* bounds, const stp_affine* transform, stp_vec3d point)
 {
     if (stp_boxd_is_empty(*bounds)) {
         return false;
@@ -76,23 +78,23 @@ static bool is_same_part(stp_store_part a, stp_store_part b)
     return a.kind == b.kind && a.index == b.index;
 }
 
-static bool find_below(stp_spot_search* search, uint32_t node, const stp_affine* transform,
-                       const stp_spot* thing, uint32_t depth)
+static bool find_below(stp_instance_search* search, uint32_t node, const stp_affine* transform,
+                       const stp_instance* thing, uint32_t depth)
 {
     const stp_store_directory* d = search->directory;
     const stp_store_node* n = &d->nodes[node];
-    if (search->visits_left == 0 || depth >= STP_SPOT_DEPTH) {
+    if (search->visits_left == 0 || depth >= STP_INSTANCE_DEPTH) {
         search->gave_up = true;
         return false;
     }
     search->visits_left -= 1;
     if (!thing->is_part && node == thing->node &&
-        stp_spot_is_same(&thing->bounds, transform, &thing->transform)) {
+        stp_instance_is_same(&thing->bounds, transform, &thing->transform)) {
         return true;
     }
     for (uint32_t i = 0; thing->is_part && i < n->part_count; ++i) {
         if (is_same_part(d->parts[n->first_part + i], thing->part) &&
-            stp_spot_is_same(&thing->bounds, transform, &thing->transform)) {
+            stp_instance_is_same(&thing->bounds, transform, &thing->transform)) {
             return true;
         }
     }
@@ -103,7 +105,7 @@ static bool find_below(stp_spot_search* search, uint32_t node, const stp_affine*
             continue;
         }
         stp_affine below = stp_affine_multiply(*transform, edge->transform);
-        if (stp_spot_may_hold(&d->nodes[edge->node].bounds, &below, thing->center) &&
+        if (stp_instance_may_hold(&d->nodes[edge->node].bounds, &below, thing->center) &&
             find_below(search, edge->node, &below, thing, depth + 1)) {
             return true;
         }
@@ -111,8 +113,8 @@ static bool find_below(stp_spot_search* search, uint32_t node, const stp_affine*
     return false;
 }
 
-bool stp_spot_holds(stp_spot_search* search, uint32_t node, const stp_affine* transform,
-                    const stp_spot* thing)
+bool stp_instance_holds(stp_instance_search* search, uint32_t node, const stp_affine* transform,
+                        const stp_instance* thing)
 {
     return find_below(search, node, transform, thing, 0);
 }

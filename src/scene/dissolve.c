@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "scene/wide.h"
+#include "scene/dissolve.h"
 
 #include <string.h>
 
@@ -115,7 +115,7 @@ static void mark_root_chain(search* s)
     }
 }
 
-stp_result stp_find_wide(const stp_scene* scene, uint8_t** wide)
+stp_result stp_find_dissolved(const stp_scene* scene, uint8_t** wide)
 {
     stp_context* context = scene->context;
     search s = {.scene = scene,

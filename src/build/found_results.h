@@ -10,10 +10,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-typedef struct stp_build_origin {
+typedef struct stp_build_result {
     stp_hash key;
     bool made; ///< by this build; else it was there when it was looked for
-} stp_build_origin;
+} stp_build_result;
 
 /// How many have a key that none made. Sorts them.
-size_t stp_build_count_found(stp_build_origin* origins, size_t count);
+size_t stp_build_count_found(stp_build_result* origins, size_t count);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sums over the graph: with all instances by adding up children before parents, without by walking with marks.
-#include "store/matter.h"
+#include "store/content_sizes.h"
 
 // Figures that count instances: each node's is its own and its children's.
 typedef enum instanced {
@@ -14,9 +14,9 @@ typedef enum instanced {
     INSTANCED_KINDS
 } instanced;
 
-typedef struct tally {
+typedef struct accumulator {
     stp_context* context;
-    const stp_store_matter* matter;
+    const stp_store_sizes* sizes;
     const stp_store_directory* directory;
     uint64_t* sums; ///< of one kind, of each node
     // the number of the last walk that met each thing; walks are numbered from 1 on
@@ -24,7 +24,7 @@ typedef struct tally {
     uint32_t walk;
     uint32_t* stack; ///< nodes met whose children were not looked at
     size_t stacked;
-} tally;
+} accumulator;
 
 static uint64_t add(uint64_t a, uint64_t b)
 {
@@ -51,10 +51,11 @@ static uint64_t* figure_of(stp_store_figures* figures, instanced kind)
     }
 }
 
-static uint64_t count_parts(const tally* t, const stp_store_node* node, stp_store_part_kind kind)
+static uint64_t count_parts(const accumulator* t, const stp_store_node* node,
+                            stp_store_part_kind kind)
 {
     const stp_store_amount* amounts =
-        kind == STP_STORE_PART_MESH ? t->matter->meshes : t->matter->point_sets;
+        kind == STP_STORE_PART_MESH ? t->sizes->meshes : t->sizes->point_sets;
     uint64_t sum = 0;
     for (uint32_t i = 0; i < node->part_count; ++i) {
         stp_store_part part = t->directory->parts[node->first_part + i];
@@ -64,9 +65,9 @@ static uint64_t count_parts(const tally* t, const stp_store_node* node, stp_stor
 }
 
 // What a node has itself.
-static uint64_t count_own(const tally* t, const stp_store_node* node, instanced kind)
+static uint64_t count_own(const accumulator* t, const stp_store_node* node, instanced kind)
 {
-    uint64_t surfels = node->surfels != STP_STORE_NONE ? t->matter->sets[node->surfels].count : 0;
+    uint64_t surfels = node->surfels != STP_STORE_NONE ? t->sizes->sets[node->surfels].count : 0;
     switch (kind) {
     case INSTANCED_OBJECTS:
         return node->part_count != 0;
@@ -85,12 +86,12 @@ static uint64_t count_own(const tally* t, const stp_store_node* node, instanced 
     }
 }
 
-static uint32_t node_of(const tally* t, uint32_t object)
+static uint32_t node_of(const accumulator* t, uint32_t object)
 {
     return t->directory->objects[object].node;
 }
 
-static void sum_instances(tally* t, instanced kind, const stp_store_census* census,
+static void sum_instances(accumulator* t, instanced kind, const stp_store_census* census,
                           stp_store_summary* summary)
 {
     const stp_store_directory* d = t->directory;
@@ -112,21 +113,21 @@ static void sum_instances(tally* t, instanced kind, const stp_store_census* cens
 }
 
 // Whether a thing is met for the first time in this walk.
-static bool meet(const tally* t, uint32_t* met, uint32_t index)
+static bool meet(const accumulator* t, uint32_t* met, uint32_t index)
 {
     bool first = met[index] != t->walk;
     met[index] = t->walk;
     return first;
 }
 
-static void meet_node(tally* t, uint32_t node)
+static void meet_node(accumulator* t, uint32_t node)
 {
     if (node != STP_STORE_NONE && meet(t, t->nodes_met, node)) {
         t->stack[t->stacked++] = node;
     }
 }
 
-static void meet_material(const tally* t, uint32_t index, stp_store_figures* figures)
+static void meet_material(const accumulator* t, uint32_t index, stp_store_figures* figures)
 {
     const stp_store_material* material = &t->directory->materials[index];
     uint32_t textures[] = {material->base_color_texture.texture,
@@ -134,22 +135,22 @@ static void meet_material(const tally* t, uint32_t index, stp_store_figures* fig
                            material->emissive_texture.texture};
     for (int i = 0; i < 3; ++i) {
         const stp_store_amount* texture =
-            textures[i] != STP_STORE_NONE ? &t->matter->textures[textures[i]] : NULL;
+            textures[i] != STP_STORE_NONE ? &t->sizes->textures[textures[i]] : NULL;
         if (texture != NULL && meet(t, t->textures_met, texture->owner)) {
             figures->texture_bytes += texture->bytes;
         }
     }
 }
 
-static void meet_part(const tally* t, stp_store_part part, stp_store_figures* figures)
+static void meet_part(const accumulator* t, stp_store_part part, stp_store_figures* figures)
 {
     if (part.kind == STP_STORE_PART_MESH && meet(t, t->meshes_met, part.index)) {
-        const stp_store_amount* mesh = &t->matter->meshes[part.index];
+        const stp_store_amount* mesh = &t->sizes->meshes[part.index];
         figures->unique_triangles += mesh->count;
         figures->triangle_bytes += mesh->bytes;
         meet_material(t, mesh->material, figures);
     } else if (part.kind == STP_STORE_PART_POINTS && meet(t, t->point_sets_met, part.index)) {
-        const stp_store_amount* points = &t->matter->point_sets[part.index];
+        const stp_store_amount* points = &t->sizes->point_sets[part.index];
         figures->unique_points += points->count;
         figures->point_bytes += points->bytes;
         meet_material(t, points->material, figures);
@@ -157,7 +158,7 @@ static void meet_part(const tally* t, stp_store_part part, stp_store_figures* fi
 }
 
 // Everything below the nodes on the stack, each once.
-static void walk(tally* t, stp_store_figures* figures)
+static void walk(accumulator* t, stp_store_figures* figures)
 {
     const stp_store_directory* d = t->directory;
     while (t->stacked != 0) {
@@ -167,7 +168,7 @@ static void walk(tally* t, stp_store_figures* figures)
         for (uint32_t i = 0; i < node->part_count; ++i) {
             meet_part(t, d->parts[node->first_part + i], figures);
         }
-        const stp_store_amount* sets = t->matter->sets;
+        const stp_store_amount* sets = t->sizes->sets;
         if (node->surfels != STP_STORE_NONE && sets[node->surfels].count != 0 &&
             meet(t, t->sets_met, node->surfels)) {
             figures->unique_lods += 1;
@@ -185,7 +186,7 @@ static void walk(tally* t, stp_store_figures* figures)
     }
 }
 
-static void sum_unique(tally* t, const stp_store_census* census, stp_store_summary* summary)
+static void sum_unique(accumulator* t, const stp_store_census* census, stp_store_summary* summary)
 {
     t->walk = 1;
     meet_node(t, t->directory->root);
@@ -199,12 +200,12 @@ static void sum_unique(tally* t, const stp_store_census* census, stp_store_summa
     }
 }
 
-// Of the whole, all matter that is stored counts, shown or not. Nodes do not: objects whose content their parent has
-// taken apart keep one of their own, which nobody draws.
-static void sum_stored(const tally* t, stp_store_figures* figures)
+// Figures of the whole scene count all stored content, drawn or not. Nodes are the exception: an object whose content its
+// parent has taken apart keeps a node that is never drawn.
+static void sum_stored(const accumulator* t, stp_store_figures* figures)
 {
     const stp_store_directory* d = t->directory;
-    const stp_store_matter* m = t->matter;
+    const stp_store_sizes* m = t->sizes;
     figures->unique_triangles = figures->triangle_bytes = 0;
     figures->unique_points = figures->point_bytes = 0;
     figures->unique_lods = figures->unique_surfels = figures->splat_bytes = 0;
@@ -240,7 +241,7 @@ static void take_census(const stp_store_census* census, stp_store_summary* summa
     }
 }
 
-static bool create_tally(tally* t)
+static bool create_accumulator(accumulator* t)
 {
     const stp_store_directory* d = t->directory;
     stp_context* context = t->context;
@@ -255,7 +256,7 @@ static bool create_tally(tally* t)
            t->point_sets_met != NULL && t->textures_met != NULL && t->sets_met != NULL;
 }
 
-static void destroy_tally(tally* t)
+static void destroy_accumulator(accumulator* t)
 {
     void* arrays[] = {t->sums,           t->stack,        t->nodes_met, t->meshes_met,
                       t->point_sets_met, t->textures_met, t->sets_met};
@@ -280,15 +281,16 @@ static void start_summary(const stp_store_directory* d, const stp_store_census* 
     }
 }
 
-stp_result stp_store_tally(stp_context* context, const stp_store_matter* matter,
-                           const stp_store_census* census, bool counted, stp_store_summary* summary)
+stp_result stp_store_count_figures(stp_context* context, const stp_store_sizes* sizes,
+                                   const stp_store_census* census, bool counted,
+                                   stp_store_summary* summary)
 {
-    tally t = {.context = context, .matter = matter, .directory = matter->directory};
+    accumulator t = {.context = context, .sizes = sizes, .directory = sizes->directory};
     *summary = (stp_store_summary){0};
     summary->parts = STP_NEW_ZEROED(context, stp_store_scene_part, (size_t)census->part_count + 1);
-    bool made = summary->parts != NULL && create_tally(&t);
+    bool made = summary->parts != NULL && create_accumulator(&t);
     if (made) {
-        start_summary(matter->directory, census, summary);
+        start_summary(sizes->directory, census, summary);
         for (int kind = 0; kind < INSTANCED_KINDS; ++kind) {
             sum_instances(&t, (instanced)kind, census, summary);
         }
@@ -300,6 +302,6 @@ stp_result stp_store_tally(stp_context* context, const stp_store_matter* matter,
     } else {
         stp_store_summary_destroy(context, summary);
     }
-    destroy_tally(&t);
+    destroy_accumulator(&t);
     return made ? STP_OK : stp_fail_memory(context);
 }

@@ -2,7 +2,7 @@
 // What is nowhere, or a universe away, must not spoil the rest of a scene.
 #include "tests.h"
 
-#include "scene/reach.h"
+#include "scene/distance_limit.h"
 #include "scene/scene_helpers.h"
 
 static const float nowhere[] = {NAN, INFINITY, -INFINITY, 1e19f, -3e38f};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "scene/reach.h"
+#include "scene/distance_limit.h"
 
 #include "scene/bulk.h"
 
@@ -9,7 +9,7 @@
 // False for what is not a number, too.
 static bool reaches(const float* p)
 {
-    const float most = (float)STP_SCENE_REACH;
+    const float most = (float)STP_SCENE_DISTANCE_LIMIT;
     return fabsf(p[0]) <= most && fabsf(p[1]) <= most && fabsf(p[2]) <= most;
 }
 
@@ -17,20 +17,20 @@ static bool all_reach(const float* positions, size_t count)
 {
     bool all = true;
     for (size_t i = 0; i < 3 * count; ++i) {
-        all = fabsf(positions[i]) <= (float)STP_SCENE_REACH && all;
+        all = fabsf(positions[i]) <= (float)STP_SCENE_DISTANCE_LIMIT && all;
     }
     return all;
 }
 
-bool stp_is_within_reach(stp_boxd box)
+bool stp_is_within_distance_limit(stp_boxd box)
 {
-    const double most = STP_SCENE_REACH * (1.0 + 1e-6); // of what was rounded to float
-    stp_vec3d low = box.min, high = box.max;            // what is not a number leaves an axis empty
+    const double most = STP_SCENE_DISTANCE_LIMIT * (1.0 + 1e-6); // of what was rounded to float
+    stp_vec3d low = box.min, high = box.max; // what is not a number leaves an axis empty
     return low.x <= high.x && low.y <= high.y && low.z <= high.z && low.x >= -most &&
            low.y >= -most && low.z >= -most && high.x <= most && high.y <= most && high.z <= most;
 }
 
-uint32_t stp_mesh_drop_unreachable(stp_mesh* mesh)
+uint32_t stp_mesh_drop_distant(stp_mesh* mesh)
 {
     if (all_reach(mesh->positions, mesh->vertex_count)) {
         return 0;
@@ -58,7 +58,7 @@ uint32_t stp_mesh_drop_unreachable(stp_mesh* mesh)
     return dropped;
 }
 
-uint32_t stp_points_drop_unreachable(stp_point_set* points)
+uint32_t stp_points_drop_distant(stp_point_set* points)
 {
     if (all_reach(points->positions, points->point_count)) {
         return 0;
@@ -112,6 +112,6 @@ void stp_scene_tell_dropped(const stp_scene* scene)
              "object %u (%s): %u %s that are not finite, or farther than %g from its origin, are "
              "left out%s",
              object, name != NULL ? name : "no name", d->dropped,
-             d->first.kind == STP_PART_MESH ? "triangles with corners" : "points", STP_SCENE_REACH,
-             others);
+             d->first.kind == STP_PART_MESH ? "triangles with corners" : "points",
+             STP_SCENE_DISTANCE_LIMIT, others);
 }

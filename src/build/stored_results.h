@@ -16,16 +16,16 @@
 
 /// Looks a set up; `candidates` is what it was chosen from. One that makes no sense, or names a shading beyond
 /// `shading_count`, is forgotten. Any thread.
-bool stp_piece_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
-                            stp_splats* surfels, uint32_t* candidates);
+bool stp_work_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
+                           stp_splats* surfels, uint32_t* candidates);
 
 /// Stores a set; `stored` (may be NULL) is the same set in the mapping, so that `surfels` may be freed. Any thread.
 /// @return STP_OK, or what stp_work_store returns
-STP_MUST_USE stp_result stp_piece_store_surfels(stp_work* work, stp_hash key,
-                                                const stp_splats* surfels, uint32_t candidates,
-                                                stp_splats* stored);
+STP_MUST_USE stp_result stp_work_store_surfels(stp_work* work, stp_hash key,
+                                               const stp_splats* surfels, uint32_t candidates,
+                                               stp_splats* stored);
 
 // The same for meshes coded to clusters.
-bool stp_piece_find_mesh(stp_work* work, stp_hash key, stp_coded_mesh* mesh);
-STP_MUST_USE stp_result stp_piece_store_mesh(stp_work* work, stp_hash key,
-                                             const stp_coded_mesh* mesh, stp_coded_mesh* stored);
+bool stp_work_find_mesh(stp_work* work, stp_hash key, stp_coded_mesh* mesh);
+STP_MUST_USE stp_result stp_work_store_mesh(stp_work* work, stp_hash key,
+                                            const stp_coded_mesh* mesh, stp_coded_mesh* stored);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "build/piece.h"
+#include "build/stored_results.h"
 
 #include "base/bytes.h"
 #include "base/splat_codes.h"
@@ -200,8 +200,8 @@ static bool read_surfels(const void* result, size_t size, stp_splats* s, uint32_
     return true;
 }
 
-bool stp_piece_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
-                            stp_splats* surfels, uint32_t* candidates)
+bool stp_work_find_surfels(stp_work* work, stp_hash key, uint32_t shading_count,
+                           stp_splats* surfels, uint32_t* candidates)
 {
     size_t size = 0;
     const void* result = stp_work_find(work, key, &size);
@@ -238,8 +238,8 @@ static stp_result store_surfels(stp_work* work, stp_hash key, const stp_splats* 
     return stp_work_store(work, key, pieces, 1 + 2 * COLUMNS, NULL);
 }
 
-stp_result stp_piece_store_surfels(stp_work* work, stp_hash key, const stp_splats* surfels,
-                                   uint32_t candidates, stp_splats* stored)
+stp_result stp_work_store_surfels(stp_work* work, stp_hash key, const stp_splats* surfels,
+                                  uint32_t candidates, stp_splats* stored)
 {
     const char* fault = stp_store_surfels_fault(surfels);
     if (fault != NULL) {
@@ -253,7 +253,7 @@ stp_result stp_piece_store_surfels(stp_work* work, stp_hash key, const stp_splat
         stp_splats found;
         result = store_surfels(work, key, surfels, candidates);
         if (result == STP_OK &&
-            stp_piece_find_surfels(work, key, STP_SHADING_LIMIT, &found, &unused)) {
+            stp_work_find_surfels(work, key, STP_SHADING_LIMIT, &found, &unused)) {
             if (stored != NULL) {
                 *stored = found;
             }
@@ -286,7 +286,7 @@ static bool read_mesh(const void* result, size_t size, stp_coded_mesh* mesh)
            mesh->vertex_count <= STP_CLUSTER_VERTICES * clusters;
 }
 
-bool stp_piece_find_mesh(stp_work* work, stp_hash key, stp_coded_mesh* mesh)
+bool stp_work_find_mesh(stp_work* work, stp_hash key, stp_coded_mesh* mesh)
 {
     size_t size = 0;
     const void* result = stp_work_find(work, key, &size);
@@ -318,14 +318,14 @@ static stp_result store_mesh(stp_work* work, stp_hash key, const stp_coded_mesh*
     return stp_work_store(work, key, pieces, 2, NULL);
 }
 
-stp_result stp_piece_store_mesh(stp_work* work, stp_hash key, const stp_coded_mesh* mesh,
-                                stp_coded_mesh* stored)
+stp_result stp_work_store_mesh(stp_work* work, stp_hash key, const stp_coded_mesh* mesh,
+                               stp_coded_mesh* stored)
 {
     stp_result result = STP_OK;
     for (int attempt = 0; result == STP_OK && attempt < 2; ++attempt) {
         stp_coded_mesh found;
         result = store_mesh(work, key, mesh);
-        if (result == STP_OK && stp_piece_find_mesh(work, key, &found)) {
+        if (result == STP_OK && stp_work_find_mesh(work, key, &found)) {
             if (stored != NULL) {
                 *stored = found;
             }

@@ -2,7 +2,7 @@
 #include "work_helpers.h"
 
 #include "base/bytes.h"
-#include "build/piece.h"
+#include "build/stored_results.h"
 
 enum { SURFELS = 37, ENTRIES = 5 + 17 + 37, MESH_BYTES = 333 };
 
@@ -87,18 +87,18 @@ void test_pieces_are_found_as_they_were_stored(test_state* test)
         stp_splats found;
         stp_coded_mesh coded;
         uint32_t candidates = 0;
-        CHECK_EQUAL(round, stp_piece_find_surfels(work, work_key(1), 5, &found, &candidates));
-        CHECK_EQUAL(STP_OK, stp_piece_store_surfels(work, work_key(1), &s.surfels, 1234, &found));
+        CHECK_EQUAL(round, stp_work_find_surfels(work, work_key(1), 5, &found, &candidates));
+        CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, work_key(1), &s.surfels, 1234, &found));
         CHECK(is_sample(&found, &s));
-        CHECK(stp_piece_find_surfels(work, work_key(1), 5, &found, &candidates));
+        CHECK(stp_work_find_surfels(work, work_key(1), 5, &found, &candidates));
         CHECK(is_sample(&found, &s));
         CHECK_EQUAL(1234, candidates);
         // what cannot be seen has no surfels, and that is a result too
-        CHECK_EQUAL(STP_OK, stp_piece_store_surfels(work, work_key(2), &nothing, 0, NULL));
-        CHECK(stp_piece_find_surfels(work, work_key(2), 1, &found, &candidates));
+        CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, work_key(2), &nothing, 0, NULL));
+        CHECK(stp_work_find_surfels(work, work_key(2), 1, &found, &candidates));
         CHECK_EQUAL(0, found.count);
         CHECK_EQUAL(0, candidates);
-        CHECK_EQUAL(STP_OK, stp_piece_store_mesh(work, work_key(3), &mesh, &coded));
+        CHECK_EQUAL(STP_OK, stp_work_store_mesh(work, work_key(3), &mesh, &coded));
         for (int look = 0; look < 2; ++look) {
             CHECK_EQUAL(MESH_BYTES, coded.size);
             CHECK(same_bytes(coded.bytes, mesh_bytes, MESH_BYTES));
@@ -107,7 +107,7 @@ void test_pieces_are_found_as_they_were_stored(test_state* test)
             CHECK_EQUAL(150, coded.vertex_count);
             CHECK(memcmp(&coded.bounds, &mesh.bounds, sizeof(mesh.bounds)) == 0);
             coded = (stp_coded_mesh){0};
-            CHECK(stp_piece_find_mesh(work, work_key(3), &coded));
+            CHECK(stp_work_find_mesh(work, work_key(3), &coded));
         }
         stp_work_close(work, round == 1);
     }
@@ -124,13 +124,13 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
     make_sample(&s);
     stp_work* work = open_work(context, &place);
     CHECK(work != NULL);
-    CHECK_EQUAL(STP_OK, stp_piece_store_surfels(work, work_key(0), &s.surfels, 1, NULL));
+    CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, work_key(0), &s.surfels, 1, NULL));
     size_t size = 0;
     const unsigned char* whole = stp_work_find(work, work_key(0), &size);
     CHECK(whole != NULL && size < 2048);
     stp_splats found;
     uint32_t unused;
-    CHECK(!stp_piece_find_surfels(work, work_key(0), 4, &found, &unused)); // there is a shading 4
+    CHECK(!stp_work_find_surfels(work, work_key(0), 4, &found, &unused)); // there is a shading 4
     // any head at all, with a right checksum: what is found can be read to its end
     uint64_t sum = 0, refused = 0;
     for (uint32_t round = 1; round < 1500; ++round) {
@@ -143,19 +143,19 @@ void test_pieces_that_make_no_sense_are_made_anew(test_state* test)
         stp_hash key = work_key(round);
         CHECK_EQUAL(STP_OK, stp_work_store(work, key, &piece, 1, NULL));
         stp_coded_mesh mesh;
-        if (stp_piece_find_surfels(work, key, 256, &found, &unused)) {
+        if (stp_work_find_surfels(work, key, 256, &found, &unused)) {
             CHECK(found.count == 0 || found.octave_ends[found.octave_count - 1] == found.count);
             sum += stp_checksum(&(stp_bytes){found.positions, 6 * (size_t)found.count}, 1);
         } else {
             refused += 1;
-            CHECK_EQUAL(STP_OK, stp_piece_store_surfels(work, key, &s.surfels, 7, &found));
+            CHECK_EQUAL(STP_OK, stp_work_store_surfels(work, key, &s.surfels, 7, &found));
             CHECK(is_sample(&found, &s)); // and not what stood there
         }
-        CHECK(!stp_piece_find_mesh(work, key, &mesh) || value == 2);
+        CHECK(!stp_work_find_mesh(work, key, &mesh) || value == 2);
     }
     CHECK(sum != 0 && refused > 200);
     s.surfels.octave_ends[1] = 3;
-    CHECK_EQUAL(STP_ERROR_FORMAT, stp_piece_store_surfels(work, work_key(1), &s.surfels, 1, NULL));
+    CHECK_EQUAL(STP_ERROR_FORMAT, stp_work_store_surfels(work, work_key(1), &s.surfels, 1, NULL));
     stp_work_close(work, true);
     CHECK(remove_work_place(&place));
     stp_context_destroy(context);
@@ -168,7 +168,7 @@ static void store_sample(size_t begin, size_t end, uint32_t worker, void* user)
     stp_work* work = user;
     for (size_t i = begin; i < end; ++i) {
         stp_splats found;
-        (void)!stp_piece_store_surfels(work, work_key((uint32_t)i / 2), &s.surfels, 0, &found);
+        (void)!stp_work_store_surfels(work, work_key((uint32_t)i / 2), &s.surfels, 0, &found);
     }
 }
 

@@ -3,14 +3,14 @@
 #include "tests.h"
 
 #include "build/build.h"
-#include "build/origin.h"
+#include "build/found_results.h"
 
 #include <stdio.h>
 #include <unistd.h>
 
 void test_origins_count_keys_that_none_made(test_state* test)
 {
-    stp_build_origin origins[] = {
+    stp_build_result origins[] = {
         {{1, 7}, false}, {{2, 7}, true},  {{1, 7}, false}, {{2, 7}, false},
         {{7, 1}, false}, {{7, 2}, false}, {{2, 7}, true},  {{7, 2}, true},
     };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "build/sketch.h"
+#include "build/preview_points.h"
 
 #include "base/color.h"
 #include "base/octahedral.h"
@@ -140,8 +140,8 @@ static void add_point(const stp_mesh* mesh, uint32_t triangle, const place* p, f
     stp_octahedral_encode16(face(mesh, triangle), normal);
 }
 
-bool stp_sketch_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, uint32_t count,
-                     stp_store_point_set* points)
+bool stp_preview_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, uint32_t count,
+                      stp_store_point_set* points)
 {
     const stp_mesh* mesh = &scene->meshes[index];
     uint64_t tried = (uint64_t)TRIED * count;
@@ -174,8 +174,8 @@ bool stp_sketch_mesh(stp_arena* arena, const stp_scene* scene, uint32_t index, u
     return made;
 }
 
-bool stp_sketch_points(stp_arena* arena, const stp_point_set* from, uint32_t count,
-                       stp_store_point_set* points)
+bool stp_preview_points(stp_arena* arena, const stp_point_set* from, uint32_t count,
+                        stp_store_point_set* points)
 {
     uint32_t all = from->point_count, n = count < all ? count : all;
     float* positions = STP_ARENA_ARRAY(arena, float, 3 * (size_t)n + 1);

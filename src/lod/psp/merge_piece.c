@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lod/psp/piece.h"
+#include "lod/psp/merge_piece.h"
 
 #include "base/color.h"
 

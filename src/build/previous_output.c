@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "build/former.h"
+#include "build/previous_output.h"
 
-#include "build/piece.h"
+#include "build/stored_results.h"
 #include "store/attributes.h"
 #include "store/leaves.h"
 
 #include <string.h>
 #include <sys/stat.h>
 
-struct stp_former {
+struct stp_previous_output {
     stp_context* quiet; ///< its own, without messages
     stp_store* store;
 };
 
-stp_former* stp_former_open(const char* path)
+stp_previous_output* stp_previous_output_open(const char* path)
 {
     struct stat status;
     stp_context* quiet = NULL;
@@ -21,7 +21,7 @@ stp_former* stp_former_open(const char* path)
         stp_context_create(&quiet, &(stp_context_desc){.thread_count = 1}) != STP_OK) {
         return NULL;
     }
-    stp_former* former = STP_NEW_ZEROED(quiet, stp_former, 1);
+    stp_previous_output* former = STP_NEW_ZEROED(quiet, stp_previous_output, 1);
     stp_store_open_desc desc = {.defer_objects = true};
     if (former == NULL || stp_store_open_with(quiet, path, &desc, &former->store) != STP_OK) {
         stp_free(quiet, former);
@@ -32,7 +32,7 @@ stp_former* stp_former_open(const char* path)
     return former;
 }
 
-void stp_former_close(stp_former* former)
+void stp_previous_output_close(stp_previous_output* former)
 {
     if (former != NULL) {
         stp_context* quiet = former->quiet;
@@ -43,7 +43,7 @@ void stp_former_close(stp_former* former)
 }
 
 // Reads the attributes of a set into memory of their own.
-static bool take_attributes(stp_former* former, uint32_t index, stp_splats* set)
+static bool take_attributes(stp_previous_output* former, uint32_t index, stp_splats* set)
 {
     uint32_t mask = set->count != 0 ? stp_store_octave_attributes(former->store, index, 0) : 0;
     for (uint32_t a = 0; a < STP_ATTRIBUTES; ++a) {
@@ -62,7 +62,7 @@ static bool take_attributes(stp_former* former, uint32_t index, stp_splats* set)
 }
 
 // Copies the leaves of a set. @return memory, to be freed, even where it has none; NULL: they cannot be had
-static stp_splat_leaf* take_leaves(stp_former* former, uint32_t index, stp_splats* set)
+static stp_splat_leaf* take_leaves(stp_previous_output* former, uint32_t index, stp_splats* set)
 {
     stp_store_leaves leaves;
     if (stp_store_get_leaves(former->store, index, &leaves) != STP_OK) {
@@ -78,8 +78,8 @@ static stp_splat_leaf* take_leaves(stp_former* former, uint32_t index, stp_splat
     return copied;
 }
 
-bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_count,
-                             stp_work* work, stp_splats* surfels)
+bool stp_previous_output_take_surfels(stp_previous_output* former, stp_hash key,
+                                      uint32_t shading_count, stp_work* work, stp_splats* surfels)
 {
     stp_store_stored_surfels found;
     stp_splats columns;
@@ -92,8 +92,8 @@ bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_
     stp_splat_leaf* copied = NULL;
     bool taken = take_attributes(former, found.index, &columns) &&
                  (copied = take_leaves(former, found.index, &columns)) != NULL &&
-                 stp_piece_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
-                 stp_piece_find_surfels(work, key, shading_count, surfels, &candidates);
+                 stp_work_store_surfels(work, key, &columns, 0, surfels) == STP_OK &&
+                 stp_work_find_surfels(work, key, shading_count, surfels, &candidates);
     for (int i = 0; i < STP_ATTRIBUTES; ++i) {
         stp_free(former->quiet, columns.attributes[i]);
     }
@@ -102,7 +102,8 @@ bool stp_former_take_surfels(stp_former* former, stp_hash key, uint32_t shading_
     return taken;
 }
 
-bool stp_former_take_mesh(stp_former* former, stp_hash key, stp_work* work, stp_coded_mesh* mesh)
+bool stp_previous_output_take_mesh(stp_previous_output* former, stp_hash key, stp_work* work,
+                                   stp_coded_mesh* mesh)
 {
     stp_store_stored_mesh found;
     stp_clusters clusters;
@@ -112,5 +113,5 @@ bool stp_former_take_mesh(stp_former* former, stp_hash key, stp_work* work, stp_
         return false;
     }
     stp_coded_mesh coded = stp_clusters_describe(&clusters);
-    return stp_piece_store_mesh(work, key, &coded, mesh) == STP_OK;
+    return stp_work_store_mesh(work, key, &coded, mesh) == STP_OK;
 }

@@ -1,31 +1,31 @@
 // SPDX-License-Identifier: MIT
-#include "store/matter.h"
+#include "store/content_sizes.h"
 
-static stp_result create_matter(stp_context* context, const stp_store_directory* directory,
-                                stp_store_matter* matter)
+static stp_result create_sizes(stp_context* context, const stp_store_directory* directory,
+                               stp_store_sizes* sizes)
 {
-    *matter = (stp_store_matter){.directory = directory};
-    matter->meshes = STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->mesh_count + 1);
-    matter->point_sets =
+    *sizes = (stp_store_sizes){.directory = directory};
+    sizes->meshes = STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->mesh_count + 1);
+    sizes->point_sets =
         STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->point_set_count + 1);
-    matter->textures =
+    sizes->textures =
         STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->texture_count + 1);
-    matter->sets = STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->surfels_count + 1);
-    if (matter->meshes == NULL || matter->point_sets == NULL || matter->textures == NULL ||
-        matter->sets == NULL) {
-        stp_store_matter_destroy(context, matter);
+    sizes->sets = STP_NEW_ZEROED(context, stp_store_amount, (size_t)directory->surfels_count + 1);
+    if (sizes->meshes == NULL || sizes->point_sets == NULL || sizes->textures == NULL ||
+        sizes->sets == NULL) {
+        stp_store_sizes_destroy(context, sizes);
         return stp_fail_memory(context);
     }
     return STP_OK;
 }
 
-void stp_store_matter_destroy(stp_context* context, stp_store_matter* matter)
+void stp_store_sizes_destroy(stp_context* context, stp_store_sizes* sizes)
 {
-    stp_free(context, matter->meshes);
-    stp_free(context, matter->point_sets);
-    stp_free(context, matter->textures);
-    stp_free(context, matter->sets);
-    *matter = (stp_store_matter){0};
+    stp_free(context, sizes->meshes);
+    stp_free(context, sizes->point_sets);
+    stp_free(context, sizes->textures);
+    stp_free(context, sizes->sets);
+    *sizes = (stp_store_sizes){0};
 }
 
 static void add_octaves(const stp_store_block* blocks, uint32_t count, stp_store_amount* sets)
@@ -45,25 +45,25 @@ static stp_store_amount amount_of_texture(const stp_store_texture* texture,
                               .owner = block->owner};
 }
 
-stp_result stp_store_matter_of_file(const stp_store* store, stp_store_matter* matter)
+stp_result stp_store_sizes_of_file(const stp_store* store, stp_store_sizes* sizes)
 {
     const stp_store_directory* directory = &store->directory;
     const stp_store_mesh_record* meshes = store->tables[STP_SECTION_MESHES];
     const stp_store_point_record* point_sets = store->tables[STP_SECTION_POINT_SETS];
     const stp_store_texture_record* textures = store->tables[STP_SECTION_TEXTURES];
-    stp_result result = create_matter(store->context, directory, matter);
+    stp_result result = create_sizes(store->context, directory, sizes);
     if (result != STP_OK) {
         return result;
     }
     for (uint32_t i = 0; i < directory->mesh_count; ++i) {
-        matter->meshes[i] = (stp_store_amount){
+        sizes->meshes[i] = (stp_store_amount){
             .count = meshes[i].mesh.triangle_count,
             .bytes = stp_store_block_at(store, meshes[i].block)->size,
             .material = meshes[i].mesh.material,
         };
     }
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
-        matter->point_sets[i] = (stp_store_amount){
+        sizes->point_sets[i] = (stp_store_amount){
             .count = point_sets[i].points.point_count,
             .bytes = point_sets[i].points.held_by == 0
                          ? stp_store_block_at(store, point_sets[i].block)->size
@@ -72,34 +72,34 @@ stp_result stp_store_matter_of_file(const stp_store* store, stp_store_matter* ma
         };
     }
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
-        matter->textures[i] =
+        sizes->textures[i] =
             amount_of_texture(&textures[i].texture, stp_store_block_at(store, textures[i].block));
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
-        matter->sets[i].count = stp_store_describe_surfels(store, i)->count;
+        sizes->sets[i].count = stp_store_describe_surfels(store, i)->count;
     }
-    add_octaves(store->tables[STP_SECTION_BLOCKS], store->counts[STP_SECTION_BLOCKS], matter->sets);
+    add_octaves(store->tables[STP_SECTION_BLOCKS], store->counts[STP_SECTION_BLOCKS], sizes->sets);
     return STP_OK;
 }
 
-stp_result stp_store_matter_of_plan(stp_context* context, const stp_store_content* content,
-                                    const stp_store_plan* plan, stp_store_matter* matter)
+stp_result stp_store_sizes_of_plan(stp_context* context, const stp_store_content* content,
+                                   const stp_store_plan* plan, stp_store_sizes* sizes)
 {
     const stp_store_directory* directory = &content->directory;
-    stp_result result = create_matter(context, directory, matter);
+    stp_result result = create_sizes(context, directory, sizes);
     if (result != STP_OK) {
         return result;
     }
     for (uint32_t i = 0; i < directory->mesh_count; ++i) {
         const stp_coded_mesh* coded = stp_store_coded_mesh(content, i);
-        matter->meshes[i] = (stp_store_amount){
+        sizes->meshes[i] = (stp_store_amount){
             .count = coded != NULL ? coded->triangle_count : content->meshes[i].triangle_count,
             .bytes = plan->blocks[plan->mesh_blocks[i]].size,
             .material = content->meshes[i].material,
         };
     }
     for (uint32_t i = 0; i < directory->point_set_count; ++i) {
-        matter->point_sets[i] = (stp_store_amount){
+        sizes->point_sets[i] = (stp_store_amount){
             .count = content->point_sets[i].point_count,
             .bytes =
                 content->point_sets[i].held_by == 0 ? plan->blocks[plan->point_blocks[i]].size : 0,
@@ -107,13 +107,13 @@ stp_result stp_store_matter_of_plan(stp_context* context, const stp_store_conten
         };
     }
     for (uint32_t i = 0; i < directory->texture_count; ++i) {
-        matter->textures[i] =
+        sizes->textures[i] =
             amount_of_texture(&content->textures[i], &plan->blocks[plan->texture_blocks[i]]);
     }
     for (uint32_t i = 0; i < directory->surfels_count; ++i) {
-        matter->sets[i].count = content->surfels[i].count;
+        sizes->sets[i].count = content->surfels[i].count;
     }
-    add_octaves(plan->blocks, plan->block_count, matter->sets);
+    add_octaves(plan->blocks, plan->block_count, sizes->sets);
     return STP_OK;
 }
 

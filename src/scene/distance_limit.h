@@ -7,15 +7,16 @@
 
 #include "scene/scene.h"
 
-#define STP_SCENE_REACH 1e18 // from the origin, along each axis: squares stay far below FLT_MAX
+#define STP_SCENE_DISTANCE_LIMIT                                                                   \
+    1e18 // from the origin, along each axis: squares stay far below FLT_MAX
 
 /// Whether all of a box is within reach. Not where it is empty, or not finite.
-bool stp_is_within_reach(stp_boxd box);
+bool stp_is_within_distance_limit(stp_boxd box);
 
 /// Drops the triangles that have a corner out of reach; vertices out of reach are put to the origin. @return how many
-uint32_t stp_mesh_drop_unreachable(stp_mesh* mesh);
+uint32_t stp_mesh_drop_distant(stp_mesh* mesh);
 /// Drops the points out of reach. @return how many
-uint32_t stp_points_drop_unreachable(stp_point_set* points);
+uint32_t stp_points_drop_distant(stp_point_set* points);
 
 /// Says once, and naming the first object, of which meshes and point sets something was dropped when they were added
 /// (scene->damaged). Before equal ones become one.

@@ -20,4 +20,4 @@ enum { STP_DISSOLVED = 1, STP_DISSOLVED_IN_ROOT = 2 };
 /// those dissolved into the root that only stand between it and its content, turning or scaling a whole input: else
 /// the whole would be approximated twice. An array of one byte an edge (stp_free).
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
-STP_MUST_USE stp_result stp_find_wide(const stp_scene* scene, uint8_t** wide);
+STP_MUST_USE stp_result stp_find_dissolved(const stp_scene* scene, uint8_t** wide);
