@@ -136,6 +136,7 @@ const stp_method stp_methods[STP_METHOD_COUNT] = {
      .title = "View-Dependent Stochastic Sampling",
      .id = STP_METHOD_STOCHASTIC,
      .columns = STP_STOCHASTIC_COLUMNS,
+     .finds_signs = true,
      .hash = hash_stochastic,
      .bytes = stochastic_bytes,
      .make = make_stochastic,

@@ -223,8 +223,10 @@ static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* a
                            .radius = (float)use->radius,
                            .sections = at->sections,
                            .ghost = at->shown == STP_SHOW_GHOST,
+                           .of_points = stp_select_is_of_points(s, at->node),
                            .one_sided = !s->quality->all_sides &&
-                                        s->directory->nodes[at->node].point_count == 0,
+                                        s->directory->nodes[at->node].point_count == 0 &&
+                                        !use->surfels->unknown_signs,
                            .transform = at->transform};
 }
 

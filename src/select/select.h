@@ -45,10 +45,12 @@ typedef struct stp_quality {
     /// Whose sets are drawn (STP_METHOD_*). 0: those of the file's first, and beside it of stp_select_coarse_method. None of
     /// the file's: those of its first alone.
     uint32_t method;
-    bool reference;    ///< original triangles and points only
-    bool splats_only;  ///< a node that has splats is never opened, however near it is
-    bool nodes_only;   ///< a node is drawn by splats or by triangles, never by some of both
-    bool all_sides;    ///< splats that face away are drawn as well (stp_draw_item.one_sided)
+    bool reference;   ///< original triangles and points only
+    bool splats_only; ///< a node that has splats is never opened, however near it is
+    bool nodes_only;  ///< a node is drawn by splats or by triangles, never by some of both
+    bool all_sides;   ///< splats that face away are drawn as well (stp_draw_item.one_sided)
+    /// Sets that show points and triangles together are not drawn: their splats have no attributes, and no fixed size.
+    bool points_apart;
     uint32_t cues_off; ///< STP_CUE_*_BIT that are not looked at
     stp_fovea fovea;   ///< all zero: splats are of one size
     /// A node is opened where its surfels could still cover so many times better than they have to, provided that
@@ -97,6 +99,7 @@ typedef struct stp_draw_item {
     uint32_t sections; ///< bits of the view's planes that may cut it; 0: it lies inside them all
     bool ghost;        ///< drawn in some of its pixels only (stp_draw_style.ghost)
     bool one_sided; ///< surfels: what faces away need not be drawn; all sides of a thing have some
+    bool of_points; ///< splats are original points, or these are drawn: their size may be fixed
     stp_affine transform; ///< to scene space
 } stp_draw_item;
 
