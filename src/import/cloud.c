@@ -11,10 +11,7 @@
 void stp_cloud_set_axes(stp_import* import)
 {
     stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', 0.0);
-    if (!(import->unit_metres > 0.0)) {
-        stp_warn(import->context, "%s: does not say its unit of length (say it with --unit)",
-                 import->path);
-    }
+    import->wants_unit = true;
 }
 
 stp_result stp_cloud_create(stp_cloud* cloud, stp_import* import, uint64_t count,

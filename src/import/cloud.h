@@ -14,7 +14,8 @@ typedef struct stp_cloud {
     double origin[3];  ///< what positions are relative to
 } stp_cloud;
 
-/// For formats that say neither axis nor unit: up is z, and a unit that is not given either brings a warning.
+/// For formats that say neither axis nor unit: up is z. Where no unit is given either, a file that can be read brings a
+/// warning.
 void stp_cloud_set_axes(stp_import* import);
 
 /// Makes room for `count` cells, uninitialised, with the columns of `desc` (its count is not read). Destroy it

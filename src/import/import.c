@@ -117,6 +117,10 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
 static void judge_units(const stp_import* import, double scene_unit)
 {
     const stp_scene* scene = import->scene;
+    if (import->wants_unit && scene->unit_metres == 0.0) {
+        stp_warn(import->context, "%s: does not say its unit of length (say it with --unit)",
+                 import->path);
+    }
     if (scene->source_count < 2) {
         return;
     }

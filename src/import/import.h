@@ -35,6 +35,7 @@ typedef struct stp_import {
     stp_import_desc desc;
     uint32_t root;
     double unit_metres; ///< of the file, once its axes are set; 0: unknown
+    bool wants_unit;    ///< a warning says so where the unit is not known
     stp_losses losses;  ///< what the importer does not keep; reported once it has read the file
     uint64_t picture_pixels, picture_bytes; ///< of all pictures so far
     bool alone; ///< the bytes came from memory: no file beside it may be read

@@ -59,47 +59,62 @@ static uint32_t read_code(const char* bracket)
     return code <= 999999 ? (uint32_t)code : 0;
 }
 
+static bool is_letter(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+static bool is_compound(stp_text at, stp_text end)
+{
+    return stp_word_is(at, end, "compd_cs") || stp_word_is(at, end, "compoundcrs") ||
+           stp_word_is(at, end, "boundcrs") || stp_word_is(at, end, "sourcecrs");
+}
+
+typedef struct wkt_scan {
+    bool systems[MOST_DEPTH], compounds[MOST_DEPTH]; ///< of the open words
+    int depth, best;                                 ///< best: of the code that was found
+} wkt_scan;
+
 // A system's own code counts, and of a compound system without one that of its first part. Codes of what it is made
 // of (datums, units, the geographic system that is projected) lie deeper, or below words that are no systems.
+static void open_word(wkt_scan* s, stp_text word, stp_text end, const char* bracket,
+                      stp_system_identity* found)
+{
+    int depth = s->depth;
+    bool code = stp_word_is(word, end, "authority") || stp_word_is(word, end, "id");
+    bool counts = code && depth > 0 && s->systems[depth - 1] && depth < s->best;
+    uint32_t number = counts ? read_code(bracket) : 0;
+    if (number != 0) {
+        found->epsg = number;
+        s->best = depth;
+    }
+    s->systems[depth] = is_system(word, end) && (depth == 0 || s->compounds[depth - 1]);
+    s->compounds[depth] = s->systems[depth] && is_compound(word, end);
+    s->depth += 1;
+}
+
 static void identify_wkt(const char* text, stp_system_identity* found)
 {
-    bool systems[MOST_DEPTH] = {false}, compounds[MOST_DEPTH] = {false};
-    int depth = 0, best = MOST_DEPTH;
-    const char* word = text;
-    for (const char* at = text; *at != '\0'; ++at) {
-        if (*at == '"') {
+    wkt_scan s = {.best = MOST_DEPTH};
+    const char *word = text, *end = text;
+    for (const char* at = text; *at != '\0' && s.depth < MOST_DEPTH; ++at) {
+        if (is_letter(*at)) {
+            word = at;
+            at += strspn(at, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") - 1;
+            end = at + 1;
+        } else if (*at == '"') {
             if (found->name[0] == '\0') {
                 copy_quoted(at, found->name, sizeof(found->name));
             }
             at += 1 + strcspn(at + 1, "\"");
             if (*at == '\0') {
-                break;
+                return;
             }
-            word = at + 1;
         } else if (*at == '[' || *at == '(') {
-            stp_text begin = (stp_text)word, end = (stp_text)at;
-            bool code = stp_word_is(begin, end, "authority") || stp_word_is(begin, end, "id");
-            bool counts = code && depth > 0 && systems[depth - 1] && depth < best;
-            uint32_t number = counts ? read_code(at) : 0;
-            if (number != 0) {
-                found->epsg = number;
-                best = depth;
-            }
-            if (depth == MOST_DEPTH) {
-                break;
-            }
-            systems[depth] = is_system(begin, end) && (depth == 0 || compounds[depth - 1]);
-            compounds[depth] =
-                systems[depth] &&
-                (stp_word_is(begin, end, "compd_cs") || stp_word_is(begin, end, "compoundcrs") ||
-                 stp_word_is(begin, end, "boundcrs") || stp_word_is(begin, end, "sourcecrs"));
-            depth += 1;
-            word = at + 1;
+            open_word(&s, (stp_text)word, (stp_text)end, at, found);
+            word = end = at;
         } else if (*at == ']' || *at == ')') {
-            depth -= depth > 0;
-            word = at + 1;
-        } else if (*at == ',' || *at == ' ' || *at == '\n' || *at == '\r' || *at == '\t') {
-            word = at + 1;
+            s.depth -= s.depth > 0;
         }
     }
 }
