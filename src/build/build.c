@@ -108,9 +108,10 @@ static stp_result sketch_sample(build* b)
     if (b->draft == NULL || b->desc->input_count != 1 || is_generated(b, b->desc->inputs[0])) {
         return STP_OK;
     }
+    uint32_t points = b->desc->draft_sample != 0 ? b->desc->draft_sample : SAMPLE_POINTS;
     stp_result result = stp_scene_create(b->context, &scene);
     if (result == STP_OK) {
-        result = stp_import_sample(scene, b->desc->inputs[0], &import, SAMPLE_POINTS);
+        result = stp_import_sample(scene, b->desc->inputs[0], &import, points);
     }
     if (result == STP_OK && scene->point_set_count > 0) {
         result = stp_scene_finish(scene);
