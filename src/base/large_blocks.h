@@ -2,7 +2,8 @@
 //
 // Large blocks of memory straight from the system. Malloc keeps what is freed for its own later use, in pieces: after
 // some hours as much again may be resident as is in use. Here a freed block goes back at once, but for a few that
-// are kept to be used again, because fresh pages cost a fault each. How many bytes that may be is said every time, so
+// are kept to be used again, because fresh pages cost a fault each. A kept block is divided where less is asked for, and
+// joined with kept ones beside it, so work that repeats itself finds the same memory again. How many bytes that may be is said every time, so
 // that what is in use and what is kept stay within one limit together.
 #pragma once
 
@@ -10,7 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { STP_LARGE_KEPT_LIMIT = 32 };
+enum { STP_LARGE_KEPT_LIMIT = 128 };
 
 typedef struct stp_large_block {
     void* memory;
