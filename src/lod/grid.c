@@ -18,7 +18,7 @@ typedef struct filling {
     stp_grid_points points; ///< all, or every stride-th
     const float* positions; ///< 3 each
     const float* normals;   ///< the same, or NULL
-    const stp_grid* from; ///< whose columns hold the points; NULL: they are as above
+    const stp_grid* from;   ///< whose columns hold the points; NULL: they are as above
     uint32_t stride;
     uint32_t* buckets; ///< of each point
 } filling;
@@ -118,7 +118,7 @@ static bool allocate(stp_context* context, stp_grid* grid, bool normals)
     int count = normals ? 6 : 4;
     grid->starts = STP_NEW_ARRAY(context, uint32_t, (size_t)grid->mask + 2);
     grid->index = STP_NEW_ARRAY(context, uint32_t, stride);
-    float* columns = STP_NEW_ARRAY(context, float, (size_t)count * stride);
+    float* columns = STP_NEW_ARRAY(context, float, (size_t)count* stride);
     grid->x = columns;
     if (grid->starts == NULL || grid->index == NULL || columns == NULL) {
         return false;
@@ -213,8 +213,8 @@ stp_result stp_grid_create(stp_context* context, const float* positions, const f
 }
 
 stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
-                                     const float* normals, uint32_t count, float cell,
-                                     double crowd, stp_grid* grid)
+                                     const float* normals, uint32_t count, float cell, double crowd,
+                                     stp_grid* grid)
 {
     filling f = fill_from_triples(grid, positions, normals);
     return fill_grid(context, &f, count, cell, 0.0f, crowd);

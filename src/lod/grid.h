@@ -15,7 +15,7 @@ typedef struct stp_grid {
     uint32_t mask;            ///< number of buckets - 1
     uint32_t* starts;         ///< of each bucket in the columns, and the end
     uint32_t* index;
-    float *x, *y, *z; ///< positions and normals, in one block of memory
+    float *x, *y, *z;    ///< positions and normals, in one block of memory
     float *nx, *ny, *nz; ///< without normals all three are one column of zeros
 } stp_grid;
 

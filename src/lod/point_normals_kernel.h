@@ -11,6 +11,8 @@
 #include <math.h>
 #include <string.h>
 
+_Static_assert(STP_GRID_LANES >= 8, "columns may be read so far beyond their end");
+
 enum {
     LANES = 8,
     FOUR = 4,            ///< doubles at a time
@@ -21,6 +23,7 @@ enum {
 #define CONVERGED 1e-12 // what else than the largest eigenvalue leaves of the trace
 
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));
+typedef float half_float __attribute__((vector_size(2 * LANES)));
 typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
 typedef double four_double __attribute__((vector_size(8 * FOUR)));
 typedef int64_t four_int __attribute__((vector_size(8 * FOUR)));
@@ -84,15 +87,23 @@ static void look_at_list(neighbour_list* list)
     list->size = 0;
 }
 
-static void list_points(neighbour_list* list, uint32_t begin, uint32_t end)
+/// Copies whole vectors, beyond the end too.
+static inline void copy_lanes(float* to, const float* from, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i += LANES) {
+        memcpy(to + i, from + i, sizeof(lanes_float));
+    }
+}
+
+static inline void list_points(neighbour_list* list, uint32_t begin, uint32_t end)
 {
     const stp_grid* grid = list->grid;
     while (begin < end) {
         uint32_t room = LIST_SIZE - list->size, count = end - begin;
         count = count < room ? count : room;
-        memcpy(list->x + list->size, grid->x + begin, count * sizeof(float));
-        memcpy(list->y + list->size, grid->y + begin, count * sizeof(float));
-        memcpy(list->z + list->size, grid->z + begin, count * sizeof(float));
+        copy_lanes(list->x + list->size, grid->x + begin, count);
+        copy_lanes(list->y + list->size, grid->y + begin, count);
+        copy_lanes(list->z + list->size, grid->z + begin, count);
         list->size += count;
         begin += count;
         if (list->size == LIST_SIZE) {
@@ -129,14 +140,11 @@ static void list_cells(neighbour_list* list, const int32_t cell[3])
 static inline void sum_lanes(const lane_sums* sums, float out[STP_NORMAL_SUMS])
 {
     for (int i = 0; i < STP_NORMAL_SUMS; ++i) {
-        float lanes[LANES];
-        memcpy(lanes, &sums->of[i], sizeof(lanes));
-        for (int step = LANES / 2; step > 0; step /= 2) {
-            for (int k = 0; k < step; ++k) {
-                lanes[k] += lanes[k + step];
-            }
-        }
-        out[i] = lanes[0];
+        half_float lower, upper;
+        memcpy(&lower, &sums->of[i], sizeof(lower));
+        memcpy(&upper, (const char*)&sums->of[i] + sizeof(lower), sizeof(upper));
+        lower += upper;
+        out[i] = (lower[0] + lower[2]) + (lower[1] + lower[3]);
     }
 }
 

@@ -97,7 +97,8 @@ void test_point_normals_have_the_same_sums_everywhere(test_state* test)
     for (size_t r = 0; r < 3; ++r) {
         make_sheet(positions, normals, r == 1);
         stp_grid grid;
-        CHECK_EQUAL(STP_OK, stp_grid_create(context, positions, normals, POINTS, STP_NORMAL_CELL * radii[r], 0.0f, &grid));
+        CHECK_EQUAL(STP_OK, stp_grid_create(context, positions, normals, POINTS,
+                                            STP_NORMAL_CELL * radii[r], 0.0f, &grid));
         stp_normal_kernels_portable.sum_neighbours(&grid, radii[r], 0, POINTS, plain);
         for (size_t at = 0; at < POINTS; at += 37) { // by definition
             uint32_t count = 0;

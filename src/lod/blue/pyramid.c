@@ -197,10 +197,9 @@ static stp_result make_coarser(stp_pyramid* p, uint32_t octave, const stp_octave
                                const stp_grid* surfels)
 {
     stp_grid samples;
-    stp_result result = stp_grid_create(p->context, p->input->positions,
-                                        normals_of(p, p->input->normals),
-                                        p->surfels->octave_ends[octave + 1], plan->cell,
-                                        0.5f * plan->cell, &samples);
+    stp_result result = stp_grid_create(
+        p->context, p->input->positions, normals_of(p, p->input->normals),
+        p->surfels->octave_ends[octave + 1], plan->cell, 0.5f * plan->cell, &samples);
     if (result != STP_OK) {
         return result;
     }
@@ -221,9 +220,9 @@ static stp_result color_octave(stp_pyramid* p, uint32_t octave, stp_octave_plan*
     uint32_t count = p->surfels->octave_ends[octave];
     memset(p->sums, 0, count * sizeof(*p->sums));
     stp_grid surfels;
-    stp_result result = stp_grid_create_uncrowded(p->context, p->input->positions,
-                                                  normals_of(p, p->input->normals), count,
-                                                  plan->cell, STP_GRID_CROWD, &surfels);
+    stp_result result =
+        stp_grid_create_uncrowded(p->context, p->input->positions, normals_of(p, p->input->normals),
+                                  count, plan->cell, STP_GRID_CROWD, &surfels);
     if (result != STP_OK) {
         return result;
     }
@@ -292,9 +291,9 @@ static stp_result allocate_pyramid(stp_pyramid* p)
     const stp_splats* s = p->surfels;
     size_t total = 0, count = s->count, samples = p->input->finish->candidates->count;
     // octaves that are summed up
-    size_t sums = !keeps_colors(p)          ? count
+    size_t sums = !keeps_colors(p)      ? count
                   : s->octave_count > 1 ? s->octave_ends[s->octave_count - 2]
-                                            : 1;
+                                        : 1;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         total += s->octave_ends[i];
     }
@@ -303,8 +302,7 @@ static stp_result allocate_pyramid(stp_pyramid* p)
     p->fraction_column = STP_NEW_ARRAY(p->context, uint16_t, total);
     p->sums = STP_NEW_ARRAY(p->context, stp_pyramid_sum, sums);
     p->nearest = STP_NEW_ARRAY(p->context, uint32_t, samples > count ? samples : count);
-    if (p->entries == NULL || p->fraction_column == NULL || p->sums == NULL ||
-        p->nearest == NULL) {
+    if (p->entries == NULL || p->fraction_column == NULL || p->sums == NULL || p->nearest == NULL) {
         return stp_fail_memory(p->context);
     }
     total = 0;

@@ -44,15 +44,23 @@ static disk make_disk(const stp_surroundings_search* s, uint32_t surfel)
 
 static void extend_reach(const stp_surroundings_search* s, disk* d, float u, float v)
 {
+    enum { HALF = STP_CUT_DIRECTIONS / 2, PART = HALF / 3 };
     float* forth = d->found.reach;
-    float* back = forth + STP_CUT_DIRECTIONS / 2;
-    float least = 1.0f;
-    for (int k = 0; k < STP_CUT_DIRECTIONS / 2; ++k) {
+    float* back = forth + HALF;
+    float less[HALF];
+    for (int k = 0; k < HALF; ++k) { // loops that become vector code
         float at = s->across[k] * u + s->along[k] * v;
         forth[k] = forth[k] > at ? forth[k] : at;
         back[k] = back[k] > -at ? back[k] : -at;
-        float less = forth[k] < back[k] ? forth[k] : back[k];
-        least = least < less ? least : less;
+        less[k] = forth[k] < back[k] ? forth[k] : back[k];
+    }
+    for (int k = 0; k < PART; ++k) {
+        less[k] = less[k] < less[k + PART] ? less[k] : less[k + PART];
+        less[k] = less[k] < less[k + 2 * PART] ? less[k] : less[k + 2 * PART];
+    }
+    float least = 1.0f;
+    for (int k = 0; k < PART; ++k) {
+        least = least < less[k] ? least : less[k];
     }
     d->known = least > 0.0f ? least * least : 0.0f;
 }
