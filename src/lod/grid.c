@@ -7,6 +7,8 @@
 #include <math.h>
 #include <string.h>
 
+// A bucket may hold this many points, on average over the points; exact orders stay far below.
+#define MOST_IN_BUCKET 200.0
 #define MOST_HALVINGS 32
 #define LEAST_CELL 0x1p-100f // its inverse is a float
 #define GRAIN 32768
@@ -213,11 +215,11 @@ stp_result stp_grid_create(stp_context* context, const float* positions, const f
 }
 
 stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
-                                     const float* normals, uint32_t count, float cell, double crowd,
+                                     const float* normals, uint32_t count, float cell,
                                      stp_grid* grid)
 {
     filling f = fill_from_triples(grid, positions, normals);
-    return fill_grid(context, &f, count, cell, 0.0f, crowd);
+    return fill_grid(context, &f, count, cell, 0.0f, MOST_IN_BUCKET);
 }
 
 stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride, float cell,

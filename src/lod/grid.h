@@ -19,18 +19,15 @@ typedef struct stp_grid {
     float *nx, *ny, *nz; ///< without normals all three are one column of zeros
 } stp_grid;
 
-/// Points of a bucket, on average over the points, that are a crowd to most searches; exact orders stay far below.
-#define STP_GRID_CROWD 200.0
-
 /// Builds a grid of points with positions and normals, 3 floats each; `normals` may be NULL.
 STP_MUST_USE stp_result stp_grid_create(stp_context* context, const float* positions,
                                         const float* normals, uint32_t count, float cell,
                                         float offset, stp_grid* grid);
-/// The same with offset 0 and a cell that is as given, or the largest half, quarter, ... of it that leaves no more than
-/// `crowd` points in a bucket, on average over the points.
+/// The same with offset 0 and a cell that is as given, or the largest half, quarter, ... of it that leaves no crowd of
+/// points in a bucket.
 STP_MUST_USE stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
                                                   const float* normals, uint32_t count, float cell,
-                                                  double crowd, stp_grid* grid);
+                                                  stp_grid* grid);
 /// Builds a grid, with offset 0, of every stride-th point of another. Those lie together there: each piece of space
 /// is thinned alike, and reading them is fast. `index` is as there.
 STP_MUST_USE stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride,

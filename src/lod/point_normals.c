@@ -15,7 +15,6 @@ enum {
     LEAST_NEIGHBOURS = 4,
     DOUBLINGS = 4, ///< of the radius, for points that have fewer
 };
-#define CROWD 50.0 // of a cell: of four times the area, as many as STP_GRID_CROWD
 
 typedef struct normal_search {
     const stp_grid* grid;
@@ -114,7 +113,7 @@ static stp_result search_within(stp_context* context, normal_search* s, float ra
     const stp_candidates* c = s->candidates;
     stp_grid grid;
     stp_result result = stp_grid_create_uncrowded(context, c->positions, NULL, c->count,
-                                                  STP_NORMAL_CELL * radius, CROWD, &grid);
+                                                  STP_NORMAL_CELL * radius, &grid);
     if (result != STP_OK) {
         return result;
     }

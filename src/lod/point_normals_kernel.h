@@ -119,20 +119,34 @@ static void find_cell(const stp_grid* grid, size_t at, int32_t cell[3])
     cell[2] = stp_grid_cell(grid, grid->z[at]);
 }
 
+static inline void prefetch_points(const stp_grid* grid, uint32_t begin)
+{
+    __builtin_prefetch(grid->x + begin);
+    __builtin_prefetch(grid->y + begin);
+    __builtin_prefetch(grid->z + begin);
+}
+
 /// The 3 x 3 x 3 cells around one. No two of these share a bucket, and those of a row follow each other where they are
-/// of one block.
+/// of one block. All are found before any is read, so that the waits for memory overlap.
 static void list_cells(neighbour_list* list, const int32_t cell[3])
 {
+    enum { MOST = 3 * 3 * 2 };
     const stp_grid* grid = list->grid;
+    uint32_t begins[MOST], ends[MOST], count = 0;
     for (int32_t z = cell[2] - 1; z <= cell[2] + 1; ++z) {
         for (int32_t y = cell[1] - 1; y <= cell[1] + 1; ++y) {
             for (int32_t x = cell[0] - 1, last; x <= cell[0] + 1; x = last + 1) {
                 last = (x | 3) < cell[0] + 1 ? (x | 3) : cell[0] + 1;
                 uint32_t bucket = stp_grid_bucket(grid, x, y, z);
-                list_points(list, grid->starts[bucket],
-                            grid->starts[bucket + (uint32_t)(last - x) + 1]);
+                begins[count] = grid->starts[bucket];
+                ends[count] = grid->starts[bucket + (uint32_t)(last - x) + 1];
+                prefetch_points(grid, begins[count]);
+                count += 1;
             }
         }
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        list_points(list, begins[i], ends[i]);
     }
     look_at_list(list);
 }

@@ -93,7 +93,7 @@ void test_point_normals_have_the_same_sums_everywhere(test_state* test)
     static double matrices[POINTS][STP_NORMAL_MATRIX], other[POINTS][STP_NORMAL_MATRIX];
     uint32_t most = 0;
     stp_context* context = test_context(NULL, 1, NULL);
-    const float radii[] = {0.05f, 0.4f, 3.0f};
+    const float radii[] = {0.05f, 0.4f, 5.0f};
     for (size_t r = 0; r < 3; ++r) {
         make_sheet(positions, normals, r == 1);
         stp_grid grid;

@@ -172,7 +172,7 @@ static stp_result copy_finest(stp_pyramid* p, uint32_t octave, stp_octave_plan* 
     const stp_candidates* points = p->input->finish->candidates;
     stp_result result =
         stp_grid_create_uncrowded(p->context, points->positions, normals_of(p, points->normals),
-                                  points->count, plan->cell, STP_GRID_CROWD, &p->candidates);
+                                  points->count, plan->cell, &p->candidates);
     plan->cell = p->candidates.cell;
     return result;
 }
@@ -222,7 +222,7 @@ static stp_result color_octave(stp_pyramid* p, uint32_t octave, stp_octave_plan*
     stp_grid surfels;
     stp_result result =
         stp_grid_create_uncrowded(p->context, p->input->positions, normals_of(p, p->input->normals),
-                                  count, plan->cell, STP_GRID_CROWD, &surfels);
+                                  count, plan->cell, &surfels);
     if (result != STP_OK) {
         return result;
     }
