@@ -151,3 +151,18 @@ void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t 
     pthread_mutex_unlock(&blocks->mutex);
     unmap(block);
 }
+
+void stp_large_forget(void* memory, size_t size)
+{
+#if defined(MADV_DONTNEED)
+    size_t page = whole_pages(1);
+    uintptr_t begin = round_up((uintptr_t)memory, page);
+    uintptr_t end = ((uintptr_t)memory + size) / page * page;
+    if (begin < end) {
+        (void)madvise((unsigned char*)memory + (begin - (uintptr_t)memory), end - begin,
+                      MADV_DONTNEED);
+    }
+#else
+    (void)memory, (void)size;
+#endif
+}

@@ -33,3 +33,7 @@ void stp_large_blocks_close(stp_large_blocks* blocks);
 void* stp_large_alloc(stp_large_blocks* blocks, size_t size, size_t most_kept);
 /// `size` as it was asked for. Any thread.
 void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t most_kept);
+
+/// Gives back the pages that lie wholly within: what was in them is lost, and the memory stays valid. Any memory that is
+/// its caller's alone.
+void stp_large_forget(void* memory, size_t size);

@@ -211,7 +211,7 @@ stp_result stp_grid_create(stp_context* context, const float* positions, const f
                            uint32_t count, float cell, float offset, stp_grid* grid)
 {
     filling f = fill_from_triples(grid, positions, normals);
-    return fill_grid(context, &f, count, cell, offset, INFINITY);
+    return fill_grid(context, &f, count, cell, offset, (double)INFINITY);
 }
 
 stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
@@ -229,7 +229,7 @@ stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t st
                  .points = {from->x, from->y, from->z, stride},
                  .from = from,
                  .stride = stride};
-    return fill_grid(context, &f, from->count, cell, 0.0f, INFINITY);
+    return fill_grid(context, &f, from->count, cell, 0.0f, (double)INFINITY);
 }
 
 void stp_grid_destroy(stp_context* context, stp_grid* grid)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/cut.h"
 
+#include "base/large_blocks.h"
 #include "base/sort.h"
 #include "scene/bulk.h"
 #include "scene/content.h"
@@ -221,6 +222,8 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
             stp_box_add(&piece->bounds, (stp_vec3){at[0], at[1], at[2]});
         }
         piece->content = stp_points_hash(piece);
+        // places of pieces that are made are not looked at again: their memory is that of later pieces
+        stp_large_forget(c->places + first, piece->point_count * sizeof(stp_place));
         note_made(c, (size_t)stp_points_bytes(piece));
     }
 }

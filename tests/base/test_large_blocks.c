@@ -110,6 +110,23 @@ void test_large_blocks_are_used_again(test_state* test)
     stp_large_blocks_close(&large);
 }
 
+void test_large_blocks_can_be_forgotten_in_part(test_state* test)
+{
+    stp_large_blocks large;
+    stp_large_blocks_open(&large);
+    size_t size = 2 * MEGABYTE, page = (size_t)sysconf(_SC_PAGESIZE);
+    unsigned char* block = stp_large_alloc(&large, size, 0);
+    CHECK(block != NULL);
+    memset(block, 7, size);
+    stp_large_forget(block + 1, 3 * page); // two pages lie within
+    stp_large_forget(block + 5 * page + 1, page);
+    for (size_t i = 0; i < size; ++i) {
+        CHECK(block[i] == (i >= page && i < 3 * page ? 0 : 7));
+    }
+    stp_large_free(&large, block, size, 0);
+    stp_large_blocks_close(&large);
+}
+
 // What a job holds, and what is kept of former ones, in one limit.
 typedef struct held {
     stp_context* context;
