@@ -7,7 +7,7 @@
 #include "lod/points.h"
 
 #define MOST_SURFELS 50000u // a quarter of Brandt 5.2: blue.h
-// Twice and four times as many candidates give pictures of the same SSIM (docs/performance.md).
+// More give pictures of the same SSIM (docs/notes/2026-11-candidates.md, 2026-11-proportion.md).
 #define CANDIDATES_PER_SURFEL 12u
 #define LEAST_CANDIDATES 6000u   // a small object still wants its shape
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
@@ -149,7 +149,7 @@ static stp_result append_coincident(blue* b)
     for (uint32_t i = 0; i < next; ++i) {
         chosen[b->order[i]] = 1;
     }
-    float last = b->radii[next - 1]; // they cover nothing more
+    float last = next > 1 ? b->radii[next - 1] : b->finish.final_radius; // they cover nothing more
     for (uint32_t i = 0; i < count; ++i) {
         if (chosen[i] == 0) {
             b->radii[next] = last;
