@@ -24,7 +24,7 @@
 #else
 #define LARGE_SIZE ((size_t)256 << 10)
 #endif
-#define MOST_KEPT (UINT64_C(256) << 20)
+#define MOST_KEPT (UINT64_C(160) << 20)
 
 const char* stp_result_string(stp_result result)
 {

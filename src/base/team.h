@@ -16,6 +16,10 @@ typedef struct stp_team {
 /// `wanted` threads of the context, at most all; 0: all.
 stp_team stp_team_create(stp_context* context, uint32_t wanted);
 
+/// The same for work that begins and ends now. One thread where the context runs a loop already: loops inside it run on
+/// the calling thread, and what prepares work for several would be lost.
+stp_team stp_team_create_now(stp_context* context, uint32_t wanted);
+
 /// As many threads as make anything faster, for loops whose members need much memory each: all of the context's, but
 /// of those beyond STP_TEAM_FEW no more than there are processors.
 stp_team stp_team_create_useful(stp_context* context);

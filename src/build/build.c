@@ -150,13 +150,16 @@ static stp_result import_inputs(build* b)
     b->report->import_s = (imported - start) * 1e-3;
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.0);
     result = result != STP_OK ? result : stp_scene_finish(b->scene);
+    stp_spill_release_pages(b->spill); // all was read, to be hashed
     result = result != STP_OK ? result : stp_build_encode_textures(b->scene);
     result = result != STP_OK ? result : stp_build_census(b->scene, &b->census);
     if (result == STP_OK) {
         stp_build_draft_sketch(b->draft, b->scene);
     }
+    stp_spill_release_pages(b->spill);
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.5);
     result = result != STP_OK ? result : stp_scene_partition(b->scene, &b->desc->partition);
+    stp_spill_release_pages(b->spill);
     stp_trim_heap();
     b->report->partition_s = (stp_clock_ms() - imported) * 1e-3;
     return result;
