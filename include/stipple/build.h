@@ -25,8 +25,9 @@ typedef struct stp_builder_desc {
     /// The axis that points up in what is added ('x', 'y', 'z', or upper case for the negative axis); default 'y'.
     /// Files that say theirs keep it.
     char up;
-    double unit_metres; ///< metres of one unit of it; default: unknown. Files that say theirs keep it
-    const char* name;   ///< of the scene, as sources list it; default "memory"
+    double
+        unit_metres;  ///< metres of one unit of it; default: unknown. Files that say theirs keep it
+    const char* name; ///< of the scene, as sources list it; default "memory"
 } stp_builder_desc;
 
 /// @param desc  NULL: all zero
@@ -70,11 +71,13 @@ typedef struct stp_mesh_desc {
     size_t struct_size;
     const char* name;
     const float* positions; ///< 3 a vertex
-    const float* normals;   ///< 3 a vertex; NULL: flat, from the winding (counter-clockwise is the front)
+    const float*
+        normals; ///< 3 a vertex; NULL: flat, from the winding (counter-clockwise is the front)
     const float* texcoords; ///< 2 a vertex, (0, 0) is the picture's top left; NULL: none
     const uint8_t* colors;  ///< 4 a vertex, sRGB and alpha, multiply the material's; NULL: none
     size_t vertex_count;
-    const uint32_t* indices; ///< 3 a triangle, each below vertex_count; NULL: vertices in their order
+    const uint32_t*
+        indices; ///< 3 a triangle, each below vertex_count; NULL: vertices in their order
     size_t triangle_count;
     uint32_t material; ///< 0: the default material
 } stp_mesh_desc;
@@ -106,12 +109,13 @@ STP_API STP_MUST_USE stp_result stp_builder_add_points(stp_builder* builder,
 typedef struct stp_object_desc {
     size_t struct_size;
     const char* name;
-    const char* id;         ///< any text, by which hosts find it again; NULL: none
-    uint32_t parent;        ///< an object added before; 0: none
-    stp_affine transform;   ///< to the parent; all zero: the identity
-    const uint32_t* parts;  ///< what it shows, numbers of parts; any object may show a part
+    const char* id;        ///< any text, by which hosts find it again; NULL: none
+    uint32_t parent;       ///< an object added before; 0: none
+    stp_affine transform;  ///< to the parent; all zero: the identity
+    const uint32_t* parts; ///< what it shows, numbers of parts; any object may show a part
     size_t part_count;
-    const stp_affine* instances; ///< places within the object at which all its parts stand; NULL: one, the identity
+    const stp_affine*
+        instances; ///< places within the object at which all its parts stand; NULL: one, the identity
     size_t instance_count;
 } stp_object_desc;
 
@@ -126,12 +130,14 @@ typedef struct stp_write_desc {
     /// The file, written aside and renamed when it is complete. A folder PATH.work holds results meanwhile; after an
     /// interruption the same build goes on from there. NULL: the file is built in memory (stp_builder_get_bytes).
     const char* path;
-    const char* folder; ///< without a path: where temporary files go; default $TMPDIR or /tmp
+    const char* folder;  ///< without a path: where temporary files go; default $TMPDIR or /tmp
     const char* methods; ///< "blue" (default), "spt", "psp", "stochastic", or several: "blue,psp"
-    uint32_t splat_limit;  ///< most splats of a node; 0: one for 8 triangles, at most 50,000; all points of a cloud
-    uint64_t threshold;    ///< a node of triangles gets splats above so many; default 1,000
-    uint64_t memory_bytes; ///< what the build may use; default: the context's limit, or most of the machine's
-    bool fresh;            ///< takes nothing from an earlier build
+    uint32_t
+        splat_limit; ///< most splats of a node; 0: one for 8 triangles, at most 50,000; all points of a cloud
+    uint64_t threshold; ///< a node of triangles gets splats above so many; default 1,000
+    uint64_t
+        memory_bytes; ///< what the build may use; default: the context's limit, or most of the machine's
+    bool fresh;       ///< takes nothing from an earlier build
 } stp_write_desc;
 
 typedef struct stp_write_report {

@@ -23,7 +23,7 @@ typedef int (*stp_read_callback)(void* user, uint64_t offset, void* bytes, size_
 typedef struct stp_point_coloring {
     bool by_attribute; ///< colour from `attribute`, for points that have it
     stp_attribute attribute;
-    double low, high;          ///< ends of the colour scale; both 0: percentiles 2 and 98 of the file
+    double low, high; ///< ends of the colour scale; both 0: percentiles 2 and 98 of the file
     uint8_t class_hidden[256]; ///< by class (STP_ATTRIBUTE_CLASS): not 0 hides its points
 } stp_point_coloring;
 
@@ -76,7 +76,7 @@ typedef struct stp_model_info {
     uint32_t object_count; ///< of the tree of named things
     uint32_t view_count, method_count, source_count;
     uint32_t material_count, texture_count, mesh_count;
-    uint32_t attributes; ///< of points, a bit each (stp_attribute_bit)
+    uint32_t attributes;           ///< of points, a bit each (stp_attribute_bit)
     const char* coordinate_system; ///< WKT or "EPSG:25832", where the sources agree; NULL: unknown
     const char* build_json;        ///< options of the build, one JSON object; NULL: not stored
 } stp_model_info;
@@ -122,7 +122,7 @@ STP_API STP_MUST_USE stp_result stp_model_find_object(stp_model* model, const ch
 typedef enum stp_appearance {
     STP_APPEARANCE_SHOWN,
     STP_APPEARANCE_HIDDEN, ///< neither drawn nor picked
-    STP_APPEARANCE_GHOST,  ///< drawn in a part of its pixels (stp_paint_desc.ghost); what is behind shows through
+    STP_APPEARANCE_GHOST, ///< drawn in a part of its pixels (stp_paint_desc.ghost); what is behind shows through
 } stp_appearance;
 
 /// Sets an object with all that is below it, whatever was set of that before; STP_NO_OBJECT sets the whole scene. To

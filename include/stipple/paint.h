@@ -50,14 +50,16 @@ typedef enum stp_pixel_coloring {
 /// What to draw and how. All zero: splats of one pixel in the scene's colours on a transparent background.
 typedef struct stp_paint_desc {
     size_t struct_size;
-    float splat_size; ///< diameter in pixels, at least 1; default 1. Larger draws faster and coarser
+    float
+        splat_size; ///< diameter in pixels, at least 1; default 1. Larger draws faster and coarser
     /// Above 0: milliseconds a frame may take. The painter chooses the splat size from the frames before, never below
     /// `splat_size`; the first frames learn.
     double budget_ms;
     uint64_t splat_count; ///< above 0: so many splats in all, instead of a size
     const char* method;   ///< whose splats: "blue", ...; NULL: as the file suggests
-    bool triangles_only;  ///< every triangle and point of the scene, no splats: the reference. Not while streaming
-    bool splats_only;     ///< no triangles where there are splats
+    bool
+        triangles_only; ///< every triangle and point of the scene, no splats: the reference. Not while streaming
+    bool splats_only; ///< no triangles where there are splats
     /// Draws again until all that the view wants is loaded, or memory is full. Of use while streaming.
     bool complete;
     uint32_t samples; ///< n x n samples a pixel, at most 64; default 1

@@ -11,7 +11,11 @@ extern "C" {
 
 enum { STP_HIT_ATTRIBUTES = 32 }; ///< room for attributes of later versions
 
-typedef enum stp_hit_snap { STP_HIT_SNAP_NONE, STP_HIT_SNAP_VERTEX, STP_HIT_SNAP_EDGE } stp_hit_snap;
+typedef enum stp_hit_snap {
+    STP_HIT_SNAP_NONE,
+    STP_HIT_SNAP_VERTEX,
+    STP_HIT_SNAP_EDGE
+} stp_hit_snap;
 
 typedef struct stp_hit {
     size_t struct_size;
@@ -28,7 +32,8 @@ typedef struct stp_hit {
     /// stands in the scene by itself (stp_object_info.placed), for stp_model_set_appearance.
     uint32_t object, placed_object;
     const char* material; ///< name; NULL: none
-    uint32_t attributes;  ///< of a point: which of the values are known, a bit each. Not of streamed callbacks
+    uint32_t
+        attributes; ///< of a point: which of the values are known, a bit each. Not of streamed callbacks
     double values[STP_HIT_ATTRIBUTES]; ///< by stp_attribute
 } stp_hit;
 

@@ -136,9 +136,9 @@ static bool are_finite(const float* values, size_t count)
 static bool is_material_valid(const stp_material_desc* desc)
 {
     const stp_image* picture = desc->picture;
-    bool has_pixels = picture == NULL ||
-                      (picture->pixels != NULL && picture->width > 0 && picture->height > 0 &&
-                       picture->width <= 65536 && picture->height <= 65536);
+    bool has_pixels =
+        picture == NULL || (picture->pixels != NULL && picture->width > 0 && picture->height > 0 &&
+                            picture->width <= 65536 && picture->height <= 65536);
     return has_pixels && are_finite(desc->base_color, 4) && are_finite(desc->emissive, 3) &&
            are_finite(&desc->metallic, 1) && desc->metallic <= 1.0f &&
            are_finite(&desc->roughness, 1) && desc->roughness <= 1.0f &&
@@ -205,8 +205,7 @@ static stp_result check_object(const stp_builder* builder, const stp_object_desc
                         "stp_object_desc: parent %u was not added", desc->parent);
     }
     for (size_t i = 0; i < desc->part_count; ++i) {
-        if (desc->parts == NULL || desc->parts[i] == 0 ||
-            desc->parts[i] > builder->part_count) {
+        if (desc->parts == NULL || desc->parts[i] == 0 || desc->parts[i] > builder->part_count) {
             return stp_fail(builder->context, STP_ERROR_ARGUMENT,
                             "stp_object_desc: part %zu was not added", i);
         }

@@ -53,9 +53,9 @@ static stp_result list_inputs(const stp_builder* builder, const char*** inputs, 
     for (size_t i = 0; i < builder->file_count; ++i) {
         list[(*count)++] = builder->files[i];
     }
-    return *count > 0 ? STP_OK
-                      : stp_fail(builder->context, STP_ERROR_ARGUMENT,
-                                 "stp_builder: nothing was added");
+    return *count > 0
+               ? STP_OK
+               : stp_fail(builder->context, STP_ERROR_ARGUMENT, "stp_builder: nothing was added");
 }
 
 static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, const char* path,
@@ -66,19 +66,19 @@ static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, con
     const char* names = desc->methods != NULL ? desc->methods : "blue";
     const char** inputs = NULL;
     uint64_t threshold = desc->threshold != 0 ? desc->threshold : DEFAULT_THRESHOLD;
-    stp_build_desc build = {.output = path,
-                            .import = {.up = builder->desc.up,
-                                       .unit_metres = builder->desc.unit_metres},
-                            .methods = methods,
-                            .method_count = parse_methods(names, methods),
-                            .method_options = stp_method_options_default(),
-                            .blue = {.surfel_count = desc->splat_limit},
-                            .threshold = threshold,
-                            .fresh = desc->fresh,
-                            .memory_bytes = desc->memory_bytes,
-                            .parameters_json = parameters,
-                            .generate = stp_builder_move,
-                            .generate_user = builder};
+    stp_build_desc build = {
+        .output = path,
+        .import = {.up = builder->desc.up, .unit_metres = builder->desc.unit_metres},
+        .methods = methods,
+        .method_count = parse_methods(names, methods),
+        .method_options = stp_method_options_default(),
+        .blue = {.surfel_count = desc->splat_limit},
+        .threshold = threshold,
+        .fresh = desc->fresh,
+        .memory_bytes = desc->memory_bytes,
+        .parameters_json = parameters,
+        .generate = stp_builder_move,
+        .generate_user = builder};
     if (build.method_count == 0) {
         return stp_fail(builder->context, STP_ERROR_ARGUMENT,
                         "stp_write_desc: methods \"%s\" are not blue, spt, psp and stochastic, "
@@ -167,8 +167,8 @@ static stp_result build_in_memory(stp_builder* builder, const stp_write_desc* de
     const char* parent = desc->folder != NULL ? desc->folder : getenv("TMPDIR");
     parent = parent != NULL && parent[0] != '\0' ? parent : "/tmp";
     char* folder = join(builder->context, parent, "/stipple-XXXXXX");
-    stp_result result = folder != NULL ? build_in_folder(builder, desc, folder, report)
-                                       : STP_ERROR_OUT_OF_MEMORY;
+    stp_result result =
+        folder != NULL ? build_in_folder(builder, desc, folder, report) : STP_ERROR_OUT_OF_MEMORY;
     stp_free(builder->context, folder);
     return result;
 }

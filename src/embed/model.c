@@ -22,10 +22,9 @@ static stp_result check_desc(stp_context* context, stp_model_desc* desc)
 static stp_result open_store(stp_model* model, const stp_model_desc* desc)
 {
     stp_store_open_desc opening = {.accept_prefix = desc->accept_prefix, .defer_objects = true};
-    stp_result result =
-        desc->path != NULL
-            ? stp_store_open_with(model->context, desc->path, &opening, &model->store)
-            : stp_model_open_source(model, desc, &opening);
+    stp_result result = desc->path != NULL ? stp_store_open_with(model->context, desc->path,
+                                                                 &opening, &model->store)
+                                           : stp_model_open_source(model, desc, &opening);
     if (result != STP_OK) {
         return result;
     }
@@ -64,9 +63,8 @@ static stp_result color_points(stp_model* model, const stp_model_desc* desc)
             coloring.high = found->high_percentile;
         }
     }
-    return coloring.by_attribute || coloring.hides
-               ? stp_store_set_coloring(model->store, &coloring)
-               : STP_OK;
+    return coloring.by_attribute || coloring.hides ? stp_store_set_coloring(model->store, &coloring)
+                                                   : STP_OK;
 }
 
 /// Begins to stream, and loads the coarsest of everything.

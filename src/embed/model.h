@@ -12,9 +12,9 @@
 
 /// Bytes of a file that does not lie on a disk.
 typedef struct stp_model_source {
-    void* copy;       ///< the whole file, from stp_alloc; NULL: none
-    void* reserved;   ///< address space of the file's size that holds its directory alone; NULL: none
-    size_t size;      ///< of the file
+    void* copy;     ///< the whole file, from stp_alloc; NULL: none
+    void* reserved; ///< address space of the file's size that holds its directory alone; NULL: none
+    size_t size;    ///< of the file
     uint64_t counted; ///< bytes of `reserved` that count as memory
     stp_read_callback read;
     void* read_user;
@@ -25,7 +25,7 @@ struct stp_model {
     stp_store* store;
     stp_model_source source;
     stp_store_summary summary;
-    bool owns_summary; ///< the file has none: it was counted
+    bool owns_summary;          ///< the file has none: it was counted
     stp_residency* residency;   ///< NULL: does not stream
     stp_outline* outline;       ///< NULL: not needed yet
     stp_visibility* visibility; ///< NULL: all is shown

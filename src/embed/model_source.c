@@ -5,9 +5,8 @@
 // residency through the callback. The store still expects the file as one range of memory; address space that is never
 // touched costs nothing.
 #define _DEFAULT_SOURCE // MAP_ANONYMOUS, MAP_NORESERVE
-#include "embed/model.h"
-
 #include "base/bytes.h"
+#include "embed/model.h"
 #include "store/format.h"
 
 #include <string.h>

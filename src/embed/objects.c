@@ -79,7 +79,8 @@ stp_result stp_model_get_children(stp_model* model, uint32_t object, uint64_t fi
     while (result == STP_OK && *count < room && given > 0) {
         uint32_t left = room - *count;
         left = left < CHILDREN_AT_ONCE ? left : CHILDREN_AT_ONCE;
-        result = stp_outline_children(model->outline, &item, first + *count, left, children, &given);
+        result =
+            stp_outline_children(model->outline, &item, first + *count, left, children, &given);
         for (uint32_t i = 0; result == STP_OK && i < given; ++i) {
             objects[*count] = children[i].objects[children[i].depth - 1];
             *count += 1;

@@ -193,8 +193,7 @@ static stp_result draw_complete(picture* p)
             stp_residency_update(residency, painter->list.wants, painter->list.want_count);
             updates += 1;
         }
-        bool uploads =
-            painter->uses_gl && stp_draw_gl_get_stats(painter->renderer).coming > 0;
+        bool uploads = painter->uses_gl && stp_draw_gl_get_stats(painter->renderer).coming > 0;
         if (updates == 0 && !uploads) {
             break;
         }
@@ -233,7 +232,8 @@ stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const st
         return result;
     }
     if (image == NULL ? !painter->uses_gl : image->pixels == NULL) {
-        return stp_fail(context, STP_ERROR_ARGUMENT, "stp_painter_draw: there are no pixels to draw");
+        return stp_fail(context, STP_ERROR_ARGUMENT,
+                        "stp_painter_draw: there are no pixels to draw");
     }
     p.accumulates = desc.accumulate;
     p.complete = desc.complete;
