@@ -12,13 +12,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { DEFAULT_THRESHOLD = 1000, PARAMETERS_ROOM = 256, NAME_ROOM = 32 };
+enum {
+    DEFAULT_THRESHOLD = 1000,
+    PARAMETERS_ROOM = 256,
+    NAME_ROOM = 32,
+    METHODS_MOST = sizeof(stp_methods) / sizeof(stp_methods[0]),
+};
 static const char collected[] = "scene:memory";
 
 /// Parses "blue,psp". @return how many methods; 0: a name is unknown or stands twice
-static uint32_t parse_methods(const char* text, const stp_method* methods[STP_METHOD_COUNT])
+static uint32_t parse_methods(const char* text, const stp_method* methods[METHODS_MOST])
 {
-    for (uint32_t count = 0; count < STP_METHOD_COUNT;) {
+    for (uint32_t count = 0; count < METHODS_MOST;) {
         char name[NAME_ROOM];
         size_t length = strcspn(text, ",");
         snprintf(name, sizeof(name), "%.*s", (int)(length < NAME_ROOM ? length : NAME_ROOM), text);
@@ -61,7 +66,7 @@ static stp_result list_inputs(const stp_builder* builder, const char*** inputs, 
 static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, const char* path,
                            stp_build_report* report)
 {
-    const stp_method* methods[STP_METHOD_COUNT];
+    const stp_method* methods[METHODS_MOST];
     char parameters[PARAMETERS_ROOM];
     const char* names = desc->methods != NULL ? desc->methods : "blue";
     const char** inputs = NULL;
