@@ -36,7 +36,7 @@ struct stp_context {
     atomic_uint_fast64_t peak_bytes;
     atomic_uint_fast64_t refused_bytes; ///< the most that was asked for beyond the limit
     atomic_uint_fast64_t needed_bytes;  ///< what the caller's work is thought to take; 0: not known
-    atomic_int held; ///< STP_HELD_*
+    atomic_int held;                    ///< STP_HELD_*
     char held_error[STP_MESSAGE_SIZE];
     // of the thread that calls; workers read `loop` while it is on
     stp_reported_loop* loop;
