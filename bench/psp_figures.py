@@ -13,7 +13,7 @@ PARTs, default all:
              psp-sweep-MODEL.svg
 
 MODELS holds bunny.ply and dragon.ply, which bench/psp_models.py makes; its other models (.glb, .obj, .ply) join `sweep`. Parts
-that are not measured stay in the JSON as they are; `sweep` writes each figure as it is found. All parts take about 13 minutes of
+that are not measured stay in the JSON as they are; `sweep` writes each figure as it is found. All parts take about 8 minutes of
 the processor.
 """
 import math

@@ -10,7 +10,7 @@ rm -rf "$scratch"
 . "$(dirname "$0")/shared.sh"
 mkdir -p "$scratch" && cd "$scratch" || exit 1
 
-"$source/scripts/attack" --minutes 0.1 --stipple "$stipple" --keep "$PWD/kept" > table 2> err || fail "attack: $(cat table err)"
+"$source/scripts/attack" --minutes 0.04 --stipple "$stipple" --keep "$PWD/kept" > table 2> err || fail "attack: $(cat table err)"
 grep -q '^| stip | ' table && grep -q '^| race: ' table && grep -q ', 0 found$' table || fail "no table: $(cat table)"
 [ ! -e kept ] || fail "files are kept though nothing was found"
 

@@ -33,11 +33,19 @@ with open(out, "w") as script:
             script.write(command)
         script.write(f"\ncode=$?; [ $code -eq 0 ] || {{ echo {shlex.quote(command)}: exit $code >&2; exit 1; }}\n")
 END
-look() # a window opens, and stays open until it is closed
+look() # a window opens, shows all, and stays open until it is closed
 {
     command -v xvfb-run > /dev/null || { test -e "$1"; return; }
-    SDL_AUDIODRIVER=dummy timeout 20 xvfb-run -a stipple view "$@"
-    [ $? -eq 124 ]
+    # shellcheck disable=SC2016
+    SDL_AUDIODRIVER=dummy xvfb-run -a bash -c '
+        rm -f look.json
+        stipple view "$@" --report look.json & viewer=$!
+        until grep -q "\"complete\": true" look.json 2> /dev/null; do
+            kill -0 $viewer 2> /dev/null || exit 1
+            sleep 0.1
+        done
+        kill $viewer && wait $viewer
+        [ $? -eq 0 ] || [ $? -eq 143 ]' look "$@"
 }
 export -f look
 

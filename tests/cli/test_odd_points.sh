@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# decimate, compare-splats and thumbnail on points that lie oddly: each gives a sensible result, or says one clear
+# build, decimate, compare-splats and thumbnail on points that lie oddly: each gives a sensible result, or says one clear
 # sentence. Arguments: executable, scratch folder.
 set -u
 stipple=$1
@@ -21,6 +21,7 @@ cloud("none", [])
 cloud("one", [(1, 2, 3)])
 cloud("two", [(1, 2, 3), (2, 2, 3)])
 cloud("same", [(1, 2, 3)] * 50)
+cloud("pair", [(1, 2, 3)] * 2)
 cloud("line", [(0.1 * i, 0.2 * i, 0) for i in range(200)])
 cloud("apart", grid + [(1000, 0, 0), (0, 500, 0)])
 cloud("nan", grid + [("nan", "nan", "nan"), ("nan", 1, 2)])
@@ -69,6 +70,17 @@ for name in one two same line apart nan endless; do
         fail "thumbnail $name: $(cat err)"
     python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); assert d["splats"] > 0, d' $name.json ||
         fail "the thumbnail of $name is empty: $(cat $name.json)"
+done
+
+# every method keeps all points in one place
+for method in blue spt psp; do
+    for name in one pair same; do
+        "$stipple" -q build $name.ply --method $method -o $name.stip > /dev/null 2> err || fail "build $name by $method: $(cat err)"
+        "$stipple" -q render $name.stip -o $name.png --size 64x64 --json > $name.json 2> err ||
+            fail "render $name by $method: $(cat err)"
+        python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); assert d["splats"] > 0, d' $name.json ||
+            fail "$name by $method is empty: $(cat $name.json)"
+    done
 done
 
 for name in none.ply nans.ply zero.ply zero.obj; do

@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 stipple = sys.argv[1]
-SIZE = ("--size", "160x120", "--backend", "cpu")
+SIZE = ("--size", "160x120", "--backend", "cpu", "--accumulate", "1", "--once")
 failures = 0
 
 

@@ -149,7 +149,7 @@ static stp_result append_coincident(blue* b)
     for (uint32_t i = 0; i < next; ++i) {
         chosen[b->order[i]] = 1;
     }
-    float last = b->radii[next - 1]; // they cover nothing more
+    float last = next > 1 ? b->radii[next - 1] : b->finish.final_radius; // they cover nothing more
     for (uint32_t i = 0; i < count; ++i) {
         if (chosen[i] == 0) {
             b->radii[next] = last;
