@@ -106,7 +106,12 @@ stp_result embed_add_town(stp_builder* builder, bool points)
 
 void* embed_build_town(bool points, size_t* size)
 {
-    stp_context* context = test_context(NULL, 2, NULL);
+    return embed_build_town_on(2, points, size);
+}
+
+void* embed_build_town_on(uint32_t threads, bool points, size_t* size)
+{
+    stp_context* context = test_context(NULL, threads, NULL);
     stp_builder* builder = NULL;
     void* copy = NULL;
     stp_write_desc desc = {.threshold = 100};

@@ -14,6 +14,8 @@ stp_result embed_add_town(stp_builder* builder, bool points);
 
 /// The town as a `.stip`, in memory of malloc that is aligned to 64 bytes; NULL on failure.
 void* embed_build_town(bool points, size_t* size);
+/// The same on so many threads.
+void* embed_build_town_on(uint32_t threads, bool points, size_t* size);
 
 /// From the front, far enough to see everything.
 stp_view embed_view(void);

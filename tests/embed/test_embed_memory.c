@@ -159,6 +159,7 @@ void test_embed_streams_under_a_limit(test_state* test)
 }
 
 typedef struct thread_work {
+    uint32_t threads;
     uint8_t pixels[PIXELS];
     void* bytes;
     size_t size;
@@ -168,8 +169,8 @@ typedef struct thread_work {
 static void* build_and_draw(void* user)
 {
     thread_work* work = user;
-    work->bytes = embed_build_town(true, &work->size);
-    stp_context* context = test_context(NULL, 2, NULL);
+    work->bytes = embed_build_town_on(work->threads, true, &work->size);
+    stp_context* context = test_context(NULL, work->threads, NULL);
     stp_model_desc desc = {.bytes = work->bytes, .size = work->size};
     work->result = use_model(context, &desc, work->pixels);
     stp_context_destroy(context);
@@ -178,7 +179,7 @@ static void* build_and_draw(void* user)
 
 void test_embed_threads_have_contexts_of_their_own(test_state* test)
 {
-    static thread_work works[2];
+    static thread_work works[2] = {{.threads = 1}, {.threads = 3}};
     pthread_t thread;
     CHECK(pthread_create(&thread, NULL, build_and_draw, &works[1]) == 0);
     build_and_draw(&works[0]);

@@ -59,13 +59,16 @@ void test_embed_unknown_fields_are_refused(test_state* test)
     } desc = {.known = {.struct_size = sizeof(desc)}};
     test_log log = {0};
     stp_builder* builder = NULL;
-    stp_context* context = test_context(NULL, 1, &log);
+    stp_context *context = test_context(NULL, 1, &log), *plain = NULL;
+    stp_result without = stp_context_create(&plain, NULL);
+    stp_context_destroy(plain);
     stp_result zero = stp_builder_create(context, &desc.known, &builder);
     stp_builder_destroy(builder);
     desc.later = 1;
     stp_result set = stp_builder_create(context, &desc.known, &builder);
     bool none = builder == NULL;
     stp_context_destroy(context);
+    CHECK(without == STP_OK && plain != NULL);
     CHECK_EQUAL(STP_OK, zero);
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, set);
     CHECK(none && log.errors == 1);
