@@ -74,7 +74,9 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* giv
         return STP_ERROR_UNSUPPORTED;
     }
     stp_allocator allocator = desc.allocator;
-    assert((allocator.alloc == NULL) == (allocator.free == NULL) && "set both hooks or neither");
+    if ((allocator.alloc == NULL) != (allocator.free == NULL)) {
+        return STP_ERROR_ARGUMENT;
+    }
     bool is_default = allocator.alloc == NULL;
     if (is_default) {
         allocator = (stp_allocator){.alloc = default_alloc, .free = default_free};

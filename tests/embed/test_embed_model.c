@@ -120,6 +120,29 @@ void test_embed_failed_reads_are_errors(test_state* test)
     CHECK_EQUAL(STP_ERROR_ARGUMENT, none);
 }
 
+void test_embed_a_download_is_drawn_as_far_as_it_goes(test_state* test)
+{
+    static uint8_t pixels[PIXELS];
+    size_t size = 0;
+    void* bytes = embed_build_town(false, &size);
+    stp_context* context = test_context(NULL, 1, NULL);
+    stp_model* model = NULL;
+    stp_model_info info = {0};
+    stp_model_desc desc = {.bytes = bytes, .size = size - size / 4, .accept_prefix = true};
+    stp_result opened = stp_model_open(context, &desc, &model);
+    stp_result asked = opened == STP_OK ? stp_model_get_info(model, &info) : opened;
+    stp_result drawn = opened == STP_OK ? embed_draw(model, NULL, pixels) : opened;
+    stp_model_close(model);
+    desc.accept_prefix = false;
+    stp_result refused = stp_model_open(context, &desc, &model);
+    stp_context_destroy(context);
+    free(bytes);
+    CHECK(opened == STP_OK && asked == STP_OK && drawn == STP_OK);
+    CHECK(info.file_bytes == size && info.present_bytes == size - size / 4);
+    CHECK(covered(pixels) > 0);
+    CHECK_EQUAL(STP_ERROR_TRUNCATED, refused);
+}
+
 /// A town that is open.
 typedef struct opened_town {
     void* bytes;

@@ -62,6 +62,9 @@ void test_embed_unknown_fields_are_refused(test_state* test)
     stp_context *context = test_context(NULL, 1, &log), *plain = NULL;
     stp_result without = stp_context_create(&plain, NULL);
     stp_context_destroy(plain);
+    stp_context* halved = NULL;
+    stp_context_desc half = {.allocator = {.alloc = test_heap_alloc}};
+    stp_result refused = stp_context_create(&halved, &half);
     stp_result zero = stp_builder_create(context, &desc.known, &builder);
     stp_builder_destroy(builder);
     desc.later = 1;
@@ -69,6 +72,7 @@ void test_embed_unknown_fields_are_refused(test_state* test)
     bool none = builder == NULL;
     stp_context_destroy(context);
     CHECK(without == STP_OK && plain != NULL);
+    CHECK(refused == STP_ERROR_ARGUMENT && halved == NULL);
     CHECK_EQUAL(STP_OK, zero);
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, set);
     CHECK(none && log.errors == 1);
