@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What was aimed at and what was measured, in one table: the newest results of each kind in bench/results.
+"""The table of goals: each goal beside the newest result of its kind in bench/results.
 
 usage: bench/goals.py [--results FOLDER] [--document FILE.md --tables FOLDER]
 
@@ -90,7 +90,7 @@ def memory(results):
     found = [r["figures"] for r in results.of("splats") if r["params"]["size_px"] == 1 and "part_of_copy" in r["figures"]]
     if found:
         f = found[-1]
-        yield f"{100 * f['part_of_copy']:.0f} % of what copying moves, {f['part_of_random_pixels']:.2f} of the rate of pixels at random", ""
+        yield f"{100 * f['part_of_copy']:.0f} % of the rate of copying, {f['part_of_random_pixels']:.2f} of the rate of random pixels", ""
 
 
 def popping(results, key):
@@ -154,24 +154,24 @@ def order(results, key, limit):
 
 
 GOALS = (
-    ("a flight through all five places within 33 ms", "median 33 ms, 99 % 50 ms", flight, "controllers", "bench/controllers.py"),
-    ("any of the five views within 33 ms", "66 ms", views, "budget-views", "bench/budget_views.py"),
-    ("likeness in that time, beside the paper's policy and order", "not lower", likeness_in_time, "budget-views", "bench/budget_views.py"),
-    ("frames within 1.1 and 1.5 of a budget that size 8 can hold", "95 %, 99 %", attainable, "controllers-auto", "bench/controllers.py --budget-ms auto"),
-    ("a trillion triangles beside 2.35 G: the median frame", "1.2 times", growth, "growth", "bench/growth.py"),
+    ("flight through all five places, budget 33 ms", "median 33 ms, 99 % 50 ms", flight, "controllers", "bench/controllers.py"),
+    ("slowest of the five views, budget 33 ms", "66 ms", views, "budget-views", "bench/budget_views.py"),
+    ("covered SSIM in that time, against the paper's policy and order", "not lower", likeness_in_time, "budget-views", "bench/budget_views.py"),
+    ("frames within 1.1 and 1.5 times a budget that size 8 can hold", "95 %, 99 %", attainable, "controllers-auto", "bench/controllers.py --budget-ms auto"),
+    ("median frame of a trillion triangles, against 2.35 G", "1.2 times", growth, "growth", "bench/growth.py"),
     ("frames 200 m above the whole scene", "", everywhere, "positions", "bench/positions.py"),
-    ("SSIM of Table 3 beside the paper's, splat size 2", "", table3, "table3-size-2", "bench/table3.py"),
-    ("SSIM on covered pixels at splat size 1, every named view", "", all_views, "quality-views", "bench/quality_views.py"),
-    ("the same at equal splats, beside the paper's policy and order", "never lower", equal_splats, "quality-views", "bench/quality_views.py"),
-    ("more like a supersampled picture than originals at one sample", "always", fine, "quality-views", "bench/quality_views.py"),
-    ("popping with blending beside hard switching, 99.9 %", "0.25 times", lambda r: popping(r, "popping_p999"), "popping", "bench/popping.py"),
-    ("the same of the worst block", "0.25 times", lambda r: popping(r, "popping_max"), "popping", "bench/popping.py"),
-    ("splats drawn while levels blend", "10 %", extra, "popping", "bench/popping.py"),
-    ("splats of a pixel a second, beside llvmpipe's points", "15 times", splats, "splats", "stipple bench splats"),
-    ("their bytes and pixels, beside what memory gives", "", memory, "splats", "stipple bench splats"),
-    ("triangles of a pixel a second, one thread", "30 M", triangles, "triangles", "stipple bench triangles"),
-    ("exact order of 100k beside the paper's text", "0.45", lambda r: order(r, "ratio_to_paper_text", 0.45), "order", "stipple bench order"),
-    ("exact order of 100k beside the paper's fast one", "1.1", lambda r: order(r, "ratio_to_paper_fast", 1.1), "order", "stipple bench order"),
+    ("SSIM in Table 3 against the paper's, splat size 2", "", table3, "table3-size-2", "bench/table3.py"),
+    ("covered SSIM at splat size 1, every named view", "", all_views, "quality-views", "bench/quality_views.py"),
+    ("the same with equal splats, against the paper's policy and order", "never lower", equal_splats, "quality-views", "bench/quality_views.py"),
+    ("closer to a supersampled picture than the originals at one sample", "always", fine, "quality-views", "bench/quality_views.py"),
+    ("popping with blending against hard switching, 99.9 %", "0.25 times", lambda r: popping(r, "popping_p999"), "popping", "bench/popping.py"),
+    ("the same, worst block", "0.25 times", lambda r: popping(r, "popping_max"), "popping", "bench/popping.py"),
+    ("extra splats while levels blend", "10 %", extra, "popping", "bench/popping.py"),
+    ("one-pixel splats a second, against points of llvmpipe", "15 times", splats, "splats", "stipple bench splats"),
+    ("their memory traffic, against the speed of memory", "", memory, "splats", "stipple bench splats"),
+    ("one-pixel triangles a second, one thread", "30 M", triangles, "triangles", "stipple bench triangles"),
+    ("time of the exact order of 100k, against `paper-text`", "0.45", lambda r: order(r, "ratio_to_paper_text", 0.45), "order", "stipple bench order"),
+    ("time of the exact order of 100k, against `paper-fast`", "1.1", lambda r: order(r, "ratio_to_paper_fast", 1.1), "order", "stipple bench order"),
 )
 
 
@@ -184,8 +184,13 @@ def goals_table(results):
     return "\n".join(lines) + "\n"
 
 
+def pages():
+    """The documents with marked tables: the page on performance, and notes."""
+    return [kit.ROOT / "docs/performance.md", *sorted((kit.ROOT / "docs/notes").glob("*.md"))]
+
+
 def fill(document, tables, goals):
-    """Replaces marked tables of a document by those that were measured. @return the names of these"""
+    """Replaces marked tables of a document by measured ones; an unchanged document is not written. @return their names"""
     replaced = []
 
     def new(match):
@@ -197,7 +202,9 @@ def fill(document, tables, goals):
         return match[1] + (goals if name == "goals" else path.read_text(encoding="utf-8").strip() + "\n") + match[3]
 
     text = document.read_text(encoding="utf-8")
-    kit.write_whole(document, MARKED.sub(new, text))
+    filled = MARKED.sub(new, text)
+    if filled != text:
+        kit.write_whole(document, filled)
     return replaced
 
 

@@ -126,21 +126,23 @@ def row_of(given, scene, view, f):
 
 
 def conclude(results):
-    """What the goals ask for, as counts."""
+    """Counts that the goals ask for, as a list."""
     views = [r["figures"] for r in results]
     fine = [f for f in views if "fine_ours" in f]
     covered = [f["ssim_covered"] for f in views]
-    print(f"\n{len(views)} views: SSIM on covered pixels, median {statistics.median(covered):.4f}, least {min(covered):.4f}")
+    print(f"\n- covered SSIM of {len(views)} views: median {statistics.median(covered):.4f}, least {min(covered):.4f}")
     for key, words in (("fine_rest", "ours at rest"), ("fine_ours", "ours in one frame")):
         if fine:
-            print(f"against the supersampled reference {words} is more alike than the originals at one sample in {sum(f[key] > f['fine_originals'] for f in fine)} of {len(fine)} views, "
-                  f"equal in {sum(f[key] == f['fine_originals'] for f in fine)}")
-    for kind, words in (("equal_", "at equal splats"), ("work_", "with no more splats and triangles")):
+            closer, equal = sum(f[key] > f["fine_originals"] for f in fine), sum(f[key] == f["fine_originals"] for f in fine)
+            print(f"- {words} is closer to the supersampled picture than the originals at one sample in\n"
+                  f"  {closer} of {len(fine)} views, equal in {equal}")
+    for kind, words in (("equal_", "splats"), ("work_", "splats and triangles")):
         pairs = [e for f in views for k, e in f.items() if k.startswith(kind) and "ours" in e]
         if pairs:
             gains = [e["ours"] - e["paper"] for e in pairs]
-            print(f"{words} ours is more alike than --policy paper --order paper-fast in {sum(g > 0 for g in gains)} of {len(gains)} cases, "
-                  f"less in {sum(g < 0 for g in gains)} (least {min(gains):+.4f}, median {statistics.median(gains):+.4f})")
+            print(f"- with no more {words}, ours is higher than `--policy paper --order paper-fast`\n"
+                  f"  in {sum(g > 0 for g in gains)} of {len(gains)} cases, lower in {sum(g < 0 for g in gains)} "
+                  f"(least {min(gains):+.4f}, median {statistics.median(gains):+.4f})")
 
 
 def main():

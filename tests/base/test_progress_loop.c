@@ -2,10 +2,10 @@
 // Loops that report how far they are.
 #include "tests.h"
 
-#include "base/clock.h"
 #include "base/context.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -186,15 +186,16 @@ static void wait_for_reports(size_t begin, size_t end, uint32_t worker, void* us
 {
     (void)begin, (void)end;
     patience* p = user;
-    double start = stp_clock_ms();
     if (worker == 0) {
-        while (atomic_load(&p->waiting) == 0 && stp_clock_ms() - start < 10000.0) {
+        while (atomic_load(&p->waiting) == 0) {
+            sched_yield();
         }
         return;
     }
     atomic_fetch_add(&p->waiting, 1);
     unsigned before = atomic_load(&p->w.reports);
-    while (atomic_load(&p->w.reports) < before + 3 && stp_clock_ms() - start < 10000.0) {
+    while (atomic_load(&p->w.reports) < before + 3) {
+        sched_yield();
     }
 }
 
@@ -206,9 +207,7 @@ void test_reported_loop_tells_while_it_waits(test_state* test)
     stp_context* context = watched_context(&p.w, 2, &log);
     CHECK(context != NULL);
     stp_loop_report report = {"walk", "nodes", 0};
-    double start = stp_clock_ms();
     CHECK_EQUAL(STP_OK, stp_parallel_for_reported(context, 2, 1, wait_for_reports, &p, &report));
-    CHECK(stp_clock_ms() - start < 10000.0);
     CHECK(p.w.reports >= 4 && !p.w.strange);
     stp_context_destroy(context);
 }

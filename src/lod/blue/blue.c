@@ -7,7 +7,7 @@
 #include "lod/points.h"
 
 #define MOST_SURFELS 50000u // a quarter of Brandt 5.2: blue.h
-// Twice and four times as many candidates give pictures of the same SSIM (docs/performance.md).
+// More give pictures of the same SSIM (docs/notes/2026-11-candidates.md, 2026-11-proportion.md).
 #define CANDIDATES_PER_SURFEL 12u
 #define LEAST_CANDIDATES 6000u   // a small object still wants its shape
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
