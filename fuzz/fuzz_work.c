@@ -6,7 +6,7 @@
 // Checksums of heads and results are made right first, so that mutations get past them.
 #include "base/bytes.h"
 #include "base/context.h"
-#include "build/piece.h"
+#include "build/stored_results.h"
 #include "build/work_segment.h"
 
 #include <fcntl.h>
@@ -64,14 +64,14 @@ static uint64_t use(stp_work* work, stp_hash key)
     stp_splats s;
     stp_coded_mesh mesh;
     uint32_t candidates;
-    if (stp_piece_find_surfels(work, key, 5, &s, &candidates)) {
+    if (stp_work_find_surfels(work, key, 5, &s, &candidates)) {
         size_t entries = 0;
         for (uint32_t i = 0; i < s.octave_count; ++i) {
             entries += s.octave_ends[i];
         }
         total += sum(s.positions, 6 * (size_t)s.count) + sum(s.normals, 2 * (size_t)s.count) +
                  sum(s.colors, 3 * entries) + sum(s.coverages, entries);
-    } else if (stp_piece_find_mesh(work, key, &mesh)) {
+    } else if (stp_work_find_mesh(work, key, &mesh)) {
         total += sum(mesh.bytes, mesh.size);
     }
     const stp_work_piece piece = {"anew", 4};

@@ -25,7 +25,7 @@ enum {
     NUMBER_BITS = 29,  // a coordinate is less than 2^30 steps
     STEP_LEAST = -149, // the least float
     STEP_MOST =
-        96, // 2^31 of them are finite; scenes have no numbers that need more (scene/reach.h)
+        96, // 2^31 of them are finite; scenes have no numbers that need more (scene/distance_limit.h)
 };
 
 typedef struct octave_counts {

@@ -29,7 +29,7 @@ typedef struct build {
     stp_build_report* report;
     char* work_folder;
     stp_work* work;
-    stp_former* former; ///< NULL: none
+    stp_previous_output* former; ///< NULL: none
     stp_spill* spill;
     stp_build_draft* draft; ///< NULL: none is wanted
     stp_scene* scene;
@@ -79,7 +79,8 @@ static stp_result open_work(build* b)
     if (result == STP_OK && b->desc->draft != NULL) {
         stp_file_remove_stale(b->context, b->desc->draft);
     }
-    b->former = result == STP_OK && !b->desc->fresh ? stp_former_open(b->desc->output) : NULL;
+    b->former =
+        result == STP_OK && !b->desc->fresh ? stp_previous_output_open(b->desc->output) : NULL;
     return result != STP_OK ? result : stp_spill_create(b->context, b->work_folder, &b->spill);
 }
 
@@ -314,7 +315,7 @@ static bool close_build(build* b, bool written)
     stp_free(b->context, b->shadings.of_material);
     stp_scene_destroy(b->scene);
     stp_spill_destroy(b->spill);
-    stp_former_close(b->former);
+    stp_previous_output_close(b->former);
     stp_work_close(b->work, written || changed || kept.stored + kept.found == 0);
     stp_free(b->context, b->work_folder);
     return changed;

@@ -2,7 +2,7 @@
 #include "build/draft_content.h"
 
 #include "base/rng.h"
-#include "build/sketch.h"
+#include "build/preview_points.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -148,7 +148,7 @@ static stp_result sketch_meshes(draft_work* w, stp_arena* arena, stp_store_point
         if (count == 0) {
             continue;
         }
-        if (!stp_sketch_mesh(arena, scene, (uint32_t)i, count, &sets[*set_count])) {
+        if (!stp_preview_mesh(arena, scene, (uint32_t)i, count, &sets[*set_count])) {
             return stp_fail_memory(w->context);
         }
         x->place = (*set_count)++;
@@ -168,7 +168,7 @@ static stp_result sketch_points(draft_work* w, stp_arena* arena, stp_store_point
     for (size_t i = 0; i < scene->point_set_count; ++i) {
         const stp_point_set* from = &scene->point_sets[i];
         uint32_t count = (uint32_t)ceil(share * (double)from->point_count);
-        if (!stp_sketch_points(arena, from, count, &sets[*set_count])) {
+        if (!stp_preview_points(arena, from, count, &sets[*set_count])) {
             return stp_fail_memory(w->context);
         }
         w->point_sets[i].place = (*set_count)++;

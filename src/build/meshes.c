@@ -3,8 +3,8 @@
 
 #include "base/octahedral.h"
 #include "base/position_grid.h"
-#include "build/origin.h"
-#include "build/piece.h"
+#include "build/found_results.h"
+#include "build/stored_results.h"
 
 #include <pthread.h>
 #include <string.h>
@@ -15,10 +15,10 @@ static const char* const code_version = "stipple-clusters-4";
 typedef struct run {
     const stp_scene* scene;
     stp_work* work;
-    stp_former* former;
+    stp_previous_output* former;
     stp_build_draft* draft;
     stp_build_meshes* meshes;
-    stp_build_origin* origins;    ///< one a mesh
+    stp_build_result* origins;    ///< one a mesh
     pthread_mutex_t mutex;        ///< of the result
     pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
     stp_result result;            ///< the first failure
@@ -92,11 +92,11 @@ static stp_hash make_key(const stp_mesh* mesh, uint32_t texcoords)
 
 static bool find_mesh(run* r, stp_hash key, stp_coded_mesh* coded)
 {
-    if (stp_piece_find_mesh(r->work, key, coded)) {
+    if (stp_work_find_mesh(r->work, key, coded)) {
         return true;
     }
     pthread_mutex_lock(&r->former_mutex);
-    bool found = r->former != NULL && stp_former_take_mesh(r->former, key, r->work, coded);
+    bool found = r->former != NULL && stp_previous_output_take_mesh(r->former, key, r->work, coded);
     pthread_mutex_unlock(&r->former_mutex);
     return found;
 }
@@ -107,7 +107,7 @@ static stp_result make_mesh(run* r, const stp_mesh* mesh, uint32_t texcoords, st
     stp_coded_mesh made;
     stp_result result = stp_code_mesh(r->scene->context, mesh, texcoords, &made);
     if (result == STP_OK) {
-        result = stp_piece_store_mesh(r->work, key, &made, coded);
+        result = stp_work_store_mesh(r->work, key, &made, coded);
         stp_coded_mesh_destroy(r->scene->context, &made);
     }
     return result;
@@ -125,7 +125,7 @@ static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
         meshes->keys[i] = key;
         bool found = find_mesh(r, key, &meshes->coded[i]);
         stp_result result = found ? STP_OK : make_mesh(r, mesh, texcoords, key, &meshes->coded[i]);
-        r->origins[i] = (stp_build_origin){key, !found};
+        r->origins[i] = (stp_build_result){key, !found};
         pthread_mutex_lock(&r->mutex);
         r->result = r->result != STP_OK ? r->result : result;
         pthread_mutex_unlock(&r->mutex);
@@ -138,15 +138,16 @@ static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work, stp_former* former,
-                                 stp_build_draft* draft, stp_build_meshes* meshes)
+stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work,
+                                 stp_previous_output* former, stp_build_draft* draft,
+                                 stp_build_meshes* meshes)
 {
     stp_context* context = scene->context;
     *meshes = (stp_build_meshes){0};
     meshes->coded = STP_NEW_ZEROED(context, stp_coded_mesh, scene->mesh_count);
     meshes->keys = STP_NEW_ZEROED(context, stp_hash, scene->mesh_count);
     run r = {.scene = scene, .work = work, .former = former, .draft = draft, .meshes = meshes};
-    r.origins = STP_NEW_ZEROED(context, stp_build_origin, scene->mesh_count);
+    r.origins = STP_NEW_ZEROED(context, stp_build_result, scene->mesh_count);
     if (meshes->coded == NULL || meshes->keys == NULL || r.origins == NULL) {
         stp_free(context, r.origins);
         stp_build_meshes_destroy(context, meshes);

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "build/draft.h"
-#include "build/former.h"
+#include "build/previous_output.h"
 #include "scene/scene.h"
 
 typedef struct stp_build_meshes {
@@ -14,7 +14,7 @@ typedef struct stp_build_meshes {
 
 /// `former` and `draft` may be NULL. @return STP_OK, or what the stages return (logged)
 STP_MUST_USE stp_result stp_build_meshes_make(const stp_scene* scene, stp_work* work,
-                                              stp_former* former, stp_build_draft* draft,
+                                              stp_previous_output* former, stp_build_draft* draft,
                                               stp_build_meshes* meshes);
 void stp_build_meshes_destroy(stp_context* context, stp_build_meshes* meshes);
 

@@ -3,9 +3,9 @@
 
 #include "base/gate.h"
 #include "base/prefix_table.h"
+#include "build/found_results.h"
 #include "build/node_triangles.h"
-#include "build/origin.h"
-#include "build/piece.h"
+#include "build/stored_results.h"
 
 #include <pthread.h>
 
@@ -14,7 +14,7 @@ typedef struct run {
     const stp_scene* scene;
     const stp_build_methods_desc* desc;
     stp_build_methods* made;
-    stp_build_origin* origins; ///< by set
+    stp_build_result* origins; ///< by set
     stp_gate* gate;
     pthread_mutex_t mutex;
     pthread_mutex_t former_mutex;
@@ -37,12 +37,13 @@ static bool find_set(run* r, stp_hash key, stp_splats* set)
 {
     const stp_build_methods_desc* desc = r->desc;
     uint32_t unused;
-    if (stp_piece_find_surfels(desc->work, key, desc->shading_count, set, &unused)) {
+    if (stp_work_find_surfels(desc->work, key, desc->shading_count, set, &unused)) {
         return true;
     }
     pthread_mutex_lock(&r->former_mutex);
-    bool found = desc->former != NULL &&
-                 stp_former_take_surfels(desc->former, key, desc->shading_count, desc->work, set);
+    bool found =
+        desc->former != NULL &&
+        stp_previous_output_take_surfels(desc->former, key, desc->shading_count, desc->work, set);
     pthread_mutex_unlock(&r->former_mutex);
     return found;
 }
@@ -78,7 +79,7 @@ static stp_result make_within(run* r, const stp_method* method, size_t step, dou
     }
     stp_node_triangles_destroy(context, &large);
     if (result == STP_OK) {
-        result = stp_piece_store_surfels(r->desc->work, key, &made, 0, set);
+        result = stp_work_store_surfels(r->desc->work, key, &made, 0, set);
         stp_splats_destroy(context, &made);
     }
     return result;
@@ -122,7 +123,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
             key = method->hash(key, r->desc->options);
             bool found = find_set(r, key, &r->made->sets[i]);
             result = found ? STP_OK : make_set(r, method, step, key, &r->made->sets[i]);
-            r->origins[i] = (stp_build_origin){key, !found};
+            r->origins[i] = (stp_build_result){key, !found};
         }
         r->made->keys[i] = key;
         pthread_mutex_lock(&r->mutex);
@@ -169,7 +170,7 @@ static stp_result make_all(run* r)
     made->methods = STP_NEW_ZEROED(context, stp_store_method, made->method_count);
     made->sets_of_nodes =
         STP_NEW_ARRAY(context, uint32_t, (size_t)others * r->scene->node_count + 1);
-    r->origins = STP_NEW_ZEROED(context, stp_build_origin, (size_t)count + 1);
+    r->origins = STP_NEW_ZEROED(context, stp_build_result, (size_t)count + 1);
     if (made->sets == NULL || made->keys == NULL || made->methods == NULL ||
         made->sets_of_nodes == NULL || r->origins == NULL) {
         return stp_fail_memory(context);

@@ -4,9 +4,9 @@
 // each result kept in the work directory as soon as it is there.
 #pragma once
 
-#include "build/former.h"
 #include "build/nodes.h"
 #include "build/plan.h"
+#include "build/previous_output.h"
 #include "lod/method.h"
 
 typedef struct stp_build_methods_desc {
@@ -20,7 +20,7 @@ typedef struct stp_build_methods_desc {
     uint32_t shading_count;
     uint64_t memory_bytes; ///< for what is in the making; 0: no limit
     stp_work* work;
-    stp_former* former; ///< NULL: none
+    stp_previous_output* former; ///< NULL: none
 } stp_build_methods_desc;
 
 /// All sets, those of a method together, one a step of the plan. Columns lie in the work directory or the former output.

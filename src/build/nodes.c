@@ -3,9 +3,9 @@
 
 #include "base/gate.h"
 #include "base/wait.h"
-#include "build/former.h"
-#include "build/origin.h"
-#include "build/piece.h"
+#include "build/found_results.h"
+#include "build/previous_output.h"
+#include "build/stored_results.h"
 
 #include <pthread.h>
 
@@ -21,7 +21,7 @@ typedef struct run {
     pthread_cond_t advanced;
     pthread_mutex_t former_mutex; ///< a store is asked by one thread at a time
     bool* done;                   ///< by step
-    stp_build_origin* origins;    ///< by step
+    stp_build_result* origins;    ///< by step
     uint32_t done_count;          ///< so many steps, the first ones, are done
     uint32_t first;               ///< step of the loop's first element
     stp_result result;            ///< the first failure
@@ -59,7 +59,7 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     nodes->capture_ms += report->capture_ms;
     nodes->order_ms += report->order_ms;
     nodes->finish_ms += report->finish_ms;
-    r->origins[index] = (stp_build_origin){key_of(r, step), !found};
+    r->origins[index] = (stp_build_result){key_of(r, step), !found};
     r->done[index] = true;
     while (r->done_count < plan->step_count && r->done[r->done_count]) {
         r->done_count += 1;
@@ -75,14 +75,14 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
 static bool find_step(run* r, const stp_build_step* step, stp_splats* set, stp_blue_report* report)
 {
     const stp_build_nodes_desc* desc = r->desc;
-    if (stp_piece_find_surfels(desc->work, key_of(r, step), desc->shading_count, set,
-                               &report->candidate_count)) {
+    if (stp_work_find_surfels(desc->work, key_of(r, step), desc->shading_count, set,
+                              &report->candidate_count)) {
         return true;
     }
     pthread_mutex_lock(&r->former_mutex);
-    bool found =
-        desc->former != NULL && stp_former_take_surfels(desc->former, key_of(r, step),
-                                                        desc->shading_count, desc->work, set);
+    bool found = desc->former != NULL &&
+                 stp_previous_output_take_surfels(desc->former, key_of(r, step),
+                                                  desc->shading_count, desc->work, set);
     pthread_mutex_unlock(&r->former_mutex);
     return found;
 }
@@ -102,8 +102,8 @@ static stp_result make_step(run* r, const stp_build_step* step, stp_splats* set,
                                        desc->options, &made, report)
             : stp_blue_make(r->scene, step->node, desc->shading_of_material, &blue, &made, report);
     if (result == STP_OK) {
-        result = stp_piece_store_surfels(desc->work, key_of(r, step), &made,
-                                         report->candidate_count, set);
+        result = stp_work_store_surfels(desc->work, key_of(r, step), &made, report->candidate_count,
+                                        set);
         stp_splats_destroy(r->scene->context, &made);
     }
     return result;
@@ -149,7 +149,7 @@ static stp_result open_run(run* r)
     r->nodes->sets = STP_NEW_ZEROED(context, stp_splats, plan->step_count);
     r->sets = STP_NEW_ZEROED(context, const stp_splats*, scene->node_count);
     r->done = STP_NEW_ZEROED(context, bool, plan->step_count);
-    r->origins = STP_NEW_ZEROED(context, stp_build_origin, plan->step_count);
+    r->origins = STP_NEW_ZEROED(context, stp_build_result, plan->step_count);
     if (r->nodes->sets == NULL || r->sets == NULL || r->done == NULL || r->origins == NULL) {
         return stp_fail_memory(context);
     }

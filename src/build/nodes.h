@@ -5,8 +5,8 @@
 #pragma once
 
 #include "build/draft.h"
-#include "build/former.h"
 #include "build/plan.h"
+#include "build/previous_output.h"
 #include "lod/method.h"
 
 typedef struct stp_build_nodes_desc {
@@ -19,8 +19,8 @@ typedef struct stp_build_nodes_desc {
     bool from_triangles;   ///< top-down: children's results are not used (Brandt 3.4)
     uint64_t memory_bytes; ///< for what is in the making; 0: no limit
     stp_work* work;
-    stp_former* former;     ///< NULL: none
-    stp_build_draft* draft; ///< NULL: none
+    stp_previous_output* former; ///< NULL: none
+    stp_build_draft* draft;      ///< NULL: none
 } stp_build_nodes_desc;
 
 /// Results, one a step of the plan. Their arrays lie in the work directory or the former output.

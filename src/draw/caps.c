@@ -8,7 +8,7 @@
 #include "draw/lighting.h"
 #include "draw/shaders/light_constants.h"
 #include "select/sections.h"
-#include "store/spots.h"
+#include "store/instances.h"
 
 #include <string.h>
 
@@ -207,7 +207,7 @@ static void walk_below(cap_walk* w, const stp_store_node* n, const stp_affine* t
             state_below(w, state, n->edge_count + i) != STP_SHOW) {
             continue;
         }
-        stp_spot spot = stp_spot_of_part(w->caps->store, part, transform);
+        stp_instance spot = stp_instance_of_part(w->caps->store, part, transform);
         stp_boxd box = stp_affine_box(transform, spot.bounds);
         uint32_t planes = stp_sections_all(&w->caps->sections);
         if (stp_sections_test(&w->caps->sections, &box, 0.0, &planes) && planes != 0) {
@@ -228,7 +228,7 @@ static void walk_node(cap_walk* w, uint32_t node, const stp_affine* transform, u
     stp_boxd box = stp_affine_box(transform, n->bounds);
     uint32_t planes = stp_sections_all(&w->caps->sections);
     bool hidden = stp_show_of(state) == STP_SHOW_NOT || stp_show_of(state) == STP_SHOW_GHOST;
-    if (hidden || w->visits == 0 || depth >= STP_SPOT_DEPTH || stp_boxd_is_empty(box) ||
+    if (hidden || w->visits == 0 || depth >= STP_INSTANCE_DEPTH || stp_boxd_is_empty(box) ||
         !stp_sections_test(&w->caps->sections, &box, 0.0, &planes) || planes == 0) {
         return;
     }

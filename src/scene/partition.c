@@ -5,10 +5,10 @@
 #include "scene/partition.h"
 
 #include "scene/cut.h"
+#include "scene/dissolve.h"
 #include "scene/graph.h"
 #include "scene/groups.h"
 #include "scene/unused.h"
-#include "scene/wide.h"
 
 #include <assert.h>
 
@@ -380,7 +380,7 @@ stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc)
     p.desc.child_count = p.desc.child_count < 2                 ? 2
                          : p.desc.child_count > STP_GROUP_LIMIT ? STP_GROUP_LIMIT
                                                                 : p.desc.child_count;
-    stp_result result = stp_find_wide(scene, &p.dissolved);
+    stp_result result = stp_find_dissolved(scene, &p.dissolved);
     scene->nodes = NULL;
     scene->edges = NULL;
     scene->node_parts = NULL;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/printable.h"
 #include "scene/bulk.h"
-#include "scene/reach.h"
+#include "scene/distance_limit.h"
 
 #include <assert.h>
 #include <string.h>
@@ -132,7 +132,7 @@ stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* 
     stp_mesh* kept = &meshes[scene->mesh_count++];
     *kept = added;
     note_damage(scene, (stp_part){STP_PART_MESH, (uint32_t)(scene->mesh_count - 1)},
-                stp_mesh_drop_unreachable(kept));
+                stp_mesh_drop_distant(kept));
     kept->bounds = stp_box_empty();
     for (uint32_t i = 0; i < kept->vertex_count; ++i) {
         const float* p = kept->positions + 3 * (size_t)i;
@@ -159,7 +159,7 @@ static stp_result add_points(stp_scene* scene, const stp_point_set* points, bool
     stp_point_set* kept = &sets[scene->point_set_count++];
     *kept = added;
     note_damage(scene, (stp_part){STP_PART_POINTS, (uint32_t)(scene->point_set_count - 1)},
-                stp_points_drop_unreachable(kept));
+                stp_points_drop_distant(kept));
     kept->bounds = stp_box_empty();
     for (uint32_t i = 0; i < kept->point_count; ++i) {
         const float* p = kept->positions + 3 * (size_t)i;

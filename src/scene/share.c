@@ -5,10 +5,10 @@
 // input wrote a thing.
 #include "base/position_grid.h"
 #include "scene/bounds.h"
+#include "scene/distance_limit.h"
 #include "scene/graph.h"
 #include "scene/measure.h"
 #include "scene/merge.h"
-#include "scene/reach.h"
 #include "scene/scene.h"
 #include "scene/view_names.h"
 
@@ -55,7 +55,7 @@ typedef enum visit_state { NOT_VISITED, WAITING, DONE } visit_state;
 // Puts a node below the one in the making, unless it would be out of reach there.
 static stp_result place_node(share* s, uint32_t object, uint32_t node, const stp_affine* transform)
 {
-    if (stp_is_within_reach(stp_affine_box(transform, s->scene->nodes[node].bounds))) {
+    if (stp_is_within_distance_limit(stp_affine_box(transform, s->scene->nodes[node].bounds))) {
         return stp_graph_add_edge(&s->graph, node, transform);
     }
     s->first_left_out = s->left_out == 0 ? object : s->first_left_out;
@@ -74,7 +74,8 @@ static void tell_left_out(const share* s)
         stp_warn(s->scene->context,
                  "object %u (%s) reaches farther than %g from the origin of its parent: it is left "
                  "out%s",
-                 s->first_left_out, name != NULL ? name : "no name", STP_SCENE_REACH, others);
+                 s->first_left_out, name != NULL ? name : "no name", STP_SCENE_DISTANCE_LIMIT,
+                 others);
     }
 }
 

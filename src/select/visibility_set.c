@@ -3,7 +3,7 @@
 // met belongs to it wholly.
 #include "base/context.h"
 #include "select/visibility_internal.h"
-#include "store/spots.h"
+#include "store/instances.h"
 
 #include <string.h>
 
@@ -74,10 +74,10 @@ static stp_result mark_nodes(setting* s)
 }
 
 /// Whether the thing has it.
-static bool is_of_thing(setting* s, const stp_spot* what)
+static bool is_of_thing(setting* s, const stp_instance* what)
 {
-    stp_spot_search search = {.directory = s->v->directory, .visits_left = s->visits};
-    bool found = stp_spot_holds(&search, s->thing->node, &s->thing->transform, what);
+    stp_instance_search search = {.directory = s->v->directory, .visits_left = s->visits};
+    bool found = stp_instance_holds(&search, s->thing->node, &s->thing->transform, what);
     s->visits = search.visits_left;
     if (search.gave_up && s->result == STP_OK) {
         s->result = stp_fail(s->v->context, STP_ERROR_LIMIT,
@@ -142,14 +142,14 @@ static uint32_t set_below(setting* s, uint32_t node, const stp_affine* transform
         !overlap(&box, &s->bounds)) {
         return state;
     }
-    if (depth >= STP_SPOT_DEPTH || s->visits == 0) {
+    if (depth >= STP_INSTANCE_DEPTH || s->visits == 0) {
         s->result = stp_fail(v->context, STP_ERROR_LIMIT,
                              "visibility: the graph has too many nodes where the thing stands");
         return state;
     }
     s->visits -= 1;
     if ((v->marks[node] & OF_THING) != 0) {
-        stp_spot what = stp_spot_of_node(v->store, node, transform);
+        stp_instance what = stp_instance_of_node(v->store, node, transform);
         if (is_of_thing(s, &what)) {
             stp_visibility_merge(v, state);
             return s->show;
@@ -167,7 +167,7 @@ static uint32_t set_below(setting* s, uint32_t node, const stp_affine* transform
     for (uint32_t i = 0; i < n->part_count && s->result == STP_OK; ++i) {
         stp_store_part part = d->parts[n->first_part + i];
         uint32_t slot = n->edge_count + i;
-        stp_spot what = stp_spot_of_part(v->store, part, transform);
+        stp_instance what = stp_instance_of_part(v->store, part, transform);
         if (v->has_parts[part_number(s, part)] != 0 && state_below(s, state, slot) != s->show &&
             is_of_thing(s, &what)) {
             set_slot(s, node, slot, s->show, &state);

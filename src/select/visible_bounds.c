@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "select/visibility.h"
-#include "store/spots.h"
+#include "store/instances.h"
 
 static void add_box(stp_boxd* to, const stp_boxd* box)
 {
@@ -11,7 +11,7 @@ static void add_box(stp_boxd* to, const stp_boxd* box)
 }
 
 /// Adds what is drawn of a node at a place. Only mixed nodes are opened, and these form a tree no deeper than
-/// STP_SPOT_DEPTH.
+/// STP_INSTANCE_DEPTH.
 static void add_node(const stp_store* store, const stp_visibility* v, uint32_t node,
                      const stp_affine* transform, uint32_t state, stp_boxd* bounds)
 {
@@ -31,7 +31,7 @@ static void add_node(const stp_store* store, const stp_visibility* v, uint32_t n
     }
     for (uint32_t i = 0; i < n->part_count; ++i) {
         if (stp_visibility_below(v, state, n->edge_count + i) != STP_SHOW_NOT) {
-            stp_spot spot = stp_spot_of_part(store, d->parts[n->first_part + i], transform);
+            stp_instance spot = stp_instance_of_part(store, d->parts[n->first_part + i], transform);
             stp_boxd box = stp_affine_box(transform, spot.bounds);
             add_box(bounds, &box);
         }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Items: what is below them, where they stand, and which of them a part belongs to.
+#include "store/instances.h"
 #include "store/outline_internal.h"
-#include "store/spots.h"
 
 #include <string.h>
 
@@ -64,7 +64,7 @@ static void walk_places(place_walk* w, uint32_t node, const stp_affine* transfor
 {
     const stp_store_directory* d = w->outline->directory;
     const stp_store_node* n = &d->nodes[node];
-    if (w->visits == 0 || depth >= STP_SPOT_DEPTH || w->seen >= PLACES_MOST) {
+    if (w->visits == 0 || depth >= STP_INSTANCE_DEPTH || w->seen >= PLACES_MOST) {
         return;
     }
     w->visits -= 1;
@@ -235,7 +235,7 @@ static uint8_t* mark_part(const stp_outline* outline, stp_store_part part)
 
 /// The first of an item's children that has the thing; `found` false: none has.
 static stp_result find_holder(stp_outline* outline, const stp_outline_item* item,
-                              const stp_spot* thing, stp_spot_search* search,
+                              const stp_instance* thing, stp_instance_search* search,
                               stp_outline_item* holder, bool* found)
 {
     enum { ROOM = 32 };
@@ -248,9 +248,9 @@ static stp_result find_holder(stp_outline* outline, const stp_outline_item* item
         for (uint32_t i = 0; result == STP_OK && i < count && !*found; ++i) {
             uint32_t node = items[i].node;
             if (node != STP_STORE_NONE && search->reaches[node] != 0 &&
-                stp_spot_may_hold(&outline->directory->nodes[node].bounds, &items[i].transform,
-                                  thing->center) &&
-                stp_spot_holds(search, node, &items[i].transform, thing)) {
+                stp_instance_may_hold(&outline->directory->nodes[node].bounds, &items[i].transform,
+                                      thing->center) &&
+                stp_instance_holds(search, node, &items[i].transform, thing)) {
                 *holder = items[i];
                 *found = true;
             }
@@ -267,8 +267,8 @@ stp_result stp_outline_find(stp_outline* outline, stp_store_part part, const stp
     if (marks == NULL) {
         return stp_fail_memory(outline->context);
     }
-    stp_spot thing = stp_spot_of_part(outline->store, part, transform);
-    stp_spot_search search = {
+    stp_instance thing = stp_instance_of_part(outline->store, part, transform);
+    stp_instance_search search = {
         .directory = outline->directory, .reaches = marks, .visits_left = visit_limit};
     stp_result result = STP_OK;
     bool found = true;

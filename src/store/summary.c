@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
-#include "store/matter.h"
+#include "store/content_sizes.h"
 
 #include <string.h>
 
 // Tallies with the census there is, or a guessed one.
-static stp_result tally(stp_context* context, const stp_store_matter* matter,
-                        const stp_store_census* census, stp_store_summary* summary)
+static stp_result count_figures(stp_context* context, const stp_store_sizes* sizes,
+                                const stp_store_census* census, stp_store_summary* summary)
 {
     stp_store_census guessed = {0};
     stp_result result = STP_OK;
     if (census == NULL) {
-        result = stp_store_guess_census(context, matter->directory, &guessed);
+        result = stp_store_guess_census(context, sizes->directory, &guessed);
     }
     if (result == STP_OK) {
         const stp_store_census* used = census != NULL ? census : &guessed;
-        result = stp_store_tally(context, matter, used, census != NULL, summary);
+        result = stp_store_count_figures(context, sizes, used, census != NULL, summary);
     }
     // the names of its parts are the objects', but for "others", which is static
     stp_store_census_destroy(context, &guessed);
@@ -24,12 +24,12 @@ static stp_result tally(stp_context* context, const stp_store_matter* matter,
 stp_result stp_store_summarise_planned(stp_context* context, const stp_store_content* content,
                                        const stp_store_plan* plan, stp_store_summary* summary)
 {
-    stp_store_matter matter;
+    stp_store_sizes sizes;
     *summary = (stp_store_summary){0};
-    stp_result result = stp_store_matter_of_plan(context, content, plan, &matter);
+    stp_result result = stp_store_sizes_of_plan(context, content, plan, &sizes);
     if (result == STP_OK) {
-        result = tally(context, &matter, content->census, summary);
-        stp_store_matter_destroy(context, &matter);
+        result = count_figures(context, &sizes, content->census, summary);
+        stp_store_sizes_destroy(context, &sizes);
     }
     return result;
 }
@@ -49,15 +49,15 @@ stp_result stp_store_summarise_content(stp_context* context, const stp_store_con
 
 stp_result stp_store_summarise(stp_store* store, stp_store_summary* summary)
 {
-    stp_store_matter matter;
+    stp_store_sizes sizes;
     *summary = (stp_store_summary){0};
     stp_result result = stp_store_load_objects(store);
     if (result == STP_OK) {
-        result = stp_store_matter_of_file(store, &matter);
+        result = stp_store_sizes_of_file(store, &sizes);
     }
     if (result == STP_OK) {
-        result = tally(store->context, &matter, NULL, summary);
-        stp_store_matter_destroy(store->context, &matter);
+        result = count_figures(store->context, &sizes, NULL, summary);
+        stp_store_sizes_destroy(store->context, &sizes);
     }
     return result;
 }
@@ -110,7 +110,7 @@ stp_result stp_store_check_summary(stp_store* store)
     }
     stp_context* context = store->context;
     stp_store_summary found = {0};
-    stp_store_matter matter = {0};
+    stp_store_sizes sizes = {0};
     stp_store_census census = {.part_count = stored->part_count};
     census.parts = STP_NEW_ZEROED(context, stp_store_census_part, (size_t)stored->part_count + 1);
     stp_result result =
@@ -120,11 +120,11 @@ stp_result stp_store_check_summary(stp_store* store)
         census.parts[i].member_count = stored->parts[i].object != STP_STORE_NONE;
     }
     if (result == STP_OK) {
-        result = stp_store_matter_of_file(store, &matter);
+        result = stp_store_sizes_of_file(store, &sizes);
     }
     if (result == STP_OK) {
-        result = stp_store_tally(context, &matter, &census, true, &found);
-        stp_store_matter_destroy(context, &matter);
+        result = stp_store_count_figures(context, &sizes, &census, true, &found);
+        stp_store_sizes_destroy(context, &sizes);
     }
     stp_free(context, census.parts);
     if (result != STP_OK) {

@@ -6,8 +6,8 @@
 
 #include "base/bytes.h"
 #include "store/clusters_layout.h"
+#include "store/content_sizes.h"
 #include "store/internal.h"
-#include "store/matter.h"
 #include "store/pictures.h"
 #include "store/writing.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The blocks: columns of meshes and point sets, clusters, texels; octaves are for writer_chunks.c. And what is known of
 // the directory only when they are written.
+#include "store/content_sizes.h"
 #include "store/internal.h"
-#include "store/matter.h"
 #include "store/writing.h"
 
 #include <assert.h>

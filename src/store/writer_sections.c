@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The sections of the directory, in the order of the file.
 #include "store/clusters_layout.h"
+#include "store/content_sizes.h"
 #include "store/internal.h"
-#include "store/matter.h"
 #include "store/writing.h"
 
 #include <assert.h>

@@ -128,7 +128,8 @@ bool built_unfold(const stp_store* store, uint32_t node, const stp_affine* trans
         if (out->count == BUILT_PLACES) {
             return false;
         }
-        out->places[out->count++] = stp_spot_of_part(store, d->parts[n->first_part + i], transform);
+        out->places[out->count++] =
+            stp_instance_of_part(store, d->parts[n->first_part + i], transform);
     }
     for (uint32_t i = 0; i < n->edge_count; ++i) {
         const stp_store_edge* edge = &d->edges[n->first_edge + i];
@@ -140,12 +141,12 @@ bool built_unfold(const stp_store* store, uint32_t node, const stp_affine* trans
     return true;
 }
 
-bool built_has(const built_places* places, const stp_spot* place)
+bool built_has(const built_places* places, const stp_instance* place)
 {
     for (uint32_t i = 0; i < places->count; ++i) {
-        const stp_spot* p = &places->places[i];
+        const stp_instance* p = &places->places[i];
         if (p->part.kind == place->part.kind && p->part.index == place->part.index &&
-            stp_spot_is_same(&p->bounds, &p->transform, &place->transform)) {
+            stp_instance_is_same(&p->bounds, &p->transform, &place->transform)) {
             return true;
         }
     }

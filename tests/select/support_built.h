@@ -5,8 +5,8 @@
 
 #include "tests.h"
 
+#include "store/instances.h"
 #include "store/outline.h"
-#include "store/spots.h"
 
 /// Builds the scene of a seed into a temporary file and opens it; NULL on failure. With surfels, each node has some.
 stp_store* built_open(stp_context* context, uint64_t seed, bool surfels);
@@ -16,11 +16,11 @@ enum { BUILT_PLACES = 4096 };
 /// All uses of all parts.
 typedef struct built_places {
     uint32_t count;
-    stp_spot places[BUILT_PLACES];
+    stp_instance places[BUILT_PLACES];
 } built_places;
 
 /// Adds what is below a node at a place. @return false where there is no room
 bool built_unfold(const stp_store* store, uint32_t node, const stp_affine* transform,
                   built_places* out);
 /// Whether one of them is the same part at the same place.
-bool built_has(const built_places* places, const stp_spot* place);
+bool built_has(const built_places* places, const stp_instance* place);

@@ -32,7 +32,7 @@ static double meet_all(stp_context* context, stp_store* store, const built_place
 {
     double nearest = HUGE_VAL;
     for (uint32_t i = 0; i < places->count; ++i) {
-        const stp_spot* place = &places->places[i];
+        const stp_instance* place = &places->places[i];
         stp_clusters clusters;
         stp_decoded_mesh mesh;
         if (built_has(hidden, place) ||
@@ -122,7 +122,7 @@ void test_picks_are_the_nearest_of_all_triangles(test_state* test)
             CHECK(fabs(meet(&desc.ray, pick.corners) - nearest) < 1e-7);
             CHECK(stp_dotd(pick.normal, desc.ray.direction) <= 0.0);
             // whose it is: the object found has the part there, and so has the node at the end of the path
-            stp_spot place = stp_spot_of_part(store, pick.part, &pick.thing.transform);
+            stp_instance place = stp_instance_of_part(store, pick.part, &pick.thing.transform);
             static built_places own;
             own.count = 0;
             CHECK_EQUAL(STP_OK, stp_outline_find(outline, pick.part, &pick.thing.transform, &item));

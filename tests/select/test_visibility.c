@@ -180,7 +180,7 @@ static bool item_is_right(const shown* s, const stp_draw_item* item)
         }
     } else {
         stp_store_part part = {STP_STORE_PART_MESH, item->index};
-        below->places[below->count++] = stp_spot_of_part(s->store, part, &item->transform);
+        below->places[below->count++] = stp_instance_of_part(s->store, part, &item->transform);
     }
     for (uint32_t i = 0; i < s->all->count; ++i) {
         bool shown_so = s->expected[i] == (item->ghost ? STP_SHOW_GHOST : STP_SHOW);
@@ -194,9 +194,9 @@ static bool item_is_right(const shown* s, const stp_draw_item* item)
 /// Whether a place may be a part that its node lists twice, which is drawn once.
 static bool is_repeated(const built_places* all, uint32_t i)
 {
-    const stp_spot* b = &all->places[i];
+    const stp_instance* b = &all->places[i];
     for (uint32_t k = 0; k < i; ++k) {
-        const stp_spot* a = &all->places[k];
+        const stp_instance* a = &all->places[k];
         if (a->part.kind == b->part.kind && a->part.index == b->part.index &&
             memcmp(&a->transform, &b->transform, sizeof(a->transform)) == 0) {
             return true;

@@ -99,7 +99,8 @@ typedef struct stp_psp_splats {
 uint64_t stp_psp_decimate_bytes(uint32_t count, const stp_psp_desc* desc);
 
 /// Merges as stp_psp_forest_make does, and keeps only what is left: the same splats as those of stp_psp_forest_cut at the
-/// target, in order of the least index of the points they stand for. Takes far less memory (docs/algorithms.md).
+/// target, in order of the least index of the points they stand for. Takes far less memory
+/// (docs/algorithms/progressive-splatting.md).
 /// @return as stp_psp_forest_make; with `spill` also STP_ERROR_IO (logged). Freed by stp_psp_splats_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_decimate(stp_context* context, const stp_psp_points* points,
                                          const stp_psp_desc* desc, uint32_t target,

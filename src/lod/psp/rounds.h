@@ -5,7 +5,7 @@
 #pragma once
 
 #include "lod/psp/kd_tree.h"
-#include "lod/psp/piece.h"
+#include "lod/psp/merge_piece.h"
 
 /// What a piece leaves behind: the splats that live, and their links.
 typedef struct stp_psp_block {

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "scene/dissolve.h"
+
+#include <string.h>
+
+#define WIDTH 0.75 // of the parent's extent along each axis that counts
+#define THIN                                                                                       \
+    (1.0 / 16.)       // an axis counts where the parent's extent is more than this of its largest
+#define MOST_NESTED 8 // dissolved below dissolved: what is below is looked at once for each
+#define MOST_ALONE                                                                                 \
+    4 // so many times as many things as beside it: a child is most of its parent, and left whole
+
+typedef struct search {
+    const stp_scene* scene;
+    uint8_t* found;      ///< by edge
+    uint8_t* uses;       ///< by node: edges to it; 2: more than one
+    uint8_t* nested;     ///< by node: dissolved levels below
+    uint64_t* sizes;     ///< by node: things in it, with those of what was dissolved
+    uint64_t repeatable; ///< things that may still be repeated by dissolving what is shared
+} search;
+
+static uint32_t count_items(const stp_node* node)
+{
+    return node->edge_count + node->part_count;
+}
+
+static bool is_as_wide(stp_boxd child, stp_boxd parent)
+{
+    stp_vec3d c = stp_subd(child.max, child.min), p = stp_subd(parent.max, parent.min);
+    double child_sizes[3] = {c.x, c.y, c.z}, parent_sizes[3] = {p.x, p.y, p.z};
+    double largest = p.x > p.y ? p.x : p.y;
+    largest = p.z > largest ? p.z : largest;
+    if (!(largest > 0.0)) {
+        return false;
+    }
+    for (int k = 0; k < 3; ++k) {
+        bool counts = parent_sizes[k] > THIN * largest;
+        if (counts && !(child_sizes[k] >= WIDTH * parent_sizes[k])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Whether a child may be dissolved into a node, as far as the two alone tell.
+static bool is_layer(const search* s, const stp_node* node, const stp_edge* edge)
+{
+    const stp_node* child = &s->scene->nodes[edge->node];
+    return child->flags == 0 && count_items(child) > 1 && s->nested[edge->node] < MOST_NESTED &&
+           is_as_wide(stp_affine_box(&edge->transform, child->bounds), node->bounds);
+}
+
+// Things are repeated where what is shared is dissolved. @return false where there have been too many
+static bool may_repeat(search* s, uint32_t child)
+{
+    uint64_t repeated = s->uses[child] > 1 ? s->sizes[child] : 0;
+    bool may = repeated <= s->repeatable;
+    s->repeatable -= may ? repeated : 0;
+    return may;
+}
+
+// Marks the layers of a node; those of its children are known.
+static void judge_node(search* s, uint32_t index)
+{
+    const stp_node* node = &s->scene->nodes[index];
+    const stp_edge* edges = &s->scene->edges[node->first_edge];
+    uint8_t* found = &s->found[node->first_edge];
+    uint64_t all = count_items(node); // were every layer dissolved
+    bool opens = all > 1 && node->flags == 0;
+    for (uint32_t k = 0; opens && k < node->edge_count; ++k) {
+        if (is_layer(s, node, &edges[k])) {
+            found[k] = STP_DISSOLVED;
+            all += s->sizes[edges[k].node] - 1;
+        }
+    }
+    s->sizes[index] = count_items(node);
+    for (uint32_t k = 0; k < node->edge_count; ++k) {
+        uint32_t child = edges[k].node;
+        uint64_t size = s->sizes[child];
+        if (found[k] == STP_DISSOLVED &&
+            (size > MOST_ALONE * (all - size) || !may_repeat(s, child))) {
+            found[k] = 0;
+        }
+        if (found[k] == STP_DISSOLVED) {
+            uint8_t depth = (uint8_t)(s->nested[child] + 1);
+            s->nested[index] = depth > s->nested[index] ? depth : s->nested[index];
+            s->sizes[index] += size - 1;
+        }
+    }
+}
+
+// Marks the chain of single nodes below the root, down to the node of several things at its end. Where the chain moves
+// nothing, that node simply becomes the root.
+static void mark_root_chain(search* s)
+{
+    const stp_scene* scene = s->scene;
+    stp_affine transform = stp_affine_identity();
+    uint32_t end = scene->root;
+    while (count_items(&scene->nodes[end]) == 1) {
+        const stp_node* node = &scene->nodes[end];
+        if (node->edge_count == 0 || node->flags != 0) {
+            return;
+        }
+        const stp_edge* edge = &scene->edges[node->first_edge];
+        transform = stp_affine_multiply(transform, edge->transform);
+        end = edge->node;
+    }
+    if (stp_affine_is_identity(&transform) || scene->nodes[end].flags != 0) {
+        return;
+    }
+    for (uint32_t at = scene->root; at != end;) {
+        uint32_t edge = scene->nodes[at].first_edge;
+        s->found[edge] = STP_DISSOLVED_IN_ROOT;
+        at = scene->edges[edge].node;
+    }
+}
+
+stp_result stp_find_dissolved(const stp_scene* scene, uint8_t** wide)
+{
+    stp_context* context = scene->context;
+    search s = {.scene = scene,
+                .found = STP_NEW_ZEROED(context, uint8_t, scene->edge_count),
+                .uses = STP_NEW_ZEROED(context, uint8_t, scene->node_count),
+                .nested = STP_NEW_ZEROED(context, uint8_t, scene->node_count),
+                .sizes = STP_NEW_ARRAY(context, uint64_t, scene->node_count),
+                .repeatable = (uint64_t)scene->edge_count + scene->node_part_count};
+    bool made = s.found != NULL && s.uses != NULL && s.nested != NULL && s.sizes != NULL;
+    for (size_t i = 0; made && i < scene->edge_count; ++i) {
+        uint8_t* count = &s.uses[scene->edges[i].node];
+        *count = *count < 2 ? (uint8_t)(*count + 1) : 2;
+    }
+    for (size_t i = 0; made && i < scene->node_count; ++i) { // children before their parents
+        judge_node(&s, (uint32_t)i);
+    }
+    if (made) {
+        mark_root_chain(&s);
+    } else {
+        stp_free(context, s.found);
+    }
+    stp_free(context, s.sizes);
+    stp_free(context, s.nested);
+    stp_free(context, s.uses);
+    *wide = made ? s.found : NULL;
+    return made ? STP_OK : stp_fail_memory(context);
+}
