@@ -19,6 +19,14 @@ typedef struct stp_reported_loop {
     atomic_bool stopped;
 } stp_reported_loop;
 
+enum {
+    STP_MESSAGE_SIZE = 1024,
+    // errors are logged; the next is kept; one was
+    STP_HELD_NOT = 0,
+    STP_HELD_NEXT = 1,
+    STP_HELD_ONE = 2,
+};
+
 struct stp_context {
     stp_allocator allocator;
     stp_large_blocks large_blocks; ///< of the allocator that is used where the caller has none
@@ -28,6 +36,8 @@ struct stp_context {
     atomic_uint_fast64_t peak_bytes;
     atomic_uint_fast64_t refused_bytes; ///< the most that was asked for beyond the limit
     atomic_uint_fast64_t needed_bytes;  ///< what the caller's work is thought to take; 0: not known
+    atomic_int held;                    ///< STP_HELD_*
+    char held_error[STP_MESSAGE_SIZE];
     // of the thread that calls; workers read `loop` while it is on
     stp_reported_loop* loop;
     const stp_stage* stages;
