@@ -3,6 +3,7 @@
 #include "base/context.h"
 
 #include "base/context_internal.h"
+#include "base/desc.h"
 #include "base/printable.h"
 #include "base/processor.h"
 
@@ -17,7 +18,6 @@
 #endif
 
 #define ALIGNMENT ((size_t)64)
-#define MESSAGE_SIZE 1024
 // Blocks of at least this size bypass malloc. Sanitizers track malloc, so they find more errors
 // without this.
 #if defined(STP_SANITIZED)
@@ -25,7 +25,7 @@
 #else
 #define LARGE_SIZE ((size_t)256 << 10)
 #endif
-#define MOST_KEPT (UINT64_C(256) << 20)
+#define MOST_KEPT (UINT64_C(160) << 20)
 
 const char* stp_result_string(stp_result result)
 {
@@ -67,10 +67,17 @@ static void default_free(void* memory, size_t size, void* user)
     }
 }
 
-stp_result stp_context_create(stp_context** context, const stp_context_desc* desc)
+stp_result stp_context_create(stp_context** context, const stp_context_desc* given)
 {
-    stp_allocator allocator = desc->allocator;
-    assert((allocator.alloc == NULL) == (allocator.free == NULL) && "set both hooks or neither");
+    stp_context_desc desc;
+    *context = NULL;
+    if (!stp_desc_read(&desc, sizeof(desc), sizeof(desc), given)) {
+        return STP_ERROR_UNSUPPORTED;
+    }
+    stp_allocator allocator = desc.allocator;
+    if ((allocator.alloc == NULL) != (allocator.free == NULL)) {
+        return STP_ERROR_ARGUMENT;
+    }
     bool is_default = allocator.alloc == NULL;
     if (is_default) {
         allocator = (stp_allocator){.alloc = default_alloc, .free = default_free};
@@ -79,14 +86,15 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* des
     if (made == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    *made = (stp_context){.allocator = allocator, .desc = *desc, .overall = -1.0};
+    *made = (stp_context){.allocator = allocator, .desc = desc, .overall = -1.0};
     made->allocator.user = is_default ? made : allocator.user;
     stp_large_blocks_open(&made->large_blocks);
     atomic_init(&made->live_bytes, 0);
     atomic_init(&made->peak_bytes, 0);
     atomic_init(&made->needed_bytes, 0);
     atomic_init(&made->refused_bytes, 0);
-    uint32_t threads = desc->thread_count != 0 ? desc->thread_count : stp_processor_count();
+    atomic_init(&made->held, STP_HELD_NOT);
+    uint32_t threads = desc.thread_count != 0 ? desc.thread_count : stp_processor_count();
     stp_result result = stp_jobs_create(&made->jobs, made, threads);
     if (result != STP_OK) {
         stp_large_blocks_close(&made->large_blocks);
@@ -244,11 +252,32 @@ static void log_message(stp_context* context, stp_log_level level, const char* f
 
 static void log_message(stp_context* context, stp_log_level level, const char* format, va_list list)
 {
-    if (context->desc.log != NULL) {
-        char message[MESSAGE_SIZE], shown[MESSAGE_SIZE];
-        vsnprintf(message, sizeof(message), format, list);
-        stp_make_printable(message, shown, sizeof(shown)); // messages contain names from files
-        context->desc.log(level, shown, context->desc.log_user);
+    if (context->desc.log == NULL) {
+        return;
+    }
+    char message[STP_MESSAGE_SIZE], shown[STP_MESSAGE_SIZE];
+    vsnprintf(message, sizeof(message), format, list);
+    stp_make_printable(message, shown, sizeof(shown)); // messages contain names from files
+    if (level == STP_LOG_ERROR && atomic_load(&context->held) != STP_HELD_NOT) {
+        int next = STP_HELD_NEXT;
+        if (atomic_compare_exchange_strong(&context->held, &next, STP_HELD_ONE)) {
+            memcpy(context->held_error, shown, sizeof(shown));
+        }
+        return;
+    }
+    context->desc.log(level, shown, context->desc.log_user);
+}
+
+void stp_hold_errors(stp_context* context)
+{
+    atomic_store(&context->held, STP_HELD_NEXT);
+}
+
+void stp_release_errors(stp_context* context, bool log)
+{
+    int held = atomic_exchange(&context->held, STP_HELD_NOT);
+    if (log && held == STP_HELD_ONE && context->desc.log != NULL) {
+        context->desc.log(STP_LOG_ERROR, context->held_error, context->desc.log_user);
     }
 }
 

@@ -19,6 +19,14 @@ typedef struct stp_reported_loop {
     atomic_bool stopped;
 } stp_reported_loop;
 
+enum {
+    STP_MESSAGE_SIZE = 1024,
+    // errors are logged; the next is kept; one was
+    STP_HELD_NOT = 0,
+    STP_HELD_NEXT = 1,
+    STP_HELD_ONE = 2,
+};
+
 struct stp_context {
     stp_allocator allocator;
     stp_large_blocks large_blocks; ///< of the default allocator
@@ -28,6 +36,8 @@ struct stp_context {
     atomic_uint_fast64_t peak_bytes;
     atomic_uint_fast64_t refused_bytes; ///< largest request refused by the limit
     atomic_uint_fast64_t needed_bytes;  ///< estimated need of the caller's work; 0: unknown
+    atomic_int held;                    ///< STP_HELD_*
+    char held_error[STP_MESSAGE_SIZE];
     // owned by the calling thread; workers read `loop` while it runs
     stp_reported_loop* loop;
     const stp_stage* stages;

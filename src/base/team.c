@@ -10,6 +10,11 @@ stp_team stp_team_create(stp_context* context, uint32_t wanted)
     return (stp_team){.context = context, .threads = wanted == 0 || wanted > all ? all : wanted};
 }
 
+stp_team stp_team_create_now(stp_context* context, uint32_t wanted)
+{
+    return stp_team_create(context, stp_jobs_running(context->jobs) ? 1 : wanted);
+}
+
 stp_team stp_team_create_useful(stp_context* context)
 {
     uint32_t processors = stp_processor_count();

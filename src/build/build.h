@@ -37,6 +37,8 @@ typedef struct stp_build_desc {
     /// What is made so far is written there as a scene of its own now and then, to be looked at while the build goes on
     /// (build/draft.h). A draft is replaced by renaming; the last one is the caller's to remove. NULL: none.
     const char* draft;
+    uint32_t
+        draft_sample; ///< points of a scan that are in its first draft, before it is read; default 1,000,000
     bool draft_always; ///< after each mesh and each set, however short the build: for tests
     void (*drafted)(void* user); ///< after each, on any thread of the build; may be NULL
     void* drafted_user;

@@ -27,7 +27,7 @@
 #define MOST_CANDIDATES 1750000.0
 
 // Part of every key: to be raised when the same node and options give other surfels.
-static const char* const result_version = "stipple-surfels-11";
+static const char* const result_version = "stipple-surfels-12";
 
 // The nearest set above a node, over all ways to it, as seen in the node's own space.
 typedef struct above {

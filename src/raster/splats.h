@@ -24,6 +24,7 @@ typedef struct stp_raster_splats {
     stp_vec3 origin;           ///< position = origin + step * value, in object space
     float step;
     float radius; ///< of all disks, object space; 0: centre pixels only. With shapes: of one step
+    float pixels; ///< added to the radius on the screen, at any depth
     const uint32_t*
         shapes; ///< NULL, or 1 per splat (base/splat_codes.h): ellipses with individual radii
     /// If not both 0: draw only splats whose centre is within these depths (W of the matrix).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/cut.h"
 
+#include "base/large_blocks.h"
 #include "base/sort.h"
 #include "scene/bulk.h"
 #include "scene/content.h"
@@ -11,7 +12,10 @@
 #include <string.h>
 
 #define GRAIN 65536
-#define LARGE_SIZE ((size_t)64 << 20) // from this size on, working data is spilled if the mesh is
+#define RELEASE_SIZE                                                                               \
+    ((size_t)128 << 20)               // of pieces, before the system is told that it may drop pages
+#define RELEASE_COUNT (1u << 23)      // of elements
+#define LARGE_SIZE ((size_t)64 << 20) // working data of that size are spilled where the mesh is
 
 // State shared by the jobs. New pieces follow the scene's own items and count only once all are
 // made.
@@ -22,9 +26,11 @@ typedef struct cutter {
     stp_mesh* mesh_pieces;
     stp_point_set* point_pieces;
     stp_place* places;
+    size_t first_place; ///< that find_places begins with
     uint32_t* ends;
     uint32_t piece_count;
     bool spilled;
+    size_t unreleased; ///< bytes of pieces made since pages of the spill were released
     pthread_mutex_t mutex;
     stp_result result; ///< of the first failure; I/O errors are already logged
 } cutter;
@@ -33,7 +39,7 @@ static void find_places(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const cutter* c = user;
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t i = c->first_place + begin; i < c->first_place + end; ++i) {
         stp_place* place = &c->places[i];
         place->index = (uint32_t)i;
         for (size_t k = 0; k < 3; ++k) {
@@ -67,6 +73,19 @@ static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
         made = made && (arrays[i].size == 0 || arrays[i].bytes != NULL);
     }
     return made;
+}
+
+// Of what was copied, nothing need stay resident where it lies in a file.
+static void note_made(cutter* c, size_t bytes)
+{
+    pthread_mutex_lock(&c->mutex);
+    c->unreleased += bytes;
+    bool release = c->spilled && c->unreleased >= RELEASE_SIZE;
+    c->unreleased = release ? 0 : c->unreleased;
+    pthread_mutex_unlock(&c->mutex);
+    if (release) {
+        stp_spill_release_pages(c->scene->spill);
+    }
 }
 
 static void note_memory(cutter* c)
@@ -163,7 +182,9 @@ static void make_mesh_pieces(size_t begin, size_t end, uint32_t worker, void* us
         stp_free(c->scene->context, corners);
         if (!made) {
             note_memory(c);
+            continue;
         }
+        note_made(c, (size_t)stp_mesh_bytes(piece));
     }
 }
 
@@ -204,6 +225,9 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
             stp_box_add(&piece->bounds, (stp_vec3){at[0], at[1], at[2]});
         }
         piece->content = stp_points_hash(piece);
+        // places of pieces that are made are not looked at again: their memory is that of later pieces
+        stp_large_forget(c->places + first, piece->point_count * sizeof(stp_place));
+        note_made(c, (size_t)stp_points_bytes(piece));
     }
 }
 
@@ -227,6 +251,20 @@ static void settle_pieces(cutter* c)
     }
 }
 
+// A part of all after the other where they lie in a file, so that little of it is resident.
+static void find_all_places(cutter* c, uint32_t count)
+{
+    uint32_t most = c->spilled ? RELEASE_COUNT : count;
+    for (uint32_t first = 0, size; first < count; first += size) {
+        size = count - first < most ? count - first : most;
+        c->first_place = first;
+        stp_parallel_for(c->scene->context, size, GRAIN, find_places, c);
+        if (c->spilled) {
+            stp_spill_release_pages(c->scene->spill);
+        }
+    }
+}
+
 // Divides the elements and makes the pieces.
 static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
 {
@@ -245,7 +283,7 @@ static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
         c->result = stp_fail_memory(context);
     }
     if (c->result == STP_OK) {
-        stp_parallel_for(context, count, GRAIN, find_places, c);
+        find_all_places(c, count);
         c->result = stp_cut_ranges(context, c->places, count, c->piece_count, c->ends);
     }
     if (c->result == STP_OK) {

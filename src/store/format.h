@@ -61,6 +61,7 @@ typedef enum stp_store_section_type {
     STP_SECTION_ATTRIBUTE_BLOCKS, ///< what blocks of attributes hold
     STP_SECTION_COORDINATES,      ///< coordinate systems of sources
     STP_SECTION_LEAVES,           ///< leaves of sets
+    STP_SECTION_CERTAINTY,        ///< how certain sets' normals and places are
     STP_SECTION_END               ///< one more than the last known type
 } stp_store_section_type;
 

@@ -167,6 +167,11 @@ void stp_store_find_point_columns(uint32_t present, const unsigned char* bytes,
 const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                                     const unsigned char* bytes, stp_clusters* clusters);
 
+/// Checks how certain sets are, which is decoded already.
+STP_MUST_USE stp_result stp_store_judge_certainty(const stp_store* store);
+/// The same where the sets are read: gives it to them.
+STP_MUST_USE stp_result stp_store_link_certainty(stp_store* store);
+
 /// Reads which methods the sets are of, before blocks are linked. Files that do not say have sets of `blue` alone.
 STP_MUST_USE stp_result stp_store_read_methods(stp_store* store, stp_store_text* text);
 /// The methods alone, of a store opened for its summary.

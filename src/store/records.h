@@ -93,6 +93,15 @@ typedef struct stp_store_leaves_record {
     stp_store_leaves leaves; ///< none until they are checked
     void* memory;            ///< of them; NULL: they are a residency's
 } stp_store_leaves_record;
+
+/// How certain what a set has of points is.
+typedef struct stp_store_certainty {
+    uint32_t flags;       ///< STP_CERTAINTY_*
+    float position_error; ///< scene units; 0: not known
+} stp_store_certainty;
+
+enum { STP_CERTAINTY_UNKNOWN_SIGNS = 1 };
+
 /// What a block of attributes holds.
 typedef struct stp_store_attribute_block {
     uint32_t block;
@@ -149,6 +158,7 @@ typedef union stp_store_element {
     stp_store_attribute_value attribute_value;
     stp_store_attribute_block attribute_block;
     stp_store_coordinates coordinates;
+    stp_store_certainty certainty;
 } stp_store_element;
 
 /// By section type; of one that is none, or not known, everything is 0.

@@ -215,6 +215,9 @@ uint64_t stp_store_file_bytes(const stp_store* store);
 /// Bytes of the whole file, as its header says: more than stp_store_file_bytes where it was cut short.
 uint64_t stp_store_whole_bytes(const stp_store* store);
 bool stp_store_is_truncated(const stp_store* store);
+/// How far points that sets hold may lie from where the input has them, on each axis, in scene units: half a step of the
+/// coarsest grid. 0: not known, or no set holds points. Also of a store opened for its summary.
+double stp_store_position_error(const stp_store* store);
 /// What the file says it holds; NULL where it has no summary (see stp_store_summarise).
 const stp_store_summary* stp_store_get_summary(const stp_store* store);
 /// The major version of the format.

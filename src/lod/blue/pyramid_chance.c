@@ -193,14 +193,14 @@ static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings*
     uint8_t code = stp_cut_choose(table, found, SLACK - c->margin);
     double cells = (double)__builtin_popcountll(found->cells & table->cells[code]) /
                    (double)__builtin_popcountll(table->cells[code]);
+    if (c->is_cloud) { // no holes, and no pixels
+        return cells >= FULL_CELLS ? code : STP_COVERAGE_WHOLE;
+    }
     bool corner = stp_stencil_is_solid(&c->p->stencil, found->cells);
     double hit = (double)__builtin_popcountll(found->cells & c->p->stencil.disk) /
                  (double)__builtin_popcountll(c->p->stencil.disk);
     hit = hit < (double)table->areas[code] ? hit : (double)table->areas[code];
     double area = ray_share(c, found) / hit;
-    if (c->is_cloud) { // no holes, and no pixels
-        return cells >= FULL_CELLS ? code : STP_COVERAGE_WHOLE;
-    }
     double agreement = (double)(found->area / found->total);
     double facing_part = ramp(agreement, OPEN_FACING, FULL_FACING);
     double solid = fmax(corner ? facing_part : 0.0, ramp(cells, OPEN_CELLS, FULL_CELLS));
@@ -231,7 +231,10 @@ static stp_result look_around(const chooser* c, const uint32_t* doubtful, size_t
                                       .visit = doubtful,
                                       .count = count,
                                       .radius = c->disk_radius,
+                                      .only_reach = c->is_cloud,
                                       .found = found};
+    float asked = stp_max(p->cuts.farthest + SLACK - c->margin, 0.0f);
+    search.reach_asked = asked * asked * 1.0001f; // what reaches farther is drawn whole
     // few samples, or points, which do not lie in rows: their squares are twice as wide, so that they close up
     bool wide = c->stride == 1 || c->is_cloud;
     float spacing = sqrtf((float)c->stride) / (float)c->pixels;
