@@ -3,7 +3,7 @@
 
 #include <stipple/base.h>
 
-/// Rows of RGBA bytes, sRGB, top row first. Alpha 0: background, nothing was drawn there; 255: covered.
+/// Rows of RGBA bytes, sRGB, top row first. Alpha 0: background; 255: covered.
 typedef struct stp_image {
     uint32_t width, height;
     uint8_t* pixels; ///< width * height * 4 bytes

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The version of the library: semantic versioning. Below 1.0, a minor version may change the interface; the
+// Library version, by semantic versioning. Below 1.0, a minor version may change the interface; the
 // shared library's soname (libstipple.so.MAJOR) changes with the major version.
 #pragma once
 
@@ -14,8 +14,8 @@
 extern "C" {
 #endif
 
-/// The version of the library that is loaded: 10000 * major + 100 * minor + patch. The macros above are those
-/// of the headers that a program was compiled with. Any thread.
+/// Version of the loaded library: 10000 * major + 100 * minor + patch. The macros above give the
+/// version of the headers. Callable from any thread.
 STP_API uint32_t stp_version(void);
 
 #ifdef __cplusplus

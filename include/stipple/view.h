@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Where the picture is taken from, and how large it is.
+// Camera, size and section planes of a picture.
 #pragma once
 
 #include <stipple/types.h>
@@ -9,15 +9,15 @@
 extern "C" {
 #endif
 
-enum { STP_SECTION_PLANES = 14 }; ///< eight, and the six of a box
+enum { STP_SECTION_PLANES = 14 }; ///< eight, plus the six of a box
 
-/// Where normal . p > distance nothing is drawn, in scene space.
+/// A section plane in scene space: the half space normal . p > distance is cut away.
 typedef struct stp_section_plane {
     stp_vec3d normal; ///< of any length above 0
     double distance;
 } stp_section_plane;
 
-/// What of a scene is cut away: what lies beyond any of the planes.
+/// Section planes: everything beyond any of them is cut away.
 typedef struct stp_sections {
     uint32_t count;
     stp_section_plane planes[STP_SECTION_PLANES];
@@ -26,16 +26,17 @@ typedef struct stp_sections {
 /// A pinhole camera. Pixel (x, y) covers [x, x + 1) x [y, y + 1), y down; its centre is at + 0.5.
 typedef struct stp_view {
     stp_vec3d eye, target,
-        up; ///< scene space; `up` need not be orthogonal to the gaze, nor of unit length
+        /// scene space; `up` need not be orthogonal to the viewing direction, nor of unit length
+        up;
     double fov_degrees; ///< vertical, 0..180; ignored where ortho_height is set
     double
-        ortho_height; ///< height of the picture in scene units, parallel projection; 0: perspective
-    double near_distance;   ///< nothing nearer is drawn; 0: chosen from the distance to the target
+        ortho_height; ///< parallel projection: height of the picture in scene units; 0: perspective
+    double near_distance;   ///< near plane distance; 0: derived from the distance to the target
     uint32_t width, height; ///< pixels, at least 1
-    /// 0: one eye. Above 0: two eyes that look the same way, so far apart, `eye` in the middle; each has half the
-    /// width, the left eye's half is on the left.
+    /// 0: one eye. Above 0: distance of two eyes with parallel viewing directions, centred at
+    /// `eye`; each has half the width, the left eye's half is on the left.
     double eye_distance;
-    stp_sections sections; ///< none, or planes that cut the scene open
+    stp_sections sections; ///< optional planes that cut the scene open
 } stp_view;
 
 #ifdef __cplusplus
