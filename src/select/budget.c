@@ -1,47 +1,48 @@
 // SPDX-License-Identifier: MIT
 #include "select/budget.h"
 
-#define DEAD_BAND                                                                                  \
-    0.1 // Brandt 4.3: no change while the frame's time is within [0.9, 1.1] of the budget
+// Brandt 4.3: no change while the frame time is within [0.9, 1.1] of the budget
+#define DEAD_BAND 0.1
 
-// Prices before anything was seen, in milliseconds a million (draws: a thousand), and how far they may be wrong.
+// Initial prices in milliseconds per million (draws: per thousand), and their uncertainty.
 static const double first_price[STP_BUDGET_TERMS] = {8.0, 1.0, 12.0, 2.0, 10.0};
-#define FIRST_DOUBT 4.0 // times the price
+#define FIRST_DOUBT 4.0 // relative to the price
 static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 
-#define DRIFT 0.03  // of a first price that a price may change by in a frame: scenes and caches do
-#define NOISE 0.1   // of a frame's time, from what is not in the model
-#define OUTLIER 0.5 // relative errors beyond are learned from as if they were this large
-#define SPEED_FOLLOWS 0.25 // how fast the machine's speed is taken over
-#define SPEED_FADES                                                                                \
-    0.05 // of its logarithm in a frame, into the prices: only their product is known
-#define SCATTER_FOLLOWS 0.1 // and how fast its scatter is
+// drift of a price per frame, relative to its initial price: scenes and caches change
+#define DRIFT 0.03
+#define NOISE 0.1          // of a frame's time, from effects outside the model
+#define OUTLIER 0.5        // larger relative errors are clamped to this before learning
+#define SPEED_FOLLOWS 0.25 // learning rate of the machine's speed
+// share of the logarithm moved into the prices per frame: only their product is known
+#define SPEED_FADES 0.05
+#define SCATTER_FOLLOWS 0.1 // learning rate of its scatter
 #define MOST_SCATTER 0.25
-#define SIGMAS 1.6    // nineteen of twenty frames are to stay within OVERSHOOT
-#define OVERSHOOT 1.1 // of the budget
-#define FASTEST_FINER                                                                              \
-    0.92 // sizes shrink by no more than so much a frame: a shrink too far is a late frame
-#define FASTEST_COARSER                                                                            \
-    1.5 // and grow by no more: at a size too large by far a frame may take no less than at a good one, and stay there
-#define SURE 0.05   // scatter beyond which they shrink the more slowly:
-#define SLOWEST 0.4 // a view that empties suddenly fills as suddenly. The least part of that pace
-#define MOST_EXPONENT                                                                              \
-    2.5 // a frame's time grows by no more than this power as splats shrink: time left over may be used at once
+#define SIGMAS 1.6         // 19 of 20 frames should stay within OVERSHOOT
+#define OVERSHOOT 1.1      // of the budget
+#define FASTEST_FINER 0.92 // limit on shrinking per frame: shrinking too far makes a frame late
+// limit on growing per frame: far too large sizes may cost as much as a good one, and then persist
+#define FASTEST_COARSER 1.5
+// Sizes shrink more slowly above this scatter: a view that empties suddenly can fill as suddenly.
+#define SURE 0.05
+#define SLOWEST 0.4 // minimum share of the pace
+// exponent limit of the frame time as splats shrink: spare time may be used at once
+#define MOST_EXPONENT 2.5
 #define FIRST_SPLAT_EXPONENT 2.0    // what covers the screen
 #define FIRST_FRAGMENT_EXPONENT 0.0 // fewer splats, each of them larger
 #define FIRST_TRIANGLE_EXPONENT 1.0
 #define EXPONENT_FOLLOWS 0.4
-#define SCENE_CHANGES 0.2 // of the logarithm of counts in a frame, by what else comes and goes
-#define EXPONENT_FADES                                                                             \
-    0.01 // of what an exponent differs from the first, where the size rests: what was learned elsewhere
-#define LEAST_CHANGE 0.02 // of the logarithm of the size, below which it rests
-#define SLOW_FRAME                                                                                 \
-    1.3              // times what the last frames suggest: more is not learned from a single frame
-#define MOST_OFF 0.1 // the same of the scatter
-#define LITTLE_GAIN 0.05 // of a frame's time, for which no size is given up where none is in time
-#define HOPELESS 0.1     // of the goal, missed by which all of that is left alone
+#define SCENE_CHANGES 0.2 // of the logarithm of counts per frame, from changes of the scene
+// decay of an exponent towards its initial value while the size is constant
+#define EXPONENT_FADES 0.01
+#define LEAST_CHANGE 0.02 // changes of the logarithm of the size below this count as constant
+#define SLOW_FRAME 1.3    // limit relative to recent frames: a single frame teaches no more
+#define MOST_OFF 0.1      // the same limit for the scatter
+// of a frame's time: if no size is in time, gains below this do not justify larger splats
+#define LITTLE_GAIN 0.05
+#define HOPELESS 0.1 // of the goal: beyond this error, tuning stops
 #define TREND_FOLLOWS 0.5
-#define MOST_LATE 0.4 // logarithm: what differs by more is another place
+#define MOST_LATE 0.4 // logarithm: a larger difference means a different place
 
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms)
 {
@@ -72,7 +73,7 @@ static float clamp_size(double size, double most)
     return (float)stp_clampd(size, (double)STP_SPLAT_SIZE_LEAST, most);
 }
 
-// The moving average of the sizes of the last three frames, and that size weighted by how late the last one was.
+// Moving average of the last three sizes, weighted by the lateness of the last frame.
 static void react(stp_budget* b, const stp_frame_cost* cost)
 {
     b->sizes[b->frames % STP_BUDGET_AVERAGED] = cost->splat_size;
@@ -114,14 +115,16 @@ double stp_budget_predict(const stp_budget* b, double splat_size)
     double finer = b->frames > 0 ? (double)b->last.splat_size / splat_size : 1.0;
     double triangles = pow(finer, b->triangle_exponent);
     terms[0] *= pow(finer, b->splat_exponent);
-    // larger splats may have more fragments, but what is a guess from other places must not keep splats small
+    // larger splats may have more fragments, but an estimate from other places must not keep splats
+    // small
     terms[1] *= pow(finer, finer < 1.0 ? fmax(b->fragment_exponent, 0.0) : b->fragment_exponent);
     terms[2] *= triangles;
     terms[3] *= triangles;
     return b->speed * price_of(b, terms);
 }
 
-// A Kalman filter of prices that drift. They stay above zero, and what is never seen is not doubted without end.
+// A Kalman filter of drifting prices. Prices stay positive, and the uncertainty of unobserved terms
+// is bounded.
 static void learn_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], double milliseconds)
 {
     double expected = price_of(b, terms), spread[STP_BUDGET_TERMS] = {0}, sum = 0.0;
@@ -147,7 +150,8 @@ static void learn_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], do
     }
 }
 
-// What a count's answer to a change of the size says of its exponent: the more, the larger the change beside what the scene does.
+// Learns a count's exponent from its response to a size change. Weights larger changes more,
+// relative to changes of the scene.
 static double learn_exponent(double exponent, uint64_t before, uint64_t now, double change,
                              double least, double most)
 {
@@ -159,7 +163,8 @@ static double learn_exponent(double exponent, uint64_t before, uint64_t now, dou
     return exponent + follows * (stp_clampd(seen, least, most) - exponent);
 }
 
-// How counts answered to the last change of the size. Where it rests, other things come into view: what was learned fades.
+// Learns from the response of counts to the last size change. While the size is constant, other
+// content comes into view and the exponents decay.
 static void learn_exponents(stp_budget* b, const stp_frame_cost* cost)
 {
     double change = log((double)b->last.splat_size / (double)cost->splat_size);
@@ -181,8 +186,8 @@ static void learn_exponents(stp_budget* b, const stp_frame_cost* cost)
         learn_exponent(b->triangle_exponent, last->triangles, cost->triangles, change, 0.0, 3.0);
 }
 
-// Where the model, which never rises with the size, meets the goal. Where no size does, what would gain next to nothing is not
-// given up for it.
+// Size at which the model, which never rises with size, meets the goal. If no size does, does not
+// enlarge splats for a negligible gain.
 static double solve_size(const stp_budget* b, double goal)
 {
     double low = (double)STP_SPLAT_SIZE_LEAST, high = (double)STP_SPLAT_SIZE_COARSEST;
@@ -202,8 +207,8 @@ static double middle_of(const double v[STP_BUDGET_RATIOS])
     return fmax(low, fmin(high, v[2]));
 }
 
-// How fast the machine is: the middle one of the last frames says it, so that one slow frame changes next to nothing.
-// @return the time that is to be learned from
+// Updates the machine's speed from the median of the last frames, so that one slow frame has little
+// effect. @return the time to learn from
 static double learn_speed(stp_budget* b, double milliseconds, double expected)
 {
     if (b->frames == 0 || !(expected > 0.0)) {
@@ -215,7 +220,8 @@ static double learn_speed(stp_budget* b, double milliseconds, double expected)
     return fmin(milliseconds, SLOW_FRAME * middle * expected);
 }
 
-// What lasts is no mood of the machine: prices take it over. Else prices that rise and a speed that falls could go on doing so.
+// Moves lasting speed changes into the prices. Otherwise rising prices and a falling speed could
+// diverge.
 static void settle_speed(stp_budget* b)
 {
     double part = pow(b->speed, SPEED_FADES);
@@ -231,8 +237,8 @@ static void settle_speed(stp_budget* b)
     }
 }
 
-// How frames kept to their forecasts. What came into view goes on coming, in a flight towards something: that is what the counts would
-// take at the prices of the forecast, whatever the machine did meanwhile.
+// Updates the forecast error. In a flight towards something, content keeps coming into view;
+// measures this trend from the counts at the forecast's prices, independent of the machine's speed.
 static void learn_trend(stp_budget* b, const stp_frame_cost* cost,
                         const double terms[STP_BUDGET_TERMS])
 {
@@ -248,9 +254,9 @@ static void learn_trend(stp_budget* b, const stp_frame_cost* cost,
     b->trend += TREND_FOLLOWS * (middle_of(b->growth) - b->trend);
 }
 
-// Factor on the size of the last frame below which the next one may be late. Sizes shrink slowly, as the model may be wrong; but
-// where each of the last frames took little of the goal, what is left of it bounds the factor. (Not one frame alone: a view
-// that empties suddenly fills as suddenly.)
+// Smallest factor on the last size that keeps the next frame in time. Sizes shrink slowly, as the
+// model may be wrong; but if each of the last frames left time over, that time bounds the factor.
+// (A single frame is not enough: a view that empties suddenly can fill as suddenly.)
 static double find_finest(stp_budget* b, double milliseconds, double goal)
 {
     b->times[b->frames % STP_BUDGET_RATIOS] = milliseconds;
@@ -264,8 +270,8 @@ static double find_finest(stp_budget* b, double milliseconds, double goal)
                                      : fmin(steady, pow(slowest / goal, 1.0 / MOST_EXPONENT));
 }
 
-// Factor on the size of the last frame that sizes may grow by. A model that is still wrong from a slow spell must not make splats
-// larger while frames are in time.
+// Largest factor on the last size. A model that is still wrong after a slow period must not enlarge
+// splats while frames are in time.
 static double find_coarsest(const stp_budget* b, double milliseconds)
 {
     double expected = milliseconds * exp(fmax(b->trend, 0.0));
@@ -283,7 +289,7 @@ static void predict(stp_budget* b, const stp_frame_cost* cost)
     learn_exponents(b, cost);
     b->last = *cost;
     double scatter = b->scatter < MOST_SCATTER ? b->scatter : MOST_SCATTER;
-    double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // mean deviations to sigmas
+    double margin = OVERSHOOT / (1.0 + SIGMAS * 1.25 * scatter); // converts mean deviation to sigma
     double goal = b->budget_ms * fmin(margin, 1.0) * exp(-fmax(b->trend, 0.0));
     double finer = find_finest(b, cost->milliseconds, goal);
     b->frames += 1;

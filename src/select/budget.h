@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The size of splats that keeps frames within a time. Two controllers: the paper's reactive one (Brandt 4.3), and one that
-// predicts. Plain data, nothing is allocated; a budget belongs to one thread.
+// Frame-time budget: chooses the splat size that keeps frames within a time. Two controllers: the
+// paper's reactive one (Brandt 4.3), and a predictive one. Plain data without allocations; a budget
+// belongs to one thread.
 #pragma once
 
 #include "base/math.h"
@@ -13,21 +14,21 @@ typedef enum stp_controller {
 
 #define STP_SPLAT_SIZE_LEAST 1.0f
 #define STP_SPLAT_SIZE_MOST 8.0f ///< the paper's
-#define STP_SPLAT_SIZE_COARSEST                                                                    \
-    24.0f ///< of the predicting controller, where a budget cannot be held otherwise
+/// for the predictive controller, if the budget cannot be met otherwise
+#define STP_SPLAT_SIZE_COARSEST 24.0f
 
-/// What a frame was and what it took.
+/// Measurements of a frame.
 typedef struct stp_frame_cost {
     double milliseconds;
     uint64_t splats, fragments, triangles, covered_pixels;
     uint32_t draw_calls;
-    float splat_size; ///< in effect
+    float splat_size; ///< as used
 } stp_frame_cost;
 
 enum {
     STP_BUDGET_TERMS = 5,    ///< splats, fragments, triangles, draws, covered pixels
     STP_BUDGET_AVERAGED = 3, ///< frames whose splat size the paper averages
-    STP_BUDGET_RATIOS = 3,   ///< frames whose middle one says how the machine and the scene change
+    STP_BUDGET_RATIOS = 3,   ///< frames whose median tells how machine and scene change
 };
 
 typedef struct stp_budget {
@@ -38,27 +39,29 @@ typedef struct stp_budget {
     float splat_size;
     stp_frame_cost last;
     double times[STP_BUDGET_RATIOS]; ///< milliseconds of the last frames
-    // The model: milliseconds a unit of each term, and how far they are known.
+    // The model: milliseconds per unit of each term, and their covariance.
     double price[STP_BUDGET_TERMS];
     double covariance[STP_BUDGET_TERMS][STP_BUDGET_TERMS];
-    double speed; ///< measured over predicted, lately: what else the machine does
-    double
-        trend; ///< logarithm of what comes into view: a frame's counts, priced, over its forecast
+    double speed;   ///< recent ratio of measured to predicted time: other load on the machine
+    double trend;   ///< logarithm of new content: the priced counts of a frame over its forecast
     double scatter; ///< of measured over forecast around `trend`: mean deviation
-    /// How counts fall with the size of splats; fragments may rise (negative).
+    /// Exponents by which counts fall with splat size; fragments may rise (negative).
     double splat_exponent, fragment_exponent, triangle_exponent;
-    double ratios[STP_BUDGET_RATIOS]; ///< of measured to what a frame's counts should take
-    double growth[STP_BUDGET_RATIOS]; ///< logarithm of what counts should take over the forecast
+    double ratios[STP_BUDGET_RATIOS]; ///< ratios of measured to expected time for a frame's counts
+    /// logarithms of the expected time for counts over the forecast
+    double growth[STP_BUDGET_RATIOS];
 } stp_budget;
 
 /// `budget_ms` above 0.
 void stp_budget_init(stp_budget* budget, stp_controller controller, double budget_ms);
 
-/// For the next frame: between STP_SPLAT_SIZE_LEAST and STP_SPLAT_SIZE_MOST, or STP_SPLAT_SIZE_COARSEST.
+/// Size for the next frame: between STP_SPLAT_SIZE_LEAST and STP_SPLAT_SIZE_MOST, or
+/// STP_SPLAT_SIZE_COARSEST.
 float stp_budget_splat_size(const stp_budget* budget);
 
-/// To be called after each frame. What is not a number or negative is not learned from.
+/// Call after each frame. Ignores NaN and negative values.
 void stp_budget_learn(stp_budget* budget, const stp_frame_cost* cost);
 
-/// What the model expects of a frame like the last one at another size, in milliseconds. 0 before the first frame.
+/// Predicted time of a frame like the last one at another size, in milliseconds. 0 before the first
+/// frame.
 double stp_budget_predict(const stp_budget* budget, double splat_size);

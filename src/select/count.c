@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: MIT
-// A count of splats (stp_quality.splat_count), shared among the uppermost sets of what is shown.
+// Distributes a splat count (stp_quality.splat_count) over the topmost sets of the shown scene.
 //
-// Each set gets one splat, and the rest goes by the areas that sets stand for, so that splats are
-// about equally large in all of them, as they are in one set. Shares depend on the scene and on
-// what is shown of it, not on where the eye is. They are those of Sainte-Lague's method: with one
-// splat more, one set has one more, and no other set changes.
+// Each set gets one splat; the rest is proportional to the areas of the sets, so that splats are
+// about equally large everywhere. Shares depend on the scene and its visible objects, not on the
+// eye. They follow Sainte-Lague's method: one more splat gives one set one more, and changes no
+// other set.
 #include "select/count.h"
 
 #include "base/prefix_table.h"
 #include "select/rule.h"
 
-#define LEAST_PART 1e-12 ///< of all area, which any set has at least
+#define LEAST_PART 1e-12 ///< minimum share of the total area per set
 
 typedef struct stp_select_share {
     stp_select_entry at; ///< of the set's node
-    uint32_t most;       ///< splats that it can be drawn with
-    uint32_t count;      ///< splats that it is drawn with
-    double area;         ///< part of that of all sets
+    uint32_t most;       ///< splats available
+    uint32_t count;      ///< splats assigned
+    double area;         ///< share of the total area
 } stp_select_share;
 
-/// The area that a set stands for, scene units. A quarter of its splats tells it: they lie as far
-/// apart as they cover to, or have errors as large as that (STP_SPLATS_RANGES), while a whole set
-/// may cover to 0.
+/// Area that a set represents, in scene units. Estimated from a quarter of its splats: their
+/// spacing is their coverage radius, or equals their errors (STP_SPLATS_RANGES). A whole set may
+/// have a coverage radius of 0.
 static double find_area(const stp_splats* surfels, const stp_affine* transform)
 {
     uint32_t count = surfels->count / 4 + 1;
@@ -53,7 +53,7 @@ stp_result stp_select_note_set(stp_selection* s, const stp_select_entry* at)
     return STP_OK;
 }
 
-/// Turns areas into parts of their sum.
+/// Normalizes areas to shares of their sum.
 static void normalize_areas(stp_select_share* shares, size_t count)
 {
     double sum = 0.0;
@@ -66,7 +66,7 @@ static void normalize_areas(stp_select_share* shares, size_t count)
     }
 }
 
-/// Splats of a set where a part 1 of the area has `density` of them.
+/// Splats of a set if the total area has `density` of them.
 static uint32_t count_at(const stp_select_share* share, double density, uint32_t low, uint32_t most)
 {
     uint32_t high = share->most < most ? share->most : most;
@@ -84,8 +84,8 @@ static uint64_t count_all_at(const stp_select_share* shares, size_t count, doubl
     return sum;
 }
 
-/// Shares `wanted` splats, no more than there are: each set gets from `low` to `most`, within what
-/// it has.
+/// Distributes `wanted` splats, at most those available: each set gets from `low` to `most`, within
+/// its own limit.
 static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, uint32_t low,
                       uint32_t most)
 {
@@ -94,7 +94,7 @@ static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, u
         below = density;
         density *= 2.0;
     }
-    for (;;) { // the least density that gives so many
+    for (;;) { // smallest density that gives this many
         double middle = below + 0.5 * (density - below);
         if (!(middle > below && middle < density)) {
             break;
@@ -110,7 +110,7 @@ static void share_out(stp_select_share* shares, size_t count, uint64_t wanted, u
         shares[i].count = count_at(&shares[i], below, low, most);
         left -= shares[i].count;
     }
-    for (size_t i = 0; i < count && left > 0; ++i) { // of those that are equal, the first ones
+    for (size_t i = 0; i < count && left > 0; ++i) { // among equals, the first ones
         uint32_t more = count_at(&shares[i], density, low, most) - shares[i].count;
         more = left < more ? (uint32_t)left : more;
         shares[i].count += more;
@@ -125,7 +125,7 @@ static stp_result add_share(stp_selection* s, const stp_select_share* share)
     use.switch_depth = 0.0; // nothing below is drawn
     stp_boxd box = stp_select_place_box(&at->transform, &s->directory->nodes[at->node].bounds);
     stp_sight sight;
-    (void)stp_select_see(s, &box, &sight); // be they seen or not
+    (void)stp_select_see(s, &box, &sight); // whether in view or not
     s->rule->use_count(&use, share->count);
     stp_result result = s->streams ? stp_select_limit_use(s, at, &sight, &use) : STP_OK;
     return result == STP_OK && use.count > 0 ? s->rule->add(s, at, &use, &sight) : result;

@@ -5,7 +5,7 @@
 
 enum { GROWTHS = 4 * STP_OCTAVE_LIMIT };
 
-#define ROUND_UP 0.92 // radii are rather too large than too small: by 0.96 to 1.14
+#define ROUND_UP 0.92 // radii err on the large side: factors of 0.96 to 1.14
 /// Radii grow by the fourth root of 2 from step to step.
 static const float growths[4] = {1.0f, 1.18920712f, 1.41421356f, 1.68179283f};
 
@@ -36,7 +36,7 @@ static float scale_of(uint32_t growth)
     return scale;
 }
 
-/// The step of radii that is nearest to what a cell's splats need.
+/// The radius step nearest to the radius that a cell's splats need.
 static uint32_t growth_of(const stp_cue_cell* cell)
 {
     float sparser = (float)((double)(cell->last - cell->first) / (double)cell->count);
@@ -48,7 +48,8 @@ static uint32_t growth_of(const stp_cue_cell* cell)
     return growth;
 }
 
-/// Appends splats of one octave of a cell to the runs of its item, the first of which is `first_run`.
+/// Appends splats of one octave of a cell to the runs of its item, the first of which is
+/// `first_run`.
 static stp_result add_run(stp_selection* s, stp_leaf_run run, size_t first_run,
                           stp_depth_range drawn)
 {
@@ -63,7 +64,7 @@ static stp_result add_run(stp_selection* s, stp_leaf_run run, size_t first_run,
     return stp_select_add_run(s, run.begin, run.end, drawn);
 }
 
-/// The part of an octave that a cell draws: all of it, or as much as is missing.
+/// Number of an octave's splats that a cell draws: all, or as many as are still needed.
 static stp_leaf_run run_of(const stp_splats* set, const stp_cue_cell* cell, uint32_t octave)
 {
     stp_leaf_run run =
@@ -74,7 +75,7 @@ static stp_leaf_run run_of(const stp_splats* set, const stp_cue_cell* cell, uint
     return run;
 }
 
-/// The item of all cells of a growth.
+/// Adds the item of all cells with the same radius step.
 static stp_result add_item(stp_selection* s, const stp_splats* set, const stp_cue_cell* cells,
                            size_t count, uint32_t growth, stp_draw_item item, stp_depth_range drawn)
 {

@@ -4,14 +4,14 @@
 #include "base/leaf_codes.h"
 #include "base/octahedral.h"
 
-#define LEAST_SEEN                                                                                 \
-    0.25 // of the samples of a region that is hidden: some of it may be seen beside what stands before it
-/// The key light, to the right of, above and before the viewer (draw/lighting.c).
+// of the samples of a hidden region: some of it may be visible beside its occluders
+#define LEAST_SEEN 0.25
+/// The key light, to the right of, above and in front of the viewer (draw/lighting.c).
 static const double light_right = -0.45, light_up = 0.65, light_back = 0.62;
-#define POLISHED 0.4f  // roughness below which highlights are small enough to be missed
-#define STRAIGHT 1e-12 // of a direction's length: along no axis
+#define POLISHED 0.4f  // surfaces below this roughness have highlights small enough to miss
+#define STRAIGHT 1e-12 // of a direction's length: below, it counts as perpendicular to the axis
 
-/// Solves 3 equations by Cramer's rule. False where they have no one solution.
+/// Solves 3 equations by Cramer's rule. False if there is no unique solution.
 static bool solve(const double (*m)[4], stp_vec3d right, stp_vec3d* out)
 {
     stp_vec3d a = {m[0][0], m[1][0], m[2][0]}, b = {m[0][1], m[1][1], m[2][1]},
@@ -26,7 +26,7 @@ static bool solve(const double (*m)[4], stp_vec3d right, stp_vec3d* out)
     return true;
 }
 
-/// Whether any surface of the file may show highlights.
+/// Whether any material of the file may show highlights.
 static bool is_polished(const stp_store_directory* d)
 {
     bool polished = false;
@@ -55,7 +55,7 @@ stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* a
         to = stp_scaled(frame->forward, -1.0);
     }
     stp_vec3d eye;
-    if (!solve(m, to, &eye)) { // flattened: nothing can be told of what hides what
+    if (!solve(m, to, &eye)) { // flattened: occlusion is unknown
         view.cues &= ~(uint32_t)STP_CUE_OCCLUSION_BIT;
         eye = (stp_vec3d){0};
     }
@@ -88,7 +88,7 @@ stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node)
     return stp_select_place_box(&view->at->transform, &box);
 }
 
-/// Pixels that the surface of a cube covers where it is nearest, were it seen from above.
+/// Pixels that a cube's surface covers at its nearest depth, if seen face-on.
 static double pixels_of(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
 {
     bool near = (view->cues & STP_CUE_COVERAGE_BIT) != 0;
@@ -111,7 +111,7 @@ double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node, cons
     return covering * pixels_of(view, node, sight) / (size * size);
 }
 
-/// What a silhouette, an edge or a highlight multiplies samples by.
+/// Factor on samples for a silhouette, an edge or a highlight.
 static double feature_of(const stp_cue_view* view)
 {
     return (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_FEATURE : STP_CUE_FEATURE;
@@ -129,7 +129,7 @@ double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node, double
     return fmin(edge ? feature_of(view) * samples : samples, all);
 }
 
-/// From a cube's middle to the eye, of unit length.
+/// Unit vector from a cube's centre to the eye.
 static stp_vec3d way_to_eye(const stp_cue_view* view, const stp_leaf_node* node)
 {
     return stp_normalized(view->flat_view ? view->eye : stp_subd(view->eye, middle_of(node)));
@@ -149,13 +149,14 @@ bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node)
 {
     stp_vec3 n = stp_octahedral_decode(node->normal[0], node->normal[1]);
     stp_vec3d way = view->flat_view ? view->eye : stp_subd(view->eye, middle_of(node));
-    // a normal times a direction is the same in the space of the set, but for stretched transforms
+    // dot products of normals and directions are the same in set space, except for non-uniform
+    // scales
     double length = sqrt(stp_dotd(way, way));
     double cosine = length > 0.0 ? stp_dotd(stp_to_double(n), way) / length : 0.0;
     return node->spread == 255 || fabs(cosine) * 255.0 < (double)node->spread;
 }
 
-/// A way from a cube's middle: parameters from 0 to `end`.
+/// A ray from a cube's centre: parameters from 0 to `end`.
 typedef struct ray {
     double from[3], per[3], end;
 } ray;
@@ -168,7 +169,7 @@ static ray ray_of(const stp_cue_view* view, const stp_leaf_node* node)
     way = length > 0.0 ? stp_scaled(way, 1.0 / length) : way;
     ray r = {.from = {middle.x, middle.y, middle.z}, .end = view->flat_view ? HUGE_VAL : length};
     const double along[3] = {way.x, way.y, way.z};
-    for (int k = 0; k < 3; ++k) { // slabs along an axis are entered at no parameter at all
+    for (int k = 0; k < 3; ++k) { // the ray never enters slabs of a perpendicular axis
         double step =
             fabs(along[k]) > STRAIGHT ? along[k] : (along[k] < 0.0 ? -STRAIGHT : STRAIGHT);
         r.per[k] = 1.0 / step;
@@ -176,8 +177,8 @@ static ray ray_of(const stp_cue_view* view, const stp_leaf_node* node)
     return r;
 }
 
-/// Whether a way enters a cube (Revelles, Urena, Lastra 2000: where it passes the planes of an octree's cube). @param apart  at
-/// least so far from the way's beginning along some axis
+/// Whether a ray enters a cube (Revelles, Urena, Lastra 2000: parameters of the planes of an
+/// octree's cube). @param apart minimum distance from the ray's origin along some axis
 static bool enters(const ray* r, const stp_leaf_node* node)
 {
     double in = 0.0, out = r->end, width = (double)stp_leaf_width(node->depth);
@@ -211,8 +212,8 @@ double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, do
     for (uint32_t i = 0; i < view->leaves->node_count && before < enough;) {
         const stp_leaf_node* other = &nodes[i];
         bool entered = enters(&r, other);
-        bool whole =
-            other->leaf_count == 1 || other->depth > node->depth; // smaller ones count as one
+        // smaller areas count as one pixel
+        bool whole = other->leaf_count == 1 || other->depth > node->depth;
         if (entered && whole && !touches(node, other)) {
             stp_vec3 n = stp_octahedral_decode(other->normal[0], other->normal[1]);
             before += (double)other->count * (double)fabsf(stp_dot(n, way));

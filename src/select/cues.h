@@ -1,37 +1,38 @@
 // SPDX-License-Identifier: MIT
-// How many splats of a leaf, or of a cube of several, a view takes: from five cues (Bhakar, Luo, Mudur 2004, 2 and Table 1).
+// Number of splats that a view takes from a leaf, or from a cube of several leaves, by five cues
+// (Bhakar, Luo, Mudur 2004, 2 and Table 1).
 #pragma once
 
 #include "select/select_internal.h"
 #include "store/leaves.h"
 
 /// Table 1.
-#define STP_CUE_FLATNESS                                                                           \
-    0.005                   ///< of a region with twice the samples of a flat one, which is the most
-#define STP_CUE_FEATURE 4.0 ///< times the samples where there is a silhouette or an edge
-#define STP_CUE_OCCLUSION                                                                          \
-    0.01 ///< of the points before a region for each of its pixels: what is left out
+/// flatness of a region with twice the samples of a flat one, the maximum
+#define STP_CUE_FLATNESS 0.005
+#define STP_CUE_FEATURE 4.0    ///< factor on samples at a silhouette or an edge
+#define STP_CUE_OCCLUSION 0.01 ///< reduction by occluding points per pixel of a region
 
-/// By STP_CUE_ERROR_BIT. Points that are spread evenly (lod/stochastic/spread_order.h) leave nothing uncovered by disks whose
-/// radius is 1.05 sides of the square that each stands for. So as many are taken as make that radius half a splat size.
-#define STP_CUE_COVERING 4.41     ///< (2 x 1.05)^2 splats to a square of the splat size
-#define STP_CUE_ERROR_BENT 1.25   ///< times the samples of a bent region, at the most
-#define STP_CUE_ERROR_FEATURE 1.5 ///< where there is a silhouette, an edge or a highlight
-#define STP_CUE_HIGHLIGHT 0.26 ///< sine of how far from the mirror's direction a highlight reaches
+/// For STP_CUE_ERROR_BIT. Evenly spread points (lod/stochastic/spread_order.h) cover the surface
+/// with disks of radius 1.05 times the side of each point's square. Takes as many points as make
+/// that radius half a splat size.
+#define STP_CUE_COVERING 4.41     ///< (2 x 1.05)^2 splats per square of the splat size
+#define STP_CUE_ERROR_BENT 1.25   ///< maximum factor on samples of a bent region
+#define STP_CUE_ERROR_FEATURE 1.5 ///< factor at a silhouette, an edge or a highlight
+#define STP_CUE_HIGHLIGHT 0.26    ///< sine of a highlight's angle around the mirror direction
 
-/// What is known of a set in a view.
+/// A set in a view.
 typedef struct stp_cue_view {
     const stp_selection* s;
     const stp_select_entry* at;
     const stp_splats* set;
     const stp_store_leaves* leaves;
-    const stp_sight* sight; ///< of the whole set
+    const stp_sight* sight; ///< for the whole set
     uint32_t cues;          ///< STP_CUE_*_BIT
-    double scale;           ///< of lengths, to scene space
-    stp_vec3d eye;          ///< on the grid; in parallel projection the direction towards it
-    stp_vec3d light;        ///< to the light, in the space of the set
+    double scale;           ///< scale of lengths, to scene space
+    stp_vec3d eye;          ///< grid position; in parallel projection the direction towards it
+    stp_vec3d light;        ///< towards the light, in set space
     bool flat_view;         ///< parallel projection
-    bool polished;          ///< some of its surfaces may show highlights
+    bool polished;          ///< some materials may show highlights
 } stp_cue_view;
 
 /// @param sight of the node
@@ -39,14 +40,14 @@ stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* a
                                const stp_splats* set, const stp_store_leaves* leaves,
                                const stp_sight* sight);
 
-/// The box of a cube of the octree, in scene space.
+/// Box of an octree cube, in scene space.
 stp_boxd stp_cue_box(const stp_cue_view* view, const stp_leaf_node* node);
 
-/// What of a cube's splats is wanted by its pixels alone: W over the square of the splat size, which is W / 4 at two pixels;
-/// STP_CUE_COVERING times as many by STP_CUE_ERROR_BIT.
+/// Splats wanted for a cube's pixels alone: W over the square of the splat size, which is W / 4 at
+/// two pixels; STP_CUE_COVERING times as many for STP_CUE_ERROR_BIT.
 double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight);
 
-/// What flatness and edges make of a number of samples: cues that do not depend on the view.
+/// Applies the view-independent cues, flatness and edges, to a number of samples.
 double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node, double samples);
 
 /// Whether some of a cube may face the eye and some may face away.
@@ -55,9 +56,9 @@ bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node);
 /// Whether some of a cube may mirror the light to the eye.
 bool stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node);
 
-/// How much stands before a cube, between 0 and 1, from the splats of the leaves between its middle and the eye, and the pixels it
-/// covers. Leaves that touch the cube, and what is seen edge-on, do not hide it.
+/// Occlusion of a cube, from 0 to 1: compares the splats of leaves between its centre and the eye
+/// with the pixels it covers. Leaves that touch the cube, or are seen edge-on, do not occlude it.
 double stp_cue_occlusion(const stp_cue_view* view, const stp_leaf_node* node, double pixels);
 
-/// All cues together: how many splats, at most all.
+/// Applies all cues: the number of splats, at most all.
 double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight);

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
-// States of progressive sets (base/progressive.h) in a view: where a count of splats divides a set. That is told by the ranges of
-// all splats before, so what was found is kept for the next view, which often has the same items.
+// States of progressive sets (base/progressive.h) in a view: where a splat count divides a set.
+// Finding this reads the ranges of all splats before it, so results are cached for the next view,
+// which often has the same items.
 #include "base/progressive.h"
 #include "base/splat_codes.h"
 #include "select/rule.h"
 
-/// A state that was found.
+/// A cached state.
 typedef struct stp_select_cut {
-    uint32_t set, here, wanted; ///< here: splats of the prefix that it was looked for in
+    uint32_t set, here, wanted; ///< key: loaded splats of the searched prefix
     stp_progressive_cut cut;
 } stp_select_cut;
 
-/// Splats of a prefix that are drawn at the levels of a cut. A set that is no progressive one has others than a state.
+/// Number of splats of a prefix drawn at the levels of a cut. In a set that is not progressive,
+/// they differ from a state.
 static uint32_t count_drawn(const uint32_t* ranges, const stp_progressive_cut* cut)
 {
     uint32_t below = stp_bits_of_float(cut->below), level = stp_bits_of_float(cut->level);
@@ -23,7 +25,7 @@ static uint32_t count_drawn(const uint32_t* ranges, const stp_progressive_cut* c
     return count;
 }
 
-/// @return a cut of no splats where the set has no states
+/// @return a cut of no splats if the set has no states
 static stp_progressive_cut find(const uint32_t* ranges, uint32_t here, uint32_t wanted)
 {
     stp_progressive_cut cut = stp_progressive_find_cut(ranges, here, wanted);
@@ -50,7 +52,7 @@ stp_result stp_select_count_states(stp_store* store, uint32_t set, uint32_t* mos
         }
     }
     *ends = base < got.count || got.count == whole->count;
-    base = base > 0 ? base : 1;        // of a set of which nothing is here
+    base = base > 0 ? base : 1;        // nothing of the set is loaded
     *most = (whole->count + base) / 2; // each split replaces one splat by two
     return STP_OK;
 }
@@ -69,7 +71,7 @@ stp_result stp_select_count_most(stp_selection* s, uint32_t node, uint32_t* most
     return result;
 }
 
-/// Room for one more than `count`.
+/// Ensures room for one more than `count`.
 static bool make_room(stp_selection* s, size_t count)
 {
     stp_draw_list* list = s->list;

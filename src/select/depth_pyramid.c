@@ -5,9 +5,9 @@
 
 enum { MOST_BLOCKS = 4, ROWS_AT_ONCE = 8 };
 
-#define ROUNDING 1e-5 ///< of nearness, relative: what floats lose on either side
+#define ROUNDING 1e-5 ///< relative margin of nearness: rounding error on either side
 
-/// Sizes of all levels. @return floats in all
+/// Sets the sizes of all levels. @return total number of floats
 static size_t choose_levels(stp_depth_pyramid* p, uint32_t width, uint32_t height)
 {
     uint32_t columns = (width - 1) / STP_DEPTH_PYRAMID_BLOCK + 1;
@@ -34,7 +34,7 @@ typedef struct block_rows {
     uint32_t width, height;
 } block_rows;
 
-/// Rows of blocks of level 0.
+/// Computes rows of blocks of level 0.
 static void reduce_pixels(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const block_rows* b = user;
@@ -89,7 +89,7 @@ stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view, co
                         "view: eye, target, angle and size do not make a picture");
     }
     if (pyramid->frame.parallel) {
-        return STP_OK; // what nearness means there is the backend's own affair
+        return STP_OK; // nearness there is private to the backend
     }
     stp_view_frame frame = pyramid->frame;
     return stp_depth_pyramid_fill(context, &frame, nearness, pyramid);
@@ -124,17 +124,17 @@ stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* fr
     return STP_OK;
 }
 
-/// A rectangle of pixels, both ends inclusive, and the least depth of what is in it.
+/// A rectangle of pixels, both ends inclusive, and the minimum depth of its content.
 typedef struct footprint {
     double x0, y0, x1, y1, depth;
 } footprint;
 
-/// @return false where a corner is not in front of `near`
+/// @return false if a corner is not beyond `near`
 static bool project(const stp_view_frame* f, const double rows[3][4], const stp_boxd* box,
                     double near, footprint* out)
 {
     *out = (footprint){HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, HUGE_VAL};
-    double x[3][2], y[3][2], z[3][2]; // what each coordinate's ends add to each axis
+    double x[3][2], y[3][2], z[3][2]; // contribution of each coordinate's ends to each axis
     for (int k = 0; k < 3; ++k) {
         x[k][0] = rows[k][0] * box->min.x + rows[k][3];
         x[k][1] = rows[k][0] * box->max.x + rows[k][3];
@@ -165,13 +165,13 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
                                     const stp_boxd* box, double margin)
 {
     const stp_view_frame* f = &p->frame;
-    double ratio = margin / f->scale; // the radius of such a splat over its depth
+    double ratio = margin / f->scale; // radius of such a splat over its depth
     footprint at;
     if (p->level_count == 0 || stp_boxd_is_empty(*box) || !(ratio < 0.5) ||
         !project(f, rows, box, f->near_distance / (1.0 - ratio), &at)) {
         return false;
     }
-    double wider = margin / (1.0 - ratio) * f->corner + 1.5; // disks look larger off the gaze
+    double wider = margin / (1.0 - ratio) * f->corner + 1.5; // disks look larger off the view axis
     at.x0 = fmax(at.x0 - wider, 0.0);
     at.y0 = fmax(at.y0 - wider, 0.0);
     at.x1 = fmin(at.x1 + wider, f->width - 1.0);
@@ -191,7 +191,7 @@ bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* p, const double row
         x1 /= 2;
         y1 /= 2;
     }
-    // what hides may be drawn as if it lay half a splat behind its place (draw/cpu)
+    // occluders may be drawn half a splat behind their place (draw/cpu)
     double nearness =
         f->near_distance / (at.depth * (1.0 - ratio)) * (1.0 + ratio) * (1.0 + ROUNDING);
     for (uint32_t y = y0; y <= y1; ++y) {

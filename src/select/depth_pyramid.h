@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// What a picture hides: how near at least all pixels of a block are, for blocks of 8 x 8 pixels and blocks of blocks
-// (Greene, Kass, Miller 1993). Made of a frame's nearness, asked about boxes before they are drawn.
+// Hierarchical depth buffer for occlusion culling: the minimum nearness of all pixels of a block,
+// for blocks of 8 x 8 pixels and blocks of blocks (Greene, Kass, Miller 1993). Built from a frame's
+// nearness, and tested against boxes before they are drawn.
 #pragma once
 
 #include "select/view_frame.h"
@@ -10,37 +11,39 @@
 
 enum {
     STP_DEPTH_PYRAMID_BLOCK =
-        8, ///< pixels a side of a block of level 0; blocks of the next are 2 x 2
+        8, ///< side of a level 0 block in pixels; blocks of the next levels are 2 x 2
     STP_DEPTH_PYRAMID_LEVELS = 16,
 };
 
 typedef struct stp_depth_pyramid {
-    stp_view_frame frame; ///< the view that it is of
-    uint32_t level_count; ///< 0: hides nothing
+    stp_view_frame frame; ///< the view it was made for
+    uint32_t level_count; ///< 0: occludes nothing
     uint32_t columns[STP_DEPTH_PYRAMID_LEVELS], rows[STP_DEPTH_PYRAMID_LEVELS];
-    float*
-        levels[STP_DEPTH_PYRAMID_LEVELS]; ///< the least nearness of each block; 0: background shows
+    /// minimum nearness of each block; 0: background is visible
+    float* levels[STP_DEPTH_PYRAMID_LEVELS];
     float* memory;
     size_t capacity;
 } stp_depth_pyramid;
 
-/// From the nearness of each pixel (stp_renderer_depth; one sample a pixel). All zero at first; memory is kept from call to
-/// call. In parallel projection the pyramid hides nothing.
+/// Builds the pyramid from the nearness of each pixel (stp_renderer_depth; one sample per pixel).
+/// Zero-initialize it; memory is reused between calls. In parallel projection the pyramid occludes
+/// nothing.
 /// @return STP_OK, STP_ERROR_ARGUMENT (no view), STP_ERROR_OUT_OF_MEMORY; logged
 STP_MUST_USE stp_result stp_depth_pyramid_make(stp_context* context, const stp_view* view,
                                                const float* nearness, stp_depth_pyramid* pyramid);
 
-/// The same for a frame already made, and also in parallel projection: there the blocks may be read, but
-/// stp_depth_pyramid_hides must not be asked.
+/// The same for an existing view frame, also in parallel projection: there the blocks may be read,
+/// but stp_depth_pyramid_hides must not be called.
 STP_MUST_USE stp_result stp_depth_pyramid_fill(stp_context* context, const stp_view_frame* frame,
                                                const float* nearness, stp_depth_pyramid* pyramid);
 
-/// Whether nothing in the box, nor a splat that sticks out of it by at most `margin` pixels, can be seen in the
-/// pyramid's own view, where what it was made of is still there, or up to `margin` pixels' sides behind its place. Never says so of what is in front of the near plane, or
-/// wholly out of that view.
+/// Whether the pyramid occludes the box and splats that extend beyond it by at most `margin`
+/// pixels, in the pyramid's own view. Holds if the occluders are at their place or up to `margin`
+/// pixel sides behind it. Returns false for boxes in front of the near plane or outside that view.
 bool stp_depth_pyramid_hides(const stp_depth_pyramid* pyramid, const stp_boxd* box, double margin);
 
-/// The same of a box in other coordinates: `rows` leads from them to right, down and depth in the pyramid's view.
+/// The same for a box in other coordinates: `rows` maps them to right, down and depth in the
+/// pyramid's view.
 bool stp_depth_pyramid_hides_placed(const stp_depth_pyramid* pyramid, const double rows[3][4],
                                     const stp_boxd* box, double margin);
 

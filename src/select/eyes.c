@@ -12,7 +12,7 @@ stp_view stp_view_of_eye(const stp_view* view, uint32_t eye)
     }
     one.eye_distance = 0.0;
     one.width /= 2;
-    if (stp_view_frame_make(&one, &frame)) { // else it is refused by whoever uses it
+    if (stp_view_frame_make(&one, &frame)) { // otherwise its user rejects it
         double side = eye == 0 ? -0.5 : 0.5;
         stp_vec3d shift = stp_scaled(frame.right, side * view->eye_distance);
         one.eye = stp_addd(view->eye, shift);

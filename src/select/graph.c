@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What is known of a store's nodes whatever the view: what moves, how far things stick out of their boxes, and down to what
-// radius a node's own surfels are used.
+// View-independent properties of a store's nodes: what moves, how far content extends beyond boxes,
+// and the smallest radius for which a node's own surfels are used.
 #include "base/prefix_table.h"
 #include "select/select_internal.h"
 
-/// How far a box sticks out of another one, along any direction.
+/// Maximum overhang of a box beyond another, along any axis.
 static double sticks_out(stp_box box, stp_boxd of)
 {
     stp_vec3d low = stp_to_double(box.min), high = stp_to_double(box.max);
@@ -44,13 +44,14 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
 
 static double find_reach(const stp_splats* surfels)
 {
-    // surface may lie that far from a candidate, however many of these are drawn
+    // surface may lie this far from a candidate, regardless of how many are drawn
     return stp_maxd((double)stp_prefix_table_radius(&surfels->table, surfels->count),
                     (double)surfels->candidate_radius);
 }
 
-/// How much sooner than its radius requires a node is opened. From one surfel for STP_TRIANGLES_PER_SURFEL triangles on, the
-/// triangles look better for their cost: a larger set is used only as far as that.
+/// Factor by which a node is opened earlier than its radius requires. From one surfel per
+/// STP_TRIANGLES_PER_SURFEL triangles on, triangles look better for their cost, so larger sets are
+/// used only up to that ratio.
 static double find_spare(const stp_store_node* node, const stp_splats* surfels)
 {
     double triangles = (double)node->triangle_count;
@@ -61,8 +62,9 @@ static double find_spare(const stp_store_node* node, const stp_splats* surfels)
     return fmin(fmax(spare, 1.0), STP_SPARE_MOST);
 }
 
-/// Most work of the triangles and sets that are drawn where a node is opened; children come first. What moves is drawn in any
-/// case, and original points come all at once (blend.c).
+/// Upper bound of the work of triangles and sets drawn when a node is opened; children come first.
+/// Excludes moving nodes, which are always drawn, and original points, which appear all at once
+/// (traverse.c).
 static double find_work(const stp_selection* s, const stp_select_graph* graph,
                         const stp_store_node* node)
 {
@@ -107,7 +109,8 @@ static void look_at_nodes(const stp_selection* s, stp_select_graph* graph)
     }
 }
 
-// Which parts are listed again by a node. `last` has room for each mesh and point set: the node and 1 that listed it last.
+// Marks parts that a node lists again. `last` has an entry per mesh and point set: 1 + the last
+// node that listed it.
 static void find_repeated(const stp_store_directory* d, uint32_t* last, uint8_t* repeated)
 {
     for (uint32_t i = 0; i < d->node_count; ++i) {
@@ -151,7 +154,7 @@ stp_result stp_select_find_graph(stp_selection* s)
         graph->spares == NULL || graph->works == NULL || graph->repeated == NULL ||
         graph->has_sets == NULL || graph->most == NULL || last == NULL) {
         stp_free(s->context, last);
-        return stp_fail_memory(s->context); // not found by the next call, which makes it anew
+        return stp_fail_memory(s->context); // the next call does not find it, and rebuilds it
     }
     look_at_nodes(s, graph);
     find_repeated(directory, last, graph->repeated);

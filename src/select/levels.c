@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where levels meet: how much of what is below a node is there at a depth, and runs of splats between two depths.
+// Transitions between levels: the share of a node's children shown at a depth, and runs of splats
+// between two depths.
 #include "select/select_internal.h"
 
 double stp_select_growth(double ceiling, double depth)

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What the depth pyramid hides is set aside in the first pass, and left out in the second.
+// Nodes that the depth pyramid occludes are deferred in the first pass, and culled in the second.
 #include "select/select_internal.h"
 
-/// Radius in pixels of the largest splat: half the splat size, and what a set that shrinks away lacks.
+/// Radius in pixels of the largest splat: half the splat size, plus the growth of a set that fades
+/// out.
 static double splat_margin(const stp_sight* sight)
 {
     return 0.5 * STP_LEVELS_LACK * sight->largest_size;

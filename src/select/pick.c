@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
-// The walk: a heap of nodes by where the ray enters their boxes. It ends when the nearest of them lies beyond what was met.
+// Traversal with a heap of nodes, ordered by the entry of the ray into their boxes. Ends when the
+// nearest node lies beyond the hit.
 #include "base/context.h"
 #include "select/pick_internal.h"
 
 enum { MOST_RECORDS = 1 << 20 };
 static const uint64_t most_tests = UINT64_C(1) << 28;
 
-/// Positions are rounded when they are stored, by no more than an eighth of an edge: boxes are made so much wider.
+/// Stored positions are rounded, by at most an eighth of an edge: boxes are enlarged by this much.
 #define WIDER 0.125
 
 typedef struct record {
     uint32_t node, shown;
     uint32_t parent,
-        slot; ///< of the record before, and the edge from there; the root's own is itself
+        slot; ///< index of the parent record, and the edge from there; the root is its own parent
     stp_affine transform;
 } record;
 
@@ -71,7 +72,7 @@ bool stp_pick_enters(const stp_pick_work* work, const stp_affine* transform, con
                           center.z - ray->origin.z};
     margin += 1e-12 * (fabs(at[0]) + fabs(at[1]) + fabs(at[2]) + fabs(center.x) + fabs(center.y) +
                        fabs(center.z));
-    if (points) { // no part of the box is farther than this
+    if (points) { // upper bound of the box's distance
         double reach = sqrt(stp_dotd(half, half)) * stp_affine_scale(transform) + margin;
         double farthest = sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) + reach;
         margin += work->desc->point_base + work->desc->point_slope * farthest;
@@ -142,7 +143,7 @@ static stp_result open_record(walk* w, uint32_t index)
 {
     stp_pick_work* work = &w->work;
     const stp_store_directory* d = work->directory;
-    record at = w->records[index]; // the array may move
+    record at = w->records[index]; // the array may be reallocated
     const stp_store_node* node = &d->nodes[at.node];
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < node->part_count && result == STP_OK; ++i) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Edges that are only there because faces are cut into triangles.
+// Finds edges that exist only because faces are triangulated.
 #include "select/pick_internal.h"
 #include "store/clusters.h"
 
 #include <string.h>
 
-/// Sine of the angle between planes that count as one.
+/// Sine of the maximum angle between coplanar triangles.
 #define FLAT 1e-3
 
 static bool is_same(stp_vec3 a, stp_vec3 b)
@@ -20,7 +20,7 @@ static stp_vec3d normal_of(const stp_vec3 c[3])
         stp_crossd(stp_subd(stp_to_double(c[1]), a), stp_subd(stp_to_double(c[2]), a)));
 }
 
-/// Compares a triangle with the one picked.
+/// Compares a triangle with the picked one.
 static void compare(stp_pick* pick, const stp_vec3 picked[3], const stp_vec3 other[3])
 {
     for (int k = 0; k < 3; ++k) {

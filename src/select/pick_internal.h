@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the walk of a pick and the tests of meshes and points share.
+// Shared by the pick traversal and the tests of meshes and points.
 #pragma once
 
 #include "select/pick.h"
@@ -11,20 +11,20 @@ typedef struct stp_pick_work {
     const stp_store_directory* directory;
     const stp_pick_desc* desc;
     stp_pick* pick;
-    double nearest;        ///< nothing farther counts
+    double nearest;        ///< farther hits are ignored
     stp_vec3d across, off; ///< unit axes beside the ray's direction
 } stp_pick_work;
 
 /// Chooses the axes.
 void stp_pick_begin(stp_pick_work* work);
 
-/// Whether the ray meets a placed box, `wider` times half its diagonal wider, before what was met; and where. `points`: or
-/// comes as near as points are met.
+/// Whether, and where, the ray hits a placed box before the current hit; the box is enlarged by
+/// `wider` times half its diagonal. `points`: also by the reach of points.
 bool stp_pick_enters(const stp_pick_work* work, const stp_affine* transform, const stp_boxd* box,
                      double wider, bool points, double* near);
 
-/// Says which edges of a triangle, in its mesh's own space, lie within a flat face: another triangle of the mesh has the
-/// edge too, and lies in the same plane.
+/// Finds which edges of a triangle, in mesh space, lie within a flat face: another triangle of the
+/// mesh shares the edge and the plane.
 STP_MUST_USE stp_result stp_pick_find_inner(stp_pick_work* work, uint32_t mesh, uint32_t triangle,
                                             const stp_vec3 corners[3]);
 

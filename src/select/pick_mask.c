@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a material's alpha leaves of triangles: the alpha of its texture at full size, of its colour and of corners' colours, as
-// they are drawn from near by (src/draw/cpu/mesh.c).
+// Evaluates the alpha of a material: of its texture at full resolution, its colour and vertex
+// colours, as drawn at close range (src/draw/cpu/mesh.c).
 #include "select/pick_mask.h"
 
 stp_result stp_pick_mask_make(stp_store* store, const stp_store_material* material, bool colors,
@@ -19,7 +19,7 @@ stp_result stp_pick_mask_make(stp_store* store, const stp_store_material* materi
                : STP_OK;
 }
 
-/// The whole number at or below; far values and not-a-number become 0.
+/// Floor; large values and NaN become 0.
 static int64_t floor_of(float value)
 {
     if (!(value > -1e9f && value < 1e9f)) {
@@ -41,7 +41,7 @@ static size_t wrap(int64_t at, uint32_t size, uint32_t how)
     return (size_t)(rest < n ? rest : period - 1 - rest);
 }
 
-/// Between the texels around a place.
+/// Interpolates the texels around a position.
 static float sample(const stp_store_texture* texture, stp_vec2 uv)
 {
     float half = texture->nearest != 0 ? 0.0f : 0.5f;

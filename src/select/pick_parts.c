@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Triangles against the ray: corners are turned into the ray's own axes, where it is the point (0, 0), and a triangle is met
-// where that lies on one side of all its edges. An edge's side is the same number, but for its sign, in both triangles
-// that share it, so no ray slips through between them (Woop, Benthin, Wald 2013).
+// Ray-triangle tests. Corners are transformed to the ray's axes, where the ray is the point (0, 0);
+// a triangle is hit if that point lies on one side of all its edges. Both triangles of a shared
+// edge compute the same number for its side, except for the sign, so no ray passes between them
+// (Woop, Benthin, Wald 2013).
 #include "base/context.h"
 #include "base/splat_place.h"
 #include "select/pick_internal.h"
@@ -13,17 +14,17 @@
 #include "store/format.h"
 #include "store/residency.h"
 
-/// A corner seen along the ray.
+/// A corner in ray coordinates.
 typedef struct corner {
     double x, y, t;
 } corner;
 
-/// From a part's space to the ray's axes.
+/// Transform from part space to the ray's axes.
 typedef struct ray_map {
     double m[3][4];
 } ray_map;
 
-/// The element met nearest so far in a part.
+/// Nearest hit so far in a part.
 typedef struct nearest_element {
     bool found;
     uint32_t index;
@@ -66,7 +67,7 @@ static corner turn(const ray_map* map, const float* p)
                     m[2][0] * x + m[2][1] * y + m[2][2] * z + m[2][3]};
 }
 
-/// @param share  receives the corners' shares, 1 in all
+/// @param share receives barycentric coordinates
 static bool meets(const corner* a, const corner* b, const corner* c, double* t, double share[3])
 {
     double u = b->x * c->y - b->y * c->x;
@@ -91,14 +92,14 @@ static stp_vec3d point_at(const stp_ray* ray, double t)
     return stp_addd(ray->origin, stp_scaled(ray->direction, t));
 }
 
-/// Whether something met there counts.
+/// Whether a hit at this position counts.
 static bool counts(const stp_pick_work* work, double t, stp_vec3d place)
 {
     return t >= work->desc->ray.nearest && t < work->nearest &&
            (work->desc->sections == NULL || !stp_sections_cut(work->desc->sections, place));
 }
 
-/// Where corners are read that a mask asks about: of a cluster, or of a mesh's columns.
+/// Source of the corners that a mask needs: a cluster, or a mesh's columns.
 typedef struct mask_source {
     stp_pick_mask mask;
     const stp_clusters* clusters;
@@ -145,7 +146,7 @@ static bool is_there(const mask_source* source, const uint32_t vertices[3], cons
     return stp_pick_mask_has(&source->mask, corners, share);
 }
 
-/// `vertices`: of the cluster or the columns.
+/// `vertices`: indices in the cluster or the columns.
 static void test_triangle(stp_pick_work* work, const corner* a, const corner* b, const corner* c,
                           const mask_source* source, const uint32_t vertices[3], uint32_t index,
                           nearest_element* nearest)
@@ -181,7 +182,7 @@ static void test_cluster(stp_pick_work* work, const ray_map* map, mask_source* s
     source->cluster = NULL;
 }
 
-/// The corners of a triangle of clusters.
+/// Corners of a triangle in clusters.
 static void read_triangle(const stp_clusters* clusters, uint32_t triangle, stp_vec3 out[3])
 {
     stp_cluster cluster;
@@ -231,7 +232,7 @@ static const stp_store_material* material_of(const stp_pick_work* work, uint32_t
     return &work->directory->materials[stp_store_describe_mesh(work->store, mesh)->material];
 }
 
-/// What of a mesh's clusters is met nearest, and its corners.
+/// Finds the nearest hit in a mesh's clusters, and its corners.
 static stp_result meet_clusters(stp_pick_work* work, uint32_t mesh, const stp_affine* transform,
                                 const ray_map* map, nearest_element* nearest, stp_vec3 corners[3])
 {
@@ -256,7 +257,7 @@ static stp_result meet_clusters(stp_pick_work* work, uint32_t mesh, const stp_af
     return result;
 }
 
-/// The same of one that is stored as columns.
+/// The same for a mesh stored as columns.
 static stp_result meet_columns(stp_pick_work* work, uint32_t mesh, const ray_map* map,
                                nearest_element* nearest, stp_vec3 corners[3])
 {
@@ -296,11 +297,11 @@ static stp_result pick_mesh(stp_pick_work* work, stp_store_part part, const stp_
                : result;
 }
 
-/// Points of a point set, or the splats of the set that holds them.
+/// Points of a point set, or splats of the set that contains them.
 typedef struct point_source {
     stp_store_point_set points;
-    stp_splats set;           ///< its positions are NULL: there is none
-    const uint8_t* coverages; ///< of the splats, where classes are hidden: 0 is hidden
+    stp_splats set;           ///< positions NULL: no set
+    const uint8_t* coverages; ///< per splat, if classes are hidden: 0 is hidden
     uint32_t count;
 } point_source;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays of pictures, and what is done with what they met.
+// Rays of a picture, and snapping.
 #include "select/eyes.h"
 #include "select/pick.h"
 #include "select/view_frame.h"
@@ -24,7 +24,7 @@ bool stp_ray_of_pixel(const stp_view* view, double x, double y, stp_ray* ray)
         ray->origin = stp_addd(frame.eye, beside);
     } else {
         stp_vec3d toward = stp_addd(frame.forward, beside);
-        ray->nearest *= sqrt(stp_dotd(toward, toward)); // depths are along the gaze
+        ray->nearest *= sqrt(stp_dotd(toward, toward)); // depths are along the viewing direction
         ray->direction = stp_normalized(toward);
     }
     return isfinite(ray->origin.x) && isfinite(ray->direction.x);

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Selection of a store that streams: what is drawn is what is resident (store/residency.h), without holes.
+// Selection for a streaming store: draws only resident data (store/residency.h), without holes.
 //
-// A node is opened only where all that would be seen instead is there: its parts, and of each child's set so many
-// octaves that it covers as well as the node's own set. Else its set is drawn as far as it is here, with splats as large
-// as that prefix needs. So a node that is looked at has something to be drawn, but for those that nothing stands for.
-// What a view would draw or lacks is asked for, in splats of the size wanted that stand for it meanwhile.
+// A node is opened only if all visible content below it is resident: its parts, and enough octaves
+// of each child's set to cover as well as the node's own set. Otherwise the resident prefix of its
+// own set is drawn, with splats large enough for that prefix. So every visited node has something
+// to draw, unless it has no stand-in. Data that a view draws or lacks is requested; the priority is
+// the size of the stand-in's splats, relative to the wanted size.
 #include "base/prefix_table.h"
 #include "select/rule.h"
 #include "store/leaves.h"
 
 #define ROUNDED (1.0 + 1e-6)
 #define EAGER_MOST 4.0
-#define EXTRA_NEED 0.01f // less than that of what stands for something too coarse
+#define EXTRA_NEED 0.01f // less than the priority of items drawn too coarsely
 #define UNSEEN_NEED 0.001f
 
 stp_result stp_select_begin_wants(stp_selection* s)
@@ -38,7 +39,8 @@ stp_result stp_select_begin_wants(stp_selection* s)
     return STP_OK;
 }
 
-/// How large splats of a radius (scene units) are, in splats of the size wanted where the box is nearest.
+/// Size of splats of a radius (scene units), relative to the wanted size at the box's nearest
+/// depth.
 static float find_need(const stp_selection* s, const stp_sight* sight, double radius)
 {
     if (sight->eyes == 0) {
@@ -113,11 +115,11 @@ void stp_select_cover(const stp_selection* s, const stp_splats* surfels, const s
 {
     double reach = fmax(radius_of(surfels, surfels->count), (double)surfels->candidate_radius);
     at->covered = reach * stp_affine_scale(&at->transform);
-    // Where a set is far from enough, its finest octaves, which are most of it, need not come first.
+    // If a set is much too coarse, its finest octaves, which are most of its data, can come later.
     at->eager = fmin(fmax((double)find_need(s, sight, at->covered), 1.0), EAGER_MOST);
 }
 
-/// Whether what is here of a set covers as well as what covers above it.
+/// Whether the resident part of a set covers as well as its ancestors.
 static bool stands_in(const stp_splats* surfels, uint32_t here, const stp_select_entry* at)
 {
     return here > 0 &&
@@ -125,7 +127,7 @@ static bool stands_in(const stp_splats* surfels, uint32_t here, const stp_select
             radius_of(surfels, here) * stp_affine_scale(&at->transform) <= at->covered * ROUNDED);
 }
 
-/// The octaves that cover as well as what covers above.
+/// Number of octaves that cover as well as the ancestors.
 static uint32_t find_octaves(const stp_splats* surfels, const stp_select_entry* at)
 {
     uint32_t octaves = surfels->octave_count > 0 ? 1 : 0;
@@ -136,7 +138,8 @@ static uint32_t find_octaves(const stp_splats* surfels, const stp_select_entry* 
     return octaves;
 }
 
-/// Asks for what is seen of a node's parts, and pushes its children. @return whether the parts are here
+/// Requests the visible parts of a node, and pushes its children. @return whether the parts are
+/// resident
 static stp_result look_below(stp_selection* s, const stp_select_entry* at, bool* ready)
 {
     const stp_store_directory* directory = s->directory;
@@ -153,7 +156,7 @@ static stp_result look_below(stp_selection* s, const stp_select_entry* at, bool*
     }
     for (uint32_t i = 0; i < node->edge_count && result == STP_OK; ++i) {
         const stp_store_edge* edge = &directory->edges[node->first_edge + i];
-        if ((s->graph->moving[edge->node] & STP_NODE_MOVES) == 0) { // those are drawn in any case
+        if ((s->graph->moving[edge->node] & STP_NODE_MOVES) == 0) { // moving nodes are always drawn
             stp_select_entry below = *at;
             below.node = edge->node;
             below.transform = stp_affine_multiply(at->transform, edge->transform);
@@ -163,7 +166,7 @@ static stp_result look_below(stp_selection* s, const stp_select_entry* at, bool*
     return result;
 }
 
-/// Whether all that would be seen of a node, were it opened, is here. Asks for it.
+/// Whether everything visible below a node is resident. Requests what is missing.
 static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* node,
                                      const stp_splats* surfels_of_node, const stp_sight* seen,
                                      bool* ready)
@@ -196,7 +199,7 @@ static stp_result look_whether_ready(stp_selection* s, const stp_select_entry* n
     return result;
 }
 
-/// Leaves the prefix that is here, with splats as large as it needs.
+/// Reduces a use to the resident prefix, with splats large enough for it.
 static void limit(const stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                   uint32_t here, bool closes, stp_set_use* use)
 {
@@ -237,7 +240,7 @@ stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
     if (use->count <= here) {
         return STP_OK;
     }
-    if (opens && !stands_in(surfels, here, at)) { // all below is here instead
+    if (opens && !stands_in(surfels, here, at)) { // everything below is resident
         use->count = 0;
         use->extra = false;
         use->switch_depth = HUGE_VAL;

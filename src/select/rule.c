@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What all methods' rules share: which cases there are, and how large splats are wanted.
+// Shared by the rules of all methods: the cases, and the wanted splat size.
 #include "select/rule.h"
 
 #include "base/prefix_table.h"
@@ -20,7 +20,8 @@ const stp_select_rule* stp_select_rule_of(uint32_t id)
 
 bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfels)
 {
-    // points in one place are one surfel: then all of them cover to no farther than positions are exact
+    // coincident points share one surfel, so all surfels together cover to within position
+    // precision
     return node->triangle_count == 0 &&
            (surfels->count >= node->point_count ||
             stp_prefix_table_radius(&surfels->table, surfels->count) <= surfels->step);

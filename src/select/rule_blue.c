@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: MIT
-// Method `blue`: how many surfels of a node are drawn, and from what depth on they suffice; and where levels meet. Each splat
-// of a set is drawn between two depths: beyond the far one fewer suffice, or those of an ancestor do; nearer than the near
-// one the node is opened.
+// Method `blue`: the number of surfels drawn of a node, the depth beyond which they suffice, and
+// the transitions between levels. Each splat of a set is drawn between two depths. Beyond the far
+// depth fewer splats, or those of an ancestor, suffice; nearer than the near depth the node is
+// opened.
 #include "base/prefix_table.h"
 #include "select/rule.h"
 
 enum {
     RUN_ALIGN = 64,
-    RUN_GROWS = 8 ///< runs grow by an eighth of what is before them
+    RUN_GROWS = 8 ///< run lengths grow by an eighth of the splats before
 };
 
-#define ONE_DEPTH 1.02 ///< what is seen at depths this alike is drawn as if it were at one
+#define ONE_DEPTH 1.02 ///< depth ranges below this ratio count as a single depth
 
-// Candidates only sample the surface, so no point of it is farther from a splat than what the prefix covers to and the
-// candidates' radius together. Hardly any is as far: of large splats all of it would only show beyond edges, where nothing is.
-#define ROOMY 2.0 ///< pixels up to which all of the candidates' radius is added
-#define CLOSE 4.0 ///< and from which on half of it is
+// Candidates only sample the surface: the distance from the surface to a splat is at most the
+// prefix's coverage radius plus the candidate radius. Few points are that far away. Adding the
+// whole candidate radius to large splats would only extend them beyond edges.
+#define ROOMY 2.0 ///< pixels up to which the whole candidate radius is added
+#define CLOSE 4.0 ///< pixels from which half of it is added
 
-/// The prefix, and how large its disks are where splats of so many pixels are wanted.
+/// Disk radius of a prefix when splats of this many pixels are wanted.
 static void use_count(stp_set_use* use, uint32_t count, double splat_size)
 {
     double roomy = (CLOSE - splat_size) / (CLOSE - ROOMY);
@@ -44,11 +46,12 @@ static void use_estimate(stp_set_use* use, double radius, bool cloud)
 }
 
 #define SHORT 2.0 ///< far over near depth up to which a node is opened slowly
-#define LONG 3.0  ///< and from which on it is opened soon
+#define LONG 3.0  ///< and from which it is opened early
 
-/// Factor on the depth beyond which a node's set suffices, where the set is too coarse at the node's nearest depth: the third
-/// power of how much too coarse it is, up to the seventh for a node that is long along the gaze. A long node is thus fully
-/// open before the eye enters its box. A short node lies at about one depth and fades out gradually.
+/// Factor on the depth beyond which a node's set suffices, if the set is too coarse at the node's
+/// nearest depth: the cube of the shortfall, up to its seventh power for nodes that are long in
+/// depth. A long node is thus fully open before the eye enters its box. A short node lies at about
+/// one depth and fades out gradually.
 static double move_out(double lacks, stp_depth_range range)
 {
     double length = (range.far / range.near - SHORT) / (LONG - SHORT);
@@ -57,8 +60,9 @@ static double move_out(double lacks, stp_depth_range range)
     return cubed * (1.0 + part * (cubed * lacks - 1.0));
 }
 
-/// The prefix of a set that is to be opened, with its radius, such that it and what grows in are no more work than
-/// STP_TRANSITION_WORK times the dearer of the two. A shorter prefix still covers, with larger splats.
+/// Chooses the prefix, and its radius, of a set in transition, so that it and the incoming content
+/// together take at most STP_TRANSITION_WORK times the work of the more expensive one. A shorter
+/// prefix still covers, with larger splats.
 static void use_beside(stp_set_use* use, uint32_t count, double size, double below, double grown)
 {
     double own = STP_SPLAT_WORK * (double)count;
@@ -70,14 +74,14 @@ static void use_beside(stp_set_use* use, uint32_t count, double size, double bel
     use_count(use, count, size);
 }
 
-/// By insertion radius: as many as cover at the nearest depth, or all where they do not; opened where a finer
-/// radius is wanted than its surfels are used for.
+/// Chooses by insertion radius: the surfels that cover at the nearest depth, or all if they do not
+/// suffice. Opens the node if the wanted radius is finer than its surfels are used for.
 static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp_sight* sight,
                              const stp_select_entry* at, bool cloud)
 {
     const stp_splats* surfels = use->surfels;
     stp_depth_range range = sight->range;
-    double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn however near, with gaps
+    double size = cloud ? 0.0 : sight->splat_size; // clouds are drawn at any distance, with gaps
     double suffices_from = stp_select_reach(s, at->node) / use->per_depth;
     double below = (double)s->graph->works[at->node];
     uint32_t count = stp_prefix_table_count(&surfels->table, (float)(use->per_depth * range.near));
@@ -102,14 +106,14 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp
     }
 }
 
-/// How much of a node's own set is there at a depth.
+/// Share of a node's own set that is drawn at a depth.
 static double shrinking(const stp_set_use* use, double depth)
 {
     const double gone = 1.0 / STP_LEVELS_SHRINK;
     return stp_clampd((depth / use->switch_depth - gone) / (1.0 - gone), 0.0, 1.0);
 }
 
-/// The depths between which splat `index` of the prefix, and those after it, are drawn at most.
+/// Bounds of the depths at which splat `index` of the prefix, and those after it, are drawn.
 static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_t index)
 {
     stp_depth_range range = {0.0, HUGE_VAL};
@@ -124,7 +128,8 @@ static stp_depth_range depths_of(const stp_set_use* use, double ceiling, uint32_
     return range;
 }
 
-/// Splats [begin, end) of those that lie evenly spread over `seen`, that are drawn beside those of another level.
+/// Estimates how many of the splats [begin, end), spread evenly over `seen`, are drawn beside those
+/// of another level.
 static double count_extra(const stp_select_entry* at, const stp_set_use* use, stp_depth_range seen,
                           stp_depth_range drawn, uint32_t count)
 {
@@ -135,7 +140,7 @@ static double count_extra(const stp_select_entry* at, const stp_set_use* use, st
     return (double)count * fmin(1.0, (own + grown) / width);
 }
 
-/// Divides a prefix into runs; none where each splat is drawn wherever the node is seen.
+/// Divides a prefix into runs; no runs if every splat is drawn at all depths of the node.
 static stp_result add_runs(stp_selection* s, const stp_select_entry* at, const stp_set_use* use,
                            stp_depth_range seen, stp_draw_item* item, double* extra)
 {
@@ -219,7 +224,7 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
     }
 }
 
-/// With splats as large as the prefix needs that is there.
+/// Uses splats large enough for the resident prefix.
 static void limit(const stp_select_entry* at, double nearest, uint32_t here, stp_set_use* use)
 {
     (void)at;

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Sets that were made leaf by leaf, `stochastic`: a view takes from each leaf as many of its splats as the cues are worth, the
-// first ones of its random order, so a leaf's splats stay while the eye rests (Bhakar, Luo, Mudur 2004, 3.2). What is far away is
-// taken cube by cube of the octree. Where all splats of a set do not suffice, the node is opened.
+// Method `stochastic`, sets built leaf by leaf. The cues decide how many splats a view takes from
+// each leaf. They are the first of the leaf's random order, so they stay the same while the eye
+// rests (Bhakar, Luo, Mudur 2004, 3.2). Distant content is taken by whole octree cubes. If all
+// splats of a set do not suffice, the node is opened.
 #include "base/leaf_runs.h"
 #include "base/prefix_table.h"
 #include "select/cue_cells.h"
 #include "select/cues.h"
 #include "select/rule.h"
 
-#define CELL_SAMPLES 0.5 // of each leaf of a cube that is not opened, at the most
-#define CUES_MOST 8.0    // times the nominal samples: a bent region with an edge or a silhouette
+#define CELL_SAMPLES 0.5 // maximum splats per leaf of a cube that is not opened
+#define CUES_MOST 8.0    // factor on nominal samples: a bent region with an edge or a silhouette
 
-/// The shortest run of octaves with so many splats.
+/// Smallest number of octaves with this many splats.
 static uint32_t round_count(const stp_splats* set, double count)
 {
     for (uint32_t k = 0; k < set->octave_count; ++k) {
@@ -27,7 +28,7 @@ static double reach_of(const stp_splats* set, uint32_t count)
     return (double)stp_prefix_table_radius(&set->table, count);
 }
 
-/// The octaves that any leaf seen from `nearest` on may need.
+/// Octaves that leaves at depth `nearest` and beyond may need.
 static void use_from(double nearest, stp_set_use* use)
 {
     double wanted = use->per_depth * nearest, all = reach_of(use->surfels, use->surfels->count);
@@ -45,7 +46,7 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
     }
 }
 
-/// Exactly `count` splats of all leaves, seen or not.
+/// Takes exactly `count` splats of all leaves, visible or not.
 static void use_count(stp_set_use* use, uint32_t count)
 {
     use->state = count < use->surfels->count ? count : use->surfels->count;
@@ -84,7 +85,8 @@ static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
     return STP_OK;
 }
 
-/// The splats of a cube for a number of samples: of several leaves whole octaves, of one as many as are wanted.
+/// Adds splats of a cube for a number of samples: whole octaves for several leaves, the exact
+/// number for one.
 static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, double samples,
                             uint32_t here)
 {
@@ -98,7 +100,7 @@ static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, do
     return cell;
 }
 
-/// Whole samples of a leaf; the rest goes to the leaf that is next along the curve.
+/// Rounds a leaf's samples down; the remainder goes to the next leaf along the curve.
 static double round_leaf(const stp_leaf_node* node, double samples, double* carried)
 {
     double all = (double)node->count;
@@ -108,7 +110,7 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
     return whole;
 }
 
-/// Looks at the cubes that are seen, and opens them where they are worth many splats.
+/// Visits visible cubes, and opens those that need many splats.
 static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint32_t here,
                                size_t* count)
 {
@@ -135,7 +137,8 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
     return result;
 }
 
-/// What a splat count is shared by: cues that do not depend on the eye. By STP_CUE_ERROR_BIT it is the area alone.
+/// Weight of a leaf when a splat count is distributed: the view-independent cues, or the area alone
+/// for STP_CUE_ERROR_BIT.
 static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
 {
     double samples = (double)node->area;
@@ -154,8 +157,8 @@ static double most_of(const stp_splats* set, const stp_leaf_node* node, uint32_t
                                  stp_cue_octaves(set, 1.0, here));
 }
 
-/// How many splats a part 1 of the worth gets so that all leaves together have `wanted`. Leaves that cannot give as many give
-/// all; what they lack is shared by the others, of which some then cannot, and so on.
+/// Finds the splats per unit of weight so that all leaves together have `wanted`. Leaves with too
+/// few splats give all; the others share the difference, repeatedly.
 static double find_density(const stp_cue_view* view, double wanted, uint32_t here)
 {
     enum { ROUNDS_MOST = 64 };
@@ -180,8 +183,8 @@ static double find_density(const stp_cue_view* view, double wanted, uint32_t her
     return density;
 }
 
-/// Shares `wanted` splats among all leaves: as many as they are worth, within what they have, and one more or less so that the
-/// sum is right.
+/// Distributes `wanted` splats over all leaves by weight, limited by their counts. Adjusts by one
+/// splat so that the sum is exact.
 static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t wanted,
                             uint32_t here, size_t* count)
 {
@@ -202,7 +205,7 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
         result =
             add_cell(s, count, (stp_cue_cell){node->first, node->first + node->count, drawn, 0});
     }
-    for (size_t i = 0; i < *count && left > 0; ++i) { // what rounding left over
+    for (size_t i = 0; i < *count && left > 0; ++i) { // remainder of rounding
         stp_cue_cell* cell = &s->list->cells[i];
         uint32_t most = stp_cue_count(view->set, cell->first, cell->last,
                                       stp_cue_octaves(view->set, 1.0, here));
@@ -230,7 +233,7 @@ static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* a
                            .transform = at->transform};
 }
 
-/// Without leaves, a prefix of the set is a random choice of it, with splats as large as it needs.
+/// Without leaves, a prefix of the set is a random sample, with splats large enough for it.
 static stp_result add_plain(stp_selection* s, const stp_set_use* use, stp_draw_item item,
                             stp_depth_range drawn)
 {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Sets whose splats have ranges of levels, `spt` and `psp`: a view takes the prefix whose ranges reach the nearest depth;
-// each splat is tested where it is drawn (Dachsbacher et al. 2003, 3.6 and 3.7). Where all splats of a set do not suffice,
-// the node is opened. Of `psp`, a state has any number of splats that is asked for (Wu et al. 2005, 5).
+// Sets whose splats have ranges of levels, `spt` and `psp`: a view takes the prefix whose ranges
+// reach the nearest depth; backends test each splat when drawing (Dachsbacher et al. 2003, 3.6 and
+// 3.7). If all splats of a set do not suffice, the node is opened. Sets of `psp` have states with
+// any requested number of splats (Wu et al. 2005, 5).
 #include "base/prefix_table.h"
 #include "select/rule.h"
 
-/// The shortest prefix of the table that holds every splat a level can need.
+/// Shortest prefix of the table that holds every splat a level can need.
 static uint32_t find_prefix(const stp_splats* surfels, double level)
 {
     const stp_prefix_table* table = &surfels->table;
@@ -17,7 +18,8 @@ static uint32_t find_prefix(const stp_splats* surfels, double level)
     return surfels->count;
 }
 
-/// The highest level of any splat after the first `count`. At this level and above, the prefix is complete.
+/// The highest level of any splat after the first `count`. At this level and above, the prefix is
+/// complete.
 static double find_level(const stp_splats* surfels, uint32_t count)
 {
     const stp_prefix_table* table = &surfels->table;
@@ -36,7 +38,8 @@ static void use_count(stp_set_use* use, uint32_t count)
     use->radius = fmax(use->level_least, (double)use->surfels->candidate_radius);
 }
 
-/// Uses the state with `count` splats. It lies in the first 2 count - base splats, and a base set has at least one.
+/// Uses the state with `count` splats. It lies in the first 2 count - base splats, and a base set
+/// has at least one.
 static void use_state(stp_set_use* use, uint32_t count)
 {
     uint32_t all = use->surfels->count;
@@ -78,7 +81,7 @@ static void use_set(const stp_selection* s, const stp_select_entry* at, const st
     }
 }
 
-/// Uses the first `count` splats, or as many as are used now.
+/// Uses the first `count` splats, or as many as `use` already says.
 static void use_at_most(stp_set_use* use, uint32_t count)
 {
     use_count(use, count < use->count ? count : use->count);

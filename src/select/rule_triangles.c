@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: MIT
-// Large triangles beside splats (Dachsbacher et al. 2003, 3.8). A build looks for them below a node as far as
-// STP_LARGE_USES parts and nodes, so that a view need not look at more.
+// Large triangles beside splats (Dachsbacher et al. 2003, 3.8). A build looks for them below a node
+// as far as STP_LARGE_USES parts and nodes, so that a view need not look at more.
 #include "select/rule.h"
 
-// Half of what a view may have: what splats can stand for must not be why a view fails.
+// Half of a view's limit: content that splats can represent must not make a view fail.
 #define IDS_MOST (UINT64_C(1) << 31)
 #define ITEMS_MOST (UINT64_C(1) << 18)
-#define ROUNDED                                                                                    \
-    0.95 ///< clusters are a little smaller or larger than the triangles that a build saw
+/// clusters are slightly smaller or larger than the triangles that the build used
+#define ROUNDED 0.95
 
-/// What the walk below a node takes along.
+/// State of the traversal below a node.
 typedef struct walk {
     stp_selection* s;
     const stp_select_entry* at;
     const stp_set_use* use;
     const stp_sight* sight;
     enum { WALK_COUNTS, WALK_ASKS, WALK_ADDS } does;
-    uint32_t left;  ///< parts and nodes that may still be looked at
-    uint32_t items; ///< that would be added
+    uint32_t left;  ///< parts and nodes that may still be visited
+    uint32_t items; ///< items to add
     uint64_t ids;   ///< of them
-    bool all;       ///< what was asked for is here
+    bool all;       ///< requested data is resident
 } walk;
 
-/// Whether large triangles replace splats of the prefix, of which no octave is missing that the picture needs.
+/// Whether large triangles replace splats of the prefix, with every octave that the picture needs
+/// resident.
 static stp_result has_replaced(const stp_selection* s, const stp_set_use* use, bool* has)
 {
     *has = false;
@@ -42,7 +43,7 @@ static stp_result has_replaced(const stp_selection* s, const stp_set_use* use, b
     return STP_OK;
 }
 
-/// Whether a part can have triangles that count at this scale.
+/// Whether a part can have large triangles at this scale.
 static bool has_large(const walk* w, stp_store_part part, double scale)
 {
     const stp_selection* s = w->s;
@@ -56,7 +57,7 @@ static bool has_large(const walk* w, stp_store_part part, double scale)
            s->directory->materials[mesh->material].alpha == STP_STORE_OPAQUE;
 }
 
-/// @param below from the space of the mesh to that of the set's node
+/// @param below from mesh space to the space of the set's node
 static stp_result add_item(const walk* w, uint32_t mesh, const stp_affine* below, double scale)
 {
     stp_selection* s = w->s;

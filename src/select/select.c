@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Both passes of a selection, from beginning to end.
+// Both passes of a selection.
 #include "select/count.h"
 #include "select/rule.h"
 

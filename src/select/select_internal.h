@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: MIT
-// What the parts of selection share: the state of a call, and what is decided of a node.
+// Shared by the parts of selection: the state of a call, and decisions about a node.
 #pragma once
 
 #include "select/sections.h"
 #include "select/select.h"
 
-/// Times the depth at which a node's surfels just suffice: up to there what is below it grows in.
+/// Factor on the depth at which a node's surfels just suffice: up to there its children fade in.
 #define STP_LEVELS_GROW 1.1
-/// What a set may lack of the wanted radius before all of its surfels are gone.
+/// Shortfall of the wanted radius at which all surfels of a set have faded out.
 #define STP_LEVELS_LACK 1.07
 #define STP_LEVELS_LACK_TWICE (STP_LEVELS_LACK * STP_LEVELS_LACK)
-/// The same in depths: where they just suffice is moved out by the third power, at least, of what they lack (prefix.c).
+/// The same in depths: the switch depth grows at least with the cube of the shortfall
+/// (rule_blue.c).
 #define STP_LEVELS_SHRINK (STP_LEVELS_LACK_TWICE * STP_LEVELS_LACK_TWICE)
 
-/// Cost of a splat in those of a triangle (docs/notes/2026-11-proportion.md).
+/// Cost of a splat relative to a triangle (docs/notes/2026-11-proportion.md).
 #define STP_SPLAT_WORK 1.5
-/// Most work of a node in transition, in that of the dearer of its two ways.
+/// Limit on the work of a node in transition, relative to the more expensive of its two levels.
 #define STP_TRANSITION_WORK 1.2
 
-/// Most and default stp_quality.spare.
+/// Maximum and default of stp_quality.spare.
 #define STP_SPARE_MOST 8.0
 
 static inline double stp_select_spare(const stp_quality* quality)
@@ -27,21 +28,20 @@ static inline double stp_select_spare(const stp_quality* quality)
     return !(spare > 0.0) ? STP_SPARE_MOST : fmin(fmax(spare, 1.0), STP_SPARE_MOST);
 }
 
-/// A node still to be looked at.
+/// A node to visit.
 typedef struct stp_select_entry {
     uint32_t node;
-    bool moving_only;  ///< an ancestor's surfels stand for all that does not move
+    bool moving_only;  ///< an ancestor's surfels represent everything that does not move
     bool extra;        ///< an ancestor is drawn where it is nearest
-    uint32_t sections; ///< bits of planes that may cut it
-    uint32_t shown;    ///< of the visibility
+    uint32_t sections; ///< bits of section planes that may cut it
+    uint32_t shown;    ///< state of its visibility
     double ceiling;    ///< beyond this depth an ancestor's surfels suffice
-    double
-        covered;  ///< how well the nearest ancestor's set covers, scene units; infinite: none does
-    double eager; ///< how much sooner what is below is loaded than what it covers with tells
+    double covered; ///< coverage radius of the nearest ancestor's set, scene units; infinite: none
+    double eager;   ///< factor on the loading priority of the content below
     stp_affine transform;
 } stp_select_entry;
 
-/// What is known of a store's nodes, once for all views. Children come before their parents.
+/// View-independent properties of a store's nodes. Children come before their parents.
 typedef struct stp_select_graph {
     const stp_store_directory* directory;
     const stp_store_node* nodes;
@@ -49,37 +49,36 @@ typedef struct stp_select_graph {
     uint32_t method; ///< of the sets
     uint8_t* moving; ///< STP_NODE_MOVES, STP_MOVES_BELOW
     float*
-        margins; ///< how far what is drawn of a node may stick out of its box, beside pixels; node units
+        margins; ///< overhang of a node's drawn content beyond its box, without pixels; node units
     double* reaches;   ///< coverage radius of all surfels of its own, node units
-    float* spares;     ///< times that, down to which they are used at the most
-    float* works;      ///< most work of what is drawn instead of them, in triangles
-    uint8_t* repeated; ///< of each part: whether its node lists it before, too; a bit each
+    float* spares;     ///< factor on that radius: lower limit of their use
+    float* works;      ///< maximum work of the content drawn instead of them, in triangles
+    uint8_t* repeated; ///< per part, one bit: whether its node listed it before
     bool* has_sets;    ///< it or a node below it has a set
-    uint32_t* most;    ///< splats that its set can be drawn with; 0: not known yet
+    uint32_t* most;    ///< splats available in its set; 0: not known yet
 } stp_select_graph;
 
 enum { STP_NODE_MOVES = 1, STP_MOVES_BELOW = 2 };
 
 typedef struct stp_selection {
     stp_context* context;
-    stp_store* store; ///< read, unless a set's columns are needed (cuts.c)
+    stp_store* store; ///< read-only, unless a set's columns are needed (cuts.c)
     const stp_store_directory* directory;
     const stp_quality* quality;
     const stp_sections* sections;
     stp_draw_list* list;
-    uint32_t method; ///< its place in the directory's table
+    uint32_t method; ///< its index in the directory's table
     const struct stp_select_rule* rule;
-    uint32_t
-        coarse_method; ///< the same of sets that stand for large shares of others; STP_STORE_NONE: none
+    uint32_t coarse_method; ///< the same for the coarse method; STP_STORE_NONE: none
     const stp_select_graph* graph;
-    stp_view_frame frames[STP_EYES_MOST]; ///< of each eye, with one gaze, scale and near plane
+    stp_view_frame frames[STP_EYES_MOST]; ///< per eye, with common direction, scale and near plane
     uint32_t eye_count;
     size_t stack_count;
     uint64_t visits;
-    size_t cut_count;   ///< of states, in this call
-    size_t share_count; ///< of a count of splats
+    size_t cut_count;   ///< cached states in this call
+    size_t share_count; ///< for a splat count
     bool second_pass;
-    bool streams; ///< what is resident is drawn, and what would be is asked for
+    bool streams; ///< streaming: draws resident data, and requests the rest
 } stp_selection;
 
 /// Depths between which a box is seen; both 1 in parallel projection.
@@ -87,107 +86,113 @@ typedef struct stp_depth_range {
     double near, far;
 } stp_depth_range;
 
-/// What is seen of a box.
+/// Visibility of a box in a view.
 typedef struct stp_sight {
-    stp_depth_range range; ///< for the eyes that see it together
-    uint32_t eyes;         ///< bits of those that may see it
-    bool is_inside;        ///< one is within
-    double splat_size;     ///< pixels: the least wanted of what is seen
-    double largest_size;   ///< the largest of all that is seen, at least that where an eye looks
+    stp_depth_range range; ///< combined over the eyes that see it
+    uint32_t eyes;         ///< bits of the eyes that may see it
+    bool is_inside;        ///< an eye is inside
+    double splat_size;     ///< pixels: minimum wanted size in view
+    double largest_size;   ///< maximum size in view, at least that at the gaze point
 } stp_sight;
 
-/// How a node's surfels are used. They are drawn beyond switch_depth, what is below the node is drawn nearer.
+/// How a node's surfels are used. They are drawn beyond switch_depth; the node's content is drawn
+/// nearer.
 typedef struct stp_set_use {
     const struct stp_select_rule* rule;
     uint32_t set; ///< of the store
     const stp_splats* surfels;
     uint32_t count; ///< prefix; 0: not drawn
-    uint32_t state; ///< splats of the state of a progressive set that is drawn; 0: by levels
+    uint32_t state; ///< splats of the drawn state of a progressive set; 0: by levels
     double radius;  ///< of its splats, node units
     double level_per_depth, level_least; ///< of the item
     double per_depth;    ///< the wanted coverage radius at depth 1, node units; 0: not by depth
-    double switch_depth; ///< 0: nothing below is drawn; infinite: all of it
-    bool extra;          ///< switching would not draw them
+    double switch_depth; ///< 0: nothing below is drawn; infinite: everything
+    bool extra;          ///< not drawn without blending between levels
 } stp_set_use;
 
-/// The set of a node by the method that is drawn.
+/// The set of a node, of the drawn method.
 static inline uint32_t stp_select_set_of(const stp_selection* s, uint32_t node)
 {
     return stp_store_set_of(s->directory, s->method, node);
 }
 
-/// @return whether any eye may see some of the box
+/// @return whether any eye may see part of the box
 bool stp_select_see(const stp_selection* s, const stp_boxd* box, stp_sight* sight);
 
-/// The box that holds a transformed box.
+/// Bounding box of a transformed box.
 stp_boxd stp_select_place_box(const stp_affine* transform, const stp_boxd* box);
 /// The box of a node's mesh or points, in scene space.
 stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part,
                              const stp_affine* transform);
 
-// Of stores that stream (resident.c).
-/// Empties the list's wants, but in the second pass.
+// Streaming stores (resident.c).
+/// Clears the list's wants, except in the second pass.
 STP_MUST_USE stp_result stp_select_begin_wants(stp_selection* s);
-/// Asks for what a use needs of a set that can be done without. @return whether it is here
+/// Requests the part of an optional set that a use needs. @return whether it is resident
 bool stp_select_want_coarse(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                             const stp_set_use* use);
-/// Asks for a mesh or points of a node. @return whether they are here
+/// Requests a mesh or points of a node. @return whether they are resident
 bool stp_select_want_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
                           const stp_sight* sight);
-/// Asks for the leaves of a node's set. What is there of them, stp_store_get_leaves tells.
+/// Requests the leaves of a node's set. stp_store_get_leaves returns the resident ones.
 void stp_select_want_leaves(stp_selection* s, const stp_select_entry* at, const stp_sight* sight,
                             uint32_t set);
-/// Asks for a mesh that only makes better what is there without it: after all else. @return whether it is here
+/// Requests a mesh that only improves the picture, with the lowest priority. @return whether it is
+/// resident
 bool stp_select_want_extra(stp_selection* s, uint32_t mesh);
-/// Makes the entry of a node with a set that of what is below it.
+/// Turns the entry of a node with a set into the entry of its children.
 void stp_select_cover(const stp_selection* s, const stp_splats* surfels, const stp_sight* sight,
                       stp_select_entry* at);
-/// Changes what is to be done with a node's surfels to what can be, and asks for what is missing.
+/// Limits the use of a node's surfels to resident data, and requests what is missing.
 STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_entry* at,
                                              const stp_sight* sight, stp_set_use* use);
 
-/// Whether a set holds all points of a node without triangles: such a node is never opened, since points have no size of their
-/// own. A cloud with points in one place is not complete: its set has one of them.
+/// Whether a set holds all points of a node without triangles: such a node is never opened, since
+/// points have no size of their own. A cloud with points in one place is not complete: its set has
+/// one of them.
 bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfels);
 
-/// Whether there are only points below a node. Sets of `blue` and `stochastic` then have original points as splats.
+/// Whether there are only points below a node. Sets of `blue` and `stochastic` then have original
+/// points as splats.
 bool stp_select_is_of_points(const stp_selection* s, uint32_t node);
 
-/// Appends an item of so many ids, with its first_id.
+/// Appends an item with this many ids, and sets its first_id.
 STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item,
                                             uint64_t id_count);
 /// The coverage radius down to which a node's own set is used.
 double stp_select_reach(const stp_selection* s, uint32_t node);
-/// The wanted coverage radius at depth 1, in a node's units; 0 where there is none.
+/// The wanted coverage radius at depth 1, in node units; 0: none.
 double stp_select_radius_per_depth(const stp_selection* s, const stp_select_entry* at,
                                    const stp_sight* sight);
-/// Appends a run of an item that is to be added: splats [begin, end) are drawn between two depths.
+/// Appends a run of the next item: splats [begin, end) are drawn between two depths.
 STP_MUST_USE stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end,
                                            stp_depth_range range);
 
-/// Makes an item draw the state with `wanted` splats of a progressive set, or the nearest that the item's prefix has. With fewer
-/// than the base set has, the first of these. The item's prefix becomes that of the state. @return STP_OK, or as
-/// stp_store_get_surfels_prefix; `*found`: whether the set has states; else the item stays as it is
+/// Makes an item draw the state with `wanted` splats of a progressive set, or the nearest state in
+/// the item's prefix. If that is fewer than the base set has, draws the first splats of the base
+/// set. Sets the item's prefix to the state's. @return STP_OK, or as stp_store_get_surfels_prefix;
+/// `*found`: whether the set has states; if not, the item is unchanged
 STP_MUST_USE stp_result stp_select_cut_item(stp_selection* s, uint32_t wanted, stp_draw_item* item,
                                             bool* found);
 
-/// The splats that the set of a node, which has some, can be drawn with at once. @return STP_OK, or as
-/// stp_store_get_surfels_prefix
+/// Number of splats that can be drawn at once from the set of a node, which has one. @return
+/// STP_OK, or as stp_store_get_surfels_prefix
 STP_MUST_USE stp_result stp_select_count_most(stp_selection* s, uint32_t node, uint32_t* most);
 
-/// How much of what lies below a node is there at a depth, by the depth beyond which the node suffices.
+/// Share of a node's content that is drawn at a depth, given the depth beyond which the node's set
+/// suffices.
 double stp_select_growth(double ceiling, double depth);
 
-/// Makes or finds what is known of the store's nodes.
+/// Builds, or finds, the view-independent properties of the store's nodes.
 STP_MUST_USE stp_result stp_select_find_graph(stp_selection* s);
 void stp_select_destroy_graph(stp_context* context, stp_select_graph* graph);
 
-/// Counts a node that is looked at. @return STP_OK or STP_ERROR_LIMIT (logged)
+/// Counts a visited node. @return STP_OK or STP_ERROR_LIMIT (logged)
 STP_MUST_USE stp_result stp_select_count_visit(stp_selection* s);
 STP_MUST_USE stp_result stp_select_push(stp_selection* s, const stp_select_entry* entry);
-/// Looks at all that was pushed.
+/// Visits all pushed nodes.
 STP_MUST_USE stp_result stp_select_traverse(stp_selection* s);
 
-/// Whether the pyramid hides a node. Where it does in the first pass, the node is set aside.
+/// Whether the pyramid occludes a node. In the first pass, occluded nodes are deferred.
 STP_MUST_USE stp_result stp_select_hide(stp_selection* s, const stp_select_entry* at,
                                         const stp_boxd* box, const stp_sight* sight, bool* hidden);

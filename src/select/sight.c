@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What all eyes together see of a box, and how fine it is wanted.
+// Visibility of a box for all eyes together, and the wanted splat sizes.
 #include "select/select_internal.h"
 
-/// The sizes of splats wanted in an eye's picture of the box.
+/// Splat sizes wanted in an eye's picture of the box.
 static void choose_sizes(const stp_selection* s, uint32_t eye, const stp_boxd* box,
                          stp_sight* sight)
 {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The walk down the graph: what is seen of it, by which level.
+// Traversal of the graph: chooses the visible nodes and their levels.
 #include "select/count.h"
 #include "select/rule.h"
 
-// A small graph of shared nodes can expand exponentially. These limits bound the time and memory of a view: a fixed
-// allowance, plus a share for each record of the graph. Views of real scenes visit about 100,000 nodes.
+// A small graph of shared nodes can expand exponentially. These limits bound the time and memory of
+// a view: a fixed allowance, plus a number per record of the graph. Views of real scenes visit
+// about 100,000 nodes.
 #define VISITS_ALWAYS (UINT64_C(1) << 21)
 #define ITEMS_ALWAYS (UINT64_C(1) << 19)
 #define EACH_RECORD UINT64_C(16)
@@ -99,7 +100,8 @@ stp_boxd stp_select_part_box(const stp_selection* s, stp_store_part part, const 
     return stp_select_place_box(a, &wide);
 }
 
-/// A node's own triangles or points, up to the depth where its surfels, or an ancestor's, suffice.
+/// Adds a node's own triangles or points, up to the depth where its surfels, or an ancestor's,
+/// suffice.
 static stp_result add_part(stp_selection* s, stp_store_part part, const stp_select_entry* at,
                            uint32_t shown)
 {
@@ -115,10 +117,11 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     } else {
         const stp_store_point_set* points = stp_store_describe_point_set(s->store, part.index);
         if (points->held_by != 0 && s->streams) {
-            return STP_OK; // they come with their set
+            return STP_OK; // large triangles come with their set
         }
         item.kind = STP_DRAW_POINTS;
-        item.of_points = s->directory->nodes[at->node].point_count > 0; // no sketch of a mesh
+        // a mesh has no coarser version
+        item.of_points = s->directory->nodes[at->node].point_count > 0;
         item.prefix = item.full_prefix = points->point_count;
         count = points->point_count;
     }
@@ -134,7 +137,7 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     }
     stp_depth_range range = sight.range;
     if (item.kind == STP_DRAW_POINTS && range.near > at->ceiling) {
-        return STP_OK; // any part of them would not be spread evenly: they come all at once, below surfels
+        return STP_OK; // no subset of them is spread evenly: they appear all at once, below surfels
     }
     if (item.kind == STP_DRAW_MESH && range.far > at->ceiling) {
         item.fade_begin = (float)at->ceiling;
@@ -148,7 +151,7 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
     return stp_select_add_item(s, item, count);
 }
 
-/// What is shown of an edge or part of a node.
+/// Visibility state of an edge or part of a node.
 static uint32_t show_below(const stp_selection* s, const stp_select_entry* at, uint32_t slot)
 {
     return stp_show_of(at->shown) == STP_SHOW_MIXED
@@ -183,7 +186,7 @@ static stp_result open_node(stp_selection* s, const stp_select_entry* at)
     return result;
 }
 
-/// Whether anything of a box is left by sections and by what is hidden.
+/// Whether sections and occlusion leave any of a box visible.
 static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd* box)
 {
     if (at->shown == STP_SHOW_NOT) {
@@ -196,7 +199,8 @@ static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd
     return stp_sections_test(s->sections, box, margin, &at->sections);
 }
 
-/// Whether a node is drawn by its set: with one, where it shows nothing that is hidden, nor is to show points by themselves.
+/// Whether a node may be drawn by its set: it has one, the set contains no hidden objects, and
+/// points need not be drawn separately.
 static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
 {
     const stp_store_node* node = &s->directory->nodes[at->node];
@@ -207,8 +211,8 @@ static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
            stp_select_set_of(s, at->node) != STP_STORE_NONE;
 }
 
-/// Visits a node where splats are counted: sets are noted whether they are seen or not, and what is
-/// below one is not drawn.
+/// Visits a node for a splat count: registers sets whether in view or not, and draws nothing below
+/// a set.
 static stp_result visit_by_count(stp_selection* s, stp_select_entry* at, bool seen)
 {
     stp_result result = STP_OK;
@@ -231,7 +235,7 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
     if (counted != STP_OK) {
         return counted;
     }
-    if ((moving & STP_NODE_MOVES) != 0) { // no ancestor shows it
+    if ((moving & STP_NODE_MOVES) != 0) { // no ancestor represents it
         at->moving_only = at->extra = false;
         at->ceiling = at->covered = HUGE_VAL;
         at->eager = 1.0;
@@ -264,7 +268,7 @@ static stp_result visit(stp_selection* s, stp_select_entry* at)
             stp_select_use_coarse(s, at, &sight, &drawn);
             result = drawn.rule->add(s, at, &drawn, &sight);
         }
-        // where this node's surfels suffice nearest to the eye, switching would draw nothing below
+        // if this node's surfels suffice at its nearest depth, switching would draw nothing below
         at->extra = at->extra || (use.count > 0 && !use.extra);
         at->ceiling = fmin(at->ceiling, use.switch_depth);
         at->moving_only = !(stp_select_growth(at->ceiling, nearest) > 0.0);

@@ -6,7 +6,7 @@ static bool finite3(stp_vec3d v)
     return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
 }
 
-/// The axis least along `v`, for views whose up vector says nothing.
+/// The axis least parallel to `v`, for views with a degenerate up vector.
 static stp_vec3d other_axis(stp_vec3d v)
 {
     double x = fabs(v.x), y = fabs(v.y), z = fabs(v.z);
@@ -18,7 +18,7 @@ static stp_vec3d other_axis(stp_vec3d v)
 
 static void make_sides(stp_view_frame* f)
 {
-    const double margin = 1.0; // a splat's own pixel may stick out of its node's box
+    const double margin = 1.0; // a splat's own pixel may extend beyond its node's box
     const stp_vec3d axes[4] = {f->right, stp_scaled(f->right, -1.0), f->down,
                                stp_scaled(f->down, -1.0)};
     const double edges[4] = {f->width - f->center_x, f->center_x, f->height - f->center_y,
@@ -80,7 +80,7 @@ bool stp_view_frame_is_inside(const stp_view_frame* frame, const stp_boxd* box)
            e.y <= box->max.y && e.z >= box->min.z && e.z <= box->max.z;
 }
 
-/// How far a box of half sides `half` reaches from its middle along an axis.
+/// Extent of a box with half sides `half` from its centre along an axis.
 static double reach_along(stp_vec3d axis, stp_vec3d half)
 {
     return fabs(axis.x) * half.x + fabs(axis.y) * half.y + fabs(axis.z) * half.z;
@@ -113,7 +113,7 @@ bool stp_view_frame_sees_range(const stp_view_frame* frame, const stp_boxd* box,
         }
     }
     if (!frame->parallel) {
-        // what is visible is also no nearer than the box, seen at most from a corner of the picture
+        // visible content is also no nearer than the box, seen at most from a corner of the picture
         near = fmax(near, distance_to(frame, box) / frame->corner);
     }
     *nearest_depth = fmax(near, frame->near_distance);
@@ -152,7 +152,7 @@ stp_view_rectangle stp_view_frame_cover(const stp_view_frame* f, const stp_boxd*
             widen(f, &r, corners[i][0], corners[i][1], corners[i][2]);
         }
     }
-    for (int i = 0; i < 8 && !f->parallel; ++i) { // edges that pass through the near plane
+    for (int i = 0; i < 8 && !f->parallel; ++i) { // edges that cross the near plane
         for (int k = 1; k < 8; k *= 2) {
             const double *a = corners[i], *b = corners[i | k];
             if ((i & k) == 0 && (a[2] >= f->near_distance) != (b[2] >= f->near_distance)) {

@@ -93,7 +93,7 @@ uint32_t stp_visibility_below(const stp_visibility* v, uint32_t state, uint32_t 
     return v->mixed[state - STP_SHOW_MIXED].slots[slot];
 }
 
-/// The place of a new mixed state. @return false where memory runs out (logged)
+/// Finds an index for a new mixed state. @return false if out of memory (logged)
 static bool find_free(stp_visibility* v, uint32_t* index)
 {
     if (v->first_free > 0) {
@@ -141,7 +141,7 @@ void stp_visibility_merge(stp_visibility* v, uint32_t state)
     }
     stp_visibility_mixed* m = &v->mixed[state - STP_SHOW_MIXED];
     for (uint32_t i = 0; i < m->count; ++i) {
-        stp_visibility_merge(v, m->slots[i]); // as deep as what made it went
+        stp_visibility_merge(v, m->slots[i]); // as deep as the recursion that built it
     }
     stp_free(v->context, m->slots);
     *m = (stp_visibility_mixed){.next_free = v->first_free};

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// What of a scene is shown, hidden, or drawn as a ghost. In a shared graph a thing is a node *at a place*: what else uses the
-// node is not touched.
+// Visibility of objects: shown, hidden, or drawn as ghosts. In a shared graph an object is a node
+// *at a place*: other instances of the node are not affected.
 //
 //   root --- street --- house --- door          hidden: the door of this house
-//    mixed    mixed      mixed     hidden       surfels of mixed nodes show the door: they are opened instead
-//        `--- trees (all as before: drawn by any level)
+//    mixed    mixed      mixed     hidden       surfels of mixed nodes show the door: open them
+//        `--- trees (unchanged: drawn by any level)
 //
-// So what is kept is a tree of the paths to what differs: as large as what was set, and a frame looks at no more of it
-// than it sees. Whoever selects with it (stp_quality.visibility) must not change it meanwhile.
+// The state is a tree of paths to the differences. Its size is proportional to what was set, and a
+// frame visits only the visible part. It must not change during a selection that uses it
+// (stp_quality.visibility).
 #pragma once
 
 #include "base/math.h"
@@ -16,12 +17,14 @@
 
 typedef enum stp_show {
     STP_SHOW, ///< drawn
-    STP_SHOW_GHOST, ///< drawn in some of its pixels only (stp_draw_style.ghost): what is behind shows through
+    /// drawn in a share of its pixels (stp_draw_style.ghost): the background shows through
+    STP_SHOW_GHOST,
     STP_SHOW_NOT,   ///< neither drawn nor picked
-    STP_SHOW_MIXED, ///< not all of it is one of these
+    STP_SHOW_MIXED, ///< a mix of these
 } stp_show;
 
-/// A node of the graph at a place of the scene: an object of the tree (store/outline.h), or what was picked.
+/// A node of the graph at a place of the scene: an object of the tree (store/outline.h), or a
+/// picked node.
 typedef struct stp_placed_node {
     uint32_t node;
     stp_affine transform; ///< to scene space
@@ -32,33 +35,36 @@ typedef struct stp_visibility stp_visibility;
 /// Everything is shown. Belongs to the store, which must outlive it.
 STP_MUST_USE stp_result stp_visibility_create(stp_context* context, const stp_store* store,
                                               stp_visibility** visibility);
-/// The same again, for a thread that draws while this one is changed.
+/// Copies the state, for a thread that draws while the original changes.
 STP_MUST_USE stp_result stp_visibility_copy(stp_context* context, const stp_visibility* from,
                                             stp_visibility** copy);
 void stp_visibility_destroy(stp_visibility* visibility);
 
-/// The whole scene. Isolated is what was set to STP_SHOW after all was reset to STP_SHOW_NOT or STP_SHOW_GHOST.
+/// Resets the whole scene. To isolate an object, reset to STP_SHOW_NOT or STP_SHOW_GHOST, then set
+/// the object to STP_SHOW.
 void stp_visibility_reset(stp_visibility* visibility, stp_show show);
 
-/// A thing with all that is below it, whatever was set of that before; not STP_SHOW_MIXED. It need not be a node that the
-/// graph reaches: partition may have spread an object's content over others' nodes (docs/design.md), and what stands at its
-/// place is found there. Of things that coincide (the same node at the same place), all are set.
-/// @return STP_OK (also where there is no such thing in the scene), STP_ERROR_LIMIT (it would take too long to find),
-/// STP_ERROR_OUT_OF_MEMORY; logged. After a failure, what is shown is between before and what was asked for.
+/// Sets an object and everything below it, overriding earlier settings there; not STP_SHOW_MIXED.
+/// The graph need not reach its node: partitioning may have moved an object's content into other
+/// nodes (docs/design.md), where it is found by its place. Coincident objects (the same node at the
+/// same place) are all set.
+/// @return STP_OK (also if the scene has no such object), STP_ERROR_LIMIT (the search would take
+/// too long), STP_ERROR_OUT_OF_MEMORY; logged. After a failure, the change may be partly applied.
 STP_MUST_USE stp_result stp_visibility_set(stp_visibility* visibility, const stp_placed_node* thing,
                                            stp_show show);
 
-/// The box, in scene space, of all that is drawn, ghosts too; of the whole scene where `visibility` is NULL. Empty where
-/// nothing is drawn. Sections do not count.
+/// Bounding box, in scene space, of everything drawn, including ghosts; of the whole scene if
+/// `visibility` is NULL. Empty if nothing is drawn. Ignores sections.
 stp_boxd stp_visible_bounds(const stp_store* store, const stp_visibility* visibility);
 
-/// A number that changes with every change: what was made with another one is old.
+/// Version number: differs after every change.
 uint64_t stp_visibility_version(const stp_visibility* visibility);
 
-// For those who walk the graph: a state of a node at a place, beginning with stp_visibility_root. Up to
-// STP_SHOW_NOT it holds for all that is below; others are mixed.
+// For graph traversals: the state of a node at a place, starting with stp_visibility_root. Values
+// up to STP_SHOW_NOT apply to everything below; larger values are mixed.
 uint32_t stp_visibility_root(const stp_visibility* visibility);
-/// Of what an edge (`slot` below the node's edge_count) or a part (slot - edge_count) of a mixed node leads to.
+/// State of the target of an edge (`slot` below the node's edge_count), or of a part (slot -
+/// edge_count), of a mixed node.
 uint32_t stp_visibility_below(const stp_visibility* visibility, uint32_t state, uint32_t slot);
 
 static inline stp_show stp_show_of(uint32_t state)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A thing found in the graph: from the root down into what stands where it does and has something of it, until what is
-// met belongs to it wholly.
+// Finds an object in the graph: descends from the root into nodes that overlap its place and share
+// content with it, until a node belongs to it entirely.
 #include "base/context.h"
 #include "select/visibility_internal.h"
 #include "store/instances.h"
@@ -8,18 +8,18 @@
 #include <string.h>
 
 enum {
-    OF_THING = 1, ///< the thing's own node has it below
-    TOUCHES = 2,  ///< has some part that the thing has too
+    OF_THING = 1, ///< below the object's own node
+    TOUCHES = 2,  ///< shares a part with the object
 };
 
-static const uint64_t visit_limit = UINT64_C(1) << 22; // and 16 for each record of the graph
+static const uint64_t visit_limit = UINT64_C(1) << 22; // plus 16 per record of the graph
 
 typedef struct setting {
     stp_visibility* v;
     const stp_placed_node* thing;
-    stp_boxd bounds; ///< of the thing, scene space
+    stp_boxd bounds; ///< of the object, scene space
     uint32_t show;
-    uint64_t visits; ///< left
+    uint64_t visits; ///< remaining steps
     stp_result result;
 } setting;
 
@@ -29,7 +29,8 @@ static size_t part_number(const setting* s, stp_store_part part)
                                             : (size_t)s->v->directory->mesh_count + part.index;
 }
 
-/// Marks what is below the thing's node, and what has some of the same parts. Children come before their parents.
+/// Marks nodes below the object's node, and nodes that share parts with it. Children come before
+/// their parents.
 static stp_result mark_nodes(setting* s)
 {
     stp_visibility* v = s->v;
@@ -73,7 +74,7 @@ static stp_result mark_nodes(setting* s)
     return STP_OK;
 }
 
-/// Whether the thing has it.
+/// Whether the object contains the part.
 static bool is_of_thing(setting* s, const stp_instance* what)
 {
     stp_instance_search search = {.directory = s->v->directory, .visits_left = s->visits};
@@ -94,7 +95,7 @@ static bool overlap(const stp_boxd* a, const stp_boxd* b)
            a->min.z <= b->max.z + margin && b->min.z <= a->max.z + margin;
 }
 
-/// Notes the new state of a slot of a node. The node's state is made mixed where it was not.
+/// Stores the new state of a slot of a node. Makes the node's state mixed if it was not.
 static void set_slot(setting* s, uint32_t node, uint32_t slot, uint32_t shown, uint32_t* state)
 {
     if (stp_show_of(*state) != STP_SHOW_MIXED) {
@@ -113,7 +114,7 @@ static uint32_t state_below(const setting* s, uint32_t state, uint32_t slot)
     return stp_show_of(state) == STP_SHOW_MIXED ? stp_visibility_below(s->v, state, slot) : state;
 }
 
-/// The state of a node all of whose slots are alike; the same state where they are not.
+/// Collapses the state of a node whose slots are all equal; otherwise returns it unchanged.
 static uint32_t simplify(setting* s, uint32_t state)
 {
     if (stp_show_of(state) != STP_SHOW_MIXED) {
@@ -130,7 +131,7 @@ static uint32_t simplify(setting* s, uint32_t state)
     return first;
 }
 
-/// @return the state of a node at a place after the thing was set
+/// @return the state of a node at a place after the object was set
 static uint32_t set_below(setting* s, uint32_t node, const stp_affine* transform, uint32_t state,
                           uint32_t depth)
 {

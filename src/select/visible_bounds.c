@@ -10,8 +10,8 @@ static void add_box(stp_boxd* to, const stp_boxd* box)
     }
 }
 
-/// Adds what is drawn of a node at a place. Only mixed nodes are opened, and these form a tree no deeper than
-/// STP_INSTANCE_DEPTH.
+/// Adds the bounds of the drawn content of a node at a place. Only mixed nodes are opened; they
+/// form a tree no deeper than STP_INSTANCE_DEPTH.
 static void add_node(const stp_store* store, const stp_visibility* v, uint32_t node,
                      const stp_affine* transform, uint32_t state, stp_boxd* bounds)
 {
