@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-enum { LINEAR_FULL = 65535 }; ///< times the most frames, 4096: within 32 bits
+enum { LINEAR_FULL = 65535 }; ///< times the maximum of 4096 frames: fits 32 bits
 
 void cpu_continue_accumulation(cpu_renderer* r, const stp_view* view, const stp_draw_list* list,
                                const stp_draw_style* style)
@@ -50,7 +50,7 @@ static void add_rows(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t at = begin * r->width; at < end * r->width; ++at) {
         const uint8_t* in = r->image->pixels + 4 * at;
         uint32_t* sum = a->sums + 4 * at;
-        uint32_t alpha = in[3]; // below 255 where only what is transparent covers the pixel
+        uint32_t alpha = in[3]; // below 255 if only transparent surfaces cover the pixel
         for (int k = 0; k < 3; ++k) {
             sum[k] = (a->frames > 0 ? sum[k] : 0) + (alpha * a->linear[in[k]] + 127) / 255;
         }

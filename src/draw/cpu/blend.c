@@ -43,7 +43,7 @@ static uint32_t count_blocks(uint32_t pixels, uint32_t shift)
     return (pixels + (1u << shift) - 1) >> shift;
 }
 
-/// Room for blocks and windows, of which splats touch few.
+/// Allocates blocks and windows; splats touch few of them.
 static stp_result make_blocks(cpu_renderer* r)
 {
     cpu_blend* b = &r->blend;
@@ -57,7 +57,7 @@ static stp_result make_blocks(cpu_renderer* r)
     return result;
 }
 
-/// The nearest of all workers' pixels; what is no splat's is not blended.
+/// Finds the nearest of all workers' pixels; only pixels of splats are blended.
 static void find_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const cpu_renderer* r = user;
@@ -112,7 +112,7 @@ typedef struct splat_lighter {
     _Alignas(64) cpu_shade_surface surfaces[SHADE_LANES_MOST];
 } splat_lighter;
 
-/// As pixels in the middle of the splats would be lit.
+/// Lights splats like pixels at their centres.
 static void light_splats(void* user, uint32_t first, uint32_t count, const float* x, const float* y,
                          uint32_t (*out)[3])
 {
@@ -138,7 +138,8 @@ static void light_splats(void* user, uint32_t first, uint32_t count, const float
     }
 }
 
-/// The least nearness of planes in rows of blocks. What shows no splat is as near as can be: nothing is added there.
+/// Computes the minimum nearness of planes in rows of blocks. Pixels without a splat get the
+/// maximum nearness, so nothing is added there.
 static void find_blocks(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const cpu_renderer* r = user;
@@ -161,7 +162,7 @@ static void find_blocks(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// What splats are behind of all planes that they meet: nothing of them is added anywhere.
+/// Occlusion test: splats behind all planes they overlap contribute nothing.
 static void find_windows(cpu_renderer* r)
 {
     uint32_t columns = count_blocks(r->width, r->blend.block_shift);
@@ -225,7 +226,7 @@ static void mix_rows(size_t begin, size_t end, uint32_t worker, void* user)
         uint64_t first = r->blend.sums[2 * at], second = r->blend.sums[2 * at + 1];
         uint32_t weight = (uint32_t)(second >> 32);
         if (weight == 0 || weight > STP_BLEND_LIMIT) {
-            continue; // nothing was added, or more than sums hold
+            continue; // nothing was added, or the sums overflowed
         }
         const uint32_t sums[3] = {(uint32_t)first, (uint32_t)(first >> 32), (uint32_t)second};
         for (int k = 0; k < 3; ++k) {

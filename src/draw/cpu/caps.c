@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Caps of sections in the picture of the eye that is drawn, once it is shaded.
+// Draws section caps into the shaded picture of the current eye.
 #include "draw/cpu/caps.h"
 
 #include <string.h>
@@ -19,7 +19,7 @@ static void put_rows(size_t begin, size_t end, uint32_t worker, void* user)
             r->workers[worker].covered += r->depth[i] > 0.0f ? 0 : 1;
             r->depth[i] = near;
             memcpy(r->image->pixels + 4 * i, rows->caps->pixels + 4 * i, 4);
-            if (r->layers.stage != CPU_LAYERS_NONE) { // what is transparent behind it is hidden
+            if (r->layers.stage != CPU_LAYERS_NONE) { // it hides transparent surfaces behind it
                 uint64_t pixel = stp_raster_pixel(near, UINT32_MAX - 1);
                 uint64_t* opaque = &r->layers.farther[i];
                 *opaque = pixel < *opaque ? pixel : *opaque;

@@ -3,11 +3,11 @@
 
 #include "draw/cpu/cpu.h"
 
-/// Whether the frame may have any.
+/// Whether the frame may have caps.
 static inline bool cpu_has_caps(const cpu_renderer* r)
 {
     return r->style->caps && r->sections->count > 0;
 }
 
-/// Puts caps (draw/caps.h) into the picture that was shaded, and its depths. @return as stp_caps_find
+/// Draws caps (draw/caps.h) into the shaded picture and its depths. @return as stp_caps_find
 STP_MUST_USE stp_result cpu_put_caps(cpu_renderer* r);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Clusters drawn: those in view are decoded, a few at a time, into memory that stays in the processor's cache.
+// Draws clusters: decodes those in view in small batches, which stay in the CPU cache.
 #include "draw/cpu/cpu.h"
 
 enum { BATCH_CLUSTERS = 8 };
 
-/// Neighbouring clusters, decoded.
+/// A batch of consecutive decoded clusters.
 typedef struct batch {
     uint32_t vertex_count, triangle_count, cluster_count, first_triangle;
     float positions[3 * BATCH_CLUSTERS * STP_CLUSTER_VERTICES];
@@ -68,7 +68,7 @@ static void add_cluster(const cpu_item* item, uint32_t index, float share, batch
     b->cluster_count += 1;
 }
 
-/// Whether there is anything to draw of a cluster.
+/// Whether any of a cluster may be visible.
 static bool is_seen(const cpu_renderer* r, const cpu_item* item, const stp_bounding* bounding,
                     stp_box box, uint32_t bit, cpu_cluster_range* range)
 {
@@ -103,7 +103,7 @@ bool cpu_draw_clusters(const cpu_renderer* r, const cpu_item* item, cpu_cluster_
                         is_seen(r, item, &bounding, box, 1u << (i - range->begin), range);
             if (!seen && b->cluster_count != 0) {
                 i += 1;
-                break; // ids of a batch follow each other
+                break; // ids of a batch are consecutive
             }
             if (seen) {
                 add_cluster(item, i, share, b);

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// What sections cut away of items that they go through, and splats of ghosts. Items that lie wholly inside all planes, as
-// nearly all do, have nothing tested.
+// Section planes through items, and splats of ghosts. Nearly all items lie inside all planes and
+// skip these tests.
 #include "draw/cpu/cpu.h"
 #include "draw/placement.h"
 #include "select/sections.h"
 
 #include <string.h>
 
-// Of the size of a product: what a face in the plane itself may be rounded by. It stays, wholly.
+// Relative rounding error of a product: a face in the plane itself stays whole.
 #define ROUNDED 2e-6
 
-/// Moves a cut out by what rounding may do within a box.
+/// Moves a plane outwards by the maximum rounding error within a box.
 static void relax(double row[4], const double reach[3], double steps)
 {
     double size = fabs(row[3]);
@@ -57,7 +57,7 @@ bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint
             most += stp_max(from, to);
             size += stp_max(fabsf(from), fabsf(to));
         }
-        if (least > 1e-5f * size) { // what floats round
+        if (least > 1e-5f * size) { // float rounding
             return true;
         }
         if (most > -1e-5f * size) {
@@ -67,7 +67,7 @@ bool cpu_cuts_drop(const cpu_cuts* cuts, const cpu_item* item, stp_box box, uint
     return false;
 }
 
-/// Cuts in what splats' positions are numbers of.
+/// Planes in the units of splat positions.
 static void turn_cuts(const cpu_renderer* r, const cpu_item* item, bool grid,
                       float rows[STP_SECTION_PLANES][4], uint32_t* count)
 {
@@ -90,7 +90,7 @@ static void turn_cuts(const cpu_renderer* r, const cpu_item* item, bool grid,
         for (int c = 0; c < 3; ++c) {
             row[c] *= step;
         }
-        relax(row, reach, grid ? 0.5 : 0.0); // surfels are rounded to whole numbers
+        relax(row, reach, grid ? 0.5 : 0.0); // surfel positions are integers
         for (int c = 0; c < 4; ++c) {
             rows[*count][c] = (float)row[c];
         }
@@ -98,7 +98,7 @@ static void turn_cuts(const cpu_renderer* r, const cpu_item* item, bool grid,
     }
 }
 
-/// The bits of up to 16 splats that no cut takes.
+/// Bits of up to 16 splats that no plane cuts away.
 static uint16_t find_left(const stp_raster_splats* splats, uint32_t first, uint32_t count,
                           float rows[STP_SECTION_PLANES][4], uint32_t cut_count)
 {
@@ -138,7 +138,7 @@ bool cpu_hides_some(const cpu_renderer* r, const cpu_item* item)
     return marked && stp_store_get_coloring(r->store)->hides;
 }
 
-/// The bits of up to 16 splats or points that no hidden class has (store/coloring.h).
+/// Bits of up to 16 splats or points of visible classes (store/coloring.h).
 static uint16_t find_shown(const cpu_item* item, uint32_t first, uint32_t count)
 {
     uint16_t shown = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Passes over the rows of a picture: how near pixels are, with gaps between disks closed; what neighbours shade; colours.
+// Passes over the rows of a picture: nearness with gaps between disks closed, shading by
+// neighbours, colours.
 #include "draw/cpu/effects.h"
 
 #include "base/processor.h"
@@ -8,7 +9,7 @@
 
 enum { SCRATCH_ROWS = 3, BLUR_REACH = 2, CLOSE_MOST = 4 };
 
-#define BLUR_SLOPE 4.0f ///< neighbours that rise so steeply are another surface
+#define BLUR_SLOPE 4.0f ///< neighbours that rise more steeply belong to another surface
 
 typedef struct effect_frame {
     cpu_renderer* r;
@@ -16,8 +17,8 @@ typedef struct effect_frame {
     const stp_depth_pyramid* pyramid;
     size_t stride, pad;
     float *near, *spare, *far, *factor; ///< planes of height * stride
-    float* outside;                     ///< a row that is farther than all
-    float* scratch;                     ///< SCRATCH_ROWS a worker
+    float* outside;                     ///< a row of infinite distance
+    float* scratch;                     ///< SCRATCH_ROWS per worker
     stp_effect_shape shape;
     float scale;
     bool constant; ///< gain
@@ -38,7 +39,7 @@ static const cpu_effect_kernels* choose_kernels(void)
     return &cpu_effect_kernels_portable;
 }
 
-/// The first pixel of a row; rows beyond the picture are farther than anything.
+/// First pixel of a row; rows outside the picture are infinitely far.
 static float* row_of(const effect_frame* f, float* plane, int64_t y)
 {
     bool there = y >= 0 && y < (int64_t)f->r->height;
@@ -60,8 +61,8 @@ static void fill_pads(const effect_frame* f, float* row, float value)
     }
 }
 
-// The rims of disks lie behind their planes: without this each disk would have a dark outline. What is narrower than a
-// disk's valley is filled to its brim, silhouettes stay (a morphological closing of nearness).
+// Disk rims lie behind their planes, which would outline each disk in dark. A morphological closing
+// of nearness fills gaps narrower than the valley between disks, and keeps silhouettes.
 
 static void widen_columns(size_t begin, size_t end, uint32_t worker, void* user)
 {
@@ -111,7 +112,7 @@ static void narrow_rows(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// The pyramid's blocks brought to the size of pixels, smoothly.
+/// Upsamples the pyramid's blocks to pixels by interpolation.
 static void spread_pyramid(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const effect_frame* f = user;
@@ -153,7 +154,7 @@ static void find_occlusion(const effect_frame* f, int64_t y, const float* gain)
     float* out = row_of(f, f->spare, y);
     const float* center = row_of(f, f->near, y);
     memset(out, 0, f->r->width * sizeof(float));
-    fill_pads(f, out, 0.0f); // blurred with weight 0, but it must be a number
+    fill_pads(f, out, 0.0f); // blurred with weight 0, but must not be NaN
     for (uint32_t i = 0; i < f->shape.pair_count; ++i) {
         const stp_effect_pair* p = &f->shape.pairs[i];
         float* plane = p->far ? f->far : f->near;
@@ -178,7 +179,7 @@ static void find_shades(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// One direction of the blur: from a plane into a row of sums, then their mean.
+/// One direction of the blur: from a plane into a row of sums, then their means.
 static void blur_row(const effect_frame* f, int64_t y, bool down, float* plane, uint32_t worker,
                      float* out)
 {
@@ -285,7 +286,8 @@ static stp_result make_room(cpu_renderer* r, effect_frame* f)
     return STP_OK;
 }
 
-/// The pyramid that culling is to use for the next frame; in parallel projection, where it uses none, one of our own.
+/// Returns the pyramid that culling will use for the next frame; in parallel projection, without
+/// culling, a separate one.
 static stp_result find_pyramid(cpu_renderer* r, effect_frame* f)
 {
     stp_depth_pyramid* pyramid =

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// What is done with a picture once its pixels have colours: eye-dome lighting (Boucheny 2009) and ambient occlusion.
-// Both read nothing but how near pixels are, row by row, at the same offsets for all pixels: the loops are vectors'
-// own (effects_rows.h), there is no noise to be blurred away, and threads share out rows.
+// Post-shading effects: eye-dome lighting (Boucheny 2009) and ambient occlusion. Both read only
+// pixel nearness, row by row, at the same offsets for all pixels. So the loops vectorize
+// (effects_rows.h), there is no noise to blur, and threads divide the rows.
 //
-// A step of nearness times a pixel's gain is a step of depth in sides of a pixel there. Planes are linear in nearness,
-// in both projections: opposite neighbours on one add up to nothing, however steep it is.
+// A nearness difference times a pixel's gain is a depth difference in pixel sides at that depth.
+// Planes are linear in nearness in both projections: opposite neighbours on a plane cancel out, at
+// any slope.
 #pragma once
 
 #include "draw/cpu/cpu.h"
@@ -15,24 +16,25 @@ enum {
     EFFECT_BAND_ROWS = 8,
 };
 
-/// Loops over the pixels of a row. All arithmetic is single IEEE operations: all variants give the same bits.
+/// Loops over the pixels of a row. All arithmetic is single IEEE operations: all variants give the
+/// same bits.
 typedef struct cpu_effect_kernels {
-    /// The greatest (least) of values -reach .. reach away.
+    /// Maximum (minimum) of values at offsets -reach .. reach.
     void (*greatest)(const float* in, int32_t reach, float* out, uint32_t count);
     void (*least)(const float* in, int32_t reach, float* out, uint32_t count);
     void (*add_greatest)(const float* in, float* out, uint32_t count);
     void (*add_least)(const float* in, float* out, uint32_t count);
-    /// Gains: scale / nearness, or `scale` where that is constant; 0 of the background.
+    /// Gains: scale / nearness, or `scale` if constant; 0 for background.
     void (*gain)(const float* nearness, float scale, bool constant, float* out, uint32_t count);
-    /// Adds how steeply opposite neighbours rise above each pixel.
+    /// Adds the slopes by which opposite neighbours rise above each pixel.
     void (*rise)(const float* center, const float* gain, const float* const neighbours[2],
                  float inverse, float* sum, uint32_t count);
     /// Turns sums of rises into factors.
     void (*eye_dome)(float* sum, float strength, uint32_t count);
-    /// Adds how much two opposite neighbours together rise above each pixel.
+    /// Adds the combined rise of two opposite neighbours above each pixel.
     void (*pair)(const float* center, const float* gain, const float* const neighbours[2],
                  const float numbers[3], float* sum, uint32_t count);
-    /// Adds to sums and their weights what neighbours at similar depths have.
+    /// Adds neighbours at similar depths to sums and weights.
     void (*blur)(const float* center, const float* gain, const float* neighbour,
                  const float* values, float inverse, float* const sums[2], uint32_t count);
     /// Interpolates between two rows of blocks, then along them.

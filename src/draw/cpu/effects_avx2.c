@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The loops of effects_rows.h for processors with AVX2.
+// The loops of effects_rows.h for CPUs with AVX2.
 #if defined(__x86_64__)
 
 #include "draw/cpu/effects_rows.h"

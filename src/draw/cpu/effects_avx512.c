@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The loops of effects_rows.h for processors with AVX-512.
+// The loops of effects_rows.h for CPUs with AVX-512.
 #if defined(__x86_64__)
 
 #include "draw/cpu/effects_rows.h"

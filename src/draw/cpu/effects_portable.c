@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The loops of effects_rows.h for any processor.
+// The loops of effects_rows.h for any CPU.
 #include "draw/cpu/effects_rows.h"
 
 const cpu_effect_kernels cpu_effect_kernels_portable = EFFECT_KERNELS;

@@ -49,15 +49,15 @@ static void find_gain(const float* restrict nearness, float scale, bool constant
     }
 }
 
-// What is so much steeper shades no more: silhouettes of far things are no darker than those of near ones. In
-// perspective, a step of log depth (Boucheny) differs from that of depth by less than half of its square: this limit
-// is far below.
+// Limits the slope that shades, so that silhouettes of distant objects are no darker than near
+// ones. In perspective, a step of log depth (Boucheny) differs from a step of depth by less than
+// half of its square: this limit is far below.
 #define STEEPEST 40.0f
-// A plane that goes on falls as much on one side as it rises on the other; so much of that is taken off, or ground
-// would be black before the horizon.
+// On a plane, one neighbour falls as much as the other rises. This share of the fall is subtracted;
+// otherwise ground near the horizon would be black.
 #define PLANE_SHARE 0.75f
 
-/// Half of a pair's rise, and what the other half falls.
+/// Rise of one neighbour of a pair, less the fall of the other.
 static inline float rise_above(float a, float b)
 {
     float rise = a - PLANE_SHARE * stp_max(-b, 0.0f);
@@ -73,13 +73,13 @@ static void add_rise(const float* restrict center, const float* restrict gain,
         float factor = gain[x] * inverse;
         float a = (one[x] - center[x]) * factor, b = (other[x] - center[x]) * factor;
         float known_a = one[x] < 0.0f ? 0.0f : a, known_b = other[x] < 0.0f ? 0.0f : b;
-        a = one[x] < 0.0f ? -known_b : a; // beyond the border planes go on
+        a = one[x] < 0.0f ? -known_b : a; // planes are extrapolated beyond the border
         b = other[x] < 0.0f ? -known_a : b;
         sum[x] += rise_above(a, b) + rise_above(b, a);
     }
 }
 
-/// exp(-y) to second order in its reciprocal: no mathematical library decides bytes of pictures.
+/// exp(-y) to second order in its reciprocal: pictures must not depend on a math library.
 static void make_eye_dome(float* restrict sum, float strength, uint32_t count)
 {
     for (uint32_t x = 0; x < count; ++x) {
@@ -88,14 +88,14 @@ static void make_eye_dome(float* restrict sum, float strength, uint32_t count)
     }
 }
 
-/// `numbers`: 1 / distance, what a rise must exceed, 1 / the depth from which on what is in front does not count.
+/// `numbers`: 1 / distance, minimum rise, 1 / depth beyond which foreground is ignored.
 static void add_pair(const float* restrict center, const float* restrict gain,
                      const float* const neighbours[2], const float numbers[3], float* restrict sum,
                      uint32_t count)
 {
     const float* restrict one = neighbours[0], * restrict other = neighbours[1];
     float inverse = 0.5f * numbers[0], bias = numbers[1], inverse_reach = numbers[2];
-    float fall = -2.0f / inverse_reach; // what rises as much on the other side does not count
+    float fall = -2.0f / inverse_reach; // cancels an equal fall on the other side
     for (uint32_t x = 0; x < count; ++x) {
         float a = (one[x] - center[x]) * gain[x], b = (other[x] - center[x]) * gain[x];
         float in_reach = stp_min(stp_max(2.0f - a * inverse_reach, 0.0f), 1.0f) *

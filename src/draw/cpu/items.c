@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Draw items made ready: data and textures looked up, matrices from item to screen.
+// Prepares draw items: looks up data and textures, computes matrices from item to screen.
 #include "draw/cpu/cpu.h"
 #include "draw/placement.h"
 #include "raster/cutout.h"
@@ -33,7 +33,7 @@ void cpu_place_items(cpu_renderer* r, const stp_draw_list* list, size_t first)
     r->placed = r->eye;
 }
 
-/// The colours of the octave that a prefix has, and of the octave before.
+/// Colours of a prefix's octave, and of the previous octave.
 static void choose_octave(cpu_item* item, const stp_splats* surfels, uint32_t prefix)
 {
     stp_octave_choice choice = stp_placement_choose_octave(surfels, prefix);
@@ -48,7 +48,7 @@ static void choose_octave(cpu_item* item, const stp_splats* surfels, uint32_t pr
     item->blend = choice.blend;
 }
 
-/// Decodes a texture where it is used for the first time.
+/// Decodes a texture on first use.
 static stp_result find_texture(cpu_renderer* r, const stp_store_texture_use* use, bool data,
                                const stp_texture_pyramid** out)
 {
@@ -90,7 +90,7 @@ static void forget_texture(cpu_renderer* r, cpu_texture* texture)
     *texture = (cpu_texture){0};
 }
 
-/// Drops what was made of texels that are no longer there.
+/// Drops decoded data of evicted texels.
 static void forget_old_textures(cpu_renderer* r)
 {
     for (uint32_t i = 0; i < r->directory->texture_count; ++i) {
@@ -163,7 +163,7 @@ static stp_result find_mesh(cpu_renderer* r, uint32_t index, cpu_item* item)
     return result;
 }
 
-/// Reads the octaves that the prefix needs, and no finer ones.
+/// Reads only the octaves that the prefix needs.
 static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
 {
     const stp_splats* known = stp_store_describe_surfels(r->store, draw->index);
@@ -219,7 +219,7 @@ static stp_result prepare_item(cpu_renderer* r, const stp_draw_list* list,
     return result;
 }
 
-/// Asks for a texture's texels, once. @return how many are asked for now
+/// Schedules a texture for decoding, once. @return number of scheduled textures
 static uint32_t ask_for(cpu_renderer* r, uint32_t texture, uint32_t count)
 {
     if (texture != STP_STORE_NONE && !r->textures[texture].is_asked) {
@@ -229,7 +229,7 @@ static uint32_t ask_for(cpu_renderer* r, uint32_t texture, uint32_t count)
     return count;
 }
 
-/// Decodes the pictures that items from `first` on are the first to need, on all threads.
+/// Decodes textures first used by items from `first`, on all threads.
 static void decode_pictures(cpu_renderer* r, const stp_draw_list* list, size_t first)
 {
     uint32_t count = 0;
@@ -242,12 +242,12 @@ static void decode_pictures(cpu_renderer* r, const stp_draw_list* list, size_t f
             count = ask_for(r, m->emissive_texture.texture, count);
         }
     }
-    if (count > 1) { // one alone is decoded where it is used
+    if (count > 1) { // a single one is decoded on use
         stp_store_decode_textures(r->store, r->asked, count);
     }
 }
 
-/// Makes an item of large triangles of which none is drawn.
+/// Makes an item of large triangles that draws none.
 static void skip_item(const cpu_renderer* r, const stp_draw_item* draw, cpu_item* item)
 {
     const stp_store_mesh* mesh = stp_store_describe_mesh(r->store, draw->index);
@@ -274,20 +274,20 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
         forget_old_textures(r);
     }
     decode_pictures(r, list, first);
-    for (size_t i = 0; i < first; ++i) { // the list may lie elsewhere now
+    for (size_t i = 0; i < first; ++i) { // the list may have been reallocated
         const stp_draw_item* draw = &list->items[i];
         r->items[i].draw = draw;
         r->items[i].runs = r->items[i].runs != NULL ? list->runs + draw->first_run : NULL;
     }
     r->item_count = first;
     uint64_t pieces = first > 0 ? r->piece_count : 0;
-    bool leaves_out = false; // of the set that large triangles follow
+    bool leaves_out = false; // the set that the large triangles follow
     for (size_t i = first; i < list->count; ++i) {
         cpu_item* item = &r->items[i];
         const stp_draw_item* draw = &list->items[i];
         stp_result result = STP_OK;
         if (draw->large && !leaves_out) {
-            skip_item(r, draw, item); // its mesh need not be read
+            skip_item(r, draw, item); // no need to read its mesh
         } else {
             result = prepare_item(r, list, draw, item);
         }
@@ -303,6 +303,6 @@ stp_result cpu_prepare_items(cpu_renderer* r, const stp_draw_list* list, size_t 
         pieces += ((uint64_t)item->unit_count + item->piece_units - 1) / item->piece_units;
         r->item_count = i + 1;
     }
-    r->piece_count = (uint32_t)pieces; // at most one an id and one an item
+    r->piece_count = (uint32_t)pieces; // at most one per id plus one per item
     return cpu_prepare_late(r, first);
 }

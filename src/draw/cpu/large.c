@@ -28,7 +28,7 @@ stp_result cpu_find_large(cpu_renderer* r, cpu_item* item)
     return result;
 }
 
-/// Large triangles that are drawn together.
+/// A batch of large triangles.
 typedef struct batch {
     uint32_t count;
     float positions[9 * BATCH_TRIANGLES];
@@ -36,7 +36,7 @@ typedef struct batch {
     uint32_t numbers[BATCH_TRIANGLES];
 } batch;
 
-/// Whether a triangle is drawn: by the depth of its nearest corner.
+/// Whether a triangle is drawn, by the depth of its nearest corner.
 static bool is_wanted(const cpu_item* item, const float corners[9], float level)
 {
     const float* w = item->camera.matrix.m[3];
@@ -105,7 +105,7 @@ bool cpu_draw_large(const cpu_renderer* r, const cpu_item* item, uint32_t begin,
                              &cluster);
         }
         if (triangle - cluster.first_triangle <
-            cluster.triangle_count) { // else the file has changed
+            cluster.triangle_count) { // otherwise the file has changed
             add_triangle(item, &cluster, triangle, item->large.levels[i], b);
         }
         if (b->count == BATCH_TRIANGLES) {

@@ -82,7 +82,7 @@ static bool may_have(const cpu_renderer* r, const cpu_item* item)
                                        : item->kind == STP_DRAW_SURFELS && r->layers.of_splats;
 }
 
-/// A bit for each piece that may have something to draw.
+/// One bit per piece that may have visible fragments.
 static stp_result list_pieces(cpu_renderer* r, bool* any)
 {
     cpu_layers* l = &r->layers;
@@ -117,7 +117,7 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
             worker->layer_found = 0;
             cpu_draw_piece(r, item, piece, false, &target, worker);
             r->layers.alive[piece] =
-                worker->layer_found > 0; // what is behind shrinks with each pass
+                worker->layer_found > 0; // fewer fragments lie behind after each pass
         }
     }
 }
@@ -128,7 +128,7 @@ static void shade_bands(size_t begin, size_t end, uint32_t worker, void* user)
     cpu_shade_rows(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
 }
 
-/// The nearness from which on splats belong to the surface of a splat.
+/// Minimum nearness of splats that belong to the surface of a splat.
 static float find_below(const cpu_renderer* r, const cpu_item* item, float nearness)
 {
     double thickness = (double)STP_GLASS_THICKNESS * (double)item->radius * (double)item->scale;
@@ -182,7 +182,7 @@ void cpu_take_layer(cpu_renderer* r, cpu_worker* worker, const cpu_shade_tile* t
     }
 }
 
-/// Pixels of a layer that was drawn.
+/// Pixels of a drawn layer.
 static uint64_t count_pixels(cpu_renderer* r)
 {
     uint64_t pixels = 0;
@@ -194,7 +194,7 @@ static uint64_t count_pixels(cpu_renderer* r)
     return pixels;
 }
 
-/// Puts the layers in front of the picture.
+/// Composites the layers over the picture.
 static void compose_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     cpu_renderer* r = user;

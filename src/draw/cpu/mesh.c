@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What a triangle looks like at a point: texture coordinates, colours, and whether it is there at all.
+// Appearance of a triangle at a point: texture coordinates, colours, and alpha tests.
 #include "base/rng.h"
 #include "draw/cpu/cpu.h"
 #include "raster/blue_noise.h"
 #include "raster/cutout.h"
 
-enum { GHOST_SEED = 0x6057 }; // other pixels than those that an alpha leaves out
+enum { GHOST_SEED = 0x6057 }; // independent of the pixels that alpha removes
 
 stp_vec2 cpu_mesh_uv(const cpu_triangle* triangle, const stp_store_texture_use* use,
                      const float weight[3])
@@ -87,14 +87,14 @@ bool cpu_item_needs_keep(const cpu_item* item)
     return item->base_color != NULL || colors || material->base_color[3] < least;
 }
 
-/// 0..1, from what and where; the same for the same picture.
+/// Pseudo-random number 0..1 from identity and place; the same for the same picture.
 static float noise(uint64_t seed, uint32_t x, uint32_t y)
 {
     uint64_t bits = stp_rng_hash(seed, (uint64_t)y << 32 | x);
     return (float)(bits >> 40) * (1.0f / 16777216.0f);
 }
 
-/// The key of the thresholds of a triangle: which way it faces, and where it lies that way.
+/// Key of a triangle's alpha thresholds: its facing, and its position along that direction.
 static uint32_t find_pattern(const cpu_item* item, const cpu_triangle* triangle)
 {
     const float *a = triangle->position[0], *b = triangle->position[1], *c = triangle->position[2];
@@ -144,7 +144,7 @@ static bool is_cut(const cpu_keep* keep, const cpu_triangle* triangle, const flo
     return false;
 }
 
-/// Whether a fragment of a blended material is there.
+/// Whether a fragment of a blended material is drawn.
 static bool keeps_alpha(const cpu_keep* keep, float alpha, uint32_t x, uint32_t y)
 {
     const cpu_renderer* r = keep->renderer;

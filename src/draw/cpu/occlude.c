@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What a depth pyramid hides of items that are seen: splats and clusters. The first pass of a frame asks the pyramid of
-// the picture before and notes what that hid; the second asks the frame's own about these, and draws the rest of them.
+// Occlusion culling of splats and clusters within visible items. The first pass of a frame tests
+// against the previous picture's pyramid and records what is occluded; the second tests those again
+// with the frame's own pyramid, and draws the visible ones.
 #include "draw/cpu/cpu.h"
 #include "draw/placement.h"
 
-/// Levels of a pyramid that splats are looked up in: blocks of up to 64 pixels.
+/// Pyramid levels used for splats: blocks of up to 64 pixels.
 enum { MOST_SHIFT = 6, FIRST_SHIFT = 3 };
 
 stp_result cpu_grow(stp_context* context, void** memory, size_t* capacity, size_t wanted,

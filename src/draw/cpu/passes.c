@@ -19,7 +19,7 @@ static void choose_nearness(cpu_renderer* r)
     r->nearness_offset = placement.nearness_offset;
 }
 
-/// From now on it is this eye that is drawn.
+/// Makes this eye the current one.
 static void look_through(cpu_renderer* r, uint32_t number)
 {
     size_t first = (size_t)number * r->width * r->height;
@@ -56,7 +56,8 @@ static void find_depths(size_t begin, size_t end, uint32_t worker, void* user)
     cpu_find_depths(r, (uint32_t)begin, (uint32_t)end, &r->workers[worker]);
 }
 
-/// Makes the pyramid of the eye that is drawn, from its depths. Its picture may be shifted by a part of a pixel.
+/// Builds the pyramid of the current eye from its depths. Its picture may be shifted by a fraction
+/// of a pixel.
 static stp_result make_pyramid(cpu_renderer* r)
 {
     stp_view_frame frame = r->frame;
@@ -83,7 +84,7 @@ stp_result cpu_select_sample(cpu_renderer* r)
     return result;
 }
 
-/// After the first pass for all eyes: selects what was set aside and is seen.
+/// After the first pass of all eyes: selects deferred nodes that are visible.
 static stp_result select_rejected(cpu_renderer* r, size_t first)
 {
     cpu_two_passes* passes = r->two_passes;
@@ -123,7 +124,7 @@ static stp_result draw_first_pass(cpu_renderer* r, const stp_draw_list* list)
     return result;
 }
 
-/// Whether anything was hidden from any eye.
+/// Whether anything was occluded for any eye.
 static bool is_any_hidden(const cpu_renderer* r)
 {
     bool any = r->two_passes->list->hidden_count > 0;
@@ -133,7 +134,7 @@ static bool is_any_hidden(const cpu_renderer* r)
     return any;
 }
 
-/// From the buffers of the eye that is drawn to its picture.
+/// Shades the current eye's buffers into its picture.
 static stp_result finish_picture(cpu_renderer* r)
 {
     bool blends = cpu_has_filter(r->style) && r->splat_size > 0.0f;
@@ -169,7 +170,7 @@ static stp_result finish_picture(cpu_renderer* r)
     return result == STP_OK && layered ? cpu_draw_layers(r) : result;
 }
 
-/// Draws what the first pass left, and shades, eye by eye; the last one's items are placed already.
+/// Draws the second pass and shades, eye by eye; the last eye's items are already placed.
 static stp_result draw_second_pass(cpu_renderer* r, const stp_draw_list* list, bool again,
                                    size_t first, uint32_t first_piece, stp_draw_stats* stats)
 {
@@ -306,7 +307,7 @@ static void join_rows(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     for (size_t y = begin; y < end; ++y) {
         uint8_t* out = rows->image->pixels + y * whole;
-        memset(out + (whole - 4), 0, 4); // of an odd width, no eye's
+        memset(out + (whole - 4), 0, 4); // odd widths: belongs to no eye
         for (uint32_t i = 0; i < r->eye_count; ++i) {
             memcpy(out + i * size, r->eyes[i].picture.pixels + y * size, size);
         }

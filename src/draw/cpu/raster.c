@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Items drawn in pieces, by whichever worker is free, each into its own buffer.
+// Draws items in pieces. Any free worker takes the next piece; each draws into its own buffer.
 #include "draw/cpu/blend.h"
 #include "draw/cpu/layers.h"
 #include "draw/one_sided.h"
@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/// The last that begins at or before it.
+/// The last item that begins at or before it.
 const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
 {
     size_t low = 0, high = r->item_count;
@@ -22,13 +22,14 @@ const cpu_item* cpu_item_of_piece(const cpu_renderer* r, uint32_t piece)
     return &r->items[low];
 }
 
-// In radii. Measured on a CAD assembly of fins and ribs from 26 directions, at the distance where its surfels
-// just suffice: the median SSIM of covered pixels rises from 0.48 (0, 0) over 0.62 (2, 0) to 0.69 (4, 2);
-// beyond, surfaces begin to show through those in front (`stipple bench quality`).
+// In radii. Measured on a CAD assembly of fins and ribs from 26 directions, at the distance where
+// its surfels just suffice: the median SSIM of covered pixels rises from 0.48 (0, 0) over 0.62 (2,
+// 0) to 0.69 (4, 2); beyond, surfaces begin to show through those in front (`stipple bench
+// quality`).
 #define RIM_DEPTH 4.0f
 #define BACK_DEPTH 2.0f
 
-/// @return whether some were hidden
+/// @return whether some were occluded
 static bool note_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
 {
     uint16_t any = 0;
@@ -38,11 +39,11 @@ static bool note_hidden(const uint16_t* bits, uint32_t begin, uint32_t end)
     return any != 0;
 }
 
-/// Pieces drawn by one of the passes.
+/// Pieces drawn by a pass.
 typedef struct piece_loop {
     cpu_renderer* r;
     uint32_t first;
-    uint32_t first_new; ///< of those before, only what was hidden
+    uint32_t first_new; ///< of earlier pieces, only occluded content
 } piece_loop;
 
 typedef void (*range_drawer)(const cpu_renderer* r, const cpu_item* item,
@@ -60,7 +61,7 @@ static void draw_range(const cpu_renderer* r, const cpu_item* item, const stp_ra
         stp_raster_draw_splats(target, 0, r->height, &item->camera, splats, item->first_id);
 }
 
-/// Marks no splat of [begin, end) as hidden.
+/// Marks no splat of [begin, end) as occluded.
 static void forget_hidden(const stp_raster_splats* splats, uint32_t begin, uint32_t end)
 {
     for (uint32_t i = begin / 16; splats->hidden != NULL && i < (end + 15) / 16; ++i) {
@@ -68,7 +69,7 @@ static void forget_hidden(const stp_raster_splats* splats, uint32_t begin, uint3
     }
 }
 
-/// Splats of a piece in the runs that they belong to.
+/// Draws the splats of a piece, run by run.
 static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats,
                       const stp_raster_target* target, cpu_worker* worker, range_drawer draw)
 {
@@ -94,12 +95,12 @@ static void draw_runs(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
     }
 }
 
-/// Surfels of which some may be transparent: these are not asked whether they are hidden.
+/// Draws surfels of which some may be transparent: these skip the occlusion test.
 static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats, bool late,
                       const stp_raster_target* target, cpu_worker* worker)
 {
     stp_raster_splats opaque = *splats, glass = *splats;
-    if (splats->normals == NULL) { // points of a fixed size, all opaque
+    if (splats->normals == NULL) { // fixed-size points, all opaque
         if (r->layers.stage != CPU_LAYERS_PEEL) {
             draw_runs(r, item, &opaque, target, worker, draw_range);
         }
@@ -157,7 +158,7 @@ static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worke
         return true;
     }
     uint32_t low = 0, high = item->draw->run_count;
-    while (low < high) { // the first run that ends behind the beginning
+    while (low < high) { // the first run that ends after the beginning
         uint32_t middle = low + (high - low) / 2;
         *(item->runs[middle].end <= splats->begin ? &low : &high) =
             item->runs[middle].end <= splats->begin ? middle + 1 : middle;
@@ -189,7 +190,8 @@ static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worke
     return any;
 }
 
-/// Gives points the size that is wanted. They are drawn whole: what hides some of them was looked at, or is by sections.
+/// Sets the wanted size of points. They are drawn in full: occlusion was tested earlier, and
+/// sections are tested separately.
 static void fix_size(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats)
 {
     if (stp_point_size_is_fixed(r->style, item->draw)) {
@@ -203,7 +205,7 @@ static void fix_size(const cpu_renderer* r, const cpu_item* item, stp_raster_spl
     }
 }
 
-/// Splats [begin, end) of a piece. `late`: those that were hidden so far.
+/// Draws splats [begin, end) of a piece. `late`: those occluded so far.
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
 {
@@ -235,8 +237,7 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.points = item->points.positions;
     }
     fix_size(r, item, &splats);
-    if (late && splats.hidden !=
-                    NULL) { // most are still hidden: they are asked before anything is worked out
+    if (late && splats.hidden != NULL) { // most are still occluded: test them before any other work
         if (!stp_raster_ask_splats(&splats, splats.hidden)) {
             return;
         }
@@ -376,7 +377,7 @@ static void draw_pieces(size_t begin, size_t end, uint32_t index, void* user)
 stp_result cpu_draw_items(cpu_renderer* r, uint32_t first_piece)
 {
     piece_loop loop = {.r = r, .first = first_piece, .first_new = first_piece};
-    if (first_piece > 0) { // look at hidden ones again
+    if (first_piece > 0) { // test occluded ones again
         loop.first = 0;
     }
     uint32_t count = r->piece_count - loop.first;

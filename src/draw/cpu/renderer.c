@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A frame from beginning to end, and the memory that outlives it.
+// Draws a frame, and owns the memory kept between frames.
 #include "base/clock.h"
 #include "base/color.h"
 #include "draw/cpu/accumulate.h"
@@ -58,7 +58,7 @@ void cpu_empty_pixels(cpu_renderer* r)
     }
 }
 
-/// Room for the pixels of all eyes. Buffers are empty between frames.
+/// Allocates the pixels of all eyes. Buffers are empty between frames.
 static stp_result make_buffers(cpu_renderer* r, size_t needed)
 {
     stp_context* context = r->base.context;
@@ -82,7 +82,7 @@ static stp_result make_buffers(cpu_renderer* r, size_t needed)
     return STP_OK;
 }
 
-/// Room for a frame.
+/// Allocates memory for a frame.
 static stp_result make_room(cpu_renderer* r, bool with_sums)
 {
     stp_context* context = r->base.context;
@@ -105,7 +105,7 @@ static stp_result make_room(cpu_renderer* r, bool with_sums)
     return result;
 }
 
-/// Sees to what a view has of eyes, and where each is drawn.
+/// Sets up the eyes of a view, and the area of each.
 static stp_result place_eyes(cpu_renderer* r, const stp_view* view, stp_image* image)
 {
     r->eye_count = stp_view_eye_count(view);
@@ -127,7 +127,7 @@ static stp_result place_eyes(cpu_renderer* r, const stp_view* view, stp_image* i
     return STP_OK;
 }
 
-/// Whether something is done with the bytes of each sample.
+/// Whether the bytes of each sample are post-processed.
 static bool works_on_bytes(const cpu_renderer* r, const stp_draw_style* style, const stp_view* view)
 {
     bool caps = style->caps && view->sections.count > 0;
@@ -209,13 +209,13 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     cpu_renderer* r = (cpu_renderer*)renderer;
     stp_result result = draw_part(r, view, list, style, image, 0, side * side, stats);
     if (side > 1 && works_on_bytes(r, style, view)) {
-        r->accumulation.frames = 0; // its sums were used
+        r->accumulation.frames = 0; // its sums were consumed
     }
     return result;
 }
 
-/// Whether what pyramids hide may be left out. Of a number of splats, of points of a fixed size, and where splats are drawn
-/// larger than they were chosen, radii can be anything; in parallel projection there are no pyramids.
+/// Whether occlusion culling may be used. Radii are unknown with a splat count, with fixed-size
+/// points, and if splats are drawn larger than selected; parallel projection has no pyramids.
 static bool may_occlude(const stp_view* view, const stp_quality* quality,
                         const stp_draw_style* style)
 {
@@ -234,7 +234,7 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
         .view = view, .quality = *quality, .list = list, .hides_nodes = !cpu_has_filter(style)};
     double start = stp_clock_ms();
     *stats = (stp_draw_stats){0};
-    passes.quality.occlusion = NULL; // all that is seen says whether the sums go on
+    passes.quality.occlusion = NULL; // every visible input decides whether the sums continue
     stp_result result = stp_select(renderer->context, r->store, view, &passes.quality, list);
     if (result != STP_OK) {
         return result;
@@ -306,9 +306,9 @@ stp_result stp_draw_cpu_create(stp_context* context, stp_store* store, stp_rende
         cpu_worker* worker = &r->workers[i];
         worker->scratch = stp_arena_create(context, SCRATCH_BLOCK);
         stp_arena_mark mark =
-            stp_arena_get_mark(&worker->scratch); // who draws what changes from frame
+            stp_arena_get_mark(&worker->scratch); // worker assignment varies by frame:
         if (stp_arena_alloc(&worker->scratch, SCRATCH_BLOCK / 2) ==
-            NULL) { // to frame: all are warm
+            NULL) { // keeps all buffers warm
             destroy(&r->base);
             return stp_fail_memory(context);
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From the visibility buffer to colours, tile by tile.
+// Shades the visibility buffer, tile by tile.
 #include "draw/cpu/shade.h"
 
 #include "base/color_map.h"
@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/// What one band of the picture needs to know, and where it is.
+/// Parameters of one band of the picture.
 typedef struct shader {
     cpu_renderer* r;
     cpu_worker* worker;
@@ -18,7 +18,7 @@ typedef struct shader {
     stp_draw_heights heights;
     uint32_t buffer_count;
     uint64_t** buffers; ///< of workers that drew
-    uint32_t empty;     ///< colour of pixels that show nothing
+    uint32_t empty;     ///< colour of background pixels
 } shader;
 
 static uint8_t encode(const cpu_renderer* r, float linear)
@@ -44,7 +44,7 @@ static void write_pixel(const cpu_renderer* r, const float color[3], float cover
     }
 }
 
-/// What the direction to the eye is made of, for a tile: (forward + right u + down v) turned round.
+/// Direction to the eye for a tile: the negative of (forward + right u + down v).
 static void place_eye(const cpu_renderer* r, uint32_t x, uint32_t y, cpu_shade_scene* scene)
 {
     const stp_view_frame* f = &r->frame;
@@ -99,7 +99,7 @@ static void find_runs(const shader* s, cpu_shade_tile* tile)
     tile->row_runs[tile->height] = count;
 }
 
-/// Of the normal on the side that is seen; (x, y) is of the tile.
+/// Colour of the normal on the visible side; (x, y) is relative to the tile.
 static void color_normal(const shader* s, float x, float y, cpu_shade_surface* surface)
 {
     const cpu_shade_scene* scene = &s->scene;
@@ -116,7 +116,7 @@ static void color_normal(const shader* s, float x, float y, cpu_shade_surface* s
     }
 }
 
-/// Lanes of a run that has one colour and normal all over.
+/// Lanes of a run with a single colour and normal.
 static uint32_t add_flat_lanes(cpu_shade_lanes* lanes, uint32_t at, const cpu_shade_run* run,
                                uint32_t row)
 {
@@ -129,7 +129,7 @@ static uint32_t add_flat_lanes(cpu_shade_lanes* lanes, uint32_t at, const cpu_sh
     return at;
 }
 
-/// The pixels' own surfaces, with colours of their heights or normals.
+/// Surfaces per pixel, with colours of heights or normals.
 static void recolor(const shader* s, const cpu_shade_tile* tile, const cpu_shade_run* run,
                     uint32_t row, cpu_shade_surface* surfaces)
 {
@@ -153,7 +153,7 @@ static void recolor(const shader* s, const cpu_shade_tile* tile, const cpu_shade
     }
 }
 
-/// Surfaces of a run's pixels, one each.
+/// Surfaces of a run's pixels, one per pixel.
 static void make_own_surfaces(const shader* s, const cpu_shade_tile* tile, const cpu_shade_run* run,
                               uint32_t row, cpu_shade_surface* surfaces)
 {
@@ -225,7 +225,7 @@ static void add_to_sums(const shader* s, const cpu_shade_tile* tile, uint32_t ro
             uint32_t lane = run->lane + (run->flat ? k / SHADE_REACH : k);
             for (int c = 0; c < 3; ++c) {
                 float linear = there ? lanes->linear[c][lane] : 0.0f;
-                linear = linear < 1.0f ? linear : 1.0f; // so that glints do not outshine edges
+                linear = linear < 1.0f ? linear : 1.0f; // so that highlights do not outshine edges
                 sum[c] = r->sample == 0 ? linear : sum[c] + linear;
             }
             float coverage = there ? 1.0f : 0.0f;
@@ -234,7 +234,8 @@ static void add_to_sums(const shader* s, const cpu_shade_tile* tile, uint32_t ro
     }
 }
 
-/// Kernels write further than a row's end: into the next tile, which is written later, or into room of our own.
+/// Kernels write past a row's end: into the next tile, which is written later, or into a scratch
+/// row.
 static void spread_row(const shader* s, const cpu_shade_tile* tile, uint32_t row)
 {
     cpu_renderer* r = s->r;
@@ -291,7 +292,7 @@ static void write_nothing(const shader* s, const cpu_shade_tile* tile)
     }
 }
 
-/// Buffers of workers that drew.
+/// Buffers of workers that have drawn.
 static uint32_t find_buffers(const cpu_renderer* r, uint64_t** buffers)
 {
     uint32_t count = 0;
@@ -324,7 +325,7 @@ static shader make_shader(cpu_renderer* r, cpu_worker* worker)
     return s;
 }
 
-/// What a tile shows: from now on memory fetches what it is made of.
+/// Collects the ids of a tile, and prefetches their data.
 static cpu_shade_tile* begin_tile(const shader* s, uint32_t x, uint32_t y, uint32_t end)
 {
     uint32_t left = s->r->width - x, rows = end - y;

@@ -2,14 +2,15 @@
 //
 // How a tile of the visibility buffer, 64 x 16 pixels, becomes colours:
 //
-//   merged     the nearest of all workers' pixels, which are left empty, row by row; where ids change, a run begins
-//   looked up  what runs show: one surface an id, remembered from tile to tile
-//   lit        surfaces in lanes: one for up to 16 pixels of a run whose colour and normal are the same all over,
-//              one a pixel elsewhere; a vector of lanes at a time
-//   written    lanes spread over their pixels
+//   merged     nearest of all workers' pixels, which are cleared, row by row; a run begins where ids change
+//   looked up  surfaces of runs: one per id, cached between tiles
+//   lit        surfaces in lanes: one for up to 16 pixels of a run with a single colour and normal,
+//              one per pixel elsewhere; one vector of lanes at a time
+//   written    lanes copied to their pixels
 //
-// Merging and lighting are the variants' (shade_lanes.h). All arithmetic is single IEEE operations in a fixed order: all
-// variants give the same bits. What a pixel gets depends on the tile's picture alone, not on what is remembered.
+// Each variant implements merging and lighting (shade_lanes.h). All arithmetic is single IEEE
+// operations in a fixed order: all variants give the same bits. A pixel depends only on the tile's
+// picture, not on the cache.
 #pragma once
 
 #include "draw/cpu/cpu.h"
@@ -19,53 +20,53 @@ enum {
     SHADE_WIDTH = 64,           ///< pixels of a tile's row
     SHADE_ROWS = CPU_BAND_ROWS, ///< of a tile
     SHADE_PIXELS = SHADE_WIDTH * SHADE_ROWS,
-    SHADE_REACH = 16,      ///< pixels of a row that are lit as one, at most
-    SHADE_LANES_MOST = 16, ///< of any variant's vectors
+    SHADE_REACH = 16,      ///< maximum pixels of a row lit as one
+    SHADE_LANES_MOST = 16, ///< maximum vector width of all variants
     SHADE_LANES = SHADE_PIXELS + SHADE_LANES_MOST,
-    SHADE_EMPTY_LANE = SHADE_LANES, ///< pixels that show nothing have their colour from here on
+    SHADE_EMPTY_LANE = SHADE_LANES, ///< background pixels have nearness at most this
     SHADE_CACHE_BITS = 10,
     SHADE_CACHE = 1 << SHADE_CACHE_BITS,
-    SHADE_KEPT = SHADE_CACHE + 2 * SHADE_PIXELS, ///< surfaces of ids: remembered, and of two tiles
-    SHADE_EMPTY = SHADE_KEPT,                    ///< the surface of pixels that show nothing
-    SHADE_OWN = SHADE_EMPTY + 1,                 ///< first of the pixels' own surfaces
+    SHADE_KEPT = SHADE_CACHE + 2 * SHADE_PIXELS, ///< surfaces of ids: cached, and of two tiles
+    SHADE_EMPTY = SHADE_KEPT,                    ///< surface of background pixels
+    SHADE_OWN = SHADE_EMPTY + 1,                 ///< first per-pixel surface
     SHADE_SURFACES = SHADE_OWN + SHADE_PIXELS,
 };
 
-/// What light needs of a material, worked out once a store.
+/// Lighting parameters of a material, computed once per store.
 struct cpu_shade_material {
     float metallic;
-    float rough;     ///< 0: as polished as anything is drawn, 1: not at all
+    float rough;     ///< 0: most polished, 1: not polished
     float a2, gloss; ///< shape and size of the key light's highlight
     float emissive[3];
     float unlit; ///< 1 or 0
 };
 
-/// What light falls on: sixteen floats, of which those that are the fourth of four are not looked at.
+/// A surface to light: sixteen floats; the fourth of each four is padding.
 typedef struct cpu_shade_surface {
     float color[4];  ///< linear, and opacity
-    float normal[4]; ///< scene space, of any length; zero: none
+    float normal[4]; ///< scene space, any length; zero: none
     cpu_shade_material material;
 } cpu_shade_surface;
 
-/// Nearness = factor * that of the buffer + shift: cpu_true_nearness.
+/// True nearness = factor * buffer nearness + shift: cpu_true_nearness.
 typedef struct cpu_shade_nearness {
     float factor, shift;
 } cpu_shade_nearness;
 
-/// What surfaces are made of, for each item.
+/// Inputs of surfaces, per item.
 struct cpu_shade_item {
     float normal_matrix[3][3];
     float blend;
     cpu_shade_nearness nearness;
     uint32_t first_id, count;
-    uint32_t low_count; ///< 0 where nothing is blended
+    uint32_t low_count; ///< 0: no blending
     uint32_t material;  ///< of meshes and points
     stp_draw_kind kind;
     const uint8_t *colors, *low_colors, *materials;
     const int8_t* normals;
 };
 
-/// Light, and where it is seen from.
+/// Light and eye.
 typedef struct cpu_shade_scene {
     const uint8_t* encode; ///< three bytes longer than its size
     stp_lighting light;
@@ -74,22 +75,22 @@ typedef struct cpu_shade_scene {
     bool parallel; ///< towards the eye: start
 } cpu_shade_scene;
 
-/// What is lit at once. Lanes beyond the last, up to a whole vector, hold valid surfaces.
+/// Lanes lit together. Padding lanes, up to a whole vector, hold valid surfaces.
 typedef struct cpu_shade_lanes {
     uint32_t count;
     bool wants_linear;
     uint32_t surface[SHADE_LANES];
     float x[SHADE_LANES], y[SHADE_LANES]; ///< of the tile
     uint32_t bytes[SHADE_LANES + SHADE_WIDTH + SHADE_LANES_MOST];
-    float linear[3][SHADE_LANES]; ///< only where wanted
+    float linear[3][SHADE_LANES]; ///< only if requested
 } cpu_shade_lanes;
 
 /// A row of a tile. Pixels beyond the picture are empty.
 typedef struct cpu_shade_merged {
-    uint32_t ids[1 + SHADE_WIDTH]; ///< from the second on; UINT32_MAX: none
+    uint32_t ids[1 + SHADE_WIDTH]; ///< following ones; UINT32_MAX: none
     float nearness[SHADE_WIDTH + SHADE_LANES_MOST];
-    uint64_t there;  ///< pixels that show something: bit i is pixel i
-    uint64_t starts; ///< pixels whose id is not that of the pixel before
+    uint64_t there;  ///< covered pixels: bit i is pixel i
+    uint64_t starts; ///< pixels whose id differs from the previous pixel
 } cpu_shade_merged;
 
 /// Pixels of one row.
@@ -104,12 +105,12 @@ cpu_shade_material cpu_make_shade_material(float metallic, float roughness, cons
                                            bool unlit);
 
 typedef struct cpu_shade_kernels {
-    /// Takes the least of `count` buffers at `at` and empties them there.
+    /// Takes the minimum of `count` buffers at `at` and clears them there.
     void (*merge)(uint64_t* const* buffers, uint32_t count, size_t at, uint32_t size,
                   cpu_shade_merged* row);
     void (*light)(const cpu_shade_scene* scene, const cpu_shade_surface* surfaces,
                   cpu_shade_lanes* lanes);
-    /// Writes colours and true nearness of runs, up to SHADE_LANES_MOST - 1 pixels more than there are.
+    /// Writes colours and true nearness of runs, up to SHADE_LANES_MOST - 1 pixels past the end.
     void (*spread)(const cpu_shade_run* run, const cpu_shade_run* end,
                    const cpu_shade_nearness* surfaces, const uint32_t* lanes, const float* nearness,
                    uint8_t* colors, float* depth);
@@ -119,34 +120,35 @@ extern const cpu_shade_kernels cpu_shade_kernels_portable, cpu_shade_kernels_avx
     cpu_shade_kernels_avx512;
 const cpu_shade_kernels* cpu_choose_shade_kernels(void);
 
-/// How the pixels of an id differ.
+/// Variation among the pixels of an id.
 typedef enum cpu_shade_kind {
     SHADE_FLAT,     ///< not at all
-    SHADE_SMOOTH,   ///< triangles whose normal or colour is not the same everywhere
+    SHADE_SMOOTH,   ///< triangles with a varying normal or colour
     SHADE_TEXTURED, ///< triangles with textures
 } cpu_shade_kind;
 
 typedef struct cpu_shade_tile {
     uint32_t x, y, width, height;
     uint32_t number; ///< counts tiles
-    bool any;        ///< shows something
+    bool any;        ///< has covered pixels
     cpu_shade_merged rows[SHADE_ROWS];
     uint32_t row_runs[SHADE_ROWS + 1]; ///< of each row, the first
     cpu_shade_run runs[SHADE_PIXELS];
-    uint32_t extra;      ///< the next place of this tile alone
-    uint32_t miss_count; ///< surfaces found, but not made yet
+    uint32_t extra;      ///< next tile-local slot
+    uint32_t miss_count; ///< surfaces allocated, but not filled yet
     uint16_t misses[SHADE_PIXELS];
 } cpu_shade_tile;
 
 typedef struct cpu_triangle_memory cpu_triangle_memory;
 
-/// What a worker remembers, and its tiles: what one needs is asked of memory while the one before is lit.
+/// Surface cache of a worker, and its tiles: data of a tile is prefetched while the previous tile
+/// is lit.
 struct cpu_shade_memory {
-    cpu_shade_surface* surfaces; ///< SHADE_SURFACES, each in a line of the cache
+    cpu_shade_surface* surfaces; ///< SHADE_SURFACES, one cache line each
     unsigned char* room;         ///< that they lie in
     struct {
         uint32_t id;   ///< UINT32_MAX: none
-        uint32_t tile; ///< that it was wanted in last
+        uint32_t tile; ///< tile of its last use
     } slots[SHADE_KEPT];
     uint32_t item[SHADE_KEPT];
     uint32_t cluster[SHADE_KEPT]; ///< of triangles
@@ -163,20 +165,20 @@ struct cpu_shade_memory {
 cpu_shade_memory* cpu_make_shade_memory(stp_context* context);
 void cpu_destroy_shade_memory(stp_context* context, cpu_shade_memory* memory);
 void cpu_forget_surfaces(cpu_shade_memory* memory);
-/// stp_free. NULL where memory runs out.
+/// stp_free. NULL if out of memory.
 cpu_triangle_memory* cpu_make_triangle_memory(stp_context* context);
 void cpu_forget_triangles(cpu_triangle_memory* memory);
 
-/// The place in the frame's items of what `id` belongs to.
+/// Index of the item that `id` belongs to.
 uint32_t cpu_find_item(const cpu_renderer* r, uint32_t id);
 
-/// The next tile: places of the last but one may be taken from now on.
+/// Starts the next tile: slots of the tile before the previous one may be reused.
 cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory);
-/// The surface of an id, which may have to be made yet.
+/// Surface of an id, which may not be filled yet.
 uint32_t cpu_find_surface(cpu_shade_memory* memory, cpu_shade_tile* tile, uint32_t id);
-/// Asks for what those surfaces of a tile are made of that are not made yet.
+/// Prefetches the data of a tile's unfilled surfaces.
 void cpu_ask_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, const cpu_shade_tile* tile);
-/// Makes them.
+/// Fills them.
 void cpu_make_surfaces(const cpu_renderer* r, cpu_shade_memory* memory, cpu_shade_tile* tile);
 
 /// The surface of a surfel or point, by its item and its index there.
@@ -186,11 +188,11 @@ void cpu_make_splat_surface(const cpu_renderer* r, uint32_t slot, uint32_t index
 cpu_shade_scene cpu_make_shade_scene(const cpu_renderer* r);
 
 void cpu_ask_triangle(const cpu_renderer* r, cpu_shade_memory* memory, uint32_t at);
-/// Makes surface `at` of a triangle that was asked for, and what is remembered beside it.
+/// Fills surface `at` of a prefetched triangle, and its cached data.
 cpu_shade_kind cpu_make_triangle_surface(const cpu_renderer* r, cpu_shade_memory* memory,
                                          uint32_t at);
-/// Makes surfaces of pixels' own, from `out` on, of a run of a triangle that is not flat; (x, y) is its first pixel in the
-/// picture, `nearness` what the buffer says.
+/// Makes per-pixel surfaces, from `out`, for a run of a triangle that is not flat; (x, y) is its
+/// first pixel in the picture, `nearness` is from the buffer.
 void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
                              const cpu_shade_run* run, uint32_t x, uint32_t y,
                              const float* nearness, cpu_shade_surface* out);

@@ -32,7 +32,7 @@ static inline uint32_t lanes_mask(lanes_int a)
     return (uint32_t)_mm256_movemask_ps((__m256)a);
 }
 
-/// Surfaces turned: field k of all.
+/// Transposed surfaces: field k of all.
 static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
                               lanes_float field[16])
 {

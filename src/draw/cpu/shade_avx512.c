@@ -6,7 +6,7 @@
 
 #include <immintrin.h>
 
-#pragma GCC diagnostic ignored "-Wsign-conversion" // gcc's gather is a macro without optimisation
+#pragma GCC diagnostic ignored "-Wsign-conversion" // without optimisation, gcc's gather is a macro
 
 #define LANES 16
 
@@ -44,7 +44,7 @@ static inline __m512 load_four(const cpu_shade_surface* surfaces, const uint32_t
                                        _mm_loadu_ps((const float*)&surfaces[index[12]] + k));
 }
 
-/// Surfaces turned: field k of all.
+/// Transposed surfaces: field k of all.
 static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
                               lanes_float field[16])
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Merging and lighting, written for vectors of LANES numbers. Included once by each variant, which defines the
-// types lanes_int and lanes_float and the few operations that need its own instructions.
+// Merging and lighting, written for vectors of LANES numbers. Included once by each variant, which
+// defines the types lanes_int and lanes_float, and the few operations with special instructions.
 #pragma once
 
 #include "draw/cpu/shade.h"
@@ -54,7 +54,7 @@ static inline lanes_float most(lanes_float a, lanes_float b)
     return lanes_select(a > b, a, b);
 }
 
-/// Of unit length, or zero.
+/// Normalizes; zero stays zero.
 static inline void normalize(lanes_float v[3])
 {
     lanes_float square = dot(v, v), inverse = 1.0f / lanes_root(square);
@@ -77,15 +77,15 @@ static inline void direct_to_eye(const cpu_shade_scene* s, lanes_float x, lanes_
     }
 }
 
-/// From 0 to 1 while x goes from 0 to 1, smoothly.
+/// Smoothstep: from 0 to 1 for x from 0 to 1.
 static inline lanes_float smooth(lanes_float x)
 {
     x = least(most(x, spread(0.0f)), spread(1.0f));
     return x * x * (3.0f - 2.0f * x);
 }
 
-/// What is mirrored in a direction: sky or ground, with a horizon between them, and two soft boxes; blurred on rough
-/// surfaces.
+/// Environment reflected in a direction: sky and ground, with a horizon between them, and two soft
+/// boxes; blurred on rough surfaces.
 static inline void mirror_lanes(const stp_lighting* light, const lanes_float r[3],
                                 lanes_float rough, lanes_float out[3])
 {
@@ -111,7 +111,8 @@ static inline lanes_float gloss_lanes(const stp_lighting* light, const lanes_flo
                                       const lanes_float material[8])
 {
     lanes_float a2 = material[2];
-    // of the vector halfway between light and eye, which are of unit length: its square is 2 + 2 light . eye
+    // of the vector halfway between light and eye, which are of unit length: its square is 2 + 2
+    // light . eye
     lanes_float square = 2.0f + 2.0f * dot_with(eye, light->key);
     lanes_float along = most(toward + facing, spread(0.0f));
     lanes_float squared = lanes_select(square > 0.0f, along * along / square, spread(0.0f));
@@ -120,8 +121,8 @@ static inline lanes_float gloss_lanes(const stp_lighting* light, const lanes_flo
     return most(toward, spread(0.0f)) * bounded * (1.0f - material[1]);
 }
 
-/// Light from key, sky and ground, and what surfaces mirror. What is seen has its front towards the eye. A surface that is
-/// not polished at all mirrors as much light as falls on it.
+/// Light from key, sky and ground, and reflections. Visible surfaces face the eye. A surface that
+/// is not polished reflects as much light as falls on it.
 static inline void light_lanes(const stp_lighting* light, const lanes_float eye[3],
                                lanes_float n[3], const lanes_float color[3],
                                const lanes_float material[8], lanes_float out[3])
@@ -161,7 +162,7 @@ static inline lanes_int encode_lanes(const cpu_shade_scene* scene, lanes_float l
 {
     const float top = (float)(CPU_ENCODE_SIZE - 1);
     lanes_float scaled = linear * (float)CPU_ENCODE_SIZE;
-    scaled = lanes_select(scaled > 0.0f, scaled, spread(0.0f)); // also what is not a number
+    scaled = lanes_select(scaled > 0.0f, scaled, spread(0.0f)); // also NaN
     scaled = lanes_select(scaled >= top, spread(top), scaled);
     return lanes_gather_byte(scene->encode, __builtin_convertvector(scaled, lanes_int));
 }
@@ -186,7 +187,7 @@ static void light_all(const cpu_shade_scene* scene, const cpu_shade_surface* sur
     }
 }
 
-/// Writes up to LANES - 1 pixels more than there are.
+/// Writes up to LANES - 1 pixels past the end.
 static void spread_row(const cpu_shade_run* run, const cpu_shade_run* end,
                        const cpu_shade_nearness* surfaces, const uint32_t* lanes,
                        const float* nearness, uint8_t* restrict colors, float* restrict depth)
@@ -206,21 +207,21 @@ static void spread_row(const cpu_shade_run* run, const cpu_shade_run* end,
     }
 }
 
-/// All pixels of one buffer into the least of all, where any is there at all.
+/// Merges the pixels of one buffer into the minimum, if any are covered.
 static inline void merge_one(uint64_t* restrict from, uint32_t size, uint64_t* restrict pixels)
 {
     uint64_t all = STP_RASTER_EMPTY;
     for (uint32_t i = 0; i < SHADE_WIDTH;
-         i += 8) { // the next tile's: its rows lie far from each other
+         i += 8) { // prefetch the next tile: its rows are far apart in memory
         __builtin_prefetch(from + SHADE_WIDTH + i, 1);
     }
     for (uint32_t i = 0; i < size; ++i) {
         all &= from[i];
     }
     if (all == STP_RASTER_EMPTY) {
-        return; // not written to: its memory stays clean
+        return; // not written: its cache lines stay clean
     }
-    for (uint32_t i = 0; i < size; ++i) { // nearness is not negative, so all have the same sign
+    for (uint32_t i = 0; i < size; ++i) { // nearness is never negative, so all signs are equal
         int64_t a = (int64_t)from[i], b = (int64_t)pixels[i];
         pixels[i] = (uint64_t)(a < b ? a : b);
     }
@@ -237,14 +238,14 @@ static void merge_row(uint64_t* const* buffers, uint32_t count, size_t at, uint3
         pixels[i] = STP_RASTER_EMPTY;
     }
     for (uint32_t k = 0; k < count; ++k) {
-        if (size == SHADE_WIDTH) { // known to the compiler: no rest
+        if (size == SHADE_WIDTH) { // known to the compiler: no remainder loop
             merge_one(buffers[k] + at, SHADE_WIDTH, pixels);
         } else {
             merge_one(buffers[k] + at, size, pixels);
         }
     }
     for (uint32_t i = 0; i < SHADE_WIDTH; ++i) {
-        uint32_t bits = ~(uint32_t)(pixels[i] >> 32); // 0 where it is empty
+        uint32_t bits = ~(uint32_t)(pixels[i] >> 32); // 0 if empty
         memcpy(&row->nearness[i], &bits, sizeof(bits));
         row->ids[i + 1] = (uint32_t)pixels[i];
     }

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: MIT
 //
-// Surfaces of triangles. Most are flat: their pixels have normal and colour in common. Of the others it is remembered how
-// much of each corner their pixels have, and pixels get surfaces of their own.
+// Surfaces of triangles. Most are flat: all pixels share normal and colour. For the others,
+// interpolation weights are cached, and each pixel gets its own surface.
 #include "draw/cpu/shade.h"
 
 #include <string.h>
 
 enum { PLACE_BITS = 8, PLACES = 1 << PLACE_BITS, OPEN_BITS = 5, OPEN = 1 << OPEN_BITS };
 
-/// Four numbers at once, in the compiler's own notation: the same bits everywhere.
+/// Four numbers at once, as a compiler vector type: the same bits everywhere.
 typedef float four __attribute__((vector_size(16)));
 typedef int32_t four_int __attribute__((vector_size(16)));
 
-/// What pixels are mixed from. The share of corner k at pixel (x, y), times a factor that is the same for all corners, is
-/// the linear function line[k][0] + line[k][1] x + line[k][2] y, where that is above 0.
+/// Interpolation data of a triangle. The weight of corner k at pixel (x, y), up to a factor common
+/// to all corners, is the linear function line[k][0] + line[k][1] x + line[k][2] y, if above 0.
 typedef struct mixed_triangle {
     bool is_smooth; ///< has normals
     bool has_color;
-    float density; ///< texels of the base colour along an item unit
+    float density; ///< texels of the base colour per item unit
     double line[3][3];
-    four normal[3], flat; ///< scene space, of unit length; flat only where it may be needed
-    four color[3];        ///< times the material's
+    four normal[3], flat; ///< scene space, unit length; the flat normal only if needed
+    four color[3];        ///< multiplied by the material's
 } mixed_triangle;
 
-/// A cluster that was found lately: of ids [first_id, first_id + count).
+/// A recently used cluster: ids [first_id, first_id + count).
 typedef struct cluster_place {
     uint32_t first_id, count, cluster;
 } cluster_place;
@@ -35,8 +35,8 @@ typedef struct open_cluster {
 
 struct cpu_triangle_memory {
     cluster_place places[PLACES];
-    open_cluster open[OPEN]; ///< neighbours in a picture belong to few clusters
-    cpu_reader reader;       ///< of meshes that have no clusters
+    open_cluster open[OPEN]; ///< neighbouring pixels belong to few clusters
+    cpu_reader reader;       ///< for meshes without clusters
     cpu_triangle triangle;   ///< read last
     mixed_triangle mixed[SHADE_KEPT];
 };
@@ -95,7 +95,7 @@ static const stp_cluster* open_cluster_of(const cpu_item* item, cpu_shade_memory
     return &open->cluster;
 }
 
-/// The triangle of surface `at`, valid until the next call.
+/// Triangle of surface `at`, valid until the next call.
 static const cpu_triangle* read_triangle(const cpu_item* item, cpu_shade_memory* memory,
                                          uint32_t at)
 {
@@ -115,8 +115,9 @@ static stp_vec3 flat_normal(const float c[3][3])
                   (stp_vec3){c[2][0] - c[0][0], c[2][1] - c[0][1], c[2][2] - c[0][2]}));
 }
 
-/// Lines of weights: with corners (X, Y, W) on the screen, the weight of corner 0 is the determinant of
-/// (X1 - x W1, Y1 - y W1) and (X2 - x W2, Y2 - y W2), which is linear in x and y; and so on round.
+/// Weight functions: with corners (X, Y, W) on the screen, the weight of corner 0 is the
+/// determinant of (X1 - x W1, Y1 - y W1) and (X2 - x W2, Y2 - y W2), which is linear in x and y;
+/// cyclic for the others.
 static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_triangle* triangle,
                        double line[3][3])
 {
@@ -138,7 +139,7 @@ static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_tr
         most = stp_maxd(most, fabs(line[k][0]));
         most = stp_maxd(most, fabs(line[k][1]) * r->width);
         most = stp_maxd(most, fabs(line[k][2]) * r->height);
-        sign += corner[k][2] * line[k][0]; // the determinant of all three: which way round it is
+        sign += corner[k][2] * line[k][0]; // determinant of all three: the orientation
     }
     double factor = most > 0.0 && most <= DBL_MAX ? (sign < 0.0 ? -1.0 : 1.0) / most : 0.0;
     for (int k = 0; k < 9; ++k) {
@@ -155,7 +156,7 @@ static four turn(const cpu_shade_item* item, stp_vec3 v)
                   m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z, 0.0f};
 }
 
-/// Of unit length, or zero.
+/// Normalizes; zero stays zero.
 static four turn_to_unit(const cpu_shade_item* item, stp_vec3 v)
 {
     four turned = turn(item, v), squares = turned * turned;
@@ -169,7 +170,7 @@ static bool are_alike(const void* corners, size_t size)
     return memcmp(bytes, bytes + size, size) == 0 && memcmp(bytes, bytes + 2 * size, size) == 0;
 }
 
-/// Whether some mixture of normals of unit length is much shorter.
+/// Whether some interpolation of the unit normals is much shorter.
 static bool may_cancel(const four normal[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -208,7 +209,8 @@ static void mix_triangle(const cpu_renderer* r, const cpu_item* item, const cpu_
     }
 }
 
-/// The normal of a triangle that has one, of a mesh without colours and textures. @return false where it has more
+/// Normal of a triangle, if it has a single one and its mesh has no colours or textures. @return
+/// false otherwise
 static bool find_only_normal(const cpu_item* item, cpu_shade_memory* memory, uint32_t at,
                              stp_vec3* normal)
 {
@@ -289,7 +291,7 @@ static void sample_texture(const cpu_triangle* triangle, const stp_store_texture
     stp_texture_sample(pyramid, cpu_mesh_uv(triangle, use, weight), footprint, texel);
 }
 
-/// What textures say of a pixel.
+/// Applies textures to a pixel.
 static void texture_pixel(const cpu_renderer* r, const cpu_item* item, const cpu_triangle* triangle,
                           float density, const float weight[3], float nearness,
                           cpu_shade_surface* out)
@@ -317,7 +319,7 @@ static void texture_pixel(const cpu_renderer* r, const cpu_item* item, const cpu
     }
 }
 
-/// Shares of the corners at a run's first pixel, and how they change from pixel to pixel.
+/// Corner weights at a run's first pixel, and their change per pixel.
 static four find_shares(const mixed_triangle* mixed, uint32_t x, uint32_t y, four* step)
 {
     double px = (double)x + 0.5, py = (double)y + 0.5;
@@ -347,7 +349,7 @@ void cpu_make_pixel_surfaces(const cpu_renderer* r, cpu_shade_memory* memory,
         four share = start + step * (float)i;
         share = (four)((share > 0.0f) & (four_int)share);
         float sum = share[0] + share[1] + share[2];
-        if (!(sum > 0.0f)) { // seen from its edge
+        if (!(sum > 0.0f)) { // seen edge-on
             share = (four){sum = 1.0f};
         }
         four color = mixed->color[0], normal = mixed->flat;

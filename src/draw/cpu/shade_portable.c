@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Vectors of four numbers, in the compiler's own notation: SSE2, NEON, or whatever there is.
+// Vectors of four numbers, as compiler vector types: SSE2, NEON, or others.
 #include "base/processor.h"
 #include "draw/cpu/shade.h"
 
@@ -29,7 +29,7 @@ static inline uint32_t lanes_mask(lanes_int a)
     return (uint32_t)((a[0] & 1) | (a[1] & 2) | (a[2] & 4) | (a[3] & 8));
 }
 
-/// Surfaces turned: field k of all.
+/// Transposed surfaces: field k of all.
 static inline void lanes_turn(const cpu_shade_surface* surfaces, const uint32_t* index,
                               lanes_float field[16])
 {

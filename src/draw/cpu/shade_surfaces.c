@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What ids look like: each is looked up once and remembered, by its worker, until another id needs its place. Places that
-// a tile wants twice are lengthened by places of that tile alone.
+// Surface cache: each worker looks up an id once, and keeps its surface until another id needs the
+// slot. If a tile needs a slot twice, it uses extra slots of its own.
 #include "draw/cpu/layers.h"
 #include "draw/cpu/shade.h"
 #include "raster/splats_glass.h"
@@ -22,7 +22,7 @@ cpu_shade_tile* cpu_begin_tile(cpu_shade_memory* memory)
 {
     uint32_t which = memory->tile_count++ & 1;
     cpu_shade_tile* tile = &memory->tiles[which];
-    tile->number = memory->tile_count + 1; // 0 is of none
+    tile->number = memory->tile_count + 1; // 0 marks no id
     tile->extra = SHADE_CACHE + which * SHADE_PIXELS;
     tile->miss_count = 0;
     return tile;
@@ -52,7 +52,7 @@ static void turn(const cpu_shade_item* item, float x, float y, float z, float ou
     }
 }
 
-/// stp_octahedral_decode, but for the length
+/// stp_octahedral_decode without normalization
 static void turn_code(const cpu_shade_item* item, const int8_t* code, float out[3])
 {
     float u = (float)code[0], v = (float)code[1];
@@ -63,7 +63,7 @@ static void turn_code(const cpu_shade_item* item, const int8_t* code, float out[
     turn(item, u, v, z, out);
 }
 
-/// How opaque a transparent surfel is.
+/// Opacity of a transparent surfel.
 static float cpu_find_opacity(const cpu_renderer* r, const cpu_shade_item* shade, uint32_t index)
 {
     const cpu_item* item = &r->items[shade - r->shade_items];

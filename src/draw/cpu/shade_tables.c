@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What shading looks things up in: materials once a renderer; items, and which item an id belongs to, once a frame.
+// Lookup tables of shading: materials, once per renderer; items, and the item of each id, once per
+// frame.
 #include "draw/cpu/shade.h"
 
 enum { SHADINGS = 256, ID_TABLE_SIZE = 1 << 16 };
@@ -70,7 +71,7 @@ static cpu_shade_item make_item(const cpu_renderer* r, const cpu_item* item)
     return made;
 }
 
-/// Which item the first id of each run of 2^id_shift ids belongs to, and a last entry.
+/// Item of the first id in each run of 2^id_shift ids, plus a last entry.
 static void index_ids(cpu_renderer* r, uint64_t id_count)
 {
     uint32_t item = 0, last = (uint32_t)r->item_count - 1;

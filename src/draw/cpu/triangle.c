@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles looked up one at a time, from columns or from clusters.
+// Looks up single triangles, from columns or clusters.
 #include "draw/cpu/cpu.h"
 
 #include <string.h>
