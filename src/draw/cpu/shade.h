@@ -2,7 +2,7 @@
 //
 // How a tile of the visibility buffer, 64 x 16 pixels, becomes colours:
 //
-//   merged     nearest of all workers' pixels, which are cleared, row by row; a run begins where ids change
+//   merged     nearest of all workers' pixels, which are cleared, row by row; runs split at id changes
 //   looked up  surfaces of runs: one per id, cached between tiles
 //   lit        surfaces in lanes: one for up to 16 pixels of a run with a single colour and normal,
 //              one per pixel elsewhere; one vector of lanes at a time
@@ -161,7 +161,7 @@ struct cpu_shade_memory {
     cpu_triangle_memory* triangles;
 };
 
-/// NULL where memory runs out.
+/// NULL if out of memory.
 cpu_shade_memory* cpu_make_shade_memory(stp_context* context);
 void cpu_destroy_shade_memory(stp_context* context, cpu_shade_memory* memory);
 void cpu_forget_surfaces(cpu_shade_memory* memory);

@@ -24,7 +24,7 @@ static stp_result make_textures(gl_renderer* r)
         return STP_OK;
     }
     gl->DeleteTextures(2, old);
-    while (gl->GetError() != GL_NO_ERROR) { // what was before is not these textures'
+    while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     pass->nearness = gl_make_texture(gl, GL_R32F, width, height, "nearness of caps");
     pass->pixels = gl_make_texture(gl, GL_RGBA8, width, height, "caps");
@@ -53,7 +53,7 @@ static stp_result prepare(gl_renderer* r)
     return result == STP_OK ? make_textures(r) : result;
 }
 
-/// Sends the caps, and puts them where they are nearest.
+/// Uploads the caps, and draws them where they are nearest.
 static void put(gl_renderer* r, const stp_cap_picture* picture)
 {
     const stp_gl* gl = &r->gl;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Caps of sections (draw/caps.h), which the processor fills, put into a picture that was shaded.
+// Draws section caps (draw/caps.h), which the CPU fills, into a shaded picture.
 #pragma once
 
 #include "draw/caps.h"
@@ -7,15 +7,16 @@
 
 struct gl_renderer;
 
-/// Made when it is first needed. All zero at first.
+/// Created on first use. Zero-initialize it.
 typedef struct gl_cap_pass {
     stp_caps* caps;
     GLuint program, nearness, pixels; ///< textures of an eye
     uint32_t width, height;           ///< of the textures
-    bool shows;                       ///< caps in the eye's picture that was shaded last
+    bool shows;                       ///< caps in the eye's last shaded picture
 } gl_cap_pass;
 
 void gl_cap_pass_destroy(struct gl_renderer* r);
-/// Puts the caps of the eye that was shaded last into its picture and depths, where the style wants them.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED, or what reading the store returns; logged
+/// Draws the caps of the last shaded eye into its picture and depths, if the style enables them.
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED, or what reading the store
+/// returns; logged
 STP_MUST_USE stp_result gl_cap_pass_draw(struct gl_renderer* r);

@@ -22,7 +22,8 @@ static bool needs_keep(const gl_renderer* r, const item_block* item, uint32_t pr
     if ((item->flags & ITEM_GHOST) != 0 || item->sections != 0) {
         return true;
     }
-    // filters take a draw call more an eye: with one for all triangles, two eyes take no more than eight
+    // filters need one more draw call per eye: with one for all triangles, two eyes need at most
+    // eight
     if (r->target.eye_count > 1 && r->style->filter != STP_FILTER_NONE) {
         return true;
     }
@@ -34,7 +35,7 @@ static bool needs_keep(const gl_renderer* r, const item_block* item, uint32_t pr
            material->base_color[3] < least;
 }
 
-/// Which commands draw the clusters of a mesh.
+/// Commands that draw the clusters of a mesh.
 typedef struct cluster_kinds {
     gl_command_kind kind;
     bool again; ///< also for layers
@@ -68,7 +69,7 @@ static bool add_cluster(gl_renderer* r, uint32_t index, cluster_kinds kinds, uin
            (!kinds.again || gl_frame_repeat_command(r, GL_COMMANDS_GLASS_TRIANGLES, 3 * triangles));
 }
 
-/// A mesh of columns: all of it, or nothing.
+/// A mesh of columns: drawn as a whole, or not at all.
 static stp_result add_columns(gl_renderer* r, uint32_t index, stp_store_mesh* mesh)
 {
     item_block* item = &r->frame.items[index];

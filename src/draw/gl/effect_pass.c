@@ -57,7 +57,7 @@ static stp_result make_planes(gl_renderer* r)
     const GLuint old[] = {pass->planes[0], pass->planes[1], pass->block_plane, pass->two[0],
                           pass->two[1]};
     gl->DeleteTextures(5, old);
-    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the planes'
+    while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     for (int i = 0; i < 2; ++i) {
         pass->planes[i] = gl_make_texture(gl, GL_R32F, width, height, "nearness of effects");
@@ -116,8 +116,8 @@ static void run(gl_renderer* r, GLuint program, GLuint out, GLenum format, uint3
     r->dispatches += 1;
 }
 
-/// Nearness without the gaps between disks: what is narrower than a disk's valley is filled to its brim, silhouettes stay.
-/// @return the plane that holds it
+/// Nearness without gaps between disks: closes gaps narrower than the valley between disks, and
+/// keeps silhouettes. @return the plane that holds it
 static GLuint close_gaps(gl_renderer* r, int32_t reach)
 {
     static const GLint axes[4][2] = {{1, 0}, {0, 1}, {1, 0}, {0, 1}};
@@ -147,7 +147,7 @@ static void find_blocks(gl_renderer* r)
         (pass->height + EFFECT_BLOCK - 1) / EFFECT_BLOCK);
 }
 
-/// A pass that reads how near pixels are, and a plane.
+/// A pass that reads pixel nearness and a plane.
 static void run_on(gl_renderer* r, GLuint program, GLuint from, GLuint to, GLint near_row)
 {
     r->gl.UseProgram(program);

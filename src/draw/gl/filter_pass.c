@@ -101,13 +101,13 @@ static GLuint make_texture(gl_renderer* r, const char* label)
     return texture;
 }
 
-/// Textures of the picture's size; `pixels`: also what is blended in one pass.
+/// Textures of the picture's size; `pixels`: also those for blending in one pass.
 static stp_result make_targets(gl_renderer* r, bool pixels)
 {
     gl_filter_pass* pass = &r->filter;
     const stp_gl* gl = &r->gl;
     const gl_target* t = &r->target;
-    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the target's
+    while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     if (pass->vertex_array == 0) {
         gl->CreateVertexArrays(1, &pass->vertex_array);
@@ -184,7 +184,7 @@ stp_result gl_filter_pass_blend(gl_renderer* r)
     return result;
 }
 
-/// The style's texture, which may be another one each time, and the weight of splats of one pixel.
+/// The style's texture, which may change between pictures, and the weight of one-pixel splats.
 static void send_texture(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
@@ -208,7 +208,7 @@ static void send_texture(gl_renderer* r)
     gl->Uniform1ui(0, 1 + (GLuint)((float)(STP_BLEND_WEIGHT - 1) * opacity));
 }
 
-/// The buffer's pixels to where shading and other passes look for them.
+/// Copies the buffer's pixels to where shading and other passes read them.
 static void merge_tolerant(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;

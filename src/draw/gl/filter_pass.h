@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Splats that overlap, blended: in two more passes after the visibility buffer (STP_FILTER_EWA), or in one instead of it
-// (STP_FILTER_BLEND, STP_FILTER_TEXTURED). Both leave sums of weighted colours, which shading divides by those of weights.
+// Blends overlapping splats: in two more passes after the visibility buffer (STP_FILTER_EWA), or in
+// one pass that replaces it (STP_FILTER_BLEND, STP_FILTER_TEXTURED). Both produce sums of weighted
+// colours, which shading divides by the sums of weights.
 #pragma once
 
 #include "draw/gl/gl.h"
@@ -9,9 +10,9 @@
 struct gl_renderer;
 
 typedef struct gl_filter_pass {
-    GLuint planes_program, blend;              ///< of two passes; 0: not made yet
-    GLuint tolerant, textured, tolerant_merge; ///< of one
-    GLuint splat_texture;                      ///< R8; 0: not made yet
+    GLuint planes_program, blend;              ///< for two passes; 0: not created yet
+    GLuint tolerant, textured, tolerant_merge; ///< for one pass
+    GLuint splat_texture;                      ///< R8; 0: not created yet
     GLuint vertex_array;
     GLuint planes, sums, framebuffer; ///< RGBA32F; of `sums`
     GLuint merged, ids;               ///< a framebuffer of the target's ids, sums and nearness
@@ -25,11 +26,13 @@ void gl_filter_pass_destroy(struct gl_renderer* r);
 /// Whether the style's filter blends in one pass.
 bool gl_filter_is_tolerant(const struct gl_renderer* r);
 
-/// After the visibility buffer is made. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_UNSUPPORTED; logged
+/// Call after the visibility buffer is drawn. @return STP_OK, STP_ERROR_OUT_OF_MEMORY,
+/// STP_ERROR_UNSUPPORTED; logged
 STP_MUST_USE stp_result gl_filter_pass_blend(struct gl_renderer* r);
 
-/// Makes the splats' part of the visibility buffer, and their colours, at once. @return as gl_filter_pass_blend
+/// Draws the splats' part of the visibility buffer and their colours in one pass. @return as
+/// gl_filter_pass_blend
 STP_MUST_USE stp_result gl_filter_pass_draw_tolerant(struct gl_renderer* r);
 
-/// For shading: what was blended.
+/// Binds the blended colours for shading.
 void gl_filter_pass_bind(struct gl_renderer* r);

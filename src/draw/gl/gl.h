@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The OpenGL functions this library calls, and no others. Loaded for a context: there is no global state.
+// The OpenGL functions that this library calls. Loaded per context: there is no global state.
 #pragma once
 
 #include "draw/draw_gl.h"
@@ -96,7 +96,7 @@ typedef struct stp_gl {
 #define X(type, name) type name;
     STP_GL_FUNCTIONS(X)
 #undef X
-    /// Of ARB_indirect_parameters, or of 4.6.
+    /// From ARB_indirect_parameters, or OpenGL 4.6.
     PFNGLMULTIDRAWARRAYSINDIRECTCOUNTARBPROC MultiDrawArraysIndirectCount;
 } stp_gl;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A draw list made into blocks, records and commands.
+// Turns a draw list into blocks, records and commands.
 #include "base/context.h"
 #include "draw/gl/cull.h"
 #include "draw/gl/set_items.h"
@@ -9,7 +9,7 @@
 #include "draw/transparency.h"
 #include "raster/splats_kernel.h"
 
-// As the processor's (src/draw/cpu/raster.c).
+// The same as on the CPU (src/draw/cpu/raster.c).
 #define RIM_DEPTH 4.0f
 #define BACK_DEPTH 2.0f
 
@@ -147,7 +147,7 @@ static stp_result make_mesh(gl_renderer* r, uint32_t index)
     item->material = known->material;
     item->count = draw->large ? known->triangle_count : 0;
     if (draw->large && !r->frame.beside) {
-        return STP_OK; // the set's splats are all drawn
+        return STP_OK; // all splats of the set are drawn
     }
     stp_result result = bring_texture(r, &material->base_color_texture, false, &item->base_color);
     if (result == STP_OK) {
@@ -211,7 +211,7 @@ static void place_splats(const gl_renderer* r, const gl_placed* placed,
     item->far_w = frame.far_w;
 }
 
-/// Where an item lies, for the placement's shift.
+/// Position of an item, for the placement's shift.
 static void place_item(gl_renderer* r, uint32_t index, uint32_t pattern)
 {
     const gl_placed* placed = &r->frame.placed[index];
@@ -280,7 +280,7 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
     return make_mesh(r, index);
 }
 
-/// Which item the first id of each run of 2^id_shift ids belongs to, a last entry, and all first ids.
+/// Item of the first id in each run of 2^id_shift ids, a last entry, and all first ids.
 static stp_result make_lookup(gl_renderer* r)
 {
     gl_frame* f = &r->frame;
@@ -338,14 +338,15 @@ static bool make_room(gl_renderer* r, size_t count)
     return true;
 }
 
-/// What nothing coarser stands for comes first, of all items: where memory is short, the finer gives way.
+/// Data without a coarser stand-in comes first, for all items: if memory is short, finer data is
+/// evicted.
 static stp_result bring_urgent(gl_renderer* r)
 {
     for (size_t i = 0; i < r->list->count; ++i) {
         const stp_draw_item* draw = &r->list->items[i];
         gl_upload got = GL_UPLOAD_THERE;
         if (draw->large) {
-            continue; // the set stands for them
+            continue; // the set represents them
         }
         if (draw->kind == STP_DRAW_MESH) {
             got = gl_upload_mesh(r, draw->index);
@@ -371,7 +372,7 @@ stp_result gl_frame_make(gl_renderer* r)
     }
     f->record_count = f->chunk_count = f->item_count = 0;
     f->large_count = 0;
-    if (r->eye == 0) { // of the picture, not of its last eye
+    if (r->eye == 0) { // for the picture, not only its last eye
         f->missing = f->coming = 0;
         r->pool.uploaded_bytes = 0;
     }

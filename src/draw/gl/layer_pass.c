@@ -58,7 +58,7 @@ void gl_layer_pass_destroy(gl_renderer* r)
     r->layer_pass.noise = 0;
 }
 
-/// @return whether there is memory for them
+/// @return whether there is enough memory for them
 static bool make_textures(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
@@ -68,7 +68,7 @@ static bool make_textures(gl_renderer* r)
         return true;
     }
     destroy_textures(r);
-    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the textures'
+    while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     bool complete = true;
     for (int i = 0; i < 2; ++i) {
@@ -149,7 +149,7 @@ static void dispatch(gl_renderer* r, GLuint program)
     r->dispatches += 1;
 }
 
-/// Draws one layer; `before` is the other one.
+/// Draws one layer; `before` is the previous one.
 static stp_result draw_layer(gl_renderer* r, int number)
 {
     const stp_gl* gl = &r->gl;
@@ -167,7 +167,7 @@ static stp_result draw_layer(gl_renderer* r, int number)
     gl->BindTextureUnit(UNIT_BEFORE_IDS, pass->layers[1 - number].ids);
     gl->BindTextureUnit(UNIT_BEFORE_NEARNESS, pass->layers[1 - number].nearness);
     gl->BindTextureUnit(UNIT_BELOW, pass->below);
-    // without caps, what is opaque hides as much
+    // without caps, opaque surfaces occlude as much
     gl->BindTextureUnit(UNIT_CAPS, r->cap_pass.shows ? r->cap_pass.nearness : r->target.nearness);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, r->frame.ring.buffer);
     gl->BindBuffer(GL_PARAMETER_BUFFER_ARB, r->frame.ring.buffer);
@@ -192,7 +192,7 @@ static stp_result draw_layer(gl_renderer* r, int number)
     return result;
 }
 
-/// Composites it. @return its pixels
+/// Composites the layer. @return number of its pixels
 static uint32_t take_layer(gl_renderer* r, int number)
 {
     const stp_gl* gl = &r->gl;

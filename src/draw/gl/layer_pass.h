@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Transparent surfaces, layer by layer, as src/draw/cpu/layers.h: each pass draws transparent triangles and splats only, and
-// keeps of each pixel the nearest that is behind the layer before and in front of what is opaque.
+// Depth peeling of transparent surfaces, as in src/draw/cpu/layers.h. Each pass draws transparent
+// triangles and splats only. Per pixel it keeps the nearest fragment behind the previous layer and
+// in front of the opaque surface.
 #pragma once
 
 #include "base/context.h"
@@ -11,10 +12,10 @@ struct gl_renderer;
 
 typedef struct gl_layer_pass {
     bool possible, of_splats; ///< whether the scene has transparent surfaces, and splats of them
-    bool active;              ///< the picture that is drawn has layers
-    bool told;                ///< that there is no memory
-    uint8_t of_shading[256];  ///< whether splats of a shading are transparent
-    GLuint noise;             ///< blue noise, as shaders read it
+    bool active;              ///< the current picture has layers
+    bool told;                ///< warned about missing memory
+    uint8_t of_shading[256];  ///< per shading: whether its splats are transparent
+    GLuint noise;             ///< blue noise in the shaders' layout
     GLuint triangles, points, large, take, compose; ///< programs
     uint32_t width, height;                         ///< of the textures; 0: none
     struct {
@@ -24,12 +25,14 @@ typedef struct gl_layer_pass {
     uint32_t count; ///< passes of the last picture
 } gl_layer_pass;
 
-/// What the scene has of transparent surfaces. @return STP_OK; logged
+/// Finds the transparent surfaces of the scene. @return STP_OK; logged
 STP_MUST_USE stp_result gl_layer_pass_create(struct gl_renderer* r);
 void gl_layer_pass_destroy(struct gl_renderer* r);
-/// Programs depend on the pages.
+/// Deletes the programs, which depend on the number of pages.
 void gl_layer_pass_destroy_programs(struct gl_renderer* r);
-/// Before a picture's items are made: whether it has layers. Where there is no memory for them a warning is logged once.
+/// Decides whether a picture has layers. Call before its items are made. Logs a warning once if
+/// memory is insufficient.
 void gl_layer_pass_begin(struct gl_renderer* r);
-/// After the opaque picture is done: draws all layers over it. Waits after each. @return as gl_program_create
+/// Call after the opaque picture is drawn: draws all layers over it. Waits after each. @return as
+/// gl_program_create
 STP_MUST_USE stp_result gl_layer_pass_draw(struct gl_renderer* r);

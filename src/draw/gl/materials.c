@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Materials as shaders want them; they never change.
+// Materials in the shaders' layout; they never change.
 #include "base/color.h"
 #include "base/color_map.h"
 #include "base/context.h"
@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/// As the processor's (src/draw/cpu/shade_tables.c).
+/// The same as on the CPU (src/draw/cpu/shade_tables.c).
 static light_material_block make_light(float metallic, float roughness, const float emissive[3],
                                        uint32_t flags)
 {

@@ -23,7 +23,7 @@ bool gl_occlusion_pass_serves(const gl_renderer* r)
            !r->keeps_all;
 }
 
-/// From right, down, depth and 1 to X, Y, N and W.
+/// Matrix from right, down, depth and 1 to X, Y, N and W.
 static void make_screen(const stp_view_frame* f, double shift_x, double shift_y, double scale,
                         double out[4][4])
 {
@@ -137,7 +137,7 @@ static stp_result make_pyramid(gl_renderer* r)
     gl->DeleteBuffers(1, &pass->pyramid);
     pass->width = pass->height = 0;
     pass->known = false;
-    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the buffer's
+    while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     for (uint32_t side = PYRAMID_BLOCK; side < PYRAMID_BLOCK << PYRAMID_LEVELS; side *= 2) {
         blocks += (uint64_t)((r->target.width + side - 1) / side) *

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Two passes over what is drawn, as the processor has them, without ever waiting: commands whose boxes are behind the depths of
-// the picture before are set aside; when the rest is drawn, its own depths make a pyramid, and what of the others is not
-// behind that is drawn too. Both are decided by compute shaders, which write the commands' counts of instances. The picture
-// is the same as without.
+// Two-pass occlusion culling, as on the CPU, without waiting for the GPU. Commands whose boxes are
+// behind the previous picture's depths are deferred. The depths of the first pass then form a
+// pyramid, and deferred commands that it does not occlude are drawn too. Compute shaders decide
+// both by writing the commands' instance counts. The picture is the same as without culling.
 #pragma once
 
 #include "draw/gl/gl.h"
@@ -13,25 +13,27 @@ struct gl_renderer;
 struct view_block;
 
 typedef struct gl_occlusion_pass {
-    GLuint cull, fill;      ///< programs; made when they are needed
+    GLuint cull, fill;      ///< programs; created on first use
     GLuint pyramid;         ///< levels of blocks, floats
-    GLuint counters;        ///< commands that were set aside: at first, and to the end
-    uint32_t width, height; ///< that the pyramid is of
-    bool known;             ///< it is of a picture
+    GLuint counters;        ///< commands deferred after the first pass, and culled in the end
+    uint32_t width, height; ///< view of the pyramid
+    bool known;             ///< it is valid
     bool culls;             ///< the last sample was drawn in two passes
-    stp_view_frame frame;   ///< of that picture, and what else leads to its pixels
+    stp_view_frame frame;   ///< of that picture, and other parameters of its projection
     double shift_x, shift_y, nearness_scale;
 } gl_occlusion_pass;
 
 void gl_occlusion_pass_destroy(struct gl_renderer* r);
 
-/// Whether this sample can be drawn in two passes: of one eye, in perspective, without a filter (which blends hidden splats)
-/// and without points of a fixed size.
+/// Whether this sample can be drawn in two passes: one eye, perspective, no filter (which blends
+/// occluded splats), and no fixed-size points.
 bool gl_occlusion_pass_serves(const struct gl_renderer* r);
-/// What the view's block holds of it.
+/// Fills its part of the view block.
 void gl_occlusion_pass_set_view(const struct gl_renderer* r, struct view_block* view);
-/// Sets aside what the pyramid hides (`late` false: one of an earlier picture), or draws, of what was set aside, what this
-/// one's pyramid does not hide. @return as gl_program_create
+/// `late` false: defers commands that the pyramid of an earlier picture occludes. `late` true:
+/// draws deferred commands that this picture's pyramid does not occlude. @return as
+/// gl_program_create
 STP_MUST_USE stp_result gl_occlusion_pass_cull(struct gl_renderer* r, bool late);
-/// The pyramid of what is drawn so far. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, as gl_program_create; logged
+/// Builds the pyramid of everything drawn so far. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, as
+/// gl_program_create; logged
 STP_MUST_USE stp_result gl_occlusion_pass_fill(struct gl_renderer* r);

@@ -10,7 +10,8 @@ enum {
     PAGE_SHIFT_MOST = 29,  ///< eight pages fill the addresses
 };
 
-/// The least pages that hold `limit` in eight, none larger than a block that shaders can read.
+/// Smallest page size with which eight pages hold `limit`; at most the size of a block that shaders
+/// can read.
 static uint32_t choose_shift(const stp_gl* gl, uint64_t limit)
 {
     GLint64 most = 0;
@@ -112,7 +113,7 @@ void gl_pool_drop(gl_pool* pool, uint32_t entry)
     dropped->address = POOL_NONE;
 }
 
-/// One more buffer, where the limit allows for any of it.
+/// Adds a buffer if the limit allows one.
 static bool add_page(gl_pool* pool)
 {
     uint32_t size = 1u << pool->page_shift;
@@ -124,14 +125,14 @@ static bool add_page(gl_pool* pool)
     }
     const stp_gl* gl = pool->gl;
     GLuint* page = &pool->pages[pool->page_count];
-    while (gl->GetError() != GL_NO_ERROR) { // what was before is not this buffer's
+    while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     gl->CreateBuffers(1, page);
     gl->NamedBufferStorage(*page, (GLsizeiptr)count * WORD, NULL, 0);
     if (gl->GetError() != GL_NO_ERROR ||
         !gl_spans_add_region(&pool->spans, pool->page_count << pool->page_shift, count)) {
         gl->DeleteBuffers(1, page);
-        pool->limit_words = pool->spans.total; // there is no more: what is here must do
+        pool->limit_words = pool->spans.total; // out of memory: continue with the existing pages
         return false;
     }
     gl->ObjectLabel(GL_BUFFER, *page, -1, "page");
@@ -142,7 +143,7 @@ static bool add_page(gl_pool* pool)
 bool gl_pool_take(gl_pool* pool, uint32_t entry, uint64_t words)
 {
     gl_entry* taken = &pool->entries[entry];
-    words = words > 0 ? words : 1; // nothing has a place, too
+    words = words > 0 ? words : 1; // empty entries have a place, too
     if (words > 1u << pool->page_shift) {
         return false;
     }

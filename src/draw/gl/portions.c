@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Commands drawn at once, or in portions that are waited for, so that a picture can be abandoned between two of them.
+// Draws commands at once, or in batches with a wait after each, so that a picture can be cancelled
+// between batches.
 #include "draw/gl/renderer.h"
 
-static const uint64_t portion_vertices =
-    100000; // a few milliseconds for a processor, much less for a graphics processor
-static const GLuint64 look_every = 1000000; // nanoseconds
+static const uint64_t portion_vertices = 100000; // a few milliseconds on a CPU, much less on a GPU
+static const GLuint64 look_every = 1000000;      // nanoseconds
 
 stp_result gl_portion_wait(gl_renderer* r)
 {
@@ -22,7 +22,7 @@ stp_result gl_portion_wait(gl_renderer* r)
     return stp_renderer_is_stopped(&r->base) ? STP_ERROR_CANCELLED : STP_OK;
 }
 
-/// The end of the portion that begins with a command.
+/// End of the batch that begins with a command.
 static size_t find_end(const struct gl_command* commands, size_t first, size_t count)
 {
     uint64_t vertices = commands[first].count;

@@ -53,7 +53,7 @@ static size_t find_shader(const char* name, size_t length)
     return count;
 }
 
-/// A shader's file in the folder that the environment names; NULL where there is none.
+/// A shader file in the folder named by the environment; NULL if there is none.
 static char* read_override(stp_context* context, const char* name)
 {
     const char* folder = getenv("STP_SHADER_DIR");
@@ -155,7 +155,7 @@ static stp_result compile(stp_context* context, const stp_gl* gl, GLenum stage, 
     } else {
         gl->AttachShader(program, shader);
     }
-    gl->DeleteShader(shader); // as soon as the program is gone
+    gl->DeleteShader(shader); // deleted together with the program
     stp_free(context, text);
     return result;
 }

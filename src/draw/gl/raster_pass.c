@@ -52,7 +52,7 @@ static stp_result make_pixels(gl_renderer* r)
     pass->pixels = 0;
     pass->bytes = 0;
     gl->GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the buffer's
+    while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     if ((int64_t)needed <= most) {
         gl->CreateBuffers(1, &pass->pixels);

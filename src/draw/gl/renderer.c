@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A frame from beginning to end.
+// Draws a frame.
 #include "draw/gl/renderer.h"
 
 #include "base/clock.h"
@@ -12,7 +12,7 @@
 
 enum { SUPERSAMPLE_LIMIT = 64 };
 static const uint64_t default_memory = UINT64_C(1) << 30;
-static const uint64_t band_bytes = UINT64_C(1) << 30; // OpenGL counts those of a call in 31 bits
+static const uint64_t band_bytes = UINT64_C(1) << 30; // OpenGL's counts per call have 31 bits
 
 static void destroy_programs(gl_renderer* r)
 {
@@ -56,7 +56,7 @@ static void destroy(stp_renderer* renderer)
     stp_free(context, r);
 }
 
-/// Programs read as many pages as there are, or somewhat more: most pools have one.
+/// Programs support at least the current number of pages: most pools have one.
 stp_result gl_make_programs(gl_renderer* r)
 {
     uint32_t pages = 1;
@@ -80,7 +80,7 @@ stp_result gl_make_programs(gl_renderer* r)
     return result;
 }
 
-/// What has gone wrong since the last time: a lost context, or an error that a debug context named.
+/// Errors since the last call: a lost context, or an error reported by a debug context.
 static stp_result check(gl_renderer* r)
 {
     GLenum reset = r->gl.GetGraphicsResetStatus();
@@ -128,12 +128,12 @@ static stp_result begin_picture(gl_renderer* r, const stp_view* view, const stp_
     return gl_target_make(r, view, side > 1);
 }
 
-/// Times and pixels of a picture that is under way (those of one before), or done.
+/// Times and pixels of a picture in progress (those of an earlier one), or finished.
 static void read_times(gl_renderer* r, bool done, stp_draw_stats* stats)
 {
     gl_timer_read(&r->gl, &r->timer, done);
-    double parts =
-        (double)r->counted_samples * r->target.eye_count; // each takes as long as the last
+    // estimate: each takes as long as the last
+    double parts = (double)r->counted_samples * r->target.eye_count;
     stats->covered_pixels = done ? gl_shade_pass_covered(r) : 0;
     stats->fragments = r->target.eye_count * r->timer.fragments;
     stats->draw_ms = r->timer.known ? parts * r->timer.draw_ms : stats->draw_ms;
@@ -145,7 +145,7 @@ void stp_draw_gl_finish_stats(stp_renderer* renderer, stp_draw_stats* stats)
     read_times((gl_renderer*)renderer, true, stats);
 }
 
-/// Figures of a picture that is under way, or done where `image` was read.
+/// Statistics of a picture in progress, or finished if `image` was read.
 static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool done,
                           stp_draw_stats* stats)
 {
@@ -160,7 +160,7 @@ static void count_picture(gl_renderer* r, uint32_t samples, double cpu_ms, bool 
     stats->samples = samples;
 }
 
-/// Whether something is done with the bytes of each sample.
+/// Whether the bytes of each sample are post-processed.
 static bool works_on_bytes(const gl_renderer* r, const stp_draw_style* style, const stp_view* view)
 {
     bool caps = style->caps && view->sections.count > 0;
@@ -199,7 +199,7 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     bool bytes = side > 1 && works_on_bytes(r, style, view);
     gl_sample_range range = {
         .side = side, .end = side * side, .sums = side > 1, .bytes = bytes, .scattered = bytes};
-    r->accumulation.frames = 0; // its picture is drawn over, and its sums may be used or made anew
+    r->accumulation.frames = 0; // its picture is overwritten, and its sums may be consumed or reset
     return draw_range(r, view, list, style, &range, image, stats);
 }
 
@@ -284,7 +284,7 @@ static stp_result accumulate(stp_renderer* renderer, const stp_view* view,
 static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity,
                                 GLsizei length, const GLchar* message, const void* user)
 {
-    // the renderer's memory for it, which OpenGL hands back as it was given
+    // user pointer to the renderer's memory, returned by OpenGL unchanged
     union {
         const void* given;
         gl_debug* debug;
@@ -314,7 +314,7 @@ static stp_result listen(gl_renderer* r)
     return STP_OK;
 }
 
-/// What the context is, and whether it has all that is needed.
+/// Queries the context, and checks the required features.
 static stp_result look_at(gl_renderer* r, const stp_draw_gl_desc* desc)
 {
     stp_context* context = r->base.context;

@@ -34,7 +34,7 @@ void gl_ring_destroy(const stp_gl* gl, gl_ring* ring)
     *ring = (gl_ring){0};
 }
 
-/// Waits for the oldest fence. @return false where there is none, or the context is lost
+/// Waits for the oldest fence. @return false if there is none, or the context is lost
 static bool wait_for_one(const stp_gl* gl, gl_ring* ring)
 {
     if (ring->fence_count == 0) {
@@ -59,7 +59,7 @@ bool gl_ring_take(const stp_gl* gl, gl_ring* ring, uint64_t size, gl_ring_part* 
 {
     assert(size <= ring->size / 2 && "larger than what a ring can hand out");
     uint64_t begin = (ring->head + RING_ALIGNMENT - 1) / RING_ALIGNMENT * RING_ALIGNMENT;
-    if (begin % ring->size + size > ring->size) { // not across the end
+    if (begin % ring->size + size > ring->size) { // no part wraps around the end
         begin = (begin / ring->size + 1) * ring->size;
     }
     while (begin + size > ring->tail + ring->size) {

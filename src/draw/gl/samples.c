@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The samples of a picture: each is drawn and shaded; several are summed.
+// Samples of a picture: each is drawn and shaded; several are summed.
 #include "base/color.h"
 #include "base/context.h"
 #include "draw/gl/renderer.h"
@@ -10,13 +10,13 @@
 
 enum { POINT_MARGIN = 64 };
 
-/// One sample, and what becomes of it.
+/// One sample, and the use of its result.
 typedef struct gl_sample {
-    uint32_t side, place;   ///< which of side x side
-    uint32_t number, count; ///< how many are summed before it, and with it
-    bool sums;              ///< shading sums it
-    bool bare;  ///< shaded to bytes without a background, which are then added to the sums
-    bool shows; ///< the picture is made of the sums
+    uint32_t side, place;   ///< index among side x side
+    uint32_t number, count; ///< samples summed before it, and including it
+    bool sums;              ///< shading adds it to the sums
+    bool bare;              ///< shaded to bytes without a background, then added to the sums
+    bool shows;             ///< the picture is resolved from the sums
 } gl_sample;
 
 static void set_vec3(vec4 out, stp_vec3d v)
@@ -35,7 +35,7 @@ static void set_light(const gl_renderer* r, const stp_view_frame* f, view_block*
     set_vec3(view->right_box, stp_to_double(light.right_box));
 }
 
-/// What is the same for all pixels: towards the eye, (forward + right u + down v) turned round.
+/// Constants of all pixels: direction to the eye, the negative of (forward + right u + down v).
 static void set_eye(const stp_placement* p, view_block* view)
 {
     const stp_view_frame* f = &p->frame;
@@ -60,7 +60,7 @@ static void set_heights(const gl_renderer* r, const stp_placement* p, view_block
     }
 }
 
-/// Sections in right, down and depth of the view.
+/// Section planes in right, down and depth of the view.
 static void set_cuts(const stp_placement* p, const stp_sections* sections, view_block* view)
 {
     const stp_view_frame* f = &p->frame;
@@ -146,15 +146,15 @@ void gl_set_visible_state(gl_renderer* r)
                  (GLsizei)t->height + 2 * POINT_MARGIN);
 }
 
-/// What commands say, of triangles and splats that are not large.
+/// Draws the commands of triangles, and of splats that are not large.
 static stp_result draw_commands(gl_renderer* r, bool late)
 {
     stp_result result = gl_triangle_pass_draw(r);
     return result == STP_OK ? gl_splat_choice_draw(r, late) : result;
 }
 
-/// What the picture before does not hide, and then what of the rest this one does not hide. The first picture is drawn in
-/// one pass: its depths are for those that follow.
+/// Draws content that the previous picture does not occlude, then the rest that this one does not
+/// occlude. The first picture is drawn in one pass; its depths serve the next ones.
 static stp_result draw_passes(gl_renderer* r)
 {
     gl_occlusion_pass* pass = &r->occlusion;
@@ -177,7 +177,7 @@ static stp_result draw_passes(gl_renderer* r)
     return result;
 }
 
-/// Visibility of one sample.
+/// Draws the visibility buffer of one sample.
 static stp_result draw_visible(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
@@ -199,7 +199,7 @@ static stp_result draw_visible(gl_renderer* r)
     return result;
 }
 
-/// What the header promises.
+/// Restores the state that the header promises.
 void gl_leave_state(const gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
@@ -213,7 +213,7 @@ void gl_leave_state(const gl_renderer* r)
     gl->ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
 }
 
-/// From the visibility buffer to the picture, or the sums.
+/// Shades the visibility buffer into the picture or the sums.
 static stp_result shade(gl_renderer* r, const gl_sample* sample)
 {
     stp_result result = gl_shade_pass_draw(r, sample->sums);
@@ -270,7 +270,8 @@ stp_result gl_draw_eye(gl_renderer* r, uint32_t eye, const gl_sample_range* rang
     gl_layer_pass_begin(r);
     stp_result result = gl_frame_make(r);
     result = result == STP_OK ? gl_make_programs(r) : result;
-    if (result == STP_OK && eye == 0 && range->first < range->end) { // else the picture stays
+    // otherwise the picture stays unchanged
+    if (result == STP_OK && eye == 0 && range->first < range->end) {
         gl_shade_pass_clear(r);
     }
     for (uint32_t k = range->first; k < range->end && result == STP_OK; ++k) {

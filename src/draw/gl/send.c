@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The frame's blocks on their way to the graphics processor: one part of a ring holds all.
+// Uploads the frame's blocks to the GPU: one part of a ring holds all.
 #include "base/context.h"
 #include "draw/gl/renderer.h"
 
@@ -7,7 +7,7 @@
 
 enum { PART_ALIGNMENT = 256, RING_LEAST = 1 << 20, RING_FRAMES = 6 };
 
-/// What is written one after the other.
+/// Blocks written consecutively.
 typedef struct layout {
     gl_ring_part part;
     uint64_t used;
@@ -18,7 +18,7 @@ static uint64_t round_up(uint64_t size)
     return (size + PART_ALIGNMENT - 1) / PART_ALIGNMENT * PART_ALIGNMENT;
 }
 
-/// Nothing takes room too: an empty range cannot be bound.
+/// Empty blocks take space too: an empty range cannot be bound.
 static GLintptr put(layout* l, const void* from, size_t size)
 {
     GLintptr offset = l->part.offset + (GLintptr)l->used;

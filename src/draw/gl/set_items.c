@@ -7,8 +7,8 @@
 #include "draw/gl/splat_commands.h"
 #include "draw/gl/upload.h"
 
-/// How far a set can be drawn: octaves whose places are here, up to `octaves`; and the octave, below that many, that
-/// colours them.
+/// Drawable part of a set: octaves with resident positions, up to `octaves`, and the octave below
+/// that provides their colours.
 typedef struct octaves_here {
     uint32_t places, colors;
 } octaves_here;
@@ -25,7 +25,7 @@ static gl_upload bring_octaves(gl_renderer* r, uint32_t set, uint32_t places, ui
     if (got == GL_UPLOAD_FAILED || here->places == 0) {
         return got;
     }
-    // the wanted colours, or the finest that are here, or at least the coarsest
+    // the wanted colours, or the finest resident ones, or at least the coarsest
     gl_upload coloured = gl_upload_octave(r, set, colors, true, colors == 0);
     here->colors = colors;
     while (coloured != GL_UPLOAD_THERE && coloured != GL_UPLOAD_FAILED && here->colors > 0) {
@@ -38,7 +38,7 @@ static gl_upload bring_octaves(gl_renderer* r, uint32_t set, uint32_t places, ui
     return coloured;
 }
 
-/// The box of an item's splats holds an octave too.
+/// Extends the box of an item's splats by an octave.
 static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, item_block* item)
 {
     const gl_octave_box* box = &r->things.boxes[gl_octave_entry(r, set, octave, false) / 2];
@@ -49,7 +49,7 @@ static void hold_octave(const gl_renderer* r, uint32_t set, uint32_t octave, ite
     }
 }
 
-/// The splats of an octave, up to the end of the item's prefix.
+/// Adds the splats of an octave, up to the end of the item's prefix.
 static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t octave,
                                  const chunk_block* chunk, uint32_t prefix)
 {
@@ -66,7 +66,8 @@ static gl_splat_chunk find_chunk(const gl_renderer* r, uint32_t set, uint32_t oc
                             .reach = shapes ? stp_shape_radius(box->largest) : 1.0f};
 }
 
-/// Brings the meshes whose large triangles follow a set, if any splat of these octaves would be replaced.
+/// Uploads the meshes whose large triangles follow a set, if they replace any splat of these
+/// octaves.
 static stp_result bring_large(gl_renderer* r, uint32_t index, uint32_t octaves)
 {
     const stp_draw_item* set = r->frame.placed[index].draw;
@@ -89,11 +90,11 @@ static stp_result bring_large(gl_renderer* r, uint32_t index, uint32_t octaves)
     return STP_OK;
 }
 
-/// Which octaves an item is drawn with: as wanted, or coarser until the others are here.
+/// Octaves that an item is drawn with: as wanted, or coarser until the others are uploaded.
 typedef struct set_octaves {
     octaves_here here;
     stp_octave_choice choice;
-    bool drawn; ///< false: nothing is here yet
+    bool drawn; ///< false: nothing resident yet
 } set_octaves;
 
 static stp_result find_octaves(gl_renderer* r, const stp_draw_item* draw, uint32_t prefix,
@@ -118,18 +119,19 @@ static stp_result find_octaves(gl_renderer* r, const stp_draw_item* draw, uint32
     if (!found->drawn) {
         return STP_OK;
     }
-    if (here->colors < choice->octave) { // drawn as an earlier octave, all of it
+    if (here->colors < choice->octave) { // drawn as a complete earlier octave
         *choice = (stp_octave_choice){.octave = here->colors, .blend = 1.0f};
     } else if (choice->blend < 1.0f && choice->low_count > 0 &&
                gl_upload_octave(r, draw->index, choice->octave - 1, true, false) !=
                    GL_UPLOAD_THERE) {
-        choice->blend = 1.0f; // until they come
+        choice->blend = 1.0f; // until they are resident
         r->frame.missing += 1;
     }
     return STP_OK;
 }
 
-/// Makes an item that draws a state of a set draw the nearest that a shorter prefix has. `*prefix` becomes that of the state.
+/// Reduces an item that draws a state of a set to the nearest state in a shorter prefix. Sets
+/// `*prefix` to the state's.
 static stp_result cut_shorter(gl_renderer* r, const stp_draw_item* draw, uint32_t octaves,
                               uint32_t* prefix, item_block* item)
 {
@@ -148,7 +150,7 @@ static stp_result cut_shorter(gl_renderer* r, const stp_draw_item* draw, uint32_
     return STP_OK;
 }
 
-/// Colours and size of an item's prefix, which becomes how much of it is drawn.
+/// Sets colours and splat size of an item, and limits its prefix to the drawn part.
 static stp_result begin_item(gl_renderer* r, uint32_t index, const set_octaves* octaves,
                              uint32_t* prefix)
 {
@@ -159,7 +161,7 @@ static stp_result begin_item(gl_renderer* r, uint32_t index, const set_octaves* 
     stp_octave_choice choice = octaves->choice;
     uint32_t most = known->octave_ends[octaves->here.places - 1];
     most = most < known->octave_ends[choice.octave] ? most : known->octave_ends[choice.octave];
-    if (most < *prefix) { // fewer and larger ones
+    if (most < *prefix) { // fewer, larger splats
         *prefix = most;
         float reached = stp_prefix_table_radius(&known->table, most);
         bool own = (item->flags & ITEM_SHAPES) != 0;

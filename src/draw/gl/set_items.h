@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Items of sets of splats: their octaves brought to the pool, and commands that draw them.
+// Items of splat sets: uploads their octaves to the pool, and adds the commands that draw them.
 #pragma once
 
 #include "draw/gl/renderer.h"
 
-/// Makes the item of a set: with what is here of it, in splats as large as that needs.
+/// Makes the item of a set from its resident part, with splats large enough for it.
 /// @return STP_OK, or as uploads and the store's functions; logged
 STP_MUST_USE stp_result gl_set_item_make(gl_renderer* r, uint32_t index);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From the visibility buffer to the picture.
+// Shades the visibility buffer into the picture.
 #include "base/context.h"
 #include "draw/gl/renderer.h"
 
@@ -17,7 +17,7 @@ stp_result gl_shade_pass_create(gl_renderer* r)
                                      &pass->shade);
 }
 
-/// A program that few pictures need.
+/// A program that few pictures use.
 static stp_result need(gl_renderer* r, GLuint* program, const char* name, const char* defines)
 {
     return *program != 0

@@ -9,7 +9,7 @@ void gl_spans_destroy(gl_spans* spans)
     *spans = (gl_spans){.context = spans->context};
 }
 
-/// The list that free spans of a size stand in.
+/// List of free spans for a size.
 static uint32_t list_of(uint32_t count)
 {
     uint32_t high = 31u - (uint32_t)__builtin_clz(count);
@@ -17,7 +17,7 @@ static uint32_t list_of(uint32_t count)
     return high * SPANS_SUBLISTS + low;
 }
 
-/// An entry that stands for nothing yet. @return SPANS_NONE where memory runs out
+/// Takes an unused entry. @return SPANS_NONE if out of memory
 static uint32_t make_entry(gl_spans* s)
 {
     if (s->unused != 0) {
@@ -90,7 +90,7 @@ bool gl_spans_add_region(gl_spans* spans, uint32_t first, uint32_t count)
     return true;
 }
 
-/// A free span of a list beyond `list`: every one there is larger than all of `list`.
+/// A free span of a list above `list`: every span there is larger than all spans of `list`.
 static uint32_t find_beyond(const gl_spans* s, uint32_t list)
 {
     uint32_t doubling = list / SPANS_SUBLISTS, within = list % SPANS_SUBLISTS;
@@ -114,7 +114,7 @@ static uint32_t find_free(const gl_spans* s, uint32_t count)
         return head - 1;
     }
     uint32_t found = find_beyond(s, list);
-    // the rest of the list only where there is nothing else
+    // search the same list only as a last resort
     for (uint32_t at = head != 0 ? head - 1 : SPANS_NONE; found == SPANS_NONE && at != SPANS_NONE;
          at = s->spans[at].next) {
         found = s->spans[at].count >= count ? at : SPANS_NONE;
@@ -157,7 +157,7 @@ uint32_t gl_spans_take(gl_spans* spans, uint32_t count)
     return found;
 }
 
-/// Makes one span of two neighbours; `second` ends.
+/// Merges two neighbouring spans; removes `second`.
 static void join(gl_spans* s, uint32_t first, uint32_t second)
 {
     gl_span *a = &s->spans[first], *b = &s->spans[second];

@@ -18,7 +18,7 @@ enum {
 
 const float gl_splat_sizes[SPLAT_SIZES] = {1.0f, 3.0f, 8.0f};
 
-/// Splats that are made up, all over the picture, in a buffer of their own.
+/// Synthetic splats all over the picture, in a separate buffer.
 typedef struct made_splats {
     GLuint buffer;
     uint32_t count, commands;
@@ -51,8 +51,7 @@ static void fill(const made_splats* s, unsigned char* memory)
     for (uint32_t i = 0; i < s->count; ++i) {
         uint64_t bits = stp_rng_hash(5, i);
         words[2 * i] = (uint32_t)bits;
-        words[2 * i + 1] =
-            (uint32_t)(bits >> 32) & 0x1F1FFFFFu; // turned towards the eye, more or less
+        words[2 * i + 1] = (uint32_t)(bits >> 32) & 0x1F1FFFFFu; // roughly facing the eye
         words[2 * s->count + i] = 0xFF808080u;
     }
     record_block* records = (record_block*)(void*)(memory + s->records);
@@ -135,7 +134,7 @@ static stp_result draw_way(gl_renderer* r, stp_gl_splats way, const gl_splat_sou
     return result;
 }
 
-/// All that was given is done.
+/// Waits until all issued commands are done.
 static void finish(const stp_gl* gl)
 {
     GLsync sync = gl->FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -146,8 +145,8 @@ static void finish(const stp_gl* gl)
     gl->DeleteSync(sync);
 }
 
-/// Nanoseconds since the device began. A processor that draws puts rasterising off beyond its own time stamps: there the
-/// clock is looked at when all is done.
+/// Time stamp in nanoseconds. A software renderer may rasterise after its own time stamps: there,
+/// waits for completion and reads the CPU clock.
 static double read_time(const gl_renderer* r, GLuint query)
 {
     GLuint64 now = 0;
@@ -159,7 +158,7 @@ static double read_time(const gl_renderer* r, GLuint query)
     return (double)now;
 }
 
-/// Nanoseconds: the least of some times, once all is compiled and in its place.
+/// Minimum of several runs in nanoseconds, after a warm-up.
 static stp_result time_way(gl_renderer* r, stp_gl_splats way, const gl_splat_source* source,
                            const GLuint queries[2], double* best)
 {
@@ -198,7 +197,7 @@ static stp_result measure_way(gl_renderer* r, stp_gl_splats way, const made_spla
         set_size(r, s, gl_splat_sizes[i]);
         bind_splats(r, s);
         result = time_way(r, way, &s->source, queries, &all);
-        // nothing is for nothing
+        // nothing is free
         c->splat_ns[at][i] = fmax(all - c->fixed_ns[at], 1.0) / (double)s->count;
     }
     return result;
@@ -233,7 +232,7 @@ stp_result gl_splat_choice_measure(gl_renderer* r)
     return result;
 }
 
-/// Nanoseconds a splat of a size, between those that were measured.
+/// Nanoseconds per splat of a size, interpolated between measured sizes.
 static double price(const double* splat_ns, float size)
 {
     int i = 0;
@@ -276,7 +275,7 @@ bool gl_splat_source_find(const gl_renderer* r, gl_splat_source* source)
     return commands->count > 0;
 }
 
-/// Sends the first group of each command.
+/// Uploads the first group of each command.
 static stp_result send_groups(gl_renderer* r, gl_splat_source* source)
 {
     const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
@@ -311,7 +310,7 @@ stp_result gl_splat_choice_draw(gl_renderer* r, bool late)
         result = c->used != STP_GL_SPLATS_POINTS ? send_groups(r, &c->source) : STP_OK;
         gl_splat_pass_begin(r);
     }
-    // what comes late is little, and a point that is not drawn costs less than a group that draws nothing
+    // the second pass is small, and an undrawn point costs less than a group that draws nothing
     stp_gl_splats way = late ? STP_GL_SPLATS_POINTS : c->used;
     result = result == STP_OK ? draw_way(r, way, &c->source) : result;
     gl_bind_frame(r);

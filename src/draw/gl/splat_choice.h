@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Which way splats are drawn: measured once, on the context itself, with splats of three sizes.
+// Chooses how splats are drawn, by measuring once in the context with splats of three sizes.
 #pragma once
 
 #include "draw/gl/raster_pass.h"
@@ -13,24 +13,25 @@ typedef struct gl_splat_choice {
     stp_gl_splats wanted;
     stp_gl_splats used; ///< by the last frame
     bool measured;
-    gl_splat_source source;                   ///< of the sample that is drawn
-    uint64_t pixels;                          ///< of the picture that was measured
-    double fixed_ns[SPLAT_WAYS];              ///< whatever is drawn
-    double splat_ns[SPLAT_WAYS][SPLAT_SIZES]; ///< more, each
+    gl_splat_source source;                   ///< of the current sample
+    uint64_t pixels;                          ///< of the measured picture
+    double fixed_ns[SPLAT_WAYS];              ///< fixed cost
+    double splat_ns[SPLAT_WAYS][SPLAT_SIZES]; ///< additional cost of each
 } gl_splat_choice;
 
-/// Diameters in pixels that are measured.
+/// Measured diameters in pixels.
 extern const float gl_splat_sizes[SPLAT_SIZES];
 
-/// Measures unless that is done. Draws into the visibility buffer, and leaves it as it falls; waits.
+/// Measures once. Draws into the visibility buffer, which is undefined afterwards; waits.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result gl_splat_choice_measure(struct gl_renderer* r);
 
-/// The way that takes least time for so many splats of a size, as far as it is known, or the one that is wanted.
+/// The fastest known path for this many splats of a size, or the requested path.
 stp_gl_splats gl_splat_choice_find(const struct gl_renderer* r, uint64_t splats, float size);
 
-/// All splats of the frame that commands draw into the visibility buffer, in the way that is chosen, but for large ones, which
-/// are noted. `late`: a second time, when commands have changed. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Draws all splats of the frame into the visibility buffer. Uses the selected path; large splats
+/// are queued. `late`: again, after the commands have changed. @return STP_OK,
+/// STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result gl_splat_choice_draw(struct gl_renderer* r, bool late);
-/// The large ones that were noted.
+/// Draws the queued large splats.
 void gl_splat_choice_draw_large(struct gl_renderer* r);

@@ -4,10 +4,10 @@
 #include "draw/one_sided.h"
 
 enum {
-    GAP = 2, ///< most groups that are drawn unseen rather than begin another command
+    GAP = 2, ///< maximum invisible groups drawn to avoid another command
 };
 
-// Samples are shifted by up to half a pixel, and filters widen splats by about one.
+// Samples are shifted by up to half a pixel, and filters widen splats by about one pixel.
 static const float margin_px = 2.0f;
 
 stp_result gl_splat_groups_make(gl_renderer* r, uint32_t index, uint32_t octaves,
@@ -20,7 +20,7 @@ stp_result gl_splat_groups_make(gl_renderer* r, uint32_t index, uint32_t octaves
     if ((known->columns & STP_SPLATS_RANGES) == 0 || r->keeps_groups) {
         return STP_OK;
     }
-    stp_splats surfels; // as many as are here: the store may hold fewer than the pool
+    stp_splats surfels; // the resident ones: the store may hold fewer than the pool
     stp_result result = stp_store_get_surfels_prefix(r->store, draw->index, octaves, &surfels);
     if (result != STP_OK || surfels.groups == NULL) {
         return result;
@@ -58,8 +58,8 @@ static bool is_dropped(const gl_splat_groups* groups, uint32_t group)
            stp_raster_drops_group(&groups->view, g);
 }
 
-/// The first part of a range that is drawn by one command. Groups that cannot be seen are in it where they are few, between
-/// others. @return false if nothing is drawn
+/// First part of a range that one command draws. Includes short runs of invisible groups. @return
+/// false if nothing is drawn
 static bool find_part(const gl_splat_groups* groups, splat_range range, splat_range* part)
 {
     *part = range;
@@ -70,7 +70,7 @@ static bool find_part(const gl_splat_groups* groups, splat_range range, splat_ra
     while (group < end && is_dropped(groups, group)) {
         group += 1;
     }
-    uint32_t last = group; // that may be seen
+    uint32_t last = group; // possibly visible
     for (uint32_t i = group + 1; i < end && i - last <= GAP + 1; ++i) {
         last = is_dropped(groups, i) ? last : i;
     }

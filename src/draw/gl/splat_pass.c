@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Splats: all as points with one command, and what a point does not hold with another (shaders/splat.*, large.*).
+// Splats: all as points with one command, and those too large for points with another
+// (shaders/splat.*, large.*).
 #include "base/context.h"
 #include "draw/gl/renderer.h"
 
@@ -59,7 +60,7 @@ void gl_splat_pass_destroy(gl_renderer* r)
 void gl_splat_pass_begin(gl_renderer* r)
 {
     const stp_gl* gl = &r->gl;
-    const uint32_t none[4] = {4, 0, 0, 0}; // the command of the large ones: a quad each
+    const uint32_t none[4] = {4, 0, 0, 0}; // command of the large ones: one quad each
     gl->NamedBufferSubData(r->splats.large_buffer, 0, sizeof(none), none);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING_LARGE, r->splats.large_buffer);
 }
@@ -76,7 +77,7 @@ stp_result gl_splat_pass_points(gl_renderer* r, const gl_splat_source* source, G
     const gl_commands* commands = &r->frame.commands[GL_COMMANDS_SPLATS];
     if (source->buffer == r->frame.ring.buffer) {
         result = gl_portion_draw(r, GL_POINTS, commands, source->offset, source->count_offset);
-    } else { // made for measuring
+    } else { // created for measuring
         gl->MultiDrawArraysIndirectCount(GL_POINTS, (const void*)source->offset,
                                          source->count_offset, (GLsizei)source->count, 0);
         r->draw_calls += 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What pictures are drawn into.
+// Render targets.
 #include "base/context.h"
 #include "draw/gl/renderer.h"
 #include "select/eyes.h"
@@ -77,7 +77,7 @@ stp_result gl_target_make(gl_renderer* r, const stp_view* view, bool sums)
                         "gl: pictures of this device have at most %dx%d pixels, not %ux%u", most,
                         most, view->width, view->height);
     }
-    while (gl->GetError() != GL_NO_ERROR) { // what was before is not the target's
+    while (gl->GetError() != GL_NO_ERROR) { // discard errors of earlier calls
     }
     if (t->full_width != view->width || t->height != one.height || t->eye_count != eyes) {
         gl_target_destroy(r);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles: those of opaque materials with one command, and those whose fragments are looked at with another.
+// Triangles: opaque materials with one command, and those with per-fragment tests with another.
 #include "base/context.h"
 #include "draw/gl/renderer.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which things there are, and how they are written to the pool; splats and textures among them.
+// Items of the pool, and their uploads; includes splats and textures.
 #include "draw/gl/upload.h"
 
 #include "base/context.h"
@@ -86,7 +86,8 @@ bool gl_writer_end(gl_writer* writer)
 
 gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool urgent)
 {
-    if (!urgent && r->upload_bytes > 0 && r->pool.uploaded_bytes > 0 && // one thing always goes
+    // at least one item is always uploaded
+    if (!urgent && r->upload_bytes > 0 && r->pool.uploaded_bytes > 0 &&
         r->pool.uploaded_bytes + words * sizeof(uint32_t) > r->upload_bytes) {
         r->frame.coming += 1;
         return GL_UPLOAD_LATER;
@@ -101,7 +102,7 @@ gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool 
         return GL_UPLOAD_THERE;
     }
     gl_pool_drop(&r->pool, entry);
-    if (good) { // else it is said already
+    if (good) { // otherwise already logged
         r->failure = stp_fail(r->base.context, STP_ERROR_UNSUPPORTED,
                               "gl: the graphics context was lost while data was uploaded");
     }
@@ -142,7 +143,7 @@ static void write_places(const stp_splats* surfels, uint32_t begin, uint32_t end
     }
 }
 
-/// Shape and range of each, where the set has them.
+/// Writes shape and range of each splat, if the set has them.
 static void write_options(const stp_splats* surfels, uint32_t begin, uint32_t end, gl_writer* w)
 {
     for (size_t i = begin; i < end; ++i) {
@@ -193,7 +194,7 @@ gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool c
     stp_result got = stp_store_get_surfels_prefix(r->store, set, octave + 1, &surfels);
     bool good = got == STP_OK;
     r->failure = good ? r->failure : got;
-    if (good && surfels.octave_count <= octave) { // of a file that ends early: it never comes
+    if (good && surfels.octave_count <= octave) { // truncated file: it never arrives
         gl_pool_drop(&r->pool, entry);
         return GL_UPLOAD_LATER;
     }
@@ -248,14 +249,15 @@ gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, b
     return gl_upload_end(r, entry, &writer, true);
 }
 
-/// Words of the cutoffs of levels from `first` on.
+/// Size in words of the alpha cutoffs of levels from `first`.
 static uint64_t count_cutoffs(const stp_texture_pyramid* pyramid, uint32_t first)
 {
     uint32_t count = pyramid->cutoff_levels;
     return first < count ? (uint64_t)(count - first) * STP_CUTOUT_STEPS : 0;
 }
 
-/// The first level that a part of the pool holds with all that follow, and their words.
+/// First level that fits into a part of the pool together with all coarser ones, and their size in
+/// words.
 static uint32_t choose_level(const gl_renderer* r, const stp_texture_pyramid* pyramid,
                              uint64_t* words)
 {
@@ -307,7 +309,7 @@ static void write_texture(const stp_texture_pyramid* pyramid, uint32_t first, gl
 _Static_assert(STP_CUTOUT_STEPS == TEXTURE_CUTOFFS, "as shaders have it");
 _Static_assert(TEXTURE_SIZES + 3 * STP_TEXTURE_LEVELS <= TEXTURE_HEADER, "room for all levels");
 
-/// Whether the alpha of a texture cuts something out.
+/// Whether the alpha of a texture cuts anything out.
 static bool is_cut_out(const gl_renderer* r, uint32_t texture)
 {
     for (uint32_t i = 0; i < r->directory->material_count; ++i) {
@@ -359,7 +361,7 @@ gl_upload gl_upload_texture(gl_renderer* r, uint32_t texture, bool data)
         return GL_UPLOAD_THERE;
     }
     stp_store_texture source;
-    uint8_t* decoded; // the texels of a picture are needed no longer than this
+    uint8_t* decoded; // texels are not needed after the upload
     r->failure = stp_store_load_texture(r->store, texture, &source, &decoded);
     gl_upload result =
         r->failure == STP_OK ? upload_texels(r, texture, data, &source) : GL_UPLOAD_FAILED;

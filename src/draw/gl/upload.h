@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Things of a store on their way to the pool, in the form that shaders read (shaders/interface.h). Each is brought whole
-// when it is first needed.
+// Uploads a store's data to the pool, in the shaders' layout (shaders/interface.h). Each item is
+// uploaded as a whole on first use.
 #pragma once
 
 #include "draw/gl/renderer.h"
@@ -10,25 +10,26 @@
 
 enum {
     UPLOAD_POINTS = 65536,          ///< of a chunk
-    UPLOAD_CLUSTER_TRIANGLES = 128, ///< of a mesh that has no clusters of its own
+    UPLOAD_CLUSTER_TRIANGLES = 128, ///< per chunk of a mesh without clusters
 };
 
-/// Tables of entries. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+/// Creates the tables of entries. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result gl_things_create(gl_renderer* r);
 void gl_things_destroy(gl_renderer* r);
 
-/// What came of asking for a thing.
+/// Result of an upload request.
 typedef enum gl_upload {
-    GL_UPLOAD_THERE,   ///< it is in the pool
-    GL_UPLOAD_LATER,   ///< the frame has uploaded enough
-    GL_UPLOAD_NO_ROOM, ///< all that is in the pool is used by this frame
-    GL_UPLOAD_FAILED,  ///< the store could not give it, or the context is lost; logged
+    GL_UPLOAD_THERE,   ///< resident in the pool
+    GL_UPLOAD_LATER,   ///< upload limit of the frame reached
+    GL_UPLOAD_NO_ROOM, ///< pool full: this frame uses all of it
+    GL_UPLOAD_FAILED,  ///< reading the store failed, or the context is lost; logged
 } gl_upload;
 
-/// Words of a splat's shape and range, which lie behind the places of an octave.
+/// Words per splat of shapes and ranges, which follow the positions of an octave.
 uint32_t gl_option_words(const stp_splats* surfels);
 
-/// Octave `octave` of a set: where its own surfels are, or the colours of all up to its end. `urgent`: whatever was uploaded.
+/// Requests octave `octave` of a set: the positions of its own surfels, or the colours of all
+/// surfels up to its end. `urgent`: ignores the upload limit.
 gl_upload gl_upload_octave(gl_renderer* r, uint32_t set, uint32_t octave, bool colors, bool urgent);
 gl_upload gl_upload_mesh(gl_renderer* r, uint32_t mesh);
 gl_upload gl_upload_points(gl_renderer* r, uint32_t point_set, uint32_t chunk, bool urgent);
@@ -45,21 +46,21 @@ static inline uint32_t gl_address(const gl_renderer* r, uint32_t entry)
     return r->pool.entries[entry].address;
 }
 
-/// Words written one after the other to where a thing lies.
+/// Sequential writer of words to an item in the pool.
 typedef struct gl_writer {
     gl_pool* pool;
     uint32_t address;
-    uint64_t left;   ///< words to come
-    uint32_t* words; ///< of the ring
+    uint64_t left;   ///< remaining words
+    uint32_t* words; ///< space in the ring
     uint32_t used, room;
     gl_ring_part part;
     bool failed;
 } gl_writer;
 
 gl_writer gl_writer_begin(gl_renderer* r, uint32_t entry, uint64_t words);
-/// Sends what was written and takes more room.
+/// Sends the written words and gets more space.
 void gl_writer_turn(gl_writer* writer);
-/// @return false where the context was lost
+/// @return false if the context is lost
 bool gl_writer_end(gl_writer* writer);
 
 static inline void gl_write(gl_writer* writer, uint32_t word)
@@ -79,7 +80,7 @@ static inline void gl_write_float(gl_writer* writer, float value)
     gl_write(writer, word);
 }
 
-/// Starts an upload of `words`. @return GL_UPLOAD_THERE where there is room, and it can be written
+/// Starts an upload of `words`. @return GL_UPLOAD_THERE if there is room, and it can be written
 gl_upload gl_upload_begin(gl_renderer* r, uint32_t entry, uint64_t words, bool urgent);
-/// Ends it: where it failed, nothing is in the pool.
+/// Ends an upload: after a failure, nothing of it is in the pool.
 gl_upload gl_upload_end(gl_renderer* r, uint32_t entry, gl_writer* writer, bool good);

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Meshes on their way to the pool: clusters with a header each, decoded.
+// Uploads meshes to the pool: decoded clusters, each with a header.
 #include "draw/gl/upload.h"
 #include "store/format.h"
 
 typedef struct mesh_source {
-    const stp_clusters* clusters; ///< NULL: of columns
+    const stp_clusters* clusters; ///< NULL: mesh of columns
     const stp_store_mesh* mesh;
-    bool reads[2]; ///< texture coordinates that the material wants
+    bool reads[2]; ///< texture coordinates that the material uses
     bool colors;
 } mesh_source;
 
-/// What a cluster has, and where it begins in the mesh.
+/// Attributes of a cluster, and its first triangle in the mesh.
 typedef struct cluster_shape {
     uint32_t first_triangle, triangles, vertices, normals;
     stp_box box;
@@ -118,7 +118,7 @@ static void write_cluster(const mesh_source* source, const stp_cluster* cluster,
     for (uint32_t i = 0; i < cluster->vertex_count && source->colors; ++i) {
         float color[4];
         stp_cluster_color(cluster, i, color);
-        for (int k = 0; k < 4; ++k) { // of a forged file: any number
+        for (int k = 0; k < 4; ++k) { // may be any number in a forged file
             color[k] = stp_clamp(color[k], 0.0f, 1.0f);
         }
         gl_write(w, pack_pair(color[0], color[1]));
@@ -126,7 +126,7 @@ static void write_cluster(const mesh_source* source, const stp_cluster* cluster,
     }
 }
 
-/// Triangles of columns: each has corners of its own.
+/// Triangles of columns: corners are not shared.
 static void write_columns(const mesh_source* source, const cluster_shape* shape, gl_writer* w)
 {
     const stp_store_mesh* mesh = source->mesh;
@@ -183,7 +183,7 @@ static void write_mesh(const mesh_source* source, uint32_t count, gl_writer* w)
     }
 }
 
-/// Which texture coordinates the material's textures read.
+/// Texture coordinates that the material's textures read.
 static void choose_texcoords(const gl_renderer* r, uint32_t material, bool reads[2])
 {
     const stp_store_material* m = &r->directory->materials[material];
