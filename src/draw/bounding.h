@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Which boxes of an item's space are outside the picture, and how deep they begin.
+// Frustum culling of boxes in item space, and their nearest depth.
 #pragma once
 
 #include "base/math.h"
 
-/// Planes that bound what is seen: a point p of the item's space, less its offset, with a.p + b < 0 is not.
+/// Frustum planes: a point p in item space, relative to the item's offset, with a.p + b < 0 is not
+/// visible.
 typedef struct stp_bounding {
     double a[5][3], b[5];
     double offset[3];
@@ -13,11 +14,11 @@ typedef struct stp_bounding {
     float shift[3]; ///< the offset
 } stp_bounding;
 
-/// The sides of a picture, one pixel further out, and the near plane.
-/// @param rows  an item's space, less `offset`, to the screen: x, y, nearness, W
+/// Makes the sides of a picture, one pixel outside it, and the near plane.
+/// @param rows from item space, relative to `offset`, to the screen: x, y, nearness, W
 stp_bounding stp_bounding_make(const float rows[4][4], float nearness_limit, const float offset[3],
                                uint32_t width, uint32_t height);
-/// Whether the whole box lies behind one of the planes, with a margin for what floats round.
+/// Whether the whole box lies behind one of the planes, with a margin for rounding.
 bool stp_bounding_misses(const stp_bounding* bounding, stp_box box);
-/// The least depth (W) of a box.
+/// Minimum depth (W) of a box.
 float stp_bounding_least_depth(const stp_bounding* bounding, stp_box box);

@@ -6,28 +6,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LARGEST_GAP                                                                                \
-    0.005 // area that borders enclose, of the surface: a pipe 200 radii long has so much at its ends
+// maximum area enclosed by borders, relative to the surface: the ends of a pipe 200 radii long
+#define LARGEST_GAP 0.005
 enum {
     LEAST_BUCKETS = 1 << 10,
     MOST_BUCKETS = 1 << 22,
-    MOST_EDGES = 1 << 20, ///< of borders, and of what shares a bucket with one
+    MOST_EDGES = 1 << 20, ///< edges of borders, and edges that share a bucket with one
 };
 
 typedef struct edge {
-    uint64_t number; ///< the same both ways
+    uint64_t number; ///< equal in both directions
     uint64_t ends[2];
     float from[3], to[3];
 } edge;
 
 struct stp_cap_border {
     stp_context* context;
-    uint64_t* buckets; ///< sums of edges, one way less the other: zero where all cancel
+    uint64_t* buckets; ///< sums of edges, one direction less the other: zero if all cancel
     uint32_t mask;
     bool second, overflows;
     edge* edges;
     size_t count, capacity;
-    double area, volume; ///< twice, and six times with its sign
+    double area, volume; ///< twice the area, and six times the signed volume
 };
 
 stp_result stp_cap_border_create(stp_context* context, uint64_t triangles, stp_cap_border** border)
@@ -133,7 +133,7 @@ void stp_cap_border_turn(stp_cap_border* b)
     b->second = true;
 }
 
-// By edge, one way before the other.
+// Sorts by edge, then by direction.
 static int compare_edges(const void* a, const void* b)
 {
     const edge *x = a, *y = b;
@@ -143,7 +143,7 @@ static int compare_edges(const void* a, const void* b)
     return (x->ends[0] > x->ends[1]) - (y->ends[0] > y->ends[1]);
 }
 
-// Leaves edges that are used more often one way than the other.
+// Keeps edges that are used more often in one direction than in the other.
 static void cancel_edges(stp_cap_border* b)
 {
     size_t left = 0;
@@ -155,7 +155,7 @@ static void cancel_edges(stp_cap_border* b)
         }
         size_t forth = middle - i, back = end - middle;
         size_t more = forth > back ? forth - back : back - forth;
-        size_t first = forth > back ? i : middle; // those in the majority
+        size_t first = forth > back ? i : middle; // those of the more frequent direction
         memmove(b->edges + left, b->edges + first, more * sizeof(edge));
         left += more;
     }
@@ -183,7 +183,7 @@ static uint32_t find_root(uint32_t* parents, uint32_t i)
     return i;
 }
 
-// Joins edges that meet: each group is a border of its own.
+// Joins connected edges: each group is a separate border.
 static void join_edges(const stp_cap_border* b, edge_end* ends, uint32_t* parents)
 {
     for (uint32_t i = 0; i < b->count; ++i) {
@@ -200,8 +200,8 @@ static void join_edges(const stp_cap_border* b, edge_end* ends, uint32_t* parent
     }
 }
 
-// Twice the area that the borders enclose. A border is a sum of closed loops, so its area vector does
-// not depend on how it is split into loops.
+// Twice the area that the borders enclose. A border is a sum of closed loops, so its area vector
+// does not depend on how it is split into loops.
 static double enclosed_area(const stp_cap_border* b, uint32_t* parents, stp_vec3d* areas)
 {
     double sum = 0.0;

@@ -7,7 +7,7 @@
 
 enum {
     SEGMENTS_MOST = 1 << 22,
-    REACH = 512 ///< beginnings on either side, along an axis, that an end is compared with
+    REACH = 512 ///< begin points compared with an end point, on either side along an axis
 };
 
 stp_result stp_cap_outline_add(stp_context* context, stp_cap_outline* o, const float from[3],
@@ -80,7 +80,8 @@ static double distance_squared(const place* a, const place* b)
     return sum;
 }
 
-// The nearest free begin point, or `count`. Searches a window of the sorted points; cracks are narrow.
+// The nearest free begin point, or `count`. Searches a window of the sorted points; cracks are
+// narrow.
 static size_t find_beginning(const place* places, size_t count, size_t end)
 {
     size_t best = count, seen = 0;

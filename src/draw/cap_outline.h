@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The outlines of what one plane cuts, as loose segments.
+// Outlines of a plane's cut, as unordered segments.
 #pragma once
 
 #include "base/context.h"
 
-/// A piece of an outline. Seen from the side that is cut away, solid is on its left.
+/// A segment of an outline. Seen from the side that is cut away, the solid is on its left.
 typedef struct stp_cap_segment {
-    float from[3], to[3]; ///< scene space, from the origin of the outlines
+    float from[3], to[3]; ///< scene space, relative to the origin of the outlines
 } stp_cap_segment;
 
 typedef struct stp_cap_outline {

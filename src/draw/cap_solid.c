@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// A surface is closed where its border is empty. Each directed edge adds a random number of the edge, or subtracts it where
-// it runs the other way; the sum is zero where all edges cancel, and for an open surface only by a chance of 2^-64. So nothing
-// has to be remembered of edges, and sums of pieces are the sum of the whole. A mesh that fails this test is tested for
-// cracks (cap_border.h).
+// A surface is closed if its border is empty. Each directed edge adds a random number of the edge,
+// or subtracts it for the other direction. The sum is zero if all edges cancel; for an open surface
+// that happens with probability 2^-64. So edges need not be stored, and the sums of pieces add up
+// to the sum of the whole. A mesh that fails this test is tested for cracks (cap_border.h).
 #include "draw/cap_solid.h"
 
 #include "base/context.h"
@@ -18,15 +18,15 @@
 
 enum { NOT_ASKED = 2 };
 
-/// Meshes that may be pieces of one.
+/// A group of meshes that may be pieces of one solid.
 typedef struct piece {
-    uint64_t key; ///< of name and material
+    uint64_t key; ///< hash of name and material
     uint32_t mesh;
 } piece;
 
 typedef struct border {
     uint64_t sum;
-    double volume; ///< six times, with its sign
+    double volume; ///< six times the signed volume
 } border;
 
 struct stp_cap_solids {
@@ -175,7 +175,7 @@ static stp_result add_to_border(void* user, const float* const corners[3])
     return stp_cap_border_add(user, corners);
 }
 
-/// Whether meshes together are closed but for cracks.
+/// Whether meshes together are closed, except for cracks.
 static stp_result judge_cracks(const stp_cap_solids* s, const piece* pieces, uint32_t count,
                                int* side)
 {
@@ -201,7 +201,7 @@ static stp_result judge_cracks(const stp_cap_solids* s, const piece* pieces, uin
     return result;
 }
 
-/// Judges a mesh that is open by itself, with all that may be pieces of the same.
+/// Tests an open mesh together with all possible pieces of the same solid.
 static stp_result judge_pieces(stp_cap_solids* s, uint32_t mesh)
 {
     uint64_t key = key_of(stp_store_describe_mesh(s->store, mesh));

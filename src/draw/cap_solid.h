@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which meshes are closed, and which way round: asked when a section first cuts one, and remembered.
+// Which meshes are closed, and their orientation: determined when a section first cuts one, and
+// cached.
 #pragma once
 
 #include "store/store.h"
@@ -8,13 +9,13 @@ typedef struct stp_cap_solids stp_cap_solids;
 
 STP_MUST_USE stp_result stp_cap_solids_create(stp_context* context, stp_store* store,
                                               stp_cap_solids** solids);
-void stp_cap_solids_destroy(stp_cap_solids* solids); ///< NULL is fine
+void stp_cap_solids_destroy(stp_cap_solids* solids); ///< NULL is allowed
 
-/// @param side  receives 1 where the mesh, or all pieces of it together, is closed and its triangles face outwards, -1
-/// where they face inwards, 0 where it is open
+/// @param side receives 1 if the mesh, or all its pieces together, is closed and its triangles face
+/// outwards, -1 if they face inwards, 0 if it is open
 STP_MUST_USE stp_result stp_cap_solids_side(stp_cap_solids* solids, uint32_t mesh, int* side);
 
-/// Calls `take` for each triangle of a mesh that may go through a box test: `wants` says of a box whether it does.
+/// Calls `take` for each triangle of a mesh in boxes that `wants` accepts.
 typedef struct stp_cap_visitor {
     bool (*wants)(void* user, const stp_box* box); ///< NULL: all
     stp_result (*take)(void* user, const float* const corners[3]);

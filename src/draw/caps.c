@@ -12,14 +12,14 @@
 
 #include <string.h>
 
-static const uint64_t visit_limit = UINT64_C(1) << 22;    // of nodes at places
-static const float base_color[3] = {0.75f, 0.30f, 0.13f}; // linear: nothing much looks like it
+static const uint64_t visit_limit = UINT64_C(1) << 22;    // limit on visited node instances
+static const float base_color[3] = {0.75f, 0.30f, 0.13f}; // linear; an unusual colour
 
 struct stp_caps {
     stp_context* context;
     stp_store* store;
     stp_cap_solids* solids;
-    // what outlines are of
+    // inputs of the outlines
     bool known;
     stp_sections sections;
     const stp_visibility* visibility;
@@ -27,7 +27,7 @@ struct stp_caps {
     stp_vec3d origin;
     stp_cap_outline outlines[STP_SECTION_PLANES];
     // the picture
-    size_t capacity; ///< places of `winding`
+    size_t capacity; ///< size of `winding`
     float* nearness;
     uint8_t* pixels; ///< RGBA
     int32_t* winding;
@@ -66,7 +66,7 @@ void stp_caps_destroy(stp_caps* c)
     stp_free(c->context, c);
 }
 
-/// A mesh at a place, cut by some planes.
+/// A mesh instance cut by some planes.
 typedef struct cut_mesh {
     stp_caps* caps;
     stp_affine transform;
@@ -106,7 +106,7 @@ static int compare_corners(const float* a, const float* b)
     return 0;
 }
 
-/// Where an edge goes through the plane: to the bit the same for both triangles that share it.
+/// Intersection of an edge with the plane: bit-identical for both triangles that share the edge.
 static void cross_edge(const cut_mesh* cut, const float* a, double da, const float* b, double db,
                        float out[3])
 {
@@ -140,7 +140,7 @@ static stp_result cut_triangle(void* user, const float* const corners[3])
     for (uint32_t bits = cut->planes; bits != 0 && result == STP_OK; bits &= bits - 1) {
         uint32_t number = (uint32_t)__builtin_ctz(bits);
         double d[3];
-        float out[3], in[3]; // where the border leaves the kept side, and where it comes back
+        float out[3], in[3]; // where the border leaves the kept side, and where it returns
         int found = 0;
         for (int k = 0; k < 3; ++k) {
             d[k] = beyond(cut->rows[number], corners[k]);
@@ -180,10 +180,10 @@ static stp_result cut_part(stp_caps* caps, uint32_t mesh, const stp_affine* tran
     return stp_cap_visit(caps->store, mesh, &visitor);
 }
 
-/// A walk through what is shown.
+/// A traversal of the shown nodes.
 typedef struct cap_walk {
     stp_caps* caps;
-    uint64_t visits; ///< left
+    uint64_t visits; ///< remaining steps
     stp_result result;
 } cap_walk;
 
@@ -297,13 +297,13 @@ static stp_result make_room(stp_caps* c, size_t places)
     return STP_OK;
 }
 
-/// In the axes of the view, from the eye.
+/// Position in view axes, relative to the eye.
 static stp_vec3d turn(const stp_view_frame* f, stp_vec3d p)
 {
     return (stp_vec3d){stp_dotd(f->right, p), stp_dotd(f->down, p), stp_dotd(f->forward, p)};
 }
 
-/// The end of a segment on the screen; what is cut off by the near plane lies where nothing is counted.
+/// End of a segment on the screen; points beyond the near plane lie where nothing is counted.
 static void project(const stp_view_frame* f, stp_vec3d p, stp_vec3d other, double least,
                     double out[2])
 {
@@ -316,7 +316,7 @@ static void project(const stp_view_frame* f, stp_vec3d p, stp_vec3d other, doubl
     out[1] = f->center_y + f->scale * p.y / w;
 }
 
-/// Notes in each row where a segment crosses it: rows have one place more than the picture has columns.
+/// Records where a segment crosses each row: rows have one entry more than the picture has columns.
 static void wind(const stp_caps* c, const stp_view_frame* f, const stp_cap_segment* s,
                  int32_t* winding)
 {
@@ -343,13 +343,13 @@ static void wind(const stp_caps* c, const stp_view_frame* f, const stp_cap_segme
     }
 }
 
-/// A plane in the view's axes, from the eye: where normal . p = distance.
+/// A plane in view axes, relative to the eye: normal . p = distance.
 typedef struct view_plane {
     stp_vec3d normal;
     double distance;
 } view_plane;
 
-/// What is filled.
+/// Parameters of a fill.
 typedef struct cap_fill {
     stp_caps* caps;
     const stp_view_frame* frame;
@@ -359,7 +359,7 @@ typedef struct cap_fill {
     uint8_t color[4];
 } cap_fill;
 
-/// A pixel that shows a point of the plane within a solid: unless another plane cuts it away.
+/// Fills a pixel that shows a point of the plane inside a solid, unless another plane cuts it away.
 static bool fill_pixel(const cap_fill* fill, size_t x, size_t y)
 {
     const stp_view_frame* f = fill->frame;
@@ -389,8 +389,8 @@ static bool fill_pixel(const cap_fill* fill, size_t x, size_t y)
     return true;
 }
 
-/// Fills a row's pixels around which outlines wind. Crossings are counted towards where the plane goes away from the eye,
-/// since nothing of it is behind the eye there.
+/// Fills a row's pixels with a non-zero winding number. Crossings are counted in the direction in
+/// which the plane recedes from the eye, since no part of it is behind the eye there.
 static bool fill_row(const cap_fill* fill, size_t y)
 {
     const view_plane* p = &fill->planes[fill->plane];
@@ -424,7 +424,7 @@ static bool fill_plane(const cap_fill* fill)
     return any;
 }
 
-/// Lit as a rough surface in the plane that is seen from the middle of the picture.
+/// Lights the cap as a rough surface in the plane, seen from the picture's centre.
 static void find_color(const stp_view_frame* f, bool headlight, stp_vec3d normal, uint8_t out[4])
 {
     static const float sky[3] = {LIGHT_SKY_R, LIGHT_SKY_G, LIGHT_SKY_B};
@@ -466,7 +466,7 @@ stp_result stp_caps_fill(stp_caps* c, const stp_view_frame* frame, bool headligh
     memset(c->nearness, 0, width * height * sizeof(*c->nearness));
     for (uint32_t i = 0; i < c->sections.count; ++i) {
         const view_plane* p = &fill.planes[i];
-        bool seen = frame->parallel ? p->normal.z < 0.0 : p->distance < 0.0; // from the cut side
+        bool seen = frame->parallel ? p->normal.z < 0.0 : p->distance < 0.0; // facing the cut side
         fill.plane = i;
         if (seen && c->outlines[i].count > 0) {
             find_color(frame, headlight, c->sections.planes[i].normal, fill.color);

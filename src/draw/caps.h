@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// What fills solids where sections cut them. A cap is computed from original triangles, whatever level is drawn: where a
-// plane goes through the closed surface of a solid, it leaves closed outlines; a point of the plane is within the solid
-// where outlines wind around it. Open surfaces have no inside, so they get no cap.
+// Caps fill solids where sections cut them. A cap is computed from original triangles, whatever
+// level is drawn. A plane cuts the closed surface of a solid in closed outlines; a point of the
+// plane is inside the solid if outlines wind around it. Open surfaces have no inside, so they get
+// no cap.
 //
 //   solid       a mesh whose edges all cancel (each is used equally often in both directions), or that is closed
 //               except for cracks (cap_border.h). Pieces of a mesh (same name and material) are tested together
 //   outlines    segments in scene space, kept while sections and visibility stay the same
 //   fill        for each pixel, how often outlines wind around the point of the plane that it shows
 //
-// The same for all backends: they put the result into their pictures where it is nearest.
+// Shared by all backends, which draw the caps into their pictures where they are nearest.
 #pragma once
 
 #include "select/view_frame.h"
@@ -18,26 +19,28 @@
 
 typedef struct stp_caps stp_caps;
 
-/// What caps look like in the picture of one eye; the arrays belong to the caps.
+/// Caps in the picture of one eye; the arrays belong to the caps.
 typedef struct stp_cap_picture {
-    const float* nearness; ///< a pixel each, as the picture's depths; 0: no cap
-    const uint8_t* pixels; ///< RGBA where there is a cap
-    bool any;              ///< else there are no arrays
+    const float* nearness; ///< one per pixel, like the picture's depths; 0: no cap
+    const uint8_t* pixels; ///< RGBA of caps
+    bool any;              ///< false: there are no arrays
 } stp_cap_picture;
 
 STP_MUST_USE stp_result stp_caps_create(stp_context* context, stp_store* store, stp_caps** caps);
-void stp_caps_destroy(stp_caps* caps); ///< NULL is fine
+void stp_caps_destroy(stp_caps* caps); ///< NULL is allowed
 
-/// Finds the outlines of what the sections cut, unless they are known. `visibility` may be NULL: everything is shown. What is
-/// hidden or a ghost has no cap. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or what reading the store returns; logged
+/// Finds the outlines of the sections' cuts, unless they are cached. `visibility` may be NULL:
+/// everything is shown. Hidden objects and ghosts have no caps. @return STP_OK,
+/// STP_ERROR_OUT_OF_MEMORY, or what reading the store returns; logged
 STP_MUST_USE stp_result stp_caps_find(stp_caps* caps, const stp_sections* sections,
                                       const stp_visibility* visibility);
 
-/// How a picture's depths say how near something is: offset + scale / depth, or offset + scale * depth in parallel projection.
+/// Nearness function of a picture: offset + scale / depth, or offset + scale * depth in parallel
+/// projection.
 typedef struct stp_cap_depth {
     double scale, offset;
 } stp_cap_depth;
 
-/// Fills the outlines found last. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
+/// Fills the last found outlines. @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_caps_fill(stp_caps* caps, const stp_view_frame* frame, bool headlight,
                                       const stp_cap_depth* depth, stp_cap_picture* picture);

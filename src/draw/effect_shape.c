@@ -10,14 +10,14 @@ static int32_t nearest_whole(float value)
     return (int32_t)floorf(value + 0.5f);
 }
 
-/// A ring of pairs; those of every other ring lie between those of the others.
+/// A ring of pairs; alternate rings are rotated by half a step.
 static void add_ring(stp_effect_shape* shape, float reach, float whole, bool turned, bool far)
 {
     static const float cosine[2 * DIRECTIONS + 6] = {
         1.0f,  0.965925826f,  0.866025404f,  0.707106781f,  0.5f,          0.258819045f,
         0.0f,  -0.258819045f, -0.5f,         -0.707106781f, -0.866025404f, -0.965925826f,
         -1.0f, -0.965925826f, -0.866025404f, -0.707106781f, -0.5f,         -0.258819045f};
-    float rough = 0.35f * (float)shape->close; // what is left of disks, in pixels of depth
+    float rough = 0.35f * (float)shape->close; // remaining depth steps between disks, in pixels
     for (int i = 0; i < DIRECTIONS; ++i) {
         int angle = 2 * i + (turned ? 1 : 0); // in twelfths of half a circle
         float x = cosine[angle], y = -cosine[angle + 6];
@@ -34,7 +34,7 @@ static void add_ring(stp_effect_shape* shape, float reach, float whole, bool tur
     }
 }
 
-/// Where occlusion is looked for: near pixels one by one, farther ones in blocks.
+/// Sample pattern of occlusion: near pixels individually, farther ones in blocks.
 static void choose_pairs(stp_effect_shape* shape, float reach)
 {
     reach = stp_clamp(reach, 2.0f, (float)REACH_MOST);
@@ -55,7 +55,7 @@ stp_effect_shape stp_effect_shape_make(const stp_draw_style* style, uint32_t hei
     if (splat_size > 0.0f) {
         shape.close = nearest_whole(stp_clamp(0.5f * splat_size, 1.0f, (float)CLOSE_LIMIT));
     }
-    shape.light_step = shape.close > 2 ? 2 : 1; // farther apart, thin things would have ghosts
+    shape.light_step = shape.close > 2 ? 2 : 1; // wider spacing would give thin objects ghosts
     if (style->eye_dome > 0.0f) {
         shape.light = stp_min(style->eye_dome, STP_EYE_DOME_MOST) * (STP_EYE_DOME_GAIN / 16.0f);
     }

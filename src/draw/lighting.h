@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Where light comes from: a key light, a sky above a ground, and two soft boxes that polished surfaces mirror. The sky is the
-// scene's, so that its up side is brighter from wherever it is seen; the rest moves with the eye, so that it shows shapes
-// from everywhere. How much light: draw/shaders/light_constants.h.
+// Light directions: a key light, a sky above a ground, and two soft boxes that polished surfaces
+// reflect. The sky is fixed to the scene, so its upper sides are brighter from any viewpoint; the
+// rest moves with the eye, to show shapes from everywhere. Intensities:
+// draw/shaders/light_constants.h.
 #pragma once
 
 #include "select/view_frame.h"

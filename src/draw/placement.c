@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "draw/placement.h"
 
-// Of the overlapping disks of a surface, so many times fewer fragments than of its triangles make as dense a ghost:
-// disks that just cover meet a pixel two to three times.
+// Factor by which ghosts of overlapping disks need fewer fragments than ghosts of triangles: disks
+// that just cover overlap a pixel two to three times.
 #define GHOST_OVERLAP 0.45f
 
 #include "base/rng.h"
 
 #include <string.h>
 
-// Triangles are put so many radii of the largest splats behind their place. A splat stands for what lies up to a radius
-// off its plane, and its rim falls behind: against the exact depth of the ground, where that is triangles, thin paving of
-// splats would lose nearly everywhere. Measured on the small city from above at 960x540, splat size 4: PSNR 23.1 dB with 0,
-// 24.8 with 1 (`stipple render`, `stipple compare`); in the views of other scenes that were looked at, sizes 1 to 4,
-// the SSIM of covered pixels changes by 0.02 to -0.005. With 2 the paving has no gaps, but most other views lose.
+// Depth offset of triangles, in radii of the largest splats. A splat represents surface up to a
+// radius off its plane, and its rim lies behind. Thin paving drawn as splats would lose nearly
+// everywhere against the exact depth of ground drawn as triangles. Measured on the small city from
+// above at 960x540, splat size 4: PSNR 23.1 dB with 0, 24.8 with 1 (`stipple render`, `stipple
+// compare`); in views of other scenes, sizes 1 to 4, the SSIM of covered pixels changes by 0.02 to
+// -0.005. With 2 the paving has no gaps, but most other views lose.
 #define MESH_DEPTH 1.0
 
 double stp_placement_mesh_depth(const stp_draw_list* list)
@@ -38,7 +39,7 @@ void stp_placement_choose_nearness(stp_placement* placement, const stp_store_dir
         stp_vec3d center = stp_subd(stp_addd(box.min, half), f->eye);
         double reach =
             fabs(f->forward.x) * half.x + fabs(f->forward.y) * half.y + fabs(f->forward.z) * half.z;
-        double margin = 0.1 * (half.x + half.y + half.z); // splats stick out of the box
+        double margin = 0.1 * (half.x + half.y + half.z); // splats extend beyond the box
         low = stp_dotd(f->forward, center) - reach - margin;
         high = stp_dotd(f->forward, center) + reach + margin + p->mesh_depth / f->scale;
     }
@@ -72,7 +73,7 @@ void stp_placement_view_rows(const stp_view_frame* frame, const stp_affine* tran
     }
 }
 
-/// Puts the triangles of an item a little behind their place (MESH_DEPTH).
+/// Applies the depth offset to the triangles of an item (MESH_DEPTH).
 static void push_back(const stp_placement* p, bool is_mesh, stp_placed_item* item)
 {
     stp_raster_camera* camera = &item->camera;
@@ -84,7 +85,7 @@ static void push_back(const stp_placement* p, bool is_mesh, stp_placed_item* ite
         camera->matrix.m[2][3] = (float)((double)camera->matrix.m[2][3] - shift);
         camera->nearness_limit = (float)(1.0 - shift);
         item->near_shift = (float)shift;
-    } else { // a pixel grows with the depth: all depths grow in proportion, in any order as before
+    } else { // pixels grow with depth: all depths are scaled, so their order stays the same
         double factor = 1.0 + step;
         for (int c = 0; c < 4; ++c) {
             camera->matrix.m[2][c] = (float)((double)camera->matrix.m[2][c] / factor);
@@ -127,7 +128,7 @@ void stp_placement_place(const stp_placement* placement, const stp_draw_item* dr
     for (int c = 0; c < 4; ++c) {
         double one = c == 3 ? 1.0 : 0.0;
         double x = rows[0][c], y = rows[1][c], z = rows[2][c];
-        double screen = frame->parallel ? one : z; // what the picture's middle is multiplied by
+        double screen = frame->parallel ? one : z; // factor of the picture's centre
         camera->matrix.m[0][c] = (float)(frame->scale * x + center_x * screen);
         camera->matrix.m[1][c] = (float)(frame->scale * y + center_y * screen);
         camera->matrix.m[2][c] = (float)(placement->nearness_offset * one +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Where things of a list lie on the screen: what all backends take from view and list in the same way.
+// Placement of a list's items on the screen, shared by all backends.
 #pragma once
 
 #include "base/math.h"
@@ -9,56 +9,57 @@
 #include "select/view_frame.h"
 #include "store/store.h"
 
-/// What all items of a picture have in common.
+/// Parameters common to all items of a picture.
 typedef struct stp_placement {
     stp_view_frame frame;
     double nearness_scale, nearness_offset; ///< nearness = offset + scale / depth, or scale * depth
-    double mesh_depth; ///< how far triangles are put behind their place, in sides of a pixel there
+    double mesh_depth;       ///< depth offset of triangles, in pixel sides at their depth
     double shift_x, shift_y; ///< of the sample, pixels
 } stp_placement;
 
-/// Where one item lies.
+/// Placement of one item.
 typedef struct stp_placed_item {
-    stp_raster_camera camera; ///< of positions minus the item's offset
+    stp_raster_camera camera; ///< for positions minus the item's offset
     float near_factor,
         near_shift;            ///< true nearness = near_factor * that of the buffer + near_shift
-    float normal_matrix[3][3]; ///< item to scene, not of unit scale
+    float normal_matrix[3][3]; ///< item to scene, with scale
     float scale;               ///< scene units per item unit
 } stp_placed_item;
 
-/// How far triangles of a list are put behind their place, in sides of a pixel there.
+/// Depth offset of a list's triangles, in pixel sides at their depth.
 double stp_placement_mesh_depth(const stp_draw_list* list);
-/// The nearness of depths: `frame` and `mesh_depth` must be there.
+/// Sets the nearness function: `frame` and `mesh_depth` must be set.
 void stp_placement_choose_nearness(stp_placement* placement, const stp_store_directory* directory);
-/// Chooses the nearness and how triangles stand to splats; `frame` must be there. No shift.
+/// Chooses the nearness function and the depth offset of triangles; `frame` must be set. No shift.
 void stp_placement_make(stp_placement* placement, const stp_store_directory* directory,
                         const stp_draw_list* list);
 void stp_placement_place(const stp_placement* placement, const stp_draw_item* draw,
                          const float offset[3], stp_placed_item* item);
 
-/// The part of splats' fragments that ghosts have, of which triangles have `share`.
+/// Drawn share of a ghost's splat fragments, given the `share` of its triangle fragments.
 float stp_placement_ghost_part(float share);
 
-/// Item space (minus `offset`) to a view's right, down and depth: the eye is taken off before anything is rounded.
+/// Maps item space (minus `offset`) to a view's right, down and depth; subtracts the eye before
+/// rounding.
 void stp_placement_view_rows(const stp_view_frame* frame, const stp_affine* transform,
                              const float offset[3], double rows[3][4]);
 
-/// The part of a pixel that sample `sample` of side x side lies beside its middle.
+/// Offset of sample `sample` of side x side from the pixel's centre, in pixels.
 static inline void stp_placement_shift(stp_placement* placement, uint32_t side, uint32_t sample)
 {
     placement->shift_x = 0.5 - ((double)(sample % side) + 0.5) / (double)side;
     placement->shift_y = 0.5 - ((double)(sample / side) + 0.5) / (double)side;
 }
 
-/// Of what is drawn and where it is placed, and of nothing that changes from frame to frame: the same pixels of it are
-/// left out in one pass and in two, and while other things come and go.
+/// Hash seed of an item: depends only on the item and its place. So the same pixels are left out in
+/// one pass and in two, and while other items come and go.
 uint32_t stp_placement_seed(const stp_draw_item* draw);
 
-/// Which of a set's octaves colour a prefix, and how much each.
+/// The octaves of a set that colour a prefix, and their weights.
 typedef struct stp_octave_choice {
-    uint32_t octave;    ///< that colours the prefix
-    uint32_t low_count; ///< surfels of the octave before, which has colours of them too
-    float blend;        ///< share of `octave` there
+    uint32_t octave;    ///< octave of the prefix
+    uint32_t low_count; ///< surfels of the previous octave, which also has colours for them
+    float blend;        ///< weight of `octave` there
 } stp_octave_choice;
 
 stp_octave_choice stp_placement_choose_octave(const stp_splats* surfels, uint32_t prefix);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every backend is behind draw.h: the first member of its own struct.
+// Base of all backends behind draw.h: the first member of each backend's struct.
 #pragma once
 
 #include "draw/draw.h"

@@ -15,7 +15,7 @@ static uint32_t common_divisor(uint32_t a, uint32_t b)
 
 uint32_t stp_resting_sample(uint32_t side, uint32_t k)
 {
-    uint32_t all = side * side, step = (all * 618 + 500) / 1000; // in golden sections
+    uint32_t all = side * side, step = (all * 618 + 500) / 1000; // by golden-section steps
     while (common_divisor(step, all) != 1) {
         step += 1;
     }
@@ -46,7 +46,7 @@ bool stp_resting_is_same_view(const stp_view* a, const stp_view* b)
            are_same_sections(&a->sections, &b->sections);
 }
 
-/// Of what is drawn: it changes with the quality, and with what of a scene is in memory.
+/// Hash of the drawn items: changes with the quality, and with the resident data.
 static stp_hash hash_list(const stp_draw_list* list)
 {
     stp_hash hash = {0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Collects materials, objects and files; meshes and points are in builder_parts.c.
+// Collects materials, objects and files; builder_parts.c collects meshes and points.
 #include "embed/builder.h"
 
 #include <math.h>
@@ -103,7 +103,7 @@ void stp_builder_destroy(stp_builder* builder)
 
 stp_result stp_builder_add_file(stp_builder* builder, const char* path)
 {
-    static const char generated[] = "scene:"; // would not be taken for a file
+    static const char generated[] = "scene:"; // would not be recognized as a file
     stp_context* context = builder->context;
     stp_result result = stp_builder_check(builder, 0);
     if (result != STP_OK) {

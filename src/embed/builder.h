@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A builder as the files of this room see it: what was added waits in a scene of its own, which stp_builder_write moves
+// Internals of a builder. Added content is staged in a scene of its own; stp_builder_write moves it
 // into the scene that is built.
 #pragma once
 
@@ -8,24 +8,24 @@
 
 #include <stipple/build.h>
 
-enum { STP_BUILDER_MATERIAL = 1 }; // the staged scene's, which stands for number 0: white and rough
+enum { STP_BUILDER_MATERIAL = 1 }; // the staged scene's default material, number 0: white and rough
 
 struct stp_builder {
     stp_context* context;
     stp_builder_desc desc;
     char* name;
     stp_scene* staged;
-    stp_part* parts; ///< by number less 1
+    stp_part* parts; ///< indexed by number - 1
     size_t part_count, part_capacity;
     char** files;
     size_t file_count, file_capacity;
-    bool written; ///< nothing can be added any more
-    bool moved;   ///< what was staged is gone
-    void* bytes;  ///< of a file that was built in memory
+    bool written; ///< adding is no longer possible
+    bool moved;   ///< the staged content has been moved
+    void* bytes;  ///< of a file built in memory
     size_t size;
 };
 
-/// A copy of a text, from stp_alloc; NULL where memory runs out (not logged).
+/// A copy of a text, from stp_alloc; NULL if out of memory (not logged).
 char* stp_builder_copy_text(stp_context* context, const char* text);
-/// Says that something cannot be added any more, or of which the builder does not know the number.
+/// Logs that adding is no longer possible, or that a number is unknown to the builder.
 STP_MUST_USE stp_result stp_builder_check(const stp_builder* builder, uint32_t material);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Moves what a builder collected into the scene that is built, below an object of its own that turns its axes.
+// Moves the staged content into the scene that is built, below a separate object that converts the
+// axes.
 #include "embed/builder_move.h"
 
 #include "import/import.h"
 
 #include <string.h>
 
-/// Where things of the staged scene begin in the other one.
+/// Offsets of the staged scene's items in the target scene.
 typedef struct offsets {
     uint32_t material, texture, mesh, point_set, object, root;
 } offsets;
@@ -16,7 +17,7 @@ static void shift_texture(stp_texture_use* use, const offsets* to)
     use->texture = use->texture != STP_NONE ? use->texture + to->texture : STP_NONE;
 }
 
-// Arrays belong to the other scene as soon as they are handed over, also where that fails.
+// The target scene owns arrays as soon as they are passed, even on failure.
 static stp_result move_parts(stp_scene* staged, stp_scene* scene, const offsets* to)
 {
     stp_result result = STP_OK;
@@ -75,7 +76,7 @@ static const char* name_of(const stp_scene* staged, stp_part part)
                                       : staged->point_sets[part.index].name;
 }
 
-/// Parts that no object has stand as they are, each with an object of its own.
+/// Parts without an object are shown untransformed, each with an object of its own.
 static stp_result add_loose_parts(const stp_builder* builder, stp_scene* scene, const offsets* to)
 {
     const stp_scene* staged = builder->staged;
@@ -115,7 +116,7 @@ static uint64_t bytes_of(const stp_scene* staged)
     return bytes;
 }
 
-/// The object below which everything stands.
+/// Root object of the staged content.
 static stp_result add_root(const stp_builder* builder, stp_scene* scene, uint32_t* root)
 {
     stp_source source = {
@@ -154,7 +155,7 @@ stp_result stp_builder_move(stp_scene* scene, const char* input, void* user)
     result = result == STP_OK ? add_objects(builder->staged, scene, &to) : result;
     result = result == STP_OK ? add_loose_parts(builder, scene, &to) : result;
     if (result == STP_OK && scene->damaged.count == 0) {
-        scene->damaged = builder->staged->damaged; // said by stp_scene_finish
+        scene->damaged = builder->staged->damaged; // logged by stp_scene_finish
     }
     return result;
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Copies the caller's meshes and points, brought to what a scene expects: unit normals, linear colours, finite numbers.
+// Copies the caller's meshes and points, and converts them to scene conventions: unit normals,
+// linear colours, finite numbers.
 #include "base/color.h"
 #include "embed/builder.h"
 
 #include <math.h>
 #include <string.h>
 
-/// Copies what there is of an array; NULL where there is nothing, or memory runs out: then *failed.
+/// Copies an array; NULL if there is none, or if out of memory, which sets *failed.
 static void* copy_array(stp_context* context, const void* from, size_t count, size_t size,
                         bool* failed)
 {
@@ -15,7 +16,7 @@ static void* copy_array(stp_context* context, const void* from, size_t count, si
     return copy != NULL ? memcpy(copy, from, count * size) : NULL;
 }
 
-/// Unit or zero.
+/// Normalizes; zero stays zero.
 static void normalize(float* normals, size_t count)
 {
     for (size_t i = 0; normals != NULL && i < count; ++i) {
@@ -36,7 +37,8 @@ static void make_finite(float* values, size_t count)
     }
 }
 
-/// sRGB and alpha, 8 bits, to linear and alpha, 16 bits. NULL where there is nothing, or memory runs out.
+/// sRGB and alpha, 8 bits, to linear and alpha, 16 bits. NULL if there is none, or if out of
+/// memory.
 static uint16_t* linear_colors(stp_context* context, const uint8_t* colors, size_t count,
                                bool* failed)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Builds what was collected into a file, or through a temporary one into memory.
+// Builds the collected input into a file, or through a temporary file into memory.
 #include "base/file.h"
 #include "build/build.h"
 #include "build/work.h"
@@ -20,7 +20,7 @@ enum {
 };
 static const char collected[] = "scene:memory";
 
-/// Parses "blue,psp". @return how many methods; 0: a name is unknown or stands twice
+/// Parses "blue,psp". @return number of methods; 0: an unknown or repeated name
 static uint32_t parse_methods(const char* text, const stp_method* methods[METHODS_MOST])
 {
     for (uint32_t count = 0; count < METHODS_MOST;) {
@@ -43,7 +43,7 @@ static uint32_t parse_methods(const char* text, const stp_method* methods[METHOD
     return 0;
 }
 
-/// Inputs in their order: what was added, then files.
+/// Inputs in order: staged content, then files.
 static stp_result list_inputs(const stp_builder* builder, const char*** inputs, size_t* count)
 {
     const char** list = STP_NEW_ARRAY(builder->context, const char*, builder->file_count + 1);
@@ -118,7 +118,7 @@ static stp_result read_back(stp_builder* builder, const char* path)
     return result;
 }
 
-/// Two texts in one, from stp_alloc; NULL where memory runs out, logged.
+/// Concatenates two texts, from stp_alloc; NULL if out of memory, logged.
 static char* join(stp_context* context, const char* first, const char* second)
 {
     size_t size = strlen(first) + strlen(second) + 1;
@@ -131,7 +131,7 @@ static char* join(stp_context* context, const char* first, const char* second)
     return joined;
 }
 
-/// Removes what a build that failed keeps for the next one.
+/// Removes the intermediate results that a failed build keeps.
 static void remove_work(stp_context* context, const char* folder)
 {
     struct stat status;

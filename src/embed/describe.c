@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a model holds: figures, methods, sources, attributes, views, streamed data.
+// Describes a model: counts, methods, sources, attributes, views, streaming state.
 #include "embed/model.h"
 #include "present/camera.h"
 #include "store/attributes.h"

@@ -67,7 +67,7 @@ static stp_result color_points(stp_model* model, const stp_model_desc* desc)
                                                    : STP_OK;
 }
 
-/// Begins to stream, and loads the coarsest of everything.
+/// Starts streaming, and loads the coarsest level of everything.
 static stp_result begin_stream(stp_model* model, const stp_model_desc* desc)
 {
     stp_residency_desc residency = {.limit_bytes = desc->stream_bytes};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A model as the files of this room see it: an opened file, and what is made for it when it is first needed.
+// Internals of a model: an opened file, and data created on first use.
 #pragma once
 
 #include "base/context.h"
@@ -10,10 +10,10 @@
 
 #include <stipple/model.h>
 
-/// Bytes of a file that does not lie on a disk.
+/// Bytes of a file that is not on disk.
 typedef struct stp_model_source {
     void* copy;     ///< the whole file, from stp_alloc; NULL: none
-    void* reserved; ///< address space of the file's size that holds its directory alone; NULL: none
+    void* reserved; ///< address space of the file's size that holds only its directory; NULL: none
     size_t size;    ///< of the file
     uint64_t counted; ///< bytes of `reserved` that count as memory
     stp_read_callback read;
@@ -25,32 +25,33 @@ struct stp_model {
     stp_store* store;
     stp_model_source source;
     stp_store_summary summary;
-    bool owns_summary;          ///< the file has none: it was counted
-    stp_residency* residency;   ///< NULL: does not stream
+    bool owns_summary;          ///< the file stores none: counted instead
+    stp_residency* residency;   ///< NULL: no streaming
     stp_outline* outline;       ///< NULL: not needed yet
-    stp_visibility* visibility; ///< NULL: all is shown
+    stp_visibility* visibility; ///< NULL: everything is shown
 };
 
-/// Opens the store of a model from the caller's memory or callback. After a failure the source is still to be destroyed.
+/// Opens the store of a model from the caller's memory or callback. The source must be destroyed
+/// even after a failure.
 STP_MUST_USE stp_result stp_model_open_source(stp_model* model, const stp_model_desc* desc,
                                               const stp_store_open_desc* opening);
-/// After the store was closed.
+/// Call after closing the store.
 void stp_model_source_destroy(stp_context* context, stp_model_source* source);
 /// For stp_residency_desc: `user` is the source.
 bool stp_model_source_read(void* user, uint64_t offset, void* bytes, size_t size);
 
-/// The tree of objects, ready.
+/// Returns the object tree, built on first use.
 STP_MUST_USE stp_result stp_model_use_outline(stp_model* model, stp_outline** outline);
-/// An object in its place. Says where there is no such object: STP_ERROR_ARGUMENT.
+/// Finds a placed object. Logs STP_ERROR_ARGUMENT if there is no such object.
 STP_MUST_USE stp_result stp_model_find_item(stp_model* model, uint32_t object,
                                             stp_outline_item* item);
-/// Whether an item stands in the scene by itself.
+/// Whether an item itself is placed in the scene.
 static inline bool stp_model_is_placed(const stp_outline_item* item)
 {
     return item->depth > 0 && item->node != STP_STORE_NONE;
 }
 
-/// Reads a descriptor of type `type`, and says where it sets fields that this library lacks.
+/// Reads a descriptor of type `type`, and logs if it sets fields that this library lacks.
 #define STP_READ_DESC(context, type, desc, given)                                                  \
     (stp_desc_read((desc), sizeof(type), sizeof(type), (given))                                    \
          ? STP_OK                                                                                  \

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Files that the caller keeps: in memory, or behind a callback. A callback's file is read whole, or, where its data is
-// streamed, as far as its directory goes: that lies at the file's beginning, and everything behind it is read by the
-// residency through the callback. The store still expects the file as one range of memory; address space that is never
-// touched costs nothing.
+// Files kept by the caller: in memory, or behind a callback. A callback's file is read whole. With
+// streaming, only the directory at the file's beginning is read; the residency reads the rest
+// through the callback. The store still expects the file as one range of memory; untouched address
+// space costs nothing.
 #define _DEFAULT_SOURCE // MAP_ANONYMOUS, MAP_NORESERVE
 #include "base/bytes.h"
 #include "embed/model.h"
@@ -52,7 +52,7 @@ static stp_result copy_bytes(stp_model* model, const stp_model_desc* desc)
     return read_pieces(model, desc->name, model->source.copy, model->source.size);
 }
 
-/// Reads the directory of a file to be streamed. What its header says is checked when the store is opened.
+/// Reads the directory of a file to be streamed. Opening the store checks the header.
 static stp_result read_directory(stp_model* model, const stp_model_desc* desc)
 {
     stp_model_source* source = &model->source;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tree of a model's objects, and what of it is shown.
+// The tree of a model's objects, and their visibility.
 #include "embed/model.h"
 
 enum { CHILDREN_AT_ONCE = 64 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A caller's options, checked, as selection and renderers take them.
+// Checks a caller's options, and converts them for selection and renderers.
 #include "embed/painter.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@ static stp_result fail(const stp_painter* painter, const char* what)
     return stp_fail(painter->model->context, STP_ERROR_ARGUMENT, "stp_paint_desc: %s", what);
 }
 
-/// @return NULL, or what is wrong
+/// @return NULL, or a description of the error
 static const char* find_fault(const stp_painter* painter, const stp_paint_desc* desc)
 {
     bool numbers = isfinite(desc->splat_size) && isfinite(desc->budget_ms) &&

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Pictures of a model: selected, drawn, and what was learned of them. While the model streams, each picture says what it
-// wanted, and what a picture itself needs takes precedence over what was loaded.
+// Draws pictures of a model: selects, draws, and feeds measurements back. While the model streams,
+// each picture reports the data it wanted; memory that a picture needs takes precedence over loaded
+// data.
 #include "embed/painter.h"
 
 #include "base/clock.h"
@@ -9,7 +10,7 @@
 
 #include <math.h>
 
-enum { COMPLETE_PICTURES = 200 }; // most while what a view wants is loaded
+enum { COMPLETE_PICTURES = 200 }; // maximum passes while a view's data is loaded
 
 /// A picture to be drawn.
 typedef struct picture {
@@ -80,7 +81,7 @@ void stp_painter_destroy(stp_painter* painter)
     stp_free(context, painter);
 }
 
-/// Takes up what OpenGL measured of the picture before, which is done by now.
+/// Collects OpenGL's measurements of the previous picture, which is finished by now.
 static void learn_pending(stp_painter* painter)
 {
     stp_draw_stats stats = {0};
@@ -95,7 +96,7 @@ static void learn_pending(stp_painter* painter)
     stp_budget_learn(&painter->budget, &painter->pending);
 }
 
-/// The size of splats for a budget, at least the one asked for.
+/// Splat size for a budget, at least the requested one.
 static float choose_size(stp_painter* painter, double budget_ms, float least)
 {
     if (!(budget_ms > 0.0)) {
@@ -120,7 +121,7 @@ static void learn(stp_painter* painter, const picture* p)
                            .covered_pixels = p->stats.covered_pixels,
                            .draw_calls = p->stats.draw_calls,
                            .splat_size = painter->list.splat_size};
-    if (painter->uses_gl && p->image == NULL) { // the GPU is still at it
+    if (painter->uses_gl && p->image == NULL) { // the GPU is still working
         painter->pending = cost;
         painter->has_pending = true;
     } else {
@@ -138,7 +139,7 @@ static stp_result draw_once(picture* p)
                                             &painter->list, p->image, &p->stats);
 }
 
-/// Draws; where memory runs out, loaded data gives way.
+/// Draws; if out of memory, evicts loaded data and tries again.
 static stp_result draw_yielding(picture* p)
 {
     stp_context* context = p->painter->model->context;
@@ -156,7 +157,7 @@ static stp_result draw_yielding(picture* p)
     return result;
 }
 
-/// Draws, and says what the view wants of the model's data.
+/// Draws, and reports the data that the view wants.
 static stp_result draw_and_want(picture* p)
 {
     stp_painter* painter = p->painter;
@@ -180,8 +181,8 @@ static stp_result draw_and_want(picture* p)
     return result;
 }
 
-/// Draws again until nothing more comes. What comes may let nodes be opened whose content is then wanted; that ends, but
-/// nobody should wait forever where it does not.
+/// Draws again until no more data arrives. New data may allow nodes to be opened whose content is
+/// then wanted. This ends, but a limit guards against waiting forever.
 static stp_result draw_complete(picture* p)
 {
     stp_painter* painter = p->painter;

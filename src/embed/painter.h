@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A painter as the files of this room see it.
+// Internals of a painter.
 #pragma once
 
 #include "draw/draw_gl.h"
@@ -14,15 +14,15 @@ struct stp_painter {
     bool uses_gl;
     atomic_bool stop;
     stp_draw_list list;
-    // the frame-time controller, for the budget it was made for; 0: none yet
+    // frame-time controller, and its budget; 0: none yet
     stp_budget budget;
     double budget_ms;
-    stp_frame_cost pending; ///< of the last picture, whose time OpenGL does not know yet
+    stp_frame_cost pending; ///< of the last picture, whose OpenGL time is still pending
     bool has_pending;
-    stp_view view; ///< of the last picture; width 0: there is none
+    stp_view view; ///< of the last picture; width 0: none
 };
 
-/// What to select and how to draw, of a caller's options.
+/// Selection and drawing parameters from a caller's options.
 STP_MUST_USE stp_result stp_painter_read_options(const stp_painter* painter,
                                                  const stp_paint_desc* desc, stp_quality* quality,
                                                  stp_draw_style* style);

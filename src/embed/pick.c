@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tells what a place of a picture shows.
+// Picks at a position in the picture.
 #include "select/pick.h"
 
 #include "embed/model.h"
@@ -9,7 +9,7 @@
 
 static const double snap_pixels = 8.0, point_pixels = 2.0;
 
-/// Attributes of a point that was hit. Those of a streamed callback's file cannot be read.
+/// Attributes of a hit point. Attributes of a streamed callback's file cannot be read.
 static stp_result read_values(stp_model* model, const stp_pick* pick, stp_hit* hit)
 {
     bool readable = model->source.reserved == NULL;
@@ -17,7 +17,7 @@ static stp_result read_values(stp_model* model, const stp_pick* pick, stp_hit* h
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < STP_ATTRIBUTES && result == STP_OK; ++i) {
         stp_attribute attribute = (stp_attribute)i;
-        double value; // room for one of any type
+        double value; // storage for a value of any type
         if ((mask & stp_attribute_bit(attribute)) != 0) {
             result = stp_store_get_point_values(model->store, pick->part.index, attribute,
                                                 pick->element, 1, &value);
@@ -28,7 +28,7 @@ static stp_result read_values(stp_model* model, const stp_pick* pick, stp_hit* h
     return result;
 }
 
-/// The objects that a hit belongs to.
+/// Finds the objects that contain a hit.
 static stp_result find_objects(stp_model* model, const stp_pick* pick, stp_hit* hit)
 {
     stp_outline* outline;

@@ -2,7 +2,7 @@
 //
 // How a tile of the visibility buffer, 64 x 16 pixels, becomes colours:
 //
-//   merged     nearest of all workers' pixels, which are cleared, row by row; runs split at id changes
+//   merged     nearest of all workers' pixels, which are cleared, row by row; runs of equal ids
 //   looked up  surfaces of runs: one per id, cached between tiles
 //   lit        surfaces in lanes: one for up to 16 pixels of a run with a single colour and normal,
 //              one per pixel elsewhere; one vector of lanes at a time

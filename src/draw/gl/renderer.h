@@ -2,9 +2,11 @@
 //
 // The OpenGL backend. A frame is:
 //
-//   items     the list's data is uploaded to the pool (upload.h), and becomes blocks that shaders read (items.c)
-//   drawn     splats as points, larger ones as quads, triangles: one command each, into the visibility buffer;
-//             splats and triangles in two passes: first those not occluded in the last picture (occlusion_pass.h)
+//   items     the list's data is uploaded to the pool (upload.h), and becomes blocks that shaders
+//             read (items.c)
+//   drawn     splats as points, larger ones as quads, triangles: one command each, into the
+//             visibility buffer; in two passes: first those not occluded in the last picture
+//             (occlusion_pass.h)
 //   shaded    a compute pass looks up each pixel's id and lights it; then effects and averages
 //
 // Each pass is a file with create, draw and destroy, and owns its program. Programs depend on the

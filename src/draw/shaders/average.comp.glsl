@@ -1,4 +1,4 @@
-// The mean of samples that were summed.
+// Computes the mean of the summed samples.
 #include "interface.h"
 #include "lib_srgb.glsl"
 

@@ -1,4 +1,5 @@
-// A pixel of a disk, added where the disk belongs to what the pixel shows (Botsch et al. 2005; src/raster/splats_blend.c).
+// A pixel of a disk, added if the disk belongs to the pixel's visible surface (Botsch et al. 2005;
+// src/raster/splats_blend.c).
 #include "lib_hash.glsl"
 #include "lib_blend.glsl"
 

@@ -1,5 +1,6 @@
 #extension GL_ARB_shader_draw_parameters : require
-// Splats as points to be blended, each lit as a pixel in its middle would be. Large ones are not: LEAVES notes them.
+// Splats as points for blending, each lit like a pixel at its centre. Large ones are skipped;
+// LEAVES queues them.
 #include "lib_conic.glsl"
 #include "lib_surface.glsl"
 #include "lib_eye.glsl"
@@ -14,9 +15,9 @@ flat out vec4 center; // as splat_shape
 flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec4 color;  // linear, and the radius in pixels
-flat out vec4 ray;    // where the gaze meets the screen, 1 / scale, and whether it is a splat of one pixel
+flat out vec4 ray;    // principal point, 1 / scale, and whether it is a one-pixel splat
 flat out vec4 cut;
-flat out vec2 slope;  // of the item: change of nearness a pixel
+flat out vec2 slope;  // of the item: change of nearness per pixel
 #ifdef LEAVES
 flat out vec2 depths;
 #endif

@@ -1,4 +1,4 @@
-// How near at least all pixels of a block are.
+// Computes the minimum nearness of the pixels of each block.
 #include "interface.h"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;

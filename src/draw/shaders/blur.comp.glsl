@@ -1,4 +1,4 @@
-// Occlusion blurred along rows, within surfaces.
+// Blurs occlusion along rows, within surfaces.
 #include "lib_effect.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;

@@ -1,4 +1,4 @@
-// Puts caps of sections into a picture that was shaded, and its depths, where they are nearest.
+// Draws section caps into a shaded picture and its depths, where they are nearest.
 #include "interface.h"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;

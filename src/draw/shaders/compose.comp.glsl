@@ -1,4 +1,4 @@
-// Puts the layers in front of the picture.
+// Composites the layers over the picture.
 #include "interface.h"
 #include "lib_srgb.glsl"
 

@@ -1,10 +1,10 @@
-// Occlusion blurred along columns, and the picture darkened by all that shades it.
+// Blurs occlusion along columns, and darkens the picture by all shading effects.
 #include "lib_effect.glsl"
 #include "lib_srgb.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 layout(binding = UNIT_FROM) uniform sampler2D from;
-layout(binding = UNIT_BLOCKS) uniform sampler2D covered_depths; // before gaps were closed
+layout(binding = UNIT_BLOCKS) uniform sampler2D covered_depths; // before closing gaps
 layout(rgba8, binding = IMAGE_PICTURE) uniform image2D picture;
 
 void main()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The one place where C and GLSL agree: bindings, sizes, and what lies in buffers (all std430, which these blocks also
-// are in C). A word's address is its page's number above its place in the page.
+// Definitions shared by C and GLSL: bindings, sizes and buffer layouts (all std430; the C structs
+// have the same layout). A word's address has the page number in its high bits and the offset
+// within the page below.
 
 // Storage buffers. Pages are 0 to 7.
 #define BINDING_PAGES 0
@@ -8,92 +9,92 @@
 #define BINDING_RECORDS 9
 #define BINDING_CHUNKS 10
 #define BINDING_LARGE 11 // splats too large for a point: see large_block
-#define BINDING_LOOKUP                                                                             \
-    12 // which item an id belongs to: ID_TABLE + 2 words, then the first ids of items
+// item of each id: ID_TABLE + 2 words, then the first ids of items
+#define BINDING_LOOKUP 12
 #define BINDING_LIGHT_MATERIALS 13
 #define BINDING_MATERIALS 14
 #define BINDING_COUNTERS 15
-// The compute rasteriser's, whose programs use none of the others there.
+// For the compute rasteriser, whose programs use none of the others.
 #define BINDING_RASTER_PIXELS 12
 #define BINDING_RASTER_COMMANDS 13
 #define BINDING_RASTER_GROUPS 14
-// Those of occlusion culling.
+// For occlusion culling.
 #define BINDING_PYRAMID 12
 #define BINDING_OCCLUDED_COMMANDS 13
 // Uniform buffers.
 #define BINDING_VIEW 0
 #define BINDING_EFFECTS 1
-#define BINDING_NOISE 2 // blue noise: two ranks a word
+#define BINDING_NOISE 2 // blue noise: two ranks per word
 // Texture units and image units.
 #define UNIT_IDS 0
 #define UNIT_NEARNESS 1
-#define UNIT_FROM 2   // of passes over a picture: what they read
-#define UNIT_BLOCKS 3 // how near at least all pixels of a block are
+#define UNIT_FROM 2   // inputs of passes over a picture
+#define UNIT_BLOCKS 3 // minimum nearness of each block
 #define UNIT_PLANES 4
 #define UNIT_BLENDED 5
-#define UNIT_BEFORE_IDS 6 // of the layer before
+#define UNIT_BEFORE_IDS 6 // of the previous layer
 #define UNIT_BEFORE_NEARNESS 7
 #define UNIT_BELOW 8
-#define UNIT_CAPS 9 // how near caps of sections are
+#define UNIT_CAPS 9 // nearness of section caps
 #define UNIT_SPLAT_TEXTURE 10
 #define IMAGE_PICTURE 0
 #define IMAGE_DEPTH 1
 #define IMAGE_SUMS 2
 #define IMAGE_PLANE 3
 #define IMAGE_PLANES 4
-#define IMAGE_LIGHT 5 // colour of the layers so far, and how much gets through them
+#define IMAGE_LIGHT 5 // colour of the layers so far, and their transmittance
 #define IMAGE_BELOW 6
 
-#define GROUP_SIDE 8 // of a compute group over pixels
+#define GROUP_SIDE 8 // size of a compute group over pixels
 #define LOCK_TRIES 65536
-#define RASTER_GROUP 64  // splats of a compute group
-#define RASTER_ALONE 64  // most pixels of a splat's box that one thread looks at
-#define OCCLUDE_GROUP 64 // commands of a compute group
-#define PYRAMID_BLOCK 8  // pixels a side of a block of level 0; blocks of the next are 2 x 2
+#define RASTER_GROUP 64  // splats per compute group
+#define RASTER_ALONE 64  // maximum pixels of a splat's box for one thread
+#define OCCLUDE_GROUP 64 // commands per compute group
+#define PYRAMID_BLOCK 8  // side of a level 0 block in pixels; blocks of the next levels are 2 x 2
 #define PYRAMID_SHIFT 3
 #define PYRAMID_LEVELS 4
 #define ID_TABLE 16384
 #define NO_ID 0xFFFFFFFFu
 #define NO_ADDRESS 0xFFFFFFFFu
-#define POINT_EXTENT                                                                               \
-    60 // pixels: what reaches farther from its centre's pixel is drawn as two triangles
+// pixels: splats that extend farther from their centre's pixel are drawn as two triangles
+#define POINT_EXTENT 60
 #define LARGE_MOST 262144
 #define SHADINGS 256
-#define SRGB_STEPS 16384 // linear values are cut to such steps before they are encoded
+#define SRGB_STEPS 16384 // linear values are truncated to such steps before encoding
 
 // Kinds of items (stp_draw_kind).
 #define KIND_SURFELS 0u
 #define KIND_MESH 1u
 #define KIND_POINTS 2u
 
-// What becomes of splats that overlap (stp_filter).
+// Filters of overlapping splats (stp_filter).
 #define FILTER_NONE 0u
 #define FILTER_EWA 1u
 #define FILTER_BLEND 2u
 #define FILTER_TEXTURED 3u
 
-// What colours pixels have (stp_draw_coloring).
+// Colouring of pixels (stp_draw_coloring).
 #define RECOLORS_NOT 0u
 #define RECOLORS_HEIGHT 1u
 #define RECOLORS_NORMAL 2u
 #define SCALE_COLORS 256
 
-// Where a hidden point is: beyond anything.
+// Position of a culled point: outside the clip volume.
 #define HIDDEN_PLACE 1e30
 
 // Flags of items.
 #define ITEM_FACING 1u             // disks face the eye
 #define ITEM_HAS_COLORS 2u         // of vertices or points
 #define ITEM_HAS_NORMALS 4u        // of points
-#define ITEM_GHOST 8u              // drawn in some of its pixels only
-#define ITEM_SHAPES 16u            // splats have radii of their own
-#define ITEM_RANGES 32u            // and are drawn within ranges of levels
-#define ITEM_BESIDE 64u            // splats that large triangles replace are left out
-#define ITEM_LARGE 128u            // triangles whose level is too low are left out
-#define ITEM_FIXED 256u            // points of a fixed size, drawn whole
+#define ITEM_GHOST 8u              // drawn in a share of its pixels
+#define ITEM_SHAPES 16u            // splats have individual radii
+#define ITEM_RANGES 32u            // splats are drawn within ranges of levels
+#define ITEM_BESIDE 64u            // omits splats that large triangles replace
+#define ITEM_LARGE 128u            // omits triangles with too low a level
+#define ITEM_FIXED 256u            // fixed-size points, drawn in full
 #define SHAPE_REPLACED 0x80000000u // of a disk
 #define SECTION_PLANES 14
-#define GHOST_SEED 0x6057u // other pixels than those that an alpha leaves out
+#define GHOST_SEED 0x6057u // independent of the pixels that alpha removes
 
 // Radii in codes of shapes (base/splat_codes.h).
 #define SHAPE_BIAS 0x3E800000u
@@ -103,7 +104,7 @@
 #define ALPHA_MASK 1u
 #define ALPHA_BLEND 2u
 
-// How transparent surfaces are drawn: by thresholds; or not at all, since layers follow.
+// Drawing of transparent surfaces: by alpha thresholds, or not at all if layers follow.
 #define GLASS_PATTERN 0u
 #define GLASS_LAYERS 1u
 #define NOISE_SIDE 64
@@ -116,33 +117,35 @@
 #define ALPHA_LEAST (0.5 / 255.0)
 #define LAYERS_CLEAR (1.0 / 1024.0)
 
-// A cluster of triangles, at the beginning of its mesh: words. Places are counted from the mesh's address.
+// Header of a triangle cluster, at the beginning of its mesh, in words. Offsets are relative to the
+// mesh's address.
 #define CLUSTER_WORDS 16
 #define CLUSTER_FIRST_TRIANGLE 0
 #define CLUSTER_TRIANGLE_COUNT 1
-#define CLUSTER_TRIANGLES 2 // a word each: three corners of ten bits, and how it is lit
-#define CLUSTER_POSITIONS 3 // three floats a vertex
-#define CLUSTER_NORMALS 4   // a word a vertex: octahedral, 16 bits each
-#define CLUSTER_TEXCOORDS 5 // two floats a vertex; and 6: of the second set. 0: none
-#define CLUSTER_COLORS 7    // two words a vertex: linear, 16 bits each. 0: none
+#define CLUSTER_TRIANGLES 2 // one word each: three corners of ten bits, and the kind of normal
+#define CLUSTER_POSITIONS 3 // three floats per vertex
+#define CLUSTER_NORMALS 4   // one word per vertex: octahedral, 16 bits each
+#define CLUSTER_TEXCOORDS 5 // two floats per vertex; and 6: of the second set. 0: none
+#define CLUSTER_COLORS 7    // two words per vertex: linear, 16 bits each. 0: none
 #define CLUSTER_BOX 8       // six floats
 #define TRIANGLE_PLAIN 0u   // its plane's normal
 #define TRIANGLE_FACE 1u    // its first corner's
 #define TRIANGLE_SMOOTH 2u
 
-// A texture: flags, levels, then for each level width, height and where its texels begin, counted from its address.
+// Header of a texture: flags, levels, then for each level width, height and the offset of its
+// texels from the texture's address.
 #define TEXTURE_FLAGS 0
 #define TEXTURE_LEVELS 1
 #define TEXTURE_SIZES 2
 #define TEXTURE_HEADER 52
 #define TEXTURE_LINEAR 1u
 #define TEXTURE_NEAREST 2u
-#define TEXTURE_WRAP_U 4u // times 0 repeat, 1 clamp, 2 mirror
+#define TEXTURE_WRAP_U 4u // multiplied by 0 repeat, 1 clamp, 2 mirror
 #define TEXTURE_WRAP_V 16u
-#define TEXTURE_CUTOUT 64u // after the texels, TEXTURE_CUTOFFS floats for each level that has them
-#define TEXTURE_REDUCED 128u // level 0 is not that of the picture
+#define TEXTURE_CUTOUT 64u // after the texels: TEXTURE_CUTOFFS floats for each level that has them
+#define TEXTURE_REDUCED 128u // level 0 is not the image's full resolution
 #define TEXTURE_CUTOFFS 256
-#define TEXTURE_CUTOFF_SHIFT 8 // from this bit of the flags on: levels that have cutoffs
+#define TEXTURE_CUTOFF_SHIFT 8 // from this bit of the flags: levels with cutoffs
 
 #ifdef __STDC_VERSION__
 typedef float vec4[4];
@@ -150,8 +153,8 @@ typedef uint32_t uvec4[4];
 typedef uint32_t uint;
 #endif
 
-// What is drawn, and where. Rows lead to the screen: X, Y (pixels, times W), N (nearness, times W), W; of surfels, from
-// their grid's numbers; of meshes, from positions minus `offset`.
+// An item and its placement. Rows map to the screen: X, Y (pixels, times W), N (nearness, times W),
+// W; from grid positions for surfels, from positions minus `offset` for meshes.
 struct item_block {
     vec4 rows[4];
     vec4 turn[3];                                       // view rotation of splats' normals
@@ -159,44 +162,44 @@ struct item_block {
     vec4 offset;                                        // of meshes
     float radius_px, center_x, center_y, inverse_scale; // see src/raster/splats_kernel.h
     float slope_factor, slope_constant, rim_depth, back_depth;
-    float near_w, far_w, glass_cells, nearness_limit; // cells of a transparent mesh in a unit
+    float near_w, far_w, glass_cells, nearness_limit; // cells of a transparent mesh per unit
     float near_factor, near_shift; // true nearness = factor * that of the buffer + shift
-    float footprint;               // pixels at depth 1 of an item unit
+    float footprint;               // pixels per item unit at depth 1
     float blend;                   // share of `colors` below low_count
     uint kind, flags, seed, first_id;
     uint count, material, first_chunk, chunk_count;
     uint colors, low_colors, low_count, address; // addresses; of meshes, of their clusters
     uint cluster_count, base_color, metallic_roughness, emissive; // addresses of textures
-    uint sections;          // bits of the view's cuts that may go through it
-    float cut_slack;        // of splats: scene units that rounding may have moved them beyond a cut
+    uint sections;          // bits of section planes that may cut it
+    float cut_slack;        // of splats: maximum rounding beyond a section plane, in scene units
     float glass_radius;     // of splats, scene units
-    float level_per_depth;  // what ranges are held against: this times the depth,
-    vec4 box_low, box_high; // of splats that are drawn, as the rows take them
-    float level_least;      // but at least this
-    float large_from;       // of large triangles: the least depth of the nearest corner
-    float level_below;      // of splats before `divide`, at any depth
+    float level_per_depth;  // level compared with ranges: this times the depth,
+    vec4 box_low, box_high; // of drawn splats, in the rows' input space
+    float level_least;      // minimum level
+    float large_from;       // of large triangles: minimum depth of the nearest corner
+    float level_below;      // level of splats before `divide`, at any depth
     uint divide;
     float pixels; // added to the radius on the screen
     float spare[3];
 };
 
-// One command of a multi-draw, or one part of it: splats, or a cluster.
+// One command of a multi-draw, or a part of it: splats, or a cluster.
 struct record_block {
     uint item;
-    uint first;              // splats: the index in the item of the first; clusters: unused
+    uint first;              // splats: index of the first in the item; clusters: unused
     uint address;            // of the first splat, or the cluster
-    float share;             // of a cluster's triangles
+    float share;             // drawn share of a cluster's triangles
     float nearest, farthest; // splats: within these depths (W)
-    float reach;             // splats: the largest radius, in those of the item
-    uint options;            // splats: address of the first one's shape and range
+    float reach;             // splats: maximum radius, relative to the item's
+    uint options;            // splats: address of the first splat's shape and range
 };
 
-// Splats of an item that lie together: those before `end`, from the end of the chunk before.
+// A chunk: consecutive splats of an item, from the previous chunk's end to `end`.
 struct chunk_block {
     uint begin, end, address, spare;
 };
 
-// What light needs of a material.
+// Lighting parameters of a material.
 struct light_material_block {
     vec4 surface;  // metallic, rough, a^2, gloss
     vec4 emissive; // and whether it is unlit
@@ -206,8 +209,9 @@ struct material_block {
     vec4 base_color;
     vec4 numbers;  // metallic, roughness, alpha cutoff, alpha mode
     vec4 emissive; // and whether it is unlit
-    vec4 uses
-        [6]; // of base colour, metallic and roughness, emissive: two rows of a transform, and which texture coordinates
+    // of base colour, metallic and roughness, emissive: two rows of a transform, and the set of
+    // texture coordinates
+    vec4 uses[6];
 };
 
 struct view_block {
@@ -216,53 +220,50 @@ struct view_block {
     vec4 up;    // of the scene
     vec4 left_box, right_box; // towards soft boxes
     vec4 eye_start, eye_across,
-        eye_down; // towards the eye from a pixel, not of unit length; across and down 0 in parallel
+        eye_down; // towards the eye from a pixel, not normalized; across and down are 0 in parallel
     vec4 background; // linear, and whether it is drawn
     float nearness_scale, margin;
-    uint parallel, pattern;                                 // which sample, for hashed alpha
+    uint parallel, pattern;                                 // index of the sample, for hashed alpha
     uint item_count, id_shift, sample_number, sample_count; // of supersamples
     float point_extent;
     float ghost,
-        ghost_splats; // the part of a ghost's pixels that is drawn: of triangles, and of each of its disks
+        ghost_splats; // drawn share of a ghost's pixels: of triangles, and of each disk
     float nearness_offset;
-    uint picture_x, depth_y; // where this eye's picture and depths begin
+    uint picture_x, depth_y; // origin of this eye's picture and depths
     uint
-        counts; // whether what is shaded is the picture: its pixels are counted, its background drawn
-    uint filtered; // a FILTER
-    uint
-        ghost_seed; // a constant that must not be one: Mesa 22.3 folds products of constants wrongly
-    uint glass;     // a GLASS
-    uint hides;     // whether splats of coverage 0 are not drawn
-    uint recolors;  // a RECOLORS
-    uvec4 glass_shadings[2]; // a bit for each shading that is transparent
-    vec4 screen;             // where the gaze meets it, 1 / pixels a unit of x/z (or a unit)
-    vec4 cuts
-        [SECTION_PLANES]; // in right, down, depth: what lies where the sum is above 0 is cut away
-    vec4 earlier[4];      // from X, Y, true N, W to those of the picture whose depths are known
-    float corner;         // distance over depth in a corner of the picture
-    uint scale_first;     // where the even scale begins among the materials of light
+        counts; // whether shading writes the final picture: counts its pixels, draws the background
+    uint filtered;   // a FILTER
+    uint ghost_seed; // the number 1 as a variable: Mesa 22.3 folds products of constants wrongly
+    uint glass;      // a GLASS
+    uint hides;      // whether splats of coverage 0 are not drawn
+    uint recolors;   // a RECOLORS
+    uvec4 glass_shadings[2];   // one bit per shading: transparent
+    vec4 screen;               // principal point, 1 / pixels per unit of x/z (or per unit)
+    vec4 cuts[SECTION_PLANES]; // in right, down, depth: positions with a sum above 0 are cut away
+    vec4 earlier[4];           // from X, Y, true N, W to those of the picture with known depths
+    float corner;              // distance over depth in a corner of the picture
+    uint scale_first;          // start of the colour scale among the lighting materials
     float view_spare1, view_spare2;
     vec4 height_place, height_along; // src/draw/recolor.h
 };
 
-// What is done after shading (draw/effect_shape.h).
+// Post-shading effects (draw/effect_shape.h).
 #define EFFECT_PAIRS 64
 #define EFFECT_BLOCK 8 // pixels a side
 struct effect_block {
-    vec4
-        numbers; // gain, whether it is constant, strength of eye-dome lighting, share of a pair's occlusion
+    // gain, whether it is constant, strength of eye-dome lighting, share of a pair's occlusion
+    vec4 numbers;
     uint pair_count, light_step, spare0, spare1;
     vec4 pairs
-        [2 *
-         EFFECT_PAIRS]; // x, y, whether it is read from blocks; then 1 / distance, bias, 1 / reach
+        [2 * EFFECT_PAIRS]; // x, y, whether to read from blocks; then 1 / distance, bias, 1 / reach
 };
 
-// A pixel that splats are blended into in one pass.
-#define TOLERANT_TINY 0x7C007C00u  // slopes of a splat of one pixel, which has none: two infinities
-#define TOLERANT_TAKEN 0xFFFFFFFFu // slopes of a pixel that somebody is at
+// A pixel for blending splats in one pass.
+#define TOLERANT_TINY 0x7C007C00u  // slopes of a one-pixel splat, which has none: two infinities
+#define TOLERANT_TAKEN 0xFFFFFFFFu // slopes of a locked pixel
 struct tolerant_pixel {
-    uint slopes;      // of the plane that stands for it, two halves; and its lock
-    float key, plane; // how near it is in front of others; how near its plane is. 0: nothing yet
+    uint slopes;      // slopes of its plane, two halves; also its lock
+    float key, plane; // nearness for ordering; nearness of its plane. 0: empty
     uint id;
     vec4 sum; // weighted colour, weight
 };
@@ -276,7 +277,8 @@ typedef struct chunk_block chunk_block;
 typedef struct light_material_block light_material_block;
 typedef struct material_block material_block;
 typedef struct view_block view_block;
-/// Splats that the point pass leaves to the large pass: the command that draws them, and each one's record and place in it.
+/// Queue of large splats, from the point pass to the large pass: the command that draws them, and
+/// each splat's record and index in it.
 typedef struct large_block {
     uint32_t vertex_count, instance_count, first, base;
     uint32_t places[LARGE_MOST][2];

@@ -1,4 +1,4 @@
-// A pixel of a large disk: where its ray meets the plane.
+// A pixel of a large disk: intersects its ray with the plane.
 #include "lib_holes.glsl"
 #include "lib_item.glsl"
 #include "lib_layer.glsl"
@@ -14,7 +14,7 @@ flat in vec2 range;
 flat in vec4 smaller;
 flat in uvec3 hashed;
 
-// The square of an offset, as an ellipse counts it.
+// Squared length of an offset, in the ellipse's metric.
 float squared(vec3 from)
 {
     float along = dot(smaller.xyz, from);

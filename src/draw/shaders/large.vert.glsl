@@ -1,4 +1,5 @@
-// Splats that a point does not hold, as two triangles around the picture of the disk's ball; src/raster/splats_large.c.
+// Splats too large for points, as two triangles around the projection of the disk's bounding ball;
+// src/raster/splats_large.c.
 #include "lib_splat.glsl"
 
 layout(std430, binding = BINDING_LARGE) readonly buffer Large {
@@ -6,16 +7,18 @@ layout(std430, binding = BINDING_LARGE) readonly buffer Large {
     uvec2 large_places[];
 };
 
-flat out vec4 middle;  // perspective: the centre in the view, in units of W, and the radius. Parallel: on the screen, pixels
-flat out vec4 normal;  // in the view, and its side turned to the eye
+// perspective: the centre in the view, in units of W, and the radius. Parallel: on the screen,
+// pixels
+flat out vec4 middle;
+flat out vec4 normal;  // normal in the view, facing the eye
 flat out vec4 depths;  // nearness (of W = 1, or of the centre), its slope, behind, rim
-flat out vec4 screen;  // where the gaze meets it, 1 / scale, greatest nearness
-flat out vec3 across;  // the direction across the lines along which it is cut, over the radius
-flat out vec2 range;   // and what is drawn along it
-flat out vec4 smaller; // of an ellipse: the direction of its smaller radius, and how much that counts
-flat out uvec3 hashed; // as of points
+flat out vec4 screen;  // principal point, 1 / scale, maximum nearness
+flat out vec3 across;  // direction across the cut lines, over the radius
+flat out vec2 range;   // interval drawn along it
+flat out vec4 smaller; // of an ellipse: direction of its smaller radius, and its weight
+flat out uvec3 hashed; // same as for points
 
-// What a ball may touch along one axis.
+// Extent of a ball's projection along one axis.
 vec2 reach(float c, float z, float radius)
 {
     if (z - radius <= 0.05 * radius) {
@@ -41,7 +44,8 @@ void main()
     item_block item = items[record.item];
     uint local = large_places[number].y, index = record.first + local;
     splat_place splat = place_splat(record, item, local);
-    uint halvings = splat.glass ? 0u : splat_halvings(splat.part); // large as it is, nothing is halved to too little
+    // large splats are never halved below the minimum
+    uint halvings = splat.glass ? 0u : splat_halvings(splat.part);
     float size = (item.radius_px + item.pixels * splat.w) * splat.own / float(1u << halvings);
     hashed = splat_hash(record, item, local, splat, halvings, false);
     float back_depth = splat.glass ? GLASS_BACK_DEPTH : item.back_depth;

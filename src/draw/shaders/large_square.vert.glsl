@@ -1,4 +1,4 @@
-// Squares that a point does not hold, as two triangles; their fragments are those of points.
+// Squares too large for points, as two triangles; fragments are the same as for points.
 #include "lib_conic.glsl"
 
 layout(std430, binding = BINDING_LARGE) readonly buffer Large {
@@ -6,7 +6,7 @@ layout(std430, binding = BINDING_LARGE) readonly buffer Large {
     uvec2 large_places[];
 };
 
-flat out vec4 center; // as splat.vert.glsl
+flat out vec4 center; // same as splat.vert.glsl
 flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec2 depths;

@@ -1,4 +1,4 @@
-// Composites a layer that was drawn: its colours in front of what lies behind, in linear light.
+// Composites a drawn layer in linear light.
 #include "lib_surface.glsl"
 #include "lib_visible.glsl"
 #include "lib_eye.glsl"
@@ -9,7 +9,7 @@ layout(rgba32f, binding = IMAGE_LIGHT) uniform image2D light;
 layout(r32f, binding = IMAGE_BELOW) uniform image2D below;
 layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint covered, layered; };
 
-// The nearness from which on splats belong to the surface of this one.
+// Minimum nearness of splats that belong to this splat's surface.
 float find_below(const item_block item, float nearness)
 {
     float thickness = GLASS_THICKNESS * item.glass_radius;

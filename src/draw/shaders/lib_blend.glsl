@@ -1,25 +1,27 @@
-// Which splats are blended in a pixel, and how much each counts: src/raster/splats_blend.c. Planes are nearness at the
-// pixel, and its change to the right and down in sides of a pixel.
+// Selection and weights of splats blended in a pixel: src/raster/splats_blend.c. Planes are
+// nearness at the pixel, and its slopes to the right and down in pixel sides.
 #include "interface.h"
 
-// How far from a pixel's plane a splat's may lie there, in radii, and the cosine of how far it may be turned.
+// Maximum distance of a splat's plane from the pixel's, in radii, and cosine of the maximum angle
+// between them.
 #define BLEND_AWAY 1.5
 #define BLEND_ALIKE 0.4
-#define BLEND_WEIGHT 64.0 // in the middle of a disk; at its rim 1
-#define BLEND_TINY 0.7    // of how far to the middle a splat of one pixel counts
+#define BLEND_WEIGHT 64.0 // at the centre of a disk; 1 at its rim
+// relative distance from the centre at which a one-pixel splat is evaluated
+#define BLEND_TINY 0.7
 
 // Kinds of pixels.
 #define PLANE_NONE 0.0
-#define PLANE_TINY 1.0 // a splat too small to have slopes
+#define PLANE_TINY 1.0 // a splat too small for slopes
 #define PLANE_DISK 2.0
 
-// The step of nearness that is a pixel's side of depth.
+// Nearness difference of a depth difference of one pixel side.
 float find_side(vec2 slope, float nearness)
 {
     return abs(nearness * slope.x + slope.y);
 }
 
-// The normal of a plane with these slopes that is met by a ray (x, y, 1), of any length.
+// Normal, of any length, of a plane with these slopes on the ray (x, y, 1).
 vec3 slope_normal(vec2 slopes, vec2 ray)
 {
     return vec3(slopes, 1.0 - dot(slopes, ray));
@@ -36,9 +38,9 @@ float weight_of_opacity(float opacity)
     return 1.0 + floor((BLEND_WEIGHT - 1.0) * opacity);
 }
 
-// `inside`: 1 in the middle of the disk, 0 at its rim.
+// `inside`: 1 at the centre of the disk, 0 at its rim.
 float blend_weight(float inside)
 {
-    float inner = max(inside, 0.0); // squared: nearly exp(-2 q), and 0 at the rim
+    float inner = max(inside, 0.0); // squared: approximates exp(-2 q), and is 0 at the rim
     return 1.0 + floor((BLEND_WEIGHT - 1.0) * inner * inner);
 }

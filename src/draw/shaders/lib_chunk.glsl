@@ -1,13 +1,13 @@
-// Where an item's splats lie.
+// Locations of an item's splats.
 #include "lib_item.glsl"
 
 layout(std430, binding = BINDING_CHUNKS) readonly buffer Chunks { chunk_block chunks[]; };
 
-// The chunk that holds a splat: the last that begins at or before it.
+// Chunk of a splat: the last one that begins at or before it.
 chunk_block find_chunk(const item_block item, uint index)
 {
     uint low = item.first_chunk, high = low + item.chunk_count;
-    while (high - low > 1u) { // no load in the condition: llvmpipe then takes wrong lanes' chunks
+    while (high - low > 1u) { // no load in the condition: llvmpipe would use chunks of other lanes
         uint middle = low + (high - low) / 2u;
         if (chunks[middle].begin <= index) {
             low = middle;
@@ -18,7 +18,7 @@ chunk_block find_chunk(const item_block item, uint index)
     return chunks[low];
 }
 
-// The shading of a surfel.
+// Shading index of a surfel.
 uint find_shading(const item_block item, uint index)
 {
     chunk_block chunk = find_chunk(item, index);

@@ -1,16 +1,16 @@
-// The picture of a disk on the screen, as all ways to draw splats know it: src/raster/splats_kernel.h.
+// Projection of a disk, shared by all splat paths: src/raster/splats_kernel.h.
 #include "lib_splat.glsl"
 
 #define SHAPE_NONE 0u
-#define SHAPE_PIXEL 1u // the pixel of its centre alone
+#define SHAPE_PIXEL 1u // only the pixel of its centre
 #define SHAPE_DISK 2u
-#define SHAPE_LARGE 3u // left to the pass for large ones
+#define SHAPE_LARGE 3u // left to the large pass
 
 struct splat_shape {
     vec4 center; // x, y, nearness, limit of its change
     vec4 conic;  // a, b, c, p
     vec4 conic2; // q, limit, slope of nearness
-    vec2 depths; // loss of nearness towards the rim, and the greatest nearness
+    vec2 depths; // loss of nearness towards the rim, and maximum nearness
     vec2 extent; // pixels from the centre
     vec4 cut;    // lines: x * u + y * v within z and w, (u, v) from the centre
 };
@@ -18,7 +18,7 @@ struct splat_shape {
 #ifdef SQUARE
 #include "lib_square.glsl"
 #else
-// All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
+// Sums use the same order as the CPU, so that the same splat is nearest in a pixel.
 uint shape_splat(const record_block record, const item_block item, const splat_place splat, out splat_shape s)
 {
     precise float w = splat.w, inverse = 1.0 / w;
@@ -89,7 +89,7 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
     return SHAPE_DISK;
 }
 
-// The pixels whose centres may lie in the disk, and the one that its centre lies in: first and last.
+// First and last pixel whose centres may lie in the disk, including the pixel of its centre.
 vec4 shape_box(const splat_shape s)
 {
     vec2 middle = floor(s.center.xy);

@@ -33,7 +33,7 @@ float cut_cosine(uint direction)
     return turned > 6u ? -cut_cosines[12u - turned] : cut_cosines[turned];
 }
 
-// Of a code that cuts: the direction across the lines, and between which distances is drawn.
+// For a cut code: direction across the cut lines, and the interval of distances that is drawn.
 vec4 coverage_cut(uint code)
 {
     bool is_half = code < COVERAGE_STRIPS;
@@ -43,7 +43,7 @@ vec4 coverage_cut(uint code)
     return vec4(cut_cosine(direction), cut_cosine(direction + 18u), range);
 }
 
-// Of a code that cuts: the part of the disk's area.
+// For a cut code: share of the disk's area.
 float cut_area(uint code)
 {
     return code < COVERAGE_STRIPS ? half_areas[(code - COVERAGE_HALVES) % 3u] : strip_areas[(code - COVERAGE_STRIPS) % 12u];

@@ -1,4 +1,4 @@
-// Towards the eye from a place of the picture, of unit length in perspective.
+// Direction to the eye from a position in the picture; unit length in perspective.
 #include "lib_item.glsl"
 #include "lib_light.glsl"
 

@@ -1,4 +1,4 @@
-// Words of what scenes are made of, by address. PAGE_COUNT pages are there, of 2^PAGE_SHIFT words.
+// Reads words of scene data by address. There are PAGE_COUNT pages of 2^PAGE_SHIFT words.
 #include "interface.h"
 
 layout(std430, binding = BINDING_PAGES + 0) readonly buffer Page0 { uint page0[]; };

@@ -1,4 +1,4 @@
-// A pixel of a disk: in where the ray through its middle meets the plane within the radius.
+// A pixel of a disk: inside if the ray through its centre hits the plane within the radius.
 #include "lib_holes.glsl"
 
 #ifdef SQUARE

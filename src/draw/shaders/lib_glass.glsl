@@ -4,9 +4,10 @@
 
 layout(std140, binding = BINDING_NOISE) uniform Noise { uvec4 noise_ranks[NOISE_SIDE * NOISE_SIDE / 8]; };
 
-#define GLASS_HASHED 0x80000000u // of a fragment's coverage: the rest is an opacity, 65535 is 1
+// flag of a fragment's coverage: the rest is an opacity, 65535 is 1
+#define GLASS_HASHED 0x80000000u
 
-// The key of a surface's thresholds. `seed` without the sample.
+// Key of a surface's alpha thresholds. `seed` without the sample.
 uint find_glass_key(uint seed, uint side, int cell)
 {
     return random_bits(uvec2(seed, 0u), uvec2(uint(cell), side)).y >> 8;
@@ -22,7 +23,7 @@ float find_threshold(uint key, ivec2 pixel, uint sample_number)
     return float((rank * 16u + 8u + sample_number * step) & 0xFFFFu) * (1.0 / 65536.0);
 }
 
-// How opaque a surface of splats of this coverage (of 255) is: two of them cover a pixel on the mean.
+// Opacity of a surface of splats with this coverage (of 255): on average two of them cover a pixel.
 float glass_opacity(uint coverage)
 {
     float clear = 1.0 - float(coverage) * (1.0 / 255.0);

@@ -1,7 +1,7 @@
-// The same noise as the processor's (src/raster/splats_kernel.h, src/base/rng.h, src/select/select.h): the same pixels of
-// hashed things are there.
+// The same noise as on the CPU (src/raster/splats_kernel.h, src/base/rng.h, src/select/select.h):
+// hashing keeps the same pixels.
 
-// Whether a fragment of a splat with holes is there.
+// Whether a fragment of a splat with holes is drawn.
 bool has_fragment(uint coverage, uint index, ivec2 place)
 {
     uint h = index * 0x9E3779B1u + 0x7F4A7C15u;
@@ -13,7 +13,7 @@ bool has_fragment(uint coverage, uint index, ivec2 place)
     return (h >> 24) < coverage + (coverage >> 7);
 }
 
-// Whether a triangle is among a share of its mesh's (stp_draw_keeps).
+// Whether a triangle belongs to the drawn share of its mesh (stp_draw_keeps).
 bool keeps(uint index, float share)
 {
     uint h = index * 0x9E3779B1u;
@@ -22,7 +22,7 @@ bool keeps(uint index, float share)
     return float(h >> 8) < share * 16777216.0;
 }
 
-// 64-bit numbers: x the low half.
+// 64-bit integers: x is the low half.
 uvec2 multiply(uvec2 a, uvec2 b)
 {
     uint high, low;

@@ -1,8 +1,8 @@
-// Which pixels of a splat are there.
+// Holes of splats: which pixels are drawn.
 #include "lib_item.glsl"
 #include "lib_glass.glsl"
 
-// `place`: from the pixel of the splat's centre
+// `place`: relative to the pixel of the splat's centre
 bool is_drawn(uvec3 hashed, ivec2 pixel, ivec2 place)
 {
 #ifdef GLASS

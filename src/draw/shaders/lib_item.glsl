@@ -6,13 +6,14 @@ layout(std430, binding = BINDING_ITEMS) readonly buffer Items { item_block items
 layout(std430, binding = BINDING_RECORDS) readonly buffer Records { record_block records[]; };
 layout(std140, binding = BINDING_VIEW) uniform View { view_block view; };
 
-// From pixels times w, with the margin around the picture that keeps points whose centre lies outside.
+// From pixels times w to clip space, with a margin around the picture so that points with centres
+// outside are not clipped.
 vec2 to_clip(vec2 pixel, float w)
 {
     return 2.0 * (pixel + view.margin * w) * view.size.zw - w;
 }
 
-// An octahedral code whose full length is `full`; not of unit length.
+// Decodes an octahedral code with maximum `full`; the result is not normalized.
 vec3 decode_octahedral(vec2 code, float full)
 {
     float z = full - abs(code.x) - abs(code.y);
@@ -22,7 +23,7 @@ vec3 decode_octahedral(vec2 code, float full)
     return vec3(code, z);
 }
 
-// Right, down and depth of what lies at X, Y, N, W.
+// Right, down and depth of the point at X, Y, N, W.
 vec3 to_view(const item_block item, vec4 at)
 {
     vec2 across = (at.xy - view.screen.xy * at.w) * view.screen.z;
@@ -30,7 +31,8 @@ vec3 to_view(const item_block item, vec4 at)
     return vec3(across, view.parallel != 0u ? deep : at.w);
 }
 
-// Whether a place in the view is cut away. What lies in the plane itself stays, however it is rounded.
+// Whether a position in the view is cut away. Points in the plane itself stay, regardless of
+// rounding.
 bool is_cut(const item_block item, vec3 at)
 {
     for (uint i = 0u; i < uint(SECTION_PLANES); ++i) {

@@ -1,4 +1,4 @@
-// Splats that are left to the pass for large ones.
+// Queues splats for the large pass.
 #include "interface.h"
 
 layout(std430, binding = BINDING_LARGE) buffer Large {

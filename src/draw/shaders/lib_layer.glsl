@@ -1,4 +1,5 @@
-// Fragments of a layer of transparent surfaces: behind the layer before, in front of what is opaque (src/raster/layer.h).
+// Fragments of a layer of transparent surfaces: behind the previous layer, in front of the opaque
+// surface (src/raster/layer.h).
 #include "interface.h"
 
 layout(binding = UNIT_IDS) uniform usampler2D opaque_ids;
@@ -6,7 +7,7 @@ layout(binding = UNIT_NEARNESS) uniform sampler2D opaque_nearness;
 layout(binding = UNIT_BEFORE_IDS) uniform usampler2D before_ids;
 layout(binding = UNIT_BEFORE_NEARNESS) uniform sampler2D before_nearness;
 layout(binding = UNIT_CAPS) uniform sampler2D cap_nearness;
-layout(binding = UNIT_BELOW) uniform sampler2D splats_below; // below 0: nothing more is looked for
+layout(binding = UNIT_BELOW) uniform sampler2D splats_below; // below 0: the pixel is finished
 
 bool is_between(ivec2 pixel, float nearness, uint id)
 {
@@ -17,7 +18,7 @@ bool is_between(ivec2 pixel, float nearness, uint id)
     return behind && front && texelFetch(splats_below, pixel, 0).r >= 0.0;
 }
 
-// The same of a splat: others of the surface that the layer before shows do not count again.
+// The same for a splat: skips other splats of the surface that the previous layer shows.
 bool is_splat_between(ivec2 pixel, float nearness, uint id)
 {
     return nearness < texelFetch(splats_below, pixel, 0).r && is_between(pixel, nearness, id);

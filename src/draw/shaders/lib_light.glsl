@@ -1,4 +1,4 @@
-// Light, as src/draw/cpu/shade_lanes.h.
+// Lighting, the same as in src/draw/cpu/shade_lanes.h.
 #include "light_constants.h"
 #include "lib_item.glsl"
 #include "lib_srgb.glsl"
@@ -26,7 +26,7 @@ vec3 smooth_step(vec3 x)
     return x * x * (3.0 - 2.0 * x);
 }
 
-// What is mirrored in a direction.
+// Environment reflected in a direction.
 vec3 mirror_light(vec3 r, float rough)
 {
     const vec3 horizon = vec3(MIRROR_HORIZON_R, MIRROR_HORIZON_G, MIRROR_HORIZON_B);

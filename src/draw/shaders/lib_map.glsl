@@ -1,5 +1,6 @@
-// How a texture lies on the disk or ellipse of a splat: the direction of its larger axis on the screen, and of its smaller
-// one, over their radii (src/raster/splats_blend_kernel.h). Right to first order; fragments divide by their depth.
+// Texture mapping of a splat's disk or ellipse: screen directions of its larger and smaller axes,
+// over their radii (src/raster/splats_blend_kernel.h). Accurate to first order; fragments divide by
+// their depth.
 
 vec2 map_axis(vec3 d, vec3 n, vec2 a, float D)
 {

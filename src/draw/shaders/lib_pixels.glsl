@@ -1,5 +1,5 @@
-// What the compute rasteriser draws into: pixels row by row, two words each, apart: the greatest nearness of all pixels,
-// then their least ids.
+// Buffer of the compute rasteriser, row by row, in two planes: first the maximum nearness of all
+// pixels, then their minimum ids.
 #include "interface.h"
 
 layout(std430, binding = BINDING_RASTER_PIXELS) buffer Pixels { uint pixels[]; };

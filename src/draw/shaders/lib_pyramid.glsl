@@ -1,4 +1,4 @@
-// Where blocks of the depth pyramid lie: levels one after the other, rows of blocks.
+// Layout of the depth pyramid: consecutive levels of rows of blocks.
 
 ivec2 count_blocks(ivec2 size, int level)
 {

@@ -1,6 +1,7 @@
-// Colours of heights and normals: src/draw/recolor.h. The even scale lies behind the materials of light.
+// Colours of heights and normals: src/draw/recolor.h. The colour scale is stored after the lighting
+// materials.
 
-// Which colour of the scale a pixel has.
+// Index of a pixel's colour in the scale.
 uint height_place(vec2 at, float nearness)
 {
     float depth = view.parallel != 0u ? (nearness - view.nearness_offset) / view.nearness_scale

@@ -1,4 +1,4 @@
-// A splat on the screen: src/raster/splats_kernel.h, where the conic is explained.
+// A projected splat: see src/raster/splats_kernel.h, which explains the conic.
 #include "lib_chunk.glsl"
 #include "lib_coverage.glsl"
 #include "lib_glass.glsl"
@@ -9,22 +9,22 @@ struct splat_place {
     vec2 code;     // octahedral normal
     float radius;  // pixels
     uint halvings; // of the radius
-    uint part;     // what is drawn of the disk: see splat_part
+    uint part;     // drawn part of the disk: see splat_part
     bool glass;    // transparent
-    bool there;    // its range holds the level
-    float own;     // its own radius, in those of the item
-    uint shape;    // as the set holds it
+    bool there;    // its range contains the level
+    float own;     // its own radius, relative to the item's
+    uint shape;    // normal as stored in the set
 };
 
-// All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
+// Sums use the same order as the CPU, so that the same splat is nearest in a pixel.
 float along(vec4 row, vec3 p)
 {
     precise float sum = ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w;
     return sum;
 }
 
-// What is drawn of a splat's disk, between those of two octaves: a share of 255, or, above SPLAT_CUT, a code that cuts. 0: it is
-// hidden.
+// Drawn part of a splat's disk, interpolated between two octaves: a share of 255, or, above
+// SPLAT_CUT, a cut code. 0: not drawn.
 #define SPLAT_CUT 256u
 uint splat_part(const item_block item, uint index)
 {
@@ -48,7 +48,7 @@ uint splat_part(const item_block item, uint index)
     return coverage_cuts(own) ? SPLAT_CUT + own : coverage_share(own);
 }
 
-// The direction across the lines along which a disk is cut, of unit length in the item's space.
+// Unit direction across a disk's cut lines, in item space.
 vec3 cut_direction(vec2 code, vec4 cut)
 {
     vec3 unfolded = decode_octahedral(code, 127.0);
@@ -62,13 +62,13 @@ vec3 cut_direction(vec2 code, vec4 cut)
     return direction;
 }
 
-// How often the radius of a disk is halved, of which so little is drawn.
+// How often the radius of a disk with little coverage is halved.
 uint splat_halvings(uint coverage)
 {
     return uint(coverage < 64u) + uint(coverage < 16u) + uint(coverage < 4u);
 }
 
-// Whether a surfel is of a transparent surface.
+// Whether a surfel belongs to a transparent surface.
 bool is_glass(const item_block item, uint index)
 {
 #ifdef GLASS
@@ -80,20 +80,20 @@ bool is_glass(const item_block item, uint index)
     return false;
 }
 
-// A radius in steps of its set.
+// A radius in size steps of its set.
 float shape_radius(uint code)
 {
     return uintBitsToFloat(((code & 0xFFFu) << 16) + SHAPE_BIAS);
 }
 
-// By how much the square of an offset along the smaller radius counts more: 0 of disks.
+// Additional weight of a squared offset along the smaller radius: 0 for disks.
 float shape_stretch(uint code)
 {
     precise float ratio = shape_radius(code) / shape_radius(code >> 12), stretch = ratio * ratio - 1.0;
     return stretch;
 }
 
-// The direction of the smaller radius, of unit length in the item's space.
+// Unit direction of the smaller radius, in item space.
 vec3 shape_smaller(vec2 code, uint shape)
 {
     float turn = float(shape >> 24) * (3.14159265 / 256.0);
@@ -118,7 +118,8 @@ void find_options(const record_block record, const item_block item, uint local, 
     if (ranges) {
         uint range = fetch(at);
         precise float level = max(item.level_per_depth * splat.w, item.level_least);
-        int bits = floatBitsToInt(record.first + local < item.divide ? item.level_below : level); // in the order of the numbers
+        // in increasing order
+        int bits = floatBitsToInt(record.first + local < item.divide ? item.level_below : level);
         splat.there = splat.there && bits >= int((range & 0xFFFFu) << 15) && bits <= int(range >> 16 << 15);
     }
 }
@@ -145,7 +146,8 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     uint index = record.first + local;
     splat.part = hidden ? 0u : splat_part(item, index);
     uint wanted = splat.glass ? 0u : splat_halvings(splat.part);
-    float least = 1.5 + float(index * 0x9E3779B1u >> 24) * (1.5 / 256.0); // as splat_least: not all shrink at one depth
+    // same as splat_least: splats shrink at different depths
+    float least = 1.5 + float(index * 0x9E3779B1u >> 24) * (1.5 / 256.0);
     splat.halvings = 0u;
     while (splat.halvings < wanted && radius >= least) {
         radius *= 0.5;
@@ -189,7 +191,7 @@ vec3 turn_normal(const item_block item, vec2 code)
     return turn_vector(item, decode_octahedral(code, 127.0));
 }
 
-// Of a disk's pixels, those that are drawn, of 255; 255: no holes. `single`: of the pixel of its centre alone.
+// Drawn share of a disk's pixels, of 255; 255: no holes. `single`: for the centre's pixel only.
 uint splat_coverage(const item_block item, uint part, uint halvings, bool single)
 {
     if (part > SPLAT_CUT) {
@@ -199,7 +201,8 @@ uint splat_coverage(const item_block item, uint part, uint halvings, bool single
     return (item.flags & ITEM_GHOST) != 0u ? uint(float(coverage) * view.ghost_splats + 0.5) : coverage;
 }
 
-// What says of a fragment whether it is there: id, what is hashed, coverage or opacity. `single`: as for splat_coverage.
+// Inputs of a fragment's coverage test: id, hash key, coverage or opacity. `single`: as for
+// splat_coverage.
 uvec3 splat_hash(const record_block record, const item_block item, uint local, const splat_place splat, uint halvings,
                  bool single)
 {

@@ -1,7 +1,8 @@
-// Squares instead of disks: src/raster/splats_squares_kernel.h. lib_conic.glsl includes this. `conic` of its struct holds the
-// first and the last pixel; `center`, `depths`, `extent` and `cut` are as of disks, the rest is 0.
+// Squares instead of disks: src/raster/splats_squares_kernel.h. lib_conic.glsl includes this. Its
+// field `conic` holds the first and the last pixel; `center`, `depths`, `extent` and `cut` are the
+// same as for disks, the rest is 0.
 
-// All sums are in the processor's order: of many splats in a pixel, the same one is nearest.
+// Sums use the same order as the CPU, so that the same splat is nearest in a pixel.
 uint shape_splat(const record_block record, const item_block item, const splat_place splat, out splat_shape s)
 {
     precise float w = splat.w, inverse = 1.0 / w;
@@ -38,7 +39,8 @@ uint shape_splat(const record_block record, const item_block item, const splat_p
         precise vec3 d = turn_vector(item, cut_direction(splat.code, cut));
         precise float slide = ((d.x * a.x + d.y * a.y) + d.z) / D;
         precise vec2 lines = (d.xy - slide * n.xy) * (1.0 / radius);
-        bool is_half = splat.part - SPLAT_CUT < COVERAGE_STRIPS; // all beyond the other side stays
+        // everything beyond the other side stays
+        bool is_half = splat.part - SPLAT_CUT < COVERAGE_STRIPS;
         s.cut = vec4(lines, is_half ? -1e38 : cut.z, cut.w);
     }
     return is_close(item, splat) || !(radius < view.point_extent) ? SHAPE_LARGE : SHAPE_DISK;

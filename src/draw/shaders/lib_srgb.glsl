@@ -11,7 +11,7 @@ vec3 to_linear(vec3 srgb)
     return vec3(to_linear(srgb.x), to_linear(srgb.y), to_linear(srgb.z));
 }
 
-// An sRGB byte (0..1) of linear light.
+// Encodes linear light as an sRGB byte (0..1).
 float encode(float linear)
 {
     float cut = (floor(clamp(linear, 0.0, 1.0 - 0.5 / float(SRGB_STEPS)) * float(SRGB_STEPS)) + 0.5) / float(SRGB_STEPS);

@@ -1,4 +1,4 @@
-// What an id looks like: src/draw/cpu/shade_surfaces.c and shade_mesh.c.
+// Surface of an id: same as src/draw/cpu/shade_surfaces.c and shade_mesh.c.
 #include "lib_texture.glsl"
 #include "lib_chunk.glsl"
 #include "lib_light.glsl"
@@ -91,7 +91,7 @@ surface find_point(const item_block item, uint index)
     return s;
 }
 
-// The cluster of a mesh's triangle.
+// Finds the cluster of a mesh's triangle.
 uint find_cluster(const item_block item, uint index)
 {
     uint low = 0u, high = item.cluster_count;
@@ -106,14 +106,14 @@ uint find_cluster(const item_block item, uint index)
     return item.address + uint(CLUSTER_WORDS) * low;
 }
 
-// How much each corner has of a pixel, in sum 1.
+// Barycentric coordinates of a pixel.
 vec3 find_weights(const item_block item, const vec3 position[3], vec2 pixel)
 {
     vec3 corner[3];
     for (int k = 0; k < 3; ++k) {
         vec4 p = vec4(position[k] - item.offset.xyz, 1.0);
         float w = dot(item.rows[3], p);
-        // seen from the pixel: what is lost to rounding is little beside what is near it
+        // relative to the pixel, to limit rounding errors
         corner[k] = vec3(vec2(dot(item.rows[0], p), dot(item.rows[1], p)) - pixel * w, w);
     }
     vec3 weight = vec3(corner[1].x * corner[2].y - corner[2].x * corner[1].y,

@@ -1,4 +1,5 @@
-// Pictures sampled as the processor does (src/raster/texture.c): averaged in linear light, weighted by alpha.
+// Texture sampling, same as on the CPU (src/raster/texture.c): averages in linear light, weighted
+// by alpha.
 #include "lib_srgb.glsl"
 #include "lib_triangle.glsl"
 
@@ -51,7 +52,7 @@ void add_texel(inout texel_sum sum, uint word, bool linear, float weight)
     sum.plain += weight * color;
 }
 
-// A footprint of so many texels of level 0.
+// Samples a footprint in texels of level 0.
 vec4 sample_texture(uint texture, vec2 uv, float footprint)
 {
     uint flags = fetch(texture + TEXTURE_FLAGS), last = fetch(texture + TEXTURE_LEVELS) - 1u;
@@ -68,7 +69,8 @@ vec4 sample_texture(uint texture, vec2 uv, float footprint)
     texel_sum sum = texel_sum(vec4(0.0), vec3(0.0));
     uint taps = blend > 0.0 ? 8u : 4u;
     texel_square square;
-    for (uint i = 0u; i < taps; ++i) { // four of each level; a loop, or compilers take seconds
+    // four of each level; in a loop, since unrolling makes compilers take seconds
+    for (uint i = 0u; i < taps; ++i) {
         if ((i & 3u) == 0u) {
             square = find_square(texture, level + i / 4u, uv, nearest);
         }
@@ -105,7 +107,8 @@ float sample_alpha(uint texture, vec2 uv, float footprint)
     return sample_alpha_at(texture, uv, level);
 }
 
-// Whether a fragment of a cut-out is there (src/raster/cutout.c). own: alpha of material and vertices.
+// Whether a fragment of a cut-out is drawn (src/raster/cutout.c). own: alpha of material and
+// vertices.
 bool keeps_cutout(uint texture, vec2 uv, float footprint, float own, float cutoff)
 {
     uint flags = fetch(texture + TEXTURE_FLAGS), count = fetch(texture + TEXTURE_LEVELS), level = 0u;
@@ -132,7 +135,8 @@ bool keeps_cutout(uint texture, vec2 uv, float footprint, float own, float cutof
     return alpha >= low + (high - low) * (step - float(below));
 }
 
-// How a material reads its n-th texture (0 base colour, 1 metallic and roughness, 2 emissive).
+// Texture transform of a material's n-th texture (0 base colour, 1 metallic and roughness, 2
+// emissive).
 vec2 find_uv(const triangle_place t, uint material, uint n, vec3 weight)
 {
     vec4 first = materials[material].uses[2u * n], second = materials[material].uses[2u * n + 1u];
@@ -146,7 +150,7 @@ vec2 find_uv(const triangle_place t, uint material, uint n, vec3 weight)
     return vec2(dot(first.xyz, uv), dot(second.xyz, uv));
 }
 
-// Texels of a texture along one item unit of a triangle.
+// Texels of a texture per item unit along a triangle.
 float find_density(const triangle_place t, uint material, uint n, uint texture)
 {
     vec4 first = materials[material].uses[2u * n], second = materials[material].uses[2u * n + 1u];

@@ -1,4 +1,4 @@
-// Pixels that splats are blended into in one pass.
+// Pixels for blending splats in one pass.
 #include "interface.h"
 
 layout(std140, binding = BINDING_VIEW) uniform View { view_block view; };

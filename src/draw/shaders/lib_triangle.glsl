@@ -1,4 +1,4 @@
-// Triangles and their corners, as they lie in a mesh's clusters.
+// Reads triangles and their corners from a mesh's clusters.
 #include "lib_item.glsl"
 
 struct triangle_place {

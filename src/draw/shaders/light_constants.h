@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Light as all backends have it: linear radiance, 1 is white. A white diffuse surface turned between the key light and the
-// eye gets 0.8 to 0.95, so base colours come out near themselves and nothing is washed out.
+// Light constants of all backends: linear radiance, 1 is white. A white diffuse surface that faces
+// between the key light and the eye gets 0.8 to 0.95, so base colours are nearly preserved and not
+// overexposed.
 #ifndef LIGHT_CONSTANTS_H
 #define LIGHT_CONSTANTS_H
 
@@ -14,9 +15,10 @@
 #define LIGHT_KEY_R 0.60f
 #define LIGHT_KEY_G 0.59f
 #define LIGHT_KEY_B 0.57f
-#define LIGHT_FILL 0.16f // times the square of the cosine: surfaces darken towards their edges
+#define LIGHT_FILL 0.16f // factor on the squared cosine: surfaces darken towards their edges
 
-// What a mirror sees: sky and ground, each at the horizon and away from it, and two soft boxes beside the eye.
+// Reflected environment: sky and ground, each at the horizon and away from it, and two soft boxes
+// beside the eye.
 #define MIRROR_HORIZON_R 0.74f
 #define MIRROR_HORIZON_G 0.77f
 #define MIRROR_HORIZON_B 0.82f
@@ -26,16 +28,16 @@
 #define MIRROR_ZENITH 0.55f // of the horizon's
 #define MIRROR_BOX_LEFT 0.85f
 #define MIRROR_BOX_RIGHT 0.45f
-#define MIRROR_LEFT_EDGE 0.80f // cosines from the middle of a box to its edge
+#define MIRROR_LEFT_EDGE 0.80f // cosine range from the centre of a box to its edge
 #define MIRROR_RIGHT_EDGE 0.88f
-#define MIRROR_BLUR 0.10f      // width of edges, in cosines, where the surface is polished
-#define MIRROR_BLUR_ROUGH 1.5f // and added to it where it is rough
-#define MIRROR_ROUGH_BOX                                                                           \
-    0.7f // share of a box's light that is lost to where it is not, on rough surfaces
+#define MIRROR_BLUR 0.10f      // width of edges, in cosines, on polished surfaces
+#define MIRROR_BLUR_ROUGH 1.5f // additional width on rough surfaces
+// share of a box's light that blur spreads outside it, on rough surfaces
+#define MIRROR_ROUGH_BOX 0.7f
 
-#define LIGHT_DIELECTRIC 0.04f // reflectance from in front
-#define LIGHT_GRAZING 0.5f     // added to it towards the edge of a polished surface
-#define LIGHT_GLOSS_MOST 3.0f  // bound of the key light's highlight
+#define LIGHT_DIELECTRIC 0.04f // reflectance at normal incidence
+#define LIGHT_GRAZING 0.5f     // additional reflectance at grazing angles on polished surfaces
+#define LIGHT_GLOSS_MOST 3.0f  // upper bound of the key light's highlight
 
 // Directions of soft boxes: right, up and back of the view.
 #define MIRROR_LEFT_BOX -0.62f, 0.55f, 0.56f

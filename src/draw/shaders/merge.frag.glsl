@@ -1,4 +1,4 @@
-// What the compute rasteriser has drawn, into the visibility buffer.
+// Copies the compute rasteriser's output into the visibility buffer.
 #include "interface.h"
 
 layout(std430, binding = BINDING_RASTER_PIXELS) readonly buffer Pixels { uint pixels[]; };

@@ -1,5 +1,6 @@
-// Which commands are drawn: those whose box is not hidden by what was drawn before. At first what the picture before hides
-// is set aside; then, of what was set aside, what this picture's own depths do not hide is drawn, and all else no more.
+// Occlusion culling of commands by their boxes. First pass: defers commands that the previous
+// picture occludes. Second pass: draws deferred commands that this picture's own depths do not
+// occlude, and disables all others.
 #include "lib_item.glsl"
 #include "lib_pyramid.glsl"
 
@@ -7,15 +8,16 @@ layout(local_size_x = OCCLUDE_GROUP) in;
 
 layout(std430, binding = BINDING_OCCLUDED_COMMANDS) buffer Commands { uvec4 commands[]; };
 layout(std430, binding = BINDING_PYRAMID) readonly buffer Pyramid { float nearest[]; };
-layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint set_aside[2]; }; // at first, and after all
+// after the first pass, and in the end
+layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint set_aside[2]; };
 
 layout(location = 0) uniform uint command_count;
-layout(location = 1) uniform uint stage; // 0: by the picture before, 1: by this one
+layout(location = 1) uniform uint stage; // 0: tests the previous picture, 1: this one
 
 const float SLACK = 1.0 + 1e-4;  // triangles' depths differ in the fifth digit
-const int MOST_BLOCKS = 8;       // across, of a box; larger ones are hardly hidden
+const int MOST_BLOCKS = 8;       // maximum size of a box; larger ones are rarely occluded
 
-// From X, Y, N, W of this view to those of the picture before.
+// From X, Y, N, W of this view to those of the previous picture.
 vec4 to_earlier(const item_block item, vec4 at)
 {
     at.z *= item.near_factor;
@@ -24,7 +26,7 @@ vec4 to_earlier(const item_block item, vec4 at)
     return turned;
 }
 
-// Whether nothing nearer than `near` can be seen anywhere in a rectangle of pixels.
+// Whether everything in a rectangle of pixels at nearness up to `near` is occluded.
 bool is_covered(vec2 low, vec2 high, float near)
 {
     ivec2 size = ivec2(view.size.xy);
@@ -65,7 +67,7 @@ bool is_hidden(const item_block item, float reach, vec3 box_low, vec3 box_high)
         least = min(least, at.w);
         near = max(near, at.z);
     }
-    // the nearest that a disk of what lies in the box reaches, and how far beyond the box on the screen
+    // maximum nearness of disks centred in the box, and their overhang beyond it on the screen
     float radius = item.kind == KIND_MESH ? 0.0 : item.radius_px * reach;
     float front = least - radius * item.inverse_scale;
     if (!(front > 0.1 * least) || !(least > 0.0)) {

@@ -1,4 +1,4 @@
-// The plane that each pixel shows, of the splat that is visible there.
+// Computes the plane of the visible splat of each pixel.
 #include "lib_surface.glsl"
 #include "lib_visible.glsl"
 #include "lib_conic.glsl"

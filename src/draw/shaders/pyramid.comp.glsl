@@ -1,5 +1,5 @@
-// How near at least all pixels of a block are, as the visibility buffer has it: blocks of 8 x 8 pixels, and blocks of blocks up
-// to 64 x 64, which a group has (Greene, Kass, Miller 1993).
+// Builds the depth pyramid: minimum nearness per block in the visibility buffer, for blocks of 8 x
+// 8 pixels, and blocks of blocks up to the 64 x 64 pixels of a group (Greene, Kass, Miller 1993).
 #include "interface.h"
 #include "lib_pyramid.glsl"
 
@@ -13,7 +13,7 @@ shared float blocks[GROUP_SIDE * GROUP_SIDE];
 float find_block(ivec2 block, ivec2 size)
 {
     ivec2 first = block * PYRAMID_BLOCK, end = min(first + PYRAMID_BLOCK, size);
-    float least = 1e30; // beyond the picture nothing is seen
+    float least = 1e30; // nothing is visible outside the picture
     for (int y = first.y; y < end.y; ++y) {
         for (int x = first.x; x < end.x; ++x) {
             least = min(least, texelFetch(visible_nearness, ivec2(x, y), 0).r);

@@ -1,5 +1,6 @@
-// Splats drawn without the pipeline: each thread sets up one and draws its pixels, and all threads of a group together draw
-// those that cover many. Nearness is at least 0, so its bits are ordered as it is.
+// Draws splats without the graphics pipeline. Each thread sets up one splat and draws its pixels;
+// all threads of a group together draw splats that cover many pixels. Nearness is at least 0, so
+// its bits sort like the float.
 #include "lib_pixels.glsl"
 #include "lib_conic.glsl"
 #include "lib_large.glsl"
@@ -8,7 +9,7 @@
 layout(local_size_x = RASTER_GROUP) in;
 
 layout(std430, binding = BINDING_RASTER_COMMANDS) readonly buffer Commands { uvec4 commands[]; };
-// The first group of each command, and how many there are in all.
+// First group of each command, and the total number of groups.
 layout(std430, binding = BINDING_RASTER_GROUPS) readonly buffer Groups { uint first_groups[]; };
 
 layout(location = 0) uniform uint command_count;
@@ -23,7 +24,8 @@ void store(ivec2 pixel, float nearness, uint id)
     uint width = uint(view.size.x), at = uint(pixel.y) * width + uint(pixel.x);
     uint bits = floatBitsToUint(nearness);
     if (stage == 0u) {
-        if (bits > pixels[at]) { // what was there may be nearer by now: then nothing is changed
+        // another thread may have written a nearer value by now: then nothing changes
+        if (bits > pixels[at]) {
             atomicMax(pixels[at], bits);
         }
     } else if (bits == pixels[at]) {
@@ -45,7 +47,7 @@ void draw_pixel(const splat_shape s, uvec3 hashed, ivec2 pixel)
     }
 }
 
-// The last command whose first group is not above `group`.
+// The last command with first group <= `group`.
 uint find_command(uint group)
 {
     uint low = 0u, high = command_count;
@@ -60,7 +62,7 @@ uint find_command(uint group)
     return low;
 }
 
-// One thread's splat. @return whether it is left to all of the group
+// Draws one thread's splat. @return whether the whole group must draw it
 bool draw_alone(uint number, const record_block record, const item_block item, uint local)
 {
     splat_shape s;
@@ -122,7 +124,8 @@ void main()
     uint local = (group - first_groups[group_command]) * uint(RASTER_GROUP) + gl_LocalInvocationIndex;
     record_block record = records[command.w];
     item_block item = items[record.item];
-    if (local < command.x && command.y > 0u && draw_alone(command.w, record, item, local)) { // groups beyond the last one draw nothing
+    // groups beyond the last one draw nothing
+    if (local < command.x && command.y > 0u && draw_alone(command.w, record, item, local)) {
         crowd[atomicAdd(crowd_count, 1u)] = local;
     }
     barrier();

@@ -1,4 +1,5 @@
-// From the visibility buffer to colours: each pixel is shaded once. Of a supersampled picture, sums of samples are kept.
+// Deferred shading of the visibility buffer: each pixel is shaded once. With supersampling, adds
+// samples to sums.
 #include "lib_surface.glsl"
 #include "lib_visible.glsl"
 #include "lib_eye.glsl"

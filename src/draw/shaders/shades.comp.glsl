@@ -1,12 +1,12 @@
-// What neighbours shade of each pixel: eye-dome lighting (a factor) and ambient occlusion (a sum).
+// Shading of each pixel by its neighbours: eye-dome lighting (a factor) and ambient occlusion (a
+// sum).
 #include "lib_effect.glsl"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
 layout(binding = UNIT_BLOCKS) uniform sampler2D blocks;
 layout(rg32f, binding = IMAGE_PLANE) uniform writeonly image2D shades;
 
-// Half of a pair's rise, and what the other half falls: a plane that goes on falls as much on one side as it rises on the
-// other.
+// Rise of one neighbour of a pair, less the fall of the other: on a plane they cancel.
 float rise_above(float a, float b)
 {
     return clamp(a - 0.75 * max(-b, 0.0), 0.0, 40.0);
@@ -17,7 +17,7 @@ float add_rise(float center, float gain, ivec2 pixel, ivec2 step, float inverse)
     float one = read_near(pixel + step), other = read_near(pixel - step);
     float a = (one - center) * gain * inverse, b = (other - center) * gain * inverse;
     float known_a = one < 0.0 ? 0.0 : a, known_b = other < 0.0 ? 0.0 : b;
-    a = one < 0.0 ? -known_b : a; // beyond the border planes go on
+    a = one < 0.0 ? -known_b : a; // planes are extrapolated beyond the border
     b = other < 0.0 ? -known_a : b;
     return rise_above(a, b) + rise_above(b, a);
 }
@@ -37,7 +37,7 @@ float eye_dome(float center, float gain, ivec2 pixel)
     return 1.0 / (1.0 + y * (1.0 + 0.5 * y));
 }
 
-// The blocks brought to the size of pixels, smoothly.
+// Upsamples the blocks to pixels by interpolation.
 float read_blocks(ivec2 pixel)
 {
     if (!is_inside(pixel)) {

@@ -1,6 +1,6 @@
 #extension GL_ARB_shader_draw_parameters : require
-// Splats as points: the conic of each disk, in a point that holds its pixels. What is too large for that, or close to the
-// eye, is noted for the large pass.
+// Splats as points: the conic of each disk, in a point that contains its pixels. Splats that are
+// too large, or close to the eye, are queued for the large pass.
 #include "lib_conic.glsl"
 #include "lib_large.glsl"
 
@@ -9,7 +9,7 @@ flat out vec4 conic;
 flat out vec4 conic2;
 flat out vec2 depths;
 flat out vec4 cut;
-flat out uvec3 hashed; // id, what holes are hashed from, coverage
+flat out uvec3 hashed; // id, hash key of holes, coverage
 
 void main()
 {

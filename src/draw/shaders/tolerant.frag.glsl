@@ -1,8 +1,9 @@
 #ifdef INTERLOCK
 #extension GL_ARB_fragment_shader_interlock : require
 #endif
-// A pixel of a disk, blended with what was drawn before where both are about as near, in one pass: the depth and blending
-// node that Dachsbacher et al. 2003 propose (section 5). Sums are not divided before the end, which is the same.
+// A pixel of a disk, blended in one pass with earlier fragments at about the same depth: the
+// tolerant depth test proposed by Dachsbacher et al. 2003 (section 5). Sums are divided only at the
+// end, which is equivalent.
 #include "lib_hash.glsl"
 #include "lib_blend.glsl"
 #include "lib_tolerant.glsl"
@@ -10,8 +11,8 @@
 #ifdef INTERLOCK
 layout(pixel_interlock_ordered) in;
 #endif
-layout(early_fragment_tests) in; // there are none: nothing is drawn but the buffer
-layout(binding = UNIT_NEARNESS) uniform sampler2D triangles; // how near they are
+layout(early_fragment_tests) in; // no outputs: only the buffer is written
+layout(binding = UNIT_NEARNESS) uniform sampler2D triangles; // their nearness
 
 flat in vec4 center;
 flat in vec4 conic;
@@ -25,23 +26,23 @@ flat in uvec3 hashed;
 #ifdef TEXTURED
 flat in vec4 axes; // of the texture
 layout(binding = UNIT_SPLAT_TEXTURE) uniform sampler2D splat_texture;
-layout(location = 0) uniform uint tiny_weight; // of a splat of one pixel
+layout(location = 0) uniform uint tiny_weight; // of a one-pixel splat
 #endif
 
 struct fragment {
-    float key;    // how near it counts as, when it is asked which is in front
-    float plane;  // how near its plane is
-    float fuzzy;  // how far from it another may be
-    uint slopes;  // of the plane, as pixels hold them
+    float key;    // nearness for ordering
+    float plane;  // nearness of its plane
+    float fuzzy;  // tolerance
+    uint slopes;  // slopes of the plane, in the pixels' encoding
     vec2 turn;    // the same
     vec2 direction;
     vec4 sum;
 };
 
-// The slopes of a pixel's plane, in the word that is its lock too. Splats of one pixel have none.
+// Slopes of a pixel's plane, in the word that is also its lock. One-pixel splats have none.
 uint pack_slopes(bool tiny, vec2 slopes)
 {
-    bool known = !any(isnan(slopes)); // what is not a number could be taken for TOLERANT_TAKEN
+    bool known = !any(isnan(slopes)); // NaN could equal TOLERANT_TAKEN
     return tiny || !known ? TOLERANT_TINY : packHalf2x16(clamp(slopes, -60000.0, 60000.0));
 }
 
@@ -54,11 +55,12 @@ bool is_alike(const fragment f, float plane, uint slopes)
            !is_turned(slope_normal(f.turn, f.direction), slope_normal(unpackHalf2x16(slopes), f.direction));
 }
 
-// What is in front stands for the pixel, and what is about where its plane is, is added. @return slopes of what stands for it
+// The front fragment defines the pixel's plane; fragments near the plane are added. @return slopes
+// of the pixel's plane
 uint blend(uint at, const fragment f, uint slopes)
 {
     float before = pixels[at].key;
-    bool front = f.key > before; // also where there was nothing
+    bool front = f.key > before; // also for an empty pixel
     bool alike = before > 0.0 && is_alike(f, pixels[at].plane, slopes);
     if (front) {
         pixels[at].key = f.key;
@@ -121,7 +123,8 @@ void main()
     }
     endInvocationInterlockARB();
 #else
-    // each gives way to the one that is at its pixel; a thread that waited for its neighbour in here would wait for ever
+    // a thread that finds its pixel locked tries again; waiting inside for a neighbouring thread
+    // would deadlock
     for (uint i = 0u; drawn && i < uint(LOCK_TRIES); ++i) {
         uint slopes = atomicExchange(pixels[place].slopes, TOLERANT_TAKEN);
         if (slopes != TOLERANT_TAKEN) {

@@ -1,4 +1,5 @@
-// What was blended in one pass: nearness and an id into the visibility buffer, and sums for shading.
+// Copies the result of one-pass blending: nearness and id into the visibility buffer, and sums for
+// shading.
 #include "lib_tolerant.glsl"
 
 layout(location = 0) out uint id;

@@ -1,4 +1,5 @@
-// A pixel of a triangle; of a cut-out or transparent one (KEEP) where its material says so, as src/draw/cpu/mesh.c.
+// A pixel of a triangle; for cut-out and transparent ones (KEEP) with the material's alpha test, as
+// in src/draw/cpu/mesh.c.
 #include "lib_glass.glsl"
 #include "lib_layer.glsl"
 #include "lib_texture.glsl"
@@ -11,7 +12,7 @@ flat in uvec2 triangle_of;
 in vec2 weight;
 in vec3 place;
 
-// The key of the thresholds of a triangle: which way it faces, and where it lies that way.
+// Key of a triangle's alpha thresholds: its facing, and its position along that direction.
 uint find_pattern(const item_block item, const triangle_place t)
 {
     vec3 a = corner_position(t, t.corner.x) - item.offset.xyz, b = corner_position(t, t.corner.y) - item.offset.xyz;
@@ -25,7 +26,7 @@ uint find_pattern(const item_block item, const triangle_place t)
     return find_glass_key(item.seed - view.pattern * 0x9E3779B1u, 2u * axis + (along < 0.0 ? 1u : 0u), int(cell));
 }
 
-// Whether a fragment of a blended material is there.
+// Whether a fragment of a blended material is drawn.
 bool keeps_alpha(const item_block item, const triangle_place t, float alpha, ivec2 pixel)
 {
 #ifdef LAYER

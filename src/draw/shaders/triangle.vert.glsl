@@ -1,6 +1,6 @@
 #extension GL_ARB_shader_draw_parameters : require
-// Triangles of clusters, their corners pulled out of the pages. KEEP: of cut-out and transparent materials, of
-// ghosts, and of what sections cut.
+// Triangles of clusters, with vertex pulling from the pages. KEEP: of cut-out and transparent
+// materials, of ghosts, and of items cut by sections.
 #include "lib_hash.glsl"
 #include "lib_triangle.glsl"
 

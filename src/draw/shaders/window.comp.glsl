@@ -1,4 +1,4 @@
-// The greatest or the least of neighbours along an axis: gaps between disks are closed so.
+// Maximum or minimum of neighbours along an axis, to close gaps between disks.
 #include "interface.h"
 
 layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
@@ -6,7 +6,7 @@ layout(std140, binding = BINDING_VIEW) uniform View { view_block view; };
 layout(binding = UNIT_FROM) uniform sampler2D from;
 layout(r32f, binding = IMAGE_PLANE) uniform writeonly image2D plane;
 layout(location = 0) uniform int from_row;
-layout(location = 1) uniform ivec4 window; // axis, reach, and above 0 for the greatest
+layout(location = 1) uniform ivec4 window; // axis, reach, and above 0 for the maximum
 
 void main()
 {
@@ -16,7 +16,8 @@ void main()
     }
     float found = texelFetch(from, pixel + ivec2(0, from_row), 0).r;
     for (int k = -window.z; k <= window.z; ++k) {
-        ivec2 at = clamp(pixel + k * window.xy, ivec2(0), size - 1); // the border's own again changes nothing
+        // repeating the border changes nothing
+        ivec2 at = clamp(pixel + k * window.xy, ivec2(0), size - 1);
         float value = texelFetch(from, at + ivec2(0, from_row), 0).r;
         found = window.w > 0 ? max(found, value) : min(found, value);
     }

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// What of a surfel's disk is surface: an 8 x 8 stencil over the square around the disk, one bit a
-// cell.
+// The part of a surfel's disk that is surface: an 8 x 8 stencil over the square around the disk, one
+// bit per cell.
 //
-//      . . # # # # . .     52 cells count (those whose centre lies in the disk). The disk is solid
-//      where one . # # # # # # .     of its eight sectors of 45 degrees is full from the centre to
-//      the rim: so it is # # # # # # # #     inside a plate, but also at its border or corner,
-//      where a hole would be worse # # # # # # # #     than a disk that stands over by a part of
-//      its radius. What is thin or scattered # # # # # # # #     (wires, fences, leaves) has no
-//      full sector, and gets the fraction of cells hit. # # # # # # # # . # # # # # # . . . # # # #
-//      . .
+//      . . # # # # . .     52 cells count: those with their centre in the disk. The disk is solid
+//      . # # # # # # .     if one of its eight sectors of 45 degrees is full from the centre to
+//      # # # # # # # #     the rim. This holds inside a plate, but also at its border or corner,
+//      # # # # # # # #     where a hole would be worse than a disk that extends beyond it by a
+//      # # # # # # # #     part of its radius. Thin or scattered geometry (wires, fences, leaves)
+//      # # # # # # # #     has no full sector, and gets the fraction of cells hit.
+//      . # # # # # # .
+//      . . # # # # . .
 #pragma once
 
 #include "base/math.h"
