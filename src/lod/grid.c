@@ -12,7 +12,7 @@
 #define MOST_HALVINGS 32
 #define LEAST_CELL 0x1p-100f // its inverse is a float
 #define GRAIN 32768
-#define AHEAD 24 // points that memory is asked for in advance
+#define AHEAD 24 // points to prefetch ahead
 
 typedef struct filling {
     stp_grid* grid;
@@ -20,7 +20,7 @@ typedef struct filling {
     stp_grid_points points; ///< all, or every stride-th
     const float* positions; ///< 3 each
     const float* normals;   ///< the same, or NULL
-    const stp_grid* from;   ///< whose columns hold the points; NULL: they are as above
+    const stp_grid* from;   ///< grid whose columns hold the points; NULL: the arrays above
     uint32_t stride;
     uint32_t* buckets; ///< of each point
 } filling;
@@ -130,7 +130,7 @@ static bool allocate(stp_context* context, stp_grid* grid, bool normals)
     grid->nx = columns + 3 * stride;
     grid->ny = normals ? columns + 4 * stride : grid->nx;
     grid->nz = normals ? columns + 5 * stride : grid->nx;
-    for (int i = 0; i < count; ++i) { // what is read beyond the end is looked at, if never used
+    for (int i = 0; i < count; ++i) { // values beyond the end are read, but never used
         size_t filled = i < 3 || normals ? grid->count : 0;
         memset(columns + (size_t)i * stride + filled, 0, (stride - filled) * sizeof(float));
     }
@@ -151,7 +151,8 @@ static double count_points(stp_context* context, filling* f)
     return 2.0 * (double)before + grid->count;
 }
 
-// Puts points in their places. `starts` become ends, and sink back to starts as points are put in from the last.
+// Places the points. `starts` begin as ends, and become starts as points are inserted from the
+// last.
 static void place_points(stp_context* context, filling* f)
 {
     stp_grid* grid = f->grid;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
 // Points in the buckets of a hashed grid, as columns: bucket by bucket, in ascending order within
-// each. Cells that share a bucket by chance only add points that are too far away for a query.
+// each. Hash collisions only add points that are too far away for a query.
 #pragma once
 
 #include "base/context.h"
 
-enum { STP_GRID_LANES = 16 }; ///< columns may be read so many points at a time, beyond their end
+enum { STP_GRID_LANES = 16 }; ///< columns may be read in blocks of this many points, past their end
 
 typedef struct stp_grid {
     uint32_t count;
-    float cell, inverse_cell; ///< side of a cell, and one over it
+    float cell, inverse_cell; ///< side of a cell, and its reciprocal
     float offset;             ///< cells begin at multiples of `cell`, plus this on each axis
     uint32_t mask;            ///< number of buckets - 1
     uint32_t* starts;         ///< of each bucket in the columns, and the end
@@ -23,13 +23,14 @@ typedef struct stp_grid {
 STP_MUST_USE stp_result stp_grid_create(stp_context* context, const float* positions,
                                         const float* normals, uint32_t count, float cell,
                                         float offset, stp_grid* grid);
-/// The same with offset 0 and a cell that is as given, or the largest half, quarter, ... of it that leaves no crowd of
-/// points in a bucket.
+/// The same with offset 0, and the given cell size or the largest half, quarter, ... of it with
+/// which no bucket is crowded.
 STP_MUST_USE stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
                                                   const float* normals, uint32_t count, float cell,
                                                   stp_grid* grid);
-/// Builds a grid, with offset 0, of every stride-th point of another. Those lie together there: each piece of space
-/// is thinned alike, and reading them is fast. `index` is as there.
+/// Builds a grid, with offset 0, of every stride-th point of another. Consecutive points are
+/// neighbours in space: each region is thinned equally, and reading is fast. `index` is the same as
+/// in that grid.
 STP_MUST_USE stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride,
                                       float cell, stp_grid* grid);
 void stp_grid_destroy(stp_context* context, stp_grid* grid);
@@ -42,7 +43,7 @@ static inline int32_t stp_grid_cell(const stp_grid* grid, float coordinate)
     return truncated - (cell < (float)truncated);
 }
 
-/// Cells lie together in blocks of 4 x 4 x 4: whoever goes from bucket to bucket stays near for a while.
+/// Cells are grouped in blocks of 4 x 4 x 4, so that consecutive buckets are mostly close in space.
 static inline uint32_t stp_grid_bucket(const stp_grid* grid, int32_t x, int32_t y, int32_t z)
 {
     uint32_t cx = (uint32_t)x, cy = (uint32_t)y, cz = (uint32_t)z;
@@ -53,7 +54,7 @@ static inline uint32_t stp_grid_bucket(const stp_grid* grid, int32_t x, int32_t 
     return (hash << 6 | (cz & 3) << 4 | (cy & 3) << 2 | (cx & 3)) & grid->mask;
 }
 
-/// Lists the points along a curve that keeps near what is near (Morton 1966): whoever visits them so
-/// finds the memory of their neighbours warm. `order` receives `count` indices.
+/// Lists the points along a Morton curve (Morton 1966), so that visits in this order find the data
+/// of neighbours in the cache. `order` receives `count` indices.
 STP_MUST_USE stp_result stp_sort_spatially(stp_context* context, const float* positions,
                                            uint32_t count, uint32_t* order);

@@ -4,7 +4,7 @@
 
 #include "lod/grid.h"
 
-/// Coordinates, each so many floats after the one before.
+/// Coordinates with a stride in floats.
 typedef struct stp_grid_points {
     const float *x, *y, *z;
     size_t stride;

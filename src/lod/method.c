@@ -9,15 +9,14 @@
 #include <string.h>
 
 enum {
-    SPT_VERSION = 6,          ///< raised where sets change
-    SPT_BYTES = 2 * 120,      ///< of a sample: two nodes in tree, sequence and columns
-    SPT_TRIANGLE_BYTES = 100, ///< of a large triangle: in boxes, and their order
+    SPT_VERSION = 6,          ///< increment when sets change
+    SPT_BYTES = 2 * 120,      ///< per sample: two nodes in tree, sequence and columns
+    SPT_TRIANGLE_BYTES = 100, ///< per large triangle: in boxes, and their order
     PSP_VERSION = 2,
     PSP_BYTES = 1000, ///< of a sample
     STOCHASTIC_VERSION = 3,
     STOCHASTIC_BYTES = 120, ///< of a sample
-    SPT_COLORS =
-        48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter
+    SPT_COLORS = 48,        ///< of 255: if colours differ by more, a node's error is its diameter
 };
 
 stp_method_options stp_method_options_default(void)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The methods by which sets of splats are made: one table, which build and tools go by. `blue` samples the surface of each
-// node; the others make their sets of those samples, which are spread evenly.
+// Table of the methods that make splat sets, for the build and tools. `blue` samples the surface of
+// each node; the others make their sets from those samples, which are evenly spread.
 #pragma once
 
 #include "base/hash.h"
@@ -19,32 +19,33 @@ typedef struct stp_method_options {
 
 stp_method_options stp_method_options_default(void);
 
-/// What sets of other methods than `blue` are made of. Arrays are the caller's, and are only read.
+/// Input of methods other than `blue`. Arrays belong to the caller, and are only read.
 typedef struct stp_method_source {
     const stp_splats* samples; ///< the node's set of `blue`: evenly spread
-    /// Opaque triangles of the node whose level (base/triangle_level.h) is above what all samples cover to: 9 floats each,
-    /// finite.
+    /// Opaque triangles of the node whose level (base/triangle_level.h) is above the coverage
+    /// radius of all samples: 9 floats each, finite.
     const float* corners;
     uint32_t triangle_count;
-    bool two_sided; ///< a cloud that has no normals: the signs of the samples' are a guess
+    bool two_sided; ///< a cloud without normals: the signs of the samples' normals are a guess
 } stp_method_source;
 
 typedef struct stp_method {
     const char* name;
-    const char* title; ///< for people
+    const char* title; ///< display name
     uint32_t id;       ///< STP_METHOD_*
     uint32_t columns;  ///< STP_SPLATS_*, of its sets
-    bool finds_signs;  ///< it finds out which side of points without normals is outside
-    /// Adds to a content key whatever decides a set but its samples. NULL where `make` is.
+    bool finds_signs;  ///< it determines the outside of points without normals
+    /// Adds to a content key everything besides samples that affects a set. NULL if `make` is NULL.
     stp_hash (*hash)(stp_hash key, const stp_method_options* options);
-    /// Memory that making takes.
+    /// Memory needed for making a set.
     uint64_t (*bytes)(uint64_t samples, uint64_t triangles);
-    /// Makes a node's set. NULL: its sets are the samples.
+    /// Makes a node's set. NULL: the samples are the set.
     /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
     stp_result (*make)(stp_context* context, const stp_method_source* source,
                        const stp_method_options* options, stp_splats* splats);
-    /// Makes a node's set of its candidates, without samples, where a file holds sets of such methods alone. `desc->sets` are
-    /// of the same method. NULL: it needs samples. @return as stp_blue_make
+    /// Makes a node's set from its candidates, without samples, if a file holds only sets of such
+    /// methods. `desc->sets` are of the same method. NULL: it needs samples. @return as
+    /// stp_blue_make
     stp_result (*make_alone)(const stp_scene* scene, uint32_t node,
                              const uint8_t* shading_of_material, const stp_blue_desc* desc,
                              const stp_method_options* options, stp_splats* splats,
@@ -56,6 +57,6 @@ enum { STP_METHOD_COUNT = 4 };
 /// All methods; the first is `blue`.
 extern const stp_method stp_methods[STP_METHOD_COUNT];
 
-/// By name or id. @return NULL where there is none
+/// Finds a method by name or id. @return NULL if there is none
 const stp_method* stp_method_by_name(const char* name);
 const stp_method* stp_method_by_id(uint32_t id);

@@ -10,7 +10,7 @@
 #define BUCKET_GRAIN 1024
 #define SURFEL_GRAIN 512
 #define KNOWN_LIMIT 64u
-#define AHEAD 8u // surfels that memory is asked for in advance
+#define AHEAD 8u // surfels to prefetch ahead
 
 const stp_near_kernels* stp_near_kernels_select(void)
 {
@@ -22,8 +22,8 @@ const stp_near_kernels* stp_near_kernels_select(void)
     return &stp_near_kernels_portable;
 }
 
-// The surfels that the samples of one cell may be near to: those of the 2 x 2 x 2 cells around its middle. No two of
-// these share a bucket. Two that follow in x follow in memory, where they are of one block.
+// Surfels that may be near the samples of one cell: those of the 2 x 2 x 2 cells around its centre.
+// No two of these share a bucket. Neighbours in x are consecutive in memory within a block.
 static void find_ranges(const stp_grid* grid, const int32_t cell[3], stp_near_ranges* ranges)
 {
     uint32_t together = (cell[0] & 3) < 3 ? 2 : 1;
@@ -72,19 +72,19 @@ void stp_nearest_search_run(stp_context* context, const stp_nearest_search* sear
                      &job);
 }
 
-// One surfel's disk while it is looked at.
+// State of one surfel's disk during the search.
 typedef struct disk_scan {
     const stp_disk_search* search;
     const stp_near_kernels* kernels;
     stp_disk_query query;
     stp_disk disk;
     int32_t low[3], high[3];     ///< cells
-    stp_near_ranges ranges;      ///< of samples to be looked at
-    uint32_t known_count;        ///< buckets looked at
-    uint32_t known[KNOWN_LIMIT]; ///< where the last of them begin
+    stp_near_ranges ranges;      ///< ranges of samples to test
+    uint32_t known_count;        ///< visited buckets
+    uint32_t known[KNOWN_LIMIT]; ///< start of the last ones
 } disk_scan;
 
-// The cells from x to `last` of a row, which lie in one block of buckets.
+// Adds the cells from x to `last` of a row, within one block of buckets.
 static void add_cells(disk_scan* scan, int32_t x, int32_t last, int32_t y, int32_t z)
 {
     const stp_grid* samples = scan->search->samples;
@@ -93,7 +93,7 @@ static void add_cells(disk_scan* scan, int32_t x, int32_t last, int32_t y, int32
                         samples->starts[bucket + (uint32_t)(last - x) + 1]);
 }
 
-// A row of cells but for the one in the middle, which was looked at first.
+// Adds a row of cells, except the middle one, which was tested first.
 static void add_row(disk_scan* scan, const int32_t middle[3], int32_t y, int32_t z)
 {
     bool own = y == middle[1] && z == middle[2];
@@ -113,7 +113,7 @@ static void add_row(disk_scan* scan, const int32_t middle[3], int32_t y, int32_t
     }
 }
 
-// Looks at the samples of all ranges. @return whether the disk needs no further look
+// Tests the samples of all ranges. @return whether the disk is finished
 static bool scan_ranges(disk_scan* scan)
 {
     bool done =
@@ -122,7 +122,7 @@ static bool scan_ranges(disk_scan* scan)
     return done;
 }
 
-// Cells more than four apart may share a bucket; each is to be looked at once.
+// Cells more than four apart may share a bucket; visits each bucket once.
 static bool is_known(disk_scan* scan, uint32_t begin)
 {
     uint32_t known = scan->known_count < KNOWN_LIMIT ? scan->known_count : KNOWN_LIMIT;
@@ -171,7 +171,7 @@ static void scan_disk(disk_scan* scan)
         return;
     }
     add_cells(scan, middle[0], middle[0], middle[1], middle[2]);
-    if (scan_ranges(scan)) { // most disks are solid, and show it here
+    if (scan_ranges(scan)) { // most disks are solid, which is found here
         return;
     }
     for (int32_t z = scan->low[2]; z <= scan->high[2]; ++z) {

@@ -5,7 +5,7 @@
 
 #include <immintrin.h>
 
-#define ANY_AGREEMENT (-2.0f) // of two normals: no pair has less
+#define ANY_AGREEMENT (-2.0f) // minimum dot product of two normals: always exceeded
 #define LIST_SIZE 128u        // surfels around a cell of samples; rarely more
 
 typedef struct vector3 {
@@ -89,7 +89,7 @@ static inline eight_samples load_samples(const stp_grid* samples, uint32_t at, s
                            _mm256_set1_ps(rule.limit), _mm256_set1_epi32(-1)};
 }
 
-// Without branches: nobody could predict whether one of eight samples is nearer.
+// Branch-free: whether one of eight samples is nearer cannot be predicted.
 static inline void look_at_surfel(eight_samples* e, vector3 place, const vector3* normal,
                                   __m256i index, __m256 agreed)
 {
@@ -133,7 +133,7 @@ static inline void store_nearest(uint32_t* nearest, uint32_t count, __m256i surf
     _mm256_maskstore_epi32((int*)nearest, mask, surfel);
 }
 
-// All pieces in one.
+// Merges all pieces into one.
 typedef struct surfel_list {
     float x[LIST_SIZE + 8], y[LIST_SIZE + 8], z[LIST_SIZE + 8];
     float nx[LIST_SIZE + 8], ny[LIST_SIZE + 8], nz[LIST_SIZE + 8];
@@ -145,7 +145,7 @@ static inline void copy_eight(float* to, const float* from)
     _mm256_storeu_ps(to, _mm256_loadu_ps(from));
 }
 
-// @return how many, LIST_SIZE + 1 where they are too many
+// @return their number; LIST_SIZE + 1 if there are too many
 static inline uint32_t list_surfels(surfel_list* list, const stp_grid* surfels,
                                     const stp_near_ranges* ranges, bool sides)
 {
@@ -220,7 +220,8 @@ static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
     }
 }
 
-// One axis of stp_stencil_cells: the first and the last cell of eight squares; @return which squares touch any
+// One axis of stp_stencil_cells: the first and the last cell of eight squares; @return which
+// squares touch any cell
 static inline __m256 span_cells(__m256 centre, __m256 half, __m256i* first, __m256i* last)
 {
     __m256 four = _mm256_set1_ps(4.0f);
@@ -280,7 +281,7 @@ static inline void add_fractions(const stp_grid* samples, uint32_t at, uint32_t 
     }
 }
 
-// The half squares of eight samples, and how many of those that are near count for more than one.
+// Half sides of eight samples' squares, and the number of near samples with a weight above one.
 static inline __m256 choose_footprints(const stp_grid* samples, uint32_t at, uint32_t near,
                                        const stp_disk_query* query, stp_disk* disk)
 {

@@ -5,11 +5,11 @@
 #include "lod/neighbours.h"
 
 enum {
-    STP_NEAR_LANES = 8,        ///< samples looked at together
+    STP_NEAR_LANES = 8,        ///< samples tested together
     STP_NEAR_RANGE_LIMIT = 40, ///< 2 x 2 x 2 cells of surfels, rows of 4 x 4 x 4 cells of samples
 };
 
-/// Points of a grid, in a few pieces.
+/// Points of a grid, in a few ranges.
 typedef struct stp_near_ranges {
     uint32_t count;
     uint32_t begins[STP_NEAR_RANGE_LIMIT], ends[STP_NEAR_RANGE_LIMIT];
@@ -22,13 +22,13 @@ static inline void stp_near_ranges_add(stp_near_ranges* ranges, uint32_t begin, 
     ranges->count += begin != end;
 }
 
-/// Which surfels are near to a sample.
+/// Search parameters for surfels near a sample.
 typedef struct stp_near_rule {
     float limit;           ///< squared distance
     float least_agreement; ///< of normals
 } stp_near_rule;
 
-/// A disk that is looked for samples.
+/// A disk whose samples are searched.
 typedef struct stp_disk_query {
     float x, y, z, nx, ny, nz;
     float limit;           ///< squared distance
@@ -44,23 +44,24 @@ typedef struct stp_disk_query {
 } stp_disk_query;
 
 typedef struct stp_near_kernels {
-    /// @return the end of the samples from `begin` on, of those before `end`, that lie in the cell of the first
+    /// @return end of the run of samples in [begin, end) that lie in the cell of the first
     uint32_t (*find_run)(const stp_grid* samples, uint32_t begin, uint32_t end);
-    /// The nearest of the surfels for each of the samples [begin, end), UINT32_MAX where none is near. Of two as
-    /// near, the lower index.
+    /// Nearest surfel for each of the samples [begin, end), UINT32_MAX if none is near; the lower
+    /// index on ties.
     void (*find_nearest)(const stp_grid* surfels, const stp_near_ranges* ranges,
                          const stp_grid* samples, uint32_t begin, uint32_t end, stp_near_rule rule,
                          uint32_t* nearest);
-    /// Adds the samples that are in a disk to what was found there. @return whether it is known to be full, and
-    /// needs no further look
+    /// Adds samples in a disk to its content. @return whether the disk is known to be full, and
+    /// finished
     bool (*scan_disk)(const stp_grid* samples, const stp_near_ranges* ranges,
                       const stp_disk_query* query, stp_disk* disk);
-    /// The least squared distance from a place to `count` points, a multiple of STP_NEAR_LANES; at most FLT_MAX.
+    /// Minimum squared distance from a position to `count` points, a multiple of STP_NEAR_LANES; at
+    /// most FLT_MAX.
     float (*least_squared)(const float* x, const float* y, const float* z, uint32_t count,
                            stp_vec3 place);
 } stp_near_kernels;
 
-/// Those of this processor.
+/// The kernels for this CPU.
 const stp_near_kernels* stp_near_kernels_select(void);
 
 extern const stp_near_kernels stp_near_kernels_portable;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Normals of a point cloud that has none: the direction in which the points around one lie flattest (Hoppe et
-// al. Surface Reconstruction from Unorganized Points. 1992). Which side is outside stays open.
+// Estimates normals of a point cloud without normals: the direction of least spread among
+// neighbours (Hoppe et al. Surface Reconstruction from Unorganized Points. 1992). Does not
+// determine the outside.
 #include "base/math.h"
 #include "base/processor.h"
 #include "lod/point_normals_kernels.h"
@@ -11,9 +12,9 @@
 
 enum {
     GRAIN = 4096,
-    BATCH = 64, ///< points whose sums are made together
+    BATCH = 64, ///< points summed together
     LEAST_NEIGHBOURS = 4,
-    DOUBLINGS = 4, ///< of the radius, for points that have fewer
+    DOUBLINGS = 4, ///< maximum enlargement of the radius, for points with fewer neighbours
 };
 
 typedef struct normal_search {
@@ -21,11 +22,11 @@ typedef struct normal_search {
     float radius;
     const stp_normal_kernels* kernels;
     stp_candidates* candidates;
-    uint32_t point_count; ///< surfels of sets come after them
+    uint32_t point_count; ///< number of points; surfels of sets follow
     uint8_t* lonely;      ///< by candidate: 1 where it has too few neighbours so far
 } normal_search;
 
-/// The eigenvector that is left of a matrix (stp_normal_kernels).
+/// Extracts the remaining eigenvector of a matrix (stp_normal_kernels).
 static stp_vec3 direction_of(const double m[STP_NORMAL_MATRIX])
 {
     // the diagonal of a projection holds the squares of the direction's coordinates
@@ -40,7 +41,8 @@ static stp_vec3 direction_of(const double m[STP_NORMAL_MATRIX])
     return direction.y < 0.0f ? stp_scale(direction, -1.0f) : direction;
 }
 
-/// Takes the normal of the candidate at a place of the grid from the number of its neighbours and their matrix.
+/// Sets the normal of the candidate at a grid index, from the number of its neighbours and their
+/// matrix.
 static void take_normal(const normal_search* s, size_t at, float neighbours,
                         const double matrix[STP_NORMAL_MATRIX])
 {
@@ -58,7 +60,7 @@ static void take_normal(const normal_search* s, size_t at, float neighbours,
     s->lonely[index] = lonely ? 1 : 0;
 }
 
-/// Normals of at most BATCH points that follow each other in the grid.
+/// Normals of at most BATCH consecutive points in the grid.
 static void estimate_batch(const normal_search* s, size_t begin, size_t end)
 {
     float sums[BATCH][STP_NORMAL_SUMS];
@@ -79,7 +81,7 @@ static void estimate_normals(size_t begin, size_t end, uint32_t worker, void* us
     }
 }
 
-/// The same of points that have too few neighbours so far.
+/// The same for points with too few neighbours so far.
 static void estimate_lonely(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
@@ -107,7 +109,7 @@ static bool has_lonely(const normal_search* s)
     return memchr(s->lonely, 1, s->point_count) != NULL;
 }
 
-/// One pass over all points, or over those that had too few neighbours.
+/// One pass over all points, or over those with too few neighbours.
 static stp_result search_within(stp_context* context, normal_search* s, float radius, bool all)
 {
     const stp_candidates* c = s->candidates;

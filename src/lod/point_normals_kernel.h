@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The sums over the neighbours of points, and what follows from them, several at a time: compiled for processors with
-// vectors of 16 and of 32 bytes. Each lane adds its own neighbours, so all variants give the same bits.
+// Sums over the neighbours of points, and normals from these sums, several at a time: compiled for
+// CPUs with vectors of 16 and 32 bytes. Each lane adds its own neighbours, so all variants give the
+// same bits.
 //
-// Points of one cell have their neighbours in the same 3 x 3 x 3 cells. These are copied once, to where they lie
-// together, and every point of the cell looks at all of them.
+// Points of one cell have their neighbours in the same 3 x 3 x 3 cells. These are copied once into
+// contiguous memory, and every point of the cell tests all of them.
 #pragma once
 
 #include "lod/point_normals_kernels.h"
@@ -16,11 +17,11 @@ _Static_assert(STP_GRID_LANES >= 8, "columns may be read so far beyond their end
 enum {
     LANES = 8,
     FOUR = 4,            ///< doubles at a time
-    LIST_SIZE = 1024,    ///< neighbours that are copied at a time
-    MOST_TOGETHER = 64,  ///< points of a cell that are looked at together
+    LIST_SIZE = 1024,    ///< neighbours copied at a time
+    MOST_TOGETHER = 64,  ///< points of a cell processed together
     MOST_SQUARINGS = 12, ///< of a matrix: its 4096th power
 };
-#define CONVERGED 1e-12 // what else than the largest eigenvalue leaves of the trace
+#define CONVERGED 1e-12 // share of the trace left by the other eigenvalues
 
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));
 typedef float half_float __attribute__((vector_size(2 * LANES)));
@@ -28,12 +29,12 @@ typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
 typedef double four_double __attribute__((vector_size(8 * FOUR)));
 typedef int64_t four_int __attribute__((vector_size(8 * FOUR)));
 
-/// Sums of each lane: how many, x, y, z, xx, xy, xz, yy, yz, zz.
+/// Sums per lane: count, x, y, z, xx, xy, xz, yy, yz, zz.
 typedef struct lane_sums {
     lanes_float of[STP_NORMAL_SUMS];
 } lane_sums;
 
-/// Points that may be neighbours, and the points [begin, begin + count) of the grid that they may be neighbours of.
+/// Candidate neighbours of the points [begin, begin + count) of the grid.
 typedef struct neighbour_list {
     const stp_grid* grid;
     float squared_radius;
@@ -75,10 +76,10 @@ static inline void add_listed(const neighbour_list* list, size_t at, lane_sums* 
     *to = sums;
 }
 
-/// All points look at what is listed.
+/// Tests the listed neighbours for all points.
 static void look_at_list(neighbour_list* list)
 {
-    for (uint32_t i = 0; i < LANES; ++i) { // far from everything
+    for (uint32_t i = 0; i < LANES; ++i) { // padding far from everything
         list->x[list->size + i] = list->y[list->size + i] = list->z[list->size + i] = INFINITY;
     }
     for (size_t i = 0; i < list->count; ++i) {
@@ -87,7 +88,7 @@ static void look_at_list(neighbour_list* list)
     list->size = 0;
 }
 
-/// Copies whole vectors, beyond the end too.
+/// Copies whole vectors, past the end.
 static inline void copy_lanes(float* to, const float* from, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i += LANES) {
@@ -126,8 +127,8 @@ static inline void prefetch_points(const stp_grid* grid, uint32_t begin)
     __builtin_prefetch(grid->z + begin);
 }
 
-/// The 3 x 3 x 3 cells around one. No two of these share a bucket, and those of a row follow each other where they are
-/// of one block. All are found before any is read, so that the waits for memory overlap.
+/// Finds the 3 x 3 x 3 cells around one. No two of these share a bucket, and cells of a row are
+/// consecutive within a block. All are found before any is read, so that memory latencies overlap.
 static void list_cells(neighbour_list* list, const int32_t cell[3])
 {
     enum { MOST = 3 * 3 * 2 };
@@ -204,13 +205,13 @@ static inline void square(const four_symmetric* m, four_symmetric* out)
     };
 }
 
-/// `to` becomes `from`, but for the lanes that are done.
+/// Sets `to` to `from`, except in finished lanes.
 static inline void replace(four_double* to, const four_double* from, const four_int* done)
 {
     *to = (four_double)(((four_int)*to & *done) | ((four_int)*from & ~*done));
 }
 
-/// Columns of four sums: from the first on, or all the same where there are fewer.
+/// Loads columns of four sums; repeats the first one if there are fewer.
 static inline void load_four(const float (*sums)[STP_NORMAL_SUMS], size_t count,
                              four_double out[STP_NORMAL_SUMS])
 {
@@ -239,8 +240,9 @@ static inline void complement_of_covariance(const four_double s[STP_NORMAL_SUMS]
                             .zz = xx + yy};
 }
 
-/// Powers of the matrices, of trace 1, turn every column to the eigenvector of the largest eigenvalue: of C it is that of
-/// the least. Where only that one is left, the trace of the square is 1. Only products and sums: the same bits everywhere.
+/// Powers of the matrices, of trace 1, turn every column to the eigenvector of the largest
+/// eigenvalue: of C it is that of the least. Where only that one is left, the trace of the square
+/// is 1. Only products and sums: the same bits everywhere.
 static inline void raise_to_power(four_symmetric* m)
 {
     four_int done = {0};

@@ -69,7 +69,7 @@ bool stp_sources_have_normals(const stp_scene* scene, const stp_source_list* lis
     return true;
 }
 
-// The box of a set's prefix, or of more of it: its grid.
+// Bounding box of a set's prefix, or a larger one: its grid.
 static stp_boxd box_of_set(const stp_placed_set* set)
 {
     stp_boxd box = stp_boxd_empty();
@@ -108,7 +108,7 @@ static stp_result count_points(const stp_scene* scene, const stp_source_list* li
     return STP_OK;
 }
 
-// Which attributes any of the sources has.
+// Attributes that any source has.
 static uint32_t find_attributes(const stp_scene* scene, const stp_source_list* list)
 {
     uint32_t mask = 0;

@@ -6,7 +6,8 @@
 
 #include <stipple/surfels.h>
 
-/// Points made of a set of method `blue`, with its finest colours. Each is as large as the set draws its surfels.
+/// Points made of a set of method `blue`, with its finest colours. Each is as large as the set
+/// draws its surfels.
 typedef struct stp_method_samples {
     stp_tree_points points;
     const uint8_t* coverages;   ///< 1 a point; the set's
@@ -14,7 +15,8 @@ typedef struct stp_method_samples {
 } stp_method_samples;
 
 /// @param set at least one surfel; its columns must outlive the samples
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_method_samples_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_method_samples_destroy, also
+/// after a failure
 STP_MUST_USE stp_result stp_method_samples_take(stp_context* context, const stp_splats* set,
                                                 stp_method_samples* samples);
 void stp_method_samples_destroy(stp_context* context, stp_method_samples* samples);

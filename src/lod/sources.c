@@ -55,7 +55,8 @@ static double box_extent(stp_boxd box)
     return stp_boxd_is_empty(box) ? 0.0 : sqrt(stp_dotd(size, size));
 }
 
-// Half the surface of a box: what of it a parallel projection sees at most, averaged over eight corners.
+// Half the surface of a box: what of it a parallel projection sees at most, averaged over eight
+// corners.
 static double box_area(stp_boxd box)
 {
     stp_vec3d size = stp_subd(box.max, box.min);
@@ -89,8 +90,8 @@ static stp_result add_set(walk* w, const frame* f, const stp_splats* set, double
     return STP_OK;
 }
 
-// About how many pixels the triangles of a node itself cover, in eight directions: a quarter of their area in each,
-// from both sides.
+// About how many pixels the triangles of a node itself cover, in eight directions: a quarter of
+// their area in each, from both sides.
 static double own_pixels(const walk* w, const stp_node* node, double scale)
 {
     double area = node->area;

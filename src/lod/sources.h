@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// What a capture of a node looks at (Brandt 3.4): walking down from it, each child stands for itself by its surfels
-// where a prefix of them is dense enough at the capture's pixel, and is opened else, down to parts.
+// What a capture of a node looks at (Brandt 3.4): walking down from it, each child stands for
+// itself by its surfels where a prefix of them is dense enough at the capture's pixel, and is
+// opened else, down to parts.
 //
 //        node captured ─┬─ child: dense enough           -> the shortest prefix that is
 //                       ├─ child: not dense enough  ─┬─ its parts          -> triangles
 //                       │                            └─ its children ...
 //                       └─ moving child                  -> nothing
 //
-// The walk is bounded. Where more uses of parts and sets come together than `limit`, those smaller than a pixel are
-// thinned: they are numbered in the order of the walk, and only every k-th is listed, with the smallest k that
-// fits. If what is larger than a pixel is too much already, the size below which uses are thinned doubles until it
-// is not.
+// The walk is bounded. Where more uses of parts and sets come together than `limit`, those smaller
+// than a pixel are thinned: they are numbered in the order of the walk, and only every k-th is
+// listed, with the smallest k that fits. If what is larger than a pixel is too much already, the
+// size below which uses are thinned doubles until it is not.
 #pragma once
 
 #include "capture/capture.h"
@@ -28,8 +29,8 @@ typedef struct stp_source_list {
     uint64_t thinned; ///< uses left out
 } stp_source_list;
 
-/// Lists the sources of `node` for a pixel of `pixel_size`. `sets` may be NULL; the node's own is not looked at.
-/// The arrays are the caller's (stp_source_list_destroy), empty on failure.
+/// Lists the sources of `node` for a pixel of `pixel_size`. `sets` may be NULL; the node's own is
+/// not looked at. The arrays are the caller's (stp_source_list_destroy), empty on failure.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_list_sources(const stp_scene* scene, uint32_t node,
                                          const stp_splats* const* sets, double pixel_size,

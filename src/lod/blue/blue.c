@@ -6,31 +6,32 @@
 #include "lod/blue/finish.h"
 #include "lod/points.h"
 
-#define MOST_SURFELS 50000u // a quarter of Brandt 5.2: blue.h
-// More give pictures of the same SSIM (docs/notes/2026-11-candidates.md, 2026-11-proportion.md).
+// a quarter of Brandt 5.2: blue.h. More give pictures of the same SSIM
+// (docs/notes/2026-11-candidates.md, 2026-11-proportion.md).
+#define MOST_SURFELS 50000u
 #define CANDIDATES_PER_SURFEL 12u
-#define LEAST_CANDIDATES 6000u   // a small object still wants its shape
+#define LEAST_CANDIDATES 6000u   // small objects must keep their shape
 #define MOST_CANDIDATES 1750000u // Brandt, Table 2
 #define FINE_PIXEL 0x1p-7        // of triangles, in coarse ones: for a diagonal of 1,024
-#define NORMAL_SPACINGS 2.5f     // how far around a point its normal is taken from
+#define NORMAL_SPACINGS 2.5f     // radius for estimating a point's normal
 #define LEAST_EXTENT 0x1p-60     // scene units; squared distances below it underflow
 
 typedef struct blue {
     const stp_scene* scene;
     const stp_blue_desc* desc;
-    stp_source_list list; ///< what it is captured from; of those parts and sets that do not move
+    stp_source_list list; ///< sources of the capture: parts and sets that do not move
     stp_candidates candidates;
     stp_order_desc order_desc;
     bool from_points;
     bool two_sided;
     uint32_t wanted;   ///< surfels
-    uint32_t distinct; ///< of those ordered: without points that coincide with others
+    uint32_t distinct; ///< of the ordered ones: without coincident points
     uint32_t* order;
     float* radii;
     stp_finish_input finish;
 } blue;
 
-// Lists what does not move, and counts it.
+// Lists and counts static content.
 static stp_result list_sources(blue* b, uint32_t node, const stp_splats* const* sets)
 {
     stp_source_list_destroy(b->scene->context, &b->list);
@@ -41,7 +42,7 @@ static stp_result list_sources(blue* b, uint32_t node, const stp_splats* const* 
 
 uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points)
 {
-    // nested uses reach the largest number
+    // nested instances saturate the counter
     uint64_t shapes = triangles > UINT64_MAX - points ? UINT64_MAX : triangles + points;
     uint64_t count = shapes / STP_TRIANGLES_PER_SURFEL;
     return count < 1 ? 1 : count < MOST_SURFELS ? count : MOST_SURFELS;
@@ -70,14 +71,14 @@ static stp_result capture_parts(blue* b, uint64_t count)
     return stp_capture_parts(b->scene, b->list.parts, b->list.part_count, &capture, &b->candidates);
 }
 
-// Whether all that stands still below a node are points.
+// Whether all static content below a node is points.
 static bool is_cloud(const stp_scene* scene, uint32_t node)
 {
     return node != STP_NONE && scene->nodes[node].triangle_count == 0 &&
            scene->nodes[node].point_count != 0;
 }
 
-// Octaves of a set without a pyramid are spread evenly as a whole; a part of one need not be.
+// Whole octaves of a set without a pyramid are evenly spread; a part of one may not be.
 static void round_prefixes(stp_source_list* list)
 {
     for (size_t i = 0; i < list->set_count; ++i) {
@@ -92,7 +93,8 @@ static void round_prefixes(stp_source_list* list)
     }
 }
 
-// From the sets below, which have all points, as densely as is wanted; else from the points themselves.
+// Takes candidates from the sets below, which have all points, at the wanted density; otherwise
+// from the points themselves.
 static stp_result make_cloud_candidates(blue* b, uint32_t node)
 {
     stp_result result = list_sources(b, node, NULL);
@@ -114,7 +116,7 @@ static stp_result make_cloud_candidates(blue* b, uint32_t node)
     return result;
 }
 
-// From the sets below the node where they are dense enough, else from its parts.
+// Takes candidates from the sets below the node if they are dense enough, otherwise from its parts.
 static stp_result make_candidates(blue* b, uint32_t node)
 {
     b->order_desc = b->desc->order;
@@ -135,7 +137,8 @@ static stp_result make_candidates(blue* b, uint32_t node)
     return result;
 }
 
-// Where all points of a cloud are wanted, those that coincide with others come last: each is kept once.
+// If all points of a cloud are wanted, appends coincident points last, so that each point is kept
+// once.
 static stp_result append_coincident(blue* b)
 {
     uint32_t count = b->candidates.count, next = b->finish.count;
@@ -178,15 +181,15 @@ static stp_result order_candidates(blue* b)
     return result == STP_OK ? append_coincident(b) : result;
 }
 
-// The spacing of a point cloud stands for the pixel of a capture. Half the points, farthest first, still lie about
-// as far apart as all do. Where more than half are near-duplicates, an eighth tells it: on surfaces, eight times
-// the points lie at 0.35 of the distance.
+// For a point cloud, the point spacing replaces the capture's pixel. Half the points, farthest
+// first, have about the spacing of all. If more than half are near-duplicates, an eighth is used
+// instead: on surfaces, eight times the points have 0.35 of the spacing.
 static void measure_spacing(blue* b)
 {
     uint32_t count = b->distinct;
     float half = count > 1 ? b->radii[(count + 1) / 2] : 0.0f;
     float eighth = count > 8 ? b->radii[(count + 7) / 8] * 0.35f : 0.0f;
-    // All points are covered: the candidates left over are duplicates.
+    // All points are covered: the remaining candidates are duplicates.
     bool all = !(b->finish.final_radius > 0.0f);
     double part = all ? 1.0 : (double)count / (double)b->candidates.count;
     b->candidates.pixel_size = (double)stp_max(half, eighth) * sqrt(part);

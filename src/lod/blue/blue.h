@@ -13,16 +13,18 @@
 typedef struct stp_blue_desc {
     stp_capture_desc capture;
     stp_order_desc order;
-    uint32_t surfel_count; ///< most surfels; 0: stp_default_surfel_count, or all points of a cloud
-    /// What everything below a node looks like already, by node of the scene: NULL or a set of count 0 where there
-    /// is none. Where a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4; design.md,
-    /// Capture), and the winning surfels themselves become candidates. NULL: always triangles.
+    /// maximum surfels; 0: stp_default_surfel_count, or all points of a cloud
+    uint32_t surfel_count;
+    /// Existing sets of the nodes below, by scene node: NULL or a set of count 0 if there is none.
+    /// If a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4;
+    /// design.md, Capture), and the visible surfels themselves become candidates. NULL: always
+    /// triangles.
     const stp_splats* const* sets;
 } stp_blue_desc;
 
-/// The number of surfels of a node by default: one for STP_TRIANGLES_PER_SURFEL triangles and points below it, at least 1 and
-/// at most 50,000. Brandt 5.2 takes one for two, at most 200,000; the last three quarters of those are never worth drawing
-/// (docs/notes/2026-11-proportion.md).
+/// Default number of surfels of a node: one per STP_TRIANGLES_PER_SURFEL triangles and points below
+/// it, at least 1 and at most 50,000. Brandt 5.2 takes one per two, at most 200,000; the last three
+/// quarters of those are never worth drawing (docs/notes/2026-11-proportion.md).
 uint64_t stp_default_surfel_count(uint64_t triangles, uint64_t points);
 
 typedef struct stp_blue_report {
@@ -30,25 +32,26 @@ typedef struct stp_blue_report {
     uint32_t candidate_count;
 } stp_blue_report;
 
-/// Makes the surfels of everything below a node of the scene (moving parts left out). `materials`
-/// of the result index scene materials reduced to at most 256 shadings by `shading_of_material` (one
-/// byte a scene material). A scene of points only is not captured: its points are the candidates,
-/// and by default all of them become surfels. Arrays of the result come from stp_alloc; `count` is 0
-/// where nothing can be seen. `report` may be NULL.
+/// Makes the surfels of everything below a scene node, except moving parts. `materials` of the
+/// result index scene materials reduced to at most 256 shadings by `shading_of_material` (one byte
+/// per scene material). A scene of points only is not captured: its points are the candidates, and
+/// by default all of them become surfels. Arrays of the result come from stp_alloc; `count` is 0 if
+/// nothing is visible. `report` may be NULL.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT, STP_ERROR_CANCELLED (logged)
 STP_MUST_USE stp_result stp_blue_make(const stp_scene* scene, uint32_t node,
                                       const uint8_t* shading_of_material, const stp_blue_desc* desc,
                                       stp_splats* surfels, stp_blue_report* report);
 
-/// What the surfels of a node are chosen from.
+/// Candidates from which the surfels of a node are chosen.
 typedef struct stp_blue_candidates {
     stp_candidates candidates;
-    uint32_t wanted; ///< how many would be chosen
+    uint32_t wanted; ///< number to choose
     bool from_points;
-    bool two_sided; ///< of points without normals: they are still to be estimated
+    bool two_sided; ///< points without normals: to be estimated
 } stp_blue_candidates;
 
-/// Finds the candidates of everything below a node, as stp_blue_make does; none where nothing can be seen.
+/// Finds the candidates of everything below a node, as stp_blue_make does; none if nothing is
+/// visible.
 /// @return as stp_blue_make. `found->candidates` is to be destroyed, also after a failure
 STP_MUST_USE stp_result stp_blue_find_candidates(const stp_scene* scene, uint32_t node,
                                                  const stp_blue_desc* desc,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/blue/children.h"
 
-#define WANTED_EACH 5.0 // candidates a surfel: evenly spread already, each once
+#define WANTED_EACH 5.0 // candidates per surfel: already evenly spread, without duplicates
 #define LEAST_EACH 4.0
 #define LEAST_CANDIDATES 6000.0
 #define MOST_CANDIDATES 1750000.0
@@ -10,7 +10,7 @@
 #define MOST_RESOLUTION 16384.0
 #define VIEWS 8.0 // about
 #define TOO_MANY_TRIANGLES UINT64_C(8000000)
-#define LEAST_SHARE 0.02 // of candidates from sets, below which triangles are captured as ever
+#define LEAST_SHARE 0.02 // share of candidates from sets below which only triangles are captured
 #define NEAR_ENOUGH 1.1
 #define TRIES 6
 
@@ -19,7 +19,7 @@ typedef struct children {
     uint32_t node;
     const stp_blue_desc* desc;
     double surfel_count;
-    double seen; ///< of what is estimated, the part that is visible
+    double seen; ///< visible share of the estimate
     stp_source_list list;
     double pixel; ///< of the list
 } children;
@@ -46,7 +46,7 @@ static double estimate(const children* c)
     return c->list.surfels + c->list.pixels;
 }
 
-// How many candidates are wanted where there are to be so many for each surfel.
+// Number of wanted candidates, given a number per surfel.
 static double wanted(const children* c, double each)
 {
     if (c->desc->capture.wanted_candidates != 0) {
@@ -59,15 +59,15 @@ static double wanted(const children* c, double each)
     return count < most ? count : most;
 }
 
-// The smallest pixel size that keeps a picture's cost in proportion to its candidates.
+// Smallest pixel size that keeps a picture's cost proportional to its candidates.
 static double finest_pixel(double widest, double candidates)
 {
     double affordable = sqrt(STP_CAPTURE_MOST_PIXELS_EACH / VIEWS * candidates);
     return widest / (affordable < MOST_RESOLUTION ? affordable : MOST_RESOLUTION);
 }
 
-// Looks for the pixel at which so many candidates come out, and lists its sources. Candidates grow with the square of
-// the resolution, or less where sets have no more surfels.
+// Searches the pixel size that yields this many candidates, and lists its sources. Candidates grow
+// with the square of the resolution, or less if sets run out of surfels.
 static stp_result find_pixel(children* c, double goal)
 {
     stp_result result = STP_OK;
@@ -95,7 +95,7 @@ static stp_capture_sources sources_of(const children* c)
                                  .set_count = c->list.set_count};
 }
 
-// A small capture tells how much of what is there can be seen.
+// A small capture measures the visible share.
 static stp_result probe(children* c, double* widest)
 {
     stp_result result = find_pixel(c, PROBE_CANDIDATES);
@@ -115,16 +115,17 @@ static stp_result probe(children* c, double* widest)
     return result;
 }
 
-// So many candidates a surfel, where finer pixels would open sets down to more than so many triangles, or draw more
-// than so many surfels (most of a wood's leaves hide behind others).
+// Reduced candidates per surfel, used if finer pixels would open sets down to more than this many
+// triangles, or draw more than this many surfels (most leaves of a forest are hidden by others).
 typedef struct density {
     double each;
     uint64_t triangles;
     double surfels;
 } density;
 
-// Leaves the list of the pixel to be used. Finer pixels open more sets, down to sets that are dense enough; but
-// below the last of them are triangles. The more these are, the coarser sets are used all the same.
+// Leaves the list of the chosen pixel size. Finer pixels open more sets, down to sets that are
+// dense enough; below the last ones are triangles. The more triangles, the coarser are the sets
+// that are still used.
 static stp_result choose_pixel(children* c)
 {
     static const density tries[] = {
@@ -140,7 +141,7 @@ static stp_result choose_pixel(children* c)
         }
         finest = c->pixel;
     }
-    double needed = c->list.coarsest * (1.0 + 1e-6); // finer, as long as no more is opened
+    double needed = c->list.coarsest * (1.0 + 1e-6); // finer, as long as no more sets are opened
     needed = needed > finest ? needed : finest;
     return result == STP_OK && finest > 0.0 && needed < c->pixel ? list_at(c, needed) : result;
 }
@@ -201,7 +202,8 @@ stp_result stp_capture_children(const stp_scene* scene, uint32_t node, const stp
     return result;
 }
 
-// A cloud's own points are no pixels: where sets are opened down to them, finer pixels list no more.
+// A cloud's own points do not depend on the pixel: once sets are opened down to them, finer pixels
+// add none.
 stp_result stp_list_cloud(const stp_scene* scene, uint32_t node, const stp_blue_desc* desc,
                           uint64_t surfel_count, stp_source_list* list)
 {

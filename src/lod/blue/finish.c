@@ -9,14 +9,14 @@
 
 #define PAPER_COUNT 1000u // p_m, as in Brandt 4.1
 #define GRAIN 16384
-#define AHEAD 24u // candidates that memory is asked for in advance
+#define AHEAD 24u // candidates to prefetch ahead
 
 typedef struct finish {
     const stp_finish_input* input;
     stp_splats* surfels;
     float* positions; ///< of the surfels, relative to the candidates' origin
     float* normals;
-    float* envelope; ///< to what the first i surfels cover
+    float* envelope; ///< coverage radius of the first i surfels
 } finish;
 
 static void gather_surfels(size_t begin, size_t end, uint32_t worker, void* user)
@@ -36,7 +36,7 @@ static void gather_surfels(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-// The step is a power of two, and one over it exact.
+// The step is a power of two, so its reciprocal is exact.
 static uint16_t quantise(double position, double origin, double per_step)
 {
     double value = (position - origin) * per_step + 0.5;
@@ -86,8 +86,7 @@ static void choose_grid(finish* f)
     stp_choose_position_grid(placed, least_step, &f->surfels->origin, &f->surfels->step);
 }
 
-// To what each prefix covers: everything that comes later, and what was never chosen, was at most
-// so far away.
+// Coverage radius of each prefix: the maximum distance of all later and all unchosen candidates.
 static void make_envelope(finish* f)
 {
     float most = f->input->final_radius;
@@ -129,7 +128,7 @@ static void gather_values(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Surfels of a cloud are points: they have the attributes of these.
+// Surfels of a cloud are points, and have their attributes.
 static stp_result take_attributes(stp_context* context, const stp_finish_input* input,
                                   stp_splats* s)
 {
@@ -154,7 +153,7 @@ static void make_tables(finish* f)
 {
     stp_splats* s = f->surfels;
     stp_prefix_table_make(&s->table, f->input->radii, s->count, f->input->final_radius);
-    // what the table promises holds for the rounded positions: they lie within half a step on each
+    // the table's guarantee holds for the rounded positions: they lie within half a step on each
     // axis. Adding a constant keeps interpolation conservative: log(r + c) is convex where log r is
     // linear.
     float rounding = s->step * 0.8660255f;

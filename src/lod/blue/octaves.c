@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #define GRID_STEPS 65535.0
-// Points whose neighbour is looked for: the median of so many is known within a few percent.
+// Number of sampled points: enough to know the median within a few percent.
 #define SPACING_SAMPLES 200u
 #define SPACING_PIECE 512u // points at a time
 
@@ -44,7 +44,7 @@ void stp_choose_position_grid(stp_boxd box, double least_step, stp_vec3* origin,
 uint32_t stp_choose_octaves(const float* envelope, float margin, uint32_t count,
                             uint32_t ends[STP_OCTAVE_LIMIT])
 {
-    uint32_t last = count - 1; // the last surfel whose disk is larger than none
+    uint32_t last = count - 1; // the last surfel with a disk
     while (last > 0 && !(envelope[last] + margin > 0.0f)) {
         last -= 1;
     }
@@ -78,7 +78,7 @@ static int compare_floats(const void* a, const void* b)
     return x < y ? -1 : x > y;
 }
 
-// Points as columns, a piece of all at a time.
+// A block of points as columns.
 typedef struct spacing_columns {
     float x[SPACING_PIECE], y[SPACING_PIECE], z[SPACING_PIECE];
 } spacing_columns;

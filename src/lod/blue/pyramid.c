@@ -2,22 +2,22 @@
 //
 // The colour pyramid and coverage, from the finest octave to the coarsest.
 //
-// Finest: each candidate belongs to the nearest surfel on its side; a surfel's colour is the
-// average of its candidates. Coarser: each surfel of an octave's prefix belongs to the nearest of
-// the next coarser prefix. Surfels of one prefix lie evenly, so each stands for the same area, less
-// what of its disk is no surface: that is the weight. All sums are of whole numbers, and so do not
-// depend on the order of threads.
+// Finest: each candidate is assigned to the nearest surfel on its side; a surfel's colour is the
+// average of its candidates. Coarser: each surfel of an octave's prefix is assigned to the nearest
+// of the next coarser prefix. Surfels of a prefix are evenly spaced, so each has the same area,
+// times the share of its disk that is surface: that is the weight. All sums are integers, so they
+// do not depend on the order of threads.
 #include "lod/blue/pyramid.h"
 
 #include "base/color.h"
 
 #include <string.h>
 
-#define LINEAR_ONE 1048576.0f // linear light as whole numbers: 1 is 2^20
+#define LINEAR_ONE 1048576.0f // linear light as integers: 1 is 2^20
 #define GRAIN 16384
-#define AHEAD 24u // samples that memory is asked for in advance
+#define AHEAD 24u // samples to prefetch ahead
 
-// What is added to a surfel's sum.
+// Contribution to a surfel's sum.
 typedef struct sample {
     uint32_t color[3];
     uint64_t weight, alpha, area;
@@ -40,7 +40,7 @@ static sample candidate_sample(const stp_pyramid* p, uint32_t candidate)
     const uint8_t* c = p->input->finish->candidates->colors + 4 * (size_t)candidate;
     return (sample){
         .color = {p->linear[c[0]], p->linear[c[1]], p->linear[c[2]]},
-        .weight = c[3] > 0 ? c[3] : 1, // what is nearly clear has little say
+        .weight = c[3] > 0 ? c[3] : 1, // nearly transparent samples have little weight
         .alpha = c[3],
         .area = stp_candidate_area(&p->areas, candidate, c[3]),
     };
@@ -70,7 +70,7 @@ static void add_surfels(stp_pyramid* p, const stp_grid* samples, const stp_pyram
         if (at + AHEAD < samples->count) {
             const stp_pyramid_entry* next = &finer[samples->index[at + AHEAD]];
             __builtin_prefetch(next);
-            __builtin_prefetch(&next->toward[2]); // may be on the next line
+            __builtin_prefetch(&next->toward[2]); // may be on the next cache line
             __builtin_prefetch(&p->sums[p->nearest[at + AHEAD] & INT32_MAX]);
         }
         const stp_pyramid_entry* e = &finer[samples->index[at]];
@@ -85,7 +85,7 @@ static void add_surfels(stp_pyramid* p, const stp_grid* samples, const stp_pyram
     }
 }
 
-// The entry of a surfel to which nothing was assigned: what stood there before.
+// Fills the entry of a surfel without assigned samples from the finer entry.
 static stp_pyramid_entry single_entry(const stp_pyramid* p, const stp_pyramid_entry* finer,
                                       uint32_t surfel)
 {
@@ -101,7 +101,7 @@ static stp_pyramid_entry single_entry(const stp_pyramid* p, const stp_pyramid_en
                                .toward = {area * n[0], area * n[1], area * n[2]}};
 }
 
-// Averages what was added. `alpha_one`: the alpha that means 1 of a single sample.
+// Averages the contributions. `alpha_one`: alpha value of an opaque sample.
 static void average_octave(stp_pyramid* p, uint32_t octave, const stp_pyramid_entry* finer,
                            uint32_t alpha_one)
 {
@@ -134,7 +134,7 @@ static void find_nearest(stp_pyramid* p, const stp_octave_plan* plan, const stp_
     stp_nearest_search_run(p->context, &search);
 }
 
-// The normals that grids hold; none where they do not tell sides apart, for nobody asks then.
+// Normals for the grids; none if their sign is ignored.
 static const float* normals_of(const stp_pyramid* p, const float* normals)
 {
     return p->input->finish->two_sided ? NULL : normals;
@@ -210,7 +210,7 @@ static stp_result make_coarser(stp_pyramid* p, uint32_t octave, const stp_octave
     return STP_OK;
 }
 
-// The colours of an octave.
+// Computes the colours of an octave.
 static stp_result color_octave(stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
 {
     bool finest = octave + 1 == p->surfels->octave_count;
@@ -252,7 +252,7 @@ static void write_entries(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const stp_pyramid* p = user;
-    for (size_t at = begin; at < end; ++at) { // octaves follow each other, there as here
+    for (size_t at = begin; at < end; ++at) { // octaves are consecutive in both arrays
         const stp_pyramid_entry* e = &p->entries[at];
         for (int k = 0; k < 3; ++k) {
             p->surfels->colors[3 * at + (size_t)k] =
@@ -262,7 +262,8 @@ static void write_entries(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// The same of a finest octave that keeps the candidates' colours: what would come out, without the way there and back.
+// The same for a finest octave that keeps the candidates' colours: gives the same result without
+// conversions.
 static void write_kept(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The colour pyramid while it is made, for the files that do it: pyramid.c (colours, and the whole) and
-// pyramid_coverage.c (how much of each disk is surface), pyramid_chance.c (with what chance its pixels are drawn).
+// State of the colour pyramid's construction, for pyramid.c (colours, overall process),
+// pyramid_coverage.c (share of each disk that is surface) and pyramid_chance.c (probability that
+// its pixels are drawn).
 #pragma once
 
 #include "base/coverage.h"
@@ -10,12 +11,12 @@
 
 /// One entry of the pyramid.
 typedef struct stp_pyramid_entry {
-    uint32_t color[3]; ///< linear, whole numbers
+    uint32_t color[3]; ///< linear, integers
     uint16_t alpha;    ///< mean opacity, 65535 is 1
-    uint16_t fraction; ///< how much of the disk is surface, opacity included, 65535 is 1
+    uint16_t fraction; ///< share of the disk that is surface, times opacity, 65535 is 1
     float area;        ///< of the surface nearest to it, in STP_AREA_UNITS
     float toward[3];   ///< the same, times its normals: vectors, summed
-    uint8_t coverage;  ///< result: what is drawn of the disk (base/coverage.h)
+    uint8_t coverage;  ///< result: drawn part of the disk (base/coverage.h)
 } stp_pyramid_entry;
 
 typedef struct stp_pyramid_sum {
@@ -23,14 +24,14 @@ typedef struct stp_pyramid_sum {
     int64_t toward[3];
 } stp_pyramid_sum;
 
-enum { STP_AREA_UNITS = 4096 }; ///< a pixel of the capture, where areas are whole numbers
+enum { STP_AREA_UNITS = 4096 }; ///< a pixel of the capture; areas are integers
 
-/// How much surface candidates stand for, in STP_AREA_UNITS.
+/// Area that candidates represent, in STP_AREA_UNITS.
 typedef struct stp_candidate_areas {
-    uint32_t captured, blended, filled; ///< each of those that were captured as pixels
+    uint32_t captured, blended, filled; ///< of each candidate captured as a pixel
     uint32_t first_filled, first_of_sets;
     const float* of_sets; ///< scene units squared
-    double per_area;      ///< STP_AREA_UNITS in a scene unit squared
+    double per_area;      ///< STP_AREA_UNITS per scene unit squared
 } stp_candidate_areas;
 
 stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates);
@@ -48,12 +49,12 @@ static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint
                                             : areas->captured;
 }
 
-/// What codes of coverage show of a disk.
+/// Parts of a disk that coverage codes draw.
 typedef struct stp_cut_table {
     uint64_t cells[256]; ///< of the stencil
     float areas[256];    ///< of the disk's area, 0 to 1
     stp_disk_cut cuts[256];
-    float farthest; ///< how far a cut disk reaches, at most, along the direction of its cut
+    float farthest; ///< maximum extent of a cut disk along the direction of its cut
 } stp_cut_table;
 
 typedef struct stp_pyramid {
@@ -70,19 +71,20 @@ typedef struct stp_pyramid {
     size_t entry_count; ///< of all octaves
     uint16_t* fraction_column;
     stp_pyramid_sum* sums;
-    stp_grid candidates; ///< all, in cells made for the finest octave
+    stp_grid candidates; ///< all samples, in cells for the finest octave
     uint32_t* nearest;   ///< of each sample, in its grid's order
-    /// Of the finest octave that is not drawn whole, made when it comes; coarser ones use the first of them.
+    /// For the finest octave that is not drawn whole, created on first use; coarser ones use a
+    /// prefix.
     stp_disk* disks;
-    uint32_t* visit; ///< the surfels of one prefix along a space-filling curve
+    uint32_t* visit; ///< surfels of a prefix along a space-filling curve
     uint32_t visit_count;
 } stp_pyramid;
 
-/// How an octave is made.
+/// Parameters of an octave.
 typedef struct stp_octave_plan {
-    float radius;         ///< to what its prefix covers
-    float disk_radius;    ///< of the disks drawn with it
-    uint32_t dense_count; ///< surfels that sample the disks; 0: every stride-th candidate does
+    float radius;         ///< coverage radius of its prefix
+    float disk_radius;    ///< radius of its disks
+    uint32_t dense_count; ///< number of surfels that sample the disks; 0: every stride-th candidate
     uint32_t stride;
     float cell; ///< of the grids
 } stp_octave_plan;
@@ -92,44 +94,48 @@ static inline uint16_t stp_pyramid_fraction(double value)
     return (uint16_t)(value * 65535.0 + 0.5);
 }
 
-/// Spacings in the radius of a disk of points, below which they are too few to tell where their surface ends.
+/// Minimum point spacings per disk radius: with fewer points, the border of their surface is
+/// unknown.
 #define STP_LEAST_SPACINGS 3.0
 
-/// Whether all disks of an octave are drawn whole, whatever lies around them: those of a cloud that reach few points, or of
-/// points that are all in one place.
+/// Whether all disks of an octave are drawn whole regardless of their surroundings: for clouds
+/// whose disks contain few points, or with all points in one place.
 bool stp_pyramid_is_whole(const stp_pyramid* p, const stp_octave_plan* plan);
 
-/// How an octave is made: what samples its disks, and the cells to look in.
+/// Sets an octave's parameters: the samples of its disks, and the search cells.
 void stp_pyramid_plan_octave(const stp_pyramid* p, uint32_t octave, stp_octave_plan* plan);
 
-/// Fills the fractions of an octave, whose entries have their opacities; finer ones are done. `p->candidates` is there.
+/// Fills the fractions of an octave, whose entries have their opacities. Finer octaves must be
+/// done, and `p->candidates` set.
 STP_MUST_USE stp_result stp_pyramid_cover(stp_pyramid* p, uint32_t octave,
                                           const stp_octave_plan* plan);
-enum {
-    STP_VIEWS_TOLD = 8
-}; ///< directions of a capture that are told apart, where there are so many
+enum { STP_VIEWS_TOLD = 8 }; ///< maximum distinguished directions of a capture
 
-/// What is found in the cylinder over a surfel's disk. Lengths are over the disk's radius.
+/// Content of the cylinder over a surfel's disk. Lengths are relative to the disk's radius.
 typedef struct stp_surroundings {
     uint64_t cells; ///< of the stencil, on the disk's axes (stp_disk_axes_of)
-    float area;   ///< of what faces as the surfel does, as seen along its normal, in STP_AREA_UNITS
-    float total;  ///< area of all that is there
-    float others; ///< the part of `area` that is not of the views below
-    /// Of each direction of the capture, how much its pixels cover of the disk as seen from there, 0 to about 1: the share
-    /// of its rays that meet anything. All 0 where candidates do not tell.
+    /// projected area, along the normal, of surface that faces as the surfel does, in
+    /// STP_AREA_UNITS
+    float area;
+    float total;  ///< total area
+    float others; ///< part of `area` that is not from the views below
+    /// Per capture direction, the share of its rays through the disk that hit anything, 0 to about
+    /// 1. All 0 if unknown.
     float views[STP_VIEWS_TOLD];
-    float reach[STP_CUT_DIRECTIONS]; ///< how far anything lies in each direction; -1: nothing
+    float reach[STP_CUT_DIRECTIONS]; ///< extent of the content in each direction; -1: none
 } stp_surroundings;
 
 typedef struct stp_surroundings_search {
     const stp_pyramid* pyramid;
     const stp_grid* samples; ///< candidates; cells as wide as `radius`, or wider
-    uint32_t stride;         ///< each stands for so many
-    float footprint;         ///< half the side of the square that one stands for, over the radius
-    const uint32_t* visit;   ///< surfels
+    uint32_t stride;         ///< weight of each
+    /// half the side of the square that one represents, relative to the radius
+    float footprint;
+    const uint32_t* visit; ///< surfels
     size_t count;
     float radius; ///< of the disks
-    /// Only cells and reach are asked for, and nothing of disks that reach farther on all sides than this (a square).
+    /// Computes cells and extent only, and stops for disks whose content extends farther than this
+    /// (a square) on all sides.
     bool only_reach;
     float reach_asked;
     stp_surroundings* found;        ///< result: of each surfel visited
@@ -142,13 +148,15 @@ typedef struct stp_surroundings_search {
 void stp_surroundings_search_run(stp_context* context, stp_surroundings_search* search);
 
 void stp_cut_table_make(const stp_stencil* stencil, stp_cut_table* table);
-/// The code of the smallest part of a disk that holds all that was found, but for `slack` beside it (parts of the radius).
+/// Code of the smallest part of a disk that contains all its content, up to `slack` outside
+/// (relative to the radius).
 uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found, float slack);
 
-/// Fills the coverages of an octave, from fractions and areas.
+/// Fills the coverages of an octave from fractions and areas.
 STP_MUST_USE stp_result stp_pyramid_choose_chances(stp_pyramid* p, uint32_t octave,
                                                    const stp_octave_plan* plan);
 
-/// Draws disks of an octave whole where their coverages would show the background inside a silhouette.
+/// Draws disks of an octave whole where their coverages would show the background inside a
+/// silhouette.
 STP_MUST_USE stp_result stp_pyramid_close_holes(stp_pyramid* p, uint32_t octave,
                                                 const stp_octave_plan* plan);

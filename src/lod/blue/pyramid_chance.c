@@ -1,50 +1,54 @@
 // SPDX-License-Identifier: MIT
 //
-// What is drawn of each disk. Disks of a surface overlap and hide what lies behind: they are drawn whole. A disk that stands
-// over the border of what is there, over a beam or a wire, is cut along it. Disks over what is scattered are drawn with so
-// many pixels as the surface nearest to the surfel would cover, so that leaves, lattices and far trees keep their area,
-// however large the disks. How much that is, is counted with the colours: pixels of the capture that belong to it.
+// The drawn part of each disk. Disks of a surface overlap and occlude the background: they are
+// drawn whole. A disk that extends beyond a border, a beam or a wire is cut along it. Disks over
+// scattered geometry draw as many pixels as the surface nearest to the surfel covers, so that
+// leaves, lattices and distant trees keep their area at any disk size. That area is counted
+// together with the colours, in pixels of the capture.
 #include "lod/blue/pyramid.h"
 
-// Of the surface that is nearest to surfels of whole surfaces, disks that are known to be full have more than this.
+// Disks that are known to be full have more than this share of the surface nearest to surfels of
+// whole surfaces.
 #define WHOLE 0.5
-// Of the cells of what is drawn of a disk, those that must be hit: below the first part it has holes, from the second on none.
+// Share of the drawn part's cells that are hit: below the first value the disk has holes, from the
+// second it has none.
 #define OPEN_CELLS 0.6
 #define FULL_CELLS 0.8
-// The same of the rays through there that meet anything.
+// The same for the share of rays that hit anything.
 #define OPEN_AREA 0.5
 #define FULL_AREA 0.57
-// Of the finest octave, where a dozen candidates lie in a disk.
+// The same for the finest octave, with a dozen candidates per disk.
 #define OPEN_AREA_OF_FINEST 0.05
 #define FULL_AREA_OF_FINEST 0.12
-// The mean cosine of all that lies in there to the surfel's normal, as far as it faces it: a quarter among leaves, a half
-// where both sides of a plate are seen.
+// Mean positive cosine of the content to the surfel's normal: a quarter among leaves, a half if
+// both sides of a plate are visible.
 #define OPEN_FACING 0.25
 #define FULL_FACING 0.35
-// Where it is more, surfaces lie as the disk does, and their corners fill less of what is drawn.
+// Above this, surfaces are parallel to the disk, and their corners fill less of the drawn part.
 #define OPEN_CORNER 0.3
 #define FULL_CORNER 0.34
 #define OPEN_CORNER_CELLS 0.5
 #define FULL_CORNER_CELLS 0.53
-// And less still where they are all one smooth surface.
+// Still less if all are one smooth surface.
 #define OPEN_SMOOTH 0.6
 #define FULL_SMOOTH 0.8
 #define OPEN_SMOOTH_CELLS 0.35
 #define FULL_SMOOTH_CELLS 0.42
-// The same of strips of less area than this, in which few candidates lie.
+// The same for strips with less area than this, which contain few candidates.
 #define NARROW 0.3
 #define OPEN_NARROW_CELLS 0.2
 #define FULL_NARROW_CELLS 0.4
-// Surface that on the mean faces away by more than this cosine is something else: the ground below a tree.
+// Surface whose mean normal is beyond this cosine is a different object, such as the ground below a
+// tree.
 #define LEAST_FACING 0.3
-// Candidates that are looked at in a disk.
+// Candidates examined per disk.
 #define DISK_SAMPLES 128.0
 #define MOST_STRIDE 4096.0
-// Mean opacity from which surface counts as opaque. Opacities of children are averaged level by level: border disks that
-// are drawn with a few holes must not open the whole surface above them.
+// Surface counts as opaque from this mean opacity. Opacities of children are averaged level by
+// level: border disks with a few holes must not open the whole surface at coarser levels.
 #define OPAQUE 0.99
 #define OPAQUE_OF_SETS 0.8
-// How far beside the part that is drawn a candidate may lie, parts of the radius.
+// Maximum distance of a candidate outside the drawn part, relative to the radius.
 #define SLACK 0.04f
 
 // A blended surface is captured in half its pixels.
@@ -53,7 +57,7 @@
 stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates)
 {
     double views = (double)candidates->direction_count;
-    // one of n directions sees a quarter of its pixels' area on the mean of all that face it or do not
+    // one of n directions sees a quarter of its pixels' area, averaged over all orientations
     double each = views > 0.0 ? 4.0 / views : 1.0;
     double pixel = candidates->pixel_size;
     return (stp_candidate_areas){
@@ -72,7 +76,7 @@ static double ramp(double value, double low, double high)
     return stp_clampd((value - low) / (high - low), 0.0, 1.0);
 }
 
-// How much of the surface nearest to a surfel faces as it does: the mean cosine.
+// Mean cosine between the surfel and the surface nearest to it.
 static double facing(const stp_pyramid* p, const stp_pyramid_entry* e, uint32_t surfel)
 {
     const float* n = p->input->normals + 3 * (size_t)surfel;
@@ -81,29 +85,31 @@ static double facing(const stp_pyramid* p, const stp_pyramid_entry* e, uint32_t 
     return e->area > 0.0f ? stp_clampd(along / (double)e->area, 0.0, 1.0) : 0.0;
 }
 
-// Disks of one prefix overlap about twice, so each is drawn with a chance whose union is the fraction.
+// Disks of one prefix overlap about twice, so each is drawn with a probability whose union is the
+// fraction.
 static double overlapping_chance(uint16_t fraction)
 {
     return 1.0 - sqrt(1.0 - (double)fraction / 65535.0);
 }
 
-// How much of the nearest surface is taken for the surfel's own.
+// Share of the nearest surface that counts as the surfel's own.
 static double own_part(double cosine)
 {
     double part = stp_clampd(cosine / LEAST_FACING, 0.0, 1.0);
     return part * part * part * part;
 }
 
-// What an octave's coverages are chosen by. Lengths are in scene units, areas in STP_AREA_UNITS.
+// Parameters for choosing an octave's coverages. Lengths are in scene units, areas in
+// STP_AREA_UNITS.
 typedef struct chooser {
     stp_pyramid* p;
     uint32_t octave;
     stp_pyramid_entry* entries;
     float disk_radius;
     double pixels;      ///< of the capture, in the disks' radius
-    uint32_t stride;    ///< of the candidates that are looked at
-    float margin;       ///< how far beyond them surface may reach, over the disks' radius
-    double disk, whole; ///< areas: of a disk; nearest to a surfel of a whole surface
+    uint32_t stride;    ///< of the examined candidates
+    float margin;       ///< extent of surface beyond them, relative to the disks' radius
+    double disk, whole; ///< areas: of a disk; of the surface nearest to a surfel of a whole surface
     bool is_cloud;
 } chooser;
 
@@ -112,7 +118,7 @@ static chooser make_chooser(stp_pyramid* p, uint32_t octave, const stp_octave_pl
     double pixel = p->input->finish->candidates->pixel_size;
     double reach = (double)plan->radius / pixel, disk = (double)plan->disk_radius / pixel;
     reach = reach > 0.5 ? reach : 0.5;
-    // of eight views four see a surface, so there are two candidates a pixel; one of points
+    // four of eight views see a surface, so there are two candidates per pixel; one for points
     double density = p->input->finish->candidates->direction_count != 0 ? 2.0 : 1.0;
     double stride = ceil(density * STP_PI * disk * disk / DISK_SAMPLES);
     stride = stride > 1.0 ? stride : 1.0;
@@ -131,7 +137,7 @@ static chooser make_chooser(stp_pyramid* p, uint32_t octave, const stp_octave_pl
     };
 }
 
-// The share of a disk's pixels where it is drawn with holes. `hit`: the part of it that rays along its normal hit.
+// Share of drawn pixels of a disk with holes. `hit`: the share that rays along its normal hit.
 static double thin_share(const chooser* c, uint32_t surfel, double hit)
 {
     const stp_pyramid_entry* e = &c->entries[surfel];
@@ -140,7 +146,7 @@ static double thin_share(const chooser* c, uint32_t surfel, double hit)
     double alpha =
         c->p->input->finish->candidates->set_count != 0 ? 1.0 : (double)e->alpha / 65535.0;
     double thin = stp_chance_of_share((double)e->area * own / c->disk) * alpha;
-    // disks that overlap hide each other's pixels: so many more are drawn that together they cover the area
+    // overlapping disks hide each other's pixels: draws more, so that together they cover the area
     double covered = hit < 0.9 ? hit : 0.9;
     thin *= covered > 0.01 ? -log(1.0 - covered) / covered : 1.0;
     return thin < whole ? thin : whole;
@@ -152,8 +158,9 @@ static bool is_opaque(const chooser* c, const stp_pyramid_entry* e)
     return (double)e->alpha >= (of_sets ? OPAQUE_OF_SETS : OPAQUE) * 65535.0;
 }
 
-// Disks that are known to be whole: of a cloud, those with points all over; of surface, only where enough of it faces as
-// the surfel does, and is opaque. @return how many are not; they are listed, along the curve
+// Finds disks that are known to be whole: for a cloud, those with points all over; for a surface,
+// those with enough opaque surface that faces as the surfel does. @return number of the others,
+// which are listed along the curve
 static size_t choose_whole(const chooser* c, uint32_t* doubtful)
 {
     size_t count = 0;
@@ -173,8 +180,8 @@ static size_t choose_whole(const chooser* c, uint32_t* doubtful)
     return count;
 }
 
-// The share of rays through a disk that meet anything, of the view that sees most of it: what is hidden from others is no
-// less solid, and a lattice finer than the pixels is as open from all.
+// Share of rays through a disk that hit anything, in the view that sees most of it: parts hidden in
+// other views are no less solid, and a lattice finer than the pixels looks equally open in all.
 static double ray_share(const chooser* c, const stp_surroundings* found)
 {
     float most = 0.0f;
@@ -184,7 +191,7 @@ static double ray_share(const chooser* c, const stp_surroundings* found)
     return (double)most + (double)found->others / c->disk;
 }
 
-// What is drawn of one disk, from what lies around it.
+// Chooses the drawn part of a disk from its surroundings.
 static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings* found)
 {
     const stp_cut_table* table = &c->p->cuts;
@@ -204,7 +211,7 @@ static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings*
     double agreement = (double)(found->area / found->total);
     double facing_part = ramp(agreement, OPEN_FACING, FULL_FACING);
     double solid = fmax(corner ? facing_part : 0.0, ramp(cells, OPEN_CELLS, FULL_CELLS));
-    if ((double)table->areas[code] < NARROW) { // few samples lie in there
+    if ((double)table->areas[code] < NARROW) { // contains few samples
         solid = fmax(solid, ramp(cells, OPEN_NARROW_CELLS, FULL_NARROW_CELLS));
     }
     solid = fmax(solid, ramp(agreement, OPEN_CORNER, FULL_CORNER) *
@@ -234,8 +241,8 @@ static stp_result look_around(const chooser* c, const uint32_t* doubtful, size_t
                                       .only_reach = c->is_cloud,
                                       .found = found};
     float asked = stp_max(p->cuts.farthest + SLACK - c->margin, 0.0f);
-    search.reach_asked = asked * asked * 1.0001f; // what reaches farther is drawn whole
-    // few samples, or points, which do not lie in rows: their squares are twice as wide, so that they close up
+    search.reach_asked = asked * asked * 1.0001f; // disks with a larger extent are drawn whole
+    // few samples, or irregular points: squares twice as wide close the gaps
     bool wide = c->stride == 1 || c->is_cloud;
     float spacing = sqrtf((float)c->stride) / (float)c->pixels;
     search.footprint = stp_min((wide ? 0.75f : 0.5f) * spacing, 0.5f);

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
-// How much of a surfel's disk is surface, for each octave: the disks are sampled by the candidates of the capture,
-// by every k-th of them where disks are large, or by a longer prefix of the surfels where one is dense enough.
+// Share of a surfel's disk that is surface, per octave. The disks are sampled by the candidates of
+// the capture, by every k-th of them if disks are large, or by a longer prefix of the surfels if
+// one is dense enough.
 #include "lod/blue/pyramid.h"
 
-// Surfels that sample a disk cover to an eighth of its radius: then each cell of the stencil, a quarter wide,
-// that is full of surface holds at least one.
+// Surfels that sample a disk have a coverage radius of an eighth of its radius: then each cell of
+// the stencil, a quarter wide, that is full of surface contains at least one.
 #define SAMPLE_RADIUS 0.125f
-// Where candidates do, each stands for up to so much of a disk's pixels.
+// If candidates sample, each represents up to this share of a disk's pixels.
 #define DISK_CANDIDATES 32.0
-// Half the side of a square over the radius of a disk as large.
+// Half the side of a square, relative to the radius of a disk of equal area.
 #define DISK_SQUARE 0.88622693f
-// Surfels of sets say by their opacity how much of them is surface: their number says nothing, and is made so large
-// that it never counts.
+// The opacity of set surfels is their share of surface. Their number is not meaningful, and is made
+// so large that it never counts.
 #define SET_WEIGHT 1024u
-// Cells that a disk reaches to each side; only orders that leave huge gaps would go beyond.
+// Cells that a disk extends to each side; only orders with huge gaps would need more.
 #define MOST_CELLS 12.0f
-// Part of a fraction seen that is taken for true, whatever was counted.
+// Share of a seen fraction that is trusted regardless of counts.
 #define LEAST_BELIEVED 0.4
 
 static float pixel_size(const stp_pyramid* p)
@@ -31,21 +32,21 @@ static double disk_pixels(const stp_pyramid* p, float radius)
     return STP_PI * pixels * pixels;
 }
 
-// How much wider the squares of every stride-th are. A thinned grid takes as many of each place: their gaps are more
-// alike than those of all, and squares a little less wide close them.
+// Factor on the squares of every stride-th candidate. A thinned grid takes equally many from each
+// region: its gaps are more uniform, and slightly smaller squares close them.
 static float widen(uint32_t stride)
 {
     return stride > 1 ? sqrtf((float)stride * 0.75f) : 1.0f;
 }
 
-// Half the side of the square that a captured candidate stands for. A pixel is up to 1.7 times as wide along a slope
-// as across: squares of twice its width leave no gaps.
+// Half the side of the square that a captured candidate represents. A pixel is up to 1.7 times as
+// wide along a slope as across: squares of twice its width leave no gaps.
 static float pixel_footprint(const stp_pyramid* p, const stp_octave_plan* plan)
 {
     return stp_min(pixel_size(p) * widen(plan->stride), plan->disk_radius);
 }
 
-// The same of a surfel of a set: the square is as large as its disk.
+// The same for a surfel of a set: the square has the area of its disk.
 static float set_footprint(const stp_pyramid* p, const stp_octave_plan* plan)
 {
     float side = p->input->finish->candidates->set_radius * DISK_SQUARE;
@@ -59,13 +60,13 @@ static float candidate_footprint(const stp_pyramid* p, const stp_octave_plan* pl
     return c->set_count != 0 ? stp_max(largest, set_footprint(p, plan)) : largest;
 }
 
-// The shortest prefix dense enough to sample the disks of an octave; 0 where there is none:
-// candidates are.
+// Shortest prefix that is dense enough to sample the disks of an octave; 0: none, so candidates are
+// used.
 static uint32_t sample_count(const stp_pyramid* p, float radius)
 {
     const float* envelope = p->input->envelope;
     uint32_t low = 1,
-             high = p->surfels->count; // the first index at which the envelope is small enough
+             high = p->surfels->count; // first index at which the envelope is small enough
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
         if (envelope[middle] <= radius * SAMPLE_RADIUS) {
@@ -105,14 +106,15 @@ static double opacity(const stp_pyramid_entry* e)
     return (double)e->alpha / 65535.0;
 }
 
-// How many candidates a piece of surface of one square pixel has, as seen by all views that face it.
+// Candidates per square pixel of surface, from all views that face it.
 static double usual_density(const stp_candidates* candidates)
 {
     return candidates->direction_count != 0 ? 0.25 * candidates->direction_count : 1.0;
 }
 
-// Octaves whose disks were sampled by every stride-th candidate. Their squares make thin things look too wide, and
-// their number tells better; but things may be hidden from some views, so the number alone is not believed either.
+// Octaves sampled by every stride-th candidate. Their squares widen thin geometry, and their number
+// is more accurate; but geometry may be hidden from some views, so the number alone is not trusted
+// either.
 static void cover_captured(stp_pyramid* p, uint32_t octave, double pixels, uint32_t stride)
 {
     double full_count = usual_density(p->input->finish->candidates) * pixels / stride;
@@ -128,7 +130,7 @@ static void cover_captured(stp_pyramid* p, uint32_t octave, double pixels, uint3
     }
 }
 
-// Octaves whose disks were sampled by surfels: what is hit counts by their mean fraction.
+// Octaves sampled by surfels: hits are weighted by their mean fraction.
 static void cover_sampled(stp_pyramid* p, uint32_t octave)
 {
     for (uint32_t i = 0; i < p->surfels->octave_ends[octave]; ++i) {
@@ -227,7 +229,7 @@ static stp_result look_at_dense_surfels(stp_pyramid* p, uint32_t octave,
     return result;
 }
 
-// Lists the octave's surfels along the curve. No finer one was listed, or it holds these.
+// Lists the octave's surfels along the curve. A finer list, if any, contains them.
 static stp_result list_surfels(stp_pyramid* p, uint32_t count)
 {
     if (p->visit_count != 0) {

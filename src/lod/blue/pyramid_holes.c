@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// Closes visible holes. Each partly covered disk is correct alone, but several layers of them can show
-// the background inside a solid model. The disks of an octave are drawn from the capture's directions and
-// compared with its silhouettes. A disk inside all silhouettes whose pixels stay open is drawn whole.
-// A disk with solid surface behind it, such as a tree in front of the ground, keeps its coverage.
+// Closes visible holes. Each partly covered disk is correct alone, but several layers of them can
+// show the background inside a solid model. The disks of an octave are drawn from the capture's
+// directions and compared with its silhouettes. A disk inside all silhouettes whose pixels stay
+// open is drawn whole. A disk with solid surface behind it, such as a tree in front of the ground,
+// keeps its coverage.
 #include "base/octahedral.h"
 #include "lod/blue/pyramid.h"
 
-#define RADIUS 3.0       // pixels of a disk in a picture, at least, where silhouettes have so many
+#define RADIUS 3.0       // minimum pixels of a disk in a picture, if silhouettes have that many
 #define LEAST_FACING 0.2 // cosine: disks are not seen from flatter directions
-// Share of a disk's pixels outside a silhouette: up to the first it is closed, from the second on not.
+// Share of a disk's pixels outside a silhouette: closed up to the first value, not from the second.
 #define OUTER_FEW 0.0f
 #define OUTER_MOST 0.1f
-// Mean probability that a disk's pixels stay open: up to the first it is kept, from the second on closed.
+// Mean probability that a disk's pixels stay open: kept up to the first value, closed from the
+// second.
 #define OPEN_FEW 0.0f
 #define OPEN_MOST 0.01f
 #define GRAIN 4096
@@ -22,10 +24,10 @@ typedef struct placed_disk {
     stp_vec3 at, normal, x, y;
 } placed_disk;
 
-// What a view says of a disk.
+// A disk's measurements in a view.
 typedef struct verdict {
-    float outer; ///< of its pixels, those outside of the outlines
-    float open;  ///< the mean chance of its pixels that nothing is drawn where something was seen
+    float outer; ///< number of its pixels outside the silhouettes
+    float open;  ///< mean probability that nothing is drawn at pixels where something was seen
 } verdict;
 
 typedef struct closer {
@@ -35,7 +37,7 @@ typedef struct closer {
     float radius;
     placed_disk* disks;
     stp_disk_cut cuts[256];             ///< by code
-    uint32_t shrink;                    ///< silhouette pixels in one of a picture, along each side
+    uint32_t shrink;                    ///< silhouette pixels per picture pixel, along each side
     verdict* verdicts[STP_SILHOUETTES]; ///< of each disk
     bool failed[STP_SILHOUETTES];
 } closer;
@@ -45,11 +47,11 @@ typedef struct picture {
     const stp_silhouette* from;
     double scale; ///< of the silhouette's pixels
     uint32_t width, height;
-    float* seen; ///< of each pixel, the part where the capture saw anything
-    float* open; ///< the chance that no disk is drawn there
+    float* seen; ///< per pixel, the share where the capture saw anything
+    float* open; ///< per pixel, the probability that no disk is drawn
 } picture;
 
-// A disk as it lies in a picture: u and v, over the radius, are linear in pixels.
+// A disk in a picture: u and v, relative to the radius, are linear in pixels.
 typedef struct outline {
     double x, y; ///< centre
     double u[2], v[2];
@@ -89,7 +91,7 @@ static bool make_outline(const closer* c, const picture* view, uint32_t surfel, 
     return true;
 }
 
-// The pixels of a row whose centres a disk, or the part of it that is drawn, covers.
+// Pixels of a row with centres covered by the drawn part of a disk.
 static void find_span(const outline* o, const stp_disk_cut* cut, uint32_t row, uint32_t span[2])
 {
     // (u0 + du x)^2 + (v0 + dv x)^2 <= 1, x from the left column's centre on
@@ -249,7 +251,8 @@ static float ramp(float value, float low, float high)
     return stp_clamp((value - low) / (high - low), 0.0f, 1.0f);
 }
 
-// How far to close a disk, 0 to 1: the most open view asks for it, the most exposed view limits it.
+// Degree to which a disk is closed, 0 to 1: the most open view requests it, the most exposed view
+// limits it.
 static float closing(const closer* c, uint32_t views, uint32_t surfel)
 {
     float outer = 0.0f, open = 0.0f;

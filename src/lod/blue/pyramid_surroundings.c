@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// What a disk has to hide, and along which lines it may be cut. All candidates in the disk's cylinder count, of whatever
-// surface: a ray that goes through the disk and meets any of them shows no background, so a plate with studs is as solid as
-// a bare one, though each of its layers alone is full of holes. What lies far behind the disk is another thing.
+// The area a disk must occlude, and the lines along which it may be cut. All candidates in the
+// disk's cylinder count, of any surface: a ray through the disk that hits any of them shows no
+// background. So a plate with studs is as solid as a bare one, though each of its layers alone is
+// full of holes. Geometry far behind the disk is a different object.
 #include "base/octahedral.h"
 #include "lod/blue/pyramid.h"
 
 #include <string.h>
 
 #define GRAIN 64
-// Parts of the radius: how far behind the disk, and how far before it, candidates count.
+// Depth range in which candidates count, behind and in front of the disk, relative to the radius.
 #define BEHIND 0.6f
 #define BEFORE 1.0f
 #define LEAST_VIEW_FACING 0.3f // cosine: flatter views tell little of a disk
@@ -17,11 +18,11 @@
 enum { LANES = 8 };
 _Static_assert(LANES <= (int)STP_GRID_LANES, "columns may be read so far beyond their end");
 
-// One surfel's disk. Lengths are over its radius.
+// One surfel's disk. Lengths are relative to its radius.
 typedef struct disk {
     stp_vec3 place, normal;
     stp_vec3 x, y; ///< axes, over the radius
-    float known;   ///< square of the least reach, once there is one on all sides
+    float known;   ///< square of the minimum extent, once there is content on all sides
     stp_surroundings found;
 } disk;
 
@@ -48,7 +49,7 @@ static void extend_reach(const stp_surroundings_search* s, disk* d, float u, flo
     float* forth = d->found.reach;
     float* back = forth + HALF;
     float less[HALF];
-    for (int k = 0; k < HALF; ++k) { // loops that become vector code
+    for (int k = 0; k < HALF; ++k) { // loops that vectorize
         float at = s->across[k] * u + s->along[k] * v;
         forth[k] = forth[k] > at ? forth[k] : at;
         back[k] = back[k] > -at ? back[k] : -at;
@@ -91,18 +92,18 @@ static void add_candidate(const stp_surroundings_search* s, disk* d, uint32_t i,
     } else {
         d->found.others += area;
     }
-    if (u * u + v * v > d->known) { // else it lies within reach on all sides
+    if (u * u + v * v > d->known) { // otherwise it lies within the known extent
         extend_reach(s, d, u, v);
     }
 }
 
-// Whether nothing more can be found that is asked for.
+// Whether the requested result is complete.
 static bool is_done(const stp_surroundings_search* s, const disk* d)
 {
     return s->only_reach && d->known > s->reach_asked;
 }
 
-// Of a candidate of a cloud: what it hits, and how far it reaches.
+// Adds a candidate of a cloud: its cells and its extent.
 static void add_point(const stp_surroundings_search* s, disk* d, float u, float v)
 {
     d->found.cells |= stp_stencil_cells(u, v, s->footprint);
@@ -114,7 +115,7 @@ static void add_point(const stp_surroundings_search* s, disk* d, float u, float 
 typedef float lanes_float __attribute__((vector_size(4 * LANES)));
 typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
 
-// Candidates as the disk sees them, LANES at a time.
+// Candidates in disk coordinates, LANES at a time.
 typedef struct seen_lanes {
     lanes_float u, v;
     lanes_int inside; ///< -1 in those that are in the cylinder
@@ -157,8 +158,8 @@ static void add_candidates(const stp_surroundings_search* s, disk* d, uint32_t b
     }
 }
 
-// Cells are as wide as the disk's radius or wider, so a cylinder reaches four of them on each axis at most: no two of
-// these share a bucket. Those of a row follow each other where they are of one block.
+// Cells are at least as wide as the disk's radius, so a cylinder spans at most four of them on each
+// axis: no two of these share a bucket. Cells of a row are consecutive within a block.
 static void look_around(const stp_surroundings_search* s, disk* d)
 {
     const stp_grid* g = s->samples;
@@ -201,7 +202,7 @@ static void search_disks(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Which directions saw what: where there are as many as are told apart.
+// Shares per direction, if the capture has exactly the distinguished number of directions.
 static void find_views(stp_surroundings_search* search)
 {
     const stp_candidates* c = search->pyramid->input->finish->candidates;
@@ -227,7 +228,7 @@ void stp_surroundings_search_run(stp_context* context, stp_surroundings_search* 
     stp_parallel_for(context, search->count, GRAIN, search_disks, search);
 }
 
-// The cells that a cut disk shows: their middles, or what a narrow strip runs through.
+// Cells that a cut disk draws: by their centres, or all cells that a narrow strip crosses.
 static uint64_t cells_of(const stp_stencil* stencil, stp_disk_cut cut)
 {
     uint64_t cells = 0;
@@ -254,7 +255,7 @@ void stp_cut_table_make(const stp_stencil* stencil, stp_cut_table* table)
     table->areas[STP_COVERAGE_WHOLE] = 1.0f;
 }
 
-// The smallest part of the disk that holds all that was found, but for `slack`, parts of the radius.
+// Smallest part of the disk that contains all its content, up to `slack`, relative to the radius.
 uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found, float slack)
 {
     uint8_t best = STP_COVERAGE_WHOLE;

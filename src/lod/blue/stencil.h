@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The part of a surfel's disk that is surface: an 8 x 8 stencil over the square around the disk, one
-// bit per cell.
+// The part of a surfel's disk that is surface: an 8 x 8 stencil over the square around the disk,
+// one bit per cell.
 //
 //      . . # # # # . .     52 cells count: those with their centre in the disk. The disk is solid
 //      . # # # # # # .     if one of its eight sectors of 45 degrees is full from the centre to
@@ -22,12 +22,12 @@ typedef struct stp_stencil {
 
 stp_stencil stp_stencil_make(void);
 
-/// The cells whose centres lie in the square [u - half, u + half] x [v - half, v + half], and the one
-/// that (u, v) itself lies in. In units of the disk's radius: the disk is within [-1, 1] x [-1, 1].
+/// Cells with centres in the square [u - half, u + half] x [v - half, v + half], and the cell of
+/// (u, v) itself. In units of the disk's radius: the disk is within [-1, 1] x [-1, 1].
 static inline uint64_t stp_stencil_cells(float u, float v, float half)
 {
     float u0 = 4.0f * (u - half) + 4.5f,
-          u1 = 4.0f * (u + half) + 3.5f; // floors are the outermost cells
+          u1 = 4.0f * (u + half) + 3.5f; // their floors are the outermost cells
     float v0 = 4.0f * (v - half) + 4.5f, v1 = 4.0f * (v + half) + 3.5f;
     float cu = 4.0f * u + 4.0f, cv = 4.0f * v + 4.0f;
     u0 = stp_min(u0, cu), u1 = stp_max(u1, cu), v0 = stp_min(v0, cv), v1 = stp_max(v1, cv);
@@ -51,11 +51,11 @@ static inline bool stp_stencil_is_solid(const stp_stencil* stencil, uint64_t cel
     return solid;
 }
 
-/// Whether all cells of the disk are set, but for two that samples may have missed.
+/// Whether all cells of the disk are set, except for two that samples may have missed.
 static inline bool stp_stencil_is_full(const stp_stencil* stencil, uint64_t cells)
 {
     return __builtin_popcountll(stencil->disk & ~cells) <= 2;
 }
 
-/// The fraction of the disk that is surface, 0..1; exactly 1 where it is solid.
+/// Fraction of the disk that is surface, 0..1; exactly 1 if solid.
 float stp_stencil_fraction(const stp_stencil* stencil, uint64_t cells);

@@ -10,8 +10,9 @@
 /// The best pair that a point is in.
 typedef struct stp_contraction_pair {
     double error; ///< of the contracted point's quadric
-    double
-        weight; ///< orders pairs of equal error: square of the length x the numbers of points that both stand for
+    /// orders pairs of equal error: square of the length x the numbers of points that both stand
+    /// for
+    double weight;
     uint32_t partner; ///< UINT32_MAX: none
 } stp_contraction_pair;
 

@@ -7,8 +7,8 @@
 typedef struct stp_distinct {
     uint32_t count;
     float* positions; ///< 3 a place
-    float*
-        normals; ///< 3 a place: means of its points, of unit length or zero; NULL: the input has none
+    /// 3 a place: means of its points, of unit length or zero; NULL: the input has none
+    float* normals;
     uint32_t* points;      ///< of a place, its first point along the curve
     uint32_t* places;      ///< of a point
     stp_color_mean* means; ///< of its points

@@ -18,7 +18,8 @@ typedef struct stp_subsample_choice {
 /// margins. A candidate left without points has no splat. On all threads; results do not depend on
 /// their number.
 /// @param ellipses room for as many as are chosen
-/// @param colors   3 a splat, sRGB: means, in linear light, of the covered points; white where those have none
+/// @param colors 3 a splat, sRGB: means, in linear light, of the covered points; white where those
+/// have none
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_subsample_fit(stp_context* context, const stp_subsample_choice* choice,
                                           stp_ellipse* ellipses, uint8_t* colors, uint32_t* count);

@@ -7,8 +7,8 @@
 
 #define PI 3.14159265358979323846f
 #define THIN 1e-3f ///< of the major axis: the least minor axis
-#define CERTAIN                                                                                    \
-    1e-5 ///< of the square of the largest eigenvalue: products of the others below it lose digits
+/// of the square of the largest eigenvalue: products of the others below it lose digits
+#define CERTAIN 1e-5
 #define LINE 1e-6f ///< of the square of both variances: a determinant below it is that of a line
 
 enum { SWEEPS_MOST = 32, NEWTON_MOST = 16, ROUNDS = 6 };
@@ -96,7 +96,8 @@ enum { MOST = STP_ELLIPSE_COVER_MOST };
 
 enum { LANES = 4, FOURS = MOST / LANES };
 
-/// Four numbers of an array that vector instructions work on at once, in one order on every machine.
+/// Four numbers of an array that vector instructions work on at once, in one order on every
+/// machine.
 typedef float four __attribute__((vector_size(LANES * sizeof(float))));
 typedef int32_t four_masks __attribute__((vector_size(LANES * sizeof(int32_t))));
 
@@ -152,8 +153,9 @@ static inline void find_spread(weighed* w)
     w->yy = add_up(c);
 }
 
-/// Gives the points farther from the mean more weight, as measured by their spread: the scatter tends to the shape of the
-/// smallest ellipse around them (the dual problem; Dette, Pepelyshev, Zhigljavsky 2008).
+/// Gives the points farther from the mean more weight, as measured by their spread: the scatter
+/// tends to the shape of the smallest ellipse around them (the dual problem; Dette, Pepelyshev,
+/// Zhigljavsky 2008).
 /// @return false where they lie along a line
 static inline bool weigh_anew(weighed* w)
 {
@@ -268,9 +270,11 @@ stp_vec3d stp_least_direction(const double m[6], double eigenvalues[3])
     return (stp_vec3d){v[0][least], v[1][least], v[2][least]};
 }
 
-/// The least root of the characteristic polynomial of a matrix without negative eigenvalues, by Newton's method from 0: left of
-/// all roots the polynomial is concave, so the steps never pass the first one.
-/// @return false where they converge slowly or digits are lost: two eigenvalues are almost equal, or two almost 0
+/// The least root of the characteristic polynomial of a matrix without negative eigenvalues, by
+/// Newton's method from 0: left of all roots the polynomial is concave, so the steps never pass the
+/// first one.
+/// @return false where they converge slowly or digits are lost: two eigenvalues are almost equal,
+/// or two almost 0
 static bool find_least_root(const double m[6], double* root)
 {
     double sum = m[0] + m[3] + m[5];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The merge forest of a set of splats: neighbouring splats are merged in pairs, the pair with the least error first (Wu, Zhang, Kobbelt 2005, 2 to 4).
+// The merge forest of a set of splats: neighbouring splats are merged in pairs, the pair with the
+// least error first (Wu, Zhang, Kobbelt 2005, 2 to 4).
 #pragma once
 
 #include "base/context.h"
@@ -33,32 +34,36 @@ typedef enum stp_psp_metric {
 typedef struct stp_psp_desc {
     stp_psp_metric metric;
     uint32_t neighbours; ///< of a point, 1 to STP_NEIGHBOURS_MOST; the paper's k is 8
-    float
-        least_cosine; ///< of the normals of splats that may be merged; the default is 0: a right angle
-    /// A splat whose best merge became worse moves back in the queue at once, not when it comes up. The result is the same.
+    /// of the normals of splats that may be merged; the default is 0: a right angle
+    float least_cosine;
+    /// A splat whose best merge became worse moves back in the queue at once, not when it comes up.
+    /// The result is the same.
     bool eager;
-    /// Where no merge is possible and more than the target are left, each splat is linked with the nearest ones anew, and
-    /// merging goes on, so the target is always reached. From then on `least_cosine` holds only with `keep_angle`, and then
-    /// more splats than the target may be left.
+    /// Where no merge is possible and more than the target are left, each splat is linked with the
+    /// nearest ones anew, and merging goes on, so the target is always reached. From then on
+    /// `least_cosine` holds only with `keep_angle`, and then more splats than the target may be
+    /// left.
     bool connect_components;
     bool keep_angle;
-    uint32_t
-        piece_size; ///< splats that one queue merges, 8 and more; 0: the default. More are merged in pieces
-    /// Of stp_psp_decimate: what grows with the number of points lies in files beside this one, not in memory. Where the points lie
-    /// in this one, their pages are released, too. The result is the same. NULL: all is in memory.
+    /// splats that one queue merges, 8 and more; 0: the default. More are merged in pieces
+    uint32_t piece_size;
+    /// Of stp_psp_decimate: what grows with the number of points lies in files beside this one, not
+    /// in memory. Where the points lie in this one, their pages are released, too. The result is
+    /// the same. NULL: all is in memory.
     stp_spill* spill;
 } stp_psp_desc;
 
 stp_psp_desc stp_psp_desc_default(void);
 
-/// Two splats become one. Splats have numbers: those of points first, then that of each merge in order.
+/// Two splats become one. Splats have numbers: those of points first, then that of each merge in
+/// order.
 typedef struct stp_psp_merge {
     uint32_t left, right;
     double
         error; ///< as the metric has it, weighted by the distance of the two (formulas 1 and 2); in
                ///< model units, and rounded to a float in those of the merge
-    double
-        level; ///< the largest error of the merge and of all below it. Never decreases from merge to merge
+    /// the largest error of the merge and of all below it. Never decreases from merge to merge
+    double level;
 } stp_psp_merge;
 
 typedef struct stp_psp_forest {
@@ -69,12 +74,14 @@ typedef struct stp_psp_forest {
     uint32_t* parents; ///< of a splat the merge that took it; UINT32_MAX: none
 } stp_psp_forest;
 
-/// Merges until `target` splats are left, or none can be merged. Points without neighbours, or with those alone that face
-/// elsewhere, stay. One queue merges up to `piece_size` splats; more are merged in pieces on all threads. Deterministic; the
-/// result does not depend on the number of threads, but it depends on `piece_size`.
+/// Merges until `target` splats are left, or none can be merged. Points without neighbours, or with
+/// those alone that face elsewhere, stay. One queue merges up to `piece_size` splats; more are
+/// merged in pieces on all threads. Deterministic; the result does not depend on the number of
+/// threads, but it depends on `piece_size`.
 ///
 /// Coordinates that are not numbers count as 0; magnitudes above 1e18 are cut to that.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^30 points and more; logged). Freed by
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^30 points and more; logged). Freed
+/// by
 ///         stp_psp_forest_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* points,
                                             const stp_psp_desc* desc, uint32_t target,
@@ -98,10 +105,11 @@ typedef struct stp_psp_splats {
 /// About how many bytes stp_psp_decimate takes at its peak without `spill`, besides the points.
 uint64_t stp_psp_decimate_bytes(uint32_t count, const stp_psp_desc* desc);
 
-/// Merges as stp_psp_forest_make does, and keeps only what is left: the same splats as those of stp_psp_forest_cut at the
-/// target, in order of the least index of the points they stand for. Takes far less memory
-/// (docs/algorithms/progressive-splatting.md).
-/// @return as stp_psp_forest_make; with `spill` also STP_ERROR_IO (logged). Freed by stp_psp_splats_destroy, also after a failure
+/// Merges as stp_psp_forest_make does, and keeps only what is left: the same splats as those of
+/// stp_psp_forest_cut at the target, in order of the least index of the points they stand for.
+/// Takes far less memory (docs/algorithms/progressive-splatting.md).
+/// @return as stp_psp_forest_make; with `spill` also STP_ERROR_IO (logged). Freed by
+/// stp_psp_splats_destroy, also after a failure
 STP_MUST_USE stp_result stp_psp_decimate(stp_context* context, const stp_psp_points* points,
                                          const stp_psp_desc* desc, uint32_t target,
                                          stp_psp_splats* splats);

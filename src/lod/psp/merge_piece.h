@@ -5,8 +5,8 @@
 
 #include "lod/psp/queue.h"
 
-#define STP_PSP_OUTSIDE                                                                            \
-    0x80000000u ///< of a link: it leads to a splat of another piece, by its slot
+/// of a link: it leads to a splat of another piece, by its slot
+#define STP_PSP_OUTSIDE 0x80000000u
 #define STP_PSP_RECORDED 0x80000000u ///< of an id: it is the number of a record of the same piece
 
 /// A splat that is beside another, and the error of merging the two; infinite where that is not

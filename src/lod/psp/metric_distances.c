@@ -3,8 +3,8 @@
 #include "lod/psp/metric.h"
 
 #define LINE 1e-4 ///< how little points spread across a line, of what they spread along it
-#define UPRIGHT                                                                                    \
-    0.7f ///< cosine to the mean normal of two splats, below which that of the points is not believed
+/// cosine to the mean normal of two splats, below which that of the points is not believed
+#define UPRIGHT 0.7f
 /// Added to each sum of squares, times the geometric mean of both areas: sums below this are noise,
 /// and a plane is merged evenly.
 #define FLAT 1e-8

@@ -8,9 +8,10 @@
 void stp_list_neighbours(const stp_kd_tree* tree, uint32_t place, const uint32_t* places,
                          uint32_t count, uint32_t k, uint32_t* neighbours);
 
-/// Lists for each point the nearest other ones, nearest first; of equally near ones that are listed, the lower index first. Where
-/// several are equally far as the last, any of them may be listed; which one depends on the points alone. Runs on all
-/// threads; results do not depend on their number.
+/// Lists for each point the nearest other ones, nearest first; of equally near ones that are
+/// listed, the lower index first. Where several are equally far as the last, any of them may be
+/// listed; which one depends on the points alone. Runs on all threads; results do not depend on
+/// their number.
 /// @param positions 3 floats a point, read as stp_kd_tree_make does
 /// @param k 1 to STP_NEIGHBOURS_MOST
 /// @param neighbours receives k a point; UINT32_MAX where there are fewer

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A priority queue of splats by the error of their best merge: a heap with four children a node that knows where each splat is.
+// A priority queue of splats by the error of their best merge: a heap with four children a node
+// that knows where each splat is.
 #pragma once
 
 #include "lod/psp/metric.h"

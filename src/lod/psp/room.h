@@ -29,15 +29,15 @@ stp_result stp_psp_storage_fail(stp_psp_storage* storage);
 
 /// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged). Closed by stp_psp_room_close
 STP_MUST_USE stp_result stp_psp_room_open(stp_psp_storage* storage, stp_psp_room* room);
-/// Room for `count` elements of `size` bytes, uninitialised; NULL where there is no room, or was none
-/// before (stp_psp_storage_fail). Any thread.
+/// Room for `count` elements of `size` bytes, uninitialised; NULL where there is no room, or was
+/// none before (stp_psp_storage_fail). Any thread.
 void* stp_psp_room_alloc(const stp_psp_room* room, size_t count, size_t size);
 /// Frees an array in memory; one in a file stays until the room is closed. NULL is allowed.
 void stp_psp_room_free(const stp_psp_room* room, void* array);
 /// Closes the file, after all arrays were freed. A room that was not opened is allowed.
 void stp_psp_room_close(stp_psp_room* room);
-/// Lets the system drop what lies in a file from memory, and what lies in the file that it is beside;
-/// it is read again when needed. Does nothing in memory. Any thread.
+/// Lets the system drop what lies in a file from memory, and what lies in the file that it is
+/// beside; it is read again when needed. Does nothing in memory. Any thread.
 void stp_psp_room_release(const stp_psp_room* room);
 
 #define STP_PSP_NEW(room, type, count) ((type*)stp_psp_room_alloc((room), (count), sizeof(type)))

@@ -53,12 +53,12 @@ typedef struct stp_psp_rounds {
     // what the last round left
     stp_psp_block* blocks;
     uint32_t block_count, slot_count;
-    uint32_t*
-        survivors; ///< of a slot of the last round: the number of the splat that stands for it, then its slot
+    /// of a slot of the last round: the number of the splat that stands for it, then its slot
+    uint32_t* survivors;
     // of the round that runs
     stp_kd_point* order; ///< of a slot, in `index`, the number of the splat; NULL: they are equal
-    uint64_t*
-        reverse; ///< links across seams of the first round, backwards: slot << 32 | other slot; ascending
+    /// links across seams of the first round, backwards: slot << 32 | other slot; ascending
+    uint64_t* reverse;
     size_t reverse_count;
     // history
     stp_psp_history* histories;
@@ -80,7 +80,8 @@ void stp_psp_rounds_release(const stp_psp_rounds* rounds, size_t number);
 
 /// Merges until the target is reached or nothing can be merged. The caller sets `keep_history`,
 /// `initial`, `alone` and what is shared, and makes the tree.
-/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_rounds_destroy, also after a
+/// @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_psp_rounds_destroy,
+/// also after a
 ///         failure
 STP_MUST_USE stp_result stp_psp_rounds_run(stp_psp_rounds* rounds);
 void stp_psp_rounds_destroy(stp_psp_rounds* rounds);

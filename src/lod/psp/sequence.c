@@ -8,8 +8,8 @@
 
 #include <stdlib.h>
 
-#define LEAST_CODE                                                                                 \
-    0x100u ///< of the level of a merge: that of the least float that no processor takes for 0
+/// of the level of a merge: that of the least float that no processor takes for 0
+#define LEAST_CODE 0x100u
 #define PI 3.14159265358979323846
 #define LEVEL_MOST 1e30f ///< finite
 

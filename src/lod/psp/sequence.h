@@ -10,8 +10,8 @@
 typedef struct stp_psp_sequence {
     uint32_t count;
     uint32_t* splats; ///< numbers in the forest
-    uint32_t*
-        ranges; ///< codes (base/splat_codes.h); the lowest level of a sample is 0, of a merge above 0
+    /// codes (base/splat_codes.h); the lowest level of a sample is 0, of a merge above 0
+    uint32_t* ranges;
     float* highest_left; ///< highest level of a splat and of all after it
 } stp_psp_sequence;
 

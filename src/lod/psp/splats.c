@@ -17,10 +17,10 @@
 enum { GRAIN = 1024 }; ///< splats
 #define PI 3.14159265358979323846
 #define CELL 1.2f ///< area of a sample, in squares of the radius that all samples cover to
-#define GROWTH                                                                                     \
-    1.1f ///< drawn ellipses overlap a little, because outlines of regions are not ellipses
-#define SPACING                                                                                    \
-    1.4142135f ///< of points, in radii of candidates: where all of a cloud are samples, the reach is 0
+/// drawn ellipses overlap a little, because outlines of regions are not ellipses
+#define GROWTH 1.1f
+/// of points, in radii of candidates: where all of a cloud are samples, the reach is 0
+#define SPACING 1.4142135f
 #define MARGIN 0.38f ///< of that radius: how far a sample's disk reaches beyond a disk of its area
 #define SCATTERED 0.3f ///< share of an ellipse that is surface, below which pixels are left out
 #define LEAST_SHARE (1.0f / 255.0f) ///< of a sample's disk that is surface

@@ -123,8 +123,9 @@ static double reach_from(const flat_children* f, stp_vec3d center, uint32_t* far
 
 #define CLOSE_ENOUGH 1.005 // times the least radius that any disk around two of the children has
 
-// Begins with the disk around two children that reach far, which often holds the others. Else it is moved towards the one that
-// reaches farthest by less and less (Badoiu and Clarkson 2003, for disks); the best centre on the way is kept.
+// Begins with the disk around two children that reach far, which often holds the others. Else it is
+// moved towards the one that reaches farthest by less and less (Badoiu and Clarkson 2003, for
+// disks); the best centre on the way is kept.
 static void find_enclosing(const flat_children* f, stp_vec3d* center)
 {
     uint32_t first = 0, second = 0, farthest = 0;

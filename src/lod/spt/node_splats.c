@@ -24,7 +24,8 @@ typedef struct splat_maker {
     stp_node_splat* splats;
 } splat_maker;
 
-/// Sine of the largest angle between a node's normal and those of its leaves, rounded up: STP_SHAPE_SPREAD_ANY is 1.
+/// Sine of the largest angle between a node's normal and those of its leaves, rounded up:
+/// STP_SHAPE_SPREAD_ANY is 1.
 static uint8_t find_spread(const stp_point_tree* tree, uint32_t node)
 {
     stp_vec3 normal = tree->disks[node].normal;
@@ -49,7 +50,8 @@ static uint32_t first_leaf(const stp_point_tree* tree, uint32_t node)
     return node;
 }
 
-/// Of 128 directions, the triangle of a subdivided octahedron that holds a normal (3.10): its octant, then one of sixteen.
+/// Of 128 directions, the triangle of a subdivided octahedron that holds a normal (3.10): its
+/// octant, then one of sixteen.
 static uint32_t find_cluster(stp_vec3 n)
 {
     float x = fabsf(n.x), y = fabsf(n.y), sum = x + y + fabsf(n.z);

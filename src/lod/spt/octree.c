@@ -52,7 +52,8 @@ static uint32_t octant_of(const stp_octree_cell* cell, stp_vec3d p)
            (p.z >= cell->center.z ? 4u : 0u);
 }
 
-/// Halves along one axis, as child_cell() does, to the bit: a bit of each halving, the first one highest.
+/// Halves along one axis, as child_cell() does, to the bit: a bit of each halving, the first one
+/// highest.
 static void find_places(const double at[BLOCK], double center, double half, uint32_t places[BLOCK])
 {
     double centers[BLOCK], bits[BLOCK] = {0}; // as numbers: all in one vector's format
@@ -169,7 +170,8 @@ static uint32_t divide_sorted(const stp_octree* o, const stp_octree_box* box, ui
     return count;
 }
 
-/// Puts the items of each octant together. begins[k] to begins[k + 1] is octant k. @return how many are not empty
+/// Puts the items of each octant together. begins[k] to begins[k + 1] is octant k. @return how many
+/// are not empty
 static uint32_t split(const stp_octree* o, const stp_octree_box* box, uint32_t begins[9])
 {
     uint8_t octants[FEW]; // positions lie anywhere in memory

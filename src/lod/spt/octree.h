@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The octree of a point tree: points sorted so that those of each box lie together, and boxes that divide into octants.
+// The octree of a point tree: points sorted so that those of each box lie together, and boxes that
+// divide into octants.
 #pragma once
 
 #include "base/context.h"
@@ -29,7 +30,8 @@ typedef struct stp_octree_box {
 
 /// Sorts at least one point by the upper levels, on all threads.
 /// @param positions finite
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_octree_destroy, also after a failure
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_octree_destroy, also after a
+/// failure
 STP_MUST_USE stp_result stp_octree_make(stp_context* context, const float* positions,
                                         uint32_t count, stp_octree* octree);
 void stp_octree_destroy(stp_context* context, stp_octree* octree);
@@ -40,9 +42,10 @@ static inline uint32_t stp_octree_point(const stp_octree* octree, uint32_t item)
     return (uint32_t)octree->items[item];
 }
 
-/// Divides a box of two or more points into octants, of which at least two hold points: boxes with one filled octant are
-/// passed over. Points that lie together are cut by their order. Below the sorted levels it moves items within the box.
-/// Boxes that have no item in common may be divided at once.
+/// Divides a box of two or more points into octants, of which at least two hold points: boxes with
+/// one filled octant are passed over. Points that lie together are cut by their order. Below the
+/// sorted levels it moves items within the box. Boxes that have no item in common may be divided at
+/// once.
 /// @param children  room for 8; those that hold points, in order. @return how many
 uint32_t stp_octree_divide(const stp_octree* octree, stp_octree_box box,
                            stp_octree_box children[8]);

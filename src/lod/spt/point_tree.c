@@ -104,7 +104,8 @@ static void finish_node(const maker* m, uint32_t node)
     m->weights[node] = (uint32_t)sum;
 }
 
-// The part of the tree that a box makes, and the parts of those within. @return false where memory runs out
+// The part of the tree that a box makes, and the parts of those within. @return false where memory
+// runs out
 static bool add_pieces(maker* m, const stp_octree_box* box)
 {
     size_t at = m->piece_count;

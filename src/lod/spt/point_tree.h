@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A point tree: an octree of points, in which each node is a disk that stands for its children (Dachsbacher et al. 2003,
-// 3.1 to 3.5).
+// A point tree: an octree of points, in which each node is a disk that stands for its children
+// (Dachsbacher et al. 2003, 3.1 to 3.5).
 #pragma once
 
 #include "base/context.h"
@@ -24,12 +24,13 @@ typedef enum stp_tree_error {
 
 typedef struct stp_tree_desc {
     stp_tree_error error;
-    /// Where the colour of a child differs by more than this (of 255) from its parent's in any channel, the parent's error is
-    /// its diameter (3.9). 255: colours do not count.
+    /// Where the colour of a child differs by more than this (of 255) from its parent's in any
+    /// channel, the parent's error is its diameter (3.9). 255: colours do not count.
     uint32_t color_threshold;
 } stp_tree_desc;
 
-/// Nodes in depth-first order: a node before those below it, which lie together behind it. Node 0 is the root.
+/// Nodes in depth-first order: a node before those below it, which lie together behind it. Node 0
+/// is the root.
 typedef struct stp_point_tree {
     uint32_t count, leaf_count;
     stp_disk* disks;
@@ -37,20 +38,21 @@ typedef struct stp_point_tree {
     uint32_t* ends;   ///< of each node's subtree: the node behind it. A leaf's is the next node
     uint32_t* points; ///< of a leaf the index of its point; else UINT32_MAX
     float* errors;    ///< never below that of a node below; 0 of leaves
-    /// The two parts of the error (3.2, 3.3), as they are seen from the side and from above. A node's are at least its
-    /// children's, too, and where the error is the diameter, both are.
+    /// The two parts of the error (3.2, 3.3), as they are seen from the side and from above. A
+    /// node's are at least its children's, too, and where the error is the diameter, both are.
     float *perpendicular, *tangential;
 } stp_point_tree;
 
 /// Makes a tree of at least one point. Coincident points have nodes of their own. Deterministic.
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^31 points and more; logged). Arrays are freed by
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT (2^31 points and more; logged). Arrays
+/// are freed by
 ///         stp_point_tree_destroy, also after a failure
 STP_MUST_USE stp_result stp_point_tree_make(stp_context* context, const stp_tree_points* points,
                                             const stp_tree_desc* desc, stp_point_tree* tree);
 void stp_point_tree_destroy(stp_context* context, stp_point_tree* tree);
 
-/// The view of a tree: an eye in its space, and the error allowed at distance 1 (a pixel's angle times the pixels that are
-/// allowed: epsilon of the paper).
+/// The view of a tree: an eye in its space, and the error allowed at distance 1 (a pixel's angle
+/// times the pixels that are allowed: epsilon of the paper).
 typedef struct stp_tree_view {
     stp_vec3d eye;
     double allowed;

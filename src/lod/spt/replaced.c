@@ -11,8 +11,8 @@ enum {
     LOOKS_MOST = 1000, ///< nodes of the tree that are looked at for a sample
 };
 
-#define NEAR_STEPS                                                                                 \
-    1.5f ///< how far from its triangle rounding may move a sample, in steps of the set's grid
+/// how far from its triangle rounding may move a sample, in steps of the set's grid
+#define NEAR_STEPS 1.5f
 #define BESIDE 2.0f ///< what lies so many radii away may be covered by a sample's disk
 #define ALIKE 0.5f  ///< cosine between normals of surface that a disk covers together
 
@@ -109,7 +109,8 @@ static bool is_outside(stp_box box, stp_vec3 p, float near)
            p.y > box.max.y + near || p.z < box.min.z - near || p.z > box.max.z + near;
 }
 
-/// The highest level of the triangles that a point lies on; 0 if it takes too long to tell: then splats are kept.
+/// The highest level of the triangles that a point lies on; 0 if it takes too long to tell: then
+/// splats are kept.
 static float find_on(const replaced* r, stp_vec3 p)
 {
     struct {

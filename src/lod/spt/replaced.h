@@ -4,9 +4,9 @@
 
 #include "lod/samples.h"
 
-/// For each sample the level up to which it lies amid triangles that are drawn; 0 where it does not. At lower levels than its own
-/// (base/triangle_level.h) a triangle is drawn. A sample beside surface of smaller triangles keeps its splat, because the
-/// disk may cover some of that surface.
+/// For each sample the level up to which it lies amid triangles that are drawn; 0 where it does
+/// not. At lower levels than its own (base/triangle_level.h) a triangle is drawn. A sample beside
+/// surface of smaller triangles keeps its splat, because the disk may cover some of that surface.
 /// @param corners 9 floats a triangle, in the space of the samples; finite
 /// @param levels one a sample
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)

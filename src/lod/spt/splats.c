@@ -76,8 +76,9 @@ static bool is_replaced(const spt_maker* m, const stp_node_splat* node, size_t p
     return stp_range_level(find_range(m, place) >> 16) * ROUNDED < node->replaced;
 }
 
-/// Within a band, from one breakpoint of the table to the next, those that triangles replace come last. Others lie by where
-/// they face, then by where they are, so that neighbours can be left out together.
+/// Within a band, from one breakpoint of the table to the next, those that triangles replace come
+/// last. Others lie by where they face, then by where they are, so that neighbours can be left out
+/// together.
 static void find_keys(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const spt_maker* m = user;
