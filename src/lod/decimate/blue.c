@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The exact order cut to a prefix, with a disk for each of its points: the smallest that covers the
+// A prefix of the exact order, with a disk for each of its points: the smallest that covers the
 // points nearest to it.
 #include "base/jobs.h"
 #include "lod/decimate/cells.h"
@@ -30,7 +30,7 @@ static bool face_apart(const stp_decimate_input* input, uint32_t a, uint32_t b)
                                              stp_decimate_vector(input->normals, b)) < 0.0f;
 }
 
-/// How far a disk must reach to cover a point of its cell, and half the way to the point's
+/// Radius of a disk needed to cover a point of its cell, and half the distance to the point's
 /// neighbours in other cells.
 static float reach_for(const blue_maker* m, uint32_t cell, stp_vec3 center, stp_vec3 normal,
                        uint32_t point)

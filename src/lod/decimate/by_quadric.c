@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "lod/decimate/contraction.h"
 
-/// Points that are left, in the order of their numbers, as an input of their own.
+/// Remaining points, in index order, as a separate input.
 typedef struct left_points {
     float *positions, *normals;
     uint32_t* numbers;
@@ -40,8 +40,8 @@ static stp_result gather(const stp_contraction* c, left_points* left)
     return STP_OK;
 }
 
-/// Turns the points that are left into splats, in the way of initial splats (Wu, Zhang, Kobbelt
-/// 2005, 3 and 6.1).
+/// Turns the remaining points into splats, like initial splats (Wu, Zhang, Kobbelt 2005, 3 and
+/// 6.1).
 static stp_result make_splats(const stp_contraction* c, stp_decimate_output* output)
 {
     left_points left = {0};

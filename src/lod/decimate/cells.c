@@ -9,7 +9,7 @@
 #define SLACK 1.001f   ///< distances are rounded
 #define ROUNDING 1e-7f ///< of coordinates
 
-/// The least radius that grids can work with: coordinates are not known better.
+/// Minimum radius for grids: limited by the precision of coordinates.
 static float least_radius(const stp_decimate_input* input)
 {
     float most = 0.0f;
@@ -19,7 +19,7 @@ static float least_radius(const stp_decimate_input* input)
     return fmaxf(ROUNDING * most, FLT_MIN);
 }
 
-/// Searches on the same side or, for what then has no owner, on both.
+/// Searches on the same side; points without an owner then search on both.
 static void search(stp_context* context, const stp_grid* from, const stp_grid* points, float radius,
                    bool two_sided, uint32_t* nearest, stp_decimate_cells* cells)
 {
@@ -41,7 +41,7 @@ static stp_result find_owners(stp_context* context, const stp_decimate_input* in
 {
     stp_grid from = {0}, points = {0};
     bool sides = input->normals != NULL;
-    const float* all = sides ? input->normals : input->positions; // not looked at
+    const float* all = sides ? input->normals : input->positions; // unused
     uint32_t* nearest = STP_NEW_ARRAY(context, uint32_t, (size_t)input->count + STP_GRID_LANES);
     stp_result result = nearest != NULL ? STP_OK : stp_fail_memory(context);
     if (result == STP_OK) {

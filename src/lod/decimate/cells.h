@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Which of some chosen points is nearest to each point.
+// Assigns each point to the nearest chosen point.
 #pragma once
 
 #include "lod/decimate/decimator.h"
 
-/// The points of each chosen one, itself among them: members from starts[i] to before starts[i +
-/// 1], ascending.
+/// Points of each chosen one, including itself: members from starts[i] to before starts[i + 1],
+/// ascending.
 typedef struct stp_decimate_cells {
-    uint32_t* owners; ///< of each point, the number of a chosen one
+    uint32_t* owners; ///< per point, the number of a chosen one
     uint32_t* starts;
     uint32_t* members;
 } stp_decimate_cells;
 
-/// Gives each point to the nearest chosen one that does not face apart from it; where there is
-/// none, to the nearest one.
+/// Assigns each point to the nearest chosen one that does not face away from it; if there is none,
+/// to the nearest one.
 /// @param chosen points that are at least `radius` apart, unless they face apart
-/// @param radius no point is farther from the chosen ones
+/// @param radius maximum distance of any point to the chosen ones
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); freed by stp_decimate_cells_destroy, also
 ///         after a failure
 STP_MUST_USE stp_result stp_decimate_cells_make(stp_context* context,

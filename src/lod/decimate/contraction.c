@@ -3,11 +3,11 @@
 
 #include "base/jobs.h"
 
-#define ROUNDING 1e-14 ///< square of what floats can tell apart, of the box's diagonal
+#define ROUNDING 1e-14 ///< squared float precision, relative to the box's diagonal
 
 enum { GRAIN = 512 };
 
-/// Where the contraction of two points lies.
+/// Position of the contraction of two points.
 static stp_vec3d place_of(const stp_contraction* c, const stp_quadric* both, uint32_t low,
                           uint32_t high, double length)
 {
@@ -128,7 +128,7 @@ static stp_contraction_pair best_of(const stp_contraction* c, uint32_t point, co
     return best;
 }
 
-/// The contracted point has moved: finds its best pair, and those of its neighbours.
+/// Updates the best pair of the moved point, and those of its neighbours.
 static void update(stp_contraction* c, uint32_t kept, uint32_t gone)
 {
     uint32_t count = stp_point_links_list(&c->links, kept, c->near);
@@ -176,8 +176,7 @@ bool stp_contraction_step(stp_contraction* c)
     return true;
 }
 
-/// The planes through a point and each neighbour that lie as near to the point's own plane as they
-/// can.
+/// Adds the planes through a point and each neighbour that are closest to the point's own plane.
 static void make_quadrics(size_t begin, size_t end, uint32_t worker, void* user)
 {
     stp_contraction* c = user;
@@ -201,7 +200,7 @@ static void make_pairs(size_t begin, size_t end, uint32_t worker, void* user)
     stp_contraction* c = user;
     (void)worker;
     for (size_t i = begin; i < end; ++i) {
-        // at first, a point's entries lie together, and none is there twice
+        // initially, a point's entries are consecutive and distinct
         uint32_t first = c->links.first[i];
         uint32_t count = first != UINT32_MAX ? c->links.last[i] - first + 1 : 0;
         const uint32_t* near = count > 0 ? c->links.targets + first : NULL;

@@ -1,37 +1,36 @@
 // SPDX-License-Identifier: MIT
-// Pairs of neighbouring points are contracted, that of least quadric error first (Pauly, Gross,
-// Kobbelt. Efficient Simplification of Point-Sampled Surfaces. 2002, 3.2).
+// Contracts pairs of neighbouring points, the least quadric error first (Pauly, Gross, Kobbelt.
+// Efficient Simplification of Point-Sampled Surfaces. 2002, 3.2).
 #pragma once
 
 #include "lod/decimate/distinct.h"
 #include "lod/decimate/point_links.h"
 #include "lod/decimate/quadric.h"
 
-/// The best pair that a point is in.
+/// Best pair of a point.
 typedef struct stp_contraction_pair {
     double error; ///< of the contracted point's quadric
-    /// orders pairs of equal error: square of the length x the numbers of points that both stand
-    /// for
+    /// orders pairs of equal error: squared length x the numbers of represented points
     double weight;
     uint32_t partner; ///< UINT32_MAX: none
 } stp_contraction_pair;
 
 typedef struct stp_contraction {
     stp_context* context;
-    stp_distinct* points;     ///< normals and means are added up where points are contracted
-    const stp_ellipse* disks; ///< of points at first: their normals
+    stp_distinct* points;     ///< normals and means are summed on contraction
+    const stp_ellipse* disks; ///< initially the points' normals
     stp_point_links links;
-    stp_vec3d middle; ///< positions are about it
-    double least;     ///< error of a plane, below which it is rounding
+    stp_vec3d middle; ///< origin of positions
+    double least;     ///< error of a plane, below which it is rounding noise
     stp_vec3d* positions;
     stp_quadric* quadrics;
     stp_contraction_pair* pairs; ///< of points
-    uint32_t* heap;              ///< points, the best pair's first
-    uint32_t* places;            ///< of points in the heap; UINT32_MAX: not in it
+    uint32_t* heap;              ///< heap of points, the best pair first
+    uint32_t* places;            ///< heap index of points; UINT32_MAX: not in it
     uint32_t* near;              ///< neighbours of one point
     uint32_t* near_near;         ///< those of one of them
     uint32_t heap_count;
-    uint32_t left; ///< how many points there are
+    uint32_t left; ///< number of points
 } stp_contraction;
 
 /// Prepares all pairs. `context`, `points` and `disks` are set; neighbours as in

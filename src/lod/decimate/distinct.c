@@ -55,7 +55,7 @@ stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* inp
         .points = STP_NEW_ARRAY(context, uint32_t, count + 1),
         .places = STP_NEW_ARRAY(context, uint32_t, count + 1),
         .means = STP_NEW_ZEROED(context, stp_color_mean, count + 1)};
-    uint32_t* slots = STP_NEW_ZEROED(context, uint32_t, mask + 1); // a place + 1
+    uint32_t* slots = STP_NEW_ZEROED(context, uint32_t, mask + 1); // position index + 1
     uint32_t* order = STP_NEW_ARRAY(context, uint32_t, count + 1);
     bool made = d->positions != NULL && d->points != NULL && d->places != NULL &&
                 d->means != NULL && slots != NULL && order != NULL &&
@@ -96,7 +96,8 @@ void stp_distinct_destroy(stp_context* context, stp_distinct* d)
     *d = (stp_distinct){0};
 }
 
-/// Gives each point the disk and the neighbours of its place. A disk faces as its point does.
+/// Copies the disk and the neighbours of each position to its points. A disk faces as its point
+/// does.
 static void spread_disks(const stp_decimate_input* input, const stp_distinct* d,
                          const stp_ellipse* place_disks, const uint32_t* place_near,
                          stp_ellipse* disks, uint32_t* neighbours)

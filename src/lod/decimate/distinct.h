@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The distinct places of points: points in one place become one.
+// Distinct positions of points: merges coincident points.
 #pragma once
 
 #include "lod/decimate/parts.h"
@@ -7,14 +7,15 @@
 typedef struct stp_distinct {
     uint32_t count;
     float* positions; ///< 3 a place
-    /// 3 a place: means of its points, of unit length or zero; NULL: the input has none
+    /// 3 a place: means of its points, unit length or zero; NULL: the input has none
     float* normals;
-    uint32_t* points;      ///< of a place, its first point along the curve
+    uint32_t* points;      ///< per position, its first point along the curve
     uint32_t* places;      ///< of a point
     stp_color_mean* means; ///< of its points
 } stp_distinct;
 
-/// Lists places along a curve: what is near is near in memory (stp_sort_spatially).
+/// Lists positions along a space-filling curve, so that neighbours are close in memory
+/// (stp_sort_spatially).
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); freed by stp_distinct_destroy, also after a
 ///         failure
 STP_MUST_USE stp_result stp_distinct_make(stp_context* context, const stp_decimate_input* input,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997, by libmeshoptimizer:
-// what splats are compared with in Figure 9 of the paper, at an equal number of vertices.
+// the reference for splats in Figure 9 of the paper, at an equal number of vertices.
 #include "lod/decimate/parts.h"
 #include "lod/decimate/simplify.h"
 
@@ -11,7 +11,7 @@ enum { ATTEMPTS = 12 };
 typedef struct mesh_maker {
     stp_context* context;
     const stp_decimate_input* input;
-    // vertices that are used, one in each place, and triangles of them
+    // distinct used vertices, and their triangles
     uint32_t* originals; ///< numbers in the input, ascending
     float* positions;
     uint32_t vertex_count;
@@ -20,11 +20,10 @@ typedef struct mesh_maker {
     uint32_t *found, *best;
     size_t best_count;
     uint32_t best_vertices;
-    uint32_t*
-        numbers; ///< of vertices that are used, in the order of vertices; UINT32_MAX: not used
+    uint32_t* numbers; ///< new number per vertex; UINT32_MAX: not used
 } mesh_maker;
 
-/// Numbers the vertices that are used, of `vertex_count`. @return how many
+/// Numbers the used vertices among `vertex_count`. @return number of used vertices
 static uint32_t number_vertices(const mesh_maker* m, const uint32_t* indices, size_t count,
                                 uint32_t vertex_count)
 {
@@ -39,8 +38,8 @@ static uint32_t number_vertices(const mesh_maker* m, const uint32_t* indices, si
     return used;
 }
 
-/// Welds vertices in one place. Drops degenerate triangles and unused vertices, because the
-/// simplifier would keep vertices that share a place with them.
+/// Welds coincident vertices. Drops degenerate triangles and unused vertices, because the
+/// simplifier would keep vertices that coincide with them.
 static stp_result weld(mesh_maker* m)
 {
     const stp_decimate_input* input = m->input;
@@ -75,16 +74,16 @@ static uint32_t distance(uint32_t a, uint32_t b)
     return a > b ? a - b : b - a;
 }
 
-/// The next number of triangles to try, between one that leaves too few vertices and one that
-/// leaves too many.
+/// Next triangle count to try, between one that leaves too few vertices and one that leaves too
+/// many.
 static int64_t next_wanted(int64_t wanted, int64_t missing, int64_t low, int64_t high)
 {
     int64_t next = wanted + 2 * missing; // within a closed surface, a collapse takes two triangles
     return next > low && next < high ? next : low + (high - low) / 2;
 }
 
-/// Simplifies to several numbers of triangles, until the number of vertices is right, or no number
-/// is left to try. Each attempt begins with all triangles.
+/// Simplifies to several triangle counts, until the vertex count is right, or no count is left to
+/// try. Each attempt begins with all triangles.
 static stp_result find_best(mesh_maker* m, uint32_t target)
 {
     memcpy(m->best, m->welded, m->welded_count * sizeof(*m->best));
@@ -109,7 +108,7 @@ static stp_result find_best(mesh_maker* m, uint32_t target)
             m->best_vertices = vertices;
         }
         if (vertices > target && (int64_t)count / 3 > wanted) {
-            break; // it cannot collapse more
+            break; // it cannot collapse any further
         }
         low = vertices < target ? wanted : low;
         high = vertices > target ? wanted : high;

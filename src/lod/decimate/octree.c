@@ -17,7 +17,7 @@ typedef struct ellipse_maker {
 /// Sums over the disks of a cell, weighted by area.
 typedef struct cell_sums {
     double weight;
-    stp_vec3d center; ///< about that of the first
+    stp_vec3d center; ///< relative to the first disk
     stp_vec3d normal;
     stp_color_mean color;
 } cell_sums;
@@ -32,7 +32,7 @@ static void add_disk(const ellipse_maker* m, const stp_octree_cell* cell, uint32
     double area = (double)stp_ellipse_area(disk);
     stp_vec3d d = stp_subd(stp_to_double(disk->center), stp_to_double(first->center));
     sums->center = stp_addd(sums->center, stp_scaled(d, area));
-    // without normals the outside is unknown: face as the first disk does
+    // without normals the outside is unknown: face like the first disk
     bool turned = input->normals == NULL && stp_dot(disk->normal, first->normal) < 0.0f;
     sums->normal =
         stp_addd(sums->normal, stp_scaled(stp_to_double(disk->normal), turned ? -area : area));
@@ -40,8 +40,7 @@ static void add_disk(const ellipse_maker* m, const stp_octree_cell* cell, uint32
     stp_color_mean_add(&sums->color, input, point, area);
 }
 
-/// The ellipse that covers the disks of a cell. Its axes are those of the disks' scatter in its
-/// plane.
+/// Ellipse that covers the disks of a cell. Its axes are those of the disks' scatter in its plane.
 static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cell,
                               const cell_sums* sums)
 {
@@ -65,7 +64,7 @@ static stp_ellipse cover_cell(const ellipse_maker* m, const stp_octree_cell* cel
         xy += area * (u * v - own * nu * nv);
         yy += area * (v * v + own * (1.0 - nv * nv));
     }
-    // about the centre: far from the origin, floats are coarser than disks may be wide
+    // relative to the centre: far from the origin, float precision may be coarser than disks
     stp_ellipse_fit fit = stp_ellipse_fit_begin((stp_vec3){0}, normal);
     fit.xx = xx;
     fit.xy = xy;

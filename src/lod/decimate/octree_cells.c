@@ -7,7 +7,7 @@
 
 enum { GRAIN = 4096, CHILDREN = 8 };
 
-/// Every third bit from a number of 21 bits.
+/// Spreads 21 bits to every third bit.
 static uint64_t spread(uint64_t x)
 {
     x &= 0x1fffff;
@@ -39,7 +39,7 @@ static void code_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Sorts by 32 bits of the codes; what is equal there keeps its order.
+/// Sorts stably by 32 bits of the codes.
 static bool sort_by(stp_octree_cells* t, const uint64_t* codes, unsigned shift, uint64_t* items,
                     uint64_t* scratch)
 {
@@ -86,13 +86,13 @@ stp_result stp_octree_cells_make(stp_octree_cells* t)
     return made ? STP_OK : stp_fail_memory(t->context);
 }
 
-/// The bits of a code that say in which cell of a level it lies.
+/// Bits of a code that select the cell of a level.
 static uint64_t cell_of(uint64_t code, uint32_t level)
 {
     return code >> 3 * (STP_OCTREE_LEVELS - level);
 }
 
-/// Where the points behind `begin` that share its cell of a level end.
+/// End of the points from `begin` that share its cell of a level.
 static uint32_t end_of_cell(const stp_octree_cells* t, uint32_t begin, uint32_t end, uint32_t level)
 {
     uint64_t cell = cell_of(t->codes[begin], level);
@@ -124,8 +124,8 @@ static stp_octree_cell make_cell(const stp_octree_cells* t, uint32_t begin, uint
     return cell;
 }
 
-/// Finds the cells on the first level below that splits a cell's points.
-/// @return how many: at least 2, or 1 if all points of the cell lie in one place
+/// Finds the cells on the first level below that splits a cell's points. @return their number: at
+/// least 2, or 1 if all points coincide
 static uint32_t find_children(const stp_octree_cells* t, const stp_octree_cell* cell,
                               stp_octree_cell children[CHILDREN])
 {
@@ -175,7 +175,7 @@ static void push(stp_octree_cell* heap, uint32_t* count, stp_octree_cell cell)
 stp_result stp_octree_cells_open(stp_octree_cells* t, uint32_t target)
 {
     uint32_t count = t->input->count, most = target < count ? target : count, waiting = 0;
-    // cells that may be opened are a heap at the front; those that stay are kept aside
+    // cells that may be opened form a heap at the front; final ones are stored separately
     stp_octree_cell* heap = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)most + 1);
     t->cells = STP_NEW_ARRAY(t->context, stp_octree_cell, (size_t)most + 1);
     bool made = heap != NULL && t->cells != NULL;
@@ -203,7 +203,8 @@ stp_result stp_octree_cells_open(stp_octree_cells* t, uint32_t target)
 stp_result stp_octree_cells_take_level(stp_octree_cells* t, uint32_t target)
 {
     uint32_t count = t->input->count, best = 0;
-    uint32_t counts[STP_OCTREE_LEVELS + 1] = {0}; // first how many begin to differ at a level
+    // first counts the codes that begin to differ at a level
+    uint32_t counts[STP_OCTREE_LEVELS + 1] = {0};
     for (uint32_t i = 1; i < count; ++i) {
         uint64_t differs = t->codes[i - 1] ^ t->codes[i];
         if (differs != 0) {

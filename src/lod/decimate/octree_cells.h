@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points sorted into the cells of an octree, and cells that are chosen of it.
+// Points sorted into the cells of an octree, and chosen cells.
 #pragma once
 
 #include "lod/decimate/decimator.h"
@@ -25,7 +25,7 @@ typedef struct stp_octree_cells {
 
 /// Sorts points along the octree's curve. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_octree_cells_make(stp_octree_cells* tree);
-/// Chooses cells: from the root on, the largest one is replaced by its children, as long as there
+/// Chooses cells: starting at the root, replaces the largest one by its children, as long as there
 /// are at most `target`.
 STP_MUST_USE stp_result stp_octree_cells_open(stp_octree_cells* tree, uint32_t target);
 /// Chooses all cells of the level whose number of cells is nearest to `target`; of two, the one

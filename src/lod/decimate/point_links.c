@@ -15,7 +15,7 @@ static bool is_near(const uint32_t* neighbours, uint32_t k, uint32_t from, uint3
     return false;
 }
 
-/// Whether a pair is counted at `from`: where both have each other, at the lower one.
+/// Whether a pair is counted at `from`: mutual neighbours count at the lower one.
 static bool is_own(const uint32_t* neighbours, uint32_t k, uint32_t from, uint32_t to)
 {
     return from < to || !is_near(neighbours, k, to, from);
@@ -27,7 +27,7 @@ static void append(stp_point_links* l, uint32_t from, uint32_t to)
     l->targets[entry] = to;
 }
 
-/// Sets where each point's list begins. @return the number of entries
+/// Sets the start of each point's list. @return number of entries
 static uint64_t place_lists(stp_point_links* l, const uint32_t* neighbours, uint32_t k)
 {
     uint64_t entries = 0;
@@ -100,7 +100,7 @@ stp_result stp_point_links_make(stp_context* context, const uint32_t* neighbours
     return STP_OK;
 }
 
-/// The point that a point is now.
+/// Finds the current point that a point has become.
 static uint32_t find(stp_point_links* l, uint32_t point)
 {
     while (l->kept[point] != point) {
@@ -136,7 +136,7 @@ uint32_t stp_point_links_list(stp_point_links* l, uint32_t point, uint32_t* out)
         uint32_t target = find(l, l->targets[e]);
         l->targets[e] = target;
         if (l->marks[target] == l->stamp) {
-            continue; // itself, or listed already: the entry goes
+            continue; // itself, or already listed: removes the entry
         }
         l->marks[target] = l->stamp;
         out[count++] = target;

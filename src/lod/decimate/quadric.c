@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lod/decimate/quadric.h"
 
-#define FLAT 1e-3 ///< of the mean curvature: added to all, so that there is one least point
+/// relative to the mean curvature: added in all directions, so that the minimum is unique
+#define FLAT 1e-3
 
 void stp_quadric_add_plane(stp_quadric* q, stp_vec3d p, stp_vec3d n)
 {

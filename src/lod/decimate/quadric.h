@@ -12,14 +12,14 @@ typedef struct stp_quadric {
     double c;
 } stp_quadric;
 
-/// Adds the plane through a point across a normal of unit length.
+/// Adds the plane through a point with a unit normal.
 void stp_quadric_add_plane(stp_quadric* quadric, stp_vec3d point, stp_vec3d normal);
 stp_quadric stp_quadric_sum(const stp_quadric* a, const stp_quadric* b);
 /// The value at a point; never below 0.
 double stp_quadric_at(const stp_quadric* quadric, stp_vec3d point);
-/// The sum of the squares of the planes' normals: how many planes.
+/// Sum of the squared normals: the number of planes.
 double stp_quadric_planes(const stp_quadric* quadric);
-/// The point of least value. Along directions in which the value hardly changes (less than a
-/// thousandth of the mean) it stays near `start`; where it would lie farther from there than
-/// `reach`, it is `start`.
+/// Point of minimum value. Stays near `start` along directions in which the value hardly changes
+/// (less than a thousandth of the mean); is `start` itself if it would lie farther away than
+/// `reach`.
 stp_vec3d stp_quadric_least(const stp_quadric* quadric, stp_vec3d start, double reach);

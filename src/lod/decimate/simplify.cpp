@@ -7,7 +7,7 @@
 namespace
 {
 const size_t stride = 3 * sizeof(float);
-const float any_error = 1e9f; // of the model's size: the count alone ends it
+const float any_error = 1e9f; // relative to the model's size: only the count ends it
 } // namespace
 
 uint64_t stp_simplify_bytes(size_t index_count, size_t vertex_count)

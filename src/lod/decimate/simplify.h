@@ -9,18 +9,17 @@
 extern "C" {
 #endif
 
-/// Bytes that the calls below take at most, about.
+/// Approximate maximum memory of the calls below, in bytes.
 uint64_t stp_simplify_bytes(size_t index_count, size_t vertex_count);
 
-/// Makes triangles that use the first of vertices in one place. @return 0, or -1 where memory ran
-/// out
+/// Makes triangles use the first of coincident vertices. @return 0, or -1 if out of memory
 int stp_simplify_weld(uint32_t* out, const uint32_t* indices, size_t index_count,
                       const float* positions, size_t vertex_count);
 
-/// Collapses edges, of least quadric error first, until `wanted` indices are left, or none can be
-/// collapsed. Vertices stay where they are.
-/// @param out room for index_count. @param out_count receives how many are left
-/// @return 0, or -1 where memory ran out
+/// Collapses edges, least quadric error first, until `wanted` indices are left, or none can be
+/// collapsed. Vertices keep their positions.
+/// @param out space for index_count. @param out_count receives the remaining number @return 0, or
+/// -1 if out of memory
 int stp_simplify_triangles(uint32_t* out, size_t* out_count, const uint32_t* indices,
                            size_t index_count, const float* positions, size_t vertex_count,
                            size_t wanted);

@@ -5,24 +5,25 @@ enum {
     COARSE_STEPS = 12, ///< greedy covers until the tolerance is about right
     FINE_STEPS = 7, ///< relaxed covers between the tolerances that are too small and large enough
     TIGHTEN_PASSES = 4, ///< of the final cover
-    PATIENCE = 12,      ///< more of them while none is large enough
+    PATIENCE = 12,      ///< additional covers while none is large enough
 };
 #define START 1e-3       ///< first tolerance, of the diagonal
 #define LEAST 1e-7       ///< least tolerance, of the diagonal: about the rounding of positions
-#define STEP_MOST 8.0    ///< greatest change of the tolerance at once
+#define STEP_MOST 8.0    ///< maximum change of the tolerance per step
 #define GREEDY_MORE 1.12 ///< sets of a greedy cover that is worth relaxing, of the target
-#define GREEDY_NEAR 0.04 ///< and how near to that is near enough
-#define FINE_RATIO 1.02  ///< of the two tolerances in the end
+#define GREEDY_NEAR 0.04 ///< accepted deviation from that
+#define FINE_RATIO 1.02  ///< final ratio of the two tolerances
 
-/// A search for the least tolerance that needs no more splats than wanted. More tolerance mostly
-/// needs fewer.
+/// Search for the minimum tolerance that needs at most the wanted number of splats. More tolerance
+/// mostly needs fewer.
 typedef struct search {
     stp_context* context;
     stp_subsample_field field;
     uint32_t target;
-    double low, high;             ///< tolerances that are too small, and large enough; 0: not known
+    /// tolerances known to be too small, and large enough; 0: unknown
+    double low, high;
     stp_subsample_attempt best;   ///< with the tolerance `high`
-    stp_subsample_attempt fewest; ///< where none is good enough
+    stp_subsample_attempt fewest; ///< best attempt if none is good enough
 } search;
 
 /// Finds a tolerance whose greedy cover has somewhat more sets than wanted. Counts are about
@@ -50,7 +51,7 @@ static stp_result search_coarse(search* s, stp_subsample_attempt* attempt)
         low = above ? tolerance : low;
         high = above ? high : tolerance;
         double next = tolerance * stp_clampd(count / wanted, 1.0 / STEP_MOST, STEP_MOST);
-        if (low > 0.0 && high > 0.0) { // stay inside, and come from both ends
+        if (low > 0.0 && high > 0.0) { // stay inside, and approach from both ends
             double inside = 0.1 * (high - low);
             next = step % 3 == 2 ? sqrt(low * high) : stp_clampd(next, low + inside, high - inside);
         }
@@ -77,7 +78,7 @@ static void keep(search* s, stp_subsample_attempt* attempt)
     stp_subsample_attempt_destroy(s->context, attempt);
 }
 
-/// Relaxes covers until the least tolerance is known well, or the greatest does not help.
+/// Relaxes covers until the minimum tolerance is known accurately, or the maximum does not help.
 static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
 {
     double least = LEAST * s->field.diagonal, most = s->field.diagonal;
@@ -126,8 +127,8 @@ static stp_result run_search(search* s)
     return result;
 }
 
-/// Searches. Where separate parts need too many splats, again with splats that may reach over gaps;
-/// where those are too many as well, for as many as there must be.
+/// Searches. If separate parts need too many splats, searches again with splats that may span gaps;
+/// if these are still too many, accepts the minimum possible number.
 static stp_result search_cover(search* s)
 {
     uint32_t added = 0;

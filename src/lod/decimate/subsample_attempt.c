@@ -4,7 +4,7 @@
 enum {
     CANDIDATES = 24,  ///< for each splat that is wanted
     CROWD = 8,        ///< points of a candidate, of the mean number for each splat that is wanted
-    CROWD_LEAST = 16, ///< and so many more
+    CROWD_LEAST = 16, ///< plus this constant
     PASSES_MOST = 24, ///< of the relaxation
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A cover of all points by splats within one tolerance: the whole method of Wu and Kobbelt 2004,
-// except the final fit.
+// Cover of all points by splats within one tolerance: the method of Wu and Kobbelt 2004, except the
+// final fit.
 #pragma once
 
 #include "lod/decimate/subsample_fit.h"
@@ -9,7 +9,7 @@ enum { STP_SUBSAMPLE_POINTS_MOST = 1 << 27 };
 
 typedef struct stp_subsample_attempt {
     bool made;
-    double tolerance; ///< half the width of the slab that holds the points of a splat
+    double tolerance; ///< half the thickness of the slab that contains the points of a splat
     stp_subsample_candidates candidates;
     float* areas; ///< of the candidates, up to a common factor
     stp_cover_problem problem;
@@ -17,8 +17,8 @@ typedef struct stp_subsample_attempt {
 } stp_subsample_attempt;
 
 /// Grows candidates and covers all points greedily.
-/// @param target about how many splats are wanted: bounds the number of candidates and the points
-///         of each
+/// @param target approximate number of wanted splats: bounds the number of candidates and the
+/// points of each
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_attempt_destroy, also
 ///         after a failure
 STP_MUST_USE stp_result stp_subsample_attempt_make(stp_context* context,

@@ -63,8 +63,8 @@ bool stp_cover_is_redundant(const stp_cover_problem* p, const stp_cover* cover, 
     return true;
 }
 
-/// A set and the weight it had when it was put in the heap. Weights only fall, so the first one
-/// whose weight is still right is the greatest.
+/// A set and its weight when it was pushed on the heap. Weights only fall, so the first entry with
+/// a current weight is the maximum.
 typedef struct entry {
     uint64_t gain;
     uint32_t set;
@@ -89,7 +89,7 @@ static void sift(entry* heap, uint32_t count, uint32_t at)
     heap[at] = item;
 }
 
-/// Counts the points of a set as covered, in all sets that hold them.
+/// Marks the points of a set as covered, in all sets that contain them.
 static void take_points(const stp_cover_problem* p, const stp_cover* cover, uint32_t set,
                         uint64_t* gains)
 {

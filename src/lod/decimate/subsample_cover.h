@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Choosing few of many sets so that they cover all points: greedily, and then better (Wu and
-// Kobbelt 2004).
+// Set cover: chooses few of many sets that cover all points, first greedily, then by relaxation (Wu
+// and Kobbelt 2004).
 #pragma once
 
 #include "base/context.h"
@@ -11,24 +11,24 @@ typedef struct stp_cover_problem {
     const uint32_t* weights; ///< of each point, at least 1
     const size_t* starts;    ///< of each set in `members`, and the end
     const uint32_t* members; ///< points; each at most once in a set
-    const float* areas;      ///< of each set: of covers with as many sets, less area is better
+    const float* areas;      ///< per set: among covers with equally many sets, less area is better
     size_t* set_starts;      ///< of each point in `sets`, and the end
-    uint32_t* sets;          ///< those that hold a point, ascending
+    uint32_t* sets;          ///< sets that contain a point, ascending
 } stp_cover_problem;
 
 typedef struct stp_cover {
     uint32_t count;
     uint32_t* chosen; ///< sets
     uint32_t* places; ///< of each set in `chosen`; UINT32_MAX: not chosen
-    uint32_t* depths; ///< of each point: how many of the chosen sets hold it
+    uint32_t* depths; ///< per point: number of chosen sets that contain it
 } stp_cover;
 
 /// Lists the sets of each point. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cover_problem_index(stp_context* context, stp_cover_problem* problem);
 void stp_cover_problem_destroy(stp_context* context, stp_cover_problem* problem);
 
-/// Takes the set with the greatest weight of points that are not covered yet, until all are. Of
-/// equal ones the lower number is taken. Each point must be in a set.
+/// Takes the set with the largest weight of uncovered points, until all points are covered; the
+/// lower number on ties. Each point must be in a set.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_cover_destroy, also after a
 ///         failure
 STP_MUST_USE stp_result stp_cover_greedily(stp_context* context, const stp_cover_problem* problem,
@@ -37,14 +37,14 @@ void stp_cover_destroy(stp_context* context, stp_cover* cover);
 
 void stp_cover_add(const stp_cover_problem* problem, stp_cover* cover, uint32_t set);
 void stp_cover_remove(const stp_cover_problem* problem, stp_cover* cover, uint32_t set);
-/// Whether all points of a chosen set are in other chosen ones too.
+/// Whether all points of a chosen set are also in other chosen sets.
 bool stp_cover_is_redundant(const stp_cover_problem* problem, const stp_cover* cover, uint32_t set);
 
-/// Global relaxation: takes neighbouring sets out together, covers their points anew, and keeps
-/// what has no more sets. Exchanges for as many sets lead on to those that save one. Ends when the
-/// count has reached `enough`, or falls no more. On all threads; results do not depend on their
-/// number.
-/// @param enough  the count that is wanted; 0: as few as possible
+/// Global relaxation: removes groups of neighbouring sets, covers their points again, and keeps the
+/// result if it has no more sets. Exchanges for equally many sets lead to those that save one. Ends
+/// when the count reaches `enough`, or stops falling. Uses all threads; results do not depend on
+/// their number.
+/// @param enough wanted count; 0: as few as possible
 /// @param passes  caps the number of passes over all sets
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cover_relax(stp_context* context, const stp_cover_problem* problem,

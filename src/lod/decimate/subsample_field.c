@@ -11,7 +11,7 @@ enum {
     NEIGHBOURS = 8, ///< k of the paper
     WEIGHT_ONE = 256,
     WEIGHT_MOST = 1 << 16,
-    ROUNDS_MOST = 32, ///< of connecting parts: each halves their number
+    ROUNDS_MOST = 32, ///< rounds of connecting parts: each halves their number
 };
 #define MARGIN 0.5f ///< of the distance to the farthest neighbour
 
@@ -72,8 +72,7 @@ static stp_result make_graph(stp_context* context, const uint32_t* nearest,
     return STP_OK;
 }
 
-/// The area of a point is that of a disk which reaches to its farthest neighbour, up to a common
-/// factor.
+/// A point's area is that of a disk that extends to its farthest neighbour, up to a common factor.
 static void weigh(stp_subsample_field* field)
 {
     double mean = 0.0;
@@ -149,7 +148,7 @@ void stp_subsample_field_destroy(stp_context* context, stp_subsample_field* fiel
     *field = (stp_subsample_field){0};
 }
 
-/// Numbers the connected parts of the graph. @return how many there are
+/// Numbers the connected components of the graph. @return their number
 static uint32_t number_parts(const stp_subsample_field* field, uint32_t* parts, uint32_t* first,
                              uint32_t* stack)
 {
@@ -212,7 +211,7 @@ static stp_result add_edges(stp_context* context, stp_subsample_field* field, ed
     return STP_OK;
 }
 
-/// Connects the first point of each part with those of the parts nearest to it.
+/// Connects the first point of each component with those of the nearest components.
 static stp_result connect_parts(stp_context* context, stp_subsample_field* field,
                                 const uint32_t* first, uint32_t part_count)
 {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What splat sub-sampling knows about the points before it chooses splats: neighbours, own splats,
-// areas and margins.
+// Properties of the points for splat sub-sampling: neighbours, own splats, areas and margins.
 #pragma once
 
 #include "lod/decimate/subsample_unique.h"
@@ -9,18 +8,18 @@
 typedef struct stp_subsample_field {
     uint32_t count;
     const float* positions;            ///< 3 a point
-    const float* normals;              ///< NULL, or 3 a point: unit, or zero where unknown
+    const float* normals;              ///< NULL, or 3 per point: unit, or zero if unknown
     const stp_subsample_color* colors; ///< NULL: white
     stp_ellipse* own;                  ///< a disk of each point, as wide as its farthest neighbour
     uint32_t* starts;                  ///< of each point in `neighbours`, and the end
     uint32_t* neighbours;              ///< the 8 nearest of each point, in both directions
     uint32_t* weights;                 ///< area of each point, in 1/256 of the mean; 1 to 2^16
-    float* margins;  ///< radius of the piece of surface that each point stands for
-    uint32_t* order; ///< points along a curve that keeps near what is near
-    double diagonal; ///< of the bounding box; 1 where all points are one
+    float* margins;                    ///< radius of the surface that each point represents
+    uint32_t* order;                   ///< points along a space-filling curve
+    double diagonal;                   ///< of the bounding box; 1 if all points coincide
 } stp_subsample_field;
 
-/// Finds neighbours, normals and areas. On all threads; results do not depend on their number.
+/// Finds neighbours, normals and areas. Uses all threads; results do not depend on their number.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_field_destroy, also
 ///         after a failure
 STP_MUST_USE stp_result stp_subsample_field_make(stp_context* context,
@@ -28,7 +27,7 @@ STP_MUST_USE stp_result stp_subsample_field_make(stp_context* context,
                                                  stp_subsample_field* field);
 void stp_subsample_field_destroy(stp_context* context, stp_subsample_field* field);
 
-/// Adds edges between the parts of the graph until all points are connected. Needed only where a
+/// Adds edges between the parts of the graph until all points are connected. Needed only if the
 /// target is lower than the number of separate parts allows.
 /// @param added receives the number of new edges; 0: the graph was connected
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged); the field stays valid

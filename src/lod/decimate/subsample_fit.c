@@ -2,7 +2,7 @@
 #include "lod/decimate/subsample_fit.h"
 
 enum {
-    ROUNDS = 4,        ///< of giving points away and moving splats
+    ROUNDS = 4,        ///< rounds of assigning points and moving splats
     CENTER_STEPS = 48, ///< towards the centre of the smallest circle around points
 };
 #define RATIO_MOST 4.0f
@@ -12,14 +12,14 @@ enum {
 typedef struct shape {
     stp_vec3d center, x, y, normal;
     double ratio,
-        reach; ///< of the circle around the points, where distances along y count `ratio` times
+        reach; ///< radius of the circle around the points, with distances along y scaled by `ratio`
     double major, minor;
 } shape;
 
 typedef struct fit {
     const stp_subsample_choice* choice;
     shape* shapes;    ///< of the chosen
-    uint32_t* owners; ///< of each point: its place among the chosen
+    uint32_t* owners; ///< per point: index among the chosen
     size_t* starts;   ///< of each chosen one in `owned`, and the end
     uint32_t* owned;  ///< points
 } fit;
@@ -32,7 +32,7 @@ static double measure(const fit* f, const shape* s, uint32_t point)
     return u * u + v * v;
 }
 
-/// Gives each point to the splat whose middle it is nearest to, in parts of that splat's size.
+/// Assigns each point to the splat with the nearest centre, relative to the splat's size.
 static void give_points(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const fit* f = user;
@@ -73,7 +73,7 @@ static void list_owned(const fit* f)
     }
 }
 
-/// Moves a shape to the middle of the smallest circle around its points (Badoiu and Clarkson 2003),
+/// Moves a shape to the centre of the smallest circle around its points (Badoiu and Clarkson 2003),
 /// and measures it.
 static void center_shape(const fit* f, shape* s, const uint32_t* points, uint32_t count)
 {

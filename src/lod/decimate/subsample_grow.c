@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { BLOCK = 64 }; ///< seeds that one piece of work grows
+enum { BLOCK = 64 }; ///< seeds per work item
 
 /// Members of the candidates of one block.
 typedef struct block {
@@ -25,7 +25,7 @@ typedef struct growth {
     stp_subsample_candidate* shapes; ///< of the seeds
     uint32_t* counts;                ///< members of each
     block* blocks;
-    stp_subsample_scratch* scratch; ///< of each worker
+    stp_subsample_scratch* scratch; ///< per worker
 } growth;
 
 static bool append(stp_context* context, block* b, const uint32_t* members, uint32_t count)
@@ -62,7 +62,7 @@ static void grow_blocks(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Adds what the blocks found to the candidates, whose shapes are there already.
+/// Appends the members found by the blocks to the candidates, whose shapes already exist.
 static stp_result take_blocks(growth* g, uint32_t block_count, uint32_t before,
                               stp_subsample_candidates* c)
 {

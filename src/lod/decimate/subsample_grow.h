@@ -7,14 +7,14 @@
 /// The plane and the shape of a candidate. Distances in its plane are measured so that its ellipse
 /// is a circle.
 typedef struct stp_subsample_candidate {
-    stp_vec3 center; ///< the middle of the slab that holds all covered points
+    stp_vec3 center; ///< centre of the slab that contains all covered points
     stp_vec3 normal; ///< of unit length
     stp_vec3 axis;   ///< direction of the major axis, of unit length
     float ratio;     ///< of the major to the minor axis, 1 or more
     float major, minor;
 } stp_subsample_candidate;
 
-/// Candidates, and the points that each covers.
+/// Candidates, and the points each one covers.
 typedef struct stp_subsample_candidates {
     uint32_t count;
     stp_subsample_candidate* shapes;
@@ -22,11 +22,10 @@ typedef struct stp_subsample_candidates {
     uint32_t* members; ///< points
 } stp_subsample_candidates;
 
-/// Grows candidates until each point is covered by one at least: from points spread evenly over the
-/// set, and from all points that none of those covers. On all threads; results do not depend on
-/// their number.
-/// @param tolerance half the width of the slab that holds the points of a splat; 0 or more
-/// @param wanted    how many points to begin with
+/// Grows candidates until each point is covered: from evenly spread points, then from all uncovered
+/// points. Uses all threads; results do not depend on their number.
+/// @param tolerance half the thickness of the slab that contains the points of a splat; 0 or more
+/// @param wanted number of initial seeds
 /// @param most      caps the points of a candidate; 1 or more
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_subsample_candidates_destroy,
 ///         also after a failure

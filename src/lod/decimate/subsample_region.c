@@ -12,7 +12,7 @@ enum {
 };
 #define RATIO_MOST 4.0f ///< of the axes of a candidate
 
-/// A frame of unit vectors at a point, and how much distances across x count.
+/// A frame of unit vectors at a point, and the weight of distances across x.
 typedef struct frame {
     stp_vec3d origin, x, y, normal;
     double ratio;
@@ -22,7 +22,7 @@ typedef struct region {
     uint32_t count;
     double low, high;    ///< of heights over the plane
     double reach;        ///< distance of the farthest point
-    double major, minor; ///< axes that hold the points with their margins
+    double major, minor; ///< axes that contain the points with their margins
     uint64_t area;       ///< sum of the weights
 } region;
 
@@ -72,9 +72,9 @@ static uint64_t pop(stp_subsample_scratch* s)
     return first;
 }
 
-/// The square of a distance and a point, to be sorted as one number. Points as far away follow in
-/// the order from the seed on, so that the caps of regions around points in one place do not all
-/// cut off the same points.
+/// A squared distance and a point, packed into one sort key. Equally distant points are ordered
+/// starting at the seed, so that size limits of regions around coincident points do not all cut off
+/// the same points.
 static uint64_t make_item(const stp_subsample_field* field, const frame* f, uint32_t seed,
                           uint32_t point)
 {
@@ -82,12 +82,12 @@ static uint64_t make_item(const stp_subsample_field* field, const frame* f, uint
     double u = stp_dotd(d, f->x), v = stp_dotd(d, f->y) * f->ratio;
     float square = (float)(u * u + v * v);
     uint32_t bits;
-    square = square < FLT_MAX ? square : FLT_MAX; // also where it is not a number
+    square = square < FLT_MAX ? square : FLT_MAX; // also if NaN
     memcpy(&bits, &square, sizeof(bits));
     return (uint64_t)bits << 32 | (point >= seed ? point - seed : point + (field->count - seed));
 }
 
-/// Takes points in the order of their distance as long as they fit in the slab.
+/// Takes points by distance as long as they fit in the slab.
 static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uint32_t seed,
                  const frame* f, double width, uint32_t most, int list, region* r)
 {
@@ -138,7 +138,7 @@ static bool grow(const stp_subsample_field* field, stp_subsample_scratch* s, uin
     return true;
 }
 
-/// Solves symmetric equations by elimination. @return false where they have no single solution
+/// Solves symmetric equations by elimination. @return false if there is no unique solution
 static bool solve(double m[UNKNOWNS][UNKNOWNS + 1], double solution[UNKNOWNS])
 {
     for (int i = 0; i < UNKNOWNS; ++i) {
@@ -189,8 +189,8 @@ static bool fit_quadric(const stp_subsample_field* field, const uint32_t* member
     return solve(m, q);
 }
 
-/// The tangent plane of a quadric at the seed, with x along its least curvature, and the axes'
-/// ratio that makes heights at both ends of an ellipse equal.
+/// Tangent plane of a quadric at the seed, with x along its minimum curvature, and the axis ratio
+/// that makes heights at both ends of an ellipse equal.
 static bool turn_frame(const double q[UNKNOWNS], frame* f)
 {
     stp_vec3d n = stp_subd(f->normal, stp_addd(stp_scaled(f->x, q[1]), stp_scaled(f->y, q[2])));

@@ -6,15 +6,15 @@
 #include <string.h>
 
 enum {
-    GROUP_LEAST = 3, ///< sets that are taken out together
+    GROUP_LEAST = 3, ///< sets removed together
     GROUP_MOST = 10,
-    BATCH_MOST = 64,  ///< proposals that are made against the same cover
-    BATCH_SHARE = 48, ///< a batch has at most one in so many of the sets
+    BATCH_MOST = 64,  ///< proposals made against the same cover
+    BATCH_SHARE = 48, ///< a batch has at most one proposal per this many sets
     IDLE_PASSES = 3,  ///< passes without a gain before the end
-    NOISE = 256,      ///< greatest change of a weight, of 1024
+    NOISE = 256,      ///< maximum change of a weight, of 1024
 };
 
-/// Sets that may leave the cover, and those that would come in their place.
+/// Sets that may leave the cover, and their replacements.
 typedef struct proposal {
     uint32_t removed_count, added_count;
     uint32_t removed[GROUP_MOST], added[GROUP_MOST];
@@ -22,9 +22,9 @@ typedef struct proposal {
 
 /// Memory of one worker. `gains` and `missing` are zero between proposals.
 typedef struct relax_scratch {
-    uint64_t* gains;   ///< of each set: weight of the points that it would cover
-    uint32_t* missing; ///< of each point: how many of its chosen sets are out
-    uint32_t* touched; ///< sets with points that are not covered
+    uint64_t* gains;   ///< per set: weight of the points that it would cover
+    uint32_t* missing; ///< per point: number of its removed sets
+    uint32_t* touched; ///< sets with uncovered points
     uint32_t* open;    ///< points that are not covered
 } relax_scratch;
 
@@ -38,8 +38,7 @@ typedef struct relaxation {
     relax_scratch* scratch;
 } relaxation;
 
-/// Lists a set and chosen ones that share points with it, in the order of the points from a random
-/// one on.
+/// Lists a set and chosen ones that share points with it, in point order from a random start.
 static uint32_t pick_group(const stp_cover_problem* p, const stp_cover* cover, uint32_t set,
                            uint64_t seed, uint32_t group[GROUP_MOST])
 {
@@ -65,7 +64,7 @@ static uint32_t pick_group(const stp_cover_problem* p, const stp_cover* cover, u
     return count;
 }
 
-/// Takes the group out. @return the number of points that are not covered then, listed in `open`
+/// Removes the group. @return number of points that are then uncovered, listed in `open`
 static uint32_t open_points(const stp_cover_problem* p, const stp_cover* cover, relax_scratch* s,
                             const proposal* out)
 {
@@ -81,7 +80,7 @@ static uint32_t open_points(const stp_cover_problem* p, const stp_cover* cover, 
     return count;
 }
 
-/// Counts the open points of each set that has any.
+/// Counts the uncovered points of each set that has any.
 static uint32_t touch_sets(const stp_cover_problem* p, relax_scratch* s, uint32_t open_count)
 {
     uint32_t count = 0;
@@ -98,7 +97,7 @@ static uint32_t touch_sets(const stp_cover_problem* p, relax_scratch* s, uint32_
     return count;
 }
 
-/// The set that covers most, of those touched, with a random change of all weights.
+/// Finds the touched set that covers most, with random changes of all weights.
 static uint32_t find_best(const relax_scratch* s, uint32_t touched_count, uint64_t seed)
 {
     uint32_t best = UINT32_MAX;
@@ -114,7 +113,7 @@ static uint32_t find_best(const relax_scratch* s, uint32_t touched_count, uint64
     return best;
 }
 
-/// Covers the open points again. @return false: it takes more sets than were taken out
+/// Covers the uncovered points again. @return false: needs more sets than were removed
 static bool cover_open(const stp_cover_problem* p, const stp_cover* cover, relax_scratch* s,
                        uint32_t touched_count, uint64_t seed, proposal* out)
 {
@@ -140,7 +139,7 @@ static bool cover_open(const stp_cover_problem* p, const stp_cover* cover, relax
     }
 }
 
-/// Leaves out the sets that are on both sides.
+/// Drops sets that are on both sides.
 static void cancel(proposal* out)
 {
     for (uint32_t r = 0; r < out->removed_count;) {
@@ -203,8 +202,8 @@ static void propose_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Changes the cover as proposed, unless another change came first and points would be left open.
-/// @return whether it did
+/// Applies a proposal, unless an earlier change would leave points uncovered. @return whether it
+/// was applied
 static bool apply(const stp_cover_problem* p, stp_cover* cover, const proposal* change)
 {
     bool valid = change->removed_count > 0;
@@ -236,7 +235,7 @@ static bool apply(const stp_cover_problem* p, stp_cover* cover, const proposal* 
     return false;
 }
 
-/// Removes sets that are not needed, the last ones first.
+/// Removes redundant sets, the last ones first.
 static void drop_redundant(const stp_cover_problem* p, stp_cover* cover, uint32_t enough)
 {
     for (uint32_t i = cover->count; i-- > 0 && cover->count > enough;) {
@@ -255,7 +254,8 @@ static void shuffle(uint32_t* sets, uint32_t count, uint64_t seed)
     }
 }
 
-/// Makes a proposal around each set of the cover, batch by batch. @return how many were taken
+/// Makes a proposal around each set of the cover, batch by batch. @return number of accepted
+/// proposals
 static uint32_t run_pass(const stp_team* team, relaxation* r, stp_cover* cover, uint32_t enough,
                          uint32_t* seeds, uint64_t seed)
 {
@@ -264,7 +264,7 @@ static uint32_t run_pass(const stp_team* team, relaxation* r, stp_cover* cover, 
     memcpy(seeds, cover->chosen, count * sizeof(*seeds));
     shuffle(seeds, count, seed);
     for (uint32_t at = 0; at < count && (r->tighten || cover->count > enough);) {
-        uint32_t size = 0; // those of the next seeds that are still chosen
+        uint32_t size = 0; // the next seeds that are still chosen
         while (at + size < count && size < batch) {
             if (cover->places[seeds[at + size]] != UINT32_MAX) {
                 size++;
@@ -316,7 +316,7 @@ static void free_scratch(stp_context* context, const stp_team* team, relaxation*
     stp_free(context, r->proposals);
 }
 
-/// Runs passes until the count has reached `enough`, or does not fall for a while.
+/// Runs passes until the count reaches `enough`, or stops falling for a while.
 static stp_result run_passes(stp_context* context, relaxation* r, uint32_t enough, uint32_t passes,
                              stp_cover* cover)
 {

@@ -34,7 +34,7 @@ static uint64_t hash_key(const point_key* key)
     return hash;
 }
 
-/// Finds the number of an equal point, or takes the place of a new one.
+/// Finds the number of an equal point, or inserts a new one.
 static uint32_t find_or_add(stp_subsample_unique* u, uint32_t* table, size_t mask,
                             const stp_decimate_input* input, size_t point)
 {

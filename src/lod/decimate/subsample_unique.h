@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Points without their copies: many points in one place have one another as only neighbours.
+// Removes duplicate points: otherwise coincident points would only have each other as neighbours.
 #pragma once
 
 #include "lod/decimate/decimator.h"
 
-/// The colours of equal points, added up in linear light.
+/// Sums of the colours of equal points, in linear light.
 typedef struct stp_subsample_color {
     float sum[3];
     float count; ///< of the points
@@ -12,8 +12,8 @@ typedef struct stp_subsample_color {
 
 typedef struct stp_subsample_unique {
     uint32_t count;
-    float* positions;            ///< 3 a point, in the order of the input
-    float* normals;              ///< NULL where the input has none, or 3 a point
+    float* positions;            ///< 3 per point, in input order
+    float* normals;              ///< NULL if the input has none, or 3 per point
     stp_subsample_color* colors; ///< NULL where the input has none
 } stp_subsample_unique;
 
@@ -25,5 +25,5 @@ STP_MUST_USE stp_result stp_subsample_unique_make(stp_context* context,
                                                   stp_subsample_unique* unique);
 void stp_subsample_unique_destroy(stp_context* context, stp_subsample_unique* unique);
 
-/// The mean of colours that were added up, sRGB.
+/// Mean of summed colours, sRGB.
 void stp_subsample_mean_color(const stp_subsample_color* sum, uint8_t color[3]);

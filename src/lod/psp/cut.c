@@ -12,7 +12,7 @@ typedef struct cutter {
 static uint32_t cut_of(const cutter* c, stp_psp_range of)
 {
     uint32_t count = of.end - of.begin;
-    if (c->rounds->round == 0) { // where the tree is cut
+    if (c->rounds->round == 0) { // cut positions in the tree
         uint32_t begin = of.begin / STP_KD_LEAF;
         uint32_t end = of.end / STP_KD_LEAF + (of.end % STP_KD_LEAF != 0 ? 1 : 0);
         return (begin + (end - begin) / 2) * STP_KD_LEAF;

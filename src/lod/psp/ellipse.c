@@ -6,10 +6,10 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846f
-#define THIN 1e-3f ///< of the major axis: the least minor axis
-/// of the square of the largest eigenvalue: products of the others below it lose digits
+#define THIN 1e-3f ///< minimum minor axis, relative to the major axis
+/// relative to the squared largest eigenvalue: smaller products of the others lose precision
 #define CERTAIN 1e-5
-#define LINE 1e-6f ///< of the square of both variances: a determinant below it is that of a line
+#define LINE 1e-6f ///< relative to the squared variances: a smaller determinant means a line
 
 enum { SWEEPS_MOST = 32, NEWTON_MOST = 16, ROUNDS = 6 };
 
@@ -70,7 +70,7 @@ void stp_ellipse_fit_turn(stp_ellipse_fit* f, float least)
     f->scale = least / f->ratio;
 }
 
-/// Square of the scale of an ellipse that reaches a point.
+/// Squared scale of an ellipse through a point.
 static inline float find_square(const stp_ellipse_fit* f, stp_vec3 point)
 {
     stp_vec3 d = stp_sub(point, f->center);
@@ -96,8 +96,7 @@ enum { MOST = STP_ELLIPSE_COVER_MOST };
 
 enum { LANES = 4, FOURS = MOST / LANES };
 
-/// Four numbers of an array that vector instructions work on at once, in one order on every
-/// machine.
+/// Four numbers as one vector; the same order of operations on every machine.
 typedef float four __attribute__((vector_size(LANES * sizeof(float))));
 typedef int32_t four_masks __attribute__((vector_size(LANES * sizeof(int32_t))));
 
@@ -153,10 +152,10 @@ static inline void find_spread(weighed* w)
     w->yy = add_up(c);
 }
 
-/// Gives the points farther from the mean more weight, as measured by their spread: the scatter
-/// tends to the shape of the smallest ellipse around them (the dual problem; Dette, Pepelyshev,
-/// Zhigljavsky 2008).
-/// @return false where they lie along a line
+/// Increases the weight of points far from the mean, relative to the spread: the scatter converges
+/// to the shape of the smallest enclosing ellipse (the dual problem; Dette, Pepelyshev, Zhigljavsky
+/// 2008).
+/// @return false if they lie along a line
 static inline bool weigh_anew(weighed* w)
 {
     float det = w->xx * w->yy - w->xy * w->xy, both = w->xx + w->yy;
@@ -181,11 +180,11 @@ static inline bool weigh_anew(weighed* w)
     return true;
 }
 
-/// Puts the centre where that of the smallest ellipse is, and the scatter in its shape.
+/// Moves the centre to that of the smallest ellipse, and shapes the scatter like it.
 static void find_smallest(stp_ellipse_fit* f, const stp_vec3* points, size_t count)
 {
     float x[MOST], y[MOST], weight[MOST];
-    for (size_t i = 0; i < MOST; ++i) { // the last one fills what is left, without weight
+    for (size_t i = 0; i < MOST; ++i) { // repeats the last point as padding, with weight 0
         stp_vec3 d = stp_sub(points[i < count ? i : count - 1], f->center);
         x[i] = stp_dot(d, f->x);
         y[i] = stp_dot(d, f->y);
@@ -270,11 +269,10 @@ stp_vec3d stp_least_direction(const double m[6], double eigenvalues[3])
     return (stp_vec3d){v[0][least], v[1][least], v[2][least]};
 }
 
-/// The least root of the characteristic polynomial of a matrix without negative eigenvalues, by
-/// Newton's method from 0: left of all roots the polynomial is concave, so the steps never pass the
-/// first one.
-/// @return false where they converge slowly or digits are lost: two eigenvalues are almost equal,
-/// or two almost 0
+/// Smallest root of the characteristic polynomial of a matrix without negative eigenvalues, by
+/// Newton's method from 0: left of all roots the polynomial is concave, so the steps never
+/// overshoot. @return false if convergence is slow or precision is lost: two eigenvalues are almost
+/// equal, or two almost 0
 static bool find_least_root(const double m[6], double* root)
 {
     double sum = m[0] + m[3] + m[5];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Elliptical splats, and the ellipse that holds points of a plane (Wu, Zhang, Kobbelt 2005, 3 and
+// Elliptical splats, and enclosing ellipses of points in a plane (Wu, Zhang, Kobbelt 2005, 3 and
 // 4).
 #pragma once
 
@@ -18,24 +18,24 @@ enum { STP_ELLIPSE_SAMPLES = 8 }; ///< of a boundary
 
 float stp_ellipse_area(const stp_ellipse* ellipse);
 
-/// Points spread evenly over the boundary, by angle from the major axis.
+/// Points evenly spaced on the boundary, by angle from the major axis.
 void stp_ellipse_sample(const stp_ellipse* ellipse, stp_vec3 samples[STP_ELLIPSE_SAMPLES]);
 
-enum { STP_ELLIPSE_COVER_MOST = 2 * STP_ELLIPSE_SAMPLES }; ///< points that an ellipse is put around
+enum { STP_ELLIPSE_COVER_MOST = 2 * STP_ELLIPSE_SAMPLES }; ///< maximum points to enclose
 
-/// An ellipse in the plane through `center` across `normal` that covers the projections of points,
-/// and has almost the smallest area of all that do. Its centre is not `center`, but lies in that
-/// plane. Where points lie along a line, the minor axis is a thousandth of the major one; where all
-/// are one point, both are `least`. Without points, it is a disk around `center`.
+/// Ellipse in the plane through `center` with `normal` that covers the projections of points, with
+/// almost the smallest area. Its centre may differ from `center`, but lies in that plane. For
+/// points along a line, the minor axis is a thousandth of the major one; if all coincide, both are
+/// `least`. Without points, it is a disk around `center`.
 /// @param normal of unit length
 /// @param count at most STP_ELLIPSE_COVER_MOST
-/// @param least above 0: the least length of an axis
+/// @param least above 0: minimum length of an axis
 stp_ellipse stp_ellipse_cover(stp_vec3 center, stp_vec3 normal, const stp_vec3* points,
                               size_t count, float least);
 
-/// An ellipse around points that are not in one array: begin, scatter all points, turn, reach all
-/// points, end. Its axes are those of the points' scatter about the centre, as long to each other
-/// as its square roots, and scaled together.
+/// Ellipse around points that are not in one array: begin, scatter all points, turn, reach all
+/// points, end. Its axes are those of the points' scatter about the centre; their ratio is that of
+/// the standard deviations, with a common scale.
 typedef struct stp_ellipse_fit {
     stp_vec3 center, normal, x, y;
     double xx, xy, yy;
@@ -49,14 +49,13 @@ void stp_ellipse_fit_turn(stp_ellipse_fit* fit, float least);
 void stp_ellipse_fit_reach(stp_ellipse_fit* fit, stp_vec3 point);
 stp_ellipse stp_ellipse_fit_end(const stp_ellipse_fit* fit);
 
-/// The least eigenvalue of a symmetric matrix (xx, xy, xz, yy, yz, zz) that has no negative ones;
+/// Smallest eigenvalue of a symmetric matrix (xx, xy, xz, yy, yz, zz) without negative ones;
 /// rounding may make it slightly negative.
 double stp_least_eigenvalue(const double matrix[6]);
 
-/// The direction in which points spread least about their mean: the eigenvector of the least
-/// eigenvalue of a symmetric matrix (xx, xy, xz, yy, yz, zz), of unit length, and all eigenvalues,
-/// ascending.
+/// Direction of least spread about the mean: the unit eigenvector of the smallest eigenvalue of a
+/// symmetric matrix (xx, xy, xz, yy, yz, zz); also returns all eigenvalues, ascending.
 stp_vec3d stp_least_direction(const double matrix[6], double eigenvalues[3]);
 
-/// The same direction alone, of a matrix that has no negative eigenvalues, such as a scatter.
+/// Only the same direction, for a matrix without negative eigenvalues, such as a scatter.
 stp_vec3d stp_scatter_normal(const double matrix[6]);

@@ -10,8 +10,8 @@
 enum {
     POINTS_MOST = 1 << 30,
     STRIPE = 1 << 20,   ///< after so many points, pages are released
-    POINT_BYTES = 85,   ///< of a point, at the peak; measured
-    DISTANCE_BYTES = 70 ///< what distances add
+    POINT_BYTES = 85,   ///< bytes per point, at the peak; measured
+    DISTANCE_BYTES = 70 ///< additional bytes for distances
 };
 
 stp_psp_desc stp_psp_desc_default(void)
@@ -76,7 +76,7 @@ stp_result stp_psp_forest_make(stp_context* context, const stp_psp_points* point
     r.keep_history = true;
     size_t most = 2 * (size_t)points->count + 1;
     stp_result result = STP_OK;
-    if (points->count <= POINTS_MOST) { // more are refused below
+    if (points->count <= POINTS_MOST) { // larger counts are rejected below
         forest->ellipses = STP_NEW_ARRAY(context, stp_ellipse, most);
         forest->colors = STP_NEW_ARRAY(context, uint8_t, 3 * most);
         result =
@@ -114,7 +114,7 @@ uint32_t stp_psp_forest_cut(const stp_psp_forest* forest, uint32_t count, uint32
     return found;
 }
 
-/// Lists the splats that are left, by key.
+/// Lists the remaining splats, by key.
 static stp_result list_splats(const stp_psp_rounds* r, stp_psp_splats* splats)
 {
     stp_context* context = r->shared.context;

@@ -9,7 +9,7 @@
 typedef struct assembly {
     const stp_psp_rounds* rounds;
     stp_psp_forest* forest;
-    const float* levels; ///< of merges as they were made
+    const float* levels; ///< of merges in the order of creation
     uint32_t* ranks;     ///< in the order of the forest
     double unit;         ///< of errors, in model units
 } assembly;
@@ -91,7 +91,7 @@ stp_result stp_psp_order_merges(const stp_psp_rounds* r, stp_psp_forest* f)
         find_levels(r, levels);
         for (size_t i = 0; i < merges; ++i) {
             uint32_t bits;
-            memcpy(&bits, &levels[i], sizeof(bits)); // of floats above 0, bits grow as they do
+            memcpy(&bits, &levels[i], sizeof(bits)); // bits of positive floats sort like the floats
             items[i] = (uint64_t)bits << 32 | i;
         }
         sorted = stp_parallel_sort_u64(context, items, items + merges, merges, 32, 32);

@@ -3,7 +3,7 @@
 
 #include "lod/psp/nearest_points.h"
 
-/// The normal of the plane nearest to a point and its neighbours.
+/// Normal of the least-squares plane of a point and its neighbours.
 static stp_vec3 find_normal(const stp_kd_tree* tree, stp_vec3 p, const uint32_t* places,
                             uint32_t count, stp_vec3 given)
 {
@@ -28,7 +28,7 @@ static stp_vec3 find_normal(const stp_kd_tree* tree, stp_vec3 p, const uint32_t*
         }
     }
     if (!(m[0] + m[3] + m[5] > 0.0) && stp_dot(given, given) > 0.0f) {
-        return stp_normalize(given); // all are in one place
+        return stp_normalize(given); // all coincide
     }
     stp_vec3 n = stp_normalize(stp_to_float(stp_scatter_normal(m)));
     float side = stp_dot(n, given);
