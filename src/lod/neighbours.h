@@ -25,7 +25,7 @@ typedef struct stp_disk {
     uint64_t cells;     ///< of the stencil
     uint64_t fractions; ///< sum over the samples
     uint32_t count;     ///< of samples
-    bool full;          ///< with `stop_when_full`, count and sum are then undefined
+    bool full;          ///< if the search may stop then, count and sum are undefined
 } stp_disk;
 
 /// For each surfel, the samples in its disk.

@@ -5,7 +5,7 @@
 
 #include <immintrin.h>
 
-#define ANY_AGREEMENT (-2.0f) // minimum dot product of two normals: always exceeded
+#define ANY_AGREEMENT (-2.0f) // below any dot product of two normals
 #define LIST_SIZE 128u        // surfels around a cell of samples; rarely more
 
 typedef struct vector3 {

@@ -22,7 +22,7 @@ typedef struct stp_decimate_output {
     uint8_t* colors; ///< 3 per splat or, for `mesh`, 3 per vertex; sRGB
     uint32_t count;  ///< of splats
     // only for `mesh`; then `count` is 0
-    float* vertices; ///< 3 a vertex
+    float* vertices; ///< 3 per vertex
     uint32_t vertex_count;
     uint32_t* triangles; ///< 3 vertex indices each
     uint32_t triangle_count;

@@ -2,8 +2,8 @@
 #include "lod/decimate/subsample_attempt.h"
 
 enum {
-    CANDIDATES = 24,  ///< for each splat that is wanted
-    CROWD = 8,        ///< points of a candidate, of the mean number for each splat that is wanted
+    CANDIDATES = 24,  ///< per wanted splat
+    CROWD = 8,        ///< points of a candidate, of the mean number per wanted splat
     CROWD_LEAST = 16, ///< plus this constant
     PASSES_MOST = 24, ///< of the relaxation
 };

@@ -7,7 +7,7 @@
 /// Points with their neighbour graph. Positions, normals and colours belong to the caller.
 typedef struct stp_subsample_field {
     uint32_t count;
-    const float* positions;            ///< 3 a point
+    const float* positions;            ///< 3 per point
     const float* normals;              ///< NULL, or 3 per point: unit, or zero if unknown
     const stp_subsample_color* colors; ///< NULL: white
     stp_ellipse* own;                  ///< a disk of each point, as wide as its farthest neighbour

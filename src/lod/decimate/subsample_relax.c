@@ -25,7 +25,7 @@ typedef struct relax_scratch {
     uint64_t* gains;   ///< per set: weight of the points that it would cover
     uint32_t* missing; ///< per point: number of its removed sets
     uint32_t* touched; ///< sets with uncovered points
-    uint32_t* open;    ///< points that are not covered
+    uint32_t* open;    ///< uncovered points
 } relax_scratch;
 
 typedef struct relaxation {

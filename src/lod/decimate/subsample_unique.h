@@ -14,7 +14,7 @@ typedef struct stp_subsample_unique {
     uint32_t count;
     float* positions;            ///< 3 per point, in input order
     float* normals;              ///< NULL if the input has none, or 3 per point
-    stp_subsample_color* colors; ///< NULL where the input has none
+    stp_subsample_color* colors; ///< NULL if the input has none
 } stp_subsample_unique;
 
 /// Keeps one of all points with the same position and normal.

@@ -56,8 +56,8 @@ void stp_point_tree_destroy(stp_context* context, stp_point_tree* tree);
 typedef struct stp_tree_view {
     stp_vec3d eye;
     double allowed;
-    bool
-        split; ///< perpendicular and tangential errors count by the angle they are seen at (3.5, "split")
+    /// perpendicular and tangential errors count by the angle they are seen at (3.5, "split")
+    bool split;
 } stp_tree_view;
 
 /// Whether a node's error is allowed at its distance from the eye.
