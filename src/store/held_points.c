@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Points that a set of splats holds: the set contains each point once, so the file stores no other
-// copy. Columns of points are made from the set on request.
+// Point sets held by a set of splats. The set contains each point once, so the file stores no
+// second copy. Point columns are made from the set on request.
 #include "base/octahedral.h"
 #include "base/splat_place.h"
 #include "store/internal.h"
@@ -9,7 +9,7 @@
 
 enum { OPAQUE = 255 };
 
-/// Columns made of a set, in one piece of memory.
+/// Columns made from a set, in one allocation.
 typedef struct columns {
     float* positions;
     int16_t* normals;
@@ -20,7 +20,7 @@ static void fill(const stp_store* store, const stp_splats* set, const columns* t
 {
     uint64_t finest = stp_store_pyramid_begin(set, set->octave_count - 1);
     const uint8_t *colors = set->colors + 3 * finest, *coverages = set->coverages + finest;
-    bool hides = stp_store_is_colored(store); // coverage 0 then hides a splat (coloring.h)
+    bool hides = stp_store_is_colored(store); // then coverage 0 hides a splat (coloring.h)
     for (size_t i = 0; i < set->count; ++i) {
         stp_vec3 place = stp_to_float(stp_splat_place(set, i));
         memcpy(to->positions + 3 * i, &place, sizeof(place));
