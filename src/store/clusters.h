@@ -100,8 +100,9 @@ typedef struct stp_cluster_run {
 typedef struct stp_cluster {
     uint32_t first_triangle; ///< index in the mesh
     uint32_t triangle_count, vertex_count;
-    uint32_t smooth_count,
-        face_count;         ///< the first triangles, then the next ones; the rest are plain
+    /// Number of smooth triangles, which come first, and of face triangles after them. The rest are
+    /// plain.
+    uint32_t smooth_count, face_count;
     uint32_t normal_count;  ///< the first vertices have normals, the others none
     const uint8_t* indices; ///< 3 a triangle of the first `period`: see stp_cluster_corners
     uint32_t period; ///< triangles after which the pattern repeats, with indices raised by `stride`

@@ -219,7 +219,7 @@ unsigned char* sample_read_file(const char* path, size_t* size)
     long end = ftell(file);
     rewind(file);
     void* bytes = NULL;
-    // exactly as large as the file, so that sanitizers see a read beyond it
+    // exactly the file's size, so that sanitizers detect reads beyond it
     if (end >= 0 && posix_memalign(&bytes, 64, (size_t)end) == 0 &&
         fread(bytes, 1, (size_t)end, file) != (size_t)end) {
         free(bytes);
