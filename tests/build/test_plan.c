@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Which nodes get surfels, and the keys of their results.
+// The plan: which nodes get surfels, in which order, and how many.
 #include "tests.h"
 
 #include "build/plan.h"
 
 #include <string.h>
 
-// A flat sheet of `side` unit squares along each side.
+// A flat sheet of `size` unit squares along each side.
 static uint32_t add_sheet(stp_scene* scene, uint32_t size)
 {
     stp_context* context = scene->context;
