@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "build/census.h"
 
+#include "base/saturate.h"
+
 #include <string.h>
 
 // What an object shows: its own parts and those of the object it uses, per instance, and its
@@ -24,16 +26,6 @@ typedef struct census_work {
     stp_store_census_candidate* candidates;
     size_t candidate_count, candidate_capacity;
 } census_work;
-
-static uint64_t add(uint64_t a, uint64_t b)
-{
-    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
-}
-
-static uint64_t multiply(uint64_t a, uint64_t b)
-{
-    return b != 0 && a > UINT64_MAX / b ? UINT64_MAX : a * b;
-}
 
 static bool is_prototype(const stp_object* object)
 {
@@ -91,14 +83,14 @@ static void sum_object(census_work* w, uint32_t index)
     uint64_t times = object->instance_count > 0 ? object->instance_count : 1;
     shown sum = {.objects = parts != 0, .instances = parts, .known = true};
     if (object->use != STP_NONE) {
-        sum.objects = add(sum.objects, w->sums[object->use].objects);
-        sum.instances = add(sum.instances, w->sums[object->use].instances);
+        sum.objects = stp_add_saturated(sum.objects, w->sums[object->use].objects);
+        sum.instances = stp_add_saturated(sum.instances, w->sums[object->use].instances);
     }
-    sum.objects = multiply(sum.objects, times);
-    sum.instances = multiply(sum.instances, times);
+    sum.objects = stp_multiply_saturated(sum.objects, times);
+    sum.instances = stp_multiply_saturated(sum.instances, times);
     for (uint32_t c = w->first_child[index]; c != STP_NONE; c = w->next_sibling[c]) {
-        sum.objects = add(sum.objects, w->sums[c].objects);
-        sum.instances = add(sum.instances, w->sums[c].instances);
+        sum.objects = stp_add_saturated(sum.objects, w->sums[c].objects);
+        sum.instances = stp_add_saturated(sum.instances, w->sums[c].instances);
     }
     w->sums[index] = sum;
 }
@@ -275,8 +267,8 @@ static bool fill_part(census_work* w, stp_store_census_part* part)
     w->walk += 1;
     for (uint32_t i = 0; made && i < part->member_count; ++i) {
         uint32_t member = part->members[i];
-        part->objects = add(part->objects, w->sums[member].objects);
-        part->instances = add(part->instances, w->sums[member].instances);
+        part->objects = stp_add_saturated(part->objects, w->sums[member].objects);
+        part->instances = stp_add_saturated(part->instances, w->sums[member].instances);
         made = meet(w, member);
     }
     return made && count_shapes(w, &part->unique_objects);
@@ -290,8 +282,8 @@ static bool fill_whole(census_work* w, stp_store_census* census)
     for (size_t i = 0; made && i < scene->object_count; ++i) {
         const stp_object* object = &scene->objects[i];
         if (object->parent == STP_NONE && !is_prototype(object)) {
-            census->objects = add(census->objects, w->sums[i].objects);
-            census->instances = add(census->instances, w->sums[i].instances);
+            census->objects = stp_add_saturated(census->objects, w->sums[i].objects);
+            census->instances = stp_add_saturated(census->instances, w->sums[i].instances);
             made = meet(w, (uint32_t)i);
         }
     }

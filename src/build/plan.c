@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "build/plan.h"
 
+#include "base/saturate.h"
 #include "scene/measure.h"
 
 #include <assert.h>
@@ -62,12 +63,6 @@ typedef struct planning {
     stp_hash* looks;   ///< by node: hash of its materials' shadings
 } planning;
 
-// Saturates at the largest number, which nested uses can reach.
-static uint64_t add(uint64_t a, uint64_t b)
-{
-    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
-}
-
 // Maximum surfels of a node's set. Zero leaves it to the method: all points of a point cloud.
 static uint32_t count_surfels(const planning* p, uint32_t index)
 {
@@ -119,16 +114,18 @@ static void measure_resting(planning* p)
         for (uint32_t k = 0; k < node->part_count; ++k) {
             stp_part part = scene->node_parts[node->first_part + k];
             bool mesh = part.kind == STP_PART_MESH;
-            r.triangles = add(r.triangles, mesh ? scene->meshes[part.index].triangle_count : 0);
-            r.points = add(r.points, mesh ? 0 : scene->point_sets[part.index].point_count);
+            r.triangles =
+                stp_add_saturated(r.triangles, mesh ? scene->meshes[part.index].triangle_count : 0);
+            r.points =
+                stp_add_saturated(r.points, mesh ? 0 : scene->point_sets[part.index].point_count);
             r.area += mesh ? scene->meshes[part.index].area : 0.0;
         }
         for (uint32_t k = 0; k < node->edge_count; ++k) {
             const stp_edge* edge = &scene->edges[node->first_edge + k];
             const resting* below = &p->resting[edge->node];
             if (!moves(scene, edge->node)) {
-                r.triangles = add(r.triangles, below->triangles);
-                r.points = add(r.points, below->points);
+                r.triangles = stp_add_saturated(r.triangles, below->triangles);
+                r.points = stp_add_saturated(r.points, below->points);
                 r.area += below->area * stp_affine_area_scale(&edge->transform);
             }
         }

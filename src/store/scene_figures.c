@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sums over the graph. With instances: adds up children before parents. Without: walks with marks.
+#include "base/saturate.h"
 #include "store/content_sizes.h"
 
 // Counts including instances: a node's own plus its children's.
@@ -25,11 +26,6 @@ typedef struct accumulator {
     uint32_t* stack; ///< visited nodes whose children are still to be visited
     size_t stacked;
 } accumulator;
-
-static uint64_t add(uint64_t a, uint64_t b)
-{
-    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
-}
 
 static uint64_t* figure_of(stp_store_figures* figures, instanced kind)
 {
@@ -99,7 +95,8 @@ static void sum_instances(accumulator* t, instanced kind, const stp_store_census
         const stp_store_node* node = &d->nodes[i];
         t->sums[i] = count_own(t, node, kind);
         for (uint32_t k = 0; k < node->edge_count; ++k) {
-            t->sums[i] = add(t->sums[i], t->sums[d->edges[node->first_edge + k].node]);
+            t->sums[i] =
+                stp_add_saturated(t->sums[i], t->sums[d->edges[node->first_edge + k].node]);
         }
     }
     *figure_of(&summary->figures, kind) = d->root != STP_STORE_NONE ? t->sums[d->root] : 0;
@@ -107,7 +104,7 @@ static void sum_instances(accumulator* t, instanced kind, const stp_store_census
         uint64_t* figure = figure_of(&summary->parts[i].figures, kind);
         for (uint32_t k = 0; k < census->parts[i].member_count; ++k) {
             uint32_t node = node_of(t, census->parts[i].members[k]);
-            *figure = add(*figure, node != STP_STORE_NONE ? t->sums[node] : 0);
+            *figure = stp_add_saturated(*figure, node != STP_STORE_NONE ? t->sums[node] : 0);
         }
     }
 }
