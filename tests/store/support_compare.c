@@ -229,3 +229,16 @@ unsigned char* sample_read_file(const char* path, size_t* size)
     *size = end >= 0 ? (size_t)end : 0;
     return bytes;
 }
+
+stp_result sample_check(stp_context* context, const unsigned char* bytes, size_t size)
+{
+    stp_store* store = NULL;
+    stp_store_check_report report;
+    const stp_store_open_desc desc = {0};
+    stp_result result = stp_store_open_memory(context, "memory", bytes, size, &desc, &store);
+    if (result == STP_OK) {
+        result = stp_store_check_open(store, false, &report);
+        stp_store_close(store);
+    }
+    return result;
+}

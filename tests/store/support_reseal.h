@@ -17,6 +17,18 @@ static inline uint32_t reseal_crc(const unsigned char* bytes, size_t size, uint6
     return (uint32_t)crc32_z(0, bytes + offset, (size_t)length);
 }
 
+// Entry of a section in the section table; NULL if the file has none of the type.
+static inline unsigned char* find_section(unsigned char* bytes, uint32_t type)
+{
+    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
+        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
+        if (stp_read_u32(entry) == type) {
+            return entry;
+        }
+    }
+    return NULL;
+}
+
 // Reseals the chunks of an octave, in its chunk table. The first size gives the number of chunks,
 // because chunks follow the table. @return the table's size; 0: one chunk, or an impossible table
 static inline uint64_t reseal_chunks(unsigned char* bytes, size_t size, uint64_t offset,

@@ -23,3 +23,6 @@ const char* sample_difference(const stp_store_content* content, stp_store* store
 
 /// The bytes of a file in memory of exactly that size (free() it); NULL on failure.
 unsigned char* sample_read_file(const char* path, size_t* size);
+
+/// Opens and fully checks a file in memory. @return STP_OK only if nothing is wrong
+stp_result sample_check(stp_context* context, const unsigned char* bytes, size_t size);

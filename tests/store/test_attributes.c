@@ -235,20 +235,6 @@ void test_store_attributes_of_many_chunks_come_back(test_state* test)
     stp_context_destroy(context);
 }
 
-// Opens and checks a file in memory.
-static stp_result verdict(stp_context* context, const unsigned char* bytes, size_t size)
-{
-    stp_store* store = NULL;
-    stp_store_check_report report;
-    stp_store_open_desc desc = {0};
-    stp_result result = stp_store_open_memory(context, "memory", bytes, size, &desc, &store);
-    if (result == STP_OK) {
-        result = stp_store_check_open(store, false, &report);
-        stp_store_close(store);
-    }
-    return result;
-}
-
 void test_store_attributes_refuse_every_truncation_and_changed_byte(test_state* test)
 {
     static cloud c;
@@ -258,20 +244,20 @@ void test_store_attributes_refuse_every_truncation_and_changed_byte(test_state* 
     make_cloud(&c);
     unsigned char* bytes = write_content(context, &c.content, &size);
     CHECK(bytes != NULL);
-    CHECK_EQUAL(STP_OK, verdict(context, bytes, size));
+    CHECK_EQUAL(STP_OK, sample_check(context, bytes, size));
     for (size_t length = 0; length < size; ++length) {
         void* copy = NULL;
         CHECK(posix_memalign(&copy, 64, length) == 0); // exactly the file's size
         memcpy(copy, bytes, length);
         log.errors = 0;
-        CHECK_EQUAL(STP_ERROR_TRUNCATED, verdict(context, copy, length));
+        CHECK_EQUAL(STP_ERROR_TRUNCATED, sample_check(context, copy, length));
         CHECK_EQUAL(1, log.errors);
         free(copy);
     }
     for (size_t at = 0; at < size; ++at) {
         bytes[at] ^= 0x55;
         log.errors = 0;
-        CHECK(verdict(context, bytes, size) != STP_OK);
+        CHECK(sample_check(context, bytes, size) != STP_OK);
         CHECK_EQUAL(1, log.errors);
         bytes[at] ^= 0x55;
     }

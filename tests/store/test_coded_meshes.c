@@ -90,18 +90,6 @@ void test_coded_meshes_are_not_columns(test_state* test)
     stp_context_destroy(context);
 }
 
-/// Entry of a section in the section table.
-static unsigned char* find_section(unsigned char* bytes, uint32_t type)
-{
-    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
-        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
-        if (stp_read_u32(entry) == type) {
-            return entry;
-        }
-    }
-    return NULL;
-}
-
 void test_coded_meshes_are_refused_by_readers_that_do_not_know_them(test_state* test)
 {
     test_log log = {.errors = 0};

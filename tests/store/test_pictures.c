@@ -176,13 +176,8 @@ void test_store_refuses_damaged_pictures(test_state* test)
 /// The bytes of a section.
 static unsigned char* section_bytes(unsigned char* bytes, uint32_t type)
 {
-    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
-        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
-        if (stp_read_u32(entry) == type) {
-            return bytes + stp_read_u64(entry + 8);
-        }
-    }
-    return NULL;
+    unsigned char* entry = find_section(bytes, type);
+    return entry != NULL ? bytes + stp_read_u64(entry + 8) : NULL;
 }
 
 // Records that do not match their pictures are rejected before anything is allocated.

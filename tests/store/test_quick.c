@@ -80,17 +80,6 @@ static bool write_large(stp_context* context, const char* path, bool packed)
     return written;
 }
 
-static unsigned char* find_section(unsigned char* bytes, uint32_t type)
-{
-    for (uint32_t i = 0; i < stp_read_u32(bytes + 32); ++i) {
-        unsigned char* entry = bytes + STP_STORE_HEADER_BYTES + i * STP_STORE_SECTION_BYTES;
-        if (stp_read_u32(entry) == type) {
-            return entry;
-        }
-    }
-    return NULL;
-}
-
 // Enlarges the texture, and so the file, to 10 GiB: everything but the directory is a hole.
 static uint64_t grow_file(const char* path)
 {
