@@ -53,6 +53,7 @@ RECORDS = {
     38: ("attribute_blocks", "2I", "block attributes"),
     39: ("coordinates", "I", "text:text"),
     40: ("leaves", "2I", "leaf_count block"),
+    41: ("certainty", "If", "flags position_error"),
 }
 FIGURES = ("objects unique_objects instances nodes unique_nodes lods unique_lods triangles unique_triangles points "
            "unique_points surfels unique_surfels splat_bytes triangle_bytes point_bytes texture_bytes")
@@ -228,6 +229,9 @@ def check_graph(header, t):
         check_reference(part["object"], counts["objects"], f"scene part {i}: object")
     need(counts["clusters"] in (0, counts["meshes"]), "clusters")
     need(counts["leaves"] in (0, counts["surfels"]), "leaves")
+    need(counts["certainty"] in (0, counts["surfels"]), "certainty")
+    for i, certainty in enumerate(t["certainty"]):
+        need(certainty["flags"] <= 1 and certainty["position_error"] >= 0, f"surfel set {i}: certainty")
     for i, leaves in enumerate(t["leaves"]):
         leaves["set"] = t["surfels"][i]
         need(leaves["leaf_count"] > 0 or leaves["block"] == NONE, f"surfel set {i}: a block without leaves")
@@ -639,6 +643,8 @@ def read_blocks(data, header, t):
         need(points["held_by"] <= len(t["surfels"]) and points["block"] == NONE and points["present"] == 3, "held points")
         surfels = t["surfels"][points["held_by"] - 1]
         need(surfels["count"] == points["point_count"] and surfels["method_columns"] == 0, "count of held points")
+        told = t["certainty"][points["held_by"] - 1]["position_error"] if t["certainty"] else 0
+        need(told == 0 or surfels["step"] > 0, "exactness of held points")
     wanted = len(t["meshes"]) + len(t["point_sets"]) - len(held) + owners + len(t["octaves"])
     wanted += sum(leaves["leaf_count"] > 0 for leaves in t["leaves"])
     need(len(owned) == wanted, "a mesh, point set, texture, octave or table of leaves has no block")

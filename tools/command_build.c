@@ -25,8 +25,9 @@ static struct {
         color_threshold;
     int progress, capture;
     double leaf_flatness;
-    uint64_t leaf_points;
-    bool leaf_points_given, leaf_flatness_given;
+    uint64_t leaf_points, leaf_sample, leaf_neighbors, normal_neighbors;
+    bool leaf_points_given, leaf_flatness_given, leaf_sample_given, leaf_neighbors_given,
+        normal_neighbors_given;
     bool json, error_given, color_threshold_given, threshold_given, up_given, unit_given, resume,
         fresh;
 } args;
@@ -91,6 +92,29 @@ static const option* options(void)
                  "flatter: their least variance is at most so much of all; default 0.005",
          .value = &args.leaf_flatness,
          .given = &args.leaf_flatness_given},
+        {.name = "leaf-sample",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "16..1000000",
+         .help = "points, chosen at random, that tell whether a larger region is flat; default 256",
+         .value = &args.leaf_sample,
+         .given = &args.leaf_sample_given},
+        {.name = "leaf-neighbors",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "1..32",
+         .help = "leaves around each that its side of the surface is handed on to (stochastic, of "
+                 "points without normals); default 12",
+         .value = &args.leaf_neighbors,
+         .given = &args.leaf_neighbors_given},
+        {.name = "normal-neighbors",
+         .type = OPTION_COUNT,
+         .argument = "N",
+         .words = "4..1000",
+         .help = "points around each, about, that its normal is found from (stochastic, of points "
+                 "without normals); default 20",
+         .value = &args.normal_neighbors,
+         .given = &args.normal_neighbors_given},
         {.name = "order",
          .type = OPTION_CHOICE,
          .words = "exact|paper-fast|paper-text|random",
@@ -344,6 +368,15 @@ static int build(stp_context* context, int argc, char** argv)
     if (args.leaf_flatness_given) {
         desc.method_options.leaves.flatness = (float)args.leaf_flatness;
     }
+    if (args.leaf_sample_given) {
+        desc.method_options.leaves.sample = (uint32_t)args.leaf_sample;
+    }
+    if (args.leaf_neighbors_given) {
+        desc.method_options.leaves.neighbours = (uint32_t)args.leaf_neighbors;
+    }
+    if (args.normal_neighbors_given) {
+        desc.method_options.leaves.normal_neighbours = (uint32_t)args.normal_neighbors;
+    }
     if (args.color_threshold_given) {
         desc.method_options.tree.color_threshold = (uint32_t)args.color_threshold;
     }
@@ -396,9 +429,14 @@ static int run(int argc, char** argv)
         point_trees = point_trees || chosen[i]->id == STP_METHOD_SPT;
         leaves = leaves || chosen[i]->id == STP_METHOD_STOCHASTIC;
     }
-    if (!leaves && (args.leaf_points_given || args.leaf_flatness_given)) {
-        return tool_usage_error("--%s is of use with --method stochastic only",
-                                args.leaf_points_given ? "leaf-points" : "leaf-flatness");
+    const char* needless = args.leaf_points_given        ? "leaf-points"
+                           : args.leaf_flatness_given    ? "leaf-flatness"
+                           : args.leaf_sample_given      ? "leaf-sample"
+                           : args.leaf_neighbors_given   ? "leaf-neighbors"
+                           : args.normal_neighbors_given ? "normal-neighbors"
+                                                         : NULL;
+    if (!leaves && needless != NULL) {
+        return tool_usage_error("--%s is of use with --method stochastic only", needless);
     }
     if (!point_trees && (args.error_given || args.color_threshold_given)) {
         return tool_usage_error("--%s is of use with --method spt only",

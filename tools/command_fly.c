@@ -143,6 +143,7 @@ static int fly_through(session* s, const char* file)
     if (drawing_open(d, &args.draw, file) != STP_OK) {
         return 1;
     }
+    s->plan.quality = draw_options_quality(&args.draw);
     s->plan.view.eye_distance = draw_options_eye_distance(&args.draw, d->store);
     int code = draw_options_check_method(&args.draw, d->store, file);
     code = code == 0 ? scene_show_apply(&d->show, &args.draw.show, &s->plan.view) : code;

@@ -350,6 +350,7 @@ static int render(session* s, const char* path)
     if (drawing_open(&s->drawing, &args.draw, path) != STP_OK) {
         return 1;
     }
+    s->quality = draw_options_quality(&args.draw);
     int code = choose_view(s, path);
     if (code != 0) {
         return code;
@@ -424,7 +425,7 @@ static int run(int argc, char** argv)
     if (code != 0) {
         return code;
     }
-    session s = {.quality = draw_options_quality(&args.draw)};
+    session s = {.figures = {0}};
     if (!drawing_begin(&s.drawing, &args.draw)) {
         return 1;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // stipple thumbnail: a small picture of a model, drawn with few splats.
+#include "cloud_look.h"
 #include "command.h"
 #include "draw_options.h"
 #include "frame.h"
@@ -89,6 +90,7 @@ typedef struct thumbnail {
     uint64_t drawn_splats;
     uint64_t drawn_triangles;
     const char* method; ///< of the splats; NULL: none were drawn
+    bool is_cloud;      ///< all of the model are points
     stp_image image;
 } thumbnail;
 
@@ -141,6 +143,7 @@ static stp_result open_model(thumbnail* t)
                           "%s: expected triangles or points, found none", t->path);
     }
     bool large = any && root->triangle_count > most_triangles;
+    t->is_cloud = any && root->triangle_count == 0;
     if (result == STP_OK && !large) {
         frame_box(t, &root->bounds);
         tool_hold_errors();
@@ -161,6 +164,7 @@ static stp_result open_any(thumbnail* t)
     t->quality = (stp_quality){.splat_size = 1.0f};
     stp_result result = tool_is_store_file(t->path) ? open_stored(t) : open_model(t);
     if (result == STP_OK && t->way != WAY_CAPTURED) {
+        t->is_cloud = cloud_look_is_cloud(t->store);
         stp_boxd box = stp_visible_bounds(t->store, NULL);
         frame_box(t, &box);
     }
@@ -170,7 +174,8 @@ static stp_result open_any(thumbnail* t)
 /// The mean of frames that are each shifted by a part of a pixel.
 static stp_result draw(thumbnail* t)
 {
-    stp_draw_style style = {.transparency = STP_TRANSPARENCY_LAYERS};
+    stp_draw_style style = {.transparency = STP_TRANSPARENCY_LAYERS,
+                            .eye_dome = t->is_cloud ? CLOUD_THUMBNAIL_EYE_DOME : 0.0f};
     frame_maker maker = {0};
     frame_figures figures = {0};
     if (!frame_image_create(t->context, t->view.width, t->view.height, &t->image)) {
@@ -306,7 +311,8 @@ const command command_thumbnail = {
         "surface or its colours change. The outline is that of the capture; the few pixels within "
         "it that no splat covers get the colours beside them.\n"
         "\n"
-        "Points of a cloud are as wide as the eighth nearest of them is far.\n"
+        "Points of a cloud are as wide as the eighth nearest of them is far, and drawn with "
+        "eye-dome lighting.\n"
         "\n"
         "Of a .stip the first N splats of its method psp are drawn, or of its first method where "
         "it has none of psp. What has no splats there, because it is small, is drawn as "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // stipple view: a window to fly through a scene.
+#include "cloud_look.h"
 #include "command.h"
 #include "cue_names.h"
 #include "draw_options.h"
@@ -11,7 +12,7 @@
 #include <string.h>
 
 static struct {
-    const char *view, *report, *cues;
+    const char *view, *report, *cues, *point_size;
     uint32_t size[2];
     int backend, gl_splats, method;
     double budget_ms, scale;
@@ -66,6 +67,7 @@ static const option* options(void)
          .value = &args.method,
          .given = &args.has_method},
         OPTION_CUES(&args.cues),
+        OPTION_POINT_SIZE(&args.point_size),
         {.name = "ui-scale",
          .type = OPTION_NUMBER,
          .argument = "F",
@@ -106,7 +108,13 @@ static int run(int argc, char** argv)
     if (code != 0) {
         return code;
     }
+    cloud_point_size size = {0};
+    if (args.point_size != NULL && !cloud_look_read_size(args.point_size, &size)) {
+        return cloud_look_refuse_size(args.point_size);
+    }
     viewer_options o = {.colors = args.colors,
+                        .point_size = size,
+                        .has_point_size = args.point_size != NULL,
                         .file = argc == 1 ? argv[0] : NULL,
                         .view = args.view,
                         .width = args.size[0] != 0 ? args.size[0] : 1280,

@@ -11,7 +11,8 @@ static const struct {
 } cues[] = {
     {"flatness", STP_CUE_FLATNESS_BIT},   {"edge", STP_CUE_EDGE_BIT},
     {"coverage", STP_CUE_COVERAGE_BIT},   {"silhouette", STP_CUE_SILHOUETTE_BIT},
-    {"occlusion", STP_CUE_OCCLUSION_BIT},
+    {"occlusion", STP_CUE_OCCLUSION_BIT}, {"error", STP_CUE_ERROR_BIT},
+    {"specular", STP_CUE_SPECULAR_BIT},
 };
 
 /// 0: no cue has that name.
@@ -32,6 +33,10 @@ bool cue_names_parse(const char* text, uint32_t* cues_off)
         return true;
     }
     *cues_off = STP_CUES_ALL;
+    if (strcmp(text, "paper") == 0) {
+        *cues_off &= ~(uint32_t)STP_CUES_PAPER;
+        return true;
+    }
     bool more = strcmp(text, "none") != 0;
     while (more) {
         size_t length = strcspn(text, ",");
@@ -48,7 +53,8 @@ bool cue_names_parse(const char* text, uint32_t* cues_off)
 
 int cue_names_refuse(const char* text)
 {
-    return tool_usage_error("--cues is a list of flatness, edge, coverage, silhouette and "
-                            "occlusion, each at most once, or none, not %s",
+    return tool_usage_error("--cues is a list of flatness, edge, coverage, silhouette, "
+                            "occlusion, error and specular, each at most once, or paper, or "
+                            "none, not %s",
                             text);
 }

@@ -8,7 +8,8 @@
     {                                                                                              \
         .name = "cues", .type = OPTION_TEXT, .argument = "NAME,...",                               \
         .help = "stochastic: what the number of splats of a region is by, any of flatness, edge, " \
-                "coverage, silhouette and occlusion, or none; default all",                        \
+                "coverage, silhouette, occlusion, error (samples that cover, instead of the "      \
+                "paper's numbers) and specular; paper: the first five; or none; default all",      \
         .value = (text)                                                                            \
     }
 

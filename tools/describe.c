@@ -11,6 +11,7 @@ stp_result describe_store(stp_context* context, stp_store* store, scene_figures*
         .whole_bytes = stp_store_whole_bytes(store),
         .format_version = stp_store_format_version(store),
         .format_minor = stp_store_format_minor(store),
+        .position_error = stp_store_position_error(store),
     };
     const stp_store_summary* stored = stp_store_get_summary(store);
     if (stored != NULL) {

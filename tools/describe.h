@@ -14,6 +14,7 @@ typedef struct scene_figures {
     uint64_t file_bytes;
     uint64_t whole_bytes; ///< of a .stip; more than file_bytes where it was cut short
     uint32_t format_version, format_minor; ///< 0: not a .stip
+    double position_error; ///< of a .stip's points, scene units; 0: not known, or there are none
 } scene_figures;
 
 /// Of an open store: what it says of itself, or what its tables say where it does not. No bulk data is read.

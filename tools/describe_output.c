@@ -168,6 +168,8 @@ json_t* describe_json(const scene_figures* f)
     (void)json_object_set_new(json, "bounds", bounds_json(&f->summary));
     (void)json_object_set_new(json, "unit", unit_json(d->unit_metres));
     (void)json_object_set_new(json, "up", json_string(up));
+    (void)json_object_set_new(json, "position_error",
+                              f->position_error > 0.0 ? json_real(f->position_error) : json_null());
     (void)json_object_set_new(json, "sources", sources_json(d));
     (void)json_object_set_new(json, "attributes", attributes_json(d));
     (void)json_object_set_new(json, "views", views_json(d));
@@ -246,6 +248,29 @@ static void print_bytes(const char* label, uint64_t bytes, uint64_t count, const
     }
 }
 
+// How far stored points may lie from those of the input.
+static void print_exactness(const scene_figures* f)
+{
+    static const struct {
+        double metres;
+        const char* name;
+    } units[] = {{1.0, "m"}, {1e-3, "mm"}, {1e-6, "um"}, {1e-9, "nm"}};
+    double error = f->position_error * f->directory->unit_metres;
+    int unit = 0;
+    if (!(f->position_error > 0.0)) {
+        return;
+    }
+    while (unit < 3 && error < 0.1 * units[unit].metres) {
+        unit += 1;
+    }
+    if (f->directory->unit_metres > 0.0) {
+        printf("  %-12s exact to %.2g %s\n", "positions", error / units[unit].metres,
+               units[unit].name);
+    } else {
+        printf("  %-12s exact to %.2g (no unit)\n", "positions", f->position_error);
+    }
+}
+
 static void print_place(const scene_figures* f)
 {
     const char* unit = describe_unit(f->directory->unit_metres);
@@ -261,6 +286,7 @@ static void print_place(const scene_figures* f)
         printf("  %-12s %s\n", "unit", unit != NULL ? unit : "unknown");
     }
     printf("  %-12s %c\n", "up", f->directory->up);
+    print_exactness(f);
 }
 
 static void print_lists(const stp_store_directory* d)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "draw_options.h"
 
+#include "cloud_look.h"
 #include "cue_names.h"
 
 #include "lod/method.h"
@@ -137,6 +138,7 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
          .help = "shape of splats without a filter: disks and ellipses in the surface, or squares "
                  "on the screen, like hardware points; default disk",
          .value = &o->splat_shape},
+        OPTION_POINT_SIZE(&o->point_size),
         {.name = "transparency",
          .type = OPTION_CHOICE,
          .argument = "NAME",
@@ -149,10 +151,12 @@ static size_t add_effect_options(option* table, size_t used, draw_options* o)
         {.name = "eye-dome",
          .type = OPTION_NUMBER,
          .argument = "[STRENGTH]",
-         .words = "0.01..100",
+         .words = "off|0..100",
          .fallback = "1",
-         .help = "darken what lies behind its neighbours (eye-dome lighting); default strength 1",
-         .value = &o->eye_dome},
+         .help = "darken what lies behind its neighbours (eye-dome lighting), with a strength of "
+                 "1, or none with 0 or off; default 1 for scenes of points alone, else off",
+         .value = &o->eye_dome,
+         .given = &o->has_eye_dome},
         {.name = "ambient-occlusion",
          .type = OPTION_NUMBER,
          .argument = "[RADIUS]",
@@ -359,6 +363,10 @@ int draw_options_check(const draw_options* o)
     if (o->splat_texture != NULL && o->filter != STP_FILTER_TEXTURED) {
         return tool_usage_error("--splat-texture is of use with --filter textured only");
     }
+    cloud_point_size size;
+    if (o->point_size != NULL && !cloud_look_read_size(o->point_size, &size)) {
+        return cloud_look_refuse_size(o->point_size);
+    }
     uint32_t cues_off;
     if (!cue_names_parse(o->cues, &cues_off)) {
         return cue_names_refuse(o->cues);
@@ -373,11 +381,18 @@ int draw_options_check(const draw_options* o)
     return code != 0 ? code : check_eyes(o);
 }
 
+static bool fixes_points(const draw_options* o)
+{
+    cloud_point_size size;
+    return o->point_size != NULL && cloud_look_read_size(o->point_size, &size) && size.width > 0.0;
+}
+
 stp_quality draw_options_quality(const draw_options* o)
 {
-    // points keep their attributes in sets of blue and stochastic; others would be drawn beside those of blue where few splats
-    // suffice. A file without blue draws its first method
-    uint32_t by_default = point_colors_need_points(&o->colors) ? STP_METHOD_BLUE : 0;
+    // points have attributes and sizes in sets of blue and stochastic; others would be drawn beside those of blue where few
+    // splats suffice. A file without blue draws its first method
+    bool points = point_colors_need_points(&o->colors) || fixes_points(o);
+    uint32_t by_default = points ? STP_METHOD_BLUE : 0;
     stp_quality quality = {.method = o->has_method ? stp_methods[o->method].id : by_default,
                            .splat_size = (float)o->splat_size,
                            .splat_count = o->splats,
@@ -385,6 +400,7 @@ stp_quality draw_options_quality(const draw_options* o)
                            .splats_only = o->hybrid == HYBRID_OFF,
                            .nodes_only = o->hybrid == HYBRID_NODES,
                            .all_sides = o->normal_clusters == CLUSTERS_OFF,
+                           .points_apart = points,
                            .reference = o->reference};
     (void)cue_names_parse(o->cues, &quality.cues_off);
     (void)parse_fovea(o, &quality.fovea);
@@ -463,7 +479,7 @@ double draw_options_eye_distance(const draw_options* o, const stp_store* store)
 static bool asks_for_splats(const draw_options* o)
 {
     return o->has_splat_size || o->has_splats || o->has_budget || o->splat_scale > 0.0 ||
-           o->fovea != NULL || point_colors_need_points(&o->colors) ||
+           o->fovea != NULL || point_colors_need_points(&o->colors) || fixes_points(o) ||
            o->policy != STP_POLICY_INSERTION;
 }
 

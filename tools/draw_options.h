@@ -37,6 +37,8 @@ typedef struct draw_options {
     int transparency;          ///< TRANSPARENCY_*
     bool in_motion;            ///< set by the command: frames follow each other
     double eye_dome, ambient_occlusion;
+    bool has_eye_dome;
+    const char* point_size;
     point_color_options colors;
     int caps; ///< CAPS_ON, CAPS_OFF
     show_options show;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "drawing.h"
 
+#include "cloud_look.h"
 #include "picture.h"
 #include "tool.h"
+
+#include "lod/method.h"
 
 bool drawing_begin(drawing* d, const draw_options* options)
 {
@@ -10,7 +13,35 @@ bool drawing_begin(drawing* d, const draw_options* options)
     return d->context != NULL;
 }
 
-stp_result drawing_open(drawing* d, const draw_options* options, const char* path)
+/// Chooses whose splats are drawn, where nobody did and the usual ones lack what colours are made of.
+static void choose_method(drawing* d, draw_options* o, const char* path)
+{
+    const stp_store_directory* directory = stp_store_get_directory(d->store);
+    uint32_t usual = stp_store_find_method(directory, draw_options_quality(o).method);
+    if (o->has_method || o->reference || !point_colors_need_points(&o->colors)) {
+        return;
+    }
+    uint32_t found = point_colors_find_method(&o->colors, d->store, usual);
+    if (found == usual) {
+        return;
+    }
+    const char* what = o->colors.classes != NULL ? "class" : point_color_name(o->colors.color);
+    const stp_method* method =
+        found != STP_STORE_NONE ? stp_method_by_id(directory->methods[found].id) : NULL;
+    if (method != NULL) {
+        o->has_method = true;
+        o->method = (int)(method - stp_methods);
+        stp_warn(d->context, "%s: drawn by %s: splats by %s have no %s", path, method->name,
+                 directory->methods[usual].name, what);
+    } else if (point_colors_has_originals(&o->colors, d->store) &&
+               !stp_store_is_truncated(d->store) && !o->has_splats && !o->has_budget) {
+        o->reference = true;
+        o->point_size = o->point_size != NULL ? o->point_size : CLOUD_ORIGINAL_SIZE;
+        stp_warn(d->context, "%s: original points are drawn: splats have no %s", path, what);
+    }
+}
+
+stp_result drawing_open(drawing* d, draw_options* options, const char* path)
 {
     stp_result result = tool_open_scene_prefix(d->context, path, draw_options_use(options),
                                                &options->prefix, &d->store);
@@ -18,6 +49,7 @@ stp_result drawing_open(drawing* d, const draw_options* options, const char* pat
     if (result != STP_OK) {
         return result;
     }
+    choose_method(d, options, path);
     stp_quality quality = draw_options_quality(options);
     uint32_t method = stp_store_find_method(stp_store_get_directory(d->store), quality.method);
     result = point_colors_find(&options->colors, d->context, d->store, path, method,
@@ -43,6 +75,12 @@ stp_result drawing_make(drawing* d, const draw_options* options)
     style.coloring = d->coloring.pixels;
     style.elevation[0] = d->coloring.elevation[0];
     style.elevation[1] = d->coloring.elevation[1];
+    style.eye_dome = options->has_eye_dome ? style.eye_dome : cloud_look_eye_dome(d->store);
+    if (options->point_size != NULL) {
+        cloud_point_size size;
+        (void)cloud_look_read_size(options->point_size, &size);
+        cloud_look_set_size(&size, d->store, &style);
+    }
     if (options->splat_texture != NULL) {
         result = read_splat_texture(d, options->splat_texture);
         style.splat_texture = &d->splat_texture;

@@ -18,8 +18,9 @@ typedef struct drawing {
 /// Makes the context. @return whether that went well, with the message printed
 bool drawing_begin(drawing* d, const draw_options* options);
 
-/// Opens a file, or builds it first. Failures are logged.
-STP_MUST_USE stp_result drawing_open(drawing* d, const draw_options* options, const char* path);
+/// Opens a file, or builds it first. Where no method was asked for and the usual one's splats lack what --color or --classes
+/// ask for, `options` name one whose splats have it, or original points, with a warning. Failures are logged.
+STP_MUST_USE stp_result drawing_open(drawing* d, draw_options* options, const char* path);
 
 /// Makes what draws the open scene; under a limit of memory, it loads what it needs. Failures are logged.
 STP_MUST_USE stp_result drawing_make(drawing* d, const draw_options* options);

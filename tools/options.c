@@ -149,6 +149,14 @@ static bool is_plain_number(const char* text)
     return text != NULL && *text != 0 && strspn(text, "0123456789.") == strlen(text);
 }
 
+// A word that stands for 0 where an option can do without its value.
+static bool is_zero_word(const option* o, const char* text)
+{
+    size_t length = strcspn(o->words, "|");
+    return text != NULL && o->words[length] == '|' && strlen(text) == length &&
+           memcmp(text, o->words, length) == 0;
+}
+
 // "name" or "name=value" after the two dashes; `next` is the argument after it, or NULL.
 static int parse_long(const option* table, const char* text, const char* next, int* used)
 {
@@ -165,7 +173,7 @@ static int parse_long(const option* table, const char* text, const char* next, i
     if (text[length] == '=') {
         return apply(found, text + length + 1);
     }
-    if (found->fallback != NULL && !is_plain_number(next)) {
+    if (found->fallback != NULL && !is_plain_number(next) && !is_zero_word(found, next)) {
         return apply(found, found->fallback);
     }
     if (next == NULL) {

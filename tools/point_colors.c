@@ -173,6 +173,33 @@ static bool is_drawn(const stp_store* store, uint32_t method, bool reference, st
     return false;
 }
 
+/// Whether all that is asked for is drawn.
+static bool draws_all(const point_color_options* o, const stp_store* store, uint32_t method,
+                      bool reference)
+{
+    stp_attribute a = attributes[o->color];
+    return (a == STP_ATTRIBUTES || is_drawn(store, method, reference, a)) &&
+           (o->classes == NULL || is_drawn(store, method, reference, STP_ATTRIBUTE_CLASS));
+}
+
+uint32_t point_colors_find_method(const point_color_options* o, const stp_store* store,
+                                  uint32_t preferred)
+{
+    const stp_store_directory* d = stp_store_get_directory(store);
+    uint32_t found = preferred < d->method_count && draws_all(o, store, preferred, false)
+                         ? preferred
+                         : STP_STORE_NONE;
+    for (uint32_t m = 0; m < d->method_count && found == STP_STORE_NONE; ++m) {
+        found = draws_all(o, store, m, false) ? m : found;
+    }
+    return found;
+}
+
+bool point_colors_has_originals(const point_color_options* o, const stp_store* store)
+{
+    return draws_all(o, store, 0, true);
+}
+
 /// Says which attributes there are, where one is not.
 static stp_result refuse(stp_context* context, const stp_store* store, const char* path,
                          stp_attribute attribute)

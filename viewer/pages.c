@@ -131,12 +131,11 @@ static void show_look(viewer* v)
                "Sun: from above left of the viewer. Headlight: from the viewer");
     show_effect("Ambient occlusion", "Reach", &s->ambient_occlusion, 4.0f, 0.5f, 12.0f, "%.1f %%",
                 "Darkens corners and crevices; the reach is in percent of the picture's height");
-    show_effect("Eye-dome lighting", "Strength", &s->eye_dome, 1.0f, 0.05f, 4.0f, "%.2f",
-                "Darkens edges in front of something farther away; good for point clouds");
-    if (v->scene != NULL && v->scene->directory->point_set_count > 0) {
-        gui_log_slider("Point size", &s->point_scale, 0.25f, 4.0f, "%.2f x",
-                       "Size of points, relative to what closes the gaps between them");
-    }
+    float eye_dome = cloud_page_eye_dome(v), before = eye_dome;
+    show_effect("Eye-dome lighting", "Strength", &eye_dome, CLOUD_EYE_DOME, 0.05f, 4.0f, "%.2f",
+                "Darkens edges in front of something farther away; usual for point clouds");
+    s->eye_dome = eye_dome != before ? eye_dome : s->eye_dome;
+    cloud_page_show(v);
     gui_color("Background", s->background, "Colour behind the model");
     gui_check("View cube and scale bar", &s->guides,
               "Click a side of the cube to look at it; Tab hides everything but the picture");

@@ -77,8 +77,18 @@ void measure_print_point(const viewer* v, stp_vec3d point, char* text, size_t si
 void point_look_begin(viewer* v); ///< of a new file
 /// Adds colours of points and pixels to what is asked for.
 void point_look_give(viewer* v, paint_request* request);
+/// Whose splats are drawn: of the chosen method, or, where they lack what points are coloured by, of another (STP_METHOD_*).
+/// @param originals receives whether only original points have it
+uint32_t point_look_method(const viewer* v, bool* originals);
 void point_look_show(viewer* v);    ///< in the panel
 void point_look_overlay(viewer* v); ///< the scale beside the picture
+
+// cloud_page.c
+/// The strength of eye-dome lighting: the usual one of the scene where nobody chose another.
+float cloud_page_eye_dome(const viewer* v);
+/// Adds the size of points to what is asked for.
+void cloud_page_give(const viewer* v, paint_request* request);
+void cloud_page_show(viewer* v); ///< in the panel
 
 // orientation.c
 /// The side of the view cube (present/view_cube.h) at a place of the window; -1: none.

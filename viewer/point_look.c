@@ -6,6 +6,7 @@
 
 #include "base/color.h"
 #include "base/color_map.h"
+#include "lod/method.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,9 +103,49 @@ void point_look_give(viewer* v, paint_request* request)
         request->style.filter =
             STP_FILTER_NONE; // colours of pixels are worked out where none are blended
     }
-    if ((a != STP_ATTRIBUTES || look->hides) && request->quality.method == 0) {
-        // whose splats are points, as those of stochastic: a file without blue draws its first method
-        request->quality.method = STP_METHOD_BLUE;
+    const point_color_options o = {.color = look->color, .classes = look->hides ? "" : NULL};
+    request->quality.points_apart = request->quality.points_apart || point_colors_need_points(&o);
+    if (!request->quality.reference) {
+        uint32_t method = point_look_method(v, &request->quality.reference);
+        request->quality.method = method != 0 ? method : request->quality.method;
+        if (request->quality.reference && request->style.point_sizing == STP_POINTS_ADAPTIVE) {
+            request->style.point_sizing = STP_POINTS_PIXELS;
+            request->style.point_size = CLOUD_ORIGINAL_PIXELS;
+        }
+    }
+}
+
+uint32_t point_look_method(const viewer* v, bool* originals)
+{
+    const point_look* look = &v->look;
+    const point_color_options o = {.color = look->color, .classes = look->hides ? "" : NULL};
+    uint32_t chosen = (uint32_t)v->settings.splats_by;
+    *originals = false;
+    if (v->scene == NULL || !point_colors_need_points(&o)) {
+        return chosen;
+    }
+    const stp_store_directory* d = v->scene->directory;
+    uint32_t usual = stp_store_find_method(d, chosen != 0 ? chosen : STP_METHOD_BLUE);
+    uint32_t found = point_colors_find_method(&o, v->scene->store, usual);
+    if (found != STP_STORE_NONE) {
+        return d->methods[found].id;
+    }
+    *originals = point_colors_has_originals(&o, v->scene->store);
+    return chosen;
+}
+
+/// Says whose splats are drawn where those of the chosen method lack the attribute.
+static void show_other_method(const viewer* v)
+{
+    bool originals;
+    uint32_t chosen = (uint32_t)v->settings.splats_by, drawn = point_look_method(v, &originals);
+    const stp_store_directory* d = v->scene->directory;
+    if (originals) {
+        gui_faint_paragraph("Original points are drawn: splats do not have this attribute.");
+    } else if (drawn != 0 && d->method_count > 1 &&
+               stp_store_find_method(d, chosen) != stp_store_find_method(d, drawn)) {
+        gui_faint_paragraph("Drawn by %s: other splats do not have this attribute.",
+                            stp_method_by_id(drawn)->title);
     }
 }
 
@@ -219,6 +260,7 @@ void point_look_show(viewer* v)
         return;
     }
     show_choice(v);
+    show_other_method(v);
     if (has_scale(v->look.color)) {
         show_range(v);
     }

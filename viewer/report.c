@@ -135,9 +135,10 @@ static json_t* describe_match(const viewer* v)
 static json_t* describe_method(const viewer* v)
 {
     const stp_store_directory* d = v->scene != NULL ? v->scene->directory : NULL;
+    bool originals;
     return d != NULL && d->surfels_count > 0
                ? json_string(
-                     d->methods[stp_store_find_method(d, (uint32_t)v->settings.splats_by)].name)
+                     d->methods[stp_store_find_method(d, point_look_method(v, &originals))].name)
                : json_null();
 }
 
@@ -165,7 +166,7 @@ static json_t* describe(const viewer* v)
                                                        "section", "measure",    "views"};
     return json_pack(
         "{s:o, s:s, s:I, s:b, s:b, s:I, s:I, s:s, s:b, s:b, s:b, s:s, s:o, s:o, s:s, s:o, s:o, "
-        "s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "s:s, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:i}",
         "file", describe_json_text(v->file), "loading", states[v->news.state], "stores",
         (json_int_t)v->news.serial, "rests", (int)(viewer_rests(v) && v->dirty <= 0), "complete",
         (int)v->news.complete, "scene", (json_int_t)(v->scene != NULL ? v->scene->serial : 0),
@@ -177,7 +178,8 @@ static json_t* describe(const viewer* v)
         "picture", describe_picture(v), "color", point_color_name(v->look.color), "hides",
         (int)v->look.hides, "tools", describe_tools(v), "guides", describe_guides(v), "match",
         describe_match(v), "start", describe_start(v), "handles", describe_handles(v), "splats",
-        describe_splats(v));
+        describe_splats(v), "eye_dome", (double)cloud_page_eye_dome(v), "point_sizing",
+        v->settings.point_sizing);
 }
 
 void report_write(viewer* v, bool last)

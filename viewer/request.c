@@ -38,7 +38,7 @@ paint_request request_make(viewer* v)
                                        to_byte(s->background[2])},
                   .filter = (stp_filter)s->filter,
                   .caps = s->caps,
-                  .eye_dome = s->eye_dome,
+                  .eye_dome = cloud_page_eye_dome(v),
                   .ambient_occlusion = 0.01f * s->ambient_occlusion},
         .quality = {.splat_size = s->splat_size,
                     .splat_count = splats,
@@ -50,9 +50,7 @@ paint_request request_make(viewer* v)
         .budget_ms = s->adapts && !original && splats == 0 ? (double)s->budget_ms : 0.0,
         .samples = (uint32_t)s->samples,
     };
-    if (v->scene->directory->point_set_count > 0 && s->point_scale != 1.0f) {
-        request.style.splat_scale = s->point_scale;
-    }
+    cloud_page_give(v, &request);
     stp_navigator_give(&v->camera, &request.view);
     request.view.sections = section_make(v);
     request.gl = viewer_uses_gl(v);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "settings.h"
 
+#include "cloud_look.h"
 #include "splat_count.h"
 
 #include "base/file.h"
@@ -37,12 +38,15 @@ static const field fields[] = {
     {"filter", FIELD_INT, PLACE(filter), 0, STP_FILTER_EWA},
     {"light", FIELD_INT, PLACE(light), 0, 1},
     {"unit", FIELD_INT, PLACE(unit), 0, UNIT_COUNT - 1},
+    {"point_sizing", FIELD_INT, PLACE(point_sizing), 0, STP_POINTS_UNITS},
     {"point_scale", FIELD_FLOAT, PLACE(point_scale), 0.25, 4},
+    {"point_pixels", FIELD_FLOAT, PLACE(point_pixels), 1, CLOUD_POINT_PIXELS},
+    {"point_metres", FIELD_FLOAT, PLACE(point_metres), 1e-6, 1e6},
     {"guides", FIELD_BOOL, PLACE(guides), 0, 0},
     {"caps", FIELD_BOOL, PLACE(caps), 0, 0},
     {"fovea", FIELD_BOOL, PLACE(fovea), 0, 0},
     {"fovea_factor", FIELD_FLOAT, PLACE(fovea_factor), 1, 8},
-    {"eye_dome", FIELD_FLOAT, PLACE(eye_dome), 0, 4},
+    {"eye_dome_strength", FIELD_FLOAT, PLACE(eye_dome), -1, 4},
     {"ambient_occlusion", FIELD_FLOAT, PLACE(ambient_occlusion), 0, 12},
     {"red", FIELD_FLOAT, PLACE(background[0]), 0, 1},
     {"green", FIELD_FLOAT, PLACE(background[1]), 0, 1},
@@ -58,6 +62,9 @@ viewer_settings viewer_settings_default(void)
     return (viewer_settings){.parts = true,
                              .page = PAGE_NONE,
                              .point_scale = 1.0f,
+                             .point_pixels = 3.0f,
+                             .point_metres = 0.05f,
+                             .eye_dome = -1.0f,
                              .guides = true,
                              .adapts = true,
                              .budget_ms = 33.0f,

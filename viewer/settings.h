@@ -32,14 +32,16 @@ typedef struct viewer_settings {
     int method;           ///< stp_policy; beyond it: original geometry only
     int splats_by; ///< whose splats are drawn (STP_METHOD_*); 0, or none of the file's: its first
     int filter, light;
-    int unit;          ///< UNIT_*
-    float point_scale; ///< times the usual size of points, in scenes that have some
-    bool guides;       ///< view cube and scale bar
-    bool caps;         ///< solids that sections cut are filled
+    int unit;                         ///< UNIT_*
+    int point_sizing;                 ///< stp_point_sizing, in scenes that have points
+    float point_scale;                ///< times the usual size of points, where it is adaptive
+    float point_pixels, point_metres; ///< their width, where it is fixed
+    bool guides;                      ///< view cube and scale bar
+    bool caps;                        ///< solids that sections cut are filled
     bool fovea;
     float fovea_factor;
-    float eye_dome,
-        ambient_occlusion; ///< 0: none; the second in hundredths of the picture's height
+    float eye_dome;          ///< 0: none; below: as usual for the scene
+    float ambient_occlusion; ///< in hundredths of the picture's height; 0: none
     float background[3];
     int shot_width, shot_height, shot_samples;
 } viewer_settings;

@@ -332,6 +332,15 @@ static void set_options(viewer* v)
     } else if (o->budget_ms > 0.0f) {
         v->settings.splat_count = 0;
     }
+    if (o->has_point_size) {
+        bool fixed = o->point_size.width > 0.0, metres = o->point_size.in_metres;
+        float width = (float)o->point_size.width;
+        v->settings.point_sizing = !fixed   ? STP_POINTS_ADAPTIVE
+                                   : metres ? STP_POINTS_UNITS
+                                            : STP_POINTS_PIXELS;
+        v->settings.point_metres = fixed && metres ? width : v->settings.point_metres;
+        v->settings.point_pixels = fixed && !metres ? width : v->settings.point_pixels;
+    }
     v->settings.splats_by = o->method != 0 ? (int)o->method : v->settings.splats_by;
     v->shows_panels = true;
     v->measure.snaps = true;

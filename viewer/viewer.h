@@ -2,6 +2,7 @@
 // The interactive viewer, for `stipple view`.
 #pragma once
 
+#include "cloud_look.h"
 #include "point_colors.h"
 #include "settings.h"
 
@@ -20,6 +21,8 @@ typedef struct viewer_options {
     uint32_t cues_off;          ///< STP_CUE_*_BIT that are not looked at
     uint32_t splat_count;       ///< so many splats are drawn; 0: as last time
     point_color_options colors; ///< of points, at first
+    cloud_point_size point_size;
+    bool has_point_size; ///< else as last time
     uint32_t thread_count;
     uint64_t memory_limit;
     const char* report; ///< a file that says in JSON what is shown; NULL: none

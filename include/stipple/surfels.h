@@ -118,6 +118,9 @@ typedef struct stp_splats {
     /// src/store/attributes.h.
     void* attributes[STP_ATTRIBUTES];
     bool plain_coverages; ///< coverages are shares of 255 instead: of files before version 1.2
+    bool unknown_signs;   ///< normals are estimates of which either side may be outside
+    /// Scene units by which splats may lie from the original points that they are: 0 where that is not known.
+    float position_error;
     stp_prefix_table table;
     float
         candidate_radius; ///< half the diagonal of a capture pixel: how far surface may lie from a candidate

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "build/census.h"
+#include "build/certainty.h"
 #include "build/content.h"
 #include "build/draft.h"
 #include "build/meshes.h"
@@ -279,6 +280,7 @@ static stp_result make_content(build* b)
         content->directory.shadings = b->shadings.shadings;
         content->directory.shading_count = b->shadings.count;
         content->directory.build_json = b->desc->parameters_json;
+        result = stp_build_note_certainty(b->scene, content, &b->methods);
     }
     return result;
 }

@@ -42,6 +42,7 @@ typedef struct stp_placed_set {
     uint32_t prefix;      ///< how many of them, at least 1
     float radius;         ///< of their disks, in the set's own space
     stp_affine transform; ///< to the captured space
+    bool unknown_signs;   ///< either side of a splat may be outside
 } stp_placed_set;
 
 /// All that a capture looks at.

@@ -165,7 +165,7 @@ static void draw_similar(const stp_capture_job* job, const stp_capture_band* ban
                                 .step = surfels->step,
                                 .radius = placed->radius,
                                 .rim_depth = RIM_DEPTH,
-                                .back_depth = BACK_DEPTH,
+                                .back_depth = placed->unknown_signs ? 0.0f : BACK_DEPTH,
                                 .coverages = surfels->coverages + look.first};
     stp_raster_draw_splats(target, band->row_begin, band->row_end, &camera, &splats, first_id);
 }
@@ -203,7 +203,7 @@ static stp_result draw_squeezed(const stp_capture_job* job, const stp_capture_ba
             .end = count,
             .radius = (float)((double)placed->radius * stp_affine_stretch(&placed->transform)),
             .rim_depth = RIM_DEPTH,
-            .back_depth = BACK_DEPTH,
+            .back_depth = placed->unknown_signs ? 0.0f : BACK_DEPTH,
             .coverages = placed->surfels->coverages + look.first + begin};
         stp_raster_draw_splats(target, band->row_begin, band->row_end, &camera, &splats,
                                first_id + begin);

@@ -92,6 +92,7 @@ typedef struct sight {
     double row[3][3], at_zero[3]; ///< x, y, nearness of a value of the grid
     double pixel, depth;          ///< scene units a pixel; nearness a scene unit
     double radius;                ///< scene units
+    bool two_sided;               ///< surfels that face away are looked at as well
 } sight;
 
 static sight make_sight(const stp_capture_job* job, const stp_capture_band* band,
@@ -101,6 +102,7 @@ static sight make_sight(const stp_capture_job* job, const stp_capture_band* band
     const stp_capture_view* view = &job->views[band->view];
     stp_affine placement = stp_capture_set_placement(job, set);
     sight s = {.job = job, .view = view, .band = band, .target = target};
+    s.two_sided = placed->unknown_signs;
     s.placing = stp_set_placing_make(placed->surfels, &placement);
     s.pixel = 1.0 / sqrt(stp_dotd(view->right, view->right));
     s.depth = sqrt(stp_dotd(view->depth, view->depth));
@@ -141,7 +143,7 @@ static bool is_centre_visible(const sight* s, uint32_t surfel)
     }
     stp_vec3d n = stp_set_normal(&s->placing, surfel);
     double facing = stp_dotd(n, s->view->toward);
-    if (facing < LEAST_FACING) {
+    if ((s->two_sided ? fabs(facing) : facing) < LEAST_FACING) {
         return false;
     }
     double across = stp_dotd(n, s->view->right) * s->pixel * ((double)column + 0.5 - at[0]);

@@ -37,6 +37,13 @@ typedef enum stp_draw_coloring {
     STP_DRAW_NORMALS, ///< of the normal, red to the right, green up, blue to the front of the scene; without light
 } stp_draw_coloring;
 
+/// How large points are drawn, and splats that are original points.
+typedef enum stp_point_sizing {
+    STP_POINTS_ADAPTIVE, ///< as large as it takes to close the gaps between those that are drawn
+    STP_POINTS_PIXELS,   ///< as disks on the screen, so many pixels wide
+    STP_POINTS_UNITS,    ///< as disks that face the eye, so many units of the scene wide
+} stp_point_sizing;
+
 typedef struct stp_draw_style {
     float splat_scale;    ///< times the radius of every splat; default 1
     uint32_t supersample; ///< n x n samples a pixel; default 1
@@ -46,6 +53,8 @@ typedef struct stp_draw_style {
     uint8_t background_color[3];
     stp_filter filter;
     stp_splat_shape splat_shape; ///< a filter draws disks always
+    stp_point_sizing point_sizing;
+    float point_size; ///< width of points of a fixed size; without splat_scale
     /// Weights of STP_FILTER_TEXTURED (raster/splat_texture.h); lives as long as the style. NULL: a Gaussian.
     const stp_splat_texture* splat_texture;
     float eye_dome;          ///< strength of eye-dome lighting; 0: none
@@ -86,8 +95,8 @@ STP_MUST_USE stp_result stp_renderer_draw(stp_renderer* renderer, const stp_view
 /// picture does not hide is drawn after. `list` is filled; `quality->occlusion` is not looked at. The picture is that of
 /// stp_select without occlusion and stp_renderer_draw, but for what lies at equal depths; only time depends on what was
 /// drawn before. Each sample and each eye has two passes; a filter blends splats that are hidden too, so nothing is
-/// set aside that it needs. Parallel pictures, those of a number of splats, and those of splats drawn larger than they
-/// were chosen are drawn in one pass.
+/// set aside that it needs. Parallel pictures, those of a number of splats, of points of a fixed size, and those of
+/// splats drawn larger than they were chosen are drawn in one pass.
 /// @return as stp_select, stp_select_rejected and stp_renderer_draw
 STP_MUST_USE stp_result stp_renderer_draw_selected(stp_renderer* renderer, const stp_view* view,
                                                    const stp_quality* quality,

@@ -81,7 +81,8 @@ bool stp_resting_is_same_style(const stp_draw_style* a, const stp_draw_style* b)
            a->ambient_occlusion == b->ambient_occlusion && a->caps == b->caps &&
            a->coloring == b->coloring && a->elevation[0] == b->elevation[0] &&
            a->elevation[1] == b->elevation[1] && a->ghost == b->ghost &&
-           a->transparency == b->transparency;
+           a->transparency == b->transparency && a->point_sizing == b->point_sizing &&
+           a->point_size == b->point_size;
 }
 
 bool stp_resting_continues(stp_resting* resting, const stp_view* view, const stp_draw_list* list,

@@ -14,7 +14,7 @@ enum {
     SPT_TRIANGLE_BYTES = 100, ///< of a large triangle: in boxes, and their order
     PSP_VERSION = 2,
     PSP_BYTES = 1000, ///< of a sample
-    STOCHASTIC_VERSION = 2,
+    STOCHASTIC_VERSION = 3,
     STOCHASTIC_BYTES = 120, ///< of a sample
     SPT_COLORS =
         48, ///< of 255: where colours differ by more, nodes are as coarse as their diameter
@@ -71,7 +71,8 @@ static stp_result make_psp(stp_context* context, const stp_method_source* source
 static stp_hash hash_stochastic(stp_hash key, const stp_method_options* options)
 {
     const stp_leaf_desc* leaves = &options->leaves;
-    const uint32_t all[] = {STOCHASTIC_VERSION, leaves->budget, leaves->least, leaves->sample};
+    const uint32_t all[] = {STOCHASTIC_VERSION, leaves->budget,     leaves->least,
+                            leaves->sample,     leaves->neighbours, leaves->normal_neighbours};
     key = stp_hash_bytes(key, "stochastic", 10);
     key = stp_hash_bytes(key, all, sizeof(all));
     return stp_hash_bytes(key, &leaves->flatness, sizeof(leaves->flatness));
@@ -135,6 +136,7 @@ const stp_method stp_methods[STP_METHOD_COUNT] = {
      .title = "View-Dependent Stochastic Sampling",
      .id = STP_METHOD_STOCHASTIC,
      .columns = STP_STOCHASTIC_COLUMNS,
+     .finds_signs = true,
      .hash = hash_stochastic,
      .bytes = stochastic_bytes,
      .make = make_stochastic,

@@ -34,6 +34,7 @@ typedef struct stp_method {
     const char* title; ///< for people
     uint32_t id;       ///< STP_METHOD_*
     uint32_t columns;  ///< STP_SPLATS_*, of its sets
+    bool finds_signs;  ///< it finds out which side of points without normals is outside
     /// Adds to a content key whatever decides a set but its samples. NULL where `make` is.
     stp_hash (*hash)(stp_hash key, const stp_method_options* options);
     /// Memory that making takes.

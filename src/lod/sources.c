@@ -28,6 +28,7 @@ typedef struct walk {
     size_t kept;    ///< uses that are not
     uint64_t* uses; ///< by node: of parts and sets below; made when first thinned
     uint64_t thin_uses, every, number; ///< counted; one of `every` is kept; the next one's number
+    bool lacks_normals;                ///< some point sets of the scene have none
 } walk;
 
 static stp_result push(walk* w, const frame* f)
@@ -73,9 +74,13 @@ static stp_result add_set(walk* w, const frame* f, const stp_splats* set, double
     }
     list->sets = sets;
     float radius = stp_prefix_table_radius(&set->table, prefix) + set->candidate_radius;
-    sets[list->set_count++] = (stp_placed_set){
-        .surfels = set, .prefix = prefix, .radius = radius, .transform = f->transform};
     const stp_node* node = &w->scene->nodes[f->node];
+    sets[list->set_count++] =
+        (stp_placed_set){.surfels = set,
+                         .prefix = prefix,
+                         .radius = radius,
+                         .transform = f->transform,
+                         .unknown_signs = w->lacks_normals && node->triangle_count == 0};
     list->triangle_count += node->triangle_count;
     list->point_count += node->point_count;
     list->surfels += (double)prefix;
@@ -283,6 +288,9 @@ stp_result stp_list_sources(const stp_scene* scene, uint32_t node, const stp_spl
               .pixel = pixel_size > 0.0 ? pixel_size : 1e-30,
               .limit = limit,
               .list = list};
+    for (size_t i = 0; i < scene->point_set_count && sets != NULL; ++i) {
+        w.lacks_normals = w.lacks_normals || scene->point_sets[i].normals == NULL;
+    }
     stp_result result = walk_once(&w, node);
     if (result == STP_OK && w.kept > w.limit) {
         result = walk_thinned(&w, node);

@@ -71,6 +71,7 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     frame->nearest = by_depth ? splats->nearest : -INFINITY;
     frame->farthest = by_depth ? splats->farthest : INFINITY;
     frame->seed = splats->seed;
+    frame->pixels = splats->pixels;
     frame->rim_depth = splats->rim_depth;
     frame->back_depth = splats->back_depth;
     frame->row_begin = (int32_t)row_begin;

@@ -25,6 +25,7 @@ typedef struct stp_raster_splats {
     float step;
     float
         radius; ///< of every disk, object space; 0: the centre's pixel only. With shapes: of one step
+    float pixels; ///< added to the radius on the screen, at any depth
     const uint32_t*
         shapes; ///< NULL, or 1 a splat (base/splat_codes.h): ellipses with radii of their own
     /// Where not both 0: only splats whose centre is within these depths (W of the matrix) are drawn.

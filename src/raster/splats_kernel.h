@@ -48,6 +48,7 @@ typedef struct stp_splat_frame {
     float x[4], y[4], n[4], w[4]; ///< rows of the raster matrix after the position grid
     float turn[3][3];             ///< view rotation without its scale
     float radius_px;              ///< projected radius times W
+    float pixels;                 ///< what is added to the projected radius
     float center_x, center_y;     ///< where the gaze meets the screen
     float inverse_scale;          ///< 1 / pixel_scale; 0 in parallel projection
     float slope_factor,
@@ -236,7 +237,7 @@ static inline splat_batch empty_batch(void)
 static inline void halve_radius(const stp_splat_frame* f, uint32_t index, int i, splat_batch* t)
 {
     float W = ((f->w[0] * t->px[i] + f->w[1] * t->py[i]) + f->w[2] * t->pz[i]) + f->w[3];
-    float radius = f->radius_px * (1.0f / W) * t->own[i], least = splat_least(index);
+    float radius = (f->radius_px * (1.0f / W) + f->pixels) * t->own[i], least = splat_least(index);
     int32_t wanted = t->halvings[i], done = 0;
     while (done < wanted && radius * t->size[i] >= least) {
         t->size[i] *= 0.5f;
@@ -328,7 +329,7 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
         float W = ((f->w[0] * x + f->w[1] * y) + f->w[2] * z) + f->w[3];
         float inverse = 1.0f / W;
         float sx = X * inverse, sy = Y * inverse, nearness = N * inverse;
-        float radius = f->radius_px * inverse * (t->size[i] * t->own[i]);
+        float radius = (f->radius_px * inverse + f->pixels) * (t->size[i] * t->own[i]);
         float ax = (sx - f->center_x) * f->inverse_scale,
               ay = (sy - f->center_y) * f->inverse_scale;
         float reach = radius * radius * ((ax * ax + ay * ay) + 1.0f); // .24: see splat_kind

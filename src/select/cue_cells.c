@@ -3,9 +3,11 @@
 
 #include "base/leaf_runs.h"
 
-enum { GROWTHS = 2 * STP_OCTAVE_LIMIT };
+enum { GROWTHS = 4 * STP_OCTAVE_LIMIT };
 
-#define ROUND_UP 0.62 // splats are rather too large than too small: by 0.9 to 1.27
+#define ROUND_UP 0.92 // radii are rather too large than too small: by 0.96 to 1.14
+/// Radii grow by the fourth root of 2 from step to step.
+static const float growths[4] = {1.0f, 1.18920712f, 1.41421356f, 1.68179283f};
 
 uint32_t stp_cue_count(const stp_splats* set, uint32_t first, uint32_t last, uint32_t octaves)
 {
@@ -25,14 +27,23 @@ uint32_t stp_cue_octaves(const stp_splats* set, double share, uint32_t here)
     return octaves;
 }
 
-/// How often a cell's splats are halved, about.
+static float scale_of(uint32_t growth)
+{
+    float scale = growths[growth % 4];
+    for (uint32_t i = 4; i <= growth; i += 4) {
+        scale *= 2.0f;
+    }
+    return scale;
+}
+
+/// The step of radii that is nearest to what a cell's splats need.
 static uint32_t growth_of(const stp_cue_cell* cell)
 {
-    double sparser = (double)(cell->last - cell->first) / (double)cell->count, power = 1.0;
+    float sparser = (float)((double)(cell->last - cell->first) / (double)cell->count);
+    float radius = sqrtf(sparser) * (float)ROUND_UP;
     uint32_t growth = 0;
-    while (growth + 1 < GROWTHS && sparser > power * (2.0 * ROUND_UP)) {
+    while (growth + 1 < GROWTHS && radius > scale_of(growth)) {
         growth += 1;
-        power *= 2.0;
     }
     return growth;
 }
@@ -90,11 +101,7 @@ static stp_result add_item(stp_selection* s, const stp_splats* set, const stp_cu
     item.split_count = item.prefix - splats;
     item.first_run = (uint32_t)first;
     item.run_count = (uint32_t)runs;
-    item.shape_scale = 1.0f;
-    for (uint32_t i = 0; i + 1 < growth; i += 2) {
-        item.shape_scale *= 2.0f;
-    }
-    item.shape_scale *= growth % 2 != 0 ? 1.41421356f : 1.0f;
+    item.shape_scale = scale_of(growth);
     return stp_select_add_item(s, item, item.prefix);
 }
 

@@ -6,6 +6,9 @@
 
 #define LEAST_SEEN                                                                                 \
     0.25 // of the samples of a region that is hidden: some of it may be seen beside what stands before it
+/// The key light, to the right of, above and before the viewer (draw/lighting.c).
+static const double light_right = -0.45, light_up = 0.65, light_back = 0.62;
+#define POLISHED 0.4f  // roughness below which highlights are small enough to be missed
 #define STRAIGHT 1e-12 // of a direction's length: along no axis
 
 /// Solves 3 equations by Cramer's rule. False where they have no one solution.
@@ -21,6 +24,16 @@ static bool solve(const double (*m)[4], stp_vec3d right, stp_vec3d* out)
                        stp_dotd(a, stp_crossd(right, c)) / det,
                        stp_dotd(a, stp_crossd(b, right)) / det};
     return true;
+}
+
+/// Whether any surface of the file may show highlights.
+static bool is_polished(const stp_store_directory* d)
+{
+    bool polished = false;
+    for (uint32_t i = 0; d != NULL && i < d->shading_count && !polished; ++i) {
+        polished = d->shadings[i].roughness < POLISHED;
+    }
+    return polished;
 }
 
 stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* at,
@@ -50,6 +63,11 @@ stp_cue_view stp_cue_view_make(const stp_selection* s, const stp_select_entry* a
         eye = stp_scaled(stp_subd(eye, stp_to_double(set->origin)), 1.0 / (double)set->step);
     }
     view.eye = eye;
+    stp_vec3d light = stp_addd(
+        stp_scaled(frame->right, light_right),
+        stp_addd(stp_scaled(frame->down, -light_up), stp_scaled(frame->forward, -light_back)));
+    view.polished = is_polished(s->directory) && solve(m, light, &view.light);
+    view.light = stp_normalized(view.light);
     return view;
 }
 
@@ -89,17 +107,42 @@ static double size_of(const stp_cue_view* view, const stp_sight* sight)
 double stp_cue_nominal(const stp_cue_view* view, const stp_leaf_node* node, const stp_sight* sight)
 {
     double size = size_of(view, sight);
-    return pixels_of(view, node, sight) / (size * size);
+    double covering = (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_COVERING : 1.0;
+    return covering * pixels_of(view, node, sight) / (size * size);
+}
+
+/// What a silhouette, an edge or a highlight multiplies samples by.
+static double feature_of(const stp_cue_view* view)
+{
+    return (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_FEATURE : STP_CUE_FEATURE;
 }
 
 double stp_cue_shape(const stp_cue_view* view, const stp_leaf_node* node, double samples)
 {
     double all = (double)node->count;
     if ((view->cues & STP_CUE_FLATNESS_BIT) != 0) {
-        samples = fmin((1.0 + fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0)) * samples, all);
+        double most = (view->cues & STP_CUE_ERROR_BIT) != 0 ? STP_CUE_ERROR_BENT - 1.0 : 1.0;
+        double bent = fmin((double)node->flatness / STP_CUE_FLATNESS, 1.0);
+        samples = fmin((1.0 + most * bent) * samples, all);
     }
     bool edge = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
-    return fmin(edge ? STP_CUE_FEATURE * samples : samples, all);
+    return fmin(edge ? feature_of(view) * samples : samples, all);
+}
+
+/// From a cube's middle to the eye, of unit length.
+static stp_vec3d way_to_eye(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    return stp_normalized(view->flat_view ? view->eye : stp_subd(view->eye, middle_of(node)));
+}
+
+bool stp_cue_highlight(const stp_cue_view* view, const stp_leaf_node* node)
+{
+    stp_vec3d half = stp_normalized(stp_addd(view->light, way_to_eye(view, node)));
+    stp_vec3 n = stp_octahedral_decode(node->normal[0], node->normal[1]);
+    double cosine = fabs(stp_dotd(stp_to_double(n), half));
+    double sine = sqrt(fmax(1.0 - cosine * cosine, 0.0));
+    return view->polished &&
+           (node->spread == 255 || sine < (double)node->spread / 255.0 + STP_CUE_HIGHLIGHT);
 }
 
 bool stp_cue_silhouette(const stp_cue_view* view, const stp_leaf_node* node)
@@ -184,8 +227,10 @@ double stp_cue_samples(const stp_cue_view* view, const stp_leaf_node* node, cons
     double all = (double)node->count, nominal = fmin(stp_cue_nominal(view, node, sight), all);
     double samples = stp_cue_shape(view, node, nominal);
     bool marked = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
-    if (!marked && (view->cues & STP_CUE_SILHOUETTE_BIT) != 0 && stp_cue_silhouette(view, node)) {
-        samples = fmin(STP_CUE_FEATURE * samples, all);
+    bool outline = (view->cues & STP_CUE_SILHOUETTE_BIT) != 0 && stp_cue_silhouette(view, node);
+    bool shines = (view->cues & STP_CUE_SPECULAR_BIT) != 0 && stp_cue_highlight(view, node);
+    if (!marked && (outline || shines)) {
+        samples = fmin(feature_of(view) * samples, all);
     }
     if ((view->cues & STP_CUE_OCCLUSION_BIT) != 0) {
         double hidden = stp_cue_occlusion(view, node, pixels_of(view, node, sight));

@@ -123,3 +123,9 @@ stp_set_use stp_select_use_set(const stp_selection* s, const stp_select_entry* a
     s->rule->use(s, at, sight, cloud, &use);
     return use;
 }
+
+bool stp_select_is_of_points(const stp_selection* s, uint32_t node)
+{
+    const stp_store_node* n = &s->directory->nodes[node];
+    return n->triangle_count == 0 && n->point_count > 0;
+}

@@ -192,6 +192,7 @@ static stp_result add(stp_selection* s, const stp_select_entry* at, const stp_se
                           .radius = (float)use->radius,
                           .sections = at->sections,
                           .ghost = at->shown == STP_SHOW_GHOST,
+                          .of_points = stp_select_is_of_points(s, at->node),
                           .transform = at->transform};
     bool flat = range.far < range.near * ONE_DEPTH;
     bool by_depth = use->per_depth > 0.0 && s->quality->policy == STP_POLICY_INSERTION;

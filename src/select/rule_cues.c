@@ -8,8 +8,8 @@
 #include "select/cues.h"
 #include "select/rule.h"
 
-enum { CELL_SAMPLES = 64 }; ///< of a cube that is not opened, at the most
-#define CUES_MOST 8.0       // times the nominal samples: a bent region with an edge or a silhouette
+#define CELL_SAMPLES 0.5 // of each leaf of a cube that is not opened, at the most
+#define CUES_MOST 8.0    // times the nominal samples: a bent region with an edge or a silhouette
 
 /// The shortest run of octaves with so many splats.
 static uint32_t round_count(const stp_splats* set, double count)
@@ -98,12 +98,23 @@ static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, do
     return cell;
 }
 
+/// Whole samples of a leaf; the rest goes to the leaf that is next along the curve.
+static double round_leaf(const stp_leaf_node* node, double samples, double* carried)
+{
+    double all = (double)node->count;
+    *carried += fmin(samples, all);
+    double whole = fmin(floor(*carried + 0.5), all);
+    *carried -= whole;
+    return whole;
+}
+
 /// Looks at the cubes that are seen, and opens them where they are worth many splats.
 static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint32_t here,
                                size_t* count)
 {
     const stp_leaf_node* nodes = view->leaves->nodes;
     stp_result result = STP_OK;
+    double carried = 0.0;
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &nodes[i];
         stp_boxd box = stp_cue_box(view, node);
@@ -112,10 +123,11 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
             i = node->next;
             continue;
         }
-        bool opens =
-            node->leaf_count > 1 && stp_cue_nominal(view, node, &sight) > (double)CELL_SAMPLES;
+        bool opens = node->leaf_count > 1 &&
+                     stp_cue_nominal(view, node, &sight) > CELL_SAMPLES * (double)node->leaf_count;
         if (!opens) {
             double samples = stp_cue_samples(view, node, &sight);
+            samples = node->leaf_count == 1 ? round_leaf(node, samples, &carried) : samples;
             result = add_cell(s, count, cell_of(view->set, node, samples, here));
         }
         i = opens ? i + 1 : node->next;
@@ -123,10 +135,13 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
     return result;
 }
 
-/// What a splat count is shared by: cues that do not depend on the eye.
+/// What a splat count is shared by: cues that do not depend on the eye. By STP_CUE_ERROR_BIT it is the area alone.
 static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
 {
     double samples = (double)node->area;
+    if ((view->cues & STP_CUE_ERROR_BIT) != 0) {
+        return samples;
+    }
     bool edge = node->edge && (view->cues & STP_CUE_EDGE_BIT) != 0;
     samples *= edge ? STP_CUE_FEATURE : 1.0;
     bool bends = (view->cues & STP_CUE_FLATNESS_BIT) != 0;
@@ -139,17 +154,30 @@ static double most_of(const stp_splats* set, const stp_leaf_node* node, uint32_t
                                  stp_cue_octaves(set, 1.0, here));
 }
 
-/// Splats of all leaves where a part 1 of the worth has `density` of them.
-static double count_at(const stp_cue_view* view, double density, uint32_t here)
+/// How many splats a part 1 of the worth gets so that all leaves together have `wanted`. Leaves that cannot give as many give
+/// all; what they lack is shared by the others, of which some then cannot, and so on.
+static double find_density(const stp_cue_view* view, double wanted, uint32_t here)
 {
-    double sum = 0.0;
-    for (uint32_t i = 0; i < view->leaves->node_count; ++i) {
-        const stp_leaf_node* node = &view->leaves->nodes[i];
-        if (node->leaf_count == 1) {
-            sum += fmin(density * worth_of(view, node), most_of(view->set, node, here));
+    enum { ROUNDS_MOST = 64 };
+    double density = 0.0;
+    bool grows = true;
+    for (int round = 0; round < ROUNDS_MOST && grows; ++round) {
+        double given = 0.0, worth = 0.0;
+        for (uint32_t i = 0; i < view->leaves->node_count; ++i) {
+            const stp_leaf_node* node = &view->leaves->nodes[i];
+            if (node->leaf_count > 1) {
+                continue;
+            }
+            double mine = worth_of(view, node), most = most_of(view->set, node, here);
+            bool all = density * mine >= most;
+            given += all ? most : 0.0;
+            worth += all ? 0.0 : mine;
         }
+        double next = worth > 0.0 ? (wanted - given) / worth : density;
+        grows = next > density;
+        density = grows ? next : density;
     }
-    return sum;
+    return density;
 }
 
 /// Shares `wanted` splats among all leaves: as many as they are worth, within what they have, and one more or less so that the
@@ -157,16 +185,7 @@ static double count_at(const stp_cue_view* view, double density, uint32_t here)
 static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t wanted,
                             uint32_t here, size_t* count)
 {
-    enum { STEPS = 60 };
-    double low = 0.0, high = 1e-30, carried = 0.0;
-    for (int i = 0; i < 2 * STEPS * 8 && count_at(view, high, here) < (double)wanted && high < 1e30;
-         ++i) {
-        high *= 2.0;
-    }
-    for (int i = 0; i < STEPS; ++i) {
-        double middle = 0.5 * (low + high);
-        *(count_at(view, middle, here) < (double)wanted ? &low : &high) = middle;
-    }
+    double density = find_density(view, (double)wanted, here), carried = 0.0;
     uint32_t left = wanted;
     stp_result result = STP_OK;
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK; ++i) {
@@ -175,7 +194,7 @@ static stp_result share_out(stp_selection* s, const stp_cue_view* view, uint32_t
             continue;
         }
         double most = most_of(view->set, node, here);
-        carried += fmin(high * worth_of(view, node), most);
+        carried += fmin(density * worth_of(view, node), most);
         double whole = fmin(fmin(floor(carried + 0.5), most), (double)left);
         uint32_t drawn = whole > 0.0 ? (uint32_t)whole : 0;
         carried -= (double)drawn;
@@ -204,8 +223,10 @@ static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* a
                            .radius = (float)use->radius,
                            .sections = at->sections,
                            .ghost = at->shown == STP_SHOW_GHOST,
+                           .of_points = stp_select_is_of_points(s, at->node),
                            .one_sided = !s->quality->all_sides &&
-                                        s->directory->nodes[at->node].point_count == 0,
+                                        s->directory->nodes[at->node].point_count == 0 &&
+                                        !use->surfels->unknown_signs,
                            .transform = at->transform};
 }
 

@@ -97,7 +97,8 @@ static stp_draw_item make_item(const stp_selection* s, const stp_select_entry* a
                            .sections = at->sections,
                            .ghost = at->shown == STP_SHOW_GHOST,
                            .one_sided = !s->quality->all_sides &&
-                                        s->directory->nodes[at->node].point_count == 0,
+                                        s->directory->nodes[at->node].point_count == 0 &&
+                                        !use->surfels->unknown_signs,
                            .transform = at->transform};
 }
 

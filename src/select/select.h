@@ -28,7 +28,11 @@ enum {
         4, ///< by the pixels of the leaf; without, all leaves are as near as the nearest
     STP_CUE_SILHOUETTE_BIT = 8, ///< more where some of it may face away
     STP_CUE_OCCLUSION_BIT = 16, ///< fewer where much stands before it
-    STP_CUES_ALL = 31,
+    /// By how far the samples' splats cover, not by the paper's numbers: see STP_CUE_COVERING.
+    STP_CUE_ERROR_BIT = 32,
+    STP_CUE_SPECULAR_BIT = 64, ///< more where a polished surface may show a highlight
+    STP_CUES_ALL = 127,
+    STP_CUES_PAPER = 31, ///< Table 1 as it is printed
 };
 
 typedef struct stp_quality {
@@ -41,10 +45,12 @@ typedef struct stp_quality {
     /// Whose sets are drawn (STP_METHOD_*). 0: those of the file's first, and beside it of stp_select_coarse_method. None of
     /// the file's: those of its first alone.
     uint32_t method;
-    bool reference;    ///< original triangles and points only
-    bool splats_only;  ///< a node that has splats is never opened, however near it is
-    bool nodes_only;   ///< a node is drawn by splats or by triangles, never by some of both
-    bool all_sides;    ///< splats that face away are drawn as well (stp_draw_item.one_sided)
+    bool reference;   ///< original triangles and points only
+    bool splats_only; ///< a node that has splats is never opened, however near it is
+    bool nodes_only;  ///< a node is drawn by splats or by triangles, never by some of both
+    bool all_sides;   ///< splats that face away are drawn as well (stp_draw_item.one_sided)
+    /// Sets that show points and triangles together are not drawn: their splats have no attributes, and no fixed size.
+    bool points_apart;
     uint32_t cues_off; ///< STP_CUE_*_BIT that are not looked at
     stp_fovea fovea;   ///< all zero: splats are of one size
     /// A node is opened where its surfels could still cover so many times better than they have to, provided that
@@ -93,6 +99,7 @@ typedef struct stp_draw_item {
     uint32_t sections; ///< bits of the view's planes that may cut it; 0: it lies inside them all
     bool ghost;        ///< drawn in some of its pixels only (stp_draw_style.ghost)
     bool one_sided; ///< surfels: what faces away need not be drawn; all sides of a thing have some
+    bool of_points; ///< splats are original points, or these are drawn: their size may be fixed
     stp_affine transform; ///< to scene space
 } stp_draw_item;
 

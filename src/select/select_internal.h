@@ -150,6 +150,9 @@ STP_MUST_USE stp_result stp_select_limit_use(stp_selection* s, const stp_select_
 /// own. A cloud with points in one place is not complete: its set has one of them.
 bool stp_select_is_complete(const stp_store_node* node, const stp_splats* surfels);
 
+/// Whether there are only points below a node. Sets of `blue` and `stochastic` then have original points as splats.
+bool stp_select_is_of_points(const stp_selection* s, uint32_t node);
+
 /// Appends an item of so many ids, with its first_id.
 STP_MUST_USE stp_result stp_select_add_item(stp_selection* s, stp_draw_item item,
                                             uint64_t id_count);

@@ -118,6 +118,7 @@ static stp_result add_part(stp_selection* s, stp_store_part part, const stp_sele
             return STP_OK; // they come with their set
         }
         item.kind = STP_DRAW_POINTS;
+        item.of_points = s->directory->nodes[at->node].point_count > 0; // no sketch of a mesh
         item.prefix = item.full_prefix = points->point_count;
         count = points->point_count;
     }
@@ -195,9 +196,13 @@ static bool is_left(const stp_selection* s, stp_select_entry* at, const stp_boxd
     return stp_sections_test(s->sections, box, margin, &at->sections);
 }
 
-/// Whether a node is drawn by its set: with one, where it shows nothing that is hidden.
+/// Whether a node is drawn by its set: with one, where it shows nothing that is hidden, nor is to show points by themselves.
 static bool may_use_set(const stp_selection* s, const stp_select_entry* at)
 {
+    const stp_store_node* node = &s->directory->nodes[at->node];
+    if (s->quality->points_apart && node->point_count > 0 && node->triangle_count > 0) {
+        return false;
+    }
     return stp_show_of(at->shown) != STP_SHOW_MIXED && !at->moving_only &&
            stp_select_set_of(s, at->node) != STP_STORE_NONE;
 }

@@ -282,6 +282,7 @@ stp_result stp_store_link_blocks(stp_store* store)
     result = result == STP_OK ? stp_store_link_textures(store) : result;
     uint64_t leaf_tables = 0;
     result = result == STP_OK ? link_leaves(store, &leaf_tables) : result;
+    result = result == STP_OK ? stp_store_link_certainty(store) : result;
     if (result != STP_OK) {
         return result;
     }

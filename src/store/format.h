@@ -60,6 +60,7 @@ typedef enum stp_store_section_type {
     STP_SECTION_ATTRIBUTE_BLOCKS, ///< contents of attribute blocks
     STP_SECTION_COORDINATES,      ///< coordinate systems of sources
     STP_SECTION_LEAVES,           ///< leaves of sets
+    STP_SECTION_CERTAINTY,        ///< accuracy of the points in sets
     STP_SECTION_END               ///< one more than the last known type
 } stp_store_section_type;
 

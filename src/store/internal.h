@@ -167,6 +167,11 @@ void stp_store_find_point_columns(uint32_t present, const unsigned char* bytes,
 const char* stp_store_find_clusters(const stp_store* store, uint32_t index,
                                     const unsigned char* bytes, stp_clusters* clusters);
 
+/// Checks the decoded certainty records.
+STP_MUST_USE stp_result stp_store_judge_certainty(const stp_store* store);
+/// Checks them and assigns them to the sets, which must be read.
+STP_MUST_USE stp_result stp_store_link_certainty(stp_store* store);
+
 /// Reads the methods, before blocks are linked. A file without the section has sets of `blue`
 /// alone.
 STP_MUST_USE stp_result stp_store_read_methods(stp_store* store, stp_store_text* text);

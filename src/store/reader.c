@@ -180,8 +180,9 @@ static stp_result read_directory(stp_store* store)
     if (result == STP_OK) {
         result = read_summary(store, &text);
     }
-    static const uint32_t others[] = {STP_SECTION_CLUSTERS, STP_SECTION_ATTRIBUTE_BLOCKS};
-    for (int i = 0; i < 2 && result == STP_OK; ++i) {
+    static const uint32_t others[] = {STP_SECTION_CLUSTERS, STP_SECTION_ATTRIBUTE_BLOCKS,
+                                      STP_SECTION_CERTAINTY};
+    for (int i = 0; i < 3 && result == STP_OK; ++i) {
         result = stp_store_read_table(store, others[i], &text);
     }
     if (result == STP_OK) {

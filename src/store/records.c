@@ -369,6 +369,13 @@ static void code_leaves(stp_store_codec* codec, void* element)
     code_u32(codec, &record->block);
 }
 
+static void code_certainty(stp_store_codec* codec, void* element)
+{
+    stp_store_certainty* record = element;
+    code_u32(codec, &record->flags);
+    code_f32(codec, &record->position_error);
+}
+
 static void code_method(stp_store_codec* codec, void* element)
 {
     stp_store_method* method = &((stp_store_method_record*)element)->method;
@@ -462,6 +469,8 @@ const stp_store_table* stp_store_table_of(uint32_t type)
         [STP_SECTION_COORDINATES] = {"coordinate system", 4, sizeof(stp_store_coordinates),
                                      code_coordinates},
         [STP_SECTION_LEAVES] = {"set's leaves", 8, sizeof(stp_store_leaves_record), code_leaves},
+        [STP_SECTION_CERTAINTY] = {"set's certainty", 8, sizeof(stp_store_certainty),
+                                   code_certainty},
     };
     return &tables[type < STP_SECTION_END ? type : 0];
 }

@@ -93,6 +93,15 @@ typedef struct stp_store_leaves_record {
     stp_store_leaves leaves; ///< none until verified
     void* memory;            ///< owned; NULL: a residency owns them
 } stp_store_leaves_record;
+
+/// Accuracy of the points in a set.
+typedef struct stp_store_certainty {
+    uint32_t flags;       ///< STP_CERTAINTY_*
+    float position_error; ///< scene units; 0: unknown
+} stp_store_certainty;
+
+enum { STP_CERTAINTY_UNKNOWN_SIGNS = 1 };
+
 /// The contents of an attribute block.
 typedef struct stp_store_attribute_block {
     uint32_t block;
@@ -149,6 +158,7 @@ typedef union stp_store_element {
     stp_store_attribute_value attribute_value;
     stp_store_attribute_block attribute_block;
     stp_store_coordinates coordinates;
+    stp_store_certainty certainty;
 } stp_store_element;
 
 /// By section type; all 0 for unknown types and sections that are no tables.

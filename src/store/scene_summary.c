@@ -64,7 +64,7 @@ static stp_result verify_texts(stp_store* store)
 stp_result stp_store_read_head(stp_store* store)
 {
     static const uint32_t types[] = {STP_SECTION_SUMMARY, STP_SECTION_SCENE_PARTS,
-                                     STP_SECTION_VIEWS, STP_SECTION_SOURCES};
+                                     STP_SECTION_VIEWS, STP_SECTION_SOURCES, STP_SECTION_CERTAINTY};
     const stp_store_section* texts = store->known[STP_SECTION_TEXT];
     stp_store_text text = {.context = store->context};
     if (texts != NULL && texts->record_size != 1) {
@@ -83,6 +83,7 @@ stp_result stp_store_read_head(stp_store* store)
         result = stp_store_read_table(store, types[i], &text);
     }
     result = result != STP_OK ? result : stp_store_judge_summary(store);
+    result = result != STP_OK ? result : stp_store_judge_certainty(store);
     result = result != STP_OK ? result : stp_store_read_figures(store, &text);
     result = result != STP_OK ? result : stp_store_read_method_names(store, &text);
     result = result != STP_OK ? result : stp_store_read_text(store, STP_SECTION_BUILD, &text);

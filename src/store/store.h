@@ -213,6 +213,9 @@ uint64_t stp_store_file_bytes(const stp_store* store);
 /// Size of the whole file according to its header; above stp_store_file_bytes if truncated.
 uint64_t stp_store_whole_bytes(const stp_store* store);
 bool stp_store_is_truncated(const stp_store* store);
+/// Maximum error of points that sets hold, on each axis, in scene units: half the coarsest grid
+/// step. 0: unknown, or no set holds points. Works for a store opened for its summary.
+double stp_store_position_error(const stp_store* store);
 /// The stored summary; NULL if the file has none (see stp_store_summarise).
 const stp_store_summary* stp_store_get_summary(const stp_store* store);
 /// Major version of the format.

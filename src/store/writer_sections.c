@@ -17,6 +17,7 @@ static const uint8_t section_order[] = {
     STP_SECTION_COORDINATES,
     STP_SECTION_ATTRIBUTES,
     STP_SECTION_ATTRIBUTE_VALUES,
+    STP_SECTION_CERTAINTY,
     STP_SECTION_BUILD,
     STP_SECTION_NODES,
     STP_SECTION_EDGES,
@@ -180,6 +181,11 @@ static stp_store_element make_record(const stp_store_writing* w, uint32_t type, 
     case STP_SECTION_LEAVES:
         element.leaves.leaf_count = content->surfels[index].leaf_count;
         element.leaves.block = w->plan.leaf_blocks[index];
+        break;
+    case STP_SECTION_CERTAINTY:
+        element.certainty = (stp_store_certainty){
+            .flags = content->surfels[index].unknown_signs ? STP_CERTAINTY_UNKNOWN_SIGNS : 0,
+            .position_error = content->surfels[index].position_error};
         break;
     case STP_SECTION_POINT_SETS:
         element.points.points = content->point_sets[index];
@@ -363,6 +369,7 @@ static stp_result write_section(stp_store_writing* w, uint32_t type)
     case STP_SECTION_POINT_SETS:
         return write_records(w, type, d->point_set_count);
     case STP_SECTION_LEAVES:
+    case STP_SECTION_CERTAINTY:
         return write_records(w, type, d->surfels_count);
     case STP_SECTION_VIEWS:
         return write_table(w, type, d->views, d->view_count);
@@ -418,6 +425,12 @@ static bool is_wanted(const stp_store_writing* w, uint32_t type)
     case STP_SECTION_LEAVES:
         for (uint32_t i = 0; i < d->surfels_count; ++i) {
             any = any || w->content->surfels[i].leaf_count > 0;
+        }
+        return any;
+    case STP_SECTION_CERTAINTY:
+        for (uint32_t i = 0; i < d->surfels_count; ++i) {
+            const stp_splats* set = &w->content->surfels[i];
+            any = any || set->unknown_signs || set->position_error > 0.0f;
         }
         return any;
     case STP_SECTION_COORDINATES:

@@ -34,13 +34,14 @@ same intensity.png "intensity--memory 512M.png" 0.99
 # however soon the scene is there, the first camera fits beside the panels
 "$python" -S -E -c 'import json; one, other = (json.load(open(f"first{m}.json"))["camera"] for m in ("", "--memory 512M"))
 assert one == other, (one, other)' || fail "first cameras differ"
-open_viewer scan.stip --backend "$drawn_by" --color elevation --classes 6
+open_viewer scan.stip --backend "$drawn_by" --color elevation --classes 6 --point-size 4px
 wait_until 'r["loading"] == "done" and r["rests"] and r["color"] == "elevation" and r["hides"] and picture["complete"]'
+wait_until 'r["eye_dome"] == 1 and r["point_sizing"] == 1' # of a cloud; as asked
 xdotool key F2
 wait_until 'r["page"] == "quality" and r["rests"]'
 shot panel.png
 close_viewer
 open_viewer mesh.obj --backend "$drawn_by" --color intensity
-wait_until 'r["loading"] == "done" and r["rests"] and r["color"] == "rgb" and "no intensity" in r["message"]'
+wait_until 'r["loading"] == "done" and r["rests"] and r["color"] == "rgb" and "no intensity" in r["message"] and r["eye_dome"] == 0'
 close_viewer
 [ $failures -eq 0 ]

@@ -92,7 +92,12 @@ static const uint8_t shadings[2] = {0, 3};
 
 static stp_result make_set(stp_context* context, cloud* c, uint32_t wanted, stp_splats* set)
 {
-    const stp_leaf_desc desc = {.budget = 300, .least = 20, .flatness = 0.005f, .sample = 400};
+    const stp_leaf_desc desc = {.budget = 300,
+                                .least = 20,
+                                .flatness = 0.005f,
+                                .neighbours = 12,
+                                .normal_neighbours = 20,
+                                .sample = 400};
     const stp_stochastic_source source = {
         .candidates = &c->candidates, .shading_of_material = shadings, .wanted = wanted};
     return stp_stochastic_make_set(context, &source, &desc, set);

@@ -432,6 +432,7 @@ void test_splats_variants_give_the_same_bits(test_state* test)
         s.splats.coverages = round % 2 == 0 ? s.coverages : NULL;
         s.splats.normals = round % 7 == 6 ? NULL : s.normals;
         s.splats.shapes = round % 4 < 2 ? s.shapes : NULL;
+        s.splats.pixels = round % 6 == 5 ? 0.4f * (float)round : 0.0f;
         s.splats.begin = (uint32_t)round % 17;
         s.splats.end = SPLATS - (uint32_t)round % 13;
         s.target.width = round % 9 == 8 ? 5 : WIDTH; // narrower than a vector

@@ -17,6 +17,9 @@ void test_viewer_settings_are_kept(test_state* test)
     s.backend = BACKEND_OPENGL;
     s.unit = UNIT_FT;
     s.point_scale = 2.5f;
+    s.point_sizing = STP_POINTS_UNITS;
+    s.point_metres = 0.125f;
+    s.eye_dome = 0.0f;
     s.guides = false;
     s.splat_count = 4294967294u;
     char* text = viewer_settings_print(&s);
@@ -26,6 +29,8 @@ void test_viewer_settings_are_kept(test_state* test)
     CHECK(again.background[1] == 0.25f && again.samples == 7 && again.backend == BACKEND_OPENGL);
     CHECK(again.unit == UNIT_FT && again.point_scale == 2.5f && !again.guides);
     CHECK(again.splat_count == 4294967294u && viewer_settings_default().splat_count == 0);
+    CHECK(again.point_sizing == STP_POINTS_UNITS && again.point_metres == 0.125f);
+    CHECK(again.eye_dome == 0.0f && viewer_settings_default().eye_dome < 0.0f);
     CHECK(again.parts == s.parts && again.splat_size == s.splat_size);
     free(text);
 }

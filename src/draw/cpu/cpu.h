@@ -50,7 +50,7 @@ typedef struct cpu_surfels {
     const uint8_t* materials;
     const uint32_t *shapes, *ranges; ///< NULL: none
     const stp_splat_group* groups;   ///< NULL: none
-    bool plain_coverages;
+    bool plain_coverages, unknown_signs;
 } cpu_surfels;
 
 /// A draw item with all that its pieces and pixels need. Views of large scenes have a hundred thousand.

@@ -182,7 +182,8 @@ static stp_result find_surfels(cpu_renderer* r, const stp_draw_item* draw, cpu_i
                                   .shapes = got.shapes,
                                   .ranges = got.ranges,
                                   .groups = got.groups,
-                                  .plain_coverages = got.plain_coverages};
+                                  .plain_coverages = got.plain_coverages,
+                                  .unknown_signs = known->unknown_signs};
     item->count = draw->prefix < got.count ? draw->prefix : got.count;
     choose_octave(item, &got, full < got.count ? full : got.count);
     return STP_OK;

@@ -3,6 +3,7 @@
 #include "draw/cpu/blend.h"
 #include "draw/cpu/layers.h"
 #include "draw/one_sided.h"
+#include "draw/point_size.h"
 
 #include <string.h>
 
@@ -98,6 +99,12 @@ static void draw_both(cpu_renderer* r, const cpu_item* item, stp_raster_splats* 
                       const stp_raster_target* target, cpu_worker* worker)
 {
     stp_raster_splats opaque = *splats, glass = *splats;
+    if (splats->normals == NULL) { // points of a fixed size, all opaque
+        if (r->layers.stage != CPU_LAYERS_PEEL) {
+            draw_runs(r, item, &opaque, target, worker, draw_range);
+        }
+        return;
+    }
     if (r->layers.stage != CPU_LAYERS_PEEL) {
         cpu_pick_glass(r, item, false, &opaque, worker);
         draw_runs(r, item, &opaque, target, worker, draw_range);
@@ -182,6 +189,20 @@ static bool pick_runs(const cpu_item* item, stp_raster_splats* splats, cpu_worke
     return any;
 }
 
+/// Gives points the size that is wanted. They are drawn whole: what hides some of them was looked at, or is by sections.
+static void fix_size(const cpu_renderer* r, const cpu_item* item, stp_raster_splats* splats)
+{
+    if (stp_point_size_is_fixed(r->style, item->draw)) {
+        stp_point_radius radius = stp_point_radius_of(r->style, item->draw);
+        splats->radius = radius.units;
+        splats->pixels = radius.pixels;
+        splats->rim_depth = STP_POINT_RIM_DEPTH;
+        splats->normals = NULL;
+        splats->shapes = NULL;
+        splats->coverages = NULL;
+    }
+}
+
 /// Splats [begin, end) of a piece. `late`: those that were hidden so far.
 static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, uint32_t end,
                         bool late, const stp_raster_target* target, cpu_worker* worker)
@@ -207,12 +228,13 @@ static void draw_splats(cpu_renderer* r, const cpu_item* item, uint32_t begin, u
         splats.low_share = (uint32_t)(256.0f * (1.0f - item->blend) + 0.5f);
         splats.low_count = item->coverages != NULL && splats.low_share > 0 ? item->low_count : 0;
         splats.rim_depth = RIM_DEPTH;
-        splats.back_depth = BACK_DEPTH;
+        splats.back_depth = item->surfels.unknown_signs ? 0.0f : BACK_DEPTH;
         splats.occluder = r->occluding != NULL ? &item->occluder : NULL;
         splats.hidden = r->occluding != NULL ? r->eye->late + item->late : NULL;
     } else {
         splats.points = item->points.positions;
     }
+    fix_size(r, item, &splats);
     if (late && splats.hidden !=
                     NULL) { // most are still hidden: they are asked before anything is worked out
         if (!stp_raster_ask_splats(&splats, splats.hidden)) {

@@ -214,12 +214,13 @@ static stp_result draw(stp_renderer* renderer, const stp_view* view, const stp_d
     return result;
 }
 
-/// Whether what pyramids hide may be left out. Of a number of splats, and where splats are drawn larger than they were
-/// chosen, radii can be anything; in parallel projection there are no pyramids.
+/// Whether what pyramids hide may be left out. Of a number of splats, of points of a fixed size, and where splats are drawn
+/// larger than they were chosen, radii can be anything; in parallel projection there are no pyramids.
 static bool may_occlude(const stp_view* view, const stp_quality* quality,
                         const stp_draw_style* style)
 {
-    return quality->splat_count == 0 && !(style->splat_scale > 1.0f) && !(view->ortho_height > 0.0);
+    return quality->splat_count == 0 && !(style->splat_scale > 1.0f) &&
+           style->point_sizing == STP_POINTS_ADAPTIVE && !(view->ortho_height > 0.0);
 }
 
 static stp_result accumulate(stp_renderer* renderer, const stp_view* view,

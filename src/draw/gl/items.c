@@ -5,6 +5,7 @@
 #include "draw/gl/set_items.h"
 #include "draw/gl/splat_commands.h"
 #include "draw/gl/upload.h"
+#include "draw/point_size.h"
 #include "draw/transparency.h"
 #include "raster/splats_kernel.h"
 
@@ -172,12 +173,19 @@ static void place_splats(const gl_renderer* r, const gl_placed* placed,
     static const uint16_t somewhere[3] = {0};
     const stp_raster_target target = {.width = r->target.width, .height = r->target.height};
     bool surfels = item->kind == KIND_SURFELS;
+    float behind = placed->unknown_signs ? 0.0f : BACK_DEPTH;
     stp_raster_splats splats = {.positions = surfels ? somewhere : NULL,
                                 .origin = placed->origin,
                                 .step = placed->step,
                                 .radius = placed->radius,
                                 .rim_depth = surfels ? RIM_DEPTH : 0.0f,
-                                .back_depth = surfels ? BACK_DEPTH : 0.0f};
+                                .back_depth = surfels ? behind : 0.0f};
+    if ((item->flags & ITEM_FIXED) != 0) {
+        stp_point_radius radius = stp_point_radius_of(r->style, placed->draw);
+        splats.radius = radius.units;
+        splats.pixels = radius.pixels;
+        splats.rim_depth = STP_POINT_RIM_DEPTH;
+    }
     stp_splat_frame frame;
     memset(item->rows, 0, sizeof(item->rows)); // nothing is drawn
     if (!stp_splats_make_frame(&frame, &target, 0, target.height, &where->camera, &splats, 0)) {
@@ -191,6 +199,7 @@ static void place_splats(const gl_renderer* r, const gl_placed* placed,
         memcpy(item->turn[k], frame.turn[k], sizeof(frame.turn[k]));
     }
     item->radius_px = frame.radius_px;
+    item->pixels = frame.pixels;
     item->center_x = frame.center_x;
     item->center_y = frame.center_y;
     item->inverse_scale = frame.inverse_scale;
@@ -244,14 +253,16 @@ static stp_result make_item(gl_renderer* r, uint32_t index)
     gl_placed* placed = &r->frame.placed[index];
     float scale = r->style->splat_scale > 0.0f ? r->style->splat_scale : 1.0f;
     *placed = (gl_placed){.draw = draw, .scale = scale, .radius = draw->radius * scale};
-    *item = (item_block){.kind = (uint32_t)draw->kind,
-                         .first_id = draw->first_id,
-                         .flags = draw->ghost ? ITEM_GHOST : 0u,
-                         .sections = draw->sections,
-                         .blend = 1.0f,
-                         .base_color = NO_ADDRESS,
-                         .metallic_roughness = NO_ADDRESS,
-                         .emissive = NO_ADDRESS};
+    *item = (item_block){
+        .kind = (uint32_t)draw->kind,
+        .first_id = draw->first_id,
+        .flags = (draw->ghost ? ITEM_GHOST : 0u) |
+                 (stp_point_size_is_fixed(r->style, draw) ? ITEM_FIXED | ITEM_FACING : 0u),
+        .sections = draw->sections,
+        .blend = 1.0f,
+        .base_color = NO_ADDRESS,
+        .metallic_roughness = NO_ADDRESS,
+        .emissive = NO_ADDRESS};
     switch (draw->kind) {
     case STP_DRAW_SURFELS:
         return gl_set_item_make(r, index);

@@ -19,7 +19,8 @@ void gl_occlusion_pass_destroy(gl_renderer* r)
 bool gl_occlusion_pass_serves(const gl_renderer* r)
 {
     return r->target.eye_count == 1 && !r->placement.frame.parallel &&
-           r->style->filter == STP_FILTER_NONE && !r->keeps_all;
+           r->style->filter == STP_FILTER_NONE && r->style->point_sizing == STP_POINTS_ADAPTIVE &&
+           !r->keeps_all;
 }
 
 /// From right, down, depth and 1 to X, Y, N and W.

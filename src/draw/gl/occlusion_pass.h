@@ -25,7 +25,8 @@ typedef struct gl_occlusion_pass {
 
 void gl_occlusion_pass_destroy(struct gl_renderer* r);
 
-/// Whether this sample can be drawn in two passes: of one eye, in perspective, without a filter (which blends hidden splats).
+/// Whether this sample can be drawn in two passes: of one eye, in perspective, without a filter (which blends hidden splats)
+/// and without points of a fixed size.
 bool gl_occlusion_pass_serves(const struct gl_renderer* r);
 /// What the view's block holds of it.
 void gl_occlusion_pass_set_view(const struct gl_renderer* r, struct view_block* view);

@@ -83,6 +83,7 @@ typedef struct gl_placed {
     float scale;     ///< what radii are multiplied by
     stp_vec3 origin; ///< of surfels' grid
     float step;
+    bool unknown_signs; ///< of surfels' normals
 } gl_placed;
 
 /// The frame's blocks, in the processor's memory.

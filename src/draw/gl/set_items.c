@@ -222,7 +222,8 @@ stp_result gl_set_item_make(gl_renderer* r, uint32_t index)
     placed->origin = known->origin;
     placed->step = known->step;
     r->frame.beside = false;
-    if ((known->columns & STP_SPLATS_SHAPES) != 0) {
+    placed->unknown_signs = known->unknown_signs;
+    if ((known->columns & STP_SPLATS_SHAPES) != 0 && (item->flags & ITEM_FIXED) == 0) {
         item->flags |= ITEM_SHAPES;
         float larger = draw->shape_scale > 0.0f ? draw->shape_scale : 1.0f;
         placed->radius = known->step * placed->scale * larger;

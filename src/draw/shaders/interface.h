@@ -90,6 +90,7 @@
 #define ITEM_RANGES 32u            // and are drawn within ranges of levels
 #define ITEM_BESIDE 64u            // splats that large triangles replace are left out
 #define ITEM_LARGE 128u            // triangles whose level is too low are left out
+#define ITEM_FIXED 256u            // points of a fixed size, drawn whole
 #define SHAPE_REPLACED 0x80000000u // of a disk
 #define SECTION_PLANES 14
 #define GHOST_SEED 0x6057u // other pixels than those that an alpha leaves out
@@ -175,6 +176,8 @@ struct item_block {
     float large_from;       // of large triangles: the least depth of the nearest corner
     float level_below;      // of splats before `divide`, at any depth
     uint divide;
+    float pixels; // added to the radius on the screen
+    float spare[3];
 };
 
 // One command of a multi-draw, or one part of it: splats, or a cluster.
@@ -278,7 +281,7 @@ typedef struct large_block {
     uint32_t vertex_count, instance_count, first, base;
     uint32_t places[LARGE_MOST][2];
 } large_block;
-_Static_assert(sizeof(item_block) == 368, "layout of items");
+_Static_assert(sizeof(item_block) == 384, "layout of items");
 _Static_assert(sizeof(record_block) == 32, "layout of records");
 _Static_assert(sizeof(material_block) == 144, "layout of materials");
 _Static_assert(sizeof(effect_block) == 32 + 32 * EFFECT_PAIRS, "layout of effects");

@@ -42,7 +42,7 @@ void main()
     uint local = large_places[number].y, index = record.first + local;
     splat_place splat = place_splat(record, item, local);
     uint halvings = splat.glass ? 0u : splat_halvings(splat.part); // large as it is, nothing is halved to too little
-    float size = item.radius_px * splat.own / float(1u << halvings);
+    float size = (item.radius_px + item.pixels * splat.w) * splat.own / float(1u << halvings);
     hashed = splat_hash(record, item, local, splat, halvings, false);
     float back_depth = splat.glass ? GLASS_BACK_DEPTH : item.back_depth;
     float rim_depth = splat.glass ? GLASS_RIM_DEPTH : item.rim_depth;

@@ -35,6 +35,9 @@ uint splat_part(const item_block item, uint index)
     if (own == 0u && view.hides != 0u) {
         return 0u;
     }
+    if ((item.flags & ITEM_FIXED) != 0u) {
+        return 255u;
+    }
     if (index < item.low_count) {
         uint low = fetch(item.low_colors + index) >> 24, share = uint(256.0 * (1.0 - item.blend) + 0.5);
         if (!coverage_cuts(own) && !coverage_cuts(low)) {
@@ -69,7 +72,7 @@ uint splat_halvings(uint coverage)
 bool is_glass(const item_block item, uint index)
 {
 #ifdef GLASS
-    if (item.kind == KIND_SURFELS && coverage_share(fetch(item.colors + index) >> 24) < 255u) {
+    if (item.kind == KIND_SURFELS && (item.flags & ITEM_FIXED) == 0u && coverage_share(fetch(item.colors + index) >> 24) < 255u) {
         uint shading = find_shading(item, index);
         return (view.glass_shadings[shading >> 7][(shading >> 5) & 3u] >> (shading & 31u) & 1u) != 0u;
     }
@@ -138,7 +141,7 @@ splat_place place_splat(const record_block record, const item_block item, uint l
     splat.position = vec3(along(item.rows[0], p), along(item.rows[1], p), along(item.rows[2], p));
     splat.w = along(item.rows[3], p);
     find_options(record, item, local, splat);
-    precise float inverse = 1.0 / splat.w, radius = item.radius_px * inverse * splat.own;
+    precise float inverse = 1.0 / splat.w, radius = (item.radius_px * inverse + item.pixels) * splat.own;
     uint index = record.first + local;
     splat.part = hidden ? 0u : splat_part(item, index);
     uint wanted = splat.glass ? 0u : splat_halvings(splat.part);

@@ -13,11 +13,15 @@ enum {
     EDGE_AMONG = 128,   ///< points that neighbours are looked for among
     EDGE_NEIGHBOURS = 16,
     BEND_SAMPLE = 48,
+    OUTLYING =
+        10, ///< one of so many normals may lie farther from the representative one than the spread
     LEAST_POINTS = 6, ///< for a plane and an area of its own
 };
 #define AREA_OF_SCATTER 12.5 // a rectangle has 12 sqrt(l1 l2), a disk 4 pi
-#define AREA_OF_FOLD 4.0     // how much more a folded surface has, by its flatness
-#define LEAST_RATIO 0.5f     // of radii of a splat
+#define LINE_OF_SCATTER                                                                            \
+    12.0 // the square of a line's length: points on it stand for squares as wide as they are apart
+#define AREA_OF_FOLD 4.0 // how much more a folded surface has, by its flatness
+#define LEAST_RATIO 0.5f // of radii of a splat
 #define LEAST_BEND                                                                                 \
     0.1f         // radius of a splat of few, in radii of curvature, below which it stays a disk
 #define FEW 6.0f // how much larger a splat is where few are drawn
@@ -117,6 +121,7 @@ static void measure_places(size_t begin, size_t end, uint32_t worker, void* user
         double sum = matrix[0] + matrix[3] + matrix[5];
         double flatness = sum > 0.0 && e[0] > 0.0 ? e[0] / sum : 0.0;
         double area = e[1] > 0.0 ? AREA_OF_SCATTER * sqrt(e[1] * e[2]) : 0.0;
+        area = fmax(area, LINE_OF_SCATTER * e[2] / (double)(leaf->end - leaf->begin));
         area *=
             (1.0 + AREA_OF_FOLD * flatness) * (double)count / (double)(count > 1 ? count - 1 : 1);
         bool known = count >= LEAST_POINTS && area > 0.0;
@@ -284,11 +289,21 @@ static void measure_bends(size_t begin, size_t end, uint32_t worker, void* user)
     for (size_t i = begin; i < end; ++i) {
         uint32_t count;
         const uint32_t* order = points_of(l, i, BEND_SAMPLE, &count);
-        float least = 1.0f;
-        for (uint32_t k = 0; k < count; ++k) {
+        float lowest[BEND_SAMPLE / OUTLYING + 1];
+        uint32_t kept = count / OUTLYING + 1, found = 0;
+        for (uint32_t k = 0; k < count; ++k) { // the lowest cosines, ascending
             float cosine = stp_dot(normal_of(l, order[k]), l->facts[i].normal);
-            least = stp_min(least, l->points->are_oriented ? cosine : fabsf(cosine));
+            cosine = l->points->are_oriented ? cosine : fabsf(cosine);
+            if (found == kept && cosine >= lowest[kept - 1]) {
+                continue;
+            }
+            uint32_t at = found < kept ? found++ : kept - 1;
+            for (; at > 0 && lowest[at - 1] > cosine; --at) {
+                lowest[at] = lowest[at - 1];
+            }
+            lowest[at] = cosine;
         }
+        float least = lowest[kept - 1];
         l->facts[i].spread = least > 0.0f ? sqrtf(stp_max(1.0f - least * least, 0.0f)) : 1.0f;
         find_ellipse(l, i);
     }

@@ -19,7 +19,8 @@ typedef struct stp_leaf_facts {
     float flatness; ///< l0 / (l0 + l1 + l2)
     float area;     ///< of the surface in it, about
     float spacing;  ///< side of the square that a point stands for
-    float spread;   ///< sine of how far normals lie from the representative one; 1: or any
+    float
+        spread;  ///< sine of how far nine of ten normals lie from the representative one; 1: or any
     float ratio; ///< of the smaller to the larger radius of its splats: of its principal curvatures
     stp_vec3
         stretch; ///< direction of the smaller curvature, in which splats are long; of unit length where `ratio` is below 1

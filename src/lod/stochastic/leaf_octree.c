@@ -11,6 +11,8 @@ enum {
     BUDGET = 1024,
     LEAST = 48,
     SAMPLE = 256,
+    NEIGHBOURS = 12,
+    NORMAL_NEIGHBOURS = 20,
     STACK = 8 * STP_LEAF_DEPTH_MOST + 1,
     SIDES = 8,
 };
@@ -19,7 +21,13 @@ enum {
 stp_leaf_desc stp_leaf_desc_default(void)
 {
     return (stp_leaf_desc){
-        .budget = BUDGET, .least = LEAST, .flatness = FLATNESS, .sample = SAMPLE};
+        .budget = BUDGET,
+        .least = LEAST,
+        .flatness = FLATNESS,
+        .neighbours = NEIGHBOURS,
+        .normal_neighbours = NORMAL_NEIGHBOURS,
+        .sample = SAMPLE,
+    };
 }
 
 /// A point on its way to its leaf.

@@ -7,12 +7,18 @@
 
 #include <stipple/surfels.h>
 
-/// What decides where a division ends.
+enum { STP_LEAF_NEIGHBOURS_MOST = 32 };
+
+/// What decides where a division ends, and how normals are found.
 typedef struct stp_leaf_desc {
     uint32_t budget; ///< most points of a leaf, at least `least`: the paper's max_point_budget
     uint32_t least;  ///< a cube of at most so many points is not divided, flat or not
     float
         flatness; ///< at most this, l0 / (l0 + l1 + l2), for a leaf to be flat; 0.005 or 0.001 (Table 1, Figure 1)
+    uint32_t
+        neighbours; ///< K, 1 to STP_LEAF_NEIGHBOURS_MOST: leaves around one that its side is handed on to
+    uint32_t
+        normal_neighbours; ///< K1, about so many points around one give its normal, where it has none
     uint32_t sample; ///< so many points, chosen at random, stand for the region where it has more
 } stp_leaf_desc;
 

@@ -7,7 +7,6 @@
 #include <string.h>
 
 enum {
-    NEIGHBOURS = 12,
     BRIDGE_LEAVES = 128, ///< of a piece, from which a way across a gap is looked for
     BRIDGES_MOST = 64,   ///< pieces for which one is looked for
 };
@@ -23,9 +22,9 @@ typedef struct orient_step {
 typedef struct orienter {
     const stp_leaf_octree* octree;
     stp_leaf_facts* facts;
-    uint32_t count;
+    uint32_t count, near;
     float* places;        ///< 3 a leaf
-    uint32_t* neighbours; ///< NEIGHBOURS a leaf
+    uint32_t* neighbours; ///< `near` a leaf
     uint32_t* begins;     ///< of `links`, count + 1
     uint32_t* links;      ///< neighbours either way
     uint32_t* pieces;     ///< of each leaf the first leaf of its piece
@@ -137,15 +136,15 @@ static void spread_from(orienter* o, uint32_t leaf)
 static stp_result link_leaves(stp_context* context, orienter* o)
 {
     stp_result result =
-        stp_find_nearest_points(context, o->places, o->count, NEIGHBOURS, o->neighbours);
+        stp_find_nearest_points(context, o->places, o->count, o->near, o->neighbours);
     if (result != STP_OK) {
         return result;
     }
-    size_t all = (size_t)NEIGHBOURS * o->count;
+    size_t all = (size_t)o->near * o->count;
     memset(o->begins, 0, ((size_t)o->count + 2) * sizeof(*o->begins));
     for (size_t i = 0; i < all; ++i) {
         if (o->neighbours[i] != UINT32_MAX) {
-            o->begins[i / NEIGHBOURS + 2] += 1;
+            o->begins[i / o->near + 2] += 1;
             o->begins[o->neighbours[i] + 2] += 1;
         }
     }
@@ -154,7 +153,7 @@ static stp_result link_leaves(stp_context* context, orienter* o)
     }
     for (size_t i = 0; i < all; ++i) {
         if (o->neighbours[i] != UINT32_MAX) {
-            uint32_t a = (uint32_t)(i / NEIGHBOURS), b = o->neighbours[i];
+            uint32_t a = (uint32_t)(i / o->near), b = o->neighbours[i];
             o->links[o->begins[a + 1]++] = b;
             o->links[o->begins[b + 1]++] = a;
         }
@@ -262,14 +261,15 @@ static void orient_all(orienter* o)
 }
 
 stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree,
-                             stp_leaf_facts* facts)
+                             stp_leaf_facts* facts, uint32_t neighbours)
 {
-    size_t count = octree->leaf_count, links = 2 * (size_t)NEIGHBOURS * count;
+    size_t count = octree->leaf_count, links = 2 * (size_t)neighbours * count;
     orienter o = {.octree = octree,
                   .facts = facts,
                   .count = octree->leaf_count,
+                  .near = neighbours,
                   .places = STP_NEW_ARRAY(context, float, 3 * count + 1),
-                  .neighbours = STP_NEW_ARRAY(context, uint32_t, NEIGHBOURS * count + 1),
+                  .neighbours = STP_NEW_ARRAY(context, uint32_t, neighbours * count + 1),
                   .begins = STP_NEW_ARRAY(context, uint32_t, count + 2),
                   .links = STP_NEW_ARRAY(context, uint32_t, links + 1),
                   .pieces = STP_NEW_ARRAY(context, uint32_t, count + 1),

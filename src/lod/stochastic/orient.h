@@ -10,6 +10,7 @@
 /// Steps along the surface and between like normals come first, so normals do not leak from a sheet to another close to it.
 /// Where no leaf is next to any that was reached, the next piece begins at the leaf nearest to those, if the gap is small;
 /// else at its own highest one.
+/// @param neighbours of each leaf, 1 to STP_LEAF_NEIGHBOURS_MOST: the paper's K
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_orient_leaves(stp_context* context, const stp_leaf_octree* octree,
-                                          stp_leaf_facts* facts);
+                                          stp_leaf_facts* facts, uint32_t neighbours);

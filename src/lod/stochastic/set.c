@@ -12,6 +12,8 @@
 #include "lod/shape_coding.h"
 #include "lod/stochastic/facts.h"
 #include "lod/stochastic/orient.h"
+#include "lod/stochastic/spread_order.h"
+#include "lod/stochastic/trim.h"
 #include "lod/surfels.h"
 
 #include <string.h>
@@ -23,9 +25,9 @@ enum {
     OCTAVES_MOST = 16, ///< of 2^32 points
 };
 #define SEED UINT64_C(0x42686B72)
-#define NORMAL_SPACINGS 2.5f // how far around a point its normal is taken from
+#define LARGEST 2.0f // radii of far apart points, in those of usual ones
 #define GROWTH                                                                                     \
-    1.25f // of a splat's radius, in the sides of the square that it stands for: disks lie at random
+    1.05f // of a splat's radius, in sides of the square that it stands for (STP_CUE_COVERING)
 #define DISK_RATIO 0.8f          // of radii, from which on a splat is a disk
 #define FINEST 0x1p-10           // of the spacing, below which a grid's step would waste bits
 #define HALF_DIAGONAL 0.8660255f // of a cell of the grid
@@ -35,6 +37,7 @@ enum {
 typedef struct set_maker {
     stp_context* context;
     const stp_stochastic_source* source;
+    const stp_leaf_desc* desc;
     stp_candidates* candidates;
     stp_splats* splats;
     uint16_t* places; ///< of candidates, on the grid
@@ -72,31 +75,6 @@ static stp_result allocate_attributes(const set_maker* m)
     return STP_OK;
 }
 
-/// Moves a random choice of the candidates to the front, in their order (Knuth's method S).
-static void choose(const set_maker* m)
-{
-    stp_candidates* c = m->candidates;
-    uint32_t left = m->source->wanted, count = 0, sets = stp_first_of_sets(c), of_sets = 0;
-    if (left >= c->count) {
-        return;
-    }
-    for (uint32_t i = 0; left > 0; ++i) {
-        if (stp_rng_below(SEED, i, c->count - i) >= left) {
-            continue;
-        }
-        memmove(c->positions + 3 * (size_t)count, c->positions + 3 * (size_t)i, 3 * sizeof(float));
-        memmove(c->normals + 3 * (size_t)count, c->normals + 3 * (size_t)i, 3 * sizeof(float));
-        memmove(c->colors + 4 * (size_t)count, c->colors + 4 * (size_t)i, 4);
-        c->materials[count] = c->materials[i];
-        copy_attributes(c, i, c->attributes, count);
-        of_sets += i >= sets ? 1 : 0;
-        count += 1;
-        left -= 1;
-    }
-    c->count = count;
-    c->set_count = of_sets;
-}
-
 static void choose_grid(set_maker* m)
 {
     const stp_candidates* c = m->candidates;
@@ -129,18 +107,48 @@ static void place_some(size_t begin, size_t end, uint32_t worker, void* user)
 }
 
 /// Leaves of too few points, and what stands out, get the usual spacing, or as much more or less as may be.
-static void settle_spacings(set_maker* m)
+static void settle_areas(set_maker* m)
 {
     m->spacing = stp_leaf_median_spacing(&m->octree, m->facts);
     m->spacing = m->spacing > 0.0f ? m->spacing : 1.0f;
     for (uint32_t i = 0; i < m->octree.leaf_count; ++i) {
         stp_leaf_facts* f = &m->facts[i];
         uint32_t count = m->octree.leaves[i].end - m->octree.leaves[i].begin;
-        f->spacing = f->spacing > 0.0f
-                         ? stp_clamp(f->spacing, m->spacing / OUTLIER, m->spacing * OUTLIER)
-                         : m->spacing;
-        f->area = f->spacing * f->spacing * (float)count;
+        float ratio = f->spacing > 0.0f ? f->spacing / m->spacing : 1.0f;
+        float spacing = m->spacing * stp_clamp(ratio, 1.0f / OUTLIER, OUTLIER);
+        f->area = spacing * spacing * (float)count;
     }
+}
+
+/// The distances of the points that are left: those far from all others are not drawn as large as that.
+static void settle_spacings(set_maker* m)
+{
+    for (uint32_t i = 0; i < m->octree.leaf_count; ++i) {
+        uint32_t count = m->octree.leaves[i].end - m->octree.leaves[i].begin;
+        m->facts[i].spacing = sqrtf(m->facts[i].area / (float)count);
+    }
+    m->spacing = stp_leaf_median_spacing(&m->octree, m->facts);
+    for (uint32_t i = 0; i < m->octree.leaf_count; ++i) {
+        m->facts[i].spacing = stp_min(m->facts[i].spacing, m->spacing * LARGEST);
+    }
+}
+
+/// Orders the points of leaves, and keeps of each leaf the first ones.
+static stp_result spread(set_maker* m)
+{
+    stp_context* context = m->context;
+    uint32_t all = m->candidates->count, kept = m->splats->count;
+    uint32_t* ranked = STP_NEW_ARRAY(context, uint32_t, all);
+    if (ranked == NULL) {
+        return stp_fail_memory(context);
+    }
+    stp_spread_order_make(context, m->places, &m->octree, ranked);
+    if (kept < all) {
+        stp_leaf_trim(&m->octree, m->facts, ranked, kept);
+    }
+    stp_spread_order_place(context, ranked, kept, &m->octree);
+    stp_free(context, ranked);
+    return STP_OK;
 }
 
 /// Gives points the sides of their leaves.
@@ -162,23 +170,30 @@ static void turn_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
+/// Chooses the points of each leaf, and finds what is known of them.
 static stp_result find_facts(set_maker* m)
 {
     stp_context* context = m->context;
     bool oriented = m->source->has_normals;
     stp_leaf_points points = {m->places, m->candidates->normals, oriented};
     stp_leaf_facts_of_places(context, &m->octree, &points, m->facts);
-    settle_spacings(m);
+    settle_areas(m);
     stp_result result = STP_OK;
+    if (!oriented) {
+        float around = sqrtf((float)m->desc->normal_neighbours / 3.14159265f); // in spacings
+        float radius = around * m->spacing * m->splats->step;
+        result = stp_estimate_point_normals(context, m->candidates, radius);
+    }
+    result = result == STP_OK ? spread(m) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    settle_spacings(m);
     if (oriented) {
         stp_leaf_facts_of_normals(context, &m->octree, &points, m->facts);
     } else {
-        float radius = NORMAL_SPACINGS * m->spacing * m->splats->step;
-        result = stp_estimate_point_normals(context, m->candidates, radius);
-        result = result == STP_OK ? stp_orient_leaves(context, &m->octree, m->facts) : result;
-        if (result == STP_OK) {
-            stp_parallel_for(context, m->octree.leaf_count, LEAF_GRAIN, turn_some, m);
-        }
+        result = stp_orient_leaves(context, &m->octree, m->facts, m->desc->neighbours);
+        stp_parallel_for(context, m->octree.leaf_count, LEAF_GRAIN, turn_some, m);
     }
     stp_leaf_facts_of_bends(context, &m->octree, &points, m->facts);
     return result;
@@ -281,25 +296,28 @@ static void make_table(set_maker* m)
     s->candidate_radius = radius > 0.0 ? (float)radius : s->step * m->spacing * 0.70710678f;
 }
 
-static stp_result make_set(set_maker* m, const stp_leaf_desc* desc)
+static stp_result make_set(set_maker* m)
 {
     stp_context* context = m->context;
     stp_splats* s = m->splats;
-    s->count = m->candidates->count;
+    uint32_t count = m->candidates->count;
+    s->count = count < m->source->wanted ? count : m->source->wanted;
     choose_grid(m);
-    m->places = STP_NEW_ARRAY(context, uint16_t, 3 * (size_t)s->count);
+    m->places = STP_NEW_ARRAY(context, uint16_t, 3 * (size_t)count);
     if (m->places == NULL) {
         return stp_fail_memory(context);
     }
-    stp_parallel_for(context, s->count, GRAIN, place_some, m);
-    stp_result result = stp_leaf_octree_make(context, m->places, s->count, desc, SEED, &m->octree);
+    stp_parallel_for(context, count, GRAIN, place_some, m);
+    stp_result result =
+        stp_leaf_octree_make(context, m->places, m->candidates->count, m->desc, SEED, &m->octree);
     if (result != STP_OK) {
         return result;
     }
+    m->facts = STP_NEW_ARRAY(context, stp_leaf_facts, m->octree.leaf_count);
+    result = m->facts == NULL ? stp_fail_memory(context) : find_facts(m);
     s->leaf_count = m->octree.leaf_count;
-    m->facts = STP_NEW_ARRAY(context, stp_leaf_facts, s->leaf_count);
     s->leaves = STP_NEW_ARRAY(context, stp_splat_leaf, s->leaf_count);
-    result = m->facts == NULL || s->leaves == NULL ? stp_fail_memory(context) : find_facts(m);
+    result = result == STP_OK && s->leaves == NULL ? stp_fail_memory(context) : result;
     result = result == STP_OK ? stp_splats_make_columns(context, s) : result;
     result = result == STP_OK ? allocate_attributes(m) : result;
     if (result == STP_OK) {
@@ -314,13 +332,15 @@ stp_result stp_stochastic_make_set(stp_context* context, const stp_stochastic_so
                                    const stp_leaf_desc* desc, stp_splats* splats)
 {
     *splats = (stp_splats){.columns = STP_STOCHASTIC_COLUMNS};
-    set_maker m = {
-        .context = context, .source = source, .candidates = source->candidates, .splats = splats};
-    choose(&m);
-    if (m.candidates->count == 0) {
+    set_maker m = {.context = context,
+                   .source = source,
+                   .desc = desc,
+                   .candidates = source->candidates,
+                   .splats = splats};
+    if (m.candidates->count == 0 || source->wanted == 0) {
         return STP_OK;
     }
-    stp_result result = make_set(&m, desc);
+    stp_result result = make_set(&m);
     stp_free(context, m.facts);
     stp_leaf_octree_destroy(context, &m.octree);
     stp_free(context, m.places);

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "lod/stochastic/spread_order.h"
+
+#include "base/leaf_codes.h"
+#include "base/leaf_runs.h"
+
+#include <string.h>
+
+enum {
+    GRAIN = 16, ///< leaves
+    BLOCK =
+        2048, ///< points of a leaf that are spread together; those of larger leaves come block by block
+    SHARE = 4, ///< one of so many points is spread
+    LEAST = 4, ///< points, of which any order is as good
+};
+
+/// Points of a leaf. A cube is as wide as 16 bits, so differences of places wrap as equal cubes side by side would.
+typedef struct spread_block {
+    int16_t at[3][BLOCK];
+    int16_t far
+        [BLOCK]; ///< squared distance to the nearest point chosen so far, over 2^16; -1: it is one
+    uint32_t index[BLOCK];
+    uint32_t count;
+} spread_block;
+
+typedef struct spread_loop {
+    const uint16_t* positions;
+    const stp_leaf_octree* octree;
+    const uint32_t* from;
+    uint32_t* to;
+    uint32_t count, octaves;
+} spread_loop;
+
+static void take_points(spread_block* b, const spread_loop* l, const stp_leaf_cell* leaf,
+                        uint32_t begin)
+{
+    b->count = leaf->end - begin < BLOCK ? leaf->end - begin : BLOCK;
+    memcpy(b->index, l->octree->order + begin, b->count * sizeof(*b->index));
+    for (uint32_t i = 0; i < b->count; ++i) {
+        const uint16_t* p = l->positions + 3 * (size_t)b->index[i];
+        for (int k = 0; k < 3; ++k) {
+            uint32_t wide = (uint32_t)(p[k] - leaf->corner[k]) << leaf->depth;
+            b->at[k][i] = (int16_t)(int32_t)((wide & 0xFFFFu) - 0x8000u);
+        }
+        b->far[i] = INT16_MAX;
+    }
+}
+
+/// Lowers the distances of all points to that of a point. @return the largest left
+static int16_t choose_point(spread_block* b, uint32_t chosen)
+{
+    int16_t x = b->at[0][chosen], y = b->at[1][chosen], z = b->at[2][chosen], most = -1;
+    b->far[chosen] = -1;
+    for (uint32_t i = 0; i < b->count; ++i) {
+        int16_t dx = (int16_t)(b->at[0][i] - x), dy = (int16_t)(b->at[1][i] - y);
+        int16_t dz = (int16_t)(b->at[2][i] - z);
+        int16_t xx = (int16_t)((int32_t)dx * dx >> 16), yy = (int16_t)((int32_t)dy * dy >> 16);
+        int16_t zz = (int16_t)((int32_t)dz * dz >> 16);
+        // at most 3 times 2^14
+        uint16_t sum = (uint16_t)((uint16_t)xx + (uint16_t)yy + (uint16_t)zz);
+        int16_t d = (int16_t)(sum >> 1);
+        int16_t far = b->far[i] < d ? b->far[i] : d;
+        b->far[i] = far;
+        most = far > most ? far : most;
+    }
+    return most;
+}
+
+static uint32_t find_first(const spread_block* b, int16_t far)
+{
+    uint32_t i = 0;
+    while (i + 1 < b->count && b->far[i] != far) {
+        i += 1;
+    }
+    return i;
+}
+
+/// The point nearest to the mean of all.
+static uint32_t find_middle(const spread_block* b)
+{
+    int64_t mean[3] = {0}, least = INT64_MAX;
+    uint32_t best = 0;
+    for (int k = 0; k < 3; ++k) {
+        for (uint32_t i = 0; i < b->count; ++i) {
+            mean[k] += b->at[k][i];
+        }
+        mean[k] /= (int64_t)b->count;
+    }
+    for (uint32_t i = 0; i < b->count; ++i) {
+        int64_t squared = 0;
+        for (int k = 0; k < 3; ++k) {
+            int64_t d = b->at[k][i] - mean[k];
+            squared += d * d;
+        }
+        best = squared < least ? i : best;
+        least = squared < least ? squared : least;
+    }
+    return best;
+}
+
+/// @param ranked gets the points of the block
+static void spread_points(spread_block* b, uint32_t* ranked)
+{
+    uint32_t most = b->count / SHARE < STP_SPREAD_MOST ? b->count / SHARE : STP_SPREAD_MOST;
+    uint32_t done = 0;
+    if (b->count > LEAST) {
+        uint32_t next = find_middle(b);
+        for (int16_t far = 1; done < most && far > 0; ++done) {
+            ranked[done] = b->index[next];
+            far = choose_point(b, next);
+            next = far > 0 ? find_first(b, far) : 0;
+        }
+    }
+    for (uint32_t i = 0; i < b->count; ++i) {
+        if (b->far[i] >= 0) {
+            ranked[done++] = b->index[i];
+        }
+    }
+}
+
+static void spread_leaves(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const spread_loop* l = user;
+    spread_block block;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_leaf_cell* leaf = &l->octree->leaves[i];
+        for (uint32_t at = leaf->begin; at < leaf->end; at += block.count) {
+            take_points(&block, l, leaf, at);
+            spread_points(&block, l->to + at);
+        }
+    }
+}
+
+void stp_spread_order_make(stp_context* context, const uint16_t* positions,
+                           const stp_leaf_octree* octree, uint32_t* ranked)
+{
+    spread_loop loop = {.positions = positions, .octree = octree, .to = ranked};
+    stp_parallel_for(context, octree->leaf_count, GRAIN, spread_leaves, &loop);
+}
+
+/// Places of a leaf, octave by octave.
+static void place_leaves(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const spread_loop* l = user;
+    for (size_t i = begin; i < end; ++i) {
+        const stp_leaf_cell* leaf = &l->octree->leaves[i];
+        const uint32_t* next = l->from + leaf->begin;
+        for (uint32_t octave = 0; octave < l->octaves; ++octave) {
+            uint32_t step = 1u << 2 * (l->octaves - 1 - octave);
+            // places count from 1
+            uint32_t place = (leaf->begin + step) / step * step;
+            for (; place <= leaf->end; place += step) {
+                if (stp_leaf_octave_of(place, l->octaves) == octave) {
+                    l->to[place - 1] = *next++;
+                }
+            }
+        }
+    }
+}
+
+void stp_spread_order_place(stp_context* context, const uint32_t* ranked, uint32_t count,
+                            stp_leaf_octree* octree)
+{
+    spread_loop loop = {
+        .octree = octree, .from = ranked, .to = octree->order, .octaves = stp_leaf_octaves(count)};
+    stp_parallel_for(context, octree->leaf_count, GRAIN, place_leaves, &loop);
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "lod/stochastic/trim.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROUNDS_MOST = 64 };
+
+static double count_of(const stp_leaf_octree* octree, uint32_t leaf)
+{
+    return (double)(octree->leaves[leaf].end - octree->leaves[leaf].begin);
+}
+
+/// Points that a square of the grid's step keeps so that about `wanted` are kept. Leaves that have fewer keep all; what they lack
+/// is shared by the others, of which some then have too few, and so on.
+static double find_density(const stp_leaf_octree* octree, const stp_leaf_facts* facts,
+                           double wanted)
+{
+    double density = 0.0;
+    bool grows = true;
+    for (int round = 0; round < ROUNDS_MOST && grows; ++round) {
+        double given = 0.0, area = 0.0;
+        for (uint32_t l = 0; l < octree->leaf_count; ++l) {
+            bool all = density * (double)facts[l].area >= count_of(octree, l);
+            given += all ? count_of(octree, l) : 0.0;
+            area += all ? 0.0 : (double)facts[l].area;
+        }
+        double next = area > 0.0 ? (wanted - given) / area : density;
+        grows = next > density;
+        density = grows ? next : density;
+    }
+    return density;
+}
+
+void stp_leaf_trim(stp_leaf_octree* octree, stp_leaf_facts* facts, uint32_t* ranked,
+                   uint32_t wanted)
+{
+    double density = find_density(octree, facts, (double)wanted), carried = 0.5;
+    uint32_t leaves = 0, kept = 0, all = 0;
+    for (uint32_t l = 0; l < octree->leaf_count; ++l) {
+        all += octree->leaves[l].end - octree->leaves[l].begin;
+    }
+    for (uint32_t l = 0; l < octree->leaf_count; ++l) {
+        stp_leaf_cell leaf = octree->leaves[l];
+        uint32_t has = leaf.end - leaf.begin;
+        carried += fmin(density * (double)facts[l].area, (double)has);
+        uint32_t count = carried > 0.0 ? (uint32_t)fmin(floor(carried), (double)has) : 0;
+        all -= has;
+        uint32_t left = wanted - kept; // those behind may have too few, or none may be left
+        count = count < left ? count : left;
+        count = left - count > all ? left - all : count;
+        carried -= (double)count;
+        if (count > 0) {
+            memmove(ranked + kept, ranked + leaf.begin, count * sizeof(*ranked));
+            leaf.begin = kept;
+            leaf.end = kept += count;
+            facts[leaves] = facts[l];
+            octree->leaves[leaves++] = leaf;
+        }
+    }
+    octree->leaf_count = leaves;
+}
