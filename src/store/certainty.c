@@ -9,9 +9,7 @@ stp_result stp_store_judge_certainty(const stp_store* store)
         if (records[i].flags > STP_CERTAINTY_UNKNOWN_SIGNS ||
             !(records[i].position_error >= 0.0f)) {
             return stp_fail(store->context, STP_ERROR_FORMAT,
-                            "%s: surfel set %u: says how certain it is in another way than this "
-                            "version",
-                            store->path, i);
+                            "%s: surfel set %u: its certainty record is invalid", store->path, i);
         }
     }
     return STP_OK;
