@@ -88,6 +88,16 @@ static bool is_whole(float position, double step)
     return floor(x) >= x;
 }
 
+/// Codes a mesh, opens the result and decodes it. The caller destroys `coded` and `decoded`.
+static bool code_and_decode(stp_context* context, const stp_store_mesh* view, double step,
+                            stp_coded_mesh* coded, stp_clusters* clusters,
+                            stp_decoded_mesh* decoded)
+{
+    return stp_clusters_encode(context, view, step, coded) == STP_OK &&
+           stp_clusters_open(coded->bytes, coded->size, clusters) == NULL &&
+           stp_clusters_decode(context, clusters, decoded) == STP_OK;
+}
+
 /// Every source triangle occurs once, with its winding. Each position is the grid point nearest to
 /// the source's, in whatever cluster, so no cracks appear.
 static const char* find_position_fault(const made_mesh* m, const stp_decoded_mesh* decoded,
@@ -129,9 +139,7 @@ void test_clusters_keep_every_triangle_of_every_shape(test_state* test)
             stp_coded_mesh coded;
             stp_clusters clusters;
             stp_decoded_mesh decoded;
-            CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
-            CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
-            CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+            CHECK(code_and_decode(context, &view, step, &coded, &clusters, &decoded));
             const char* fault = find_position_fault(&m, &decoded, step);
             if (fault != NULL) {
                 fprintf(stderr, "shape %d, side %u: %s\n", shape, sides[i / 2], fault);
@@ -205,9 +213,7 @@ void test_clusters_err_by_an_eighth_of_their_edges_at_most(test_state* test)
             stp_coded_mesh coded;
             stp_clusters clusters;
             stp_decoded_mesh decoded;
-            CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
-            CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
-            CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+            CHECK(code_and_decode(context, &view, step, &coded, &clusters, &decoded));
             double worst = worst_error(&clusters, &decoded);
             CHECK(worst <= 0.125);
             stp_decoded_mesh_destroy(context, &decoded);
@@ -269,9 +275,7 @@ void test_clusters_keep_attributes_of_corners(test_state* test)
         stp_coded_mesh coded;
         stp_clusters clusters;
         stp_decoded_mesh decoded;
-        CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
-        CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
-        CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+        CHECK(code_and_decode(context, &view, step, &coded, &clusters, &decoded));
         rounded* a = round_source(&m, step);
         rounded* b = round_decoded(&decoded, step);
         CHECK(a != NULL && b != NULL);
@@ -316,9 +320,7 @@ void test_clusters_of_cut_pieces_meet(test_state* test)
         stp_coded_mesh coded;
         stp_clusters clusters;
         stp_decoded_mesh decoded;
-        CHECK_EQUAL(STP_OK, stp_clusters_encode(context, &view, step, &coded));
-        CHECK(stp_clusters_open(coded.bytes, coded.size, &clusters) == NULL);
-        CHECK_EQUAL(STP_OK, stp_clusters_decode(context, &clusters, &decoded));
+        CHECK(code_and_decode(context, &view, step, &coded, &clusters, &decoded));
         CHECK(find_position_fault(&part, &decoded, step) == NULL);
         stp_decoded_mesh_destroy(context, &decoded);
         stp_coded_mesh_destroy(context, &coded);
