@@ -31,7 +31,7 @@ typedef struct stp_build_desc {
     void* wants_surfels_user;
     bool from_triangles; ///< upper nodes capture triangles, not their children's surfels (3.4)
     bool fresh;          ///< ignores results of previous builds
-    /// limit on the context's memory; 0: the context's own. Nodes in progress use most of it
+    /// Limit on the context's memory; 0: the context's own. Nodes in progress use most of it.
     uint64_t memory_bytes;
     const char* parameters_json; ///< the user's parameters, written into the file
     /// Path of drafts: the unfinished scene is written there repeatedly as a file of its own, for

@@ -15,7 +15,7 @@ typedef struct shown {
 typedef struct census_work {
     const stp_scene* scene;
     uint32_t *first_child, *next_sibling; ///< of each object that is not a prototype
-    /// next child whose sum may be missing; later: the last walk that visited the object
+    /// Next child whose sum may be missing; later: the last walk that visited the object.
     uint32_t* cursor;
     uint32_t* shapes;     ///< for each object: index of its distinct list of parts; STP_NONE: none
     uint32_t* shapes_met; ///< for each shape: the last walk that visited it

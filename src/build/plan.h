@@ -10,7 +10,7 @@
 typedef struct stp_build_step {
     uint32_t node;
     uint32_t height; ///< steps of lower heights do not need this one's result
-    /// number of leading steps that must be done first; they include all results below
+    /// Number of leading steps that must be done first; they include all results below.
     uint32_t needs;
     uint32_t surfel_count; ///< maximum surfels, as in stp_blue_desc
     double cost;           ///< relative cost, for progress
@@ -21,8 +21,8 @@ typedef struct stp_build_step {
 typedef struct stp_build_plan {
     stp_build_step* steps; ///< children before parents: by height, then by cost, highest first
     uint32_t step_count;
-    uint32_t
-        shared_count;  ///< these steps run one per thread; the rest run one by one on all threads
+    /// These steps run one per thread; the rest run one by one on all threads.
+    uint32_t shared_count;
     uint32_t* step_of; ///< by node: its step, or STP_NONE without surfels
     double cost;       ///< of all steps
 } stp_build_plan;

@@ -45,7 +45,7 @@ typedef struct stp_store_block_source {
     bool (*read)(void* user, uint64_t offset, void* bytes, size_t size);
     void* user;
     // Only for operators:
-    /// holds all splats before the first chunk read; the targets are its columns
+    /// Holds all splats before the first chunk read; the targets are its columns.
     const stp_splats* set;
     uint32_t* waiting; ///< room for one index per splat up to the octave's end
 } stp_store_block_source;

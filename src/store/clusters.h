@@ -28,7 +28,7 @@ enum {
     STP_CLUSTER_TRIANGLES = 128,
     STP_CLUSTER_VERTICES = 256,
     STP_CLUSTER_NORMAL_LIMIT = 511, ///< octahedral code of 1
-    /// code of full intensity; codes are the square root of the linear value
+    /// Code of full intensity; codes are the square root of the linear value.
     STP_CLUSTER_COLOR_LIMIT = 255,
     STP_CLUSTER_ALPHA_LIMIT = 255,
 };

@@ -59,7 +59,7 @@ typedef struct cluster_maker {
     double inverse_step;
     double texcoord_inverses[2];
     uint32_t present;
-    /// channels beside positions that distinguish vertices
+    /// Channels beside positions that distinguish vertices.
     uint32_t extra_channels[STP_CLUSTER_CHANNELS];
     uint32_t extra_count;
     // Of the cluster:
@@ -67,7 +67,7 @@ typedef struct cluster_maker {
     uint32_t shift;                               ///< positions are multiples of 2^shift steps
     uint32_t group;                               ///< vertices per part; 0: no loose parts
     cluster_place vertices[STP_CLUSTER_VERTICES]; ///< with normals in their stored precision
-    /// positions and normals as channels, once finished
+    /// Positions and normals as channels, once finished.
     int32_t values[STP_CLUSTER_CHANNELS][STP_CLUSTER_VERTICES];
     bool has_normal[STP_CLUSTER_VERTICES];
     uint8_t corners[STP_CLUSTER_TRIANGLES][3];

@@ -9,7 +9,7 @@
 enum {
     CLUSTERS_HEADER_BYTES = 24,
     CLUSTERS_ENTRY_BYTES = 32,
-    /// after the last cluster: reading a value touches up to 7 bytes beyond it
+    /// After the last cluster: reading a value touches up to 7 bytes beyond it.
     CLUSTERS_PADDING_BYTES = 8,
     CLUSTERS_EXPONENT_LEAST = -149,
     CLUSTERS_EXPONENT_MOST = 96, ///< any 32-bit multiple of such a step is finite

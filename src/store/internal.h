@@ -13,7 +13,7 @@
 
 /// The parts of a packed section that have been read.
 typedef struct stp_store_packed {
-    /// file offsets of its pages, and the end of the last one; NULL: not read yet
+    /// File offsets of its pages, and the end of the last one; NULL: not read yet.
     uint64_t* offsets;
     unsigned char* content; ///< buffer for decoded pages; NULL until the first one
     uint8_t* here;          ///< one bit per page of `content` that is decoded

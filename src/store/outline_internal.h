@@ -29,7 +29,7 @@ struct stp_outline {
     uint32_t ordered_count;            ///< length of `order`
     stp_outline_prototype* prototypes; ///< by node
     size_t prototype_count, prototype_capacity;
-    /// for each node, whether a prototype's node is at or below it; NULL: no prototypes
+    /// For each node, whether a prototype's node is at or below it; NULL: no prototypes.
     uint8_t* uses_prototypes;
 };
 

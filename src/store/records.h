@@ -61,7 +61,7 @@ typedef struct stp_store_texture_record {
     stp_store_texture texture; ///< `texels` is NULL until verified; `encoding` is the block's
     uint32_t block;            ///< can be shared with earlier textures
     bool checked;
-    /// owned by the first texture with this block: texels of its picture; NULL: not decoded
+    /// Owned by the first texture with this block: texels of its picture; NULL: not decoded.
     uint8_t* decoded;
 } stp_store_texture_record;
 

@@ -29,7 +29,7 @@ typedef struct stp_want {
     uint32_t index;
     uint32_t octaves; ///< number of octaves, for surfels
     float need;       ///< without any of it
-    /// surfels: the need of an octave is this times the radius covered without it
+    /// Surfels: the need of an octave is this times the radius covered without it.
     float octave_need;
     uint32_t thing; ///< stp_store_thing, for callers that keep lists of wants; ignored here
 } stp_want;
