@@ -20,6 +20,8 @@
 #define LEAST_BUDGET (UINT64_C(64) << 20)  // one node at a time is processed whatever the limit
 #define FILE_MEMORY_SHARE 4u // share of the limit for meshes in memory; more go to the spill file
 
+#define SAMPLE_POINTS 1000000u // of a scan that is shown before it is read
+
 enum { STAGES = 6 };
 
 // Everything that a build creates, in order of creation.
@@ -84,23 +86,58 @@ static stp_result open_work(build* b)
     return result != STP_OK ? result : stp_spill_create(b->context, b->work_folder, &b->spill);
 }
 
-static stp_result import_input(build* b, const char* input)
+static bool is_generated(const build* b, const char* input)
 {
     static const char prefix[] = "scene:";
-    if (b->desc->generate != NULL && strncmp(input, prefix, sizeof(prefix) - 1) == 0) {
-        return b->desc->generate(b->scene, input, b->desc->generate_user);
-    }
+    return b->desc->generate != NULL && strncmp(input, prefix, sizeof(prefix) - 1) == 0;
+}
+
+static stp_import_desc import_desc_of(const build* b)
+{
     stp_import_desc import = b->desc->import;
     if (import.helper_memory_bytes == 0) { // a helper process needs as much again
         import.helper_memory_bytes = limit_bytes(b);
     }
+    return import;
+}
+
+// Somebody who watches sees a large scan before it is read.
+static stp_result sketch_sample(build* b)
+{
+    stp_scene* scene = NULL;
+    stp_import_desc import = import_desc_of(b);
+    if (b->draft == NULL || b->desc->input_count != 1 || is_generated(b, b->desc->inputs[0])) {
+        return STP_OK;
+    }
+    uint32_t points = b->desc->draft_sample != 0 ? b->desc->draft_sample : SAMPLE_POINTS;
+    stp_result result = stp_scene_create(b->context, &scene);
+    if (result == STP_OK) {
+        result = stp_import_sample(scene, b->desc->inputs[0], &import, points);
+    }
+    if (result == STP_OK && scene->point_set_count > 0) {
+        result = stp_scene_finish(scene);
+        if (result == STP_OK) {
+            stp_build_draft_sketch(b->draft, scene);
+        }
+    }
+    stp_scene_destroy(scene);
+    return result;
+}
+
+static stp_result import_input(build* b, const char* input)
+{
+    if (is_generated(b, input)) {
+        return b->desc->generate(b->scene, input, b->desc->generate_user);
+    }
+    stp_import_desc import = import_desc_of(b);
     return stp_import_file(b->scene, input, &import);
 }
 
 static stp_result import_inputs(build* b)
 {
     double start = stp_clock_ms();
-    stp_result result = stp_scene_create(b->context, &b->scene);
+    stp_result result = sketch_sample(b);
+    result = result == STP_OK ? stp_scene_create(b->context, &b->scene) : result;
     if (result == STP_OK) {
         stp_scene_use_spill(b->scene, b->spill, usable_bytes(b) / FILE_MEMORY_SHARE);
     }
@@ -112,13 +149,16 @@ static stp_result import_inputs(build* b)
     b->report->import_s = (imported - start) * 1e-3;
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.0);
     result = result != STP_OK ? result : stp_scene_finish(b->scene);
+    stp_spill_release_pages(b->spill); // all was read, to be hashed
     result = result != STP_OK ? result : stp_build_encode_textures(b->scene);
     result = result != STP_OK ? result : stp_build_census(b->scene, &b->census);
     if (result == STP_OK) {
         stp_build_draft_sketch(b->draft, b->scene);
     }
+    stp_spill_release_pages(b->spill);
     result = result != STP_OK ? result : stp_progress(b->context, "partition", 0.5);
     result = result != STP_OK ? result : stp_scene_partition(b->scene, &b->desc->partition);
+    stp_spill_release_pages(b->spill);
     stp_trim_heap();
     b->report->partition_s = (stp_clock_ms() - imported) * 1e-3;
     return result;

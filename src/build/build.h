@@ -38,6 +38,8 @@ typedef struct stp_build_desc {
     /// display during the build (build/draft.h). A draft replaces the one before by renaming; the
     /// caller removes the last one. NULL: no drafts.
     const char* draft;
+    /// Points of a scan in its first draft, before the scan is read. Default 1,000,000.
+    uint32_t draft_sample;
     bool draft_always; ///< after each mesh and each set, even in short builds: for tests
     /// Called after each draft, on any thread of the build. May be NULL.
     void (*drafted)(void* user);

@@ -20,10 +20,7 @@ static void encode_normals(size_t begin, size_t end, uint32_t worker, void* user
 {
     (void)worker;
     const normal_work* work = user;
-    for (size_t i = begin; i < end; ++i) {
-        const float* n = work->from + 3 * i;
-        stp_octahedral_encode16((stp_vec3){n[0], n[1], n[2]}, work->to + 2 * i);
-    }
+    stp_octahedral_encode16_many(work->from + 3 * begin, end - begin, work->to + 2 * begin);
 }
 
 // Normals in the file's format; NULL if there are none. `made` is false if memory runs out.

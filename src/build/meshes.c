@@ -38,19 +38,6 @@ uint32_t stp_material_texcoords(const stp_material* material)
     return sets;
 }
 
-static void encode_normals(const float* from, size_t count, int16_t* to)
-{
-    for (size_t i = 0; i < count; ++i) {
-        const float* n = from + 3 * i;
-        if (i > 0 &&
-            memcmp(n, n - 3, 3 * sizeof(*n)) == 0) { // vertices of a flat face share a normal
-            memcpy(to + 2 * i, to + 2 * i - 2, 2 * sizeof(*to));
-        } else {
-            stp_octahedral_encode16((stp_vec3){n[0], n[1], n[2]}, to + 2 * i);
-        }
-    }
-}
-
 stp_result stp_code_mesh(stp_context* context, const stp_mesh* mesh, uint32_t texcoords,
                          stp_coded_mesh* coded)
 {
@@ -72,7 +59,7 @@ stp_result stp_code_mesh(stp_context* context, const stp_mesh* mesh, uint32_t te
             *coded = (stp_coded_mesh){0};
             return stp_fail_memory(context);
         }
-        encode_normals(mesh->normals, mesh->vertex_count, normals);
+        stp_octahedral_encode16_many(mesh->normals, mesh->vertex_count, normals);
         source.normals = normals;
     }
     double step = mesh->grid_step > 0.0

@@ -9,6 +9,8 @@
 
 #include <pthread.h>
 
+#define RELEASE_SPLATS (UINT64_C(4) << 20) // splats between releases of file pages
+
 // State shared by the steps of a run.
 typedef struct run {
     const stp_scene* scene;
@@ -24,6 +26,7 @@ typedef struct run {
     stp_build_result* origins;      ///< by step
     uint32_t done_count;            ///< number of leading steps that are done
     uint32_t first;                 ///< step of the loop's first element
+    uint64_t unreleased;            ///< splats made since file pages were released
     stp_result result;              ///< the first failure
 } run;
 
@@ -45,6 +48,15 @@ static bool wait_for_lower(run* r, uint32_t needs)
     return runs;
 }
 
+// What lies in files need not stay resident: neither what was read, nor what was made.
+static void release_pages(const run* r)
+{
+    stp_work_release_pages(r->desc->work);
+    if (r->scene->spill != NULL) {
+        stp_spill_release_pages(r->scene->spill);
+    }
+}
+
 static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_report* report,
                      bool found)
 {
@@ -64,8 +76,14 @@ static void end_step(run* r, uint32_t index, stp_result result, const stp_blue_r
     while (r->done_count < plan->step_count && r->done[r->done_count]) {
         r->done_count += 1;
     }
+    r->unreleased += nodes->sets[index].count;
+    bool release = r->unreleased >= RELEASE_SPLATS;
+    r->unreleased = release ? 0 : r->unreleased;
     pthread_cond_broadcast(&r->advanced);
     pthread_mutex_unlock(&r->mutex);
+    if (release) {
+        release_pages(r);
+    }
     if (result == STP_OK) {
         stp_build_draft_add_surfels(r->desc->draft, index, &nodes->sets[index]);
     }

@@ -16,6 +16,8 @@
 #define NO_SEGMENT UINT32_MAX
 enum { LARGE_PART = 4 }; ///< results larger than 1/LARGE_PART of a segment get one of their own
 
+#define RELEASE_BYTES (UINT64_C(128) << 20) // read before the system is told that it may drop them
+
 struct stp_work {
     stp_context* context;
     char* path;
@@ -215,11 +217,17 @@ const void* stp_work_find(stp_work* work, stp_hash key, size_t* size)
 bool stp_work_is_intact(stp_work* work)
 {
     bool intact = true;
+    uint64_t unreleased = 0;
     for (size_t i = 0; i < work->index.count && intact; ++i) {
         const stp_work_entry* entry = &work->index.entries[i];
         if (entry->state == STP_WORK_GOOD) {
             stp_bytes bytes = {bytes_of(work, entry), (size_t)entry->size};
             intact = stp_checksum(&bytes, 1) == entry->checksum;
+            unreleased += entry->size;
+        }
+        if (unreleased >= RELEASE_BYTES) {
+            stp_work_release_pages(work);
+            unreleased = 0;
         }
     }
     stp_work_release_pages(work);

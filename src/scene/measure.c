@@ -23,7 +23,7 @@ void stp_mesh_measure(stp_mesh* mesh)
     }
     mesh->area = area;
     mesh->bounds = stp_box_empty();
-    if (mesh->triangle_count > 0) { // the numbers are floats: nothing is rounded
+    if (mesh->triangle_count > 0) { // the coordinates are floats: no rounding
         mesh->bounds = (stp_box){{(float)box.min.x, (float)box.min.y, (float)box.min.z},
                                  {(float)box.max.x, (float)box.max.y, (float)box.max.z}};
     }

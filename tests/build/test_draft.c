@@ -5,6 +5,7 @@
 
 #include "build/build.h"
 #include "draw/draw.h"
+#include "import/las_points.h"
 #include "measure/image_compare.h"
 #include "present/camera.h"
 #include "scene/scene_helpers.h"
@@ -19,6 +20,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+enum { SAMPLE = 640 }; // points of a scan
 enum { DRAFTS = 64, WIDTH = 128, HEIGHT = 96, PIXELS = WIDTH * HEIGHT };
 
 // A draft as a viewer sees it.
@@ -98,6 +100,7 @@ static stp_result build_with(uint32_t threads, const char* input, const char* ou
                            .threshold = 1,
                            .blue = {.surfel_count = 500, .capture = {.wanted_candidates = 4000}},
                            .draft = o != NULL ? o->path : NULL,
+                           .draft_sample = SAMPLE,
                            .draft_always = true,
                            .drafted = on_draft,
                            .drafted_user = o};
@@ -202,6 +205,39 @@ void test_drafts_grow_to_the_finished_scene(test_state* test)
     unlink(plain);
     unlink(model);
     CHECK(rmdir(folder) == 0); // nothing else is left
+}
+
+void test_drafts_show_scans_before_they_are_read(test_state* test)
+{
+    enum { POINTS = 4000 };
+    static las_point points[POINTS];
+    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
+    snprintf(output, sizeof(output), "%s/out.stip", folder);
+    snprintf(plain, sizeof(plain), "%s/plain.stip", folder);
+    snprintf(model, sizeof(model), "%s/scan.laz", folder);
+    las_make_points(points, POINTS, 2, 7);
+    las_buffer file = las_write(&(las_desc){
+        .points = points, .count = POINTS, .format = 2, .coding = LAZ_CHUNKED, .chunk_size = 500});
+    FILE* out = fopen(model, "wb");
+    CHECK(out != NULL && fwrite(file.bytes, 1, file.size, out) == file.size && fclose(out) == 0);
+    free(file.bytes);
+    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    CHECK(o.drafts != NULL);
+    CHECK_EQUAL(STP_OK, build_scene(model, output, &o));
+    CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
+    CHECK(o.count > 1 && o.drafts[0].whole && o.drafts[1].whole);
+    CHECK_EQUAL(SAMPLE, o.drafts[0].points);
+    CHECK_EQUAL(POINTS, o.drafts[1].points);
+    CHECK(strcmp(o.drafts[0].first_name, o.drafts[1].first_name) == 0);
+    CHECK(same_files(output, plain));
+    free(o.drafts);
+    const char* const all[] = {draft, output, plain, model};
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); ++i) {
+        unlink(all[i]);
+    }
+    rmdir(folder);
 }
 
 void test_drafts_stay_drawable_however_large_the_scene(test_state* test)
