@@ -134,10 +134,10 @@ typedef struct stp_write_desc {
     const char* path;
     const char* folder;  ///< without a path: folder for temporary files; default $TMPDIR or /tmp
     const char* methods; ///< "blue" (default), "spt", "psp", "stochastic", or several: "blue,psp"
-    /// most splats per node; 0: one per 8 triangles, at most 50,000; all points of a cloud
+    /// Most splats per node; 0: one per 8 triangles, at most 50,000; all points of a cloud
     uint32_t splat_limit;
     uint64_t threshold; ///< mesh nodes with more triangles get splats; default 1,000
-    /// memory limit of the build; default: the context's limit, or most of the machine's memory
+    /// Memory limit of the build; default: the context's limit, or most of the machine's memory
     uint64_t memory_bytes;
     bool fresh; ///< reuses nothing from an earlier build
 } stp_write_desc;

@@ -25,7 +25,7 @@ typedef struct stp_point_coloring {
     bool by_attribute; ///< colour by `attribute`, for points that have it
     stp_attribute attribute;
     double low, high; ///< ends of the colour scale; both 0: the file's percentiles 2 and 98
-    /// indexed by class (STP_ATTRIBUTE_CLASS): non-zero hides its points
+    /// Indexed by class (STP_ATTRIBUTE_CLASS): non-zero hides its points
     uint8_t class_hidden[256];
 } stp_point_coloring;
 
@@ -129,7 +129,7 @@ STP_API STP_MUST_USE stp_result stp_model_find_object(stp_model* model, const ch
 typedef enum stp_appearance {
     STP_APPEARANCE_SHOWN,
     STP_APPEARANCE_HIDDEN, ///< neither drawn nor picked
-    /// drawn in a share of its pixels (stp_paint_desc.ghost); the background shows through
+    /// Drawn in a share of its pixels (stp_paint_desc.ghost); the background shows through
     STP_APPEARANCE_GHOST,
 } stp_appearance;
 

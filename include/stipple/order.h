@@ -28,11 +28,11 @@ typedef struct stp_order_desc {
     size_t struct_size;      ///< sizeof(stp_order_desc), or 0: its first version
     stp_order_kind kind;     ///< default exact
     stp_order_metric metric; ///< default side-aware; Euclidean without normals
-    /// for random kinds; the same seed gives the same order on any machine
+    /// For random kinds; the same seed gives the same order on any machine
     uint64_t seed;
     uint32_t samples;  ///< random samples per round; default 200
     uint32_t interval; ///< rounds until the schedule changes; default 500
-    /// paper kinds: a sample nearer than this times the round's pick is dropped from the input
+    /// Paper kinds: a sample nearer than this times the round's pick is dropped from the input
     /// (3.2: "at close vicinity"); default 0: none
     float drop_factor;
     uint32_t thread_count; ///< threads for one order; 0: all of the context

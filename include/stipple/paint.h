@@ -56,7 +56,7 @@ typedef enum stp_pixel_coloring {
 /// background.
 typedef struct stp_paint_desc {
     size_t struct_size;
-    /// diameter in pixels, at least 1; default 1. Larger splats draw faster and coarser
+    /// Diameter in pixels, at least 1; default 1. Larger splats draw faster and coarser
     float splat_size;
     /// Above 0: frame-time budget in milliseconds. The painter chooses the splat size from previous
     /// frames, never below `splat_size`; it adapts over the first frames.
@@ -77,7 +77,7 @@ typedef struct stp_paint_desc {
     bool background; ///< fill with background_color; default: transparent black
     uint8_t background_color[3];
     float eye_dome; ///< strength of eye-dome lighting; 0: none
-    /// radius of ambient occlusion, relative to the picture's height; 0: none
+    /// Radius of ambient occlusion, relative to the picture's height; 0: none
     float ambient_occlusion;
     float ghost; ///< share of a ghost's pixels that is drawn, 0 to 1; 0: a fifth
     bool caps;   ///< closes solids where the view's sections cut them

@@ -127,7 +127,7 @@ typedef struct stp_splats {
     /// Maximum distance from splats to their original points, in scene units; 0: unknown.
     float position_error;
     stp_prefix_table table;
-    /// half the diagonal of a capture pixel: maximum distance from surface to a candidate
+    /// Half the diagonal of a capture pixel: maximum distance from surface to a candidate
     float candidate_radius;
     /// r_m: median distance to the nearest neighbour within the first p_m (Brandt 4.1)
     float paper_radius;

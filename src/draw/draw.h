@@ -19,9 +19,9 @@ typedef enum stp_splat_shape {
 
 typedef enum stp_filter {
     STP_FILTER_NONE, ///< a pixel shows one splat
-    /// splats of a pixel's surface are blended, weighted by the distance of their centres
+    /// Splats of a pixel's surface are blended, weighted by the distance of their centres
     STP_FILTER_EWA,
-    /// the same in one pass: blends fragments of similar depth (OpenGL; other backends use EWA)
+    /// The same in one pass: blends fragments of similar depth (OpenGL; other backends use EWA)
     STP_FILTER_BLEND,
     STP_FILTER_TEXTURED, ///< like BLEND, weighted by the style's texture
 } stp_filter;
@@ -36,10 +36,10 @@ typedef enum stp_transparency {
 
 /// Colouring of pixels.
 typedef enum stp_draw_coloring {
-    /// surface colours; a store may override those of points (store/coloring.h)
+    /// Surface colours; a store may override those of points (store/coloring.h)
     STP_DRAW_OWN_COLORS,
     STP_DRAW_ELEVATION, ///< by height in the scene
-    /// by normal, red to the right, green up, blue to the front of the scene; unlit
+    /// By normal, red to the right, green up, blue to the front of the scene; unlit
     STP_DRAW_NORMALS,
 } stp_draw_coloring;
 
@@ -53,7 +53,7 @@ typedef enum stp_point_sizing {
 typedef struct stp_draw_style {
     float splat_scale;    ///< factor on all splat radii; default 1
     uint32_t supersample; ///< n x n samples per pixel; default 1
-    /// light from the eye; default: a directional light from above left of the viewer
+    /// Light from the eye; default: a directional light from above left of the viewer
     bool headlight;
     bool background; ///< fill with background_color, alpha 255; default: transparent black
     uint8_t background_color[3];
@@ -65,7 +65,7 @@ typedef struct stp_draw_style {
     /// Gaussian.
     const stp_splat_texture* splat_texture;
     float eye_dome; ///< strength of eye-dome lighting; 0: none
-    /// radius of ambient occlusion, relative to the picture's height; 0: none
+    /// Radius of ambient occlusion, relative to the picture's height; 0: none
     float ambient_occlusion;
     stp_transparency transparency;
     float ghost; ///< share of a ghost's pixels that is drawn, above 0 to 1; 0: a fifth

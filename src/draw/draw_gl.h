@@ -79,7 +79,7 @@ typedef struct stp_draw_gl_stats {
     uint64_t memory_bytes;   ///< limit for scene data
     uint64_t resident_bytes; ///< used for scene data
     uint64_t uploaded_bytes; ///< in the last frame, for all eyes
-    /// items that the last frame wanted finer than resident, summed over the eyes; 0: the picture
+    /// Items that the last frame wanted finer than resident, summed over the eyes; 0: the picture
     /// is complete
     uint32_t missing;
     uint32_t coming; ///< uploads postponed to later frames; 0 with missing items: memory is full

@@ -10,7 +10,7 @@
 /// For each sample, the nearest surfel on its side; the lower index on ties.
 typedef struct stp_nearest_search {
     const stp_grid* surfels; ///< cells twice `radius` wide or wider; offset 0
-    /// the same cells, offset by half a cell: samples of one cell see the same surfels
+    /// The same cells, offset by half a cell: samples of one cell see the same surfels
     const stp_grid* samples;
     float radius;      ///< maximum distance of a surfel
     bool two_sided;    ///< ignores the sign of normals
@@ -25,7 +25,7 @@ typedef struct stp_disk {
     uint64_t cells;     ///< of the stencil
     uint64_t fractions; ///< sum over the samples
     uint32_t count;     ///< of samples
-    bool full;          ///< if the search may stop then, count and sum are undefined
+    bool full;          ///< with `until_full`, count and sum are then undefined
 } stp_disk;
 
 /// For each surfel, the samples in its disk.

@@ -6,8 +6,8 @@
 
 #include <stipple/surfels.h>
 
-/// Points made of a set of method `blue`, with its finest colours. Each is as large as the set
-/// draws its surfels.
+/// Points made from a set of method `blue`, with its finest colours. Each is as large as the set's
+/// drawn surfels.
 typedef struct stp_method_samples {
     stp_tree_points points;
     const uint8_t* coverages;   ///< 1 a point; the set's

@@ -18,8 +18,8 @@ void stp_set_octaves_make(stp_splats* set)
     set->octave_ends[set->octave_count++] = set->count;
 }
 
-/// The count of the next breakpoint: larger by one part in `part`. Octave ends are always
-/// breakpoints, because sets are loaded by octaves.
+/// Count of the next breakpoint: larger by 1 / `part`. Octave ends are always breakpoints, because
+/// sets are loaded by octaves.
 static uint32_t next_count(const stp_splats* s, uint32_t count, uint32_t part)
 {
     uint64_t next = (uint64_t)count + (count / part > 1 ? count / part : 1);

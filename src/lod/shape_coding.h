@@ -11,8 +11,7 @@ typedef struct stp_shape_directions {
 
 void stp_shape_directions_make(stp_shape_directions* directions);
 
-/// The code of an ellipse in a set that does not tell which splats large triangles replace. A disk
-/// may stand for any normals.
+/// Code of an ellipse in a set without marks for large triangles. A disk may represent any normals.
 /// @param larger, smaller radii in steps of the set
 /// @param major direction of the larger radius, of any length
 /// @param normal octahedral code of the splat's normal

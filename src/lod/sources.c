@@ -6,12 +6,12 @@
 
 typedef enum thinning { THIN_NOTHING, THIN_COUNT, THIN_LIST } thinning;
 
-// A node on the way down.
+// A node during traversal.
 typedef struct frame {
     uint32_t node, next_edge;
     stp_affine transform;
     uint32_t flags;
-    uint64_t group_next; ///< within something thinned: the number of its next use
+    uint64_t group_next; ///< inside thinned content: number of its next instance
     bool in_group;
 } frame;
 
@@ -24,11 +24,11 @@ typedef struct walk {
     frame* stack;
     size_t depth, capacity;
     thinning mode;
-    double small;   ///< uses of less extent are thinned
-    size_t kept;    ///< uses that are not
+    double small;   ///< instances with a smaller extent are thinned
+    size_t kept;    ///< instances that are not thinned
     uint64_t* uses; ///< by node: of parts and sets below; made when first thinned
     uint64_t thin_uses, every, number; ///< counted; one of `every` is kept; the next one's number
-    bool lacks_normals;                ///< some point sets of the scene have none
+    bool lacks_normals;                ///< some point sets of the scene lack normals
 } walk;
 
 static stp_result push(walk* w, const frame* f)
@@ -55,8 +55,7 @@ static double box_extent(stp_boxd box)
     return stp_boxd_is_empty(box) ? 0.0 : sqrt(stp_dotd(size, size));
 }
 
-// Half the surface of a box: what of it a parallel projection sees at most, averaged over eight
-// corners.
+// Half the surface of a box: bound of its projected area, averaged over eight corners.
 static double box_area(stp_boxd box)
 {
     stp_vec3d size = stp_subd(box.max, box.min);
@@ -90,8 +89,8 @@ static stp_result add_set(walk* w, const frame* f, const stp_splats* set, double
     return STP_OK;
 }
 
-// About how many pixels the triangles of a node itself cover, in eight directions: a quarter of
-// their area in each, from both sides.
+// Approximate pixels covered by a node's own triangles in eight directions: a quarter of their area
+// in each, from both sides.
 static double own_pixels(const walk* w, const stp_node* node, double scale)
 {
     double area = node->area;
@@ -129,7 +128,7 @@ static uint64_t add_saturated(uint64_t a, uint64_t b)
     return a > UINT64_MAX / 2 - b ? UINT64_MAX / 2 : a + b;
 }
 
-// How many uses hang below each node: a set is one.
+// Number of instances below each node: a set is one.
 static stp_result count_uses(walk* w, uint32_t top)
 {
     stp_context* context = w->scene->context;
@@ -150,14 +149,14 @@ static stp_result count_uses(walk* w, uint32_t top)
     return STP_OK;
 }
 
-// Whether the next `count` uses of what is thinned hold one that is kept.
+// Whether the next `count` thinned instances include a kept one.
 static bool holds_kept(const walk* w, uint64_t count)
 {
     uint64_t rest = w->number % w->every;
     return count > 0 && (rest == 0 || count > w->every - rest);
 }
 
-// A use of something thinned. @return whether it is kept
+// Counts a thinned instance. @return whether it is kept
 static bool take_number(walk* w)
 {
     bool kept = w->number % w->every == 0;
@@ -186,7 +185,7 @@ static stp_result enter_parts(walk* w, const frame* f, double scale)
     return result;
 }
 
-// A node is come to: it stands for itself, or its parts are listed and its children are next.
+// Visits a node: lists its set, or its parts, and then pushes its children.
 static stp_result enter(walk* w, frame f, bool first)
 {
     const stp_node* node = &w->scene->nodes[f.node];
@@ -218,7 +217,8 @@ static stp_result enter(walk* w, frame f, bool first)
     return result == STP_OK ? push(w, &f) : result;
 }
 
-// Walks once. Stops early, with more `kept` than the limit, where that many uses are not thinned.
+// Traverses once. Stops early, with more `kept` than the limit, if that many instances are not
+// thinned.
 static stp_result walk_once(walk* w, uint32_t node)
 {
     w->kept = 0;
@@ -254,7 +254,7 @@ static void clear_list(stp_source_list* list)
     list->surfels = list->pixels = list->coarsest = 0.0;
 }
 
-// What is smaller than a pixel is thinned; if that does not do, what is smaller than two, four, ...
+// Thins instances smaller than a pixel; if that is not enough, smaller than two, four, ... pixels
 static stp_result walk_thinned(walk* w, uint32_t node)
 {
     stp_result result = count_uses(w, node);

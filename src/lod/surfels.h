@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What all methods do with sets of their own.
+// Helpers for the sets of all methods.
 #pragma once
 
 #include "base/context.h"
@@ -15,7 +15,7 @@ void stp_splats_destroy(stp_context* context, stp_splats* surfels);
 /// failure
 STP_MUST_USE stp_result stp_splats_make_columns(stp_context* context, stp_splats* splats);
 
-/// The nearest place of a coordinate on the position grid of a set.
+/// Rounds a coordinate to the position grid of a set.
 static inline uint16_t stp_splats_grid_place(float at, float origin, float step)
 {
     float place = (at - origin) / step + 0.5f;

@@ -48,7 +48,7 @@ typedef struct stp_budget {
     /// Exponents by which counts fall with splat size; fragments may rise (negative).
     double splat_exponent, fragment_exponent, triangle_exponent;
     double ratios[STP_BUDGET_RATIOS]; ///< ratios of measured to expected time for a frame's counts
-    /// logarithms of the expected time for counts over the forecast
+    /// Logarithms of the expected time for counts over the forecast
     double growth[STP_BUDGET_RATIOS];
 } stp_budget;
 

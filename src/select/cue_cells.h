@@ -9,7 +9,7 @@
 typedef struct stp_cue_cell {
     uint32_t first, last; ///< places of the row of splats (base/leaf_runs.h)
     uint32_t count;       ///< splats drawn, 1 to last - first
-    /// splats are larger by a power of the square root of 2: the exponent; set by stp_cue_add_items
+    /// Splats are larger by a power of the square root of 2: the exponent; set by stp_cue_add_items
     uint32_t growth;
 } stp_cue_cell;
 

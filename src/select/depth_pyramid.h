@@ -19,7 +19,7 @@ typedef struct stp_depth_pyramid {
     stp_view_frame frame; ///< the view it was made for
     uint32_t level_count; ///< 0: occludes nothing
     uint32_t columns[STP_DEPTH_PYRAMID_LEVELS], rows[STP_DEPTH_PYRAMID_LEVELS];
-    /// minimum nearness of each block; 0: background is visible
+    /// Minimum nearness of each block; 0: background is visible
     float* levels[STP_DEPTH_PYRAMID_LEVELS];
     float* memory;
     size_t capacity;

@@ -123,7 +123,7 @@ typedef struct stp_draw_list {
     size_t count, capacity;
     stp_draw_run* runs;
     size_t run_count, run_capacity;
-    /// earlier items are from stp_select, later ones from stp_select_rejected
+    /// Earlier items are from stp_select, later ones from stp_select_rejected
     size_t first_pass_count;
     uint64_t splat_count;     ///< of prefixes; for sets refined by splits, of their states
     uint64_t triangle_count;  ///< without large triangles

@@ -17,7 +17,7 @@
 
 typedef enum stp_show {
     STP_SHOW, ///< drawn
-    /// drawn in a share of its pixels (stp_draw_style.ghost): the background shows through
+    /// Drawn in a share of its pixels (stp_draw_style.ghost): the background shows through
     STP_SHOW_GHOST,
     STP_SHOW_NOT,   ///< neither drawn nor picked
     STP_SHOW_MIXED, ///< a mix of these

@@ -164,7 +164,7 @@ typedef struct cpu_layers {
     bool told;                ///< warned about missing memory
     uint8_t of_shading[256];  ///< per shading: whether its splats are transparent
     enum {
-        /// transparent surfaces are drawn with the opaque ones, by alpha thresholds
+        /// Transparent surfaces are drawn with the opaque ones, by alpha thresholds
         CPU_LAYERS_NONE,
         CPU_LAYERS_OPAQUE, ///< drawing opaque surfaces
         CPU_LAYERS_PEEL,   ///< drawing a layer
@@ -180,7 +180,7 @@ typedef struct cpu_layers {
 
 /// Sum of frames, each shifted by a fraction of a pixel (accumulate.h).
 typedef struct cpu_accumulation {
-    /// of the current eye, 4 per pixel: linear colour, and number of frames that cover it
+    /// Of the current eye, 4 per pixel: linear colour, and number of frames that cover it
     uint32_t* sums;
     uint32_t* memory;    ///< of the sums of all eyes
     uint32_t* linear;    ///< of sRGB bytes

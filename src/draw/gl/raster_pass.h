@@ -13,7 +13,7 @@ struct gl_renderer;
 typedef struct gl_splat_source {
     GLuint buffer;
     GLintptr offset, count_offset; ///< offsets of the commands, and of their count
-    /// offset of the first group of each; for the compute rasteriser
+    /// Offset of the first group of each; for the compute rasteriser
     GLintptr groups_offset;
     uint32_t count;  ///< of commands
     uint64_t groups; ///< in all

@@ -13,7 +13,7 @@
 typedef struct stp_blue_desc {
     stp_capture_desc capture;
     stp_order_desc order;
-    /// maximum surfels; 0: stp_default_surfel_count, or all points of a cloud
+    /// Maximum surfels; 0: stp_default_surfel_count, or all points of a cloud
     uint32_t surfel_count;
     /// Existing sets of the nodes below, by scene node: NULL or a set of count 0 if there is none.
     /// If a set is dense enough, its surfels are captured instead of triangles (Brandt 3.4;

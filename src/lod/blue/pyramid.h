@@ -114,7 +114,7 @@ enum { STP_VIEWS_TOLD = 8 }; ///< maximum distinguished directions of a capture
 /// Content of the cylinder over a surfel's disk. Lengths are relative to the disk's radius.
 typedef struct stp_surroundings {
     uint64_t cells; ///< of the stencil, on the disk's axes (stp_disk_axes_of)
-    /// projected area, along the normal, of surface that faces as the surfel does, in
+    /// Projected area, along the normal, of surface that faces as the surfel does, in
     /// STP_AREA_UNITS
     float area;
     float total;  ///< total area
@@ -129,7 +129,7 @@ typedef struct stp_surroundings_search {
     const stp_pyramid* pyramid;
     const stp_grid* samples; ///< candidates; cells as wide as `radius`, or wider
     uint32_t stride;         ///< weight of each
-    /// half the side of the square that one represents, relative to the radius
+    /// Half the side of the square that one represents, relative to the radius
     float footprint;
     const uint32_t* visit; ///< surfels
     size_t count;

@@ -10,7 +10,7 @@
 /// Best pair of a point.
 typedef struct stp_contraction_pair {
     double error; ///< of the contracted point's quadric
-    /// orders pairs of equal error: squared length x the numbers of represented points
+    /// Orders pairs of equal error: squared length x the numbers of represented points
     double weight;
     uint32_t partner; ///< UINT32_MAX: none
 } stp_contraction_pair;

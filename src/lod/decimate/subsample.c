@@ -20,7 +20,7 @@ typedef struct search {
     stp_context* context;
     stp_subsample_field field;
     uint32_t target;
-    /// tolerances known to be too small, and large enough; 0: unknown
+    /// Tolerances known to be too small, and large enough; 0: unknown
     double low, high;
     stp_subsample_attempt best;   ///< with the tolerance `high`
     stp_subsample_attempt fewest; ///< best attempt if none is good enough

@@ -33,7 +33,7 @@ typedef enum stp_psp_metric {
 typedef struct stp_psp_desc {
     stp_psp_metric metric;
     uint32_t neighbours; ///< per point, 1 to STP_NEIGHBOURS_MOST; the paper's k is 8
-    /// minimum cosine between normals of merged splats; the default is 0: a right angle
+    /// Minimum cosine between normals of merged splats; the default is 0: a right angle
     float least_cosine;
     /// A splat whose best merge became worse moves back in the queue immediately, not when it
     /// reaches the front. The result is the same.
@@ -44,7 +44,7 @@ typedef struct stp_psp_desc {
     /// remain.
     bool connect_components;
     bool keep_angle;
-    /// maximum splats per queue, at least 8; 0: default. Larger inputs are merged in pieces
+    /// Maximum splats per queue, at least 8; 0: default. Larger inputs are merged in pieces
     uint32_t piece_size;
     /// For stp_psp_decimate: stores data that grows with the number of points in files beside this
     /// one, not in memory. If the points are in this file, releases their pages, too. The result is

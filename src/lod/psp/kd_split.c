@@ -10,7 +10,7 @@ enum {
     SAMPLED_LEAST = 64,
     SPREAD_SAMPLES = 64,
     SMALL = 12,       ///< sorted by insertion
-    STRIPE = 1 << 20, ///< after so many points, pages are released
+    STRIPE = 1 << 20, ///< pages are released after this many points
 };
 
 int stp_kd_widest(const stp_kd_point* points, size_t count)
@@ -31,7 +31,7 @@ int stp_kd_widest(const stp_kd_point* points, size_t count)
     return high[2] - low[2] > high[widest] - low[widest] ? 2 : widest;
 }
 
-/// A number that grows with the coordinate, then with the index.
+/// Sort key: by coordinate, then by index.
 static inline uint64_t key_of(const stp_kd_point* p, int axis)
 {
     uint32_t bits;
@@ -54,7 +54,7 @@ static void sort_small(stp_kd_point* points, size_t count, int axis)
     }
 }
 
-/// The place of a point that comes near `place` in the order, from a sample.
+/// Position of a point near `place` in the order, estimated from a sample.
 static size_t choose_pivot(const stp_kd_point* points, size_t count, size_t place, int axis)
 {
     size_t samples = count < SAMPLED_LEAST ? 3 : count < 1024 ? 9 : SAMPLES_MOST;
@@ -74,9 +74,8 @@ static size_t choose_pivot(const stp_kd_point* points, size_t count, size_t plac
     return places[place * samples / count];
 }
 
-/// Puts what is before the pivot first. Branch-free: the outcome of a comparison cannot be
-/// predicted here.
-/// @return where the pivot goes
+/// Moves points before the pivot to the front. Branch-free: comparisons cannot be predicted here.
+/// @return final position of the pivot
 static size_t partition(stp_kd_point* points, size_t count, size_t pivot, int axis,
                         const stp_psp_room* room)
 {

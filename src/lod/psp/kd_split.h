@@ -15,8 +15,8 @@ typedef struct stp_kd_point {
 /// least 1.
 int stp_kd_widest(const stp_kd_point* points, size_t count);
 
-/// Reorders points along an axis: smaller ones before `place`, larger ones behind it. `place` is
+/// Partitions points along an axis: smaller ones before `place`, larger ones after it. `place` is
 /// below `count`. Expected linear time for any input. The result depends on the input alone.
-/// @param room where the points lie, of which pages are released on the way; NULL: in memory
+/// @param room storage of the points, whose pages are released during the split; NULL: in memory
 void stp_kd_select(stp_kd_point* points, size_t count, size_t place, int axis,
                    const stp_psp_room* room);

@@ -2,10 +2,10 @@
 #include "lod/psp/kd_tree.h"
 
 enum {
-    PARALLEL_RANGES = 256, ///< so many parts are built at a time
-    RELEASED = 8,          ///< after so many of them, pages are released
+    PARALLEL_RANGES = 256, ///< number of parts built at a time
+    RELEASED = 8,          ///< pages are released after this many parts
     GRAIN = 1 << 16,
-    STRIPE = 16 * GRAIN, ///< after so many points, pages are released
+    STRIPE = 16 * GRAIN, ///< pages are released after this many points
 };
 
 typedef struct range {
@@ -68,7 +68,7 @@ static void split_ranges(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Coordinates of a leaf apart, in place.
+/// Transposes the coordinates of a leaf in place.
 static void turn_leaf(stp_kd_leaf* leaf, const stp_kd_point* points)
 {
     stp_kd_leaf turned;
@@ -215,7 +215,7 @@ static inline void search_leaf(const stp_kd_tree* t, uint32_t number, const floa
 static void search_range(const stp_kd_tree* t, range whole, const float beyond[3], const float p[3],
                          uint32_t self, found* f)
 {
-    // distances to cells are rounded as those to points are, so no nearer point is passed over
+    // distances to cells are rounded like those to points, so no nearer point is missed
     struct {
         range of;
         float square, away[3]; ///< distance from the point to the cell, and along each axis

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A balanced kd-tree with eight points a leaf: the order of its leaves is also an order of the
+// A balanced kd-tree with eight points per leaf: the order of its leaves is also an order of the
 // points in space.
 #pragma once
 
@@ -19,28 +19,28 @@ typedef struct stp_kd_node {
     uint32_t axis; ///< 0 to 2
 } stp_kd_node;
 
-/// A range of leaves [b, e) is split at its middle leaf (b + e) / 2, where the node of the range
-/// lies.
+/// A range of leaves [b, e) is split at its middle leaf (b + e) / 2, which is also the index of its
+/// node.
 typedef struct stp_kd_tree {
     stp_kd_leaf* leaves;
-    stp_kd_node* nodes; ///< one a leaf; the first is unused
+    stp_kd_node* nodes; ///< one per leaf; the first is unused
     uint32_t count, leaf_count;
-    const stp_psp_room* room; ///< where both arrays lie; NULL: in memory
+    const stp_psp_room* room; ///< storage of both arrays; NULL: in memory
 } stp_kd_tree;
 
-/// Reads coordinates times `scale`. What is not a number counts as 0; magnitudes above 1e18 are cut
-/// to that before. On all threads; the tree does not depend on their number.
+/// Reads coordinates times `scale`. NaN counts as 0; magnitudes are clamped to 1e18 before scaling.
+/// Uses all threads; the tree does not depend on their number.
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged). Freed by stp_kd_tree_destroy, also after a
 ///         failure
 STP_MUST_USE stp_result stp_kd_tree_make(stp_context* context, const float* positions,
                                          uint32_t count, float scale, stp_kd_tree* tree);
-/// The same in a room, which must stay as long as the tree. @return also STP_ERROR_IO (logged)
+/// The same in a storage room, which must outlive the tree. @return also STP_ERROR_IO (logged)
 STP_MUST_USE stp_result stp_kd_tree_make_in(stp_context* context, const stp_psp_room* room,
                                             const float* positions, uint32_t count, float scale,
                                             stp_kd_tree* tree);
 void stp_kd_tree_destroy(stp_context* context, stp_kd_tree* tree);
 
-/// A coordinate as the tree reads it.
+/// Converts a coordinate as the tree does.
 static inline float stp_kd_clean(float x, float scale)
 {
     return scale * (x >= -1e18f && x <= 1e18f ? x : x > 0.0f ? 1e18f : x < 0.0f ? -1e18f : 0.0f);
@@ -62,7 +62,7 @@ static inline uint32_t stp_kd_index(const stp_kd_tree* tree, uint32_t place)
 /// The box of all points; empty without points.
 stp_box stp_kd_box(const stp_kd_tree* tree);
 
-/// How the search came to a leaf. Searches of one leaf after another share it.
+/// Path of a search to a leaf. Consecutive searches reuse it.
 typedef struct stp_kd_path {
     uint32_t leaf;  ///< UINT32_MAX: none yet
     uint32_t depth; ///< of steps, from the root

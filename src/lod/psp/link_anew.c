@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/// Makes room for a block like another one, with so many links, and copies splats and states.
+/// Allocates a block like another one, with this many links, and copies splats and states.
 static bool copy_block(const stp_psp_room* room, const stp_psp_block* from, size_t state_bytes,
                        size_t links, stp_psp_block* to)
 {
@@ -24,7 +24,7 @@ static bool copy_block(const stp_psp_room* room, const stp_psp_block* from, size
     return true;
 }
 
-/// Links both ways; a piece drops what is there twice.
+/// Links in both directions; a piece drops duplicates.
 static void link_nearest(stp_psp_block* b, const uint32_t* near, uint32_t k)
 {
     uint32_t total = 0;

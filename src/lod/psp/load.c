@@ -53,7 +53,7 @@ static bool lists(const uint32_t* near, uint32_t count, uint32_t place)
     return false;
 }
 
-/// Links splats where the point of one is among the nearest of the other.
+/// Links two splats if the point of one is among the nearest of the other.
 static bool link_points(stp_psp_piece* p, uint32_t begin, uint32_t k)
 {
     size_t total = 0;
@@ -127,7 +127,7 @@ static uint32_t number_of(const stp_psp_rounds* r, uint32_t slot)
     return r->order != NULL ? r->order[slot].index : slot;
 }
 
-/// @param hint the block that was looked at last
+/// @param hint the last visited block
 static found find_splat(const stp_psp_rounds* r, uint32_t slot, uint32_t* hint)
 {
     uint32_t number = number_of(r, slot);
@@ -144,7 +144,7 @@ static found find_splat(const stp_psp_rounds* r, uint32_t slot, uint32_t* hint)
     return (found){b, number - b->first};
 }
 
-/// The first of the reverse links from a slot on.
+/// The first of the reverse links from a slot.
 static size_t find_reverse(const stp_psp_rounds* r, uint32_t slot)
 {
     size_t low = 0, high = r->reverse_count;
@@ -159,7 +159,7 @@ static size_t find_reverse(const stp_psp_rounds* r, uint32_t slot)
     return low;
 }
 
-/// Links splat i with the one in a slot, unless it is.
+/// Links splat i with the one in a slot, unless already linked.
 static void link_slot(stp_psp_piece* p, uint32_t i, uint32_t slot)
 {
     uint32_t to = slot - p->first;
@@ -177,7 +177,7 @@ static int compare_links(const void* a, const void* b)
     return x < y ? -1 : x > y ? 1 : 0;
 }
 
-/// Sorts the links of a splat, those to other pieces last, and drops what is there twice.
+/// Sorts the links of a splat, those to other pieces last, and drops duplicates.
 static void tidy_list(stp_psp_piece* p, uint32_t splat)
 {
     stp_psp_span* s = &p->spans[splat];
@@ -296,7 +296,7 @@ bool stp_psp_unload(stp_psp_piece* p, const stp_psp_room* room, stp_psp_block* b
         while (p->forward[root] != root) {
             root = p->forward[root];
         }
-        for (uint32_t at = i; at != root;) { // the next ones find it at once
+        for (uint32_t at = i; at != root;) { // the next ones find it immediately
             uint32_t next = p->forward[at];
             p->forward[at] = root;
             at = next;

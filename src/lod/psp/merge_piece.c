@@ -8,7 +8,7 @@
 
 static const stp_psp_best no_best = {HUGE_VALF, UINT32_MAX};
 
-/// Replaces an array by a larger one; what it held is lost.
+/// Replaces an array by a larger one; discards its content.
 static bool renew(stp_context* context, void* array, size_t count, size_t size)
 {
     void** at = array;
@@ -23,7 +23,7 @@ bool stp_psp_piece_begin(stp_psp_piece* p, uint32_t count)
     size_t room = (size_t)count + 1;
     if (p->splat_room < room) {
         p->splat_room = 0;
-        // one more for the splat that a merge is about to make
+        // one more for the result of the next merge
         if (!renew(context, &p->splats, room, sizeof(*p->splats)) ||
             !renew(context, &p->states, room, p->metric->state_bytes + 1) ||
             !renew(context, &p->spans, room, sizeof(*p->spans)) ||
@@ -51,7 +51,7 @@ bool stp_psp_piece_begin(stp_psp_piece* p, uint32_t count)
 
 bool stp_psp_piece_make_links(stp_psp_piece* p, size_t count)
 {
-    // twice as many: any list that a merge makes fits behind all that are in use
+    // twice as many: any new list fits after all lists in use
     size_t room = 2 * count + 1;
     if (p->link_room < room) {
         p->link_room = 0;
@@ -80,7 +80,7 @@ void stp_psp_piece_destroy(stp_psp_piece* p)
     *p = (stp_psp_piece){.shared = p->shared, .metric = p->metric, .history = p->history};
 }
 
-/// Whether a merge comes before the best one so far of the same splat.
+/// Whether a merge is better than the best one so far of the same splat.
 static inline bool is_better(const stp_psp_piece* p, float error, uint32_t to, stp_psp_best best)
 {
     return error < best.error || (error == best.error && best.partner != UINT32_MAX &&
@@ -99,7 +99,7 @@ static stp_psp_best find_best(const stp_psp_piece* p, uint32_t splat)
     return best;
 }
 
-/// Moves the lists in use together. @return false where memory runs out
+/// Compacts the lists in use. @return false if out of memory
 static bool tidy_links(stp_psp_piece* p)
 {
     stp_psp_link* moved = STP_NEW_ARRAY(p->shared->context, stp_psp_link, p->link_room);
@@ -121,7 +121,7 @@ static bool tidy_links(stp_psp_piece* p)
     return true;
 }
 
-/// Gives splat a the links of both, without those between them.
+/// Combines the links of both in splat a, without those between them.
 static bool join_links(stp_psp_piece* p, uint32_t a, uint32_t b)
 {
     size_t most = (size_t)p->spans[a].count + p->spans[b].count;
@@ -159,8 +159,8 @@ static bool join_links(stp_psp_piece* p, uint32_t a, uint32_t b)
     return true;
 }
 
-/// Queues a splat by its best merge. A lazy queue only moves splats forwards: those that move back
-/// wait until they come up.
+/// Queues a splat by its best merge. A lazy queue only moves splats forwards; moves backwards are
+/// delayed until the splat reaches the front.
 static void requeue(stp_psp_piece* p, uint32_t splat, float limit)
 {
     float error = p->bests[splat].error;
@@ -175,7 +175,7 @@ static void requeue(stp_psp_piece* p, uint32_t splat, float limit)
     }
 }
 
-/// Of a splat beside a or b: its links to either become one to a.
+/// For a splat linked to a or b: replaces its links to either by one to a.
 static void relink(stp_psp_piece* p, uint32_t splat, uint32_t a, uint32_t b, float error,
                    float limit)
 {
@@ -186,7 +186,7 @@ static void relink(stp_psp_piece* p, uint32_t splat, uint32_t a, uint32_t b, flo
         at_a = links[i].to == a ? i : at_a;
         at_b = links[i].to == b ? i : at_b;
     }
-    assert(at_a != UINT32_MAX || at_b != UINT32_MAX); // links lead both ways
+    assert(at_a != UINT32_MAX || at_b != UINT32_MAX); // links are bidirectional
     links[at_a != UINT32_MAX ? at_a : at_b] = (stp_psp_link){a, error};
     if (at_a != UINT32_MAX && at_b != UINT32_MAX) {
         links[at_b] = links[--s->count];
@@ -222,7 +222,8 @@ static bool record(stp_psp_piece* p, uint32_t a, uint32_t b, const stp_psp_splat
     return true;
 }
 
-/// Merges two splats. The one of lower key becomes the new one, so a splat's key never changes.
+/// Merges two splats. The one with the lower key becomes the result, so a splat's key never
+/// changes.
 static bool merge(stp_psp_piece* p, uint32_t a, uint32_t b, float limit)
 {
     if (p->splats[b].key < p->splats[a].key) {
@@ -248,7 +249,7 @@ static bool merge(stp_psp_piece* p, uint32_t a, uint32_t b, float limit)
     if (!join_links(p, a, b)) {
         return false;
     }
-    p->forward[b] = a; // only now: its links were still in use
+    p->forward[b] = a; // not earlier: its links were still in use
     p->live -= 1;
     stp_psp_link* links = p->links + p->spans[a].begin;
     p->bests[a] = no_best;
@@ -280,7 +281,7 @@ bool stp_psp_piece_run(stp_psp_piece* p, float limit, uint32_t least)
         stp_psp_best best = p->bests[first.splat];
         if (p->forward[first.splat] != first.splat) {
             stp_psp_queue_remove(&p->queue, first.splat);
-        } else if (best.error != first.error) { // it waited at an error that no longer holds
+        } else if (best.error != first.error) { // it was queued with an outdated error
             if (best.error <= limit && best.error < HUGE_VALF) {
                 stp_psp_queue_set(&p->queue, first.splat, best.error);
             } else {

@@ -1,28 +1,27 @@
 // SPDX-License-Identifier: MIT
 // One piece of a merge: splats, the links between them, and the queue that merges them. A small
-// cloud is one piece; of a large one, several pieces are merged at a time.
+// cloud is one piece; several pieces of a large one are merged at a time.
 #pragma once
 
 #include "lod/psp/queue.h"
 
-/// of a link: it leads to a splat of another piece, by its slot
+/// flag of a link: refers to a slot, a splat of another piece
 #define STP_PSP_OUTSIDE 0x80000000u
-#define STP_PSP_RECORDED 0x80000000u ///< of an id: it is the number of a record of the same piece
+#define STP_PSP_RECORDED 0x80000000u ///< flag of an id: a record number in the same piece
 
-/// A splat that is beside another, and the error of merging the two; infinite where that is not
-/// allowed.
+/// A neighbouring splat, and the error of merging the two; infinite if not allowed.
 typedef struct stp_psp_link {
     uint32_t to;
     float error;
 } stp_psp_link;
 
-/// Where the links of a splat lie.
+/// Location of a splat's links.
 typedef struct stp_psp_span {
     size_t begin;
     uint32_t count, room;
 } stp_psp_span;
 
-/// A merge that was made.
+/// A completed merge.
 typedef struct stp_psp_record {
     uint32_t left, right; ///< ids
     float error;
@@ -46,7 +45,7 @@ typedef struct stp_psp_piece {
     uint8_t* states;
     stp_psp_span* spans;
     stp_psp_best* bests;
-    uint32_t* forward; ///< the splat that took it; itself: it lives
+    uint32_t* forward; ///< the splat that consumed it; itself: still alive
     uint32_t* marks;   ///< of splats seen, by `stamp`
     uint32_t* near;    ///< room for `neighbours` a splat
     stp_psp_queue queue;
@@ -56,16 +55,16 @@ typedef struct stp_psp_piece {
     size_t link_count, splat_room, link_room, near_room, record_room;
 } stp_psp_piece;
 
-/// Begins another piece in the same memory, for so many splats without links. @return false where
-/// memory runs out
+/// Starts another piece in the same memory, for this many splats without links. @return false if
+/// out of memory
 bool stp_psp_piece_begin(stp_psp_piece* piece, uint32_t count);
-/// Makes room for so many links in all, and for the lists of merges. What was there is lost.
-/// @return false where memory runs out
+/// Allocates this many links in total, and the lists of merges. Discards previous content. @return
+/// false if out of memory
 bool stp_psp_piece_make_links(stp_psp_piece* piece, size_t count);
 void stp_psp_piece_destroy(stp_psp_piece* piece);
 
-/// Merges pairs within the piece, the least error first, until the next one is above `limit` or
-/// `least` splats are left. Links have their errors. @return false where memory runs out
+/// Merges pairs within the piece, least error first, until the next error is above `limit` or
+/// `least` splats are left. Links must have their errors. @return false if out of memory
 bool stp_psp_piece_run(stp_psp_piece* piece, float limit, uint32_t least);
 
 static inline void* stp_psp_state(const stp_psp_piece* piece, uint32_t splat)

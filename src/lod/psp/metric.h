@@ -14,17 +14,17 @@ typedef struct stp_psp_splat {
     float area;
     float color[3]; ///< linear
     uint32_t id;    ///< number of the splat
-    uint32_t key;   ///< the least index of the points it stands for: breaks ties
+    uint32_t key;   ///< smallest index of the represented points: breaks ties
 } stp_psp_splat;
 
-/// What all splats of a merge share.
+/// Shared by all splats of a merge.
 typedef struct stp_psp_shared {
     stp_context* context;
     const stp_psp_points* points;
-    const stp_psp_room* room; ///< for arrays of points; NULL: they lie in memory
+    const stp_psp_room* room; ///< storage for arrays of points; NULL: in memory
     stp_psp_desc desc;
     float scale;     ///< from model units to those of the merge
-    float least;     ///< axes are at least so long
+    float least;     ///< minimum length of axes
     stp_vec3 middle; ///< of the points' box
     void* own;       ///< the metric's, from its `open`
 } stp_psp_shared;
@@ -34,17 +34,17 @@ stp_vec3 stp_psp_point_at(const stp_psp_shared* shared, uint32_t point);
 
 enum { STP_PSP_STATE_MOST = 512 }; ///< bytes of a state
 
-/// An error metric. Each splat may carry a state of the metric's own. Functions run on several
-/// threads at once, for different splats.
+/// An error metric. Each splat may have a metric-specific state. Functions run on several threads
+/// at once, for different splats.
 typedef struct stp_psp_metric_table {
     size_t
         state_bytes; ///< of a splat's state, a multiple of 8, at most STP_PSP_STATE_MOST; may be 0
     int power;       ///< errors have the unit length^power, with the weight by the edge's length
     bool by_length;  ///< errors are weighted by the distance of the two centres (formulas 1 and 2)
-    /// Makes `shared->own`; false where memory runs out. NULL: not needed.
+    /// Makes `shared->own`; false if out of memory. NULL: not needed.
     bool (*open)(stp_psp_shared* shared);
     void (*close)(stp_psp_shared* shared);
-    /// Makes the state of a point's splat; may also change the splat. NULL where there is no state.
+    /// Makes the state of a point's splat; may also change the splat. NULL without a state.
     void (*begin)(const stp_psp_shared* shared, uint32_t point, stp_psp_splat* splat, void* state);
     /// The error of a merge, at least 0, without the weight by length. Called with the splat of
     /// lower key first.
@@ -63,13 +63,13 @@ extern const stp_psp_metric_table stp_psp_metric_normals, stp_psp_metric_distanc
 
 const stp_psp_metric_table* stp_psp_metric_find(stp_psp_metric metric);
 
-/// The error of a merge as the queue orders it: weighted, as a float at most FLT_MAX. Infinite
-/// where the merge is not allowed (stp_psp_desc.least_cosine). The two may come in any order.
+/// The error of a merge as the queue orders it: weighted, as a float at most FLT_MAX. Infinite if
+/// the merge is not allowed (stp_psp_desc.least_cosine). The two may be in any order.
 float stp_psp_pair_error(const stp_psp_shared* shared, const stp_psp_metric_table* metric,
                          const stp_psp_splat* a, const void* a_state, const stp_psp_splat* b,
                          const void* b_state);
 
-/// Merges two splats, in any order: ellipse, state, area, colour, key. The id stays to be set.
+/// Merges two splats, in any order: ellipse, state, area, colour, key. The caller sets the id.
 void stp_psp_merge_pair(const stp_psp_shared* shared, const stp_psp_metric_table* metric,
                         const stp_psp_splat* a, const void* a_state, const stp_psp_splat* b,
                         const void* b_state, stp_psp_splat* merged, void* merged_state);

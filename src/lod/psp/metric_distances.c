@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// L2: distances of all points from the splat that stands for them (Wu, Zhang, Kobbelt 2005, 4.1).
+// L2: distances of all points from the splat that represents them (Wu, Zhang, Kobbelt 2005, 4.1).
 #include "lod/psp/metric.h"
 
-#define LINE 1e-4 ///< how little points spread across a line, of what they spread along it
-/// cosine to the mean normal of two splats, below which that of the points is not believed
+#define LINE 1e-4 ///< ratio of spread across to spread along, below which points count as a line
+/// cosine to the mean normal of two splats, below which the points' normal is rejected
 #define UPRIGHT 0.7f
 /// Added to each sum of squares, times the geometric mean of both areas: sums below this are noise,
 /// and a plane is merged evenly.
 #define FLAT 1e-8
 
-/// The points that a splat stands for, and their moments about the middle of all.
+/// Points represented by a splat, and their moments about the centre of all points.
 typedef struct moments {
     double count, sum[3], squares[6]; ///< xx, xy, xz, yy, yz, zz
     uint32_t first, last;             ///< of a list
@@ -71,7 +71,7 @@ static void find_scatter(const moments* m, double scatter[6])
     }
 }
 
-/// The normal of the plane nearest to the points of a splat; zero where they lie along a line.
+/// Normal of the least-squares plane of a splat's points; zero if they lie along a line.
 static stp_vec3 find_normal(const moments* m)
 {
     double scatter[6], sums[3];
@@ -103,7 +103,8 @@ static void merge(const stp_psp_shared* shared, const stp_psp_splat* a, const vo
     stp_vec3 normal = find_normal(both);
     stp_vec3 side =
         stp_add(stp_scale(a->ellipse.normal, a->area), stp_scale(b->ellipse.normal, b->area));
-    // of few points, or along a line, the plane may stand across the surface: then as the two face
+    // with few points, or along a line, the plane may be perpendicular to the surface: then uses
+    // the splats' normals
     if (!(fabsf(stp_dot(normal, side)) > UPRIGHT * stp_length(side))) {
         normal = stp_dot(side, side) > 0.0f ? side : a->ellipse.normal;
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// L2,1: how much the normals of two splats differ, by their areas (Wu, Zhang, Kobbelt 2005, 4.2).
+// L2,1: difference between the normals of two splats, weighted by area (Wu, Zhang, Kobbelt 2005,
+// 4.2).
 #include "lod/psp/metric.h"
 
 /// Squares of differences of unit normals below this are noise. It is added to all, so that a plane

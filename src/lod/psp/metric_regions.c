@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How much a picture of a splat differs from a picture of the surface that it stands for
-// (region.h).
+// Difference between pictures of a splat and of the surface that it represents (region.h).
 #include "lod/psp/metric.h"
 #include "lod/psp/region.h"
 

@@ -35,7 +35,7 @@ void stp_list_neighbours(const stp_kd_tree* tree, uint32_t place, const uint32_t
     }
 }
 
-/// Runs in the tree's order, so that what a point needs was just read.
+/// Runs in tree order, so that a point's data is already in the cache.
 static void search_some(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const search* s = user;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Points in the order of the tree. Where they do not fit in memory, each must not be looked for in
-// another place of the disk: so they are copied window by window. A window's points are read in the
-// order in which they came, and written where they belong within the window.
+// Copies points into tree order. If they do not fit in memory, random disk access must be avoided,
+// so they are copied window by window. A window's points are read in input order, and written to
+// their positions within the window.
 #include "base/parallel_sort.h"
 #include "lod/psp/rounds.h"
 
@@ -12,7 +12,7 @@ enum {
     GRAIN = 1 << 14,
 };
 
-/// What there is of each point.
+/// Arrays of point data.
 typedef struct column {
     const uint8_t* from;
     uint8_t* to;
@@ -53,7 +53,7 @@ static void copy_points(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// @return the copy, to be filled; NULL where there is nothing to copy, or no room
+/// @return the copy, to be filled; NULL if there is nothing to copy, or no storage
 static void* add_column(copier* c, const void* from, size_t size)
 {
     uint32_t count = c->rounds->shared.points->count;
@@ -66,12 +66,12 @@ static void* add_column(copier* c, const void* from, size_t size)
     return to;
 }
 
-/// @return false where there is no room
+/// @return false if out of storage
 static bool add_columns(copier* c, stp_psp_points* to)
 {
     const stp_psp_points* from = c->rounds->shared.points;
     size_t color = from->color_bytes != 0 ? from->color_bytes : 3;
-    // only this metric looks at points again
+    // only this metric reads points again
     bool again = c->rounds->shared.desc.metric == STP_PSP_DISTANCES;
     to->positions = again ? add_column(c, from->positions, 3 * sizeof(float)) : NULL;
     to->normals = add_column(c, from->normals, 3 * sizeof(float));

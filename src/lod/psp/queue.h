@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A priority queue of splats by the error of their best merge: a heap with four children a node
-// that knows where each splat is.
+// A priority queue of splats by the error of their best merge: a heap with four children per node
+// that tracks the position of each splat.
 #pragma once
 
 #include "lod/psp/metric.h"
@@ -10,9 +10,9 @@ typedef struct stp_psp_queue_entry {
     uint32_t splat;
 } stp_psp_queue_entry;
 
-/// Of equal errors, the splat of lower key comes first.
+/// On ties, the splat with the lower key comes first.
 typedef struct stp_psp_queue {
-    stp_psp_queue_entry* heap; ///< room for all splats
+    stp_psp_queue_entry* heap; ///< capacity for all splats
     uint32_t* places;          ///< of a splat in the heap; UINT32_MAX: it is not queued
     const stp_psp_splat* splats;
     uint32_t count;

@@ -4,8 +4,8 @@
 #include "base/coverage.h"
 
 #define PI 3.14159265358979323846
-#define THIN 1e-3  ///< least minor axis, as a fraction of the major axis
-#define FACES 1e-3 ///< least mean normal that gives a direction
+#define THIN 1e-3  ///< minimum minor axis, as a fraction of the major axis
+#define FACES 1e-3 ///< minimum length of a mean normal that gives a direction
 #define OUTLINE 0.25
 #define NORMALS 0.5
 #define COLORS 4.0

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The part of a surface that a splat stands for, as sums over its samples. Sums of two regions add,
-// so a merge looks at no samples.
+// The part of a surface that a splat represents, as sums over its samples. Sums of two regions add,
+// so a merge needs no samples.
 #pragma once
 
 #include "lod/psp/ellipse.h"
@@ -28,8 +28,8 @@ stp_psp_region stp_psp_region_add(const stp_psp_region* a, const stp_psp_region*
 /// @param fallback the normal where samples face away from each other; of unit length
 stp_ellipse stp_psp_region_ellipse(const stp_psp_region* region, stp_vec3 fallback);
 
-/// How much a picture of the ellipse differs from a picture of the region, as an area. The terms: a
-/// quarter of the ellipse's area, because outlines differ; half the area times the variance of
-/// normals; four times that of colours; twice the standard deviation from the plane times the
-/// larger axis; and the area of the ellipse that the region does not fill.
+/// Difference between pictures of the ellipse and of the region, as an area. The terms: a quarter
+/// of the ellipse's area, because outlines differ; half the area times the variance of normals;
+/// four times that of colours; twice the standard deviation from the plane times the larger axis;
+/// and the area of the ellipse that the region does not fill.
 double stp_psp_region_error(const stp_psp_region* region, const stp_ellipse* ellipse);

@@ -8,23 +8,22 @@
 
 enum {
     PIECE_SIZE = 8192, ///< the default
-    SAMPLES = 1024,    ///< of errors, from which the limit of a round is chosen
-    RELEASED = 64,     ///< after so many pieces, pages are released
+    SAMPLES = 1024,    ///< sampled errors, from which the limit of a round is chosen
+    RELEASED = 64,     ///< pages are released after this many pieces
 };
 
-/// The part of the splats whose best merge may be made in a round, at most.
+/// Maximum share of splats whose best merge may be made in a round.
 #define PART_MOST 0.9
-/// Merges for each splat whose best merge is within the limit; found by measuring, and only used to
-/// aim.
+/// Merges per splat whose best merge is within the limit; measured, and only used to estimate.
 #define MERGES_EACH 0.6
 
-/// A round that runs.
+/// A round in progress.
 typedef struct pass {
     stp_psp_rounds* rounds;
     const stp_psp_range* ranges;
     uint32_t range_count;
     float limit;
-    stp_psp_piece* pieces; ///< of each thread
+    stp_psp_piece* pieces; ///< per thread
     stp_psp_block* blocks; ///< of each range
     stp_psp_history* histories;
     uint32_t* survivors;
@@ -72,7 +71,7 @@ static uint32_t final_id(const stp_psp_rounds* r, const stp_psp_history* h, uint
                : r->shared.points->count + h->first + (id & ~STP_PSP_RECORDED);
 }
 
-/// Numbers what is left and what was merged, now that all pieces are known.
+/// Numbers remaining splats and merges, once all pieces are done.
 static void number_pieces(size_t begin, size_t end, uint32_t worker, void* user)
 {
     const pass* t = user;
@@ -103,7 +102,7 @@ static void free_blocks(const stp_psp_room* room, stp_context* context, stp_psp_
     stp_free(context, blocks);
 }
 
-/// Frees what the last round left.
+/// Frees the results of the last round.
 static void free_left(stp_psp_rounds* r)
 {
     stp_psp_room* room = &r->rooms[STP_PSP_ROOM_LEFT];
@@ -126,7 +125,7 @@ static void free_orders(stp_psp_rounds* r)
     r->reverse_count = 0;
 }
 
-/// Keeps histories of pieces that made merges. @return false where memory runs out
+/// Keeps histories of pieces with merges. @return false if out of memory
 static bool keep_histories(pass* t)
 {
     stp_psp_rounds* r = t->rounds;
@@ -151,7 +150,7 @@ static bool keep_histories(pass* t)
     return true;
 }
 
-/// What the round leaves takes the place of what the last one left.
+/// Replaces the last round's results by those of this round.
 static bool take_over(pass* t)
 {
     stp_psp_rounds* r = t->rounds;
@@ -239,8 +238,7 @@ static void read_centers(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// The limit of a round: such that about half of the splats are merged, but fewer than to the
-/// target.
+/// Limit of a round: chosen so that about half of the splats are merged, but not below the target.
 static stp_result choose_limit(stp_psp_rounds* r, float* limit)
 {
     float* errors = STP_NEW_ARRAY(r->shared.context, float, SAMPLES);
@@ -255,7 +253,7 @@ static stp_result choose_limit(stp_psp_rounds* r, float* limit)
     return STP_OK;
 }
 
-/// Puts what the last round left in an order that can be cut.
+/// Sorts the last round's results into an order that can be cut.
 static stp_result make_order(stp_psp_rounds* r)
 {
     stp_context* context = r->shared.context;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Merges a large cloud in rounds. Each round cuts the splats into pieces in space and merges every
-// piece up to one common error. What crosses a seam waits for the next round, whose seams lie
+// piece up to one common error. Merges across a seam wait for the next round, whose seams lie
 // elsewhere.
 #pragma once
 
 #include "lod/psp/kd_tree.h"
 #include "lod/psp/merge_piece.h"
 
-/// What a piece leaves behind: the splats that live, and their links.
+/// Result of a piece: the surviving splats, and their links.
 typedef struct stp_psp_block {
     void* memory; ///< of all arrays
     stp_psp_splat* splats;
@@ -29,19 +29,19 @@ typedef enum stp_psp_room_use {
     STP_PSP_ROOM_POINTS, ///< the points in the order of the tree, and what the metric has of them
     STP_PSP_ROOM_TREE,
     STP_PSP_ROOM_LEFT, ///< blocks and survivors of the last round
-    STP_PSP_ROOM_NEXT, ///< of the round that runs
-    STP_PSP_ROOM_WORK, ///< orders of the round that runs
+    STP_PSP_ROOM_NEXT, ///< of the current round
+    STP_PSP_ROOM_WORK, ///< orders of the current round
     STP_PSP_ROOMS,
 } stp_psp_room_use;
 
-/// Splats have slots in each round: their places in the order in which the round cuts them into
-/// pieces. What a round leaves is numbered block by block.
+/// Splats have slots in each round: their positions in the order that the round cuts into pieces.
+/// Results of a round are numbered block by block.
 typedef struct stp_psp_rounds {
     stp_psp_shared shared;
     const stp_psp_metric_table* metric;
     stp_psp_storage storage;
     stp_psp_room rooms[STP_PSP_ROOMS];
-    stp_psp_points points; ///< where they are in the order of the tree: what `shared` has of them
+    stp_psp_points points; ///< positions in tree order: index of their data in `shared`
     bool in_tree_order;
     bool keep_history;
     uint32_t target;
@@ -50,14 +50,14 @@ typedef struct stp_psp_rounds {
     stp_kd_tree tree;     ///< of the points; empty after the first round
     uint32_t live;        ///< splats
     uint32_t round;
-    // what the last round left
+    // results of the last round
     stp_psp_block* blocks;
     uint32_t block_count, slot_count;
-    /// of a slot of the last round: the number of the splat that stands for it, then its slot
+    /// Per slot of the last round: number of the splat that represents it, then its slot
     uint32_t* survivors;
-    // of the round that runs
+    // of the current round
     stp_kd_point* order; ///< of a slot, in `index`, the number of the splat; NULL: they are equal
-    /// links across seams of the first round, backwards: slot << 32 | other slot; ascending
+    /// Links across seams of the first round, backwards: slot << 32 | other slot; ascending
     uint64_t* reverse;
     size_t reverse_count;
     // history
@@ -66,16 +66,16 @@ typedef struct stp_psp_rounds {
     uint32_t history_count, merge_count;
 } stp_psp_rounds;
 
-/// Begins: nothing is merged yet. To be destroyed in any case.
+/// Initializes without merges. Must always be destroyed.
 void stp_psp_rounds_begin(stp_psp_rounds* rounds, stp_context* context,
                           const stp_psp_points* points, const stp_psp_desc* desc, uint32_t target);
 
-/// Copies points into the order of the tree where all lies in files: what is merged together then
-/// lies together. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
+/// If all data is in files, copies points into tree order, so that points merged together are
+/// stored together. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_psp_order_points(stp_psp_rounds* rounds);
 
-/// Now and then lets the system drop what lies in files from memory. `number` of a piece or a part
-/// of a loop. Any thread.
+/// Periodically lets the system drop file pages from memory. `number` is of a piece or a part of a
+/// loop. Any thread.
 void stp_psp_rounds_release(const stp_psp_rounds* rounds, size_t number);
 
 /// Merges until the target is reached or nothing can be merged. The caller sets `keep_history`,

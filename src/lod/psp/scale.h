@@ -4,8 +4,8 @@
 
 #include "lod/psp/ellipse.h"
 
-/// The power of two by which a box of that diagonal gets one between 2^19 and 2^20; 1 where it is 0
-/// or not finite.
+/// Power of two that scales a box diagonal to between 2^19 and 2^20; 1 if the diagonal is 0 or not
+/// finite.
 static inline float stp_psp_choose_scale(float diagonal)
 {
     if (!(diagonal > 0.0f) || diagonal > FLT_MAX) {
@@ -27,7 +27,7 @@ static inline stp_ellipse stp_psp_scale_ellipse(const stp_ellipse* e, float scal
                          .minor = stp_max(e->minor * back, FLT_MIN)};
 }
 
-/// What an error of 1 is in model units.
+/// An error of 1 in model units.
 static inline double stp_psp_error_unit(int power, float scale)
 {
     double unit = 1.0;

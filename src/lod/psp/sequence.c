@@ -8,12 +8,12 @@
 
 #include <stdlib.h>
 
-/// of the level of a merge: that of the least float that no processor takes for 0
+/// minimum level of a merge: that of the smallest normal float
 #define LEAST_CODE 0x100u
 #define PI 3.14159265358979323846
 #define LEVEL_MOST 1e30f ///< finite
 
-/// A splat that remains.
+/// A remaining splat.
 typedef struct root {
     float level;
     uint32_t splat;
@@ -25,8 +25,8 @@ typedef struct splitter {
     stp_progressive_queue queue; ///< of places in the sequence
 } splitter;
 
-/// The level of a merge: the radius of a disk as large as the largest error of it and of all below
-/// it. 0 of samples.
+/// Level of a merge: radius of a disk with the area of its largest error, including all merges
+/// below it. 0 for samples.
 static float level_of(const stp_psp_forest* f, uint32_t splat)
 {
     if (splat < f->point_count) {
@@ -35,7 +35,7 @@ static float level_of(const stp_psp_forest* f, uint32_t splat)
     return fminf((float)sqrt(f->merges[splat - f->point_count].level / PI), LEVEL_MOST);
 }
 
-/// Appends a splat. @param highest level up to which it is drawn
+/// Appends a splat. @param highest maximum level at which it is drawn
 static void append(splitter* s, uint32_t splat, float highest)
 {
     const stp_psp_forest* f = s->forest;
@@ -79,8 +79,8 @@ static void append_roots(splitter* s, root* roots)
     }
 }
 
-/// The highest level of a part is the one below which its merge is not drawn, and more by how much
-/// levels may differ because the two lie in different places.
+/// The highest level of a part is the lowest level of its merge, plus the possible difference of
+/// levels between their positions.
 static float find_highest(const splitter* s, uint32_t merge, uint32_t part)
 {
     const stp_psp_forest* f = s->forest;

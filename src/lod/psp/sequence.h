@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The order in which a merge forest is split again, and the levels at which each splat is drawn
-// (Wu, Zhang, Kobbelt 2005, 5).
+// Split order of a merge forest, and the levels at which each splat is drawn (Wu, Zhang, Kobbelt
+// 2005, 5).
 #pragma once
 
 #include "lod/psp/forest.h"
 
-/// Splats of a forest: first those that remain, then two for each merge, which it is split into.
-/// The merge with the highest level is split first.
+/// Splats of a forest: first the remaining ones, then the two parts of each merge. The merge with
+/// the highest level is split first.
 typedef struct stp_psp_sequence {
     uint32_t count;
     uint32_t* splats; ///< numbers in the forest
-    /// codes (base/splat_codes.h); the lowest level of a sample is 0, of a merge above 0
+    /// Codes (base/splat_codes.h); the lowest level of a sample is 0, of a merge above 0
     uint32_t* ranges;
     float* highest_left; ///< highest level of a splat and of all after it
 } stp_psp_sequence;

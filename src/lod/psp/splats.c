@@ -16,14 +16,15 @@
 
 enum { GRAIN = 1024 }; ///< splats
 #define PI 3.14159265358979323846
-#define CELL 1.2f ///< area of a sample, in squares of the radius that all samples cover to
+#define CELL 1.2f ///< area of a sample, relative to the squared coverage radius of all samples
 /// drawn ellipses overlap a little, because outlines of regions are not ellipses
 #define GROWTH 1.1f
-/// of points, in radii of candidates: where all of a cloud are samples, the reach is 0
+/// for points, in candidate radii: if all points of a cloud are samples, the reach is 0
 #define SPACING 1.4142135f
-#define MARGIN 0.38f ///< of that radius: how far a sample's disk reaches beyond a disk of its area
-#define SCATTERED 0.3f ///< share of an ellipse that is surface, below which pixels are left out
-#define LEAST_SHARE (1.0f / 255.0f) ///< of a sample's disk that is surface
+/// relative to that radius: extent of a sample's disk beyond a disk of its area
+#define MARGIN 0.38f
+#define SCATTERED 0.3f ///< minimum share of surface in an ellipse; below it, pixels are left out
+#define LEAST_SHARE (1.0f / 255.0f) ///< share of a sample's disk that is surface
 #define HALF_DIAGONAL 0.8660254f    ///< of a cube of side 1
 
 typedef struct psp_maker {
@@ -32,13 +33,13 @@ typedef struct psp_maker {
     stp_psp_metric metric;
     stp_splats* splats;
     stp_method_samples points;
-    float* areas; ///< of splats of the forest: the surface that they stand for
+    float* areas; ///< per splat of the forest: the represented surface
     stp_psp_forest forest;
     stp_psp_sequence sequence;
     uint32_t* counts;   ///< of merges: samples
     uint8_t* materials; ///< of splats of the forest
-    float reach;        ///< to what all samples cover candidates
-    float spacing;      ///< to what they cover the surface
+    float reach;        ///< coverage radius of all samples for candidates
+    float spacing;      ///< coverage radius for the surface
     float cell;         ///< area of a sample
     stp_shape_directions directions;
 } psp_maker;
@@ -49,7 +50,7 @@ static stp_result make_forest(psp_maker* m)
     m->reach = stp_prefix_table_radius(&m->samples->table, m->samples->count);
     m->spacing = fmaxf(m->reach, SPACING * m->samples->candidate_radius);
     m->cell = CELL * m->spacing * m->spacing;
-    if (!(m->cell > FLT_MIN)) { // samples of few places
+    if (!(m->cell > FLT_MIN)) { // samples with few distinct positions
         m->cell = fmaxf(m->samples->step * m->samples->step, FLT_MIN);
     }
     m->areas = STP_NEW_ARRAY(m->context, float, 2 * (size_t)p->count + 1);
@@ -70,15 +71,14 @@ static stp_result make_forest(psp_maker* m)
     return stp_psp_forest_make(m->context, &from, &desc, 1, &m->forest);
 }
 
-/// The shape and the coverage of a splat that was merged.
+/// Shape and coverage of a merged splat.
 static void fill_merged(const psp_maker* m, uint32_t splat, uint32_t at)
 {
     const stp_ellipse* e = &m->forest.ellipses[splat];
     float major = stp_length(e->major), minor = e->minor, area = m->areas[splat];
     float share = area / (float)(PI * (double)major * (double)minor);
     bool scattered = share < SCATTERED;
-    // what covers a small part of its samples' disks, such as wires, does not reach out by all of
-    // the margin
+    // splats that cover little of their samples' disks, such as wires, use only part of the margin
     float filled = area / ((float)m->counts[splat - m->forest.point_count] * m->cell);
     float margin = MARGIN * m->spacing * fminf(filled, 1.0f);
     float scale = scattered ? 1.0f : GROWTH;
@@ -109,7 +109,7 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
             s->positions[3 * at + 2] = stp_splats_grid_place(e->center.z, s->origin.z, s->step);
             stp_octahedral_encode(e->normal, s->normals + 2 * at);
             fill_merged(m, splat, (uint32_t)at);
-        } else { // samples stay as they are
+        } else { // samples are unchanged
             float radius = m->points.points.radius / s->step;
             memcpy(s->positions + 3 * at, m->samples->positions + 3 * (size_t)splat,
                    3 * sizeof(uint16_t));
@@ -121,7 +121,7 @@ static void fill_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// How many samples each merge has. Its material is that of the larger of the two parts.
+/// Number of samples of each merge. Its material is that of the larger part.
 static void find_materials(const psp_maker* m)
 {
     const stp_psp_forest* f = &m->forest;

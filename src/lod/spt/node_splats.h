@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the nodes of a point tree are drawn as, all but their ranges of levels.
+// Splats of the nodes of a point tree, without their ranges of levels.
 #pragma once
 
 #include "lod/samples.h"
@@ -9,7 +9,7 @@ typedef struct stp_node_splat {
     int8_t normal[2];     ///< octahedral; of a sphere its first leaf's
     uint8_t color[3];
     uint8_t material; ///< of its first leaf
-    uint8_t coverage; ///< of a leaf its sample's, else the mean share of the leaves below
+    uint8_t coverage; ///< of a leaf its sample's, otherwise the mean share of the leaves below
     uint8_t cluster;  ///< of 128 directions, the one of its normal (Dachsbacher et al. 2003, 3.10)
     uint32_t shape;   ///< base/splat_codes.h; not whether triangles replace it
     float replaced;   ///< the level up to which large triangles lie all around the leaves below

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The octree of a point tree: points sorted so that those of each box lie together, and boxes that
-// divide into octants.
+// The octree of a point tree: points sorted so that those of each box are consecutive, and boxes
+// that are divided into octants.
 #pragma once
 
 #include "base/context.h"
@@ -12,7 +12,7 @@ typedef struct stp_octree_cell {
     double half;
 } stp_octree_cell;
 
-/// Points by their place in the octree; those of one place in the order of their indices.
+/// Points by octree position; points of one position by index.
 typedef struct stp_octree {
     const float* positions; ///< 3 a point; the caller's
     uint32_t count;
@@ -24,8 +24,8 @@ typedef struct stp_octree {
 /// A run of `items`: all points of a cell.
 typedef struct stp_octree_box {
     uint32_t begin, end;
-    uint32_t level;       ///< how often the root was halved
-    stp_octree_cell cell; ///< known below the sorted levels only
+    uint32_t level;       ///< number of halvings from the root
+    stp_octree_cell cell; ///< known only below the sorted levels
 } stp_octree_box;
 
 /// Sorts at least one point by the upper levels, on all threads.

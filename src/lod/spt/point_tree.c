@@ -53,7 +53,7 @@ static void finish_leaf(const maker* m, uint32_t node)
     m->weights[node] = 1;
 }
 
-// Whether a child's colour is far from its parent's.
+// Whether a child's colour differs much from its parent's.
 static bool differs(const uint8_t* a, const uint8_t* b, uint32_t threshold)
 {
     for (int k = 0; k < 3; ++k) {
@@ -65,7 +65,7 @@ static bool differs(const uint8_t* a, const uint8_t* b, uint32_t threshold)
     return false;
 }
 
-// What a node is, once its children are there.
+// Computes a node from its finished children.
 static void finish_node(const maker* m, uint32_t node)
 {
     stp_point_tree* t = m->tree;

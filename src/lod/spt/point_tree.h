@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: MIT
-// A point tree: an octree of points, in which each node is a disk that stands for its children
+// A point tree: an octree of points, in which each node is a disk that represents its children
 // (Dachsbacher et al. 2003, 3.1 to 3.5).
 #pragma once
 
 #include "base/context.h"
 #include "lod/spt/disks.h"
 
-/// What a tree is made of. Arrays are the caller's, and are only read.
+/// Input of a tree. Arrays belong to the caller, and are only read.
 typedef struct stp_tree_points {
     uint32_t count;
     const float* positions; ///< 3 a point; finite
-    const float* normals;   ///< 3 a point, of unit length or zero; NULL: nobody knows them
+    const float* normals;   ///< 3 per point, unit length or zero; NULL: unknown
     const uint8_t* colors;  ///< 3 a point, sRGB; NULL: all are white
-    const float* radii;     ///< of the disk that a point stands for; NULL: `radius`
+    const float* radii;     ///< radius of a point's disk; NULL: `radius`
     float radius;
 } stp_tree_points;
 
-/// Which error a node has.
+/// Error measure of nodes.
 typedef enum stp_tree_error {
     STP_TREE_GEOMETRIC, ///< of both parts, whatever the direction of view (3.4, "unified")
-    STP_TREE_DIAMETER,  ///< its diameter, as QSplat has it
+    STP_TREE_DIAMETER,  ///< its diameter, as in QSplat
 } stp_tree_error;
 
 typedef struct stp_tree_desc {
     stp_tree_error error;
-    /// Where the colour of a child differs by more than this (of 255) from its parent's in any
+    /// If the colour of a child differs by more than this (of 255) from its parent's in any
     /// channel, the parent's error is its diameter (3.9). 255: colours do not count.
     uint32_t color_threshold;
 } stp_tree_desc;
@@ -56,7 +56,7 @@ void stp_point_tree_destroy(stp_context* context, stp_point_tree* tree);
 typedef struct stp_tree_view {
     stp_vec3d eye;
     double allowed;
-    /// perpendicular and tangential errors count by the angle they are seen at (3.5, "split")
+    /// Perpendicular and tangential errors count by the angle they are seen at (3.5, "split")
     bool split;
 } stp_tree_view;
 

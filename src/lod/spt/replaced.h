@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which splats need not be drawn where large triangles are (Dachsbacher et al. 2003, 3.8).
+// Splats that large triangles replace (Dachsbacher et al. 2003, 3.8).
 #pragma once
 
 #include "lod/samples.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A point tree as a sequence: what a view selects is found without the tree, by a test of each node
-// alone (Dachsbacher et al. 2003, 3.6 and 3.7).
+// A point tree as a sequence: a view selects nodes without the tree, by an independent test of each
+// node (Dachsbacher et al. 2003, 3.6 and 3.7).
 //
 // The level of a node in a view is the error allowed at its distance. A node has a range of levels:
 // from its own error up to its parent's, and beyond that by how much their levels can differ
