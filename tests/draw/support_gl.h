@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A small scene drawn by both backends. Without OpenGL there is none of it: tests skip.
+// A small scene drawn by both backends. Without OpenGL, tests skip.
 #pragma once
 
 #include "draw/draw_gl.h"
@@ -7,7 +7,7 @@
 #include "present/headless.h"
 
 typedef struct made_gl {
-    made_picture picture; ///< its renderer is the processor's
+    made_picture picture; ///< its renderer is the CPU's
     stp_headless headless;
     stp_renderer* renderer;
     uint8_t pixels[PICTURE_SIDE * PICTURE_SIDE * 4];
@@ -21,7 +21,7 @@ bool made_gl_begin(made_gl* m, bool one, bool* failed);
 /// gives functions is not looked at), and memory of `heap`.
 bool made_gl_begin_with(made_gl* m, void (*add)(made_picture* p), const stp_draw_gl_desc* settings,
                         test_heap* heap, bool* failed);
-/// Ends the renderer and makes another.
+/// Destroys the renderer and creates another.
 stp_result made_gl_renew(made_gl* m, const stp_draw_gl_desc* settings);
 /// Draws with OpenGL into `pixels`; a debug message of an error fails it.
 stp_result made_gl_draw(made_gl* m);

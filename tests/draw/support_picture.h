@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures of a few squares: what tests of things done with pictures share.
+// Pictures of a few squares, shared by tests of post-processing.
 #pragma once
 
 #include "tests.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Frames of a view that rests: their mean is the supersampled picture.
+// Frames of a view at rest: their mean is the supersampled picture.
 #include "tests.h"
 
 #include "draw/cpu/accumulate.h"

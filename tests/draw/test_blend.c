@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splats that overlap are blended within a surface, and not beyond it.
+// Overlapping splats are blended within a surface, and not beyond it.
 #include "tests.h"
 
 #include "base/coverage.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Solids that sections cut are filled: closed ones only, on both backends, from wherever they are looked at.
+// Section caps: only closed solids are filled, on both backends, from any viewpoint.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -114,7 +114,7 @@ static void add_cracked(made_picture* p)
     mesh->triangle_count += 3;
 }
 
-/// What is behind the cap does not show through it.
+/// Nothing behind the cap shows through it.
 static void add_glass(made_picture* p)
 {
     add_box(p);

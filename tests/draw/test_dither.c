@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Holes and hashed alpha belong to what is drawn, not to a place in the list.
+// Holes and hashed alpha depend on the drawn item, not on its index in the list.
 #include "tests.h"
 
 #include "base/coverage.h"

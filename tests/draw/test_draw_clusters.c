@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The same meshes drawn from columns and from clusters: the same pictures, but for what rounding moves.
+// Meshes drawn from columns and from clusters give the same pictures, except for rounding.
 #include "tests.h"
 
 #include "base/position_grid.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures drawn in two passes, with what the first one hides left out, are those that are drawn whole.
+// Pictures drawn in two passes with occlusion culling equal those drawn without.
 #include "tests.h"
 
 #include "base/math.h"

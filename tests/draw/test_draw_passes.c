@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pictures of one eye and of two, in every style, in two passes: those that are drawn whole, each eye by itself.
+// Pictures of one and two eyes, in every style, in two passes: equal to single-pass pictures of
+// each eye.
 #include "tests.h"
 
 #include "base/rng.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pictures of what is resident: coarser while data is missing, never with holes, and in the end those of the whole file.
+// Pictures of resident data: coarser while data is missing, never with holes, and finally equal to
+// those of the whole file.
 #include "tests.h"
 
 #include "base/rng.h"

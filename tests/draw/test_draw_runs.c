@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs of splats with gaps between them: what lies in a gap is drawn as little as what no depth shows.
+// Runs of splats with gaps: splats in gaps, and outside their run's depths, are not drawn.
 #include "draw/support_gl.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Eye-dome lighting and ambient occlusion: what is darkened, and what is not.
+// Eye-dome lighting and ambient occlusion: which pixels are darkened, and which are not.
 #include "tests.h"
 
 #include "base/processor.h"

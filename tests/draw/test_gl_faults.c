@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What goes wrong with a context is said once, in a sentence.
+// Errors of a context are reported once, in one sentence.
 #include "tests.h"
 
 #include "draw/gl/renderer.h"

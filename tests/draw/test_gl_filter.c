@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splats that OpenGL blends look as those that the processor blends.
+// Blended splats look the same with OpenGL and on the CPU.
 #include "tests.h"
 
 #include "draw/support_gl.h"

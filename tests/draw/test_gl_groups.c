@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Groups of splats that OpenGL leaves out: fewer splats are drawn, and the picture is the same, as the processor's.
+// Culling of splat groups in OpenGL: draws fewer splats, with the same picture as the CPU.
 #include "tests.h"
 
 #include "base/coverage.h"
@@ -152,7 +152,7 @@ static void check_commands(test_state* test, const fixture* f)
     CHECK(commands > 1 && commands < f->item.prefix / STP_GROUP_SPLATS / 4);
 }
 
-/// The processor draws the same picture with what faces away and without. Adds the fragments of both.
+/// The CPU draws the same picture with and without back faces. Adds the fragments of both.
 static void compare_sides(test_state* test, fixture* f, const uint8_t* by_gl, uint64_t fragments[2])
 {
     static uint8_t one_sided[4 * PIXELS];
@@ -169,7 +169,7 @@ static void compare_sides(test_state* test, fixture* f, const uint8_t* by_gl, ui
     fragments[1] += f->gl.picture.stats.fragments;
 }
 
-/// Draws views with OpenGL and the processor, with groups left out and without.
+/// Draws views with OpenGL and on the CPU, with and without group culling.
 static void compare_views(test_state* test, fixture* f, bool within)
 {
     static uint8_t whole[4 * PIXELS], by_gl[4 * PIXELS];

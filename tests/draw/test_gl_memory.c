@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Graphics memory and uploads: limits hold, pictures are whole as soon as they can be, and nothing leaks.
+// GPU memory and uploads: limits hold, pictures are complete as soon as possible, and nothing
+// leaks.
 #include "tests.h"
 
 #include "base/context.h"

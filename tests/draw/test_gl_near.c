@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Large triangles that reach behind the eye: OpenGL draws what the processor draws, in the same depth.
+// Large triangles that extend behind the eye: OpenGL and CPU draw the same, at the same depth.
 #include "tests.h"
 
 #include "base/rng.h"

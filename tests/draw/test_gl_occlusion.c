@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Two passes of OpenGL give the picture of one, to the bit, whatever the picture before was of.
+// Two OpenGL passes give a picture bit-identical to a single pass, whatever the previous picture
+// was.
 #include "tests.h"
 
 #include "base/rng.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures that OpenGL draws are those of the processor, whatever is drawn and however.
+// OpenGL pictures equal CPU pictures, for all content and styles.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -231,7 +231,7 @@ void test_gl_pictures_of_all_kinds_for_two_eyes_take_no_more_calls(test_state* t
     m.picture.style.transparency = STP_TRANSPARENCY_PATTERN;
     for (int i = 0; i < 3; ++i) {
         m.picture.style.filter = filters[i];
-        if (filters[i] != STP_FILTER_BLEND) { // which the processor does not draw
+        if (filters[i] != STP_FILTER_BLEND) { // which the CPU does not draw
             compare(test, &m);
         }
         CHECK_EQUAL(STP_OK, made_gl_draw(&m));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splats drawn by compute shaders give the picture that points give, and the processor's.
+// Splats drawn by compute shaders give the same picture as points and as the CPU.
 #include "tests.h"
 
 #include "draw/gl/renderer.h"

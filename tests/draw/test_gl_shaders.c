@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Shaders that need what this machine's driver may not have are at least understood by a compiler that knows it:
-// glslangValidator, where it is installed.
+// Shaders that need features which the driver may lack are at least compiled by glslangValidator,
+// if installed.
 #include "tests.h"
 
 #include "draw/gl/program.h"

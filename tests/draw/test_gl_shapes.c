@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Square and textured splats: OpenGL's pictures are those of the processor.
+// Square and textured splats: OpenGL pictures equal CPU pictures.
 #include "tests.h"
 
 #include "draw/support_gl.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Words of large regions shared out: against a map of every word.
+// Suballocation of large regions, against a map of every word.
 #include "tests.h"
 
 #include "base/rng.h"

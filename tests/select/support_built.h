@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Random scenes built as users' are, with everything in them that separates objects from the graph: shared parts, uses,
-// prototypes, instances, mirrors, layers that partition dissolves. And what stands where in them, worked out one by one.
+// Random scenes from the regular build, with everything that separates objects from the graph:
+// shared parts, prototypes, instances, mirrors, and layers that partitioning dissolves. Also lists
+// every instance by brute force.
 #pragma once
 
 #include "tests.h"
@@ -13,13 +14,13 @@ stp_store* built_open(stp_context* context, uint64_t seed, bool surfels);
 
 enum { BUILT_PLACES = 4096 };
 
-/// All uses of all parts.
+/// All instances of all parts.
 typedef struct built_places {
     uint32_t count;
     stp_instance places[BUILT_PLACES];
 } built_places;
 
-/// Adds what is below a node at a place. @return false where there is no room
+/// Adds everything below a node at a place. @return false if there is no room
 bool built_unfold(const stp_store* store, uint32_t node, const stp_affine* transform,
                   built_places* out);
 /// Whether one of them is the same part at the same place.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The controllers of the frame's time, against a machine that is simulated.
+// Frame-time controllers against a simulated machine.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -347,7 +347,7 @@ void test_budget_prediction_stays_right_after_a_cold_frame(test_state* test)
     }
 }
 
-/// Frames until a steady view uses most of the budget again, after some that were slowed down by something else.
+/// Frames until a steady view uses most of the budget again, after an external slowdown.
 static int frames_to_recover(double slower, int slow_frames)
 {
     machine m = {.splats = 12.0, .triangles = 1.0, .swing = 0.0, .noise = 0.02, .slow = 1.0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A count of splats where several sets are drawn because something is hidden: how it is shared, and
-// what is drawn beside.
+// Splat counts with several sets drawn because of hidden objects: distribution, and content drawn
+// beside them.
 #include "tests.h"
 
 #include "draw/support_store.h"

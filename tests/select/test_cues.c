@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How many splats of a leaf a view takes (src/select/cues.c), and the runs it draws (src/select/cue_cells.c).
+// Number of splats that a view takes from a leaf (src/select/cues.c), and the drawn runs
+// (src/select/cue_cells.c).
 #include "tests.h"
 
 #include "base/leaf_codes.h"

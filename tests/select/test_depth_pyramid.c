@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the pyramid says is hidden, against every point of it.
+// Occlusion by the pyramid, against brute force over points.
 #include "tests.h"
 
 #include "base/context.h"
@@ -150,7 +150,7 @@ void test_depth_pyramid_hides_nothing_it_cannot_know(test_state* test)
     stp_context_destroy(context);
 }
 
-// Any number of threads; memory that runs out; and a second frame takes none.
+// Any number of threads; out of memory; and a second frame allocates nothing.
 void test_depth_pyramid_memory_and_threads(test_state* test)
 {
     static float nearness[MOST_WIDTH * MOST_HEIGHT];

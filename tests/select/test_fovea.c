@@ -80,7 +80,7 @@ void test_fovea_refuses_what_are_no_zones(test_state* test)
     }
 }
 
-// The least and the greatest factor in a rectangle, against those of all its points.
+// Minimum and maximum factor in a rectangle, against brute force over its points.
 void test_fovea_bounds_are_those_of_all_pixels(test_state* test)
 {
     for (uint64_t round = 0; round < 200; ++round) {

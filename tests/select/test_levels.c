@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Levels that meet in depth: somewhere on the way down each point is always drawn completely, and no splat comes or goes
-// with many others.
+// Transitions between levels: every point is always drawn completely by some level, and splats
+// never appear or disappear in groups.
 #include "tests.h"
 
 #include "base/math.h"

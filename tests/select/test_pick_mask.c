@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays go through what an alpha leaves out: what is picked in a pixel is what the picture shows there.
+// Rays pass through areas removed by alpha: a pick hits what the picture shows in that pixel.
 #include "draw/support_picture.h"
 #include "select/pick.h"
 #include "store/support_mesh.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a node costs while its set gives way to what is below: never much more than the dearer of the two.
+// Cost of a node in transition from its set to its content: never much more than the more expensive
+// of the two.
 #include "tests.h"
 
 #include "base/math.h"

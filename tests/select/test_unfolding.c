@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A graph of a few shared nodes that stands for more than any memory holds: each walk ends soon, with a sentence.
+// A graph of a few shared nodes that expands beyond any memory: each traversal ends soon, with an
+// error message.
 #include "tests.h"
 
 #include "draw/support_store.h"
