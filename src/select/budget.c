@@ -38,9 +38,10 @@ static const double units[STP_BUDGET_TERMS] = {1e-6, 1e-6, 1e-6, 1e-3, 1e-6};
 #define LEAST_CHANGE 0.02 // changes of the logarithm of the size below this count as constant
 #define SLOW_FRAME 1.3    // limit relative to recent frames: a single frame teaches no more
 #define MOST_OFF 0.1      // the same limit for the scatter
-// of a frame's time: if no size is in time, gains below this do not justify larger splats
+// If no size meets the goal: accepted time above the fastest size's, so that splats do not grow for
+// a negligible gain.
 #define LITTLE_GAIN 0.05
-#define HOPELESS 0.1 // of the goal: beyond this error, tuning stops
+#define HOPELESS 0.1 // applies in full if the fastest size misses the goal by this share
 #define TREND_FOLLOWS 0.5
 #define MOST_LATE 0.4 // logarithm: a larger difference means a different place
 

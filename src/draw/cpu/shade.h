@@ -23,7 +23,7 @@ enum {
     SHADE_REACH = 16,      ///< maximum pixels of a row lit as one
     SHADE_LANES_MOST = 16, ///< maximum vector width of all variants
     SHADE_LANES = SHADE_PIXELS + SHADE_LANES_MOST,
-    SHADE_EMPTY_LANE = SHADE_LANES, ///< background pixels have nearness at most this
+    SHADE_EMPTY_LANE = SHADE_LANES, ///< first lane of the colour of background pixels
     SHADE_CACHE_BITS = 10,
     SHADE_CACHE = 1 << SHADE_CACHE_BITS,
     SHADE_KEPT = SHADE_CACHE + 2 * SHADE_PIXELS, ///< surfaces of ids: cached, and of two tiles
