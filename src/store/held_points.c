@@ -18,7 +18,7 @@ typedef struct columns {
 
 static void fill(const stp_store* store, const stp_splats* set, const columns* to)
 {
-    uint64_t finest = stp_store_pyramid_begin(set, set->octave_count - 1);
+    uint64_t finest = stp_store_colors_begin(set, set->octave_count - 1);
     const uint8_t *colors = set->colors + 3 * finest, *coverages = set->coverages + finest;
     bool hides = stp_store_is_colored(store); // coverage 0 then hides a splat (coloring.h)
     for (size_t i = 0; i < set->count; ++i) {
