@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""How alike the pictures of the processor and of OpenGL are: all named views of all named scenes, at splat sizes 1, 2 and 4,
-with fovea, section, ghosts, effects, accumulated, for two eyes and with filters, splats as points and by compute shaders
-(stipple bench backends). Of each scene, the least of its views stands in the table.
+"""Similarity of CPU and OpenGL pictures: all named views of all named scenes, at splat sizes 1, 2
+and 4, with fovea, section, ghosts, effects, accumulation, stereo and filters, with splats as points
+and by compute shaders (stipple bench backends). The table shows the worst view of each scene.
 
-    bench/backends.py                          all scenes, at the scales that are written here
-    bench/backends.py forest city=0.01         these, at these scales
+    bench/backends.py                          all scenes, at default scales
+    bench/backends.py forest city=0.01         these scenes, at these scales
 """
 import pathlib
 import sys
@@ -12,7 +12,7 @@ import tempfile
 
 import kit
 
-# Parts of scenes that Mesa's llvmpipe draws within half a minute a view.
+# Scales at which Mesa's llvmpipe draws a view within half a minute.
 SCALES = {"boxes": 1, "paper": 0.003, "forest": 0.02, "city": 0.004, "bakery-line": 0.02, "power-plant": 0.03, "car-factory": 0.01,
           "terrain": 0.002, "city-small": 0.1, "one-mesh": 0.02, "twenty-million": 0.002, "spheres": 0.0005, "paper-huge": 0.0002}
 GOAL = 0.98
@@ -36,7 +36,7 @@ def column_of(result):
 
 
 def rows_of(results):
-    """Of each scene, the least of all views and of both ways; and how much less like the originals OpenGL is at worst."""
+    """The minimum per scene over all views and both ways, and OpenGL's worst loss of similarity to the originals."""
     columns = list(dict.fromkeys(map(column_of, results)))
     rows = []
     for model in dict.fromkeys(r["params"]["model"] for r in results):
@@ -50,7 +50,7 @@ def rows_of(results):
 
 
 def by_view(results):
-    """What is kept: of each view, SSIM as points and by compute shaders of each case, and of the processor and both to the originals."""
+    """Stored results: for each view and case, SSIM of points and of compute shaders, and of the CPU and both against the originals."""
     kept = {}
     for r in results:
         p, f = r["params"], r["figures"]
@@ -78,7 +78,7 @@ def main():
             results += measure(name, scale, given)
             kit.keep("backends", by_view(results), given.out, silent=True)
     if not results:
-        sys.exit("nothing was compared: there is no OpenGL 4.5 here")
+        sys.exit("nothing was compared: OpenGL 4.5 is not available")
     kit.table(*rows_of(results))
     least = min(r["figures"]["ssim"] for r in results)
     print(f"\nThe least of {len(results)} pictures is {least:.4f} (goal {GOAL}).")

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Each view within a budget: ours, and the paper's policy and order given the same time; frame times, and SSIM against the original triangles.
+"""Each view within a time budget: ours, and the paper's policy and order with the same time. Prints
+frame times, and SSIM against the original triangles.
 
 usage: bench/budget_views.py SCENE PAPER_SCENE [--budget-ms MS] [--views 1,2]
 
-SCENE is built as usual, PAPER_SCENE from the same with --order paper-fast. Ours gets the budget; where it takes longer
-with splats of 8 pixels, the paper's gets that longer time. PAPER_SCENE may be -: then ours alone.
+SCENE is built as usual, PAPER_SCENE from the same input with --order paper-fast. Ours gets the
+budget; if it takes longer with splats of 8 pixels, the paper's gets that longer time. With - for
+PAPER_SCENE, only ours is measured.
 """
 import pathlib
 import tempfile

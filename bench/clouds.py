@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Processor time of building clouds of points, in turn with each of several executables.
+"""CPU time of building point clouds, alternating between several executables.
 
     bench/clouds.py build/release/tools/stipple [OTHER...] [--counts 10000,100000,1000000] [--runs 5] [--json FILE]
+        [--cloud FILE --memory SIZE]
 
 A cloud is a wavy sheet without normals, far from the origin (as maps are), with doubles for coordinates. Time is user
 and system time of the whole process, the median over the runs; the start of a process that builds nothing is shown apart.
+With --cloud, a file's points are built instead; its points, the bytes of the result and the most resident memory are shown.
 """
 import argparse
 import array
@@ -12,7 +14,6 @@ import json
 import math
 import os
 import random
-import resource
 import statistics
 import subprocess
 import tempfile
@@ -31,11 +32,38 @@ def write_cloud(path, count):
         values.tofile(file)
 
 
-def seconds(*command):
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime - before.ru_utime, after.ru_stime - before.ru_stime
+def measure(*command):
+    """User and system seconds, and the most resident MB."""
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode != 0:
+        raise subprocess.CalledProcessError(child.returncode, command)
+    return usage.ru_utime, usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def count_points(name, stip):
+    info = subprocess.run([name, "info", stip, "--json"], check=True, capture_output=True, text=True)
+    return json.loads(info.stdout)["points"]
+
+
+def measure_file(options, folder):
+    """Builds a given cloud with each executable."""
+    output, rows = os.path.join(folder, "cloud.stip"), []
+    limit = ["--memory", options.memory] if options.memory else []
+    runs, sizes = {name: [] for name in options.executables}, {}
+    for _ in range(options.runs):
+        for name in options.executables:
+            runs[name].append(measure(name, "build", options.cloud, "-o", output, "--fresh", *limit))
+            sizes[name] = os.path.getsize(output)
+            points = count_points(name, output)
+    for name, measured in runs.items():
+        user, system, resident = (statistics.median(run[k] for run in measured) for k in range(3))
+        rows.append({"executable": name, "points": points, "memory": options.memory, "user_s": user, "system_s": system,
+                     "resident_mb": resident, "bytes_per_point": sizes[name] / points})
+        print(f"{name:40} {points:11,} {user:8.2f} s user {system:7.2f} s system {resident:7.0f} MB "
+              f"{sizes[name] / points:6.2f} bytes a point", flush=True)
+    return rows
 
 
 def main():
@@ -44,11 +72,15 @@ def main():
     parser.add_argument("--counts", default="10000,100000,1000000")
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--json")
+    parser.add_argument("--cloud")
+    parser.add_argument("--memory")
     options = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         cloud, output = os.path.join(folder, "cloud.ply"), os.path.join(folder, "cloud.stip")
-        for count in [0] + [int(c) for c in options.counts.split(",")]:
+        if options.cloud:
+            rows = measure_file(options, folder)
+        for count in [] if options.cloud else [0] + [int(c) for c in options.counts.split(",")]:
             if count:
                 write_cloud(cloud, count)
             times = {name: [] for name in options.executables}
@@ -56,7 +88,7 @@ def main():
                 for name in options.executables:
                     if os.path.exists(output):
                         os.remove(output)  # else its results would be used again
-                    times[name].append(seconds(name, "build", cloud, "-o", output) if count else seconds(name, "help"))
+                    times[name].append(measure(name, "build", cloud, "-o", output) if count else measure(name, "help"))
             for name, runs in times.items():
                 user, system = (statistics.median(run[k] for run in runs) for k in (0, 1))
                 rows.append({"executable": name, "points": count, "user_s": user, "system_s": system})

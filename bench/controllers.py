@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Both controllers on one flight, side by side: the predictive one, and the reactive one of Brandt et al. 2019, 4.3. A table, and plots.
+"""Compares two controllers on one flight: the predictive one, and the reactive one of Brandt et al.
+2019, 4.3. A table and plots.
 
-usage: bench/controllers.py SCENE [--path FLIGHT.json] [--budget-ms MS|auto] [--frames N] [--repeats N] [--reference-every N]
+usage: bench/controllers.py SCENE [--path FLIGHT.json] [--budget-ms MS|auto] [--frames N]
+                            [--repeats N] [--reference-every N]
 
-auto is what splats of 8 pixels can hold: 1.1 times the 99th percentile of the flight's frame times at that size.
-Flights alternate; what stands in the table is of all their frames, the plot is of the first of each. Writes
-controllers.svg.
+auto: the budget that splats of 8 pixels can meet, 1.1 times the 99th percentile of the flight's
+frame times at that size. Flights alternate. The table covers all their frames, the plot the first
+flight of each. Writes controllers.svg.
 """
 import kit
 
@@ -18,7 +20,7 @@ def fly(given, *more):
 
 
 def fly_all(given, budget):
-    """The flights of each controller, in turn."""
+    """Flies with each controller in turn."""
     flights = {"predict": [], "paper": []}
     for i in range(given.repeats):
         for name, flown in flights.items():
@@ -45,7 +47,7 @@ def describe(given, name, flown, budget):
 
 
 def put_panel(drawing, top, title, results, key, mark):
-    high = kit.round_axis(max([mark, *(kit.rank(r["figures"][key], 0.995) for r in results)])) # what sticks out is cut off
+    high = kit.round_axis(max([mark, *(kit.rank(r["figures"][key], 0.995) for r in results)])) # clips outliers
     times = results[0]["figures"]["times"]
     across = (WIDTH - LEFT - 20) / max(1e-9, times[-1] - times[0])
     drawing.text(LEFT, top - 8, title, more='font-weight="bold"')
@@ -80,7 +82,7 @@ def main():
     parser.add_argument("scene")
     parser.add_argument("--path", default=kit.ROOT / "scenes/flights/paper.json")
     parser.add_argument("--budget-ms", default="33")
-    parser.add_argument("--frames", type=int, default=800, help="default 800; 0: as many as the flight's fps makes")
+    parser.add_argument("--frames", type=int, default=800, help="default 800; 0: determined by the flight's fps")
     parser.add_argument("--repeats", type=int, default=1)
     parser.add_argument("--reference-every", type=int, default=0)
     given = parser.parse_args()

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Progressive Splatting and the methods it is compared with (Wu, Zhang, Kobbelt 2005, 6): splats, area ratio and time.
+"""Progressive Splatting and the methods it is compared with (Wu, Zhang, Kobbelt 2005, 6): splats,
+area ratio and time.
 
     bench/decimators.py [MODEL...] [--splats N,N...] [--repeats N] [--out FILE.json]
 
-Runs `stipple decimate MODEL --by METHOD --splats N`. The area ratio is the sum of all splats' areas over the area of the model's
-triangles (Table 1 of the paper). Times are medians; methods take turns, so that a busy machine slows all of them. Those of the
-processor add up all threads, reading and writing. Models need triangles. Default: models of Debian's assimp-testmodels.
+Runs `stipple decimate MODEL --by METHOD --splats N`. The area ratio is the sum of all splat areas
+over the area of the model's triangles (Table 1 of the paper). Times are medians. Methods take
+turns, so that a busy machine slows all of them. CPU times include all threads, reading and writing.
+Models need triangles. Default: models of Debian's assimp-testmodels.
 """
 import argparse
 import pathlib
@@ -23,9 +25,9 @@ METHODS = {"psp": ["--by", "psp"], "psp distances": ["--by", "psp", "--metric", 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("models", nargs="*", default=[str(TESTMODELS / name) for name in MODELS])
-    parser.add_argument("--splats", default="415,2591,11588", help="numbers of splats; default those of Table 1")
+    parser.add_argument("--splats", default="415,2591,11588", help="numbers of splats; default: those of Table 1")
     parser.add_argument("--repeats", type=int, default=5, help="default 5")
-    parser.add_argument("--out", metavar="FILE.json", help="where figures are kept; default bench/results/MACHINE/DATE-decimators.json")
+    parser.add_argument("--out", metavar="FILE.json", help="output file of the figures; default bench/results/MACHINE/DATE-decimators.json")
     options = parser.parse_args()
     kept, rows = [], []
     with tempfile.TemporaryDirectory() as folder:

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Figure 7 of Brandt et al. 2019: ours, without LOD, and the SSIM of each pixel (black where they differ), a row for each view.
+"""Figure 7 of Brandt et al. 2019: ours, without LOD, and the SSIM of each pixel (black where they
+differ), one row per view.
 
 usage: bench/figure7.py SCENE [--views NAME,NAME] [--splat-size PX] [--size WxH]
 
-Writes figure7.png, in which pictures are half as large.
+Writes figure7.png, with pictures at half size.
 """
 import pathlib
 import subprocess

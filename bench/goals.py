@@ -3,8 +3,8 @@
 
 usage: bench/goals.py [--results FOLDER] [--document FILE.md --tables FOLDER]
 
-With --document, tables between `<!-- measured: NAME -->` and `<!-- end -->` in that file are replaced: by FOLDER/NAME.md, where
-that is there, and NAME "goals" by this table.
+--document replaces tables between `<!-- measured: NAME -->` and `<!-- end -->` in that file by
+FOLDER/NAME.md if it exists, and the table named "goals" by this one.
 """
 import argparse
 import json
@@ -27,7 +27,7 @@ class Results:
             self.files[named[2] if named else path.stem] = (named[1] if named else "", path)
 
     def of(self, name):
-        """A list of {params, figures}; empty where nothing of that name was measured."""
+        """A list of {params, figures}; empty if nothing of that name was measured."""
         if name not in self.files:
             return []
         return json.loads(self.files[name][1].read_text(encoding="utf-8"))["results"]
@@ -37,7 +37,7 @@ class Results:
 
 
 def within(value, limit):
-    """Whether a goal was reached, as a word."""
+    """Whether a goal was reached, as "yes" or "no"."""
     return "yes" if value <= limit else "no"
 
 
@@ -190,7 +190,7 @@ def pages():
 
 
 def fill(document, tables, goals):
-    """Replaces marked tables of a document by measured ones; an unchanged document is not written. @return their names"""
+    """Replaces marked tables of a document by measured ones; writes it only if it changed. @return their names"""
     replaced = []
 
     def new(match):

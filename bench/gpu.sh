@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
-# The table of what OpenGL draws on this machine's graphics processor, in one command and without a network: builds stipple,
-# makes the benchmark scene, draws its views at 1080p, 1440p, 4K and for two eyes with points, compute shaders and full
-# geometry, and writes bench/results/DEVICE/gpu.json and gpu.md.
+# Measures what OpenGL draws on this machine's GPU, in one command and without a network: builds
+# stipple, makes the benchmark scene, draws its views at 1080p, 1440p, 4K and in stereo with points,
+# compute shaders and full geometry, and writes bench/results/DEVICE/gpu.json and gpu.md.
 #
-#   bench/gpu.sh [--scale F] [--scene NAME] [--jobs N] [--splat-size PX] [--build FOLDER] [--stipple PROGRAM] [--output FOLDER]
+#   bench/gpu.sh [--scale F] [--scene NAME] [--jobs N] [--splat-size PX] [--build FOLDER]
+#                [--stipple PROGRAM] [--output FOLDER]
 #
-# --scale F       part of the benchmark scene (1: 2.35 billion triangles); default 1 on a graphics processor where there are
-#                 eight processors and 24 GB of memory, else 0.1 there, and 0.002 where a processor draws
-# --scene NAME    another of `stipple scene --list`; default paper
-# --stipple       this program instead of building one
-# --output        instead of bench/results
+# --scale F       fraction of the benchmark scene (1: 2.35 billion triangles); default: with a GPU,
+#                 1 if there are eight CPUs and 24 GB of memory, else 0.1; without a GPU 0.002
+# --scene NAME    another scene of `stipple scene --list`; default paper
+# --stipple       use this program instead of building one
+# --output        output folder instead of bench/results
 #
-# Needed: what packages.txt names of compilers and libraries, and a driver with EGL (no display). A part that is missing is named.
+# Needs the compilers and libraries of packages.txt, and a driver with EGL (no display). Reports
+# missing parts by name.
 set -u
 here=$(cd "$(dirname "$0")/.." && pwd) || exit 1
 scene=paper scale= jobs=$(nproc) size=1 build=$here/build/gpu stipple= output=$here/bench/results
@@ -21,7 +23,7 @@ fail()
     exit 1
 }
 while [ $# -gt 0 ]; do
-    [ $# -ge 2 ] || fail "$1 needs a value, or is no option (see the head of this script)"
+    [ $# -ge 2 ] || fail "$1 needs a value, or is not an option (see the head of this script)"
     case $1 in
     --scale) scale=$2 ;;
     --scene) scene=$2 ;;
@@ -30,12 +32,12 @@ while [ $# -gt 0 ]; do
     --build) build=$2 ;;
     --stipple) stipple=$2 ;;
     --output) output=$2 ;;
-    *) fail "$1 is no option (see the head of this script)" ;;
+    *) fail "$1 is not an option (see the head of this script)" ;;
     esac
     shift 2
 done
 
-# Names every package of packages.txt that building needs and that is not here.
+# Names every package of packages.txt that the build needs and that is missing.
 look_for_packages()
 {
     command -v dpkg-query > /dev/null || return 0
@@ -58,23 +60,23 @@ if [ -z "$stipple" ]; then
     echo "gpu.sh: building in $build" >&2
     cmake -S "$here" -B "$build" "${generator[@]}" -DCMAKE_BUILD_TYPE=RelWithDebInfo \
         -DCMAKE_C_FLAGS_RELWITHDEBINFO='-O3 -g' > "$build.log" 2>&1 ||
-        { mkdir -p "$build"; tail -20 "$build.log" >&2; fail "cmake failed ($build.log): something that packages.txt names is missing"; }
+        { mkdir -p "$build"; tail -20 "$build.log" >&2; fail "cmake failed ($build.log): a package of packages.txt is missing"; }
     cmake --build "$build" -j "$jobs" --target stipple_tool >> "$build.log" 2>&1 ||
-        { tail -30 "$build.log" >&2; fail "building failed ($build.log)"; }
+        { tail -30 "$build.log" >&2; fail "the build failed ($build.log)"; }
     stipple=$build/tools/stipple
 fi
-[ -x "$stipple" ] || fail "$stipple is not a program"
+[ -x "$stipple" ] || fail "$stipple is not executable"
 
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 export XDG_CACHE_HOME=$scratch
 "$stipple" bench gl --quick --model scene:boxes --json > "$scratch/quick.json" 2> "$scratch/quick.err" ||
-    { cat "$scratch/quick.err" >&2; fail "OpenGL 4.5 through EGL does not work here"; }
+    { cat "$scratch/quick.err" >&2; fail "OpenGL 4.5 through EGL does not work"; }
 device=$(grep -m 1 -o '"device": *"[^"]*"' "$scratch/quick.json" | sed 's/.*: *"//; s/"$//')
-[ -n "$device" ] || { cat "$scratch/quick.err" >&2; fail "there is no OpenGL 4.5 through EGL (driver, libegl1)"; }
+[ -n "$device" ] || { cat "$scratch/quick.err" >&2; fail "OpenGL 4.5 through EGL is not available (driver, libegl1)"; }
 software=
 case $device in *llvmpipe* | *softpipe* | *swrast*) software=1 ;; esac
-[ -z "$software" ] || echo "gpu.sh: only $device is here: small pictures of a small scene, which say nothing of a graphics processor" >&2
+[ -z "$software" ] || echo "gpu.sh: only $device is available: draws small pictures of a small scene, which do not represent a GPU" >&2
 
 memory=$(awk '/MemTotal/ { print int($2 / 1048576) }' /proc/meminfo)
 if [ -z "$scale" ]; then
@@ -84,7 +86,7 @@ if [ -z "$scale" ]; then
 fi
 echo "gpu.sh: $device, scene:$scene,scale=$scale" >&2
 begin=$(date +%s)
-"$stipple" build "scene:$scene,scale=$scale" -o "$scratch/scene.stip" --quiet > /dev/null || fail "the scene cannot be made"
+"$stipple" build "scene:$scene,scale=$scale" -o "$scratch/scene.stip" --quiet > /dev/null || fail "cannot make the scene"
 made=$(($(date +%s) - begin))
 folder=$output/$(echo "$device" | tr -cs 'A-Za-z0-9.\n' '-' | sed 's/-*$//')
 mkdir -p "$folder" || exit 1
@@ -95,7 +97,7 @@ sed "s|$scratch/scene.stip|scene:$scene,scale=$scale|" "$scratch/gpu.json" > "$f
     echo "# OpenGL on $device"
     echo
     echo "Made by \`bench/gpu.sh --scene $scene --scale $scale --splat-size $size\`; the scene took $made s to make, all else $(($(date +%s) - begin - made)) s."
-    [ -z "$software" ] || echo "Drawn by a processor: it shows that the script works, and nothing else."
+    [ -z "$software" ] || echo "Rendered on the CPU: this shows only that the script works."
     echo
     sed "s|$scratch/scene.stip|scene:$scene,scale=$scale|" "$scratch/gpu.md"
 } > "$folder/gpu.md"

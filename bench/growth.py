@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Frame times of one flight over scenes of more and more triangles: a table, ratios, and the curve.
+"""Frame times of one flight over scenes with more and more triangles: a table, ratios, and the
+curve.
 
 usage: bench/growth.py [--path FLIGHT.json] [--splat-size PX] [--frames N] [--repeats N] SCENE...
 
-SCENE is a .stip, or a named scene, which is built into the cache first (scene:paper,scale=0.0625). From smallest to
-largest; ratios are to the one before, and to the first. The flights take turns, and what counts is the median over
-all frames. Writes growth.svg.
+SCENE is a .stip, or a named scene, which is first built into the cache (scene:paper,scale=0.0625).
+Order them from small to large; ratios are to the previous and to the first. Flights take turns;
+times are medians over all frames. Writes growth.svg.
 """
 import math
 import statistics

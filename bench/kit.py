@@ -1,4 +1,4 @@
-"""What the measuring scripts share: running stipple, tables, keeping results, and drawings as SVG."""
+"""Shared by the benchmark scripts: running stipple, tables, result files, and SVG drawings."""
 import argparse
 import datetime
 import json
@@ -15,19 +15,19 @@ COLORS = ("#4c72b0", "#dd8452", "#55a868", "#8172b3", "#c44e52", "#937860", "#64
 
 
 def options(doc, size="1920x1080"):
-    """A parser with what all scripts take."""
+    """A parser with the options of all scripts."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--size", default=size, metavar="WxH", help=f"of pictures; default {size}")
     parser.add_argument("--threads", type=int, default=0, help="default: all")
-    parser.add_argument("--out", metavar="FILE.json", help="where results are kept; default bench/results/MACHINE/DATE-NAME.json")
+    parser.add_argument("--out", metavar="FILE.json", help="output file of the results; default bench/results/MACHINE/DATE-NAME.json")
     parser.add_argument("--references", metavar="FOLDER", type=pathlib.Path, default=ROOT / "build/references",
-                        help="where pictures without LOD are kept for the next run; default build/references")
+                        help="cache of pictures without LOD; default build/references")
     parser.add_argument("--images", metavar="FOLDER", type=pathlib.Path, default=ROOT / "docs/images", help="default docs/images")
     return parser
 
 
 def stipple(*arguments, threads=0):
-    """Runs a command with --json, and returns what it printed. The processor draws, where nothing else is said."""
+    """Runs a command with --json and returns its output. Uses the CPU backend unless specified."""
     draws = arguments[0] in ("render", "fly") and "--backend" not in arguments
     call = [str(STIPPLE), *map(str, arguments), "--json", "--quiet", *(["--backend", "cpu"] if draws else []),
             *(["--threads", str(threads)] if threads else [])]
@@ -38,20 +38,20 @@ def stipple(*arguments, threads=0):
 
 
 def processor_seconds():
-    """What all commands until now took of the processor, with all threads, reading and writing: other work hardly changes it."""
+    """CPU time of all commands so far, including all threads, reading and writing: hardly affected by other load."""
     times = os.times()
     return times.children_user + times.children_system
 
 
 def timed(*arguments, threads=0):
-    """As `stipple`, with `processor_seconds` of the command."""
+    """Like `stipple`, plus `processor_seconds` of the command."""
     before = processor_seconds()
     figures = stipple(*arguments, threads=threads)
     return {**figures, "processor_seconds": round(processor_seconds() - before, 3)}
 
 
 def bench(name, *arguments):
-    """Runs a benchmark, and returns its object: machine and results."""
+    """Runs a benchmark and returns its JSON object: machine and results."""
     call = [str(STIPPLE), "bench", name, *map(str, arguments), "--json"]
     done = subprocess.run(call, capture_output=True, text=True)
     if done.returncode != 0:
@@ -71,13 +71,13 @@ def compare(ours, truth):
 
 
 def bytes_of(scene):
-    """A file's size tells one scene from another of its name; None of a named scene."""
+    """A file's size, which distinguishes scenes of the same name; None for a named scene."""
     path = pathlib.Path(scene)
     return path.stat().st_size if path.exists() else None
 
 
 def reference(given, view, size, *more, stereo=False):
-    """A view without LOD, which is drawn where --references lacks it: its PNG and figures. They lie there until the folder is deleted."""
+    """A view without LOD: its PNG and figures. Drawn unless it is cached in --references; delete the folder to redraw."""
     path = given.references / pathlib.Path(str(name_of(given.scene)).replace(":", "-")) / f"{size}{'-stereo' if stereo else ''}-{view}.png"
     figures_path, scene = path.with_suffix(".json"), {"name": name_of(given.scene), "bytes": bytes_of(given.scene), "options": list(map(str, more))}
     if path.exists() and figures_path.exists():
@@ -109,12 +109,12 @@ def result(name, params, figures):
 
 
 def name_of(scene):
-    """A scene as it is told: files without their folders."""
+    """Display name of a scene: files without their folders."""
     return pathlib.Path(scene).name if "/" in str(scene) else str(scene)
 
 
 def write_whole(path, text):
-    """A file that is never there in part."""
+    """Writes a file atomically."""
     unfinished = path.with_name(f"{path.name}.{os.getpid()}")
     try:
         unfinished.write_text(text, encoding="utf-8")
@@ -124,13 +124,13 @@ def write_whole(path, text):
 
 
 def path_of(name, out=None):
-    """Where results are kept."""
+    """Path of the results."""
     folder = re.sub(r"[^a-z0-9]+", "-", processor().lower()).strip("-")
     return pathlib.Path(out) if out else ROOT / f"bench/results/{folder}-{os.cpu_count()}/{datetime.date.today()}-{name}.json"
 
 
 def keep(name, results, out=None, silent=False):
-    """Writes results as `stipple bench --json` prints them; of files only their names."""
+    """Writes results in the format of `stipple bench --json`; files without their folders."""
     for r in results:
         r["params"] = {key: name_of(value) if isinstance(value, str) else value for key, value in r["params"].items()}
     path = path_of(name, out)
@@ -145,15 +145,15 @@ def keep(name, results, out=None, silent=False):
 
 
 def read_results(path):
-    """What `keep` wrote; nothing where the file is not there."""
+    """Results written by `keep`; empty if the file does not exist."""
     path = pathlib.Path(path)
     if not path.exists():
-        say(f"{path}: is not there, and left out")
+        say(f"{path}: does not exist; skipped")
     return json.loads(path.read_text(encoding="utf-8"))["results"] if path.exists() else []
 
 
 def say(text):
-    """What goes on, for who waits."""
+    """Prints progress."""
     print(text, file=sys.stderr, flush=True)
 
 
@@ -166,7 +166,7 @@ def table(head, rows):
 
 
 def short(value, digits=3):
-    """A count as people write it: 1.78 M."""
+    """A count in short form: 1.78 M."""
     for unit, letter in ((1e9, " G"), (1e6, " M"), (1e4, "")):
         if value >= unit and letter:
             return f"{value / unit:.{digits}g}{letter}"
@@ -174,7 +174,7 @@ def short(value, digits=3):
 
 
 def rank(values, part):
-    """The least value that so large a part does not exceed."""
+    """The smallest value that a fraction `part` does not exceed."""
     ordered = sorted(values)
     return ordered[max(0, math.ceil(part * len(ordered) - 1e-9) - 1)]
 
@@ -186,13 +186,13 @@ def round_up(value):
 
 
 def round_axis(value):
-    """A round number, a quarter of which is short, too, at least `value`."""
+    """A round number, at least `value`, whose quarter is also short."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(step * power for step in (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10) if step * power >= value * (1 - 1e-9))
 
 
 class Drawing:
-    """An SVG on white ground."""
+    """An SVG on a white background."""
 
     def __init__(self, width, height):
         self.parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '

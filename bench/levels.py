@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Upper nodes captured from their children's surfels, and from triangles (Brandt 3.4): what each costs, and how its pictures look.
+"""Upper nodes captured from their children's surfels, and from triangles (Brandt 3.4): cost and
+picture quality of each.
 
 usage: bench/levels.py [--size WxH] [--splat-sizes N,N] INPUT...
 
-Builds each input both ways with one thread, draws every named view (or `iso`) at every splat size, and compares with
-the original triangles. Prints one JSON object, in the form of `stipple bench --json`.
+Builds each input both ways with one thread, draws every named view (or `iso`) at every splat size,
+and compares with the original triangles. Prints one JSON object, in the format of `stipple bench
+--json`.
 """
 import argparse
 import json

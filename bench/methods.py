@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
-"""Methods against each other: likeness and time of pictures, by splat size, on the views of several scenes.
+"""Compares methods: quality and time of pictures, by splat size, on the views of several scenes.
 
-usage: bench/methods.py [--methods blue,spt] [--sizes 1,2,4,8,16 | --counts N,N...] [--repeats N] [--warm] SCENE...
+usage: bench/methods.py [--methods blue,spt] [--sizes 1,2,4,8,16 | --counts N,N...] [--repeats N]
+                        [--warm] SCENE...
 
-SCENE is a .stip that holds both methods, a model, or a named scene; those are built with both. Each view of
-a scene (iso where it has none) is drawn at each size by each method and compared with its reference. Times are the least of
-the repeats. Prints a table at sizes 2 and 8; writes methods.svg, likeness over time. With --counts, each view is drawn with so many
-splats instead (`render --splats N`; spt takes as many at most), and without triangles. A method called auto is what is drawn without
---method: blue, and psp where few splats suffice. With --warm, times are medians of repeated frames, as those of a flight.
+SCENE is a .stip with both methods, or a model or named scene, which is built with both. Each view
+of a scene (iso if it has none) is drawn at each size by each method and compared with its
+reference. Times are minima over the repeats. Prints a table at sizes 2 and 8; writes methods.svg,
+quality over time.
+
+With --counts, each view is drawn with that many splats instead (`render --splats N`; an upper limit
+for spt), and without triangles. The method auto is the default without --method: blue, and psp
+where few splats suffice. With --warm, times are medians of repeated frames, as in a flight.
 """
 import pathlib
 import subprocess
@@ -30,7 +34,7 @@ def build(given, scene, folder):
 
 
 def measure(given, stored, view, quality, method, truth, picture):
-    """Likeness and figures of one picture of a quality: an option and its value."""
+    """SSIM and figures of one picture. `quality`: an option and its value."""
     asked = () if method == "auto" else ("--method", method)
     call = ("render", stored, "-o", picture, "--view", view, "--size", given.size, *quality, *asked, *(() if given.warm else ("--once",)))
     frames = [kit.stipple(*call, threads=given.threads) for _ in range(given.repeats)]

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# Sets stipple beside programs that do a part of the same, on 20 M unique triangles (`stipple scene twenty-million`):
-# gltfpack, which simplifies, against `stipple build`; F3D, from model to picture, against `stipple render`.
-# Whatever is compared runs in turn, REPEATS times (default 3); medians are printed. Takes minutes; run it on an
-# idle machine.
+# Compares stipple with programs that do part of the same, on 20 M unique triangles (`stipple scene
+# twenty-million`): gltfpack, which simplifies, against `stipple build`; F3D, from model to picture,
+# against `stipple render`. Programs take turns, REPEATS times (default 3); prints medians. Takes
+# minutes; run it on an idle machine.
 #
 # usage: bench/peers.sh [MODEL.glb]
 #
-# The peers are no dependencies of the project. On Debian: apt-get install gltfpack f3d xvfb xauth time
+# The peers are not dependencies of the project. On Debian: apt-get install gltfpack f3d xvfb xauth
+# time
 set -euo pipefail
 cd "$(dirname "$0")/.."
 stipple=$PWD/build/release/tools/stipple
@@ -24,7 +25,7 @@ if [ -z "$model" ]; then
     "$stipple" scene twenty-million -o "$model" --progress none
 fi
 
-# measure NAME COMMAND...: adds a line "wall user system kilobytes" to NAME.times
+# measure NAME COMMAND...: appends a line "wall user system kilobytes" to NAME.times
 measure() {
     local name=$1
     shift
@@ -53,14 +54,14 @@ if [ -z "${DISPLAY:-}" ]; then
     screen=(xvfb-run -a)
 fi
 with_gltfpack=true with_f3d=true
-have gltfpack || { with_gltfpack=false; echo "peers.sh: gltfpack is missing, and left out" >&2; }
-have f3d || { with_f3d=false; echo "peers.sh: f3d is missing, and left out" >&2; }
+have gltfpack || { with_gltfpack=false; echo "peers.sh: gltfpack is missing; skipped" >&2; }
+have f3d || { with_f3d=false; echo "peers.sh: f3d is missing; skipped" >&2; }
 if $with_f3d && [ ${#screen[@]} -gt 0 ] && ! have xvfb-run; then
     with_f3d=false
-    echo "peers.sh: f3d needs a display or xvfb-run, which is missing, and is left out" >&2
+    echo "peers.sh: f3d needs a display or xvfb-run; skipped" >&2
 fi
 
-cat "$model" > /dev/null # all find it in memory
+cat "$model" > /dev/null # load the model into the page cache for all
 for _ in $(seq "$repeats"); do
     ! $with_gltfpack || run_gltfpack
     run_build
@@ -76,13 +77,13 @@ row() {
         "$(awk '{ print $2 + $3 }' "$times" | median)" \
         "$(cut -d' ' -f4 "$times" | median | awk '{ print $1 * 1024 / 1e9 }')"
 }
-echo "$(basename "$model"), $(stat -c %s "$model") bytes; $(nproc) processors; medians of $repeats"
+echo "$(basename "$model"), $(stat -c %s "$model") bytes; $(nproc) CPUs; medians of $repeats"
 echo
-echo "| | seconds | processor seconds | GB at most |"
+echo "| | seconds | CPU seconds | GB at most |"
 echo "|---|---|---|---|"
 row "gltfpack -si 0.01" gltfpack
 row "stipple build" stipple-build
 row "f3d, model to picture" f3d
 row "stipple render, model to picture" stipple-render
 echo
-echo "Memory is what is resident at most, mapped files with it."
+echo "Memory is peak resident memory, including mapped files."

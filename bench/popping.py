@@ -1,13 +1,19 @@
 #!/usr/bin/env python3
-"""Popping with blending between levels, and with hard switching, on a scene small enough to draw every reference.
+"""Popping with blending between levels, and with hard switching, on a scene small enough to draw
+every reference.
 
-usage: bench/popping.py [SCENE] [--path FLIGHT.json] [--frames N] [--splat-size PX] [--supersample N]
+usage: bench/popping.py [SCENE] [--path FLIGHT.json] [--frames N] [--splat-size PX] [--supersample
+N]
 
-default: scene:one-mesh, and a slow flight to half the distance during which it turns from splats to triangles. What pops is measured
-against the original geometry (see `stipple fly --help`), of blocks of 8 x 8 pixels over all pairs of frames, drawn with 4 x 4 samples
-a pixel, since with one sample edges of splats step by whole pixels in any frame. A change of levels happens in one pair of 300 and
-is a smaller part of all blocks than the 99.9th percentile leaves out: that is what splats do in any frame. So beside it stand the worst block,
-and "in one frame", the mean over the blocks of a pair of frames: the largest there is beyond that of the median pair. Extra splats are those drawn while levels blend, as a part of the others.
+default: scene:one-mesh, and a slow flight to half the distance during which it turns from splats to
+triangles. Popping is measured against the original geometry (see `stipple fly --help`), in blocks
+of 8 x 8 pixels over all pairs of frames. Frames have 4 x 4 samples per pixel, since with one sample
+the edges of splats move by whole pixels in any frame.
+
+The level changes in one pair of 300, which is less than the 99.9th percentile ignores: that
+percentile shows ordinary frames. So the table also has the worst block, and "in one frame": the
+largest mean over the blocks of a pair, minus that of the median pair. Extra splats are those drawn
+while levels blend, as a share of the others.
 """
 import json
 import pathlib
@@ -37,7 +43,7 @@ def compare(given):
                      f"{figures['frame_p50']:.3f}", f"{figures['frame_max'] - figures['frame_p50']:.3f}", f"{100 * figures['extra_part']:.1f} %", kit.short(figures["splats_p50"]), kit.short(figures["triangles_p50"])])
     kit.table(["policy", "frames", "popping, median", "99.9 %", "max", "median frame", "in one frame, beyond", "extra splats", "splats", "triangles"], rows)
     if not all(0 < r["figures"]["splats_max"] and r["figures"]["splats_min"] == 0 for r in results):
-        raise SystemExit("popping: the flight does not go from splats to triangles")
+        raise SystemExit("popping: the flight does not change from splats to triangles")
     ratio, worst = (results[0]["figures"][k] / results[1]["figures"][k] for k in ("popping_p999", "popping_max"))
     spikes = [r["figures"]["frame_max"] - r["figures"]["frame_p50"] for r in results]
     print(f"\nblending / switching: 99.9 % {ratio:.3f} (goal: at most 0.25), worst block {worst:.3f}, in one frame {spikes[0] / max(spikes[1], 1e-9):.3f}")
@@ -47,8 +53,8 @@ def compare(given):
 def main():
     parser = kit.options(__doc__, size="480x270")
     parser.add_argument("scene", nargs="?", default="scene:one-mesh")
-    parser.add_argument("--path", help="default: the slow one")
-    parser.add_argument("--frames", type=int, default=0, help="default: as many as the flight's fps makes")
+    parser.add_argument("--path", help="default: the slow flight")
+    parser.add_argument("--frames", type=int, default=0, help="default: determined by the flight's fps")
     parser.add_argument("--splat-size", default="2")
     parser.add_argument("--supersample", default="4")
     given = parser.parse_args()

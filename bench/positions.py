@@ -1,13 +1,18 @@
 #!/usr/bin/env python3
-"""The distribution of frame times over scene `paper`, as in the last column of Table 3 of Brandt et al. 2019: a table, and box and violin plots.
+"""The distribution of frame times over scene `paper`, as in the last column of Table 3 of Brandt et
+al. 2019: a table, and box and violin plots.
 
-usage: bench/positions.py SCENE [--count N | --sample PART] [--minutes M] [--resume] [--splat-size PX] [--line MS]
+usage: bench/positions.py SCENE [--count N | --sample PART] [--minutes M] [--resume]
+                          [--splat-size PX] [--line MS]
 
-N random positions 200 m above the whole scene, and a quarter as many 2 m above the ground of each part, four directions
-each; a picture is drawn twice, and it is the second frame that counts (`stipple bench positions`). The paper: about 10,000,
-and 1,000 in each part (100 in the bakery): --sample says what part of 10,000. Measured in pieces of all places, and kept
-after each: --minutes ends after so long, --resume goes on where the kept file ends. As positions do not depend on how many
-there are, any number of pieces is a sample of the whole. Writes frame-times.svg.
+N random positions 200 m above the whole scene, and a quarter as many 2 m above the ground of each
+part, with four directions each. Each picture is drawn twice; the second frame counts (`stipple
+bench positions`). The paper has about 10,000, and 1,000 in each part (100 in the bakery); --sample
+is a fraction of 10,000.
+
+Measures in pieces that cover all places, and saves after each. --minutes stops after that time,
+--resume continues from the saved file. Positions do not depend on their number, so any number of
+pieces is a sample of the whole. Writes frame-times.svg.
 """
 import math
 import time
@@ -16,19 +21,19 @@ import kit
 
 LEFT, TOP, HEIGHT, BOTTOM, ACROSS = 60, 44, 340, 60, 130
 BINS = 80
-WHOLE = 10000 # positions of the paper
+WHOLE = 10000 # positions in the paper
 LISTS = ("frame_ms", "jump_ms", "splats", "triangles")
 ROUNDED = {"frame_ms": 2, "jump_ms": 2, "splats": None, "triangles": None}
 
 
 def axis(values):
-    """From a half of a power of two below to one above: frame times differ by orders of magnitude."""
+    """Axis range, in half powers of two: frame times differ by orders of magnitude."""
     low = max(0.5, min(kit.rank(v, 0.01) for v in values))
     return math.floor(math.log2(low)), math.ceil(math.log2(max(map(max, values))))
 
 
 def outline(values, y_of, low, high):
-    """How dense the values are along the logarithmic axis: half widths, from the lowest bin up, smoothed."""
+    """Density of the values along the logarithmic axis: smoothed half widths, from the lowest bin up."""
     bins = [0.0] * BINS
     for value in values:
         part = (math.log2(max(value, 2.0 ** low)) - low) / (high - low)
@@ -78,7 +83,7 @@ def plot(results, path, mark):
 
 
 def add(places, piece):
-    """A piece's pictures to those of before, by place."""
+    """Adds a piece's pictures to the previous ones, by place."""
     for r in piece:
         p, lists = r["params"], {name: [round(v, ROUNDED[name]) for v in r["figures"][name]] for name in LISTS}
         del p["first"]
@@ -99,7 +104,7 @@ def describe(r):
 
 
 def resumed(given, path):
-    """What was kept, by place, if it is of the same pictures."""
+    """Saved results by place, if they are of the same pictures."""
     places = {r["params"]["place"]: r for r in kit.read_results(path)}
     for r in places.values():
         p = r["params"]
@@ -131,13 +136,13 @@ def measure(given, name):
 def main():
     parser = kit.options(__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--count", type=int, help="above the whole scene; instead of --sample")
-    parser.add_argument("--sample", type=float, default=0.06, help="part of the paper's 10,000 positions; default 0.06")
-    parser.add_argument("--minutes", type=float, help="begin no further piece after so many; default: all positions")
+    parser.add_argument("--count", type=int, help="positions above the whole scene; instead of --sample")
+    parser.add_argument("--sample", type=float, default=0.06, help="fraction of the paper's 10,000 positions; default 0.06")
+    parser.add_argument("--minutes", type=float, help="start no further piece after this time; default: all positions")
     parser.add_argument("--piece", type=int, default=20, help="positions at a time; default 20")
-    parser.add_argument("--resume", action="store_true", help="go on where the kept file ends")
+    parser.add_argument("--resume", action="store_true", help="continue from the saved file")
     parser.add_argument("--splat-size", default="4")
-    parser.add_argument("--line", type=float, default=33.0, help="marked in the plot, ms; default 33")
+    parser.add_argument("--line", type=float, default=33.0, help="line in the plot, ms; default 33")
     given = parser.parse_args()
     results = measure(given, "positions")
     rows = []

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""How pictures grow with the bytes of a file: SSIM of each twentieth of it to the whole, seen from outside.
+"""Picture quality by bytes read: SSIM of prefixes of a file, in steps of a twentieth, against the
+whole file, seen from outside.
 
 usage: bench/prefix.py [--steps N] [--view NAME] MODEL...
 
-MODEL is a .stip, a model, a named scene (scene:city,scale=0.1), or a folder of .stip files. Models and scenes are built into
-a folder for the time of the run. Prints a table with the largest fall from one step to the next; writes prefix-bytes.svg.
+MODEL is a .stip, a model, a named scene (scene:city,scale=0.1), or a folder of .stip files. Models
+and scenes are built into a temporary folder. Prints a table with the largest drop from one step to
+the next; writes prefix-bytes.svg.
 """
 import pathlib
 import subprocess
@@ -16,7 +18,7 @@ WIDTH, HEIGHT, LEFT, TOP, BOTTOM = 660, 300, 60, 40, 120
 
 
 def find_models(names):
-    """Folders stand for the .stip files in them."""
+    """Expands folders to the .stip files in them."""
     for name in names:
         path = pathlib.Path(name)
         yield from sorted(path.glob("*.stip")) if path.is_dir() else [name]
@@ -32,7 +34,7 @@ def build(model, folder):
 
 
 def measure(given, model, folder):
-    """SSIM of each prefix; 0 where the directory is not there yet."""
+    """SSIM of each prefix; 0 while the directory is incomplete."""
     stored = build(model, folder)
     whole, part = folder / "whole.png", folder / "part.png"
     look = ("--view", given.view, "--size", given.size)

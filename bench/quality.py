@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Runs `stipple bench quality` on every model below the given paths and writes one table, a row a model, series and splat size.
+"""Runs `stipple bench quality` on every model below the given paths and writes one table, with a
+row per model, series and splat size.
 
 usage: bench/quality.py [--size WxH] OUT.csv PATH...
 
-With OUT.md instead, a row a model: of each size of splats the holes in 10,000 pixels of the interior, the covered area
-over the reference's, and the wrong depths in 1,000 pixels, from 26 directions.
+With OUT.md instead, a row per model: for each splat size the holes per 10,000 interior pixels, the
+covered area relative to the reference, and the wrong depths per 1,000 pixels, from 26 directions.
 """
 import csv
 import json

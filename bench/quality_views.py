@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""How alike pictures of named scenes are to the originals: every named view, at a splat a pixel and at equal numbers of splats.
+"""Similarity of named scenes to the originals: every named view, at splat size 1 and at equal
+numbers of splats.
 
-usage: bench/quality_views.py [--files FOLDER] [--splat-sizes 1,2,4] [--supersample N] [--no-paper] [SCENE...]
+usage: bench/quality_views.py [--files FOLDER] [--splat-sizes 1,2,4] [--supersample N] [--no-paper]
+                              [SCENE...]
 
-default: all named scenes, the large ones scaled. Each is built into FOLDER (default build/scenes) unless it is there,
-once with our order and once with --order paper-fast; a SCENE that is a .stip is drawn as it is, with OTHER beside it
-as SCENE=OTHER. For each view:
+default: all named scenes, the large ones scaled. Each is built into FOLDER (default build/scenes)
+unless it exists, once with our order and once with --order paper-fast. A SCENE that is a .stip is
+drawn as it is, with OTHER for the paper's order as SCENE=OTHER. For each view:
 - SSIM on covered pixels at splat size 1, against the original triangles;
-- against a picture of N x N samples a pixel: ours at rest (N x N frames accumulated) and in one frame, and the original triangles at one sample;
-- the paper's order with --policy paper at each of the sizes, and ours at the least size with which it draws no more
-  splats, and no more splats and triangles together, each against the original triangles.
+- against a picture of N x N samples per pixel: ours at rest (N x N accumulated frames) and in one
+frame, and the original triangles with one sample;
+- the paper's order with --policy paper at each size, and ours at the smallest size at which it
+draws no more splats, and no more splats plus triangles, each against the original triangles.
 """
 import math
 import pathlib
@@ -24,7 +27,7 @@ SCENES = ("boxes", "spheres,scale=0.02", "one-mesh", "power-plant,scale=0.2", "f
 
 
 def files_of(given, scene):
-    """Ours, and the one in the paper's order (None: not wanted)."""
+    """Our file, and the one in the paper's order (None: not requested)."""
     if ".stip" in scene:
         ours, _, other = scene.partition("=")
         return ours, other or None
@@ -62,7 +65,7 @@ def work_of(drawn):
 
 
 class PaperView:
-    """The paper's picture at a size of splats, and ours with no more of what is counted."""
+    """The paper's picture at a splat size, and ours with no larger count."""
 
     def __init__(self, viewer, paper_file, truth, splat_size):
         self.viewer, self.truth, self.sizes = viewer, truth, {}
@@ -77,7 +80,7 @@ class PaperView:
         return self.sizes[size]
 
     def equal(self, count_of):
-        """Ours at the least size with which it draws no more than the paper's."""
+        """Ours at the smallest size at which it draws no more than the paper's."""
         most, low, high, best = count_of(self.paper), 1.0, 48.0, None
         for step in range(8):
             size = 1.0 if step == 0 else math.sqrt(low * high)
@@ -126,7 +129,7 @@ def row_of(given, scene, view, f):
 
 
 def conclude(results):
-    """Counts that the goals ask for, as a list."""
+    """Counts for the goals."""
     views = [r["figures"] for r in results]
     fine = [f for f in views if "fine_ours" in f]
     covered = [f["ssim_covered"] for f in views]
@@ -151,8 +154,8 @@ def main():
     parser.add_argument("--files", type=pathlib.Path, default=kit.ROOT / "build/scenes")
     parser.add_argument("--splat-sizes", default="1,2,4")
     parser.add_argument("--supersample", type=int, default=4, help="default 4; 1: none")
-    parser.add_argument("--no-paper", action="store_true", help="nothing of --order paper-fast")
-    parser.add_argument("--views", help="only these, with commas between")
+    parser.add_argument("--no-paper", action="store_true", help="skip --order paper-fast")
+    parser.add_argument("--views", help="only these, comma-separated")
     given = parser.parse_args()
     results, rows = [], []
     for scene in given.scenes or SCENES:

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Shapes of splats against each other: likeness and time of pictures of disks, squares, Gaussians and textured splats.
+"""Compares splat shapes: quality and time of pictures of disks, squares, Gaussians and textured
+splats.
 
-usage: bench/splat_shapes.py [--sizes 4,8,16] [--views N] [--repeats N] [--backend cpu|gl] [--picture SCENE VIEW PX X,Y,W,H] SCENE...
+usage: bench/splat_shapes.py [--sizes 4,8,16] [--views N] [--repeats N] [--backend cpu|gl]
+                             [--picture SCENE VIEW PX X,Y,W,H] SCENE...
 
-SCENE is a .stip or a named scene, drawn with triangles where splats do not suffice; or a model, of which --surfels splats are
-made and drawn alone. Each of its first N views (iso, front and top where it has none) is drawn at each size with each shape and
-compared with its reference. Times are the least of the repeats,
-which take turns. Prints a table; --picture writes splat-shapes.png: part of one view, each shape and the reference beside each
-other.
+SCENE is a .stip or a named scene, drawn with triangles where splats do not suffice; or a model, of
+which --surfels splats are made and drawn alone. Each of its first N views (iso, front and top if it
+has none) is drawn at each size with each shape and compared with its reference. Times are minima
+over the repeats, which take turns. Prints a table; --picture writes splat-shapes.png: part of one
+view, with each shape and the reference side by side.
 """
 import pathlib
 import subprocess
@@ -44,7 +46,7 @@ def draw_reference(given, stored, view, picture):
 
 
 def measure(given, scene, stored, view, size, truth, folder):
-    """Likeness and figures of each shape."""
+    """SSIM and figures of each shape."""
     pictures = {shape: folder / f"{shape}.png" for shape in SHAPES}
     frames = {shape: [] for shape in SHAPES}
     for _ in range(given.repeats):
@@ -81,8 +83,8 @@ def main():
     parser = kit.options(__doc__, size="1280x720")
     parser.add_argument("scenes", nargs="+", metavar="SCENE")
     parser.add_argument("--sizes", default="4,8,16")
-    parser.add_argument("--views", type=int, default=3, help="of each scene; default 3")
-    parser.add_argument("--surfels", type=int, default=200000, help="of a model; default 200000")
+    parser.add_argument("--views", type=int, default=3, help="views per scene; default 3")
+    parser.add_argument("--surfels", type=int, default=200000, help="splats of a model; default 200000")
     parser.add_argument("--method", default="blue", choices=("blue", "spt"))
     parser.add_argument("--backend", default="cpu", choices=("cpu", "gl"))
     parser.add_argument("--repeats", type=int, default=3)

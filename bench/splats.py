@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Splats a second by size, beside the same points through OpenGL in software, and what part that is of what memory gives.
+"""Splats per second by size, compared with the same points through software OpenGL, and with memory
+bandwidth.
 
 usage: bench/splats.py [--quick]
 

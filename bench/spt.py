@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Point trees and their sequences on several models: points by distance and kind of error, and what the test of each
-rejects, and how long a view takes to draw by recursion, as a sequence, and with groups left out: on the processor, or with
+"""Point trees and their sequences on several models: points by distance and error, rejections per
+test, and drawing time by recursion, as a sequence, and with culled groups, on the CPU or with
 OpenGL.
 
     bench/spt.py [MODEL...] [--count N] [--backend cpu|gl] [--out FILE.json]
 
-Default: models of Debian's assimp-testmodels. Runs `stipple bench spt` on each, prints a table, and keeps the figures in
-bench/results.
+Default: models of Debian's assimp-testmodels. Runs `stipple bench spt` on each, prints a table, and
+saves the figures in bench/results.
 """
 import argparse
 import pathlib
@@ -16,15 +16,15 @@ import kit
 TESTMODELS = pathlib.Path("/usr/share/assimp/models")
 MODELS = ["glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb", "PLY/Wuson.ply", "OBJ/spider.obj", "PLY/pond.0.ply",
           "STL/sphereWithHole.stl"]
-WAYS = {"traversal": "_gather_ms", "sequence": "_test_ms", "groups": "_test_ms"}  # and what they do besides drawing
+WAYS = {"traversal": "_gather_ms", "sequence": "_test_ms", "groups": "_test_ms"}  # and their overhead besides drawing
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("models", nargs="*", default=[str(TESTMODELS / name) for name in MODELS])
-    parser.add_argument("--count", type=int, default=200000, help="points of a model")
+    parser.add_argument("--count", type=int, default=200000, help="points per model")
     parser.add_argument("--backend", choices=["cpu", "gl"], default="cpu", help="what draws")
-    parser.add_argument("--out", metavar="FILE.json", help="where figures are kept; default bench/results/MACHINE/DATE-spt.json")
+    parser.add_argument("--out", metavar="FILE.json", help="output file of the figures; default bench/results/MACHINE/DATE-spt.json")
     options = parser.parse_args()
     kept, rows, drawn = [], [], []
     for model in options.models:

@@ -1,5 +1,6 @@
-"""The sequence of a point tree as a .stip file holds it, and its cuts from several distances: which points are too coarse,
-drawn, or too fine (Figures 1, 4 and 5 of Dachsbacher et al. 2003)."""
+"""The sequence of a point tree in a .stip file, and its cuts from several distances: which points
+are too coarse, drawn, or
+too fine (Figures 1, 4 and 5 of Dachsbacher et al. 2003)."""
 import bisect
 import math
 import pathlib
@@ -49,7 +50,7 @@ def level_of(code):
 
 
 def read_sequence(path):
-    """The points of the only set of method spt, by falling highest level: place, lowest, highest level."""
+    """The points of the only set of method spt, by descending highest level: place, lowest, highest level."""
     data, tables = read_tables(path)
     method = next(m for m in tables["methods"] if m["name"] == "spt")
     if method["set_count"] != 1:
@@ -69,8 +70,8 @@ def read_sequence(path):
 
 
 def cut(points, eye, forward, per_depth, level=None):
-    """For each point, which of KINDS it is: at the level of its own depth, or at one for all. Also the end of the prefix
-    that a view looks at: points from there on are too fine at the nearest depth."""
+    """The kind (of KINDS) of each point, with the level of its own depth or one level for all. Also the end
+    of the prefix that a view tests: points after it are too fine at the nearest depth."""
     depth_at_eye = sum(e * f for e, f in zip(eye, forward))
     kinds = bytearray(len(points))
     nearest = math.inf
@@ -85,7 +86,7 @@ def cut(points, eye, forward, per_depth, level=None):
 
 
 def bins_of(kinds, end):
-    """How many of each kind lie in each of BINS equal parts of the first `end` points."""
+    """Number of points of each kind in each of BINS equal parts of the first `end` points."""
     counts = [[0] * BINS for _ in KINDS]
     for i in range(end):
         counts[kinds[i]][i * BINS // end] += 1
@@ -93,7 +94,7 @@ def bins_of(kinds, end):
 
 
 def put_bar(drawing, counts, left, top, width, height):
-    """Columns whose heights are the shares of each kind: drawn at the bottom, too coarse above it, too fine at the top."""
+    """Stacked columns of the shares of each kind: drawn at the bottom, too coarse above, too fine at the top."""
     step = width / BINS
     drawing.put(f'<rect x="{left}" y="{top}" width="{width}" height="{height}" fill="{FILLS[2]}"/>')
     for kinds, fill in (((1, 0), FILLS[0]), ((1,), FILLS[1])):
@@ -109,7 +110,7 @@ def put_bar(drawing, counts, left, top, width, height):
 
 
 def plot(rows, name, count, path):
-    """A row for each distance: the whole sequence; the prefix with one level for all; with the level of each point's depth."""
+    """A row per distance: the whole sequence; the prefix with one level for all; with the level of each point's depth."""
     across = BAR_WIDTH + GAP
     drawing = kit.Drawing(LEFT + 3 * across, TOP + len(rows) * (BAR_HEIGHT + BAR_GAP) + 4)
     drawing.text(LEFT, 18, f"{name}: {count:,} points by r_max, from coarse to fine; a row for each distance, in sizes of the model",
@@ -135,7 +136,7 @@ def plot(rows, name, count, path):
 
 
 def measure(path, name, distances, direction, bounds, image, epsilon=1, picture_rows=720):
-    """Cuts from each distance in a direction, with 60 degrees from top to bottom: counts as results, and the plot."""
+    """Cuts from each distance in a direction, with a vertical angle of 60 degrees: counts as results, and the plot."""
     points = read_sequence(path)
     center = [0.5 * (a + b) for a, b in zip(bounds["min"], bounds["max"])]
     size = math.dist(bounds["min"], bounds["max"])

@@ -4,17 +4,18 @@
 usage: [MODELS=FOLDER] bench/spt_figures.py [PART...]
 
 PARTs, default all:
-  cut        Figures 1, 4 and 5: what of the sequence is looked at and drawn by distance; spt-cut.svg
-  near-far   Figure 1: one model as it is drawn from ever farther away, enlarged; spt-near-far.png
+  cut        Figures 1, 4 and 5: points of the sequence tested and drawn by distance; spt-cut.svg
+  near-far   Figure 1: one model as drawn from increasing distances, enlarged; spt-near-far.png
   hybrid     Figure 6: triangles and splats in two colours; spt-hybrid.png
   color      Figure 7: density of points by colour; spt-color.png
-  scene      Figure 8: a scene, and points a second; spt-scene.png
-  errors     points drawn against distance by the three errors; spt-errors.svg
+  scene      Figure 8: a scene, and points per second; spt-scene.png
+  errors     points drawn by distance, with the three errors; spt-errors.svg
   crossing   the distance from which points beat triangles; spt-crossing.svg
-  bytes      bytes a point in the file and in memory
+  bytes      bytes per point in the file and in memory
 
-Models are of Debian's assimp-testmodels, and scenes of `stipple build scene:NAME`; those of MODELS (.glb, .obj, .ply, .stl) join
-`crossing` and `bytes`. Models get 200,000 samples in one set. Parts that are not measured stay in the JSON as they are.
+Models are those of Debian's assimp-testmodels, and scenes of `stipple build scene:NAME`; those of
+MODELS (.glb, .obj, .ply, .stl) join `crossing` and `bytes`. Models get 200,000 samples in one set.
+Parts that are not measured keep their results in the JSON.
 """
 import json
 import math
@@ -56,7 +57,7 @@ def build(given, model, method, *more):
 
 
 def build_one_set(given, model, method, *more):
-    """200,000 samples of the topmost node alone, as the paper has them: no other node has as many triangles."""
+    """200,000 samples of the root only, as in the paper: no other node has as many triangles."""
     triangles = kit.stipple("info", model)["triangles"]
     return build(given, model, method, "--surfels", "200000", "--threshold", str(triangles - 1), *more)
 
@@ -66,14 +67,14 @@ def told(model):
 
 
 def models():
-    """Those of every machine, and those of MODELS."""
+    """The default models, and those of MODELS."""
     folder = os.environ.get("MODELS")
     found = sorted(str(p) for p in pathlib.Path(folder).iterdir() if p.suffix in (".glb", ".obj", ".ply", ".stl")) if folder else []
     return MODELS + found
 
 
 def eye_at(info, distance):
-    """An eye so many sizes of the model away from its middle, and the middle."""
+    """An eye `sizes` model sizes from the model's centre, and the centre."""
     low, high = info["bounds"]["min"], info["bounds"]["max"]
     center = [0.5 * (a + b) for a, b in zip(low, high)]
     return [c + d * distance * math.dist(low, high) for c, d in zip(center, DIRECTION)], center
@@ -111,7 +112,7 @@ def measure_cut(given):
 
 
 def measure_near_far(given):
-    """What is drawn from farther and farther away at one pixel is drawn here from one place at more pixels."""
+    """Draws the picture from one position with larger splats, which equals drawing from afar at one pixel."""
     stored = build_one_set(given, WUSON, "spt")
     view = look(kit.stipple("info", stored), 0.8)
     top, bottom, results = [], [], []
@@ -128,7 +129,7 @@ def measure_near_far(given):
 
 
 def paint(drawn, shrunk, truth, picture):
-    """Red where a pixel shows a splat: where shrinking splats changes it, or the original triangles look otherwise."""
+    """Marks pixels that show a splat in red: those that change if splats shrink, or differ from the original triangles."""
     width, _, rows = contact_sheet.read_png(drawn)
     others = [contact_sheet.read_png(path)[2] for path in (shrunk, truth)]
     out, red = [], 0
@@ -172,7 +173,7 @@ def measure_hybrid(given):
 
 
 def measure_color(given):
-    """The head of a textured model: with the geometric error alone, and with colour in the error."""
+    """The head of a textured model: with the geometric error only, and with colour in the error."""
     top, bottom, results = [], [], []
     for threshold in (255, 48, 16):
         stored = build_one_set(given, DUCK, "spt", "--color-threshold", str(threshold))
@@ -195,7 +196,7 @@ def measure_color(given):
 
 
 def measure_scene(given):
-    """A view at several errors: points looked at a second of drawing, of splats alone too."""
+    """A view at several errors: points tested per second of drawing, also for splats only."""
     stored = build(given, FOREST, "spt")
     results, rows = [], []
     for epsilon in (4, 8, 16):
@@ -216,7 +217,7 @@ def measure_scene(given):
 
 
 class Panels:
-    """Logarithmic plots beside each other, on one axis of distances."""
+    """Logarithmic plots side by side, with a common distance axis."""
     width, height, left, gap, top = 230, 170, 56, 50, 78
 
     def __init__(self, title, curves, count, columns):
@@ -266,8 +267,8 @@ def measure_errors(given):
 
 
 def times_at(given, stored, info, distance):
-    """The frame of each way that took least to select and draw; ways take turns, and frames of a flight that stands still come after
-    a warm one. Shading is left out: it is the same for all."""
+    """The fastest frame (selection plus drawing) of each way. Ways take turns; the flights stand still, so all
+    frames after the first are warm. Excludes shading, which is the same for all."""
     eye, center = eye_at(info, distance)
     keys = [{"t": t, "eye": eye, "target": center, "up": [0, 1, 0]} for t in (0, 1)]
     path = given.folder / "still.json"
@@ -283,7 +284,7 @@ def times_at(given, stored, info, distance):
 
 
 def likeness_at(given, stored, info, distance, way):
-    """SSIM of splats and of triangles, one sample a pixel each, against triangles with 16 samples a pixel."""
+    """SSIM of splats and of triangles, with one sample per pixel, against triangles with 16 samples per pixel."""
     ours, truth = given.folder / "ours.png", given.folder / "truth.png"
     draw(given, stored, truth, *look(info, distance), "--reference", "--supersample", 4)
     found = {}
@@ -294,7 +295,7 @@ def likeness_at(given, stored, info, distance, way):
 
 
 def crossing_of(at):
-    """The first distance from which on splats are the faster at all measured ones, by way."""
+    """The distance from which on splats are faster at all measured ones, by way."""
     found = {}
     for way in list(CROSSING_WAYS)[1:]:
         faster = [d for d in CROSSING_DISTANCES if all(at[e][way]["ms"] < at[e]["triangles"]["ms"] for e in CROSSING_DISTANCES if e >= d)]
@@ -345,7 +346,7 @@ def measure_crossing(given):
 
 
 def memory_of(path):
-    """Bytes a point of the columns in memory, by method, joined: blue has colours and coverages for each octave's whole prefix."""
+    """Bytes per point of the columns in memory, by method: blue stores colours and coverages for each octave's whole prefix."""
     _, tables = spt_cut.read_tables(path)
     found = {}
     for method in tables["methods"]:
@@ -386,11 +387,11 @@ NAMES = {"near-far": "spt near far"}
 def main():
     parser = kit.options(__doc__, size="1280x720")
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
-    parser.add_argument("--repeats", type=int, default=2, help="flights, or pictures, whose frames give a median; default 2")
+    parser.add_argument("--repeats", type=int, default=2, help="flights or pictures per median; default 2")
     given = parser.parse_args()
     unknown = [part for part in given.parts if part not in PARTS]
     if unknown:
-        parser.error(f"no part is named {unknown[0]}")
+        parser.error(f"unknown part: {unknown[0]}")
     path = kit.path_of("spt-figures", given.out)
     kept = kit.read_results(path) if path.exists() else []
     with tempfile.TemporaryDirectory() as name:

@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Table 3 of Brandt et al. 2019 on scene `paper`: views 1 to 5 without LOD and with ours, at three sizes and in stereo, beside the paper's.
+"""Table 3 of Brandt et al. 2019 on scene `paper`: views 1 to 5 without LOD and with ours, at three
+sizes and in stereo, beside the paper's.
 
-usage: bench/table3.py SCENE [--splat-size PX | --budget-ms MS] [--counts-only | --times-only] [--merge FILE.json...]
-                       [--columns 1k,2.5k,4k,HMD] [--views 1,2] [--references FOLDER] [--no-reference]
+usage: bench/table3.py SCENE [--splat-size PX | --budget-ms MS] [--counts-only | --times-only]
+                       [--merge FILE.json...] [--columns 1k,2.5k,4k,HMD] [--views 1,2]
+                       [--references FOLDER] [--no-reference]
 
-Prints Markdown: ours, and in brackets the paper's (a GTX 1060; frame time is 1000 / FPS). --counts-only needs no idle
-machine: what is drawn, and SSIM against pictures without LOD, each of which is drawn once and kept in --references.
---times-only is the rest, and adds to what --merge names; neither does both. With --merge and --views none it prints alone.
+Prints Markdown: ours, and the paper's in brackets (a GTX 1060; frame time is 1000 / FPS).
+--counts-only needs no idle machine: counts, and SSIM against pictures without LOD, which are drawn
+once and cached in --references. --times-only measures the rest and adds it to the files of --merge.
+Without either, both are measured. With --merge and --views none, it only prints.
 """
 import pathlib
 import tempfile
@@ -43,7 +46,7 @@ def quality_options(given):
 
 
 def draw(given, view, column, png, *more):
-    """A picture, and those of its figures that are wanted: times are medians of several frames."""
+    """A picture and its requested figures: times are medians of several frames."""
     stereo = ["--stereo"] if column == "HMD" else []
     figures = kit.stipple("render", given.scene, "--view", view, "--size", SIZES[column], "-o", png, *more, *stereo,
                           *(["--once"] if given.counts_only else []), threads=given.threads)
@@ -61,7 +64,7 @@ def measure_ours(given, view, column, folder):
 
 
 def measure_whole(given, view, column, folder):
-    """Without LOD. What is drawn of it is known where its picture was kept."""
+    """Without LOD. Its counts are known if its picture is cached."""
     kit.say(f"view {view}, no LOD")
     if given.counts_only:
         _, figures = kit.reference(given, view, SIZES[column])
@@ -84,7 +87,7 @@ def measure(given, columns):
 
 
 def merge(lists):
-    """One result a view and column; of a figure that several have, the last."""
+    """One result per view and column; the last one wins if several have the same figure."""
     by_place = {}
     for r in (r for results in lists for r in results):
         place = (r["params"]["view"], r["params"]["column"])
@@ -130,7 +133,7 @@ def main():
     parser.add_argument("--views", default="1,2,3,4,5")
     parser.add_argument("--counts-only", action="store_true")
     parser.add_argument("--times-only", action="store_true")
-    parser.add_argument("--merge", nargs="+", default=[], metavar="FILE.json", help="what was measured before")
+    parser.add_argument("--merge", nargs="+", default=[], metavar="FILE.json", help="earlier results")
     parser.add_argument("--no-reference", action="store_true", help="no column without LOD, and no SSIM")
     given = parser.parse_args()
     columns = given.columns.split(",")

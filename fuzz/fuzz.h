@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What targets share that read a text of foreign making: a context that counts what is logged, and what must hold.
+// Shared by the targets that read untrusted text: a context that counts errors, and assertions.
 #pragma once
 
 #include "base/context.h"
@@ -23,7 +23,7 @@ static void count_errors(stp_log_level level, const char* message, void* user)
     *errors += level == STP_LOG_ERROR;
 }
 
-/// One thread, 256 MiB, errors counted. @return NULL where memory runs out
+/// One thread, 256 MiB, counts errors. @return NULL if out of memory
 static inline stp_context* fuzz_context_create(int* errors)
 {
     stp_context_desc desc = {.thread_count = 1,

@@ -2,17 +2,17 @@
 //
 // build/fuzz/fuzz/fuzz_assimp_stream -max_total_time=60 -max_len=4096 build/corpus/fuzz_assimp_stream
 //
-// Any bytes as what the child process that runs assimp sends: refused, or a sound scene.
+// Arbitrary bytes as the output of the assimp child process: rejected, or a valid scene.
+#include "fuzz.h"
+
 #include "../tests/import/import_digest.h"
 #include "import/assimp_stream.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
-
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
-    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = (uint64_t)1 << 28};
-    stp_context* context;
-    if (stp_context_create(&context, &desc) != STP_OK) {
+    int errors = 0;
+    stp_context* context = fuzz_context_create(&errors);
+    if (context == NULL) {
         return 0;
     }
     stp_scene* scene;

@@ -3,7 +3,8 @@
 // build/fuzz/fuzz/fuzz_e57 -max_total_time=60 -max_len=4096 build/corpus/fuzz_e57
 // Seeds: files of tests/import/e57_writer.h
 //
-// Any bytes as E57, with the checksums of their pages made right: refused with one sentence, or a sound scene.
+// Arbitrary bytes as E57, with corrected page checksums: rejected with one sentence, or a valid
+// scene.
 #include "fuzz_import.h"
 
 #include "../tests/import/e57_writer.h"
@@ -15,7 +16,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
         return 0;
     }
     memcpy(bytes, data, size);
-    if (size >= 48) { // what else would be refused at once
+    if (size >= 48) { // smaller files are rejected at once
         memcpy(bytes, "ASTM-E57\1\0\0\0\0\0\0\0", 16);
         stp_write_u64(bytes + 16, size / 1024 * 1024);
         stp_write_u64(bytes + 40, 1024);

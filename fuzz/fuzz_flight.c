@@ -3,7 +3,8 @@
 // build/fuzz/fuzz/fuzz_flight -max_total_time=60 -max_len=4096 build/corpus/fuzz_flight
 // Seeds: scenes/flights/*.json
 //
-// Any bytes as a flight: a failure is logged once; what is taken gives finite views at any time, and goes through its keys.
+// Arbitrary bytes as a flight: a failure is logged once; an accepted flight gives finite views at
+// any time and passes through its keys.
 #include "fuzz.h"
 
 #include "base/math.h"

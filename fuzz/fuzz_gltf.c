@@ -18,7 +18,7 @@ static void count_errors(stp_log_level level, const char* message, void* user)
     *errors += level == STP_LOG_ERROR;
 }
 
-// What the rest of the library relies on.
+// Invariants that the rest of the library relies on.
 static void check_scene(const stp_scene* scene)
 {
     for (size_t i = 0; i < scene->mesh_count; ++i) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // build/fuzz/fuzz/fuzz_hgt -max_total_time=60 -max_len=4096 build/corpus/fuzz_hgt
-// Seeds: none are needed
+// Seeds: not needed
 //
-// Any heights at the northern end of a tile that is void elsewhere: a sound scene, whose mesh leaves the voids out.
+// Arbitrary heights at the northern end of a tile that is otherwise void: a valid scene whose mesh
+// omits the voids.
 #include "fuzz_import.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)

@@ -20,7 +20,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size)
     unsigned sum = 0;
     if (stp_image_decode(context, "fuzz", bytes, size, &texture) == STP_OK) {
         for (size_t i = 0; i < (size_t)texture.width * texture.height * 4; ++i) {
-            sum += texture.pixels[i]; // all are there
+            sum += texture.pixels[i]; // all pixels are readable
         }
     }
     stp_free(context, texture.pixels);

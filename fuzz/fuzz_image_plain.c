@@ -2,18 +2,16 @@
 //
 // build/fuzz/fuzz/fuzz_image_plain -max_total_time=60 -max_len=4096 build/corpus/fuzz_image_plain
 //
-// Any bytes as a TGA or BMP picture: refused, or as many texels as it says.
+// Arbitrary bytes as a TGA or BMP picture: rejected, or as many texels as it claims.
+#include "fuzz.h"
+
 #include "import/image_plain.h"
-
-#include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
-    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = (uint64_t)1 << 28};
-    stp_context* context;
-    if (stp_context_create(&context, &desc) != STP_OK) {
+    int errors = 0;
+    stp_context* context = fuzz_context_create(&errors);
+    if (context == NULL) {
         return 0;
     }
     stp_texture texture = {0};

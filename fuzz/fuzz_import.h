@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What targets of formats share: an import is refused with one sentence, or makes a sound scene.
+// Shared by the targets of file formats: an import is rejected with one sentence, or gives a valid
+// scene.
 #pragma once
 
 #include "fuzz.h"

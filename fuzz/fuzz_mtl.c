@@ -3,18 +3,16 @@
 // build/fuzz/fuzz/fuzz_mtl -max_total_time=60 -max_len=4096 build/corpus/fuzz_mtl
 // Seeds: /usr/share/assimp/models/OBJ/*.mtl
 //
-// Any bytes as a material library: its materials have numbers in range.
+// Arbitrary bytes as a material library: the values of its materials are in range.
+#include "fuzz.h"
+
 #include "import/obj.h"
-
-#include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
-    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = (uint64_t)1 << 28};
-    stp_context* context;
-    if (stp_context_create(&context, &desc) != STP_OK) {
+    int errors = 0;
+    stp_context* context = fuzz_context_create(&errors);
+    if (context == NULL) {
         return 0;
     }
     stp_scene* scene;

@@ -3,7 +3,8 @@
 // build/fuzz/fuzz/fuzz_obj -max_total_time=60 -max_len=4096 build/corpus/fuzz_obj
 // Seeds: /usr/share/assimp/models/OBJ/*.obj
 //
-// Any bytes as an OBJ file. Cut into chunks of any size, it must give the same scene, or fail the same way.
+// Arbitrary bytes as an OBJ file. Split into chunks of any size, it must give the same scene, or
+// fail the same way.
 #include "../tests/import/import_digest.h"
 #include "import/obj.h"
 

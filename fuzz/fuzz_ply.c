@@ -3,7 +3,7 @@
 // build/fuzz/fuzz/fuzz_ply -max_total_time=60 -max_len=4096 build/corpus/fuzz_ply
 // Seeds: /usr/share/assimp/models/PLY/*.ply
 //
-// Any bytes as PLY: refused, or a sound scene.
+// Arbitrary bytes as PLY: rejected, or a valid scene.
 #include "fuzz_import.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)

@@ -3,19 +3,18 @@
 // build/fuzz/fuzz/fuzz_png -max_total_time=60 -max_len=4096 build/corpus/fuzz_png
 // Seeds: /usr/share/assimp/models/*/*/*.png
 //
-// Any bytes as a PNG; what can be read must survive being written and read again.
+// Arbitrary bytes as a PNG. A picture that can be read must survive a round trip.
+#include "fuzz.h"
+
 #include "present/png.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {
-    stp_context_desc desc = {.thread_count = 1, .memory_limit_bytes = (uint64_t)1 << 28};
-    stp_context* context;
-    if (stp_context_create(&context, &desc) != STP_OK) {
+    int errors = 0;
+    stp_context* context = fuzz_context_create(&errors);
+    if (context == NULL) {
         return 0;
     }
     stp_image image, again;

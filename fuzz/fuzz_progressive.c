@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Operators of progressive sets: sets made of the input come back from their own coding, and
-// arbitrary bytes are decoded.
+// Operators of progressive sets: sets built from the input survive a round trip through their
+// coding, and arbitrary bytes are decoded.
 //
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_progressive
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_progressive -max_total_time=60 -max_len=4000 corpus
@@ -43,7 +43,7 @@ static void require(bool condition)
     }
 }
 
-// Any levels: a walk, a cut and an order of what may be no valid set stay within their arrays.
+// Arbitrary levels: a walk, a cut and an order of a possibly invalid set stay within their arrays.
 static void use_ranges(const uint32_t* ranges, uint32_t count, bool valid)
 {
     static uint32_t order[MOST], scratch[MOST], alive[MOST], slots[MOST];
@@ -72,8 +72,8 @@ static void use_ranges(const uint32_t* ranges, uint32_t count, bool valid)
     }
 }
 
-// Columns and levels from the input: splats until it ends, or nothing is left to split. @return how
-// many
+// Columns and levels from the input: adds splats until the input ends or nothing can be split.
+// @return the number of splats
 static uint32_t make_set(const uint8_t* data, size_t size, columns* made, uint32_t* room)
 {
     stp_progressive_queue queue = {.ranges = made->ranges, .heap = room};
@@ -103,7 +103,7 @@ static uint32_t make_set(const uint8_t* data, size_t size, columns* made, uint32
     return count;
 }
 
-// What was made comes back, from any place on, and with a bit changed nothing is harmed.
+// The set survives a round trip from any position, and a flipped bit does no harm.
 static void use_set(const columns* made, uint32_t count, uint32_t begin, uint32_t flip)
 {
     static columns again;
@@ -128,7 +128,7 @@ static void use_set(const columns* made, uint32_t count, uint32_t begin, uint32_
     }
 }
 
-// Any bytes after some splats of any levels.
+// Arbitrary bytes after some splats with arbitrary levels.
 static void use_bytes(const uint8_t* data, size_t size, columns* made, uint32_t known,
                       uint32_t count)
 {
@@ -151,7 +151,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
     static uint32_t room[MOST];
     uint8_t head[6] = {0};
     size_t taken = size < sizeof(head) ? size : sizeof(head);
-    if (taken > 0) { // an empty input has no bytes to point to
+    if (taken > 0) { // an empty input may be NULL
         memcpy(head, data, taken);
         data += taken;
         size -= taken;

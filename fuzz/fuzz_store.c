@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Opens and reads a forged file. Checksums are made right first, so that mutations get past them.
+// Opens and reads a forged file. Checksums are corrected first, so that mutations get past them.
 //
 //   cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_store
 //   mkdir -p corpus && build/fuzz/fuzz/fuzz_store -max_total_time=60 -max_len=20000 corpus tests/golden/store/v1
@@ -15,7 +15,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
-// What is read must be readable: sums touch every byte that a caller may use.
+// Everything returned must be readable: sums touch every byte that a caller may use.
 static uint64_t sum(const void* bytes, size_t size)
 {
     uint64_t total = 0;
@@ -55,7 +55,7 @@ static uint64_t use_directory(stp_store* store)
     }
     for (uint32_t i = 0; i < d->node_count; ++i) {
         const stp_store_node* node = &d->nodes[i];
-        if (node->edge_count > 0) { // nothing may be added to a pointer to nothing
+        if (node->edge_count > 0) { // avoids arithmetic on a NULL pointer
             total += sum(&d->edges[node->first_edge], node->edge_count * sizeof(*d->edges));
         }
         if (node->part_count > 0) {
@@ -212,7 +212,7 @@ static uint64_t use_summary(const stp_store* store)
     return total;
 }
 
-// What the file has under the first keys it names, and under none.
+// Values of the first keys in the file, and of no key.
 static uint64_t use_keys(stp_store* store, const uint8_t* data, size_t size)
 {
     uint64_t total = 0;
@@ -231,7 +231,7 @@ static uint64_t use_keys(stp_store* store, const uint8_t* data, size_t size)
     return total;
 }
 
-// What is read of a file to describe it, and what a quick check adds.
+// Data read to describe a file, and what a quick check adds.
 static uint64_t use_head(stp_context* context, const void* bytes, size_t size)
 {
     stp_store_open_desc desc = {.summary_only = true};

@@ -2,8 +2,8 @@
 //
 // build/fuzz/fuzz/fuzz_viewpoints -max_total_time=60 -max_len=4096 build/corpus/fuzz_viewpoints
 //
-// Any bytes as the viewpoints beside a model: a failure is logged once; what is taken gives finite views, and can be found
-// and copied.
+// Arbitrary bytes as a viewpoints file: a failure is logged once; accepted viewpoints give finite
+// views and can be found and copied.
 #include "fuzz.h"
 
 #include "base/math.h"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a segment of a work directory: what is found can be read, and what is stored is found again.
+// Arbitrary bytes as a segment of a work directory: entries found can be read, and stored entries
+// are found again.
 //
 // build/fuzz/fuzz/fuzz_work -max_total_time=60 -max_len=4096 build/corpus/fuzz_work
 //
-// Checksums of heads and results are made right first, so that mutations get past them.
+// Checksums of headers and results are corrected first, so that mutations get past them.
 #include "base/bytes.h"
 #include "base/context.h"
 #include "build/stored_results.h"
@@ -22,7 +23,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 
 static const char magic[] = "STPwork\n", mark[] = "STPmade\n";
 
-// Turns bytes into a segment; its keys are remembered. An odd first byte leaves all as it is.
+// Turns bytes into a segment and records its keys. An odd first byte leaves the bytes unchanged.
 static size_t forge(unsigned char* bytes, size_t size, stp_hash keys[MOST_KEYS])
 {
     size_t key_count = 0;
@@ -116,7 +117,7 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
         }
         stp_work_close(work, round == 1);
     }
-    (void)unlink(path); // where it was taken for somebody else's
+    (void)unlink(path); // if it was taken for another program's
     (void)rmdir(folder);
     stp_context_destroy(context);
     return 0;

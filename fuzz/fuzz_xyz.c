@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // build/fuzz/fuzz/fuzz_xyz -max_total_time=60 -max_len=4096 build/corpus/fuzz_xyz
-// Seeds: texts of numbers, with an x or a p before them
+// Seeds: lines of numbers, preceded by an x or a p
 //
-// Any bytes as a text of points: refused with one sentence, or a sound scene. The first byte chooses PTS or XYZ.
+// Arbitrary bytes as a point text file: rejected with one sentence, or a valid scene. The first
+// byte selects PTS or XYZ.
 #include "fuzz_import.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)

@@ -52,7 +52,7 @@ uint32_t plan_add_mesh(assembly_plan* plan, const char* name, plan_finish finish
     *mesh = (plan_mesh){.name = name, .make = make, .material = (uint32_t)finish, .detail = 1.0};
     mesh->seed = stp_rng_hash(plan->seed, plan->mesh_count);
     for (int i = 0; i < PLAN_PARAMETERS; ++i) {
-        // as built, no two parts are alike: lengths vary by a thousandth, counts stay what they are
+        // as built: no two parts are alike. Lengths vary by a thousandth, counts stay
         double chance = (double)(stp_rng_hash(mesh->seed, (uint64_t)i) >> 11) / 9007199254740992.0;
         mesh->parameters[i] = parameters[i] * (1.0 + 1e-3 * chance);
     }
@@ -101,7 +101,7 @@ void plan_part(assembly_plan* plan, uint32_t parent, const char* name, plan_fini
     plan_place(plan, parent, name, plan_add_mesh(plan, name, finish, make, parameters), transform);
 }
 
-// How often an object is seen. Prototypes are few, so their users are searched for each time.
+// How often an object is visible. Prototypes are few, so their users are searched each time.
 static uint64_t times_seen(const assembly_plan* plan, uint32_t index)
 {
     const plan_object* object = &plan->objects[index];
@@ -120,7 +120,7 @@ static void count_uses(assembly_plan* plan)
     for (size_t i = 0; i < plan->mesh_count; ++i) {
         plan->meshes[i].uses = 0;
     }
-    uint32_t known = STP_NONE; // neighbours mostly have one parent
+    uint32_t known = STP_NONE; // neighbours mostly have the same parent
     uint64_t times = 1;
     for (size_t i = 0; i < plan->object_count; ++i) {
         const plan_object* object = &plan->objects[i];
@@ -148,7 +148,7 @@ plan_counts plan_count(const assembly_plan* plan)
     return sum;
 }
 
-// Below a detail of 1 things get fewer, and have fewer sides; above it they only have more sides.
+// Below a detail of 1 there are fewer details, with fewer sides; above it only the sides increase.
 static void run_recipe(const plan_mesh* mesh, mesh_builder* builder, double detail,
                        uint64_t* vertices, uint64_t* triangles)
 {
@@ -156,7 +156,7 @@ static void run_recipe(const plan_mesh* mesh, mesh_builder* builder, double deta
     for (int i = 0; i < SHAPE_RINGS; ++i) {
         rings[i].sides = 0;
     }
-    const double whole = 0.04; // the detail down to which all shapes are made
+    const double whole = 0.04; // lowest detail at which all shapes are made
     double root = sqrt(detail), fourth = sqrt(root);
     shaper s = {.builder = builder,
                 .tessellation = detail < 1.0 ? fourth : root,
@@ -182,8 +182,8 @@ void plan_make_mesh(mesh_builder* builder, const void* mesh)
 
 typedef struct fit_task {
     assembly_plan* plan;
-    double rare_factor, common_factor; // on the designed triangles
-    double pivot;                      // uses from which on a mesh is common
+    double rare_factor, common_factor; // factors on the designed triangles
+    double pivot;                      // minimum uses of a common mesh
     double scale;
 } fit_task;
 
@@ -212,7 +212,7 @@ static void count_designed(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-// The next detail to try: as if triangles grew with the detail to 4/3, and later by halving the interval.
+// The next detail to try: assumes triangles ~ detail^(4/3), and later bisects the interval.
 static double next_detail(double detail, double ratio, double low, double high, int step)
 {
     enum { GUESSES = 5 };
@@ -226,7 +226,7 @@ static double next_detail(double detail, double ratio, double low, double high, 
     return guess < least ? least : guess > most ? most : guess;
 }
 
-// Keeps the nearest that was seen.
+// Keeps the closest result.
 static void fit_mesh(const fit_task* task, plan_mesh* mesh)
 {
     enum { STEPS = 14 };
@@ -278,7 +278,7 @@ static void solve_factors(fit_task* task, double unique, double total)
     if (common[0] <= 0.0 && rare[0] > 0.0) { // nothing is used more often than the rest
         task->rare_factor = unique / rare[0];
     }
-    const double least = 1e-4; // where a layout cannot give what is wanted
+    const double least = 1e-4; // if a layout cannot reach the wanted totals
     task->rare_factor = task->rare_factor < least ? least : task->rare_factor;
     task->common_factor = task->common_factor < least ? least : task->common_factor;
 }
@@ -294,7 +294,7 @@ void plan_fit(assembly_plan* plan, const plan_counts* wanted, double scale)
                          ? plan->common_uses
                          : (double)wanted->triangles / (double)wanted->unique_triangles,
                      scale};
-    const double sparse_below = 0.125; // larger scales leave no shape out
+    const double sparse_below = 0.125; // larger scales skip no shapes
     for (size_t i = 0; i < plan->mesh_count; ++i) {
         plan->meshes[i].sparse = scale < sparse_below;
     }
@@ -314,10 +314,10 @@ void plan_fit(assembly_plan* plan, const plan_counts* wanted, double scale)
             total_off * total_off < near * total * total) {
             break;
         }
-        unique_aim += 1.25 * unique_off; // more, since some shapes cannot follow
+        unique_aim += 1.25 * unique_off; // overcorrects, since some shapes cannot follow
         total_aim += 1.25 * total_off;
         if (unique_aim <= 0.0 || total_aim <= 0.0) {
-            break; // so little that the simplest forms of all parts are too much
+            break; // even the simplest forms of all parts are too many
         }
     }
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// A plan of an assembly, before any triangle is made: which meshes there are (each a recipe of shapes), and
-// who stands where (line > station > module > part). Triangles are counted by formulas, fitted to wanted
-// totals, and only then made.
+// A plan of an assembly before any triangle is made: its meshes (each a recipe of shapes) and their
+// placement (line > station > module > part). Triangles are counted by formulas, fitted to the
+// wanted totals, and only then made.
 //
 //   plan_begin -> plan_mesh, plan_group, plan_part, plan_use ... -> plan_fit -> plan_build
 //
-// A plan that runs out of memory remembers it; adding need not be checked.
+// A plan that runs out of memory records the failure; adding needs no checks.
 #pragma once
 
 #include "scenes/scenes.h"
@@ -14,7 +14,7 @@
 
 enum { PLAN_PARAMETERS = 10 };
 
-/// Makes a part at the origin, from the parameters of its mesh.
+/// Makes a part at the origin from the parameters of its mesh.
 typedef void (*part_maker)(shaper* s, const double* p);
 
 typedef struct plan_mesh {
@@ -56,7 +56,7 @@ typedef struct assembly_plan {
     bool failed;
 } assembly_plan;
 
-/// What things are made of, or painted with.
+/// Materials and paints.
 typedef enum plan_finish {
     FINISH_STEEL,
     FINISH_STAINLESS,
@@ -102,27 +102,27 @@ void plan_end(assembly_plan* plan);
 /// A text of the plan.
 const char* plan_text(assembly_plan* plan, const char* format, ...)
     __attribute__((format(printf, 2, 3)));
-/// A mesh, not shown yet. Parameters that are not given are 0. @return its index
+/// Adds a mesh without placing it. Missing parameters are 0. @return its index
 uint32_t plan_add_mesh(assembly_plan* plan, const char* name, plan_finish finish, part_maker make,
                        const double parameters[PLAN_PARAMETERS]);
-/// The numbers of a recipe.
+/// The parameters of a recipe.
 #define PARAMETERS(...) ((const double[PLAN_PARAMETERS]){__VA_ARGS__})
 
 uint32_t plan_group(assembly_plan* plan, uint32_t parent, const char* name, stp_affine transform);
-/// A group that is seen only where it is used.
+/// A group that is visible only where it is used.
 uint32_t plan_prototype(assembly_plan* plan, const char* name);
 void plan_use(assembly_plan* plan, uint32_t parent, const char* name, uint32_t prototype,
               stp_affine transform);
-/// Shows a mesh.
+/// Places a mesh.
 void plan_place(assembly_plan* plan, uint32_t parent, const char* name, uint32_t mesh,
                 stp_affine transform);
-/// A mesh shown once below its parent.
+/// Adds a mesh and places it once.
 void plan_part(assembly_plan* plan, uint32_t parent, const char* name, plan_finish finish,
                part_maker make, const double parameters[PLAN_PARAMETERS], stp_affine transform);
 
 plan_counts plan_count(const assembly_plan* plan);
-/// Finds the detail of each mesh so that the totals are `scale` times those wanted: meshes used rarely and
-/// those used often each get a factor of their own. Counts are by formula; runs on all threads.
+/// Fits the detail of each mesh so that the totals are `scale` times the wanted ones. Rarely used
+/// and common meshes each get a factor of their own. Counts are by formula; runs on all threads.
 void plan_fit(assembly_plan* plan, const plan_counts* wanted, double scale);
 /// Adds everything below `parent`. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED
 STP_MUST_USE stp_result plan_build(assembly_plan* plan, stp_scene* scene, uint32_t parent,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A hall with five equal lines that make doughnuts: dough is mixed, funnelled, sheeted, cut, proofed on swings,
-// baked on a wire-mesh belt, glazed, cooled on a spiral, and packed. A line is one prototype, used five times.
+// A hall with five equal doughnut lines: dough is mixed, funnelled, sheeted, cut, proofed on swings,
+// baked on a wire-mesh belt, glazed, cooled on a spiral, and packed. A line is one prototype, used five
+// times.
 #include "scenes/industry.h"
 #include "scenes/parts.h"
 #include "scenes/parts_bakery.h"
@@ -22,7 +23,7 @@ const plan_counts bakery_counts = {7237, 511, 267800000, 27700000};
 #define MESH(name, finish, maker, ...)                                                             \
     plan_add_mesh(plan, name, finish, maker, PARAMETERS(__VA_ARGS__))
 
-// What a line has many of: one mesh each.
+// Parts that a line has many of: one mesh each.
 typedef struct standard_parts {
     uint32_t tray, dough, glaze, roller, belt, chain, motor, gearbox, guard, oven_shell,
         oven_nozzles, oven_burner, mesh_belt, swings, rack, post;
@@ -222,7 +223,7 @@ static void plan_finishing(assembly_plan* plan, uint32_t line, const standard_pa
     }
 }
 
-// Cables, pipes and guards along the whole line, until it has all its meshes.
+// Cables, pipes and guards along the whole line, until the number of meshes is reached.
 static void plan_services(assembly_plan* plan, uint32_t line, size_t until)
 {
     uint32_t group = plan_group(plan, line, "services", stp_affine_identity());
@@ -267,7 +268,7 @@ static size_t objects_shown(const assembly_plan* plan, size_t first)
     return count;
 }
 
-// Conveyors, trays and doughnuts: what a line has hundreds of.
+// Conveyors, trays and doughnuts: hundreds per line.
 static void plan_flow(assembly_plan* plan, uint32_t line, const standard_parts* parts, size_t first)
 {
     uint32_t group = plan_group(plan, line, "conveyors", stp_affine_identity());

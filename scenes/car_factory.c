@@ -21,7 +21,7 @@ typedef struct car_parts {
     uint32_t robot[ROBOT_PARTS], jig, roller, hanger, pallet, lamp, rack, fence, mark;
 } car_parts;
 
-// Where panels lie on the skin: along and around.
+// Extents of panels on the skin: along and around the car.
 static const double panel_places[PANELS][5] = {
     {0.05, 0.27, 0.18, 0.82, 60}, // bonnet
     {0.44, 0.70, 0.26, 0.74, 60}, // roof
@@ -302,7 +302,7 @@ static size_t factory_objects(const assembly_plan* plan)
     return count;
 }
 
-// Machines of their own first, until all meshes are there; then what there is much of.
+// First unique machines, until all meshes exist; then repeated parts.
 static void plan_rest(assembly_plan* plan, uint32_t factory, const car_parts* parts)
 {
     uint32_t group = plan_group(plan, factory, "machine shop", place_at(84, 0, 76));

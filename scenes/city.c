@@ -160,7 +160,7 @@ stp_result scene_make_city(stp_scene* scene, const scene_options* options)
                : add_city_views(scene, 400.0 * sqrt(options->scale < 1.0 ? options->scale : 1.0));
 }
 
-// One sixteenth: the forum and what is around it.
+// One sixteenth: the forum and its surroundings.
 stp_result scene_make_small_city(stp_scene* scene, const scene_options* options)
 {
     scene_options smaller = {.scale = 0.0625 * options->scale, .seed = options->seed};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A Roman city, after the Pompeii of Brandt et al. 2019, 5.1: streets and insulae of houses, each wall, roof, door
-// and table an object of its own. A plan of pieces comes first, then triangles are counted and fitted, and only then
-// made.
+// A Roman city, after the Pompeii of Brandt et al. 2019, 5.1: streets and insulae of houses; each
+// wall, roof, door and table is an object of its own. First all pieces are planned, then triangles
+// are counted and fitted, and only then made.
 #pragma once
 
 #include "scenes/compose.h"
@@ -84,7 +84,7 @@ typedef enum city_paint {
     PAINT_COUNT
 } city_paint;
 
-/// What one mesh is made from.
+/// Parameters of one mesh.
 typedef struct city_piece {
     city_kind kind;
     uint32_t paint;
@@ -92,7 +92,7 @@ typedef struct city_piece {
     double sizes[4];
 } city_piece;
 
-/// A piece in its place, or a group (piece STP_NONE).
+/// A placed piece, or a group (piece STP_NONE).
 typedef struct city_item {
     const char* name; ///< static text
     uint32_t parent;  ///< item; STP_NONE: the city
@@ -115,27 +115,28 @@ typedef struct city_plan {
     size_t piece_count, item_count, tree_spot_count, jar_spot_count;
     size_t piece_capacity, item_capacity, tree_spot_capacity, jar_spot_capacity;
     uint32_t columns[3], amphora, statue, fountain, trees[2]; ///< pieces that instances share
-    uint32_t group;                                           ///< items to come stand in it
+    uint32_t group;                                           ///< parent of the next items
     uint64_t unique_wanted, objects_wanted, triangles_wanted, unique_triangles_wanted;
-    uint64_t objects;    ///< items that are no groups
+    uint64_t objects;    ///< items that are not groups
     uint64_t* triangles; ///< of each piece, counted by city_plan_make
     bool failed;
 } city_plan;
 
-/// Begins with the shared pieces.
+/// Starts with the shared pieces.
 void city_plan_begin(city_plan* plan, stp_context* context, const scene_options* options);
 void city_plan_end(city_plan* plan);
-/// The whole city: fills the plan up to the wanted numbers, and fits the size of tiles.
+/// Plans the whole city: fills the plan up to the wanted numbers and fits the size of tiles.
 void city_plan_make(city_plan* plan);
 
-/// Adds a group below the current one (or below the city, `top`) and makes it the current one. @return the former
+/// Adds a group below the current one (or below the city, `top`) and makes it current.
+/// @return the previous one
 uint32_t city_enter(city_plan* plan, const char* name, bool top, stp_affine place);
 /// A new piece; it has four sizes. @return its number
 uint32_t city_add_piece(city_plan* plan, city_kind kind, uint32_t paint, double a, double b,
                         double c, double d);
 /// An instance of a piece in the current group.
 void city_show(city_plan* plan, const char* name, uint32_t piece, stp_affine place);
-/// Both.
+/// Adds a piece and shows it once.
 void city_put(city_plan* plan, const char* name, city_kind kind, uint32_t paint, double a, double b,
               double c, double d, stp_affine place);
 void city_tree_spot(city_plan* plan, double x, double y, double z);
@@ -150,7 +151,7 @@ void city_plan_amphitheatre(city_plan* plan);
 
 /// A mesh_maker of a city_piece.
 void city_make_piece(mesh_builder* builder, const void* piece);
-/// Of a roof, by formula.
+/// Triangles of a roof, by formula.
 uint64_t city_roof_triangles(const city_piece* roof);
 
 // Makers of pieces, in two files.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What stands in houses, gardens and streets.
+// Objects in houses, gardens and streets.
 #include "scenes/city.h"
 #include "scenes/solids.h"
 #include "scenes/trigonometry.h"

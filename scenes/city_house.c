@@ -29,7 +29,8 @@ static void put_wall(const house* h, uint32_t paint, double x, double z, double 
              place_turned(x, 0, z, turns, 1.0));
 }
 
-// A roof, some with beams below it. The eave begins at (x, y, z) and runs along the turned x axis.
+// A roof, sometimes with visible beams. The eave begins at (x, y, z) and runs along the rotated x
+// axis.
 static void put_roof(const house* h, double x, double y, double z, double turns, double width,
                      double run, double rise)
 {
@@ -46,7 +47,7 @@ static void put_column(const house* h, double x, double y, double z)
     city_show(h->plan, "column", h->plan->columns[0], place_at(x, y, z));
 }
 
-// What stands in a room of that size, from its corner.
+// Furnishes a room of that size, from its corner.
 static void furnish(const house* h, double x, double z, double width, double depth)
 {
     city_plan* plan = h->plan;
@@ -86,7 +87,7 @@ static void furnish(const house* h, double x, double z, double width, double dep
     }
 }
 
-// The rooms to the street: shops beside the entrance.
+// The rooms facing the street: shops beside the entrance.
 static void plan_front(const house* h, double depth, double height)
 {
     double w = h->width;
@@ -183,7 +184,7 @@ static void plan_garden(const house* h, double from, double to, double height)
              place_at(w - arm + 0.1, 0, from));
 }
 
-// A yard with what trades need: mills, a cart, jars.
+// A yard with tools of trades: mills, a cart, jars.
 static void plan_yard(const house* h, double from, double to)
 {
     city_plan* plan = h->plan;

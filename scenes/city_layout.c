@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The map of the city: 10 x 8 insulae between straight streets, walls around them, the forum in the middle. What is
-// nearest to the forum comes first, so a small city is its centre. Then amounts are fitted to Table 1.
+// The map of the city: 10 x 8 insulae between straight streets, walls around them, the forum in the
+// middle. Blocks closest to the forum come first, so a small city is its centre. Then amounts are
+// fitted to Table 1.
 #include "scenes/city.h"
 
 #include <stdlib.h>
@@ -54,7 +55,7 @@ static int compare_blocks(const void* left, const void* right)
     return a->column != b->column ? a->column - b->column : a->row - b->row;
 }
 
-// Whether this block and the one beside it are one place without a street between them.
+// Whether this block and the next form one place without a street between them.
 static bool is_joined(const block* b, int columns, int rows)
 {
     block beside = {.column = b->column + columns, .row = b->row + rows};
@@ -207,7 +208,7 @@ static void plan_ramparts(city_plan* plan)
     }
 }
 
-// What is still missing of unique objects stands along the streets that were built.
+// Puts the missing unique objects along the built streets.
 static void plan_stalls(city_plan* plan, const block* blocks, int built)
 {
     for (int i = 0; built > 0 && plan->piece_count < plan->unique_wanted && !plan->failed; ++i) {
@@ -235,7 +236,7 @@ static void count_pieces(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Roofs have tiles of different sizes, so that the sum changes little by little.
+// Roofs have tiles of different sizes, so that the total changes gradually.
 static void set_tiles(city_plan* plan, double tile)
 {
     for (size_t i = 0; i < plan->piece_count; ++i) {
@@ -246,7 +247,7 @@ static void set_tiles(city_plan* plan, double tile)
     }
 }
 
-// The size of tiles that brings unique triangles to the wanted number: counts fall as tiles grow.
+// Finds the tile size that gives the wanted number of unique triangles: counts fall as tiles grow.
 static void fit_tiles(city_plan* plan)
 {
     uint64_t* triangles = plan->triangles;
@@ -293,7 +294,7 @@ static void show_at_spot(city_plan* plan, const char* name, uint32_t piece, cons
         place_turned(spot->x + off * across, spot->y, spot->z + off * along, turns, size * grown));
 }
 
-// Jars and trees until objects and triangles are as many as wanted: two equations for two numbers.
+// Adds jars and trees until objects and triangles match: two equations with two unknowns.
 static void fill_instances(city_plan* plan)
 {
     const uint64_t* triangles = plan->triangles;

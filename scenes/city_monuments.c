@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Streets, the city's walls, temples, the amphitheatre; and the columns, statues and jars that stand many times.
+// Streets, the city walls, temples, the amphitheatre; and the instanced columns, statues and jars.
 #include "scenes/city.h"
 #include "scenes/solids.h"
 #include "scenes/trees.h"
@@ -17,7 +17,7 @@ static void put_stone(mesh_builder* b, random_stream* random, double x, double z
                       double bottom, double top, int sides)
 {
     if (b->counting) {
-        random->index += 1 + 2 * (uint64_t)sides; // as below
+        random->index += 1 + 2 * (uint64_t)sides; // as many as below
         b->index_count += 3 * 5 * (size_t)sides;
         return;
     }
@@ -257,7 +257,7 @@ static void make_seats(mesh_builder* b, const city_piece* piece)
     }
 }
 
-// Fluted: every second vertex of a ring lies deeper.
+// Fluted: every second vertex of a ring is deeper.
 static void make_column(mesh_builder* b, const city_piece* piece)
 {
     enum { SIDES = 40, RINGS = 14 };
@@ -429,7 +429,7 @@ void city_make_monument(mesh_builder* b, const city_piece* piece)
     }
 }
 
-// Pieces of a kind differ a little in size from each other: no two are the same mesh.
+// Pieces of a kind differ slightly in size: no two are the same mesh.
 void city_make_piece(mesh_builder* builder, const void* parameters)
 {
     const city_piece* piece = parameters;

@@ -32,7 +32,7 @@ void city_plan_end(city_plan* plan)
     stp_free(plan->context, plan->jar_spots);
 }
 
-// Room for one more element; NULL, and the plan has failed, where memory runs out.
+// Room for one more element; NULL, and the plan fails, if out of memory.
 static void* grow(city_plan* plan, void* array, size_t* capacity, size_t count, size_t size)
 {
     void* grown =

@@ -4,7 +4,7 @@
 #include "scenes/city.h"
 #include "scenes/trigonometry.h"
 
-// Columns in a line from (x0, z0) to (x1, z1), both ends included, and what lies on them.
+// A row of columns from (x0, z0) to (x1, z1), both ends included, and the architrave on top.
 static void put_colonnade(city_plan* plan, int order, double y, double x0, double z0, double x1,
                           double z1, int count)
 {

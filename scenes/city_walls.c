@@ -25,7 +25,7 @@ static void put_face(mesh_builder* builder, uint32_t a, uint32_t b, uint32_t c, 
     mesh_builder_triangle(builder, a, c, d);
 }
 
-// Front (z = 0, facing -z), back, and what closes the cell where its neighbour is a hole.
+// Front (z = 0, facing -z), back, and the reveal next to holes.
 static void put_cell(mesh_builder* builder, const panel* p, uint32_t first, int column, int row)
 {
     uint32_t width = (uint32_t)p->columns + 1, layer = width * ((uint32_t)p->rows + 1);
@@ -134,7 +134,8 @@ void city_make_wall(mesh_builder* builder, const city_piece* piece)
     }
 }
 
-// Across one tile: how far, and how high. Flat pans lie side by side, half-round covers over their joints.
+// Profile across one tile: position and height. Flat pans lie side by side, half-round covers over
+// their joints.
 enum { PROFILE = 7 };
 static const double profile[PROFILE][2] = {{0.00, 0.25}, {0.09, 0.20}, {0.15, 0.10}, {0.18, 0.0},
                                            {0.82, 0.0},  {0.85, 0.10}, {0.91, 0.20}};
@@ -158,8 +159,8 @@ uint64_t city_roof_triangles(const city_piece* piece)
     return ((uint64_t)columns * PROFILE) * 2 * (2 * (uint64_t)rows - 1) + 12;
 }
 
-// Rows of tiles overlap: each has a line of vertices at its lower end, raised, and one at its upper end, and a step
-// leads down to the row before.
+// Rows of tiles overlap: each has a line of vertices at its lower end, raised, and one at its upper
+// end, and a step leads down to the previous row.
 void city_make_roof(mesh_builder* builder, const city_piece* piece)
 {
     uint32_t columns, rows;

@@ -5,13 +5,13 @@
 #include "scenes/scenes.h"
 
 stp_affine place_at(double x, double y, double z);
-/// Turned about the vertical axis by a part of a full turn, scaled, then moved.
+/// Rotates about the vertical axis by a fraction of a turn, scales, then moves.
 stp_affine place_turned(double x, double y, double z, double turns, double scale);
 
-/// An opaque material that is no metal; colours as sRGB, 0xRRGGBB.
+/// An opaque non-metal material; colours as sRGB, 0xRRGGBB.
 STP_MUST_USE stp_result add_plain_material(stp_scene* scene, const char* name, uint32_t srgb,
                                            double roughness, uint32_t* index);
-/// An object that holds others.
+/// An object that contains others.
 STP_MUST_USE stp_result add_group(stp_scene* scene, const char* name, uint32_t parent,
                                   const stp_affine* transform, uint32_t* index);
 /// An object that shows one mesh.

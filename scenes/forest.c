@@ -9,7 +9,7 @@
 #include "scenes/trees.h"
 
 #define TREES 1000.0
-#define SPACING 9.0 // metres between trees, about
+#define SPACING 9.0 // approximate metres between trees
 
 typedef struct clearing {
     uint64_t seed;
@@ -52,7 +52,7 @@ static stp_result add_trees(stp_scene* scene, const clearing* c, uint32_t side, 
     for (uint32_t i = 0; result == STP_OK && i < side * side; ++i) {
         double x = SPACING * ((double)(i % side) + random_unit(&random) - 0.5 * side);
         double z = SPACING * ((double)(i / side) + random_unit(&random) - 0.5 * side);
-        x += x > -5.0 && x < 5.0 ? (x < 0.0 ? -5.0 : 5.0) : 0.0; // a path is left free
+        x += x > -5.0 && x < 5.0 ? (x < 0.0 ? -5.0 : 5.0) : 0.0; // keeps a path free
         double grove = noise2(c->seed + 8, x / 60.0, z / 60.0) + 0.7 * random_unit(&random);
         uint32_t kind = grove < 0.0 ? 2 : grove < 0.25 ? 1 : grove < 0.5 ? 0 : grove < 0.7 ? 5 : 3;
         kind = random_below(&random, 12) == 0 ? 4 : kind;

@@ -43,7 +43,7 @@ bool gltf_decompose(const stp_affine* affine, float translation[3], float rotati
             m[r][c] = affine->m[r][c] / lengths[c];
         }
     }
-    for (int c = 0; c < 3; ++c) { // axes that lean to each other are no rotation
+    for (int c = 0; c < 3; ++c) { // skewed axes are not a rotation
         int next = (c + 1) % 3;
         double dot = m[0][c] * m[0][next] + m[1][c] * m[1][next] + m[2][c] * m[2][next];
         if (dot > 1e-6 || dot < -1e-6) {

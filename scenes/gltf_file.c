@@ -13,8 +13,8 @@ typedef struct gltf_output {
     gltf_plan plan;
     stp_context* context;
     const char* path;
-    char stem[4096];       ///< the path without its ending
-    stp_file_writer* main; ///< the JSON, or everything of a .glb
+    char stem[4096];       ///< the path without its suffix
+    stp_file_writer* main; ///< the JSON, or the whole .glb
     stp_file_writer* bins[MOST_FILES];
 } gltf_output;
 
@@ -53,7 +53,7 @@ static stp_result write_indices(const stp_mesh* mesh, uint32_t index_bytes, stp_
         piece[filled++] = (uint16_t)mesh->indices[i];
         bool last = i + 1 == count;
         if (last && count % 2 == 1) {
-            piece[filled++] = 0; // up to a multiple of four bytes
+            piece[filled++] = 0; // pads to a multiple of four bytes
         }
         if (last || filled == 4096) {
             result = stp_file_writer_append(file, piece, 2 * filled);
@@ -79,7 +79,7 @@ static stp_result write_mesh(const gltf_output* o, size_t index, gltf_region reg
     }
 }
 
-// One column of all instances: translations, rotations or scales.
+// Writes one column of all instances: translations, rotations or scales.
 static stp_result write_instances(const gltf_output* o, int column, stp_file_writer* file)
 {
     const stp_scene* scene = o->plan.scene;
@@ -129,7 +129,7 @@ static void put_u32(unsigned char* out, uint64_t value)
     }
 }
 
-// Header, JSON, one buffer; the lengths are known at the end.
+// Header, JSON, one buffer. The lengths are filled in at the end.
 static stp_result write_glb(gltf_output* o)
 {
     unsigned char head[28] = {'g', 'l', 'T', 'F', 2};
@@ -146,7 +146,7 @@ static stp_result write_glb(gltf_output* o)
     uint64_t total = 20 + json + (bin > 0 ? 8 + bin : 0);
     if (result == STP_OK && (bin > UINT32_MAX || total > UINT32_MAX)) {
         return stp_fail(o->context, STP_ERROR_LIMIT,
-                        "%s: %llu bytes are more than a .glb can hold; name a .gltf file", o->path,
+                        "%s: %llu bytes exceed the limit of .glb; use a .gltf file", o->path,
                         (unsigned long long)total);
     }
     put_u32(head + 8, total);
@@ -179,7 +179,7 @@ static stp_result write_files(gltf_output* o)
     return result;
 }
 
-// Ends all files: into their places, or away. The JSON comes last, so what it names is there.
+// Commits or aborts all files. The JSON comes last, so the files it refers to exist.
 static stp_result close_files(gltf_output* o, stp_result result, gltf_figures* figures)
 {
     stp_file_writer* writers[MOST_FILES + 1];

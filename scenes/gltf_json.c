@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// JSON in the making: after the first failure nothing is written.
+// JSON writer: writes nothing after the first failure.
 typedef struct json_writer {
     const gltf_plan* plan;
     stp_file_writer* file;
@@ -61,7 +61,7 @@ static void put_name(json_writer* w, const char* name)
     put_text(w, "\"", 1);
 }
 
-// As short as reads back the same.
+// The shortest text that parses to the same value.
 static void put_number(json_writer* w, double value)
 {
     char text[40];

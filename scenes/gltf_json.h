@@ -5,8 +5,8 @@
 #include "base/file.h"
 #include "scenes/gltf_plan.h"
 
-/// Appends it. `name` is what binary files begin with ("plant.bin" is "plant"); NULL: the only buffer stands in the
-/// same file.
+/// Appends the JSON. `name`: prefix of the binary files ("plant.bin" is "plant"); NULL: the only
+/// buffer is in the same file.
 STP_MUST_USE stp_result gltf_json_write(const gltf_plan* plan, const char* name,
                                         stp_file_writer* file);
 

@@ -16,7 +16,7 @@ static stp_result list_children(gltf_plan* plan)
     for (size_t i = 0; i < scene->object_count; ++i) {
         plan->first_child[i] = STP_NONE;
     }
-    for (size_t i = scene->object_count; i-- > 0;) { // backwards, so that the first comes first
+    for (size_t i = scene->object_count; i-- > 0;) { // backwards: the first one ends up first
         uint32_t parent = scene->objects[i].parent;
         if (parent != STP_NONE) {
             plan->next_sibling[i] = plan->first_child[parent];
@@ -31,8 +31,8 @@ static stp_result add_node(gltf_plan* plan, const gltf_node* node, const char* p
     stp_context* context = plan->scene->context;
     if (plan->node_count >= GLTF_MOST_NODES) {
         return stp_fail(context, STP_ERROR_LIMIT,
-                        "%s: the scene written out has more than %u nodes, for glTF cannot share "
-                        "them; take `stipple build scene:NAME` or a smaller --scale",
+                        "%s: the expanded scene has more than %u nodes, as glTF cannot share "
+                        "them; use `stipple build scene:NAME` or a smaller --scale",
                         path, GLTF_MOST_NODES);
     }
     gltf_node* nodes = stp_grow_array(context, plan->nodes, &plan->node_capacity,
@@ -45,7 +45,7 @@ static stp_result add_node(gltf_plan* plan, const gltf_node* node, const char* p
     return STP_OK;
 }
 
-// Parts of one object of the chain of uses: shown by the node itself if it shows none yet.
+// Parts of one object in the chain of uses: shown by the node itself if it has none yet.
 static stp_result add_content(gltf_plan* plan, size_t at, uint32_t object, const char* path)
 {
     const stp_object* o = &plan->scene->objects[object];
@@ -120,10 +120,10 @@ static stp_result place_mesh(gltf_plan* plan, size_t index, uint64_t most_bytes,
     gltf_mesh* placed = &plan->meshes[index];
     if (mesh->triangle_count == 0) {
         return stp_fail(plan->scene->context, STP_ERROR_UNSUPPORTED,
-                        "%s: mesh %zu has no triangles, which glTF cannot say", path, index);
+                        "%s: mesh %zu has no triangles, which glTF does not allow", path, index);
     }
     uint64_t vertices = mesh->vertex_count;
-    placed->index_bytes = vertices < UINT16_MAX ? 2 : 4; // the largest index would restart
+    placed->index_bytes = vertices < UINT16_MAX ? 2 : 4; // the largest index is reserved (restart)
     uint64_t sizes[GLTF_REGIONS] = {
         vertices * 12 * (mesh->normals != NULL ? 2 : 1),
         mesh->colors != NULL ? vertices * 8 : 0,
@@ -185,13 +185,15 @@ static stp_result check_parts(const stp_scene* scene, const char* path)
     for (size_t i = 0; i < scene->part_count; ++i) {
         if (scene->parts[i].kind != STP_PART_MESH) {
             return stp_fail(scene->context, STP_ERROR_UNSUPPORTED,
-                            "%s: the scene holds points, which are not written as glTF", path);
+                            "%s: the scene contains points; glTF output does not support them",
+                            path);
         }
     }
     return STP_OK;
 }
 
-// An object of one part shows the scene's mesh; equal lists of several parts are one mesh of several primitives.
+// A single-part object shows the scene's mesh; equal lists of several parts become one mesh of
+// several primitives.
 static stp_result list_meshes(gltf_plan* plan)
 {
     const stp_scene* scene = plan->scene;
@@ -224,7 +226,7 @@ static stp_result list_meshes(gltf_plan* plan)
     return STP_OK;
 }
 
-// Which objects' instances are translations, rotations and scales, as the extension wants them.
+// Finds objects whose instances are translations, rotations and scales, as the extension requires.
 static stp_result place_instances(gltf_plan* plan)
 {
     const stp_scene* scene = plan->scene;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// What stands where in a glTF file in the making: scenes/gltf_file.h.
+// Layout of a glTF file before it is written: scenes/gltf_file.h.
 #pragma once
 
 #include "scenes/gltf_file.h"
 
-/// A node of the file, in the order of the file: parents come first, siblings follow one another.
+/// A node of the file, in file order: parents come first, siblings are adjacent.
 typedef struct gltf_node {
     uint32_t object;
-    uint32_t instance; ///< of its parts: this one only, without anything else; STP_NONE: the object
-    uint32_t content;  ///< object whose parts it shows; STP_NONE: none
+    uint32_t instance;    ///< shows only this instance of its parts; STP_NONE: the object
+    uint32_t content;     ///< object whose parts it shows; STP_NONE: none
     uint32_t first_child; ///< node
     uint32_t child_count;
-    bool part_only; ///< shows parts of a used object only, without a transform of its own
+    bool part_only; ///< shows only parts of a used object, without a transform of its own
 } gltf_node;
 
 typedef enum gltf_region { GLTF_VERTICES, GLTF_COLORS, GLTF_INDICES, GLTF_REGIONS } gltf_region;
@@ -32,17 +32,17 @@ typedef struct gltf_plan {
     const stp_scene* scene;
     gltf_node* nodes;
     size_t node_count, node_capacity, root_count;
-    uint32_t* first_child; ///< of each object; then STP_NONE
+    uint32_t* first_child; ///< of each object; STP_NONE-terminated
     uint32_t* next_sibling;
     gltf_mesh* meshes;
     uint32_t* mesh_of_object; ///< in the file; STP_NONE: none
-    uint32_t* lists;          ///< objects whose lists of parts are meshes after the scene's own
+    uint32_t* lists;          ///< objects whose part lists become meshes after the scene's own
     size_t list_count;
     gltf_buffer* buffers;
     size_t buffer_count, buffer_capacity;
     uint32_t accessor_count, view_count;
     uint32_t*
-        instance_accessor;   ///< of each object: the first of three; STP_NONE: no such extension
+        instance_accessor;   ///< of each object: the first of three; STP_NONE: extension not used
     uint64_t instance_count; ///< in the last buffer, after its regions; 40 bytes each
 } gltf_plan;
 
@@ -52,7 +52,7 @@ void gltf_plan_destroy(gltf_plan* plan);
 
 uint64_t gltf_buffer_bytes(const gltf_plan* plan, size_t buffer);
 
-/// Translation, rotation (x, y, z, w) and scale; false where the map is not made of those.
+/// Decomposes into translation, rotation (x, y, z, w) and scale; false if not possible.
 bool gltf_decompose(const stp_affine* affine, float translation[3], float rotation[4],
                     float scale[3]);
 

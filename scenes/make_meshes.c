@@ -19,7 +19,7 @@ static void make_some(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// The scene takes the arrays over.
+// The scene takes ownership of the arrays.
 static stp_result add_mesh(stp_scene* scene, const mesh_recipe* recipe, mesh_builder* builder,
                            uint32_t* index)
 {

@@ -18,7 +18,7 @@ void mesh_builder_destroy(mesh_builder* builder)
     *builder = (mesh_builder){.context = builder->context};
 }
 
-// One of the arrays of vertices with room for one more; all grow alike. NULL where memory runs out.
+// Grows one vertex array for one more vertex; all arrays grow alike. NULL if out of memory.
 static void* grow_array(const mesh_builder* builder, void* array, size_t size, size_t* capacity)
 {
     *capacity = builder->vertex_capacity;

@@ -1,41 +1,44 @@
 // SPDX-License-Identifier: MIT
 //
-// Triangles in the making, and the shapes that machines, houses and plants are made of. Everything is
-// deterministic: no libm, so both compilers give the same bytes (scenes/trigonometry.h has sine and cosine).
+// Builds triangles, and the shapes that machines, houses and plants consist of. Everything is
+// deterministic: no libm, so both compilers give the same bytes (scenes/trigonometry.h has sine and
+// cosine).
 //
-// A builder that runs out of memory remembers it and ignores what follows: makers need not check each call.
+// A builder that runs out of memory records the failure and ignores further calls: makers need not
+// check each call.
 #pragma once
 
 #include "scene/scene.h"
 
 typedef struct mesh_builder {
     stp_context* context;
-    float* positions; ///< 3 a vertex
-    float* normals;   ///< 3 a vertex
-    uint16_t* colors; ///< 4 a vertex, linear; NULL without mesh_builder_color
+    float* positions; ///< 3 per vertex
+    float* normals;   ///< 3 per vertex
+    uint16_t* colors; ///< 4 per vertex, linear; NULL without mesh_builder_color
     uint32_t* indices;
     size_t vertex_count, index_count, vertex_capacity, index_capacity;
-    uint16_t color[4]; ///< of the vertices to come
+    uint16_t color[4]; ///< of the next vertices
     bool colored;
-    bool flat;     ///< no normals are kept: faces are flat, and may share vertices around an edge
-    bool counting; ///< nothing is kept, only counted: what a recipe will make, for plans
+    bool flat;     ///< no normals: faces are flat and may share vertices at edges
+    bool counting; ///< only counts, for plans
     bool failed;
     stp_affine
-        place; ///< what follows is moved by it (rotation, uniform scale, translation); identity at first
+        place; ///< of what follows (rotation, uniform scale, translation); initially identity
 } mesh_builder;
 
 void mesh_builder_init(mesh_builder* builder, stp_context* context);
 void mesh_builder_destroy(mesh_builder* builder);
 /// @return the index of the vertex (0 after a failure)
 uint32_t mesh_builder_vertex(mesh_builder* builder, stp_vec3 position, stp_vec3 normal);
-/// The colour (linear, 0..1) of the vertices to come. A mesh with colours begins with such a call.
+/// Sets the colour (linear, 0..1) of the next vertices. A mesh with colours must begin with this
+/// call.
 void mesh_builder_color(mesh_builder* builder, double red, double green, double blue);
 void mesh_builder_triangle(mesh_builder* builder, uint32_t a, uint32_t b, uint32_t c);
 
 /// Makes one mesh: fills the builder. `parameters` is the element of the batch. Runs inside jobs.
 typedef void (*mesh_maker)(mesh_builder* builder, const void* parameters);
 
-/// What a mesh is made of, and from what.
+/// Maker and parameters of a mesh.
 typedef struct mesh_recipe {
     const char* name; ///< static text, or of the scene's text arena; may be NULL
     mesh_maker make;
@@ -43,10 +46,10 @@ typedef struct mesh_recipe {
     uint32_t material;
 } mesh_recipe;
 
-/// Triangles that a recipe makes, without making them.
+/// Number of triangles of a recipe, without making them.
 size_t count_triangles(mesh_maker make, const void* parameters);
 
-/// Makes meshes on all threads and adds them to the scene in the order of the list, a few hundred at a time, so
-/// that not all are in memory twice. `first_mesh` receives the index of the first.
+/// Makes meshes on all threads and adds them to the scene in list order, in batches, so that not
+/// all are in memory twice. `first_mesh` receives the index of the first.
 STP_MUST_USE stp_result make_meshes(stp_scene* scene, const mesh_recipe* recipes, size_t count,
                                     uint32_t* first_mesh);

@@ -3,7 +3,7 @@
 
 #include "base/rng.h"
 
-// The cell of a coordinate, and how far into it, blended.
+// The cell of a coordinate, and the smoothed position in it.
 static int64_t find_cell(double x, double* blend)
 {
     int64_t cell = (int64_t)x - (x < 0.0 ? 1 : 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// One mesh of as many triangles as wanted: a cube's faces as grids, blown up to a rock.
+// One mesh with any number of triangles: the faces of a cube as grids, inflated to a rock.
 #include "scenes/compose.h"
 #include "scenes/noise.h"
 #include "scenes/small.h"
@@ -19,7 +19,8 @@ static size_t side_vertices(const rock* r)
     return (size_t)(r->cells + 1) * (r->cells + 1);
 }
 
-// Points of two faces' common edge come out alike: both compute them from the same point of the cube.
+// Points on the common edge of two faces are identical: both compute them from the same point of
+// the cube.
 static stp_vec3d rock_point(const rock* r, uint32_t face, uint32_t column, uint32_t row)
 {
     double u = 2.0 * (double)column / (double)r->cells - 1.0;

@@ -18,8 +18,9 @@ static const struct {
     {scene_add_power_plants, SITE_POWER_PLANTS},
 };
 
-// An overview from 200 m; the others at eye height: a street of the city, the car factory, between two lines of the
-// bakery, before the power plants. Each looks along the terrain, so that what lies behind counts as well.
+// An overview from 200 m; the others at eye height: a street of the city, the car factory, between
+// two lines of the bakery, in front of the power plants. Each looks along the terrain, so that the
+// background counts as well.
 const paper_view paper_views[PAPER_VIEWS] = {
     {"1", {-2540, 215, 1650}, {-900, 60, 500}, 60.0, 2.12e9},
     {"2", {-2236, 2, 250}, {-2000, 2.5, 250}, 60.0, 1.73e9},
@@ -56,8 +57,8 @@ stp_result scene_make_paper(stp_scene* scene, const scene_options* options)
     return result != STP_OK ? result : add_paper_views(scene);
 }
 
-// 21 x 21 copies of 2.35 G triangles are a trillion. The terrain is level at its edges, so it goes on
-// from copy to copy.
+// 21 x 21 copies of 2.35 G triangles are a trillion. The terrain is level at its edges, so copies
+// join seamlessly.
 stp_result scene_make_paper_huge(stp_scene* scene, const scene_options* options)
 {
     enum { COPIES = 21 };
@@ -72,7 +73,7 @@ stp_result scene_make_paper_huge(stp_scene* scene, const scene_options* options)
     result = result != STP_OK ? result : scene_add_paper(scene, content, options);
     result = result != STP_OK ? result : add_group(scene, "land", STP_NONE, &still, &group);
     for (int i = 0; result == STP_OK && i < COPIES * COPIES; ++i) {
-        // the views' copy is the one in the middle: each looks over a quarter of the others
+        // the views' copy is the central one: each looks over a quarter of the others
         double x = width * (i % COPIES - COPIES / 2), z = depth * (i / COPIES - COPIES / 2);
         stp_affine place = place_at(x, 0.0, z);
         result = add_group(scene, "copy", group, &place, NULL);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Parts of plants: what a purchase list calls a line. Makers take their numbers from the mesh's parameters, in
-// the order named here; lengths are metres. Each stands at the origin on y = 0 unless said otherwise.
+// Parts of plants, the granularity of a purchase list. Makers take the mesh's parameters in the
+// order listed here; lengths are metres. Each stands at the origin on y = 0 unless noted.
 #pragma once
 
 #include "scenes/assembly.h"

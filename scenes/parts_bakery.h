@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parts of bakery lines; see parts.h for how they take their numbers.
+// Parts of bakery lines; see parts.h for their parameters.
 #pragma once
 
 #include "scenes/assembly.h"

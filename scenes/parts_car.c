@@ -4,7 +4,7 @@
 #include "scenes/parts.h"
 #include "scenes/trigonometry.h"
 
-// Smooth between the rows of a table of (place, value).
+// Smooth interpolation in a table of (place, value).
 static double curve(const double (*table)[2], int count, double x)
 {
     for (int i = 0; i + 1 < count; ++i) {
@@ -469,7 +469,7 @@ void part_shelf_rack(shaper* s, const double* p)
             for (int k = 0; k < boxes; ++k) {
                 stp_affine at = shaper_move(s, x + p[0] / bays * (k + 0.5) / boxes, y + 0.06, 0);
                 shape_box(s, 0, 0.2, 0, 0.36, 0.4, 0.9 * p[2]);
-                detail_bolt_ring(s, 0.12, 10, 0.02, 0.06); // what is in the boxes
+                detail_bolt_ring(s, 0.12, 10, 0.02, 0.06); // contents of the boxes
                 shaper_pop(s, at);
             }
         }

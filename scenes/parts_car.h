@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parts of a car factory; see parts.h for how they take their numbers.
+// Parts of a car factory; see parts.h for their parameters.
 #pragma once
 
 #include "scenes/assembly.h"

@@ -10,7 +10,7 @@ static void hexagon(double radius, double outline[6][2])
     }
 }
 
-// Sides are given, so that all bolts of a ring look alike.
+// `sides` is a parameter so that all bolts of a ring look alike.
 static void bolt(shaper* s, double diameter, double length, int sides)
 {
     double outline[6][2], r = 0.5 * diameter;

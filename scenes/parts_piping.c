@@ -90,7 +90,7 @@ void part_pipe_rack(shaper* s, const double* p)
     int pipes = shaper_amount(s, (int)p[2]);
     for (int i = 0; i < pipes; ++i) {
         double size = shaper_random(s);
-        size *= shaper_random(s); // small pipes are more
+        size *= shaper_random(s); // small pipes are more frequent
         double r = largest * (0.12 + 0.88 * size);
         double z = width * ((i + 0.5) / pipes - 0.5), y = h + r;
         double in = 0.12 * length * shaper_random(s), out = 0.12 * length * shaper_random(s);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Sixteen coal-fired power plants. All share 283 meshes, each used once a plant; each has two of a pool of 21
-// auxiliary modules besides, which is the only way that the numbers of Table 1 fit sixteen equal plants.
+// Sixteen coal-fired power plants. All share 283 meshes, each used once per plant. Each also has
+// two of a pool of 21 auxiliary modules: only this way do the numbers of Table 1 fit sixteen equal
+// plants.
 #include "scenes/industry.h"
 #include "scenes/parts.h"
 #include "scenes/random.h"
@@ -285,7 +286,7 @@ static void plan_tank_farm(assembly_plan* plan, uint32_t station)
          8.3, 0.02);
 }
 
-// Pipes that fill the plant up: spools that differ in way, bore and fittings.
+// Fills the plant up with pipes: spools that differ in path, bore and fittings.
 static void plan_spools(assembly_plan* plan, uint32_t station, size_t until)
 {
     static const plan_finish finishes[] = {FINISH_INSULATION,  FINISH_STAINLESS,
@@ -365,7 +366,7 @@ void plan_power_plant(assembly_plan* plan)
     plan_common(plan, plan_group(plan, STP_NONE, "plant", stp_affine_identity()));
 }
 
-// No two parts of these are the same mesh: plan_add_mesh varies every one.
+// No two parts share a mesh: plan_add_mesh varies each of them.
 void plan_twenty_million(assembly_plan* plan)
 {
     for (int i = 0; i < 2; ++i) {

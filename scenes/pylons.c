@@ -63,7 +63,7 @@ static void put_bar(mesh_builder* builder, stp_vec3d from, stp_vec3d to, double 
     put_bolts(builder, from, axis, length, u, v, size);
 }
 
-// Half the width of the tower at a height: it narrows up to the waist, then goes straight up.
+// Half width of the tower at a height: narrows to the waist, then stays constant.
 static double half_width(double y)
 {
     const double foot = 3.6, waist = 0.75, waist_height = 27.0;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Power lines across the terrain. Table 1 of Brandt et al. 2019 totals 305 objects, one unique mesh and some 60,000
-// unique triangles more than its rows add up to: here, the pylons are those.
+// Power lines across the terrain. The totals in Table 1 of Brandt et al. 2019 exceed the sum of its
+// rows by 305 objects, one unique mesh and some 60,000 unique triangles: here, the pylons account
+// for those.
 #pragma once
 
 #include "scenes/scenes.h"

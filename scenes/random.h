@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A seeded stream of numbers for things made one after another. Streams of different seeds are independent;
-// give each thing that may be made by any thread a stream of its own (random_fork).
+// A seeded stream of random numbers. Streams of different seeds are independent. Give each item
+// that another thread may make a stream of its own (random_fork).
 #pragma once
 
 #include "base/rng.h"
@@ -15,7 +15,7 @@ static inline random_stream random_begin(uint64_t seed)
     return (random_stream){stp_rng_hash(seed, UINT64_C(0x5ce9e)), 0};
 }
 
-/// A stream for the thing of this number; the parent does not advance.
+/// A stream for item `number`; the parent does not advance.
 static inline random_stream random_fork(const random_stream* parent, uint64_t number)
 {
     return (random_stream){stp_rng_hash(parent->seed ^ UINT64_C(0xf02c), number), 0};

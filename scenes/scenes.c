@@ -46,20 +46,21 @@ const scene_recipe* scene_find(const char* name)
     return NULL;
 }
 
-// All scenes are made in metres. Where the inputs before have another unit, what was added after them is brought to it.
+// All scenes are made in metres. If earlier inputs use another unit, converts the items added after
+// them.
 static void convert_unit(stp_scene* scene, const char* name, size_t first_object, size_t first_view)
 {
     if (scene->unit_metres == 0.0 && first_object > 0) {
         stp_warn(scene->context,
-                 "scene %s: its unit of length is 1 m: taken to be that of the inputs before it, "
-                 "which do not say theirs",
+                 "scene %s: its unit is 1 m; assumes the same unit for the inputs before it, "
+                 "which specify none",
                  name);
     }
     if (scene->unit_metres == 0.0) {
         scene->unit_metres = 1.0;
     }
     double scale = 1.0 / scene->unit_metres;
-    if (scale == 1.0) { // spared, not to make -0 of 0
+    if (scale == 1.0) { // not only faster: avoids turning 0 into -0
         return;
     }
     stp_affine scaled = {{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}};
@@ -95,7 +96,7 @@ stp_result scene_make(stp_scene* scene, const char* name, const scene_options* o
     return result;
 }
 
-// One setting, "scale=0.5" or "seed=3", of `length` characters.
+// Parses one setting, "scale=0.5" or "seed=3", of `length` characters.
 static bool read_setting(const char* text, size_t length, scene_options* options)
 {
     char copy[64], *end;

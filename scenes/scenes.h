@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Named procedural scenes, for tests, benchmarks and the viewer alike. Seeded: the same name, scale and seed give
-// the same scene, bit for bit. `paper` is the benchmark of Brandt et al. 2019, section 5.1, to the numbers of
-// its Table 1.
+// Named procedural scenes for tests, benchmarks and the viewer. Seeded: the same name, scale and
+// seed give the same scene, bit for bit. `paper` is the benchmark of Brandt et al. 2019, section
+// 5.1, with the numbers of its Table 1.
 #pragma once
 
 #include "scene/scene.h"
 
 typedef struct scene_options {
-    double
-        scale; ///< of the amount of content (not of its size): 1 is the whole; 1/16 for quick trials
+    double scale;  ///< amount of content (not its size): 1 is the whole; 1/16 for quick trials
     uint64_t seed; ///< default 0
 } scene_options;
 
@@ -19,7 +18,7 @@ typedef struct scene_recipe {
     stp_result (*make)(stp_scene* scene, const scene_options* options);
 } scene_recipe;
 
-/// All scenes; the name is NULL at the end.
+/// All scenes; the last name is NULL.
 const scene_recipe* scene_recipes(void);
 
 /// Adds the scene: objects, meshes, materials, views. @return STP_OK, STP_ERROR_ARGUMENT (no such scene; logged),
@@ -28,21 +27,22 @@ STP_MUST_USE stp_result scene_make(stp_scene* scene, const char* name,
                                    const scene_options* options);
 
 #define SCENE_PREFIX "scene:"
-#define SCENES_VERSION "5" ///< to be raised when a scene becomes another: caches go by it
+#define SCENES_VERSION "5" ///< increment when a scene changes: caches depend on it
 
-/// The scene of that name; NULL where there is none.
+/// The scene of that name; NULL if there is none.
 const scene_recipe* scene_find(const char* name);
 
-/// Whether an input of a command names a scene, not a file: it begins with SCENE_PREFIX.
+/// Whether an input of a command is a scene rather than a file: it begins with SCENE_PREFIX.
 bool scene_is_input(const char* input);
 
-/// Adds the scene that an input names, "scene:paper,scale=0.1,seed=3" (the prefix may be missing): for
-/// stp_build_desc.generate. `user` is not used.
+/// Adds the scene named by an input, "scene:paper,scale=0.1,seed=3" (the prefix is optional), for
+/// stp_build_desc.generate. `user` is unused.
 STP_MUST_USE stp_result scene_make_input(stp_scene* scene, const char* input, void* user);
 
-// The parts of `paper`, each one object below `parent` (its index through `object`), placed by `place`. The space
-// of each has y up, metres, the ground at y = 0, and its content around the origin. `options->scale` scales the
-// amounts of Table 1 named here (objects; unique objects; triangles; unique triangles).
+// The parts of `paper`. Each adds one object below `parent` (its index through `object`), placed by
+// `place`. The space of each has y up, metres, the ground at y = 0, and its content around the
+// origin. `options->scale` scales the amounts of Table 1 listed here (objects; unique objects;
+// triangles; unique triangles).
 
 /// A factory of several halls with moderately complex machines, conveyors, robots and car bodies in all states:
 /// 1,708; 179; 75.85 M; 3.97 M. View "3" of `paper` stands in it. Within about 300 m x 200 m.

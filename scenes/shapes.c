@@ -17,8 +17,8 @@ double shaper_between(shaper* s, double low, double high)
     return low + (high - low) * shaper_random(s);
 }
 
-// Rounds up or down by chance. The chance goes by what was made so far, not by a counter: arguments of one
-// call may be evaluated in any order.
+// Rounds up or down at random. The randomness derives from the shapes made so far, not from a
+// counter: arguments of one call may be evaluated in any order.
 static int round_by_chance(const shaper* s, double value)
 {
     double chance = (double)(stp_rng_hash(~s->seed, s->vertices) >> 11) / 9007199254740992.0;
@@ -122,8 +122,8 @@ void shaper_reserve(shaper* s, uint64_t vertices, uint64_t triangles)
     b->failed = b->failed || !grow(b, (size_t)vertices, 3 * (size_t)triangles);
 }
 
-// Far below the designed detail, small scales leave out shapes by chance, but for the first ones of a mesh,
-// which are its body.
+// Far below the designed detail, omits random shapes, except for the first ones of a mesh, which
+// are its body.
 static bool left_out(shaper* s)
 {
     enum { BODY = 8 };
@@ -193,7 +193,7 @@ void shape_bar(shaper* s, stp_vec3d from, stp_vec3d to, double height, double wi
     shaper_pop(s, before);
 }
 
-// A beam's section as an outline and the triangles that fill it.
+// A beam's section: outline and triangles that fill it.
 typedef struct section {
     int corners;
     double outline[12][2];

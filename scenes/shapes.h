@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Shapes of which machines, pipes and steelwork are made, as a CAD exporter writes them: outward normals,
-// smooth where the surface is round, split at hard edges.
+// Shapes for machines, pipes and steelwork, as a CAD exporter writes them: outward normals, smooth
+// on round surfaces, split at hard edges.
 //
-// The same code counts and makes: a shaper without a builder only adds up triangles and vertices, by formulas.
-// So a plan of millions of triangles is known, and fitted to a wanted number, before a single one is made.
+// The same code counts and makes: a shaper without a builder only adds up triangles and vertices by
+// formulas. So a plan of millions of triangles is counted and fitted to a wanted number before any
+// is made.
 #pragma once
 
 #include "scenes/compose.h"
@@ -15,39 +16,39 @@ enum {
     SHAPE_MOST_SIDES = 256, ///< of a circle
 };
 
-/// The points of a circle: cosine and sine by turns, the first repeated at the end.
+/// The points of a circle: cosine and sine in turn, the first repeated at the end.
 typedef struct shape_ring {
-    int sides; ///< 0: not made yet
+    int sides; ///< 0: not computed yet
     double cosine[SHAPE_MOST_SIDES + 1], sine[SHAPE_MOST_SIDES + 1];
 } shape_ring;
 
 typedef struct shaper {
-    mesh_builder* builder; ///< NULL: nothing is made, only counted
+    mesh_builder* builder; ///< NULL: only counts
     uint64_t triangles, vertices;
     double tessellation; ///< factor on the sides of round shapes; 1: as designed
-    double amount;       ///< factor on how many details there are; at most 1
-    double keep;         ///< chance of a shape to be made at all; 1 at any but small scales
+    double amount;       ///< factor on the number of details; at most 1
+    double keep;         ///< probability of making a shape; below 1 only at small scales
     uint64_t seed, draws, shapes;
-    stp_affine place; ///< of what follows: rotation and translation only
+    stp_affine place; ///< of the next shapes: rotation and translation only
     shape_ring* rings;
 } shaper;
 
-/// Room for what was counted before, so that arrays are allocated once.
+/// Reserves the counted space, so that arrays are allocated once.
 void shaper_reserve(shaper* s, uint64_t vertices, uint64_t triangles);
 /// A uniform number in [0, 1).
 double shaper_random(shaper* s);
 double shaper_between(shaper* s, double low, double high);
-/// `base` sides times the tessellation, rounded up or down by chance so that totals grow evenly.
+/// `base` sides times the tessellation, rounded up or down at random so that totals grow evenly.
 int shaper_sides(shaper* s, int base, int least);
 /// `base` details times the amount, at least one.
 int shaper_amount(shaper* s, int base);
 
-// Where things are. Lengths are metres. A push returns the place so far, to be given back by pop.
+// Placement. Lengths are metres. A push returns the previous place; pass it to pop.
 stp_affine shaper_push(shaper* s, stp_affine local);
 stp_affine shaper_move(shaper* s, double x, double y, double z);
 void shaper_pop(shaper* s, stp_affine place);
 
-/// Turned about the upright axis by a part of a full turn (0.25: z goes to x), then moved.
+/// Rotates about the vertical axis by a fraction of a turn (0.25: z goes to x), then moves.
 stp_affine place_by_turn(double x, double y, double z, double turns);
 /// The local y axis along `direction`, the origin at `point`.
 stp_affine place_along(stp_vec3d point, stp_vec3d direction);
@@ -57,8 +58,8 @@ void shape_box(shaper* s, double x, double y, double z, double width, double hei
 
 typedef enum shape_ends { SHAPE_OPEN, SHAPE_CAPPED } shape_ends;
 
-/// A surface of revolution about y: the profile's points are (radius, height); the outside lies to the right
-/// of its way, seen with radius to the right and height upwards. Sharp corners are split.
+/// A surface of revolution about y. The profile's points are (radius, height); with radius to the
+/// right and height upwards, the outside is on the right of its direction. Sharp corners are split.
 void shape_lathe(shaper* s, const double (*profile)[2], int count, int sides);
 /// Closed cylinder about y from height 0.
 void shape_cylinder(shaper* s, double radius, double height, int sides);
@@ -68,13 +69,13 @@ void shape_torus(shaper* s, double radius, double tube, int sides, int tube_side
 /// A ball or, by height, an ellipsoid.
 void shape_ball(shaper* s, double radius, double height, int sides);
 
-/// A tube along points; frames are carried along without twist.
+/// A tube along points, with twist-free frames.
 void shape_tube(shaper* s, const stp_vec3d* points, int count, double radius, int sides,
                 shape_ends ends);
 void shape_straight(shaper* s, stp_vec3d from, stp_vec3d to, double radius, int sides);
 
-/// A prism along y of an outline (x, z) that is star-shaped about the origin, running from x to z; `bore` is
-/// the radius of a hole, 0: none. Corners are smooth where flat.
+/// A prism along y. Its outline (x, z) is star-shaped about the origin and runs from x to z; `bore`
+/// is the radius of a hole, 0: none. Nearly flat corners are smooth.
 void shape_prism(shaper* s, const double (*outline)[2], int count, double bore, double length);
 
 typedef enum shape_profile {
@@ -85,7 +86,7 @@ typedef enum shape_profile {
     PROFILE_TUBE
 } shape_profile;
 
-/// A rolled profile from one point to another. `up` is where its web stands.
+/// A rolled profile between two points. `up`: direction of its web.
 void shape_beam(shaper* s, shape_profile profile, stp_vec3d from, stp_vec3d to, double height,
                 double width, double thickness);
 /// Flat bar or rectangular stick between two points: 12 triangles.
@@ -97,7 +98,7 @@ void shape_thread(shaper* s, double radius, double pitch, double length, int sid
 void shape_coil(shaper* s, double radius, double wire, double pitch, double turns, int sides,
                 int wire_sides);
 
-/// A plate in x, z with a grid of round holes, walls of the holes included. Its top is at y = 0.
+/// A plate in x, z with a grid of round holes, including their walls. Its top is at y = 0.
 void shape_perforated(shaper* s, double width, double depth, double thickness, int columns,
                       int rows, double hole, int sides);
 
@@ -108,7 +109,8 @@ typedef stp_vec3d (*shape_surface)(double u, double v, const void* user);
 void shape_sheet(shaper* s, shape_surface surface, const void* user, int columns, int rows,
                  double thickness);
 
-/// Rounds the corners of a path: `out` receives the points. @return how many (at most `capacity`)
+/// Rounds the corners of a path: `out` receives the points. @return their number (at most
+/// `capacity`)
 int shape_round_path(const stp_vec3d* corners, int count, double bend, int steps, stp_vec3d* out,
                      int capacity);
 

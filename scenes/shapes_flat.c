@@ -14,7 +14,7 @@ static void edge_normal(const double (*outline)[2], int count, int i, double* x,
     *z = size > 0.0 ? -dx / size : 0.0;
 }
 
-// The walls: four vertices an edge, normals shared where the outline is nearly flat.
+// The walls: four vertices per edge; nearly flat corners share normals.
 static void put_walls(shape_patch* p, const double (*outline)[2], int count, double length)
 {
     uint32_t at = p->first;
@@ -36,7 +36,7 @@ static void put_walls(shape_patch* p, const double (*outline)[2], int count, dou
     }
 }
 
-// An end with a hole: the hole has a corner towards each corner of the outline.
+// An end with a hole: the hole has a corner for each corner of the outline.
 static void put_bored_end(shape_patch* p, uint32_t at, const double (*outline)[2], int count,
                           double bore, double y, double side)
 {
@@ -102,8 +102,8 @@ void shape_prism(shaper* s, const double (*outline)[2], int count, double bore, 
     }
 }
 
-// One cell of a perforated plate: faces between a square and a circle, and the wall of the hole. Corners of
-// the square belong to whole quarters, so the sides are a multiple of four.
+// One cell of a perforated plate: faces between a square and a circle, and the wall of the hole.
+// The square's corners belong to whole quarters, so the number of sides is a multiple of four.
 static void put_cell(shape_patch* p, const shape_ring* ring, int sides, const double at[2],
                      const double half[2], double hole, double thickness)
 {
@@ -193,7 +193,8 @@ static void put_grid(shape_patch* p, uint32_t at, uint32_t columns, uint32_t row
     }
 }
 
-// Strips that close the rim, with the normals of the front (the rim is a sheet's thickness).
+// Strips that close the rim, with the normals of the front (a rim is only as high as the sheet is
+// thick).
 static void put_rim(shape_patch* p, uint32_t front, uint32_t columns, uint32_t rows)
 {
     uint32_t back = front + columns * rows;

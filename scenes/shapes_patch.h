@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What shapes write through: room for a known number of vertices and triangles at the end of the builder's
-// arrays, and cursors into it. Loops that fill a patch allocate nothing and check nothing.
+// Output of shapes: space for a known number of vertices and triangles at the end of the builder's
+// arrays, with cursors. Loops that fill a patch neither allocate nor check.
 #pragma once
 
 #include "scenes/shapes.h"
@@ -9,14 +9,14 @@
 typedef struct shape_patch {
     float *position, *normal;
     uint32_t* index;
-    uint32_t first; ///< number of the first vertex
+    uint32_t first; ///< index of the first vertex
     stp_affine place;
 } shape_patch;
 
-/// Adds to the counts. @return whether there is anything to write: false where only counted, or memory ran out
+/// Adds to the counts. @return whether to write: false when only counting, or out of memory
 bool shape_begin(shaper* s, uint64_t vertices, uint64_t triangles, shape_patch* patch);
 
-/// The circle of so many sides.
+/// The circle with `sides` sides.
 const shape_ring* shape_circle(shaper* s, int sides);
 
 static inline void patch_vertex(shape_patch* p, double x, double y, double z, double nx, double ny,
@@ -39,7 +39,7 @@ static inline void patch_triangle(shape_patch* p, uint32_t a, uint32_t b, uint32
     p->index += 3;
 }
 
-/// Corners in the order that is counter-clockwise from outside.
+/// Corners in counter-clockwise order, seen from outside.
 static inline void patch_quad(shape_patch* p, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {
     patch_triangle(p, a, b, c);

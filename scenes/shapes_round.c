@@ -5,7 +5,7 @@
 #include "scenes/trigonometry.h"
 
 enum { MOST_PROFILE = 96 };
-static const double smooth_cosine = 0.72; // of the angle up to which an edge is smooth
+static const double smooth_cosine = 0.72; // cosine of the largest angle of a smooth edge
 
 // Normals at both ends of each piece of a profile.
 typedef struct lathe_piece {
@@ -13,7 +13,7 @@ typedef struct lathe_piece {
     double low_normal[2], high_normal[2];
 } lathe_piece;
 
-// Pieces without length, or on the axis, are left out.
+// Pieces of zero length, or on the axis, are skipped.
 static int make_pieces(const double (*profile)[2], int count, lathe_piece* pieces)
 {
     int made = 0;
@@ -133,8 +133,8 @@ void shape_ball(shaper* s, double radius, double height, int sides)
     shape_lathe(s, (const double(*)[2])profile, n + 1, sides);
 }
 
-// The frame is carried from ring to ring by two reflections (Wang et al. 2008, Computation of rotation
-// minimizing frames), which need no trigonometry.
+// Transports the frame from ring to ring by two reflections (Wang et al. 2008, Computation of
+// rotation minimizing frames), which need no trigonometry.
 static stp_vec3d carry(stp_vec3d side, stp_vec3d step, stp_vec3d old_way, stp_vec3d new_way)
 {
     double c1 = stp_dotd(step, step);
@@ -229,7 +229,7 @@ int shape_round_path(const stp_vec3d* corners, int count, double bend, int steps
         stp_vec3d a = stp_normalized(stp_subd(corners[i - 1], corners[i]));
         stp_vec3d b = stp_normalized(stp_subd(corners[i + 1], corners[i]));
         double between = stp_dotd(a, b); // cosine of the inner angle
-        // distance from the corner to where the arc begins, and the weight that makes it a circle
+        // distance from the corner to the start of the arc, and the weight that makes it a circle
         double half_tangent = sqrt((1.0 - between) / (1.0 + between + 1e-12));
         double back = bend / half_tangent, weight = sqrt(0.5 * (1.0 - between));
         if (between < -0.9999) {

@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-// The largest whole number whose `power`-th power is not above x (but at least 1).
+// The largest integer whose `power`-th power is at most x (but at least 1).
 static uint32_t whole_root(double x, int power)
 {
     uint32_t root = 1;
@@ -58,7 +58,7 @@ stp_result scene_make_boxes(stp_scene* scene, const scene_options* options)
                                        (stp_vec3d){0, 0, 0}, 45.0);
 }
 
-// Points all over the unit sphere, a golden angle apart.
+// Evenly spread points on the unit sphere, a golden angle apart.
 static stp_vec3d sphere_point(uint32_t i, uint32_t count)
 {
     double y = 1.0 - (2.0 * (double)i + 1.0) / (double)count, r = sqrt(1.0 - y * y);
@@ -78,7 +78,7 @@ static void make_unit_sphere(mesh_builder* builder, const void* parameters)
     solid_sphere(builder, (stp_vec3){0}, 1.0, *(const int*)parameters);
 }
 
-// Three levels: every object of the second is written out, and found equal to the others by its content.
+// Three levels: every object of the second is written separately, and found equal by its content.
 stp_result scene_make_spheres(stp_scene* scene, const scene_options* options)
 {
     uint32_t count = whole_root(262144.0 * options->scale, 3), material, mesh, top;

@@ -119,7 +119,7 @@ static void subdivide(mesh_builder* builder, stp_vec3 center, double radius,
     }
     stp_vec3 middles[3];
     uint32_t between[3];
-    for (int i = 0; i < 3; ++i) { // a neighbour makes the same points again, to the bit
+    for (int i = 0; i < 3; ++i) { // neighbours compute the same points, bit for bit
         middles[i] = stp_normalize(stp_add(corners[i], corners[(i + 1) % 3]));
         between[i] = mesh_builder_vertex(
             builder, stp_add(center, stp_scale(middles[i], (float)radius)), middles[i]);

@@ -10,7 +10,7 @@
 
 #include <stdio.h>
 
-// Rows of vertices of a tile are shifted by half a cell in turn; a strip of n cells between them has n + n + 1
+// Every other row of a tile's vertices is shifted by half a cell; a strip of n cells has n + n + 1
 // triangles. 54 strips of 91 triangles are the 4,914 of Brandt et al. 2019, 5.1.
 
 static double smooth_step(double x)
@@ -147,7 +147,7 @@ stp_result terrain_add_tree_meshes(stp_scene* scene, uint64_t seed, double detai
     return result != STP_OK ? result : make_meshes(scene, recipes, TREE_KINDS, first_mesh);
 }
 
-// One object for each kind that stands on the tile, with an instance for each tree. @return trees added
+// One object per tree kind on the tile, with an instance per tree. @return trees added
 static stp_result add_tile_trees(stp_scene* scene, const terrain_tree* trees, size_t count,
                                  uint32_t parent, const terrain_tile* t, uint32_t first_mesh)
 {
@@ -196,7 +196,7 @@ static stp_result add_tiles(stp_scene* scene, const terrain_map* map, uint32_t p
     return result;
 }
 
-// Table 1: 1.73 M unique triangles, of which tiles and trees have 1.278 M and 0.348 M.
+// Table 1: 1.73 M unique triangles, of which tiles have 1.278 M and trees 0.348 M.
 #define ROAD_TRIANGLES 104740u
 #define TREES 30000.0
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Roads as segments of their own meshes: an embankment with shoulders, two lanes with markings, and marker posts or a
-// guard rail beside it. The paper's have 100 to 5,000 triangles (Brandt et al. 2019, 5.1).
+// Roads as segments with meshes of their own: an embankment with shoulders, two lanes with
+// markings, and marker posts or a guard rail. The paper's segments have 100 to 5,000 triangles
+// (Brandt et al. 2019, 5.1).
 #include "scenes/compose.h"
 #include "scenes/mesh_builder.h"
 #include "scenes/random.h"
@@ -16,12 +17,12 @@ typedef struct segment {
     const terrain_map* map;
     int road;
     double begin, end; ///< along the road, 0..1
-    uint32_t rows;     ///< pieces along the segment
+    uint32_t rows;     ///< rows along the segment
     uint32_t posts;    ///< of a guard rail on both sides
 } segment;
 
-// Across the road: how far from its middle, how high above the ground, and the grey of the strip that follows. The
-// markings are strips of their own, so no texture is needed.
+// Cross section: distance from the centre, height above the ground, and grey of the next strip.
+// Markings are separate strips, so no texture is needed.
 static const double stations[STATIONS][3] = {
     {-7.5, -1.2, 0.10},   {-5.2, 0.20, 0.16},  {-3.9, 0.26, 0.045}, {-3.6, 0.27, 0.62},
     {-3.45, 0.27, 0.045}, {-0.08, 0.33, 0.62}, {0.08, 0.33, 0.045}, {3.45, 0.27, 0.62},
@@ -33,7 +34,7 @@ static uint64_t segment_triangles(const segment* s)
     return (uint64_t)s->rows * ROW_TRIANGLES + (uint64_t)s->posts * POST_TRIANGLES;
 }
 
-// The road itself is level across: its height is the ground's in its middle.
+// The road is level across: its height is the ground's at its centre.
 static double road_height(const segment* s, stp_vec3d point)
 {
     return terrain_height(s->map, point.x, point.z) + 0.25;
@@ -85,7 +86,7 @@ static void put_post(mesh_builder* builder, const segment* s, stp_vec3d origin, 
     solid_box(builder, point3(at[0].x - 0.06, at[0].y - 0.6, at[0].z - 0.06),
               point3(at[0].x + 0.06, at[0].y + 0.8, at[0].z + 0.06));
     mesh_builder_color(builder, 0.55, 0.56, 0.58);
-    for (int face = 0; face < 2; ++face) { // seen from both sides, a bent sheet of two strips
+    for (int face = 0; face < 2; ++face) { // visible from both sides: a bent sheet of two strips
         for (int strip = 0; strip < 2; ++strip) {
             double low = 0.45 + 0.17 * strip, high = low + 0.17;
             stp_vec3 a = point3(at[0].x, at[0].y + low, at[0].z);
@@ -121,8 +122,8 @@ static void make_segment(mesh_builder* builder, const void* parameters)
     }
 }
 
-// Shares the segments out to the roads by length, and the triangles: every segment has 5 to 25 rows, some also guard
-// rails, and the rest goes to rows one by one.
+// Distributes the segments over the roads by length, and the triangles: every segment has 5 to 25
+// rows, some also guard rails; the rest goes to rows one by one.
 static void plan_segments(const terrain_map* map, uint64_t triangles,
                           segment segments[ROAD_SEGMENTS])
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The map: sites, and roads that connect them. Figure 5 of Brandt et al. 2019 shows the parts spread over the whole
-// terrain, forests between them.
+// The map: sites, and roads that connect them. Figure 5 of Brandt et al. 2019 shows the parts
+// spread over the whole terrain, with forests between them.
 #include "scenes/terrain.h"
 
 const terrain_site terrain_sites[SITE_COUNT] = {
@@ -33,7 +33,7 @@ typedef struct road {
     double points[MOST_POINTS][2];
 } road;
 
-// Control points of Catmull-Rom curves; the first and last are passed through too.
+// Control points of Catmull-Rom curves, which also pass through the first and last.
 static const road roads[ROAD_COUNT] = {
     // from the city to the crossing in the middle
     {7,

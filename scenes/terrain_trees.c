@@ -8,7 +8,7 @@
 
 enum {
     FOREST_TILES = 130
-}; // half of them have none (Table 1: LODs of tiles of 93k surfels in the mean)
+}; // half of all tiles have none (Table 1: tile LODs have 93k surfels on average)
 
 typedef struct tile_weight {
     double weight;
@@ -44,7 +44,7 @@ static int compare_trees(const void* left, const void* right)
     return a->z < b->z ? -1 : a->z > b->z;
 }
 
-// The wooded tiles, the densest first; none that a site stands on.
+// Weights of wooded tiles, densest first; 0 on sites.
 static void weigh_tiles(uint64_t seed, tile_weight weights[TILE_COUNT])
 {
     for (uint32_t i = 0; i < TILE_COUNT; ++i) {
@@ -57,7 +57,7 @@ static void weigh_tiles(uint64_t seed, tile_weight weights[TILE_COUNT])
     qsort(weights, TILE_COUNT, sizeof(*weights), compare_weights);
 }
 
-// Which kind grows here: kinds form groves, and mix where these meet.
+// Tree kind at a place: kinds form groves and mix at their borders.
 static uint32_t choose_kind(uint64_t seed, random_stream* random, double x, double z)
 {
     uint32_t best = 0;
@@ -72,7 +72,7 @@ static uint32_t choose_kind(uint64_t seed, random_stream* random, double x, doub
     return best;
 }
 
-// A place on the tile where a tree can stand; the best of a few where all are bad.
+// A place on the tile where a tree can stand; if all candidates are bad, the best of a few.
 static void choose_place(const terrain_map* map, random_stream* random, uint32_t tile, double* x,
                          double* z)
 {
@@ -85,7 +85,7 @@ static void choose_place(const terrain_map* map, random_stream* random, uint32_t
     }
 }
 
-// As many of each kind: the surplus of one becomes what is lacking of others.
+// Equalises the kinds: surplus trees of one kind become trees of others.
 static void balance_kinds(terrain_tree* trees, uint32_t count)
 {
     uint32_t counts[TREE_KINDS] = {0}, wanted[TREE_KINDS];

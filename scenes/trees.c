@@ -13,19 +13,19 @@ typedef struct tree_kind {
     const char* name;
     uint32_t triangles;
     double height, trunk_radius;
-    double bare;   ///< part of the trunk below the first branch
-    double spread; ///< length of the longest branch, of the height
-    double rise;   ///< sine of the angle that branches make with the ground
-    double droop;  ///< what weight does to them along their length
+    double bare;   ///< share of the trunk below the first branch
+    double spread; ///< length of the longest branch, relative to the height
+    double rise;   ///< sine of the angle between branches and the ground
+    double droop;  ///< sag along the branch
     crown_shape crown;
     int levels;                ///< of branches, the trunk included
-    int children[MOST_LEVELS]; ///< branches of a branch of each level
+    int children[MOST_LEVELS]; ///< children of a branch of each level
     double leaf_length, leaf_width;
     double bark[3], leaf[3]; ///< linear colours
 } tree_kind;
 
-// Counts are those of the benchmark's terrain: 40k to 70k each, and so many together that 30,000 trees with the
-// tiles and roads make 1.74 G triangles (Brandt et al. 2019, Table 1).
+// Counts are those of the benchmark's terrain: 40k to 70k each, so that 30,000 trees with the tiles
+// and roads total 1.74 G triangles (Brandt et al. 2019, Table 1).
 static const tree_kind kinds[TREE_KINDS] = {
     {"oak",
      69800,
@@ -124,8 +124,8 @@ typedef struct tree_walk {
     mesh_builder* builder;
     const tree_kind* kind;
     bool counting;
-    double detail;  ///< of the branching: 1 is the whole
-    uint64_t twigs; ///< walked so far
+    double detail;  ///< of the branching: 1 is full detail
+    uint64_t twigs; ///< visited so far
     uint64_t all_twigs, wood, leaves;
 } tree_walk;
 
@@ -157,10 +157,10 @@ static stp_vec3d along(stp_vec3d a, stp_vec3d b, double amount)
     return stp_addd(a, stp_scaled(b, amount));
 }
 
-// Directions differ a little at random.
+// Perturbs a direction at random.
 static stp_vec3d shake(random_stream* random, stp_vec3d direction, double amount)
 {
-    stp_vec3d by; // one by one: the order within a list is the compiler's choice
+    stp_vec3d by; // separate statements: the evaluation order in a list is unspecified
     by.x = random_between(random, -amount, amount);
     by.y = random_between(random, -amount, amount);
     by.z = random_between(random, -amount, amount);
@@ -191,7 +191,7 @@ static void join_rings(mesh_builder* builder, uint32_t below, uint32_t above, in
     }
 }
 
-// A diamond from its stalk, its normal leaning outwards so that the crown is shaded as one.
+// A diamond from its stalk. Its normal leans outwards, so that the crown is shaded as a whole.
 static void put_leaf(tree_walk* walk, random_stream* random, stp_vec3d stalk, stp_vec3d twig)
 {
     const tree_kind* kind = walk->kind;
@@ -249,7 +249,7 @@ static double crown_length(crown_shape crown, double t)
     }
 }
 
-// The child that leaves a branch at `t` of its length.
+// The child that leaves a branch at fraction `t` of its length.
 static branch grow_child(const tree_walk* walk, const branch* parent, stp_vec3d at, double t,
                          uint32_t number)
 {
@@ -295,7 +295,7 @@ static void grow(tree_walk* walk, branch* b)
         stp_vec3d axis =
             stp_normalized(stp_subd(points[i < count ? i + 1 : i], points[i > 0 ? i - 1 : i]));
         double radius = b->radius * (1.0 - 0.85 * (double)i / count);
-        radius *= b->level == 0 && i == 0 ? 1.6 : 1.0; // where the roots begin
+        radius *= b->level == 0 && i == 0 ? 1.6 : 1.0; // root flare
         double shade = 0.8 + 0.4 * random_unit(&b->random);
         mesh_builder_color(walk->builder, kind->bark[0] * shade, kind->bark[1] * shade,
                            kind->bark[2] * shade);
@@ -333,7 +333,7 @@ void tree_make(mesh_builder* builder, const void* parameters)
                     .length = kind->height * 0.92,
                     .radius = kind->trunk_radius,
                     .random = random_begin(recipe->seed * TREE_KINDS + recipe->kind)};
-    for (;;) { // fewer branches where few triangles are wanted
+    for (;;) { // fewer branches for low triangle counts
         branch copy = trunk;
         walk.counting = true;
         walk.twigs = walk.wood = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Trees of geometry alone: a trunk, branches and twigs as tubes, and each leaf (or tuft) as a small diamond. Bark
-// and leaves are one mesh, told apart by colours of vertices.
+// Trees as pure geometry: trunk, branches and twigs as tubes, and each leaf (or tuft) as a small
+// diamond. Bark and leaves are one mesh, distinguished by vertex colours.
 #pragma once
 
 #include "scenes/mesh_builder.h"
@@ -16,10 +16,10 @@ typedef struct tree_recipe {
 
 /// "oak", "birch", ...
 const char* tree_name(uint32_t kind);
-/// Triangles of a kind at full detail: 40k to 70k; those of all kinds together are TREE_TRIANGLES.
+/// Triangles of a kind at full detail: 40k to 70k; TREE_TRIANGLES is the sum over all kinds.
 uint32_t tree_triangles(uint32_t kind);
 #define TREE_TRIANGLES 347620u
 
-/// A mesh_maker; `parameters` is a tree_recipe. The foot is at the origin. The material wants to be white and
-/// double-sided.
+/// A mesh_maker; `parameters` is a tree_recipe. The foot is at the origin. The material should be
+/// white and double-sided.
 void tree_make(mesh_builder* builder, const void* parameters);

@@ -5,7 +5,7 @@
 
 static const double tau = 6.28318530717958647692;
 
-// Taylor series on [-pi/4, pi/4], highest power first; the first term left out is below 1e-16.
+// Taylor series on [-pi/4, pi/4], highest power first; the first omitted term is below 1e-16.
 static double series(const double* coefficients, int count, double x)
 {
     double sum = coefficients[0];
@@ -37,7 +37,7 @@ static double near_cosine(double x)
     return series(coefficients, 9, x * x);
 }
 
-// Of `turns` plus so many quarter turns.
+// Sine of `turns` plus `quarters` quarter turns.
 static double quarter_sine(double turns, int64_t quarters)
 {
     double scaled = turns * 4.0;

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Fails where a C file is not as clang-format writes it. Other versions than Debian 12's write otherwise: skipped.
+# Fails if a C file differs from clang-format's output. Skipped unless it is version 14 (Debian 12):
+# others format differently.
 cd "$(dirname "$0")/.." || exit 1
 formatter=clang-format
 command -v clang-format-14 > /dev/null && formatter=clang-format-14
 if ! $formatter --version 2> /dev/null | grep -q 'version 14\.'; then
-    echo "clang-format 14 is not here"
+    echo "clang-format 14 is not installed"
     exit 77
 fi
 folders=()

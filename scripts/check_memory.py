@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Builds under limits of memory, and measures what they really took.
+"""Builds under memory limits and measures the memory actually used.
 
-    scripts/check_memory.py build/release/tools/stipple build/memory --limits 1G,512M scene:power-plant,scale=0.1
+    scripts/check_memory.py build/release/tools/stipple build/memory \\
+        --limits 1G,512M scene:power-plant,scale=0.1
     scripts/check_memory.py build/release/tools/stipple build/memory --smallest 8M,1G model.glb
 
-Prints for each limit what the library counted (peak_bytes), the most anonymous memory that was resident (RssAnon of
-/proc/PID/status, sampled; mapped files are none), and the seconds; all files must be the same, whatever the limit. With
---smallest the limit is searched at which a build just succeeds. Options of `stipple build` follow `--`. Fails where more
-was counted than the limit, or more resident than a tenth and BASE above it.
+Prints for each limit the bytes that the library counted (peak_bytes), the peak of resident
+anonymous memory (RssAnon of /proc/PID/status, sampled; excludes mapped files), and the seconds. All
+files must be identical, whatever the limit. --smallest searches for the limit at which a build just
+succeeds. Options of `stipple build` follow `--`. Fails if the counted bytes exceed the limit, or
+the resident bytes exceed it by more than a tenth plus BASE.
 """
 import argparse
 import hashlib
@@ -21,7 +23,8 @@ import time
 SAMPLE_SECONDS = 0.02
 NEAR_ENOUGH = 1.05
 ABOVE_LIMIT = 1.1
-BASE = 4 << 20 # of any build: the written pages of the executable and its libraries, stacks, small blocks of libraries
+# Of any build: written pages of the executable and its libraries, stacks, small library blocks.
+BASE = 4 << 20
 UNITS = {"K": 1 << 10, "M": 1 << 20, "G": 1 << 30}
 
 
@@ -34,8 +37,8 @@ def parse_arguments():
     parser.add_argument("executable")
     parser.add_argument("folder")
     parser.add_argument("inputs", nargs="+")
-    parser.add_argument("--limits", default="", help="sizes, with commas between; 0: none")
-    parser.add_argument("--smallest", default="", help="LEAST,MOST: where to search")
+    parser.add_argument("--limits", default="", help="comma-separated sizes; 0: unlimited")
+    parser.add_argument("--smallest", default="", help="MIN,MAX: range of the search")
     arguments, options = sys.argv[1:], []
     if "--" in arguments:
         at = arguments.index("--")
@@ -56,7 +59,7 @@ def anonymous_bytes(pid):
 
 
 def build(args, limit):
-    """Exit code, figures or the message, the most anonymous bytes, the hash of the file."""
+    """Exit code, figures or message, peak of anonymous bytes, hash of the file."""
     output = pathlib.Path(args.folder) / "limited.stip"
     output.unlink(missing_ok=True)
     command = [args.executable, "build", *args.inputs, "-o", str(output), "--fresh", "--json", *args.options]
@@ -84,13 +87,13 @@ def show(args, limit, done):
     print(f"{name}: counted {figures['peak_bytes'] / (1 << 20):8.1f} MiB, anonymous {most / (1 << 20):8.1f} MiB{share}, "
           f"{figures['seconds']['total']:.2f} s", flush=True)
     if limit and figures["peak_bytes"] > limit:
-        sys.exit("more was counted than the limit allows")
+        sys.exit("the counted bytes exceed the limit")
     if limit and most > ABOVE_LIMIT * limit + BASE:
-        sys.exit("more was resident than the limit allows")
+        sys.exit("the resident bytes exceed the limit")
 
 
 def search(args):
-    """Halves the ratio between a limit that fails and one that does not."""
+    """Bisects (geometrically) between a limit that fails and one that succeeds."""
     least, most = (parse_size(size) for size in args.smallest.split(","))
     while most > least * NEAR_ENOUGH:
         limit = int((least * most) ** 0.5)

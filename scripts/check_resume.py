@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Kills builds at random moments, takes them up again, and compares their bytes with those of a build left alone.
+"""Kills builds at random moments, resumes them, and compares their bytes with an undisturbed build.
 
     scripts/check_resume.py build/release/tools/stipple build/resume --kills 50 scene:one-mesh
 
-Prints a line a kill: when it came, at which stage, and what the work directory held. A build is killed up to eight
-times before it may end. Options of `stipple build` follow `--`.
+Prints one line per kill: its time, the stage, and the content of the work directory. A build is
+killed up to eight times before it may finish. Options of `stipple build` follow `--`.
 """
 import argparse
 import json
@@ -42,7 +42,7 @@ def build_command(args, output):
 
 
 def run_whole(command):
-    """A build left alone: its figures and seconds."""
+    """An undisturbed build: its figures and seconds."""
     start = time.monotonic()
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
@@ -51,7 +51,7 @@ def run_whole(command):
 
 
 def run_killed(command, delay, log):
-    """Kills a build after `delay` seconds; the stage it was at, or None where it ended before."""
+    """Kills a build after `delay` seconds. Returns its stage, or None if it had already ended."""
     with open(log, "w") as errors:
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors)
         try:
@@ -101,7 +101,7 @@ def main():
             kills += 1
             print(f"kill {kills:4}: after {delay:6.2f} s at {stage}, {work_bytes(output)} bytes kept")
             if output.exists() and output.read_bytes() != wanted:
-                sys.exit("a killed build left a file that is not whole")
+                sys.exit("a killed build left an incomplete file")
             if kills >= args.kills:
                 break
         figures, took = run_whole(command)
@@ -109,14 +109,14 @@ def main():
         found = kept.get("surfel_sets", 0)
         resumed += found > 0
         same = output.read_bytes() == wanted
-        print(f"build {builds:3}: {took:.2f} s, {found} surfel sets taken over, {kept.get('surfel_sets_made', 0)} made, "
+        print(f"build {builds:3}: {took:.2f} s, {found} surfel sets reused, {kept.get('surfel_sets_made', 0)} made, "
               f"{'the same bytes' if same else 'OTHER BYTES'}")
         if not same:
             sys.exit(f"{output} differs from {expected}")
         if leftovers(folder, output):
             sys.exit(f"left behind: {' '.join(leftovers(folder, output))}")
         output.unlink()
-    print(f"{kills} kills, {builds} builds, {resumed} of them went on from what was kept; all bytes the same")
+    print(f"{kills} kills, {builds} builds, {resumed} of them resumed; all bytes are the same")
 
 
 main()

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Lays PNG files (8-bit RGB or RGBA, as stipple writes them) out on one sheet, for the documents.
+"""Arranges PNG files (8-bit RGB or RGBA, as stipple writes them) on one sheet, for the documents.
 
-usage: contact_sheet.py OUT.png COLUMNS[/N] IN.png... cells are as large as the largest picture; smaller ones are
-enlarged by whole factors, without smoothing; IN.png@X,Y,W,H takes a part of the picture, =IN.png keeps its size;
-/N: pictures are shrunk first, each pixel the mean of N x N
+usage: contact_sheet.py OUT.png COLUMNS[/N] IN.png...
+
+Cells are as large as the largest picture. Smaller pictures are enlarged by whole factors, without
+smoothing. IN.png@X,Y,W,H uses a part of the picture; =IN.png keeps its size. /N shrinks pictures
+first: each pixel is the mean of N x N.
 """
 import struct
 import sys

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The work of scripts/demo, once stipple is built.
+"""The main part of scripts/demo, run once stipple is built.
 
 usage: demo.py STIPPLE FOLDER MODEL [--alone]
 
-Builds MODEL and, without --alone (MODEL is then a GLB), a plant of 1,200 of it, flies through, prints splats and all
-triangles side by side, and writes FOLDER/sheet.png.
+Builds MODEL and, without --alone (MODEL is then a GLB), a plant of 1,200 copies. Flies through it,
+prints splats and triangles side by side, and writes FOLDER/sheet.png.
 """
 import json
 import math
@@ -19,7 +19,7 @@ FRAMES, COMPARED_EVERY, TRIANGLE_FRAMES = 121, 30, 5 # the flight's five compare
 
 
 def run(arguments):
-    """Runs stipple; what it prints as JSON, and its peak of memory."""
+    """Runs stipple. Returns its JSON output and its peak memory."""
     child = subprocess.Popen(arguments, stdout=subprocess.PIPE)
     text = child.stdout.read()
     _, status, usage = os.wait4(child.pid, 0)
@@ -48,7 +48,7 @@ def build(stipple, model, out):
 
 
 def orbit(bounds):
-    """Once around a model, from afar to close by."""
+    """A flight around a model, from far to near."""
     low, high = bounds["min"], bounds["max"]
     middle = [(a + b) / 2 for a, b in zip(low, high)]
     reach = max(math.dist(low, high) / 2, 1e-9)
@@ -85,11 +85,11 @@ def print_table(flown):
     for row in rows:
         print("{:<22} {:>20} {:>16}".format(*row))
     print(f"\n{SIZE} on {splats['backend']} ({splats['device']}, {splats['threads']} threads); medians over the flight; "
-          f"likeness to all triangles, of {len(likeness)} frames\n")
+          f"SSIM against all triangles, over {len(likeness)} frames\n")
 
 
 def key_of(flight, part):
-    """The view at a part (0 to 1) of the flight's keys, as options of render."""
+    """The view at a fraction (0 to 1) of the flight's keys, as options of render."""
     keys = flight["keys"]
     key = keys[round(part * (len(keys) - 1))]
     return ["--fov", str(flight["fov"]), "--eye", ",".join(map(str, key["eye"])),
@@ -123,7 +123,7 @@ def main():
     stipple, folder, model = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve(), Path(sys.argv[3])
     alone = len(sys.argv) == 5
     if not model.exists():
-        sys.exit(f"demo: {model}: there is no such file")
+        sys.exit(f"demo: {model}: no such file")
     folder.mkdir(parents=True, exist_ok=True)
     print()
     scene, path = folder / f"{model.stem}.stip", folder / "flight.json"

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws a whole .stip file from the few ranges of bytes that its first picture needs, and counts them.
+"""Draws a .stip file from the few byte ranges that its first picture needs, and counts them.
 
     first_picture.py FILE.stip -o PICTURE.ppm [--surfels N] [--size WxH]
 
-A reader over a network fetches ranges like these: header and section table, of the directory the pages that lead to the
-surfels of the root, and the first octaves of these. The counts go to standard output as JSON. Like read_store.py it
-knows docs/format.md alone.
+A network reader fetches ranges like these: header and section table, the directory pages that lead
+to the root's surfels, and the first octaves of these. Prints the counts as JSON. Like
+read_store.py, it uses only docs/format.md.
 """
 import argparse
 import json
@@ -23,7 +23,7 @@ SECTION = {name: (kind, struct.calcsize("<" + layout), "<" + layout, names)
 
 
 class Ranges:
-    """A file that is read by ranges; a byte that was read before costs nothing."""
+    """A file read by ranges; bytes already read cost nothing."""
 
     def __init__(self, file):
         self.file, self.known = file, {}
@@ -39,7 +39,7 @@ class Ranges:
 
 
 class Directory:
-    """Header, section table, and records by their index, each from the page it lies in."""
+    """Header, section table, and records by index, each from its page."""
 
     def __init__(self, ranges):
         self.ranges = ranges
@@ -80,7 +80,7 @@ class Directory:
         return content
 
     def record(self, name, index):
-        """A record as a dictionary of its fields; one of several numbers is a list."""
+        """A record as a dictionary of its fields; arrays become lists."""
         kind, known, layout, names = SECTION[name]
         flags, _, _, count, record_size, _ = self.sections[kind]
         need(index < count, f"{name} {index} does not exist")
@@ -104,12 +104,13 @@ def find_set(directory):
     """The root's box, and its surfel set with its octaves and breakpoints."""
     need(directory.root != NONE, "the scene is empty")
     root = directory.record("nodes", directory.root)
-    need(root["surfels"] != NONE, "the root has no surfels: all of the scene is a few triangles")
+    need(root["surfels"] != NONE, "the root has no surfels: the whole scene is a few triangles")
     found = directory.record("surfels", root["surfels"])
     octaves = [directory.record("octaves", found["first_octave"] + i) for i in range(found["octave_count"])]
     points = [directory.record("breakpoints", found["first_breakpoint"] + i) for i in range(found["breakpoint_count"])]
     need(found["count"] > 0, "the root has no surfels")
-    # the root's set is the first method's; files that do not say which have sets of `blue`, without options
+    # the root's set belongs to the first method; files without a method table use `blue`, without
+    # options
     found["method_columns"] = directory.record("methods", 0)["columns"] if 35 in directory.sections else 0
     need(octaves and octaves[-1]["end"] == found["count"], "octaves")
     found["octave_ends"] = [octave["end"] for octave in octaves]
@@ -151,7 +152,7 @@ def decode_normal(value):
 
 
 def draw(box, surfels, radius, width, height):
-    """Squares as large as the disks, nearest first, from a corner above the box; a simple light. @return RGB bytes"""
+    """Draws squares as large as the disks, nearest first, from a corner above the box, with simple lighting. @return RGB bytes"""
     low, high = box
     center = [(a + b) / 2 for a, b in zip(low, high)]
     reach = math.dist(low, high) / 2 or 1.0
@@ -179,7 +180,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("file")
     parser.add_argument("-o", dest="output", required=True, metavar="PICTURE.ppm")
-    parser.add_argument("--surfels", type=int, default=16000, metavar="N", help="as many or fewer (default: 16000)")
+    parser.add_argument("--surfels", type=int, default=16000, metavar="N", help="maximum number of surfels (default: 16000)")
     parser.add_argument("--size", default="960x540", metavar="WxH")
     options = parser.parse_args()
     try:

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Writes src/raster/blue_noise_table.h: a 64 x 64 void-and-cluster mask (Ulichney 1993), ranks 0 to 4095 on a torus.
+"""Writes src/raster/blue_noise_table.h: a tileable 64 x 64 void-and-cluster mask (Ulichney 1993), ranks 0 to 4095.
 
-Everything is counted in whole numbers, so the table is the same wherever it is made. Takes some seconds."""
+Uses only integers, so the table is the same on every machine. Takes some seconds."""
 import math
 import os
 import random
 
 SIDE = 64
-REACH = 9          # the filter is cut off there
+REACH = 9          # cut-off radius of the filter
 SIGMA = 1.9
 ONE = 1 << 24
 
@@ -22,7 +22,7 @@ def make_filter():
 
 
 class Pattern:
-    """Points on a torus and the sum of the filters around them."""
+    """Points on a torus and the sum of their filters."""
 
     def __init__(self, weights):
         self.weights = weights

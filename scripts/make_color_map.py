@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Prints the colour map of src/base/color_map.c: a curve through Oklab of evenly rising lightness.
+"""Prints the colour map of src/base/color_map.c: a curve in Oklab with evenly rising lightness.
 
-Lightness rises from 0.27 to 0.94. The hue turns from violet over blue, green to yellow; the chroma is the largest of 0.145 and what sRGB
-holds. Steps of equal value so look equal (Ottosson 2020, "A perceptual color space for image processing").
+Lightness rises from 0.27 to 0.94. The hue turns from violet over blue and green to yellow. The
+chroma is 0.145, or less where sRGB requires it. So equal steps in value look equal (Ottosson 2020,
+"A perceptual color space for image processing").
 """
 import math
 
@@ -32,7 +33,7 @@ def color(t):
     lightness = LIGHT[0] + (LIGHT[1] - LIGHT[0]) * t
     hue = math.radians(HUE[0] + (HUE[1] - HUE[0]) * t)
     chroma = CHROMA[0] + (CHROMA[1] - CHROMA[0]) * t
-    while True:  # into what sRGB holds
+    while True:  # reduce the chroma until the colour fits sRGB
         linear = to_linear(lightness, chroma * math.cos(hue), chroma * math.sin(hue))
         if all(-1e-4 <= c <= 1.0001 for c in linear) or chroma < 0.001:
             return [to_srgb(min(max(c, 0.0), 1.0)) for c in linear]

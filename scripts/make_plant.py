@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
-"""Places a real model many times: a plant of halls, each with racks of machines, as one GLB of nested nodes.
+"""Builds a plant from copies of a real model: halls, each with racks of machines, as one GLB of
+nested nodes.
 
 usage: make_plant.py MODEL.glb PLANT.glb FLIGHT.json [MACHINES]
 
-MODEL is a GLB without extensions beyond its meshes' own; MACHINES (default 1,200) is rounded up to whole halls of 200.
-FLIGHT.json receives a flight of 12 seconds: over the plant, down between two halls, and along the machines.
+MODEL is a GLB without extensions beyond those of its meshes. MACHINES (default 1,200) is rounded up
+to whole halls of 200. FLIGHT.json receives a flight of 12 seconds: over the plant, down between two
+halls, and along the machines.
 """
 import json
 import math
 import struct
 import sys
 
-ROW, LEVELS, ROWS = 10, 4, 5 # machines on a shelf, shelves of a rack, racks of a hall
+ROW, LEVELS, ROWS = 10, 4, 5 # machines per shelf, shelves per rack, racks per hall
 MACHINES = ROW * LEVELS * ROWS
 
 
@@ -105,7 +107,7 @@ class Builder:
         return self.add({**node, **({"children": children} if children else {})})
 
     def machine(self, x, y, angle, middle):
-        """The model, turned about its middle, which comes to (x, y, 0)."""
+        """The model, rotated about its centre, which moves to (x, y, 0)."""
         sine, cosine = math.sin(angle), math.cos(angle)
         tx, tz = x - (cosine * middle[0] + sine * middle[2]), -(-sine * middle[0] + cosine * middle[2])
         return self.add({"name": "machine", "translation": [tx, y - middle[1], tz],
@@ -116,7 +118,7 @@ class Builder:
         return self.add({"name": "floor", "mesh": mesh, "translation": at, "scale": size})
 
     def rack(self, mesh, row, step, row_step, tall, reach, middle):
-        """Shelves of machines one above the other."""
+        """Shelves of machines, stacked."""
         parts = []
         for level in range(LEVELS):
             y = level * tall

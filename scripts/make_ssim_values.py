@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the values that tests/measure/test_image_compare.c expects, as scikit-image and SciPy compute them.
+"""Prints the values that tests/measure/test_image_compare.c expects, computed with scikit-image and SciPy.
 
 Needs python3-skimage. The pictures follow from integer formulas, which the test repeats in C."""
 import math

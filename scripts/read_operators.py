@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Decodes operators: splats of progressive sets, coded by how they differ from the splats that they replace.
+"""Decodes operators: splats of progressive sets, coded as differences from the splats they replace.
 
-Written from docs/format.md alone (Operators), with nothing but the standard library; read_store.py uses it.
+Written from docs/format.md alone (Operators), using only the standard library; read_store.py uses
+it.
 """
 import heapq
 import math
@@ -14,7 +15,7 @@ SLOPE = struct.unpack("<f", struct.pack("<f", 0.005))[0]
 
 
 class Decoder:
-    """The bits of a chunk, by models that learn. A model is a list: the probability of 0 (of 65536), bits seen."""
+    """Bit decoder with adaptive models. A model is a list: the probability of 0 (of 65536), bits seen."""
 
     def __init__(self, data):
         self.data, self.at, self.range = data, 4, 0xFFFFFFFF
@@ -99,7 +100,7 @@ def unfold(normal):
 
 
 class Operators:
-    """The splats of a set so far, and the parents that wait to be split."""
+    """The splats decoded so far, and the parents waiting to be split."""
 
     def __init__(self, step):
         self.step, self.splats, self.waiting = step, [], []
@@ -117,7 +118,7 @@ class Operators:
         self.splats.append(splat)
 
     def skip(self, columns, count):
-        """Takes splats from columns as they are."""
+        """Adds uncoded splats from columns."""
         names = (("position", 3, "H"), ("normal", 2, "b"), ("material", 1, "B"), ("color", 3, "B"), ("coverage", 1, "B"),
                  ("shape", 1, "I"), ("range", 2, "H"))
         splats, at = [Splat() for _ in range(count)], 0
@@ -135,7 +136,7 @@ class Operators:
             self.append(splat)
 
     def decode(self, data, count):
-        """The columns of so many more splats."""
+        """Decodes the columns of the next splats."""
         d, first, self.leaf = Decoder(data), len(self.splats), 0
         for index in range(first, first + count):
             self.find_parent(self.base == index and d.bit("base"))

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Reads a .stip file: checks every checksum and count, and prints what is in it as JSON.
+"""Reads a .stip file: verifies every checksum and count, and prints its content as JSON.
 
     read_store.py FILE.stip [--expect EXPECTED.json]
 
-Written from docs/format.md alone, with nothing but the standard library: if this script and the library disagree
-about a file, one of the three is wrong. With --expect, each value of EXPECTED.json must be found in the output.
+Written from docs/format.md alone, using only the standard library. If this script and the library
+disagree about a file, one of the three is wrong. With --expect, each value of EXPECTED.json must
+occur in the output.
 """
 import argparse
 import json
@@ -19,7 +20,8 @@ from read_operators import Operators
 NONE = 0xFFFFFFFF
 MAGIC = b"\x89STP\r\n\x1a\n"
 
-# Records: struct format (little-endian) and field names; "name:text" is resolved, "reserved" must be 0.
+# Records: struct format (little-endian) and field names. "name:text" is resolved, "reserved" must
+# be 0.
 RECORDS = {
     1: ("nodes", "6I2Q6d", "first_edge edge_count first_part part_count surfels flags triangle_count point_count "
                            "bounds_min:3 bounds_max:3"),
@@ -245,7 +247,7 @@ def check_graph(header, t):
 
 
 def gather_methods(t):
-    """Each set gets its method's columns; sets of all methods but the first name their nodes."""
+    """Gives each set its method's columns; sets of all methods but the first name their nodes."""
     if not t["methods"]:
         t["methods"] = [{"name": "blue", "id": 1, "columns": 0, "first_set": 0, "set_count": len(t["surfels"])}]
     methods, first = t["methods"], t["methods"][0]["set_count"]
@@ -293,7 +295,7 @@ def gather_sets(t):
 
 
 def block_columns(t, block):
-    """The record that a block belongs to, its columns with their sizes, and how they are aligned."""
+    """The record of a block, its columns with their sizes, and their alignment."""
     record = t[KINDS[block["kind"]]][block["owner"]]
     if block["kind"] == 5:
         return record, [], 1
@@ -320,14 +322,14 @@ def block_columns(t, block):
 
 
 def picture_size(encoding, data):
-    """Width and height as the header of a PNG, JPEG or WebP file says them."""
+    """Width and height in the header of a PNG, JPEG or WebP file."""
     if encoding == 1:
         need(data[:8] == b"\x89PNG\r\n\x1a\n" and data[12:16] == b"IHDR", "no PNG")
         return struct.unpack_from(">2I", data, 16)
     if encoding == 2:
         need(data[:2] == b"\xff\xd8", "no JPEG")
         at = 2
-        while data[at + 1] not in (0xC0, 0xC1, 0xC2):  # the frame's header; before it segments with lengths
+        while data[at + 1] not in (0xC0, 0xC1, 0xC2):  # the frame header; skips segments before it
             at += 2 + struct.unpack_from(">H", data, at + 2)[0]
         return struct.unpack_from(">2H", data, at + 5)[::-1]
     need(data[:4] == b"RIFF" and data[8:12] == b"WEBP", "no WebP")
@@ -340,7 +342,7 @@ def picture_size(encoding, data):
 
 
 def check_textures(t):
-    """Textures that share a block name the one of an earlier texture, which is a picture file of their size."""
+    """Textures may share the block of an earlier texture, which is a picture file of their size."""
     for i, texture in enumerate(t["textures"]):
         need(texture["block"] < len(t["blocks"]), f"texture {i}: its block does not exist")
         block = t["blocks"][texture["block"]]
@@ -371,7 +373,7 @@ def check_content(t, record, block, name, column, place):
 
 
 def check_leaves(surfels, column, place):
-    """Cubes along the curve that do not overlap, and whose splats are all of the set's."""
+    """Checks that leaves are disjoint cubes along the curve, with all splats of the set."""
     end, total = 0, 0
     for *corner, where, extent, count, _, _, _, _ in struct.iter_unpack("<3H2BI2b2B", column):
         depth = where & 31
@@ -389,7 +391,7 @@ def check_leaves(surfels, column, place):
 
 
 class Cluster:
-    """One cluster of a coded mesh: its triangles' corners, and their numbers by channel."""
+    """One cluster of a coded mesh: its triangles' corners, and their values by channel."""
 
     def __init__(self, data, at, entry, present):
         self.offset, self.first_triangle = struct.unpack_from("<2I", data, entry)
@@ -431,7 +433,7 @@ class Cluster:
 
     @staticmethod
     def read_channel(data, at, count, group, origin, width, own_width, layout, shift):
-        """The values of a channel that begins at `at`, and where it ends."""
+        """The values of a channel that begins at `at`, and its end."""
         need(width <= 32 and own_width <= 32 and shift <= 24 and layout <= 2 and
              (group != 0 if layout else own_width == 0), "a channel of a cluster")
 
@@ -478,8 +480,8 @@ def read_clusters(data, begin, end, record):
 
 
 def chunk_ends(at, first, end, place_bytes):
-    """The surfels that the chunks of an octave end with, the first of which begins at `at`: as many as 64 KiB hold, 4 bytes
-    each and `place_bytes` more from `first` on."""
+    """The surfels at the ends of an octave's chunks, the first of which begins at `at`: 64 KiB hold
+    4 bytes each and `place_bytes` more from `first` on."""
     while at < end:
         room = 65536 - 4 * max(0, min(at + 16384, first) - at)
         at = at + 16384 if at + 16384 <= first else max(at, first) + room // (4 + place_bytes)
@@ -568,7 +570,7 @@ def read_values(t, block, attributes, stored, place):
 
 
 def read_attributes(data, t):
-    """Blocks of attributes, and whether the figures are those of the points."""
+    """Checks blocks of attributes, and their statistics against the points."""
     blocks = [i for i, block in enumerate(t["blocks"]) if block["kind"] in (7, 8)]
     need([record["block"] for record in t["attribute_blocks"]] == blocks, "blocks of attributes")
     owners, points = set(), {}
@@ -664,7 +666,7 @@ def read_store(data):
 
 
 def find_difference(expected, found, place="file"):
-    """Everything of `expected` must be in `found`; None, or where it is not."""
+    """Path of the first value of `expected` that is not in `found`; None if there is none."""
     if isinstance(expected, dict) and isinstance(found, dict):
         pairs = [(value, found.get(key), f"{place}.{key}") for key, value in expected.items()]
     elif isinstance(expected, list) and isinstance(found, list) and len(expected) == len(found):

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Renews the pictures of the viewer's page, docs/images/viewer*.png but for viewer-grows.png: drives real windows under Xvfb.
-# Arguments: executable, scratch folder (both default to those of the release build). Needs Xvfb and xdotool, as the tests do.
+# Redraws docs/images/viewer*.png except viewer-grows.png, for the viewer's page. Drives real
+# windows under Xvfb.
+# Arguments: executable, scratch folder (default: those of the release build). Needs Xvfb and
+# xdotool, like the tests.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
 set -- "${1:-$root/build/release/tools/stipple}" "${2:-/tmp/stipple-viewer-pictures}"
@@ -10,10 +12,10 @@ images=$root/docs/images
 scene=scene:power-plant,scale=0.1
 printf '{"samples": 3}' > config/stipple/viewer.json
 
-# picture NAME: what is on the screen, once the viewer rests
+# picture NAME: takes a screenshot once the viewer is idle
 picture()
 {
-    sleep 1 # hovering ends, messages are shown
+    sleep 1 # hovering ends and messages appear
     wait_until 'r["rests"]'
     shot "$1.png"
     cp "$1.png" "$images/$1.png"
@@ -53,7 +55,7 @@ wait_until 'tools["section_planes"] == 1 and r["rests"]'
 picture viewer-section
 
 # the search, and measuring in feet
-xdotool mousemove 1040 207 click 1 # the plane is off
+xdotool mousemove 1040 207 click 1 # turns the plane off
 wait_until 'tools["section_planes"] == 0 and r["rests"]'
 xdotool key Home 9 F4 m
 wait_until 'tools["measures"] and r["page"] == "measure" and r["rests"]'

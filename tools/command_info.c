@@ -4,6 +4,7 @@
 #include "command.h"
 #include "describe.h"
 #include "find_report.h"
+#include "scan_report.h"
 #include "scene_file.h"
 
 #include "base/file.h"
@@ -35,16 +36,35 @@ static const option* options(void)
     return table;
 }
 
-static int print_figures(const char* path, stp_result described, scene_figures* figures)
+// What the header of a file of points said, beside its figures.
+typedef struct header {
+    const stp_scene* scene;
+    const stp_scan_info* scan;
+} header;
+
+static json_t* make_json(const scene_figures* figures, const header* h)
+{
+    json_t* json = describe_json(figures);
+    if (json != NULL && h != NULL) {
+        (void)json_object_set_new(json, "scan", scan_report_json(h->scene, h->scan));
+    }
+    return json;
+}
+
+static int print_figures(const char* path, stp_result described, scene_figures* figures,
+                         const header* h)
 {
     int code = 0;
     if (described != STP_OK) {
         code = 1;
     } else if (args.json) {
-        json_t* json = describe_json(figures);
+        json_t* json = make_json(figures, h);
         code = json != NULL ? tool_print_json(json) : tool_error("out of memory");
     } else {
         describe_print(path, figures);
+        if (h != NULL) {
+            scan_report_print_fields(h->scan);
+        }
     }
     describe_destroy(figures);
     return code;
@@ -59,7 +79,7 @@ static int print_store(stp_context* context, const char* path)
     }
     scene_figures figures;
     stp_result described = describe_store(context, store, &figures);
-    int code = print_figures(path, described, &figures);
+    int code = print_figures(path, described, &figures, NULL);
     stp_store_close(store);
     return code;
 }
@@ -79,9 +99,15 @@ static int print_found(stp_context* context, const char* path)
 static int print_model(stp_context* context, const char* path)
 {
     stp_scene* scene = NULL;
+    stp_scan_info scan;
     stp_build_content content = {0};
     stp_store_census census = {0};
-    stp_result result = tool_import_scene(context, path, &scene);
+    stp_result result = tool_import_described(context, path, &scan, &scene);
+    if (result == STP_OK && scan.alone) {
+        int code = scan_report_print(path, scene, &scan, args.json);
+        stp_scene_destroy(scene);
+        return code;
+    }
     result = result != STP_OK ? result : stp_build_census(scene, &census);
     result = result != STP_OK ? result : stp_build_content_create(scene, NULL, 0, NULL, &content);
     int code = 1;
@@ -89,7 +115,8 @@ static int print_model(stp_context* context, const char* path)
         scene_figures figures;
         content.content.census = &census;
         stp_result described = describe_content(context, &content.content, &figures);
-        code = print_figures(path, described, &figures);
+        const header h = {scene, &scan};
+        code = print_figures(path, described, &figures, scan.format != NULL ? &h : NULL);
     }
     stp_build_content_destroy(&content);
     stp_store_census_destroy(context, &census);
@@ -150,7 +177,9 @@ const command command_info = {
         "\"found\".\n"
         "\n"
         "Of a .stip file only its first pages are read, however large it is (files of version "
-        "1.0: the directory); a model is imported, but not built.",
+        "1.0: the directory); a model is imported, but not built. Of LAS, LAZ and COPC files the "
+        "header is read, and no points. Of these, E57 and PCD it lists the values that each point "
+        "has, with their types; those that are not kept are marked. --json has them as \"scan\".",
     .examples = "A table of the parts:\n"
                 "$ stipple info plant.stip\n"
                 "The same as JSON:\n"

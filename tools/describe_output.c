@@ -3,6 +3,7 @@
 
 #include "base/color_map.h"
 #include "base/printable.h"
+#include "import/scan_info.h"
 #include "store/attributes.h"
 
 #include <stdio.h>
@@ -92,6 +93,12 @@ static json_t* sources_json(const stp_store_directory* d)
         set_count(entry, "bytes", d->sources[i].bytes);
         (void)json_object_set_new(entry, "coordinate_system",
                                   describe_json_text(d->sources[i].coordinate_system));
+        stp_system_identity identity = stp_system_identify(d->sources[i].coordinate_system);
+        (void)json_object_set_new(
+            entry, "coordinate_system_name",
+            describe_json_text(identity.name[0] != '\0' ? identity.name : NULL));
+        (void)json_object_set_new(entry, "epsg",
+                                  identity.epsg != 0 ? json_integer(identity.epsg) : json_null());
         (void)json_object_set_new(entry, "unit", unit_json(d->unit_metres));
         (void)json_array_append_new(sources, entry);
     }

@@ -52,7 +52,8 @@ int tool_check_picture(const char* path)
 {
     bool known = path == NULL || strcmp(path, "-") == 0 ||
                  stp_picture_format_of(path) != STP_PICTURE_UNKNOWN;
-    return known ? 0 : tool_usage_error("%s: pictures are written as " STP_PICTURE_SUFFIXES, path);
+    return known ? 0
+                 : tool_usage_error("%s: the file name must end in " STP_PICTURE_SUFFIXES, path);
 }
 
 stp_result tool_write_picture(stp_context* context, const stp_image* image, const char* path)

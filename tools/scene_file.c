@@ -352,10 +352,10 @@ stp_result tool_import_scene(stp_context* context, const char* path, stp_scene**
     return tool_import_spilled(context, path, NULL, scene);
 }
 
-stp_result tool_import_spilled(stp_context* context, const char* path, stp_spill* spill,
-                               stp_scene** scene)
+static stp_result import_scene(stp_context* context, const char* path, stp_spill* spill,
+                               stp_scan_info* scan, stp_scene** scene)
 {
-    stp_import_desc desc = {.columns = tool_settings_get()->columns};
+    stp_import_desc desc = {.columns = tool_settings_get()->columns, .scan = scan};
     stp_result result = stp_scene_create(context, scene);
     if (result != STP_OK) {
         return result;
@@ -366,12 +366,26 @@ stp_result tool_import_spilled(stp_context* context, const char* path, stp_spill
     }
     result = scene_is_input(path) ? scene_make_input(*scene, path, NULL)
                                   : stp_import_file(*scene, path, &desc);
-    result = result != STP_OK ? result : stp_scene_finish(*scene);
+    bool whole = scan == NULL || !scan->alone;
+    result = result == STP_OK && whole ? stp_scene_finish(*scene) : result;
     if (result != STP_OK) {
         stp_scene_destroy(*scene);
         *scene = NULL;
     }
     return result;
+}
+
+stp_result tool_import_spilled(stp_context* context, const char* path, stp_spill* spill,
+                               stp_scene** scene)
+{
+    return import_scene(context, path, spill, NULL, scene);
+}
+
+stp_result tool_import_described(stp_context* context, const char* path, stp_scan_info* scan,
+                                 stp_scene** scene)
+{
+    *scan = (stp_scan_info){.alone = false};
+    return import_scene(context, path, NULL, scan, scene);
 }
 
 static const stp_store_view* find_stored_view(const stp_store* store, const char* name)

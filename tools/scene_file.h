@@ -4,6 +4,7 @@
 
 #include "command.h"
 
+#include "import/scan_info.h"
 #include "scene/scene.h"
 #include "select/visibility.h"
 #include "store/store.h"
@@ -70,6 +71,11 @@ STP_MUST_USE stp_result tool_import_scene(stp_context* context, const char* path
 /// The same with large content in a spill file (stp_scene_use_spill), which must outlive the scene; NULL: none.
 STP_MUST_USE stp_result tool_import_spilled(stp_context* context, const char* path,
                                             stp_spill* spill, stp_scene** scene);
+
+/// As tool_import_scene, with what the header of a file of points says. Where scan->alone, the scene has the source, and
+/// no points.
+STP_MUST_USE stp_result tool_import_described(stp_context* context, const char* path,
+                                              stp_scan_info* scan, stp_scene** scene);
 
 /// Sets eye, target and up (and the angle, where the view is a camera with one and `view->fov_degrees` is 0) to
 /// a view of the file or a standard one. Standard views fit what is drawn: `visibility` (NULL: everything) and the view's

@@ -65,6 +65,7 @@ typedef struct stp_progress_report {
 
 /// How to make a context. Zero means the default of each field.
 typedef struct stp_context_desc {
+    size_t struct_size; ///< sizeof(stp_context_desc), or 0: its first version
     stp_allocator allocator;
     /// Receives each message, one sentence without a line end. May be called from several threads at
     /// once and must not call the library. Default: messages are dropped.
@@ -80,12 +81,14 @@ typedef struct stp_context_desc {
 
 typedef struct stp_context stp_context;
 
-/// Starts the worker threads. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or STP_ERROR_LIMIT where threads
-/// cannot be started.
+/// Starts the worker threads. `desc` may be NULL: all zero. @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_LIMIT where
+/// threads cannot be started, STP_ERROR_ARGUMENT where one hook of the allocator is set without the other, or
+/// STP_ERROR_UNSUPPORTED where `desc` sets fields that this library does not know
 STP_API STP_MUST_USE stp_result stp_context_create(stp_context** context,
                                                    const stp_context_desc* desc);
 
-/// Ends the worker threads. All objects made with the context must be gone.
+/// Ends the worker threads. All objects made with the context must be gone: else this is a fault of the caller, which an
+/// assertion reports.
 STP_API void stp_context_destroy(stp_context* context);
 
 /// Bytes allocated now, and the most there ever were, as the library counts them.

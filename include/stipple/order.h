@@ -24,6 +24,7 @@ typedef enum stp_order_metric {
 
 /// How to order. A field left zero means its default.
 typedef struct stp_order_desc {
+    size_t struct_size;      ///< sizeof(stp_order_desc), or 0: its first version
     stp_order_kind kind;     ///< default exact
     stp_order_metric metric; ///< default side-aware; Euclidean where there are no normals
     uint64_t seed;           ///< of the random kinds; same seed, same order, on any machine
@@ -35,7 +36,7 @@ typedef struct stp_order_desc {
     uint32_t thread_count; ///< threads for one order; 0: all of the context
 } stp_order_desc;
 
-/// What was measured on the way.
+/// What was measured on the way. This struct does not grow.
 typedef struct stp_order_report {
     double index_ms;         ///< sorting and building the search structure
     double order_ms;         ///< choosing
@@ -56,9 +57,10 @@ typedef struct stp_order_report {
 ///                   NULL: not wanted. Exact kinds: never increasing.
 /// @param ordered    receives how many were ordered
 /// @param final_radius receives the distance of the farthest point to the order; NULL: not wanted
+/// @param desc       NULL: all zero
 /// @param report     may be NULL
 /// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, or STP_ERROR_ARGUMENT where a position is not
-/// finite
+/// finite, or STP_ERROR_UNSUPPORTED where `desc` sets fields that this library does not know
 STP_API STP_MUST_USE stp_result stp_order_points(stp_context* context, const stp_order_desc* desc,
                                                  const float* positions, const float* normals,
                                                  uint32_t point_count, uint32_t wanted,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Mutations of models, pictures, flights and views that know the structure of their formats."""
+"""Structure-aware mutations of models, pictures, flights and views."""
 import json
 import re
 import struct
@@ -12,7 +12,7 @@ WORDS = ("", "..", "../x", "/etc/hostname", "\x1b[2J", "\n", "a" * 5000, "\u202e
 
 
 def spoil_bytes(random, data):
-    """Bits, bytes and runs of them, without knowing what they are."""
+    """Mutates bits, bytes and runs of bytes."""
     data = bytearray(data)
     for _ in range(random.choice((1, 1, 2, 8, 64))):
         if not data:
@@ -45,7 +45,7 @@ def places_of(value, places=None):
 
 
 def spoil_json(random, value):
-    """Numbers, texts, keys and members that are others, missing, doubled or of another kind."""
+    """Replaces, removes, duplicates or changes the type of numbers, texts, keys and members."""
     for _ in range(random.choice((1, 1, 1, 2, 6))):
         places = places_of(value)
         if not places:
@@ -70,7 +70,7 @@ def spoil_json(random, value):
 
 def write_json(random, value):
     text = json.dumps(value)
-    if random.random() < 0.1:  # what json.dumps does not write
+    if random.random() < 0.1:  # JSON that json.dumps cannot write
         at = random.randrange(len(text))
         text = text[:at] + random.choice(("1e999", "\\u0000", "[" * 5000, "NaN", ",", "}", "\x00")) + text[at:]
     return text.encode("utf-8", "surrogatepass")
@@ -81,7 +81,7 @@ def mutate_json(random, data):
 
 
 def mutate_glb(random, data):
-    """The JSON of a GLB by its members, or its binary chunk; lengths are right, or one is not."""
+    """Mutates the JSON of a GLB or its binary chunk; lengths are correct, or one is not."""
     length, = struct.unpack_from("<I", data, 12)
     text, rest = data[20:20 + length], data[20 + length:]
     if random.random() < 0.8:
@@ -98,7 +98,7 @@ def mutate_glb(random, data):
 
 
 def mutate_text(random, data):
-    """Numbers, words and lines of a text format."""
+    """Mutates numbers, words and lines of a text format."""
     lines = data.decode("latin-1").split("\n")
     for _ in range(random.choice((1, 1, 2, 5))):
         at = random.randrange(len(lines))
@@ -122,7 +122,7 @@ def mutate_text(random, data):
 
 
 def mutate_mixed(random, data):
-    """A text head with binary data behind it (PLY, binary STL), or all text."""
+    """Mutates a text header followed by binary data (PLY, binary STL), or a text file."""
     end = data.find(b"end_header\n")
     if end < 0 or random.random() < 0.3:
         return mutate_text(random, data) if b"\0" not in data[:4096] else spoil_bytes(random, data)
@@ -131,7 +131,7 @@ def mutate_mixed(random, data):
 
 
 def mutate_png(random, data):
-    """Chunks of a PNG, with checksums that are right again."""
+    """Mutates chunks of a PNG and corrects the checksums."""
     chunks, at = [], 8
     while at + 12 <= len(data):
         size, = struct.unpack_from(">I", data, at)
@@ -158,10 +158,10 @@ MUTATE = {"glb": mutate_glb, "gltf": mutate_json, "json": mutate_json, "obj": mu
 
 
 def mutate(random, kind, data):
-    """Another file of a kind (its extension): mostly by its structure, else by its bytes."""
+    """Mutates a file of a kind (its extension): mostly by structure, else by bytes."""
     if kind in MUTATE and random.random() < 0.85:
         try:
             return MUTATE[kind](random, data)
         except (ValueError, RecursionError, struct.error, IndexError, OverflowError, TypeError):
-            pass  # it is no sound file of its kind any more
+            pass  # it is no longer a valid file of its kind
     return spoil_bytes(random, data)

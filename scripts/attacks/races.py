@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What happens to a file, a work folder or a process while the program works with it."""
+"""Races: changes to a file, a work folder or a process while the program uses it."""
 import os
 import pathlib
 import shutil
@@ -12,14 +12,14 @@ FLIGHT = str(pathlib.Path(__file__).resolve().parent.parent.parent / "scenes" / 
 
 
 def overwritten_while_drawn(random, campaign, run, folder):
-    """A mapped file is overwritten in place, at the same size."""
+    """Overwrites a mapped file in place, with the same size."""
     victim = folder / "a.stip"
     shutil.copy(campaign.scene, victim)
     size = victim.stat().st_size
     done = threading.Event()
 
     def overwrite():
-        time.sleep(random.uniform(0.03, 0.3))  # it is open by then
+        time.sleep(random.uniform(0.03, 0.3))  # the file is open by then
         while not done.is_set():
             with open(victim, "r+b") as file:
                 file.seek(random.randrange(size))
@@ -39,7 +39,7 @@ def overwritten_while_drawn(random, campaign, run, folder):
 
 
 def damaged_work_folder(random, campaign, run, folder):
-    """The work folder of a build is damaged while it runs: the next build makes the right bytes, or this one does."""
+    """Damages the work folder of a running build: this build or the next gives the right bytes."""
     model, output, right = "scene:city-small,scale=0.1", folder / "a.stip", folder / "right.stip"
     stipple = campaign.options.stipple
     subprocess.run([stipple, "build", model, "-o", str(right), "-q"], check=True, timeout=600)
@@ -67,12 +67,12 @@ def damaged_work_folder(random, campaign, run, folder):
     if result["fault"] is None and result["code"] != 0:
         result = run(command, 1 << 20)
     if result["fault"] is None and (result["code"] != 0 or output.read_bytes() != right.read_bytes()):
-        result["fault"] = "other bytes than of a build left alone"
+        result["fault"] = "bytes differ from an undisturbed build"
     yield command, result
 
 
 def killed_builds(random, campaign, run, folder):
-    """A build that is interrupted or killed leaves the former file, and what is needed to go on."""
+    """An interrupted or killed build leaves the previous file and can be resumed."""
     stipple, output = campaign.options.stipple, folder / "a.stip"
     output.write_bytes(campaign.scene.read_bytes())
     former = output.read_bytes()
@@ -84,18 +84,18 @@ def killed_builds(random, campaign, run, folder):
     left = output.read_bytes()
     check = run([stipple, "check", str(output)])
     if check["code"] != 0 and not check["fault"]:
-        check["fault"] = "what a killed build leaves is not whole"
+        check["fault"] = "a killed build left an incomplete file"
     yield [stipple, "check", str(output)], check
     again = [word for word in command if word != "--fresh"]
     result = run(again)
     whole = output.read_bytes()
     if not result["fault"] and (result["code"] != 0 or left not in (former, whole)):
-        result["fault"] = "neither the former file nor the new one is there, or no build can go on"
+        result["fault"] = "the old and the new file are both missing, or no build can resume"
     yield again, result
 
 
 def two_builds_of_one_file(random, campaign, run, folder):
-    """Two builds write the same file: one after the other, or one refuses; what is there is whole."""
+    """Two builds write the same file: one after the other, or one refuses; the file is complete."""
     command = [campaign.options.stipple, "build", "scene:city-small,scale=0.05", "-o", str(folder / "a.stip"), "-q"]
     other = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     time.sleep(random.uniform(0.0, 0.3))
@@ -110,7 +110,7 @@ def two_builds_of_one_file(random, campaign, run, folder):
     check = [campaign.options.stipple, "check", str(folder / "a.stip")]
     result = run(check)
     if result["code"] != 0 and not result["fault"]:
-        result["fault"] = "what two builds leave is not whole"
+        result["fault"] = "two builds left an incomplete file"
     yield check, result
 
 

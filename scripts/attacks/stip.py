@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Mutations of .stip files that know their structure (docs/format.md), with checksums that are right again."""
+"""Structure-aware mutations of .stip files (docs/format.md), with corrected checksums."""
 import struct
 import zlib
 
@@ -14,7 +14,7 @@ def align(offset):
 
 
 def deflate(content):
-    """A page or chunk as stored: compressed where that is smaller."""
+    """A page or chunk as stored: compressed if that is smaller."""
     packer = zlib.compressobj(9, zlib.DEFLATED, -15)
     stored = packer.compress(content) + packer.flush()
     stored += bytes(max(0, len(content) // 32 - len(stored)))
@@ -51,7 +51,7 @@ class Section:
 
 
 class Stip:
-    """A file in pieces: header, sections by their order, bytes of blocks."""
+    """A file in parts: header, sections in order, bytes of blocks."""
 
     def __init__(self, data):
         self.header = bytearray(data[:128])
@@ -68,7 +68,7 @@ class Stip:
         return next((section for section in self.sections if section.kind == kind), None)
 
     def lay_blocks(self, data_offset, keep):
-        """The data, with the places and checksums of blocks noted; but for the fields that `keep` names."""
+        """The data; updates the offsets and checksums of blocks, except the fields in `keep`."""
         table, data, at = self.find(BLOCKS), bytearray(), data_offset
         for i, block in enumerate(self.blocks):
             record = i * table.record_size
@@ -86,7 +86,7 @@ class Stip:
         return data
 
     def bytes(self, keep=()):
-        """The file with all offsets, sizes and checksums right."""
+        """The file with correct offsets, sizes and checksums."""
         table = self.find(BLOCKS)
         guess = self.data_offset
         for _ in range(4):  # the size of a packed table of blocks depends on the offsets in it
@@ -125,7 +125,7 @@ class Stip:
 
 
 def chunk_checksums(block):
-    """Checksums of an octave's chunks, in its table where it has one. @return that of the block"""
+    """Updates the chunk checksums in an octave's table, if it has one. @return the block's checksum"""
     for count in range(2, min(64, len(block) // 8 + 1)):
         sizes = [struct.unpack_from("<I", block, 8 * i)[0] for i in range(count)]
         if 8 * count + sum(sizes) == len(block):
@@ -138,7 +138,7 @@ def chunk_checksums(block):
 
 
 def spoil_number(random, content, at):
-    """Puts another number where one may be: u32, u64, f32, f64, a byte, or one near the old."""
+    """Replaces a number: u32, u64, f32, f64, a byte, or one near the old value."""
     layout, value = random.choice((("<I", random.choice(NUMBERS)), ("<Q", random.choice(NUMBERS) << random.choice((0, 31, 32))),
                                    ("<f", random.choice(FLOATS)), ("<d", random.choice(FLOATS) * random.choice((1, 1e270))),
                                    ("<B", random.randrange(256)), ("near", 0), ("<B", None)))
@@ -161,7 +161,7 @@ def spoil_section(random, file):
 
 
 def spoil_shape(random, file):
-    """Sections cut, lengthened, left out, put elsewhere, or with records of another size."""
+    """Truncates, extends, drops or moves sections, or changes their record size."""
     section = random.choice(file.sections)
     what = random.randrange(6)
     if what == 0 and section.count:
@@ -204,7 +204,7 @@ def spoil_header(random, data):
 
 
 def mutate(random, data):
-    """Another .stip file: most are right but for one thing."""
+    """Mutates a .stip file: most have a single fault."""
     file = Stip(data)
     keep = ()
     for _ in range(random.choice((1, 1, 1, 2, 4))):

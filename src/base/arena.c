@@ -28,7 +28,7 @@ void stp_arena_destroy(stp_arena* arena)
     arena->first = arena->current = NULL;
 }
 
-// Moves on to a block with room for `size` bytes, adding one if the next is missing or too small.
+// Moves to a block with room for `size` bytes. Adds one if the next is missing or too small.
 static stp_arena_block* next_block(stp_arena* arena, size_t size)
 {
     stp_arena_block** link = arena->current != NULL ? &arena->current->next : &arena->first;

@@ -3,8 +3,8 @@
 
 #include "base/context.h"
 
-/// Many small pieces with one lifetime: allocate freely, release all at once, or back to a mark.
-/// Blocks are kept until stp_arena_destroy, so a warm arena does not allocate. One thread at a time.
+/// Many small allocations with one lifetime: free all at once, or back to a mark. Blocks are kept
+/// until stp_arena_destroy, so a warm arena does not allocate. Not thread-safe.
 typedef struct stp_arena_block stp_arena_block;
 
 typedef struct stp_arena {
@@ -19,11 +19,12 @@ typedef struct stp_arena_mark {
     size_t block_used;
 } stp_arena_mark;
 
-/// `block_size`: bytes asked of the context at a time; larger pieces get a block of their own.
+/// `block_size`: bytes requested from the context at a time; larger allocations get their own
+/// block.
 stp_arena stp_arena_create(stp_context* context, size_t block_size);
 void stp_arena_destroy(stp_arena* arena);
 
-/// 16-byte aligned, uninitialised; NULL when memory runs out. Each caller checks.
+/// 16-byte aligned, uninitialised; NULL if out of memory. Every caller checks.
 void* stp_arena_alloc(stp_arena* arena, size_t size);
 /// Room for `count` elements of `size` bytes; NULL also when their product overflows.
 void* stp_arena_alloc_array(stp_arena* arena, size_t count, size_t size);

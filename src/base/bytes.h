@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Little-endian numbers from and to bytes of any alignment. Compilers merge each into one load or store.
+// Reads and writes little-endian numbers at any alignment. Compilers merge each into one load or
+// store.
 #pragma once
 
 #include <stdint.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-/// Milliseconds from an arbitrary start; never goes back. For reports only: no result may depend on it.
+/// Milliseconds since an arbitrary start; monotonic. For reports only: no result may depend on it.
 double stp_clock_ms(void);

@@ -18,7 +18,7 @@ uint8_t stp_linear_to_srgb8(float linear)
     if (linear >= 1.0f) {
         return 255;
     }
-    // how many thresholds are at or below `linear`: the square root is near enough to begin at
+    // count the thresholds at or below `linear`; the square root gives a good first guess
     uint32_t reached = srgb_start[(uint32_t)(sqrtf(linear) * 255.0f)];
     while (reached < 255 && linear >= srgb_threshold[reached]) {
         reached += 1;

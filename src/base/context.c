@@ -3,6 +3,7 @@
 #include "base/context.h"
 
 #include "base/context_internal.h"
+#include "base/desc.h"
 #include "base/printable.h"
 #include "base/processor.h"
 
@@ -17,14 +18,14 @@
 #endif
 
 #define ALIGNMENT ((size_t)64)
-#define MESSAGE_SIZE 1024
-// Blocks from here on come straight from the system. The sanitizers know what malloc gives, and see more errors.
+// Blocks of at least this size bypass malloc. Sanitizers track malloc, so they find more errors
+// without this.
 #if defined(STP_SANITIZED)
 #define LARGE_SIZE SIZE_MAX
 #else
 #define LARGE_SIZE ((size_t)256 << 10)
 #endif
-#define MOST_KEPT (UINT64_C(256) << 20)
+#define MOST_KEPT (UINT64_C(160) << 20)
 
 const char* stp_result_string(stp_result result)
 {
@@ -38,7 +39,7 @@ const char* stp_result_string(stp_result result)
     return "unknown result";
 }
 
-// What may be kept of freed blocks: what is counted and what is kept are within the limit together.
+// Limit on kept freed blocks: allocated and kept bytes together stay within the memory limit.
 static size_t most_kept(const stp_context* context, size_t freed)
 {
     uint64_t limit = context->desc.memory_limit_bytes;
@@ -66,10 +67,17 @@ static void default_free(void* memory, size_t size, void* user)
     }
 }
 
-stp_result stp_context_create(stp_context** context, const stp_context_desc* desc)
+stp_result stp_context_create(stp_context** context, const stp_context_desc* given)
 {
-    stp_allocator allocator = desc->allocator;
-    assert((allocator.alloc == NULL) == (allocator.free == NULL) && "set both hooks or neither");
+    stp_context_desc desc;
+    *context = NULL;
+    if (!stp_desc_read(&desc, sizeof(desc), sizeof(desc), given)) {
+        return STP_ERROR_UNSUPPORTED;
+    }
+    stp_allocator allocator = desc.allocator;
+    if ((allocator.alloc == NULL) != (allocator.free == NULL)) {
+        return STP_ERROR_ARGUMENT;
+    }
     bool is_default = allocator.alloc == NULL;
     if (is_default) {
         allocator = (stp_allocator){.alloc = default_alloc, .free = default_free};
@@ -78,14 +86,15 @@ stp_result stp_context_create(stp_context** context, const stp_context_desc* des
     if (made == NULL) {
         return STP_ERROR_OUT_OF_MEMORY;
     }
-    *made = (stp_context){.allocator = allocator, .desc = *desc, .overall = -1.0};
+    *made = (stp_context){.allocator = allocator, .desc = desc, .overall = -1.0};
     made->allocator.user = is_default ? made : allocator.user;
     stp_large_blocks_open(&made->large_blocks);
     atomic_init(&made->live_bytes, 0);
     atomic_init(&made->peak_bytes, 0);
     atomic_init(&made->needed_bytes, 0);
     atomic_init(&made->refused_bytes, 0);
-    uint32_t threads = desc->thread_count != 0 ? desc->thread_count : stp_processor_count();
+    atomic_init(&made->held, STP_HELD_NOT);
+    uint32_t threads = desc.thread_count != 0 ? desc.thread_count : stp_processor_count();
     stp_result result = stp_jobs_create(&made->jobs, made, threads);
     if (result != STP_OK) {
         stp_large_blocks_close(&made->large_blocks);
@@ -134,7 +143,7 @@ static void raise_to(atomic_uint_fast64_t* most, uint64_t value)
     }
 }
 
-// Adds to the count of live bytes; false where that would pass the limit.
+// Adds to the count of live bytes; false if that would exceed the limit.
 static bool count_bytes(stp_context* context, uint64_t size)
 {
     uint64_t live = atomic_fetch_add(&context->live_bytes, size) + size;
@@ -243,11 +252,32 @@ static void log_message(stp_context* context, stp_log_level level, const char* f
 
 static void log_message(stp_context* context, stp_log_level level, const char* format, va_list list)
 {
-    if (context->desc.log != NULL) {
-        char message[MESSAGE_SIZE], shown[MESSAGE_SIZE];
-        vsnprintf(message, sizeof(message), format, list);
-        stp_make_printable(message, shown, sizeof(shown)); // names in files are in it
-        context->desc.log(level, shown, context->desc.log_user);
+    if (context->desc.log == NULL) {
+        return;
+    }
+    char message[STP_MESSAGE_SIZE], shown[STP_MESSAGE_SIZE];
+    vsnprintf(message, sizeof(message), format, list);
+    stp_make_printable(message, shown, sizeof(shown)); // messages contain names from files
+    if (level == STP_LOG_ERROR && atomic_load(&context->held) != STP_HELD_NOT) {
+        int next = STP_HELD_NEXT;
+        if (atomic_compare_exchange_strong(&context->held, &next, STP_HELD_ONE)) {
+            memcpy(context->held_error, shown, sizeof(shown));
+        }
+        return;
+    }
+    context->desc.log(level, shown, context->desc.log_user);
+}
+
+void stp_hold_errors(stp_context* context)
+{
+    atomic_store(&context->held, STP_HELD_NEXT);
+}
+
+void stp_release_errors(stp_context* context, bool log)
+{
+    int held = atomic_exchange(&context->held, STP_HELD_NOT);
+    if (log && held == STP_HELD_ONE && context->desc.log != NULL) {
+        context->desc.log(STP_LOG_ERROR, context->held_error, context->desc.log_user);
     }
 }
 
@@ -272,7 +302,7 @@ stp_result stp_fail_memory(stp_context* context)
                             (unsigned long long)limit, (unsigned long long)(needed / 1000000 + 1));
         }
         uint64_t refused = atomic_load(&context->refused_bytes);
-        if (refused == 0) { // the system itself has no more
+        if (refused == 0) { // the system itself is out of memory
             return stp_fail(context, STP_ERROR_OUT_OF_MEMORY, "out of memory");
         }
         return stp_fail(context, STP_ERROR_OUT_OF_MEMORY,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a context is, for the files of this room that make it up.
+// Definition of a context, shared by the files of this room that implement it.
 #pragma once
 
 #include "base/jobs.h"
@@ -8,7 +8,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-/// A loop that reports how far it is, while it runs.
+/// State of a reported loop while it runs.
 typedef struct stp_reported_loop {
     stp_context* context;
     stp_loop_report report;
@@ -19,18 +19,28 @@ typedef struct stp_reported_loop {
     atomic_bool stopped;
 } stp_reported_loop;
 
+enum {
+    STP_MESSAGE_SIZE = 1024,
+    // errors are logged; the next is kept; one was
+    STP_HELD_NOT = 0,
+    STP_HELD_NEXT = 1,
+    STP_HELD_ONE = 2,
+};
+
 struct stp_context {
     stp_allocator allocator;
-    stp_large_blocks large_blocks; ///< of the allocator that is used where the caller has none
+    stp_large_blocks large_blocks; ///< of the default allocator
     stp_context_desc desc;
     stp_jobs* jobs;
     atomic_uint_fast64_t live_bytes;
     atomic_uint_fast64_t peak_bytes;
-    atomic_uint_fast64_t refused_bytes; ///< the most that was asked for beyond the limit
-    atomic_uint_fast64_t needed_bytes;  ///< what the caller's work is thought to take; 0: not known
-    // of the thread that calls; workers read `loop` while it is on
+    atomic_uint_fast64_t refused_bytes; ///< largest request refused by the limit
+    atomic_uint_fast64_t needed_bytes;  ///< estimated need of the caller's work; 0: unknown
+    atomic_int held;                    ///< STP_HELD_*
+    char held_error[STP_MESSAGE_SIZE];
+    // owned by the calling thread; workers read `loop` while it runs
     stp_reported_loop* loop;
     const stp_stage* stages;
     size_t stage_count;
-    double overall; ///< reached so far; negative: not known
+    double overall; ///< overall progress so far; negative: unknown
 };

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "base/coverage.h"
 
-// Each about an eighth more than the one before. The shaders have the same (src/draw/shaders/lib_splat.glsl).
+// Each is about an eighth more than the one before. The shaders have a copy
+// (src/draw/shaders/lib_splat.glsl).
 const uint8_t stp_coverage_shares[STP_COVERAGE_CHANCES] = {
     1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12,  13,  15,  17,  19,  21,  23,  26, 29,
     32, 36, 40, 45, 50, 56, 63, 70, 78, 87, 97, 109, 122, 137, 153, 171, 191, 214, 240};
 
-// Nearest codes: what a comparison of shares gives.
+// Code with the nearest share.
 const uint8_t stp_coverage_of_plain[256] = {
     0,  0,  1,  2,  3,  4,  5,   6,   7,   8,   9,   10,  11,  12,  12, 13, 13, 14, 14, 15, 15, 16,
     16, 17, 17, 18, 18, 18, 19,  19,  19,  20,  20,  20,  20,  21,  21, 21, 21, 22, 22, 22, 22, 23,
@@ -22,7 +23,7 @@ const uint8_t stp_coverage_of_plain[256] = {
     38, 38, 38, 38, 38, 38, 255, 255, 255, 255, 255, 255, 255, 255,
 };
 
-// Of multiples of 15 degrees.
+// Cosines of multiples of 15 degrees.
 static const float cosines[7] = {1.0f, 0.96592583f, 0.86602540f, 0.70710678f,
                                  0.5f, 0.25881905f, 0.0f};
 

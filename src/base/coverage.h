@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// What is drawn of a surfel's disk, in one byte: all of it, a share of its pixels, or what lies between two parallel
-// lines. A disk over the border of a plate, over a wire or a beam is cut along it, so it neither stands over nor leaves a
-// gap; a disk over what is scattered, such as leaves, has holes.
+// Which part of a surfel's disk is drawn, in one byte: all of it, a share of its pixels, or the
+// strip between two parallel lines. A disk at the border of a plate, or on a wire or beam, is
+// clipped to it: it neither protrudes nor leaves a gap. A disk over scattered geometry such as
+// leaves has holes.
 #pragma once
 
 #include "base/math.h"
 
 enum {
-    STP_COVERAGE_CHANCES = 39, ///< codes below: a share of the pixels
+    STP_COVERAGE_CHANCES = 39, ///< smaller codes: a share of the pixels
     STP_COVERAGE_HALVES =
         39, ///< from here on: one line, 24 directions of 15 degrees, three distances
     STP_COVERAGE_STRIPS =
@@ -31,32 +32,33 @@ static inline bool stp_coverage_cuts(uint8_t code)
     return code >= STP_COVERAGE_HALVES && code < STP_COVERAGE_WHOLE;
 }
 
-/// The shares of a disk's pixels that codes below STP_COVERAGE_CHANCES stand for, of 255.
+/// Share of a disk's pixels, of 255, for codes below STP_COVERAGE_CHANCES.
 extern const uint8_t stp_coverage_shares[STP_COVERAGE_CHANCES];
 
-/// Codes of plain shares of 255, which files before version 1.2 hold.
+/// Codes for the plain shares of 255 in files before version 1.2.
 extern const uint8_t stp_coverage_of_plain[256];
 
-/// The share of a disk's pixels that is drawn, of 255; 255 of disks that are cut.
+/// Share of a disk's pixels that is drawn, of 255; 255 for clipped disks.
 static inline uint8_t stp_coverage_share(uint8_t code)
 {
     return code < STP_COVERAGE_CHANCES ? stp_coverage_shares[code] : 255;
 }
 
-/// The part of a disk's area that is drawn, 0 to 1.
+/// Fraction of a disk's area that is drawn, 0 to 1.
 float stp_coverage_area(uint8_t code);
 
-/// Of a code that cuts.
+/// `code` must cut.
 stp_disk_cut stp_coverage_cut(uint8_t code);
-/// The code that draws a share of a disk's pixels, 0 to 1: never none.
+/// Code for a share of a disk's pixels, 0 to 1. Never a code that draws nothing.
 uint8_t stp_coverage_of_share(double share);
 
-/// The axes x and y of a disk's plane, of unit length, from the octahedral code of its normal (whole numbers, -127 to 127).
+/// Unit axes x and y of a disk's plane, from the octahedral code of its normal (integers, -127 to
+/// 127).
 typedef struct stp_disk_axes {
     stp_vec3 x, y;
 } stp_disk_axes;
 
-/// The normal that an octahedral code stands for, of any length.
+/// Normal of an octahedral code, not normalised.
 static inline stp_vec3 stp_octahedral_unfold(float u, float v)
 {
     float z = (127.0f - fabsf(u)) - fabsf(v);
@@ -64,7 +66,8 @@ static inline stp_vec3 stp_octahedral_unfold(float u, float v)
     return (stp_vec3){u + (u >= 0.0f ? -fold : fold), v + (v >= 0.0f ? -fold : fold), z};
 }
 
-/// Axes across a normal of unit length. After Duff et al. Building an Orthonormal Basis, Revisited. 2017.
+/// Axes perpendicular to a unit normal. After Duff et al. Building an Orthonormal Basis, Revisited.
+/// 2017.
 static inline stp_disk_axes stp_disk_axes_across(stp_vec3 n)
 {
     float side = n.z < 0.0f ? -1.0f : 1.0f;

@@ -3,7 +3,7 @@
 
 #include "base/processor.h"
 
-// Entry i: what the eight bits of i leave, by the reflected polynomial 0x82f63b78.
+// Entry i: remainder of the eight bits of i for the reflected polynomial 0x82f63b78.
 // clang-format off
 static const uint32_t table[256] = {
     0x00000000, 0xf26b8303, 0xe13b70f7, 0x1350f3f4, 0xc79a971f, 0x35f1141c, 0x26a1e7e8, 0xd4ca64eb,

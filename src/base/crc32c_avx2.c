@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// stp_crc32c by the instruction that SSE4.2 brought, eight bytes at a time.
+// stp_crc32c with the SSE4.2 instruction, eight bytes at a time.
 #include "base/crc32c.h"
 
 #if defined(__x86_64__)

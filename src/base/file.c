@@ -16,7 +16,7 @@
 
 #define BUFFER_SIZE ((size_t)1 << 20)
 #define MOST_ATTEMPTS 100u
-#define NAME_ROOM 48u // for what a temporary file's name adds
+#define NAME_ROOM 48u // length of a temporary file's suffix
 
 stp_result stp_file_map_open(stp_context* context, const char* path, stp_mapped_file* file,
                              int* kept)
@@ -94,7 +94,7 @@ void stp_file_close(int descriptor)
 
 void stp_file_expect_random(const stp_mapped_file* file)
 {
-    if (file->bytes != NULL) { // a hint: it does not matter where the system does not take it
+    if (file->bytes != NULL) { // only a hint: failure does not matter
         (void)posix_madvise((void*)(uintptr_t)file->bytes, file->size, POSIX_MADV_RANDOM);
     }
 }
@@ -138,7 +138,7 @@ static stp_result fail_io(const stp_file_writer* writer, const char* what)
                     strerror(errno));
 }
 
-// The file itself where the path is a link: renaming would replace the link, be it /dev/stdout.
+// Resolves links first: renaming would replace the link itself, even /dev/stdout.
 static stp_result resolve_link(stp_file_writer* writer)
 {
     struct stat status;
@@ -160,8 +160,8 @@ static stp_result resolve_link(stp_file_writer* writer)
     return path != NULL ? STP_OK : stp_fail_memory(writer->context);
 }
 
-// Another writer of the same path, or what a killed process left behind, is not touched, and no link is followed.
-// @return the descriptor; -1 where there is none
+// Leaves files of other writers of the path, and of killed processes, alone. Follows no link.
+// @return the descriptor; -1 on failure
 static int open_beside(const char* path, char* temporary, size_t size)
 {
     for (unsigned attempt = 0; attempt < MOST_ATTEMPTS; ++attempt) {
@@ -203,7 +203,7 @@ static stp_result open_temporary(stp_file_writer* writer)
 stp_result stp_file_writer_open(stp_context* context, const char* path, stp_file_writer** writer)
 {
     if (*path == '\0') {
-        return stp_fail(context, STP_ERROR_IO, "the name of the file to write is empty");
+        return stp_fail(context, STP_ERROR_IO, "the output file name is empty");
     }
     size_t length = strlen(path) + 1;
     stp_file_writer* made = STP_NEW_ZEROED(context, stp_file_writer, 1);
@@ -292,8 +292,7 @@ uint64_t stp_file_writer_size(const stp_file_writer* writer)
     return writer->written + writer->buffered;
 }
 
-// Makes the rename itself last: the folder's entry is synced too. Some file systems refuse; that is
-// fine.
+// Makes the rename durable by syncing the folder's entry. Some file systems refuse; ignore that.
 static void sync_folder(const stp_file_writer* writer)
 {
     size_t length = strlen(writer->path) + 1;

@@ -11,7 +11,7 @@ uint64_t stp_file_room(const char* path)
     char folder[PATH_MAX];
     const char* slash = strrchr(path, '/');
     size_t length =
-        slash != NULL ? (size_t)(slash - path) + 1 : 0; // with the slash: it may be the root
+        slash != NULL ? (size_t)(slash - path) + 1 : 0; // includes the slash: it may be the root
     if (length >= sizeof(folder)) {
         return UINT64_MAX;
     }

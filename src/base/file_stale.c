@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// The process in "NAME.tmp-<process>-<number>"; 0 where it is no such name.
+// Process number in "NAME.tmp-<process>-<number>"; 0 if the name has another form.
 static pid_t process_of(const char* entry, const char* name)
 {
     static const char infix[] = ".tmp-";
@@ -51,7 +51,7 @@ static void remove_in(int folder, const char* name)
 
 void stp_file_remove_stale(stp_context* context, const char* path)
 {
-    char* target = realpath(path, NULL); // writers write where links point to
+    char* target = realpath(path, NULL); // writers write to the target of a link
     const char* whole = target != NULL ? target : path;
     char* copy = stp_alloc(context, strlen(whole) + 2);
     if (copy != NULL) {

@@ -10,11 +10,11 @@ struct stp_gate {
     stp_context* context;
     uint64_t budget;
     pthread_mutex_t mutex;
-    pthread_cond_t moved;     ///< somebody left, or the next one in line may look
+    pthread_cond_t moved;     ///< a ticket left, or the line advanced
     stp_gate_ticket* inside;  ///< who is inside
-    uint64_t bytes, peak;     ///< announced by those inside
-    uint64_t jobs;            ///< of them, those from pieces of a loop
-    uint64_t arrived, called; ///< numbers in line: the next to be given out, the next to go in
+    uint64_t bytes, peak;     ///< announced by the tickets inside
+    uint64_t jobs;            ///< number of tickets inside that loop pieces entered
+    uint64_t arrived, called; ///< place in line: next to be assigned, next to enter
 };
 
 stp_result stp_gate_create(stp_context* context, uint64_t budget_bytes, stp_gate** gate)
@@ -53,7 +53,7 @@ static bool is_inside(const stp_gate* gate, pthread_t thread)
 static bool has_room(const stp_gate* gate, const stp_gate_ticket* ticket)
 {
     bool fits = ticket->bytes <= gate->budget && gate->bytes <= gate->budget - ticket->bytes;
-    // nobody inside, or only who began the loop and waits for it
+    // nobody is inside except the thread that started the loop and waits for it
     return fits || gate->jobs == 0;
 }
 
@@ -66,12 +66,12 @@ static void admit(stp_gate* gate, stp_gate_ticket* ticket)
     gate->jobs += ticket->in_loop;
 }
 
-// Waits in line; the mutex is held.
+// Waits in line. Call with the mutex held.
 static stp_result wait_in_line(stp_gate* gate, const stp_gate_ticket* ticket)
 {
     uint64_t number = gate->arrived++;
     stp_result result = STP_OK;
-    // one that gives up keeps its place until it is called, so that the line moves on
+    // a waiter that gives up keeps its place until it is called, so that the line advances
     while (number != gate->called || (result == STP_OK && !has_room(gate, ticket))) {
         stp_result told = stp_condition_wait_reported(gate->context, &gate->moved, &gate->mutex);
         result = result != STP_OK ? result : told;

@@ -15,11 +15,11 @@ struct stp_jobs {
     pthread_mutex_t mutex;
     pthread_cond_t work;   ///< signalled when `generation` or `ending` changes
     pthread_cond_t done;   ///< signalled when the last busy worker finishes
-    uint64_t generation;   ///< number of the loop the workers should join
+    uint64_t generation;   ///< number of the loop that workers should join
     uint32_t busy;         ///< workers that have not finished the current loop
     uint32_t worker_count; ///< threads besides the caller's
     bool ending;
-    bool running; ///< a loop is on: a nested one runs serially
+    bool running; ///< a loop runs: nested loops run serially
     stp_jobs_loop loop;
     atomic_size_t next;
     pthread_t* threads;
@@ -34,7 +34,7 @@ static bool is_stopped(const stp_jobs_loop* loop)
 static void claim_pieces(stp_jobs* jobs, uint32_t worker)
 {
     const stp_jobs_loop* loop = &jobs->loop;
-    // whoever claims a piece runs it, so those that ran have no gap
+    // a claimed piece always runs, so the pieces that ran have no gap
     while (!is_stopped(loop)) {
         size_t begin = atomic_fetch_add_explicit(&jobs->next, loop->grain, memory_order_relaxed);
         if (begin >= loop->count) {
@@ -140,7 +140,7 @@ static void run_serially(const stp_jobs_loop* loop)
     }
 }
 
-// Waits until the workers are done; the mutex is held.
+// Waits until the workers are done. Call with the mutex held.
 static void wait_for_workers(stp_jobs* jobs)
 {
     while (jobs->busy != 0) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The worker threads of a context. One loop runs at a time; its pieces are claimed from an atomic counter.
+// Worker threads of a context. One loop runs at a time; threads claim pieces from an atomic
+// counter.
 #pragma once
 
 #include "base/context.h"
@@ -18,12 +19,13 @@ typedef struct stp_jobs_loop {
     size_t count, grain;
     stp_job job;
     void* user;
-    /// Called on the calling thread between its pieces, and now and then while it waits for the others. May be NULL.
+    /// Called on the calling thread between its pieces and regularly while it waits. May be NULL.
     void (*tick)(void* user);
-    /// Once true, no further piece begins, and those that did are the first ones without a gap. May be NULL.
+    /// Once true, no further piece begins; the pieces that ran are the first ones, without a gap.
+    /// May be NULL.
     const atomic_bool* stopped;
 } stp_jobs_loop;
 
 void stp_jobs_run(stp_jobs* jobs, const stp_jobs_loop* loop);
-/// Whether a loop is on that several threads share. Any thread.
+/// Whether a multi-threaded loop is running. Any thread.
 bool stp_jobs_running(stp_jobs* jobs);

@@ -8,8 +8,7 @@
 #include <unistd.h>
 
 #define HUGE_PAGE ((size_t)2 << 20)
-#define HUGE_SIZE ((size_t)4 << 20) // from here on, asking for huge pages saves more than it costs
-#define LOOSEST_FIT 2u              // a kept block is used again for what is at least half as large
+#define HUGE_SIZE ((size_t)4 << 20) // from this size on, huge pages save more than they cost
 
 void stp_large_blocks_open(stp_large_blocks* blocks)
 {
@@ -44,11 +43,20 @@ static stp_large_block take_kept(stp_large_blocks* blocks, size_t index)
     return block;
 }
 
-// Gives back what was freed first until so much is left; the mutex is held.
+// Gives back what was freed first until so much is left, of the last such block no more than that; the mutex is held.
 static void trim(stp_large_blocks* blocks, size_t most_blocks, size_t most_bytes)
 {
     while (blocks->kept_count > most_blocks || blocks->kept_bytes > most_bytes) {
-        unmap(take_kept(blocks, 0));
+        bool many = blocks->kept_count > most_blocks;
+        size_t much = many ? SIZE_MAX : whole_pages(blocks->kept_bytes - most_bytes);
+        stp_large_block* first = &blocks->kept[0];
+        if (first->size <= much) {
+            unmap(take_kept(blocks, 0));
+            continue;
+        }
+        first->size -= much;
+        blocks->kept_bytes -= much;
+        unmap((stp_large_block){(unsigned char*)first->memory + first->size, much});
     }
 }
 
@@ -58,22 +66,43 @@ void stp_large_blocks_close(stp_large_blocks* blocks)
     pthread_mutex_destroy(&blocks->mutex);
 }
 
-// The smallest kept block that will do, without what is too much of it.
+// Keeps a block as the one freed last, in one piece with kept ones that end where it begins, or begin where it ends.
+static void keep(stp_large_blocks* blocks, stp_large_block block)
+{
+    for (size_t i = 0; i < blocks->kept_count;) {
+        unsigned char* memory = blocks->kept[i].memory;
+        unsigned char* end = memory + blocks->kept[i].size;
+        if (end != block.memory && memory != (unsigned char*)block.memory + block.size) {
+            i += 1;
+            continue;
+        }
+        stp_large_block beside = take_kept(blocks, i);
+        block.memory = end == block.memory ? beside.memory : block.memory;
+        block.size += beside.size;
+    }
+    blocks->kept[blocks->kept_count++] = block;
+    blocks->kept_bytes += block.size;
+}
+
+// The smallest kept block that will do. What is too much of it stays where it was.
 static stp_large_block reuse(stp_large_blocks* blocks, size_t size)
 {
     size_t best = blocks->kept_count;
     for (size_t i = 0; i < blocks->kept_count; ++i) {
         size_t has = blocks->kept[i].size;
-        bool fits = has >= size && has / LOOSEST_FIT <= size;
-        if (fits && (best == blocks->kept_count || has < blocks->kept[best].size)) {
+        if (has >= size && (best == blocks->kept_count || has < blocks->kept[best].size)) {
             best = i;
         }
     }
     if (best == blocks->kept_count) {
         return (stp_large_block){0};
     }
-    stp_large_block block = take_kept(blocks, best);
-    unmap((stp_large_block){(unsigned char*)block.memory + size, block.size - size});
+    stp_large_block block = blocks->kept[best];
+    if (block.size == size) {
+        return take_kept(blocks, best);
+    }
+    blocks->kept[best] = (stp_large_block){(unsigned char*)block.memory + size, block.size - size};
+    blocks->kept_bytes -= size;
     return (stp_large_block){block.memory, size};
 }
 
@@ -89,7 +118,7 @@ static void* map(size_t size)
     unmap((stp_large_block){mapped, before});
     unmap((stp_large_block){mapped + before + size, extra - before});
 #if defined(MADV_HUGEPAGE)
-    // a wish: nothing depends on it; not for the last, which would be larger than what was asked for
+    // only a hint; not for the last partial page, which would make the block larger than requested
     (void)madvise(mapped + before, size / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
     return mapped + before;
@@ -114,12 +143,26 @@ void stp_large_free(stp_large_blocks* blocks, void* memory, size_t size, size_t 
     pthread_mutex_lock(&blocks->mutex);
     if (block.size <= most_kept) {
         trim(blocks, STP_LARGE_KEPT_LIMIT - 1, most_kept - block.size);
-        blocks->kept[blocks->kept_count++] = block;
-        blocks->kept_bytes += block.size;
+        keep(blocks, block);
         block.size = 0;
     } else {
         trim(blocks, STP_LARGE_KEPT_LIMIT, most_kept);
     }
     pthread_mutex_unlock(&blocks->mutex);
     unmap(block);
+}
+
+void stp_large_forget(void* memory, size_t size)
+{
+#if defined(MADV_DONTNEED)
+    size_t page = whole_pages(1);
+    uintptr_t begin = round_up((uintptr_t)memory, page);
+    uintptr_t end = ((uintptr_t)memory + size) / page * page;
+    if (begin < end) {
+        (void)madvise((unsigned char*)memory + (begin - (uintptr_t)memory), end - begin,
+                      MADV_DONTNEED);
+    }
+#else
+    (void)memory, (void)size;
+#endif
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Codes of a leaf's numbers (docs/format.md, Leaves).
+// Codes of the numeric columns of leaves (docs/format.md, Leaves).
 #pragma once
 
 #include "base/splat_codes.h"
@@ -8,8 +8,8 @@
 
 enum { STP_LEAF_EXTENT_SIDE = 64 }; ///< code of a square as wide as the leaf
 
-/// Flatness, 0 to 1/3: the smallest eigenvalue's share of their sum. Eight codes to a factor of two, rounded down; 0: less than
-/// can be told.
+/// Flatness, 0 to 1/3: the smallest eigenvalue's share of the sum. Eight codes per factor of two,
+/// rounded down; 0: too small to represent.
 static inline uint8_t stp_leaf_flatness_code(float flatness)
 {
     const uint32_t highest = 125u << 3 | 7u; // codes end at 0.47
@@ -26,7 +26,7 @@ static inline float stp_leaf_flatness(uint8_t code)
     return code == 0 ? 0.0f : stp_float_of_bits((highest - 255u + code) << 20);
 }
 
-/// The code of the side of a square in sides of the leaf: at most nearly 4.
+/// Code of a square's side in units of the leaf's side; the largest is just below 4.
 static inline uint8_t stp_leaf_extent_code(float side)
 {
     float value = side * (float)STP_LEAF_EXTENT_SIDE + 0.5f;
@@ -38,13 +38,13 @@ static inline uint32_t stp_leaf_depth(const stp_splat_leaf* leaf)
     return leaf->place & STP_LEAF_DEPTH;
 }
 
-/// Places on the grid that a cell of a depth is wide.
+/// Width of a cell at a depth, in grid steps.
 static inline uint32_t stp_leaf_width(uint32_t depth)
 {
     return 1u << (STP_LEAF_DEPTH_MOST - depth);
 }
 
-/// The number of a place on the grid along the Morton curve.
+/// Spreads the bits of a grid coordinate for a Morton code.
 static inline uint64_t stp_leaf_spread(uint32_t x)
 {
     uint64_t v = x & 0xFFFFu;
@@ -60,7 +60,7 @@ static inline uint64_t stp_leaf_morton(const uint16_t corner[3])
            stp_leaf_spread(corner[2]) << 2;
 }
 
-/// The surface's area in a leaf, in squares of the grid's step.
+/// Surface area in a leaf, in squares of the grid step.
 static inline float stp_leaf_area(const stp_splat_leaf* leaf)
 {
     float side = (float)stp_leaf_width(stp_leaf_depth(leaf)) * (float)leaf->extent /

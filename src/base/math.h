@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Vectors, boxes and transforms. Only additions, multiplications, divisions and square roots: the same bits
-// on every machine, with any compiler and at any optimisation level.
+// Vectors, boxes and transforms. Uses only addition, subtraction, multiplication, division and
+// square root: the bits are the same on every machine, with any compiler and optimisation level.
 #pragma once
 
 #include <stipple/types.h>
@@ -24,6 +24,17 @@ static inline float stp_max(float a, float b)
 static inline float stp_clamp(float x, float low, float high)
 {
     return x < low ? low : x > high ? high : x;
+}
+
+static inline double stp_maxd(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/// NaN becomes `low`.
+static inline double stp_clampd(double x, double low, double high)
+{
+    return x > low ? x < high ? x : high : low;
 }
 
 static inline stp_vec3 stp_add(stp_vec3 a, stp_vec3 b)
@@ -56,7 +67,7 @@ static inline float stp_length(stp_vec3 a)
     return sqrtf(stp_dot(a, a));
 }
 
-/// Of unit length; (0, 0, 0) where the length is 0 or not finite.
+/// Unit length; (0, 0, 0) if the length is 0 or not finite.
 static inline stp_vec3 stp_normalize(stp_vec3 a)
 {
     double x = (double)a.x, y = (double)a.y, z = (double)a.z;
@@ -87,6 +98,11 @@ static inline double stp_dotd(stp_vec3d a, stp_vec3d b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+static inline double stp_lengthd(stp_vec3d a)
+{
+    return sqrt(stp_dotd(a, a));
+}
+
 static inline stp_vec3d stp_crossd(stp_vec3d a, stp_vec3d b)
 {
     return (stp_vec3d){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -94,7 +110,7 @@ static inline stp_vec3d stp_crossd(stp_vec3d a, stp_vec3d b)
 
 static inline stp_vec3d stp_normalized(stp_vec3d a)
 {
-    double length = sqrt(stp_dotd(a, a));
+    double length = stp_lengthd(a);
     return length > 0.0 ? stp_scaled(a, 1.0 / length) : (stp_vec3d){0};
 }
 
@@ -163,7 +179,7 @@ static inline bool stp_affine_is_identity(const stp_affine* a)
     return true;
 }
 
-/// `a` after `b`.
+/// Applies `b` first, then `a`.
 static inline stp_affine stp_affine_multiply(stp_affine a, stp_affine b)
 {
     stp_affine out;
@@ -192,10 +208,12 @@ static inline double stp_affine_determinant(const stp_affine* a)
            a->m[0][2] * (a->m[1][0] * a->m[2][1] - a->m[1][1] * a->m[2][0]);
 }
 
-/// The longest that a unit vector becomes, or somewhat more.
+/// Upper bound on the length of a transformed unit vector. Exact for rotations and uniform scales;
+/// base/stretch.h is tighter and slower.
 static inline double stp_affine_scale(const stp_affine* a)
 {
-    // the largest column is exact for rotations and uniform scales, and the norm bounds it in between
+    // the longest column is exact for rotations and uniform scales; otherwise use the Frobenius
+    // norm
     double column = 0.0, sum = 0.0;
     for (int c = 0; c < 3; ++c) {
         double square = a->m[0][c] * a->m[0][c] + a->m[1][c] * a->m[1][c] + a->m[2][c] * a->m[2][c];
@@ -206,8 +224,8 @@ static inline double stp_affine_scale(const stp_affine* a)
     return sqrt(uniform ? column : sum);
 }
 
-/// The matrix that turns normals with the surface: the cofactors of the linear part, which need no division
-/// and keep the side where the map mirrors. Results are not of unit length.
+/// Matrix that transforms normals: the cofactors of the linear part. Needs no division and keeps
+/// the side under mirroring. Results are not of unit length.
 static inline void stp_affine_normal_matrix(const stp_affine* a, double out[3][3])
 {
     double sign = stp_affine_determinant(a) < 0.0 ? -1.0 : 1.0;
@@ -220,7 +238,8 @@ static inline void stp_affine_normal_matrix(const stp_affine* a, double out[3][3
     }
 }
 
-/// How much a transform enlarges areas: exact where it scales uniformly, else the mean over three planes.
+/// Factor by which a transform scales areas: exact for uniform scales, else the mean over the three
+/// coordinate planes.
 static inline double stp_affine_area_scale(const stp_affine* a)
 {
     double cofactors[3][3], sum = 0.0;
@@ -232,7 +251,7 @@ static inline double stp_affine_area_scale(const stp_affine* a)
     return sum / 3.0;
 }
 
-/// The map to a space whose zero lies at `origin` of the one mapped to.
+/// Same transform, relative to `origin` in the target space.
 static inline stp_affine stp_affine_shifted(stp_affine a, stp_vec3d origin)
 {
     a.m[0][3] -= origin.x;
@@ -241,7 +260,7 @@ static inline stp_affine stp_affine_shifted(stp_affine a, stp_vec3d origin)
     return a;
 }
 
-/// The box that holds the transformed box.
+/// Bounding box of the transformed box.
 static inline stp_boxd stp_affine_box(const stp_affine* a, stp_boxd box)
 {
     stp_boxd out = stp_boxd_empty();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Morton codes: the bits of three coordinates in turn, so that numbers near each other are places near each other.
+// Morton codes: interleaved bits of three coordinates, so that close numbers are close places.
 #pragma once
 
 #include <stdint.h>
 
-/// The lower ten bits, two zero bits before each.
+/// Inserts two zero bits before each of the lower ten bits.
 static inline uint32_t stp_spread_bits(uint32_t x)
 {
     x &= 0x3ffu;
@@ -14,7 +14,7 @@ static inline uint32_t stp_spread_bits(uint32_t x)
     return (x | x << 2) & 0x09249249u;
 }
 
-/// Of each coordinate the lower ten bits; x has the lowest bit of each three.
+/// Uses the lower ten bits of each coordinate; x has the lowest bit of each three.
 static inline uint32_t stp_morton(uint32_t x, uint32_t y, uint32_t z)
 {
     return stp_spread_bits(x) | stp_spread_bits(y) << 1 | stp_spread_bits(z) << 2;

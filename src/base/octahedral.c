@@ -5,13 +5,14 @@
 #include "base/processor.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 static int8_t clamp_code(int value)
 {
     return (int8_t)(value < -127 ? -127 : value > 127 ? 127 : value);
 }
 
-// Where a unit vector lies on the unfolded square, -1..1 each way; @return false for zero
+// Maps a unit vector to the unfolded square, -1..1 on each axis; @return false for zero
 static bool unfold(stp_vec3 n, float square[2])
 {
     float sum = fabsf(n.x) + fabsf(n.y) + fabsf(n.z);
@@ -70,5 +71,17 @@ void stp_octahedral_encode_many(const float* normals, size_t count, int8_t* out)
     for (; done < count; ++done) {
         const float* n = normals + 3 * done;
         stp_octahedral_encode((stp_vec3){n[0], n[1], n[2]}, out + 2 * done);
+    }
+}
+
+void stp_octahedral_encode16_many(const float* normals, size_t count, int16_t* out)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const float* n = normals + 3 * i;
+        if (i > 0 && memcmp(n, n - 3, 3 * sizeof(*n)) == 0) { // vertices of a flat face
+            memcpy(out + 2 * i, out + 2 * i - 2, 2 * sizeof(*out));
+        } else {
+            stp_octahedral_encode16((stp_vec3){n[0], n[1], n[2]}, out + 2 * i);
+        }
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// stp_octahedral_encode, eight at a time: the same operations in the same order, so the same codes.
+// stp_octahedral_encode, eight at a time: same operations in the same order, so same codes.
 #include "base/octahedral_kernels.h"
 
 #if defined(__x86_64__)
@@ -33,7 +33,7 @@ static inline __m256 sum_of_products(vector3 a, vector3 b)
     return _mm256_add_ps(sum, _mm256_mul_ps(a.z, b.z));
 }
 
-// stp_normalize of four vectors, but for those without a direction, which become zero here too.
+// stp_normalize of four vectors; vectors without a direction become zero here too.
 static inline void normalize_four(__m128 x, __m128 y, __m128 z, __m128 out[3])
 {
     __m256d a = _mm256_cvtps_pd(x), b = _mm256_cvtps_pd(y), c = _mm256_cvtps_pd(z);
@@ -57,7 +57,7 @@ static inline vector3 normalize(vector3 n)
                      _mm256_set_m128(high[2], low[2])};
 }
 
-// Where unit vectors lie on the unfolded square, in codes, rounded down.
+// Places of unit vectors on the unfolded square, in codes, rounded down.
 static inline void unfold(vector3 n, __m256i* base_u, __m256i* base_v)
 {
     __m256 sum = _mm256_add_ps(_mm256_add_ps(magnitude(n.x), magnitude(n.y)), magnitude(n.z));
@@ -82,7 +82,7 @@ static inline __m256i clamp_codes(__m256i code)
                             _mm256_set1_epi32(127));
 }
 
-// How well the decoded codes agree with vectors.
+// Dot products of the decoded codes with the vectors.
 static inline __m256 measure_agreement(vector3 n, __m256i code_u, __m256i code_v)
 {
     __m256 scale = _mm256_set1_ps(127.0f);
@@ -106,7 +106,7 @@ static void encode_eight(const float* normals, int8_t* out)
     n = normalize(n);
     __m256i base_u, base_v;
     unfold(n, &base_u, &base_v);
-    __m256 best = _mm256_set1_ps(-2.0f); // not-a-number is never better: zero keeps the code 0
+    __m256 best = _mm256_set1_ps(-2.0f); // NaN is never better: zero keeps code 0
     __m256i best_u = _mm256_setzero_si256(), best_v = best_u;
     for (int i = 0; i < 4; ++i) {
         __m256i u = clamp_codes(_mm256_add_epi32(base_u, _mm256_set1_epi32(i & 1)));

@@ -6,8 +6,8 @@
 enum {
     DIGIT_BITS = 11,
     DIGIT_COUNT = 1 << DIGIT_BITS,
-    LEAST = 1 << 16,  ///< items for which threads are woken
-    MOST_PIECES = 64, ///< of the items, each with counts of its own
+    LEAST = 1 << 16,  ///< fewer items are sorted on one thread
+    MOST_PIECES = 64, ///< each has its own digit counts
 };
 
 typedef struct sorter {
@@ -16,7 +16,7 @@ typedef struct sorter {
     size_t count, piece_size;
     unsigned shift;
     uint64_t mask;
-    size_t (*starts)[DIGIT_COUNT]; ///< of pieces: how many items have a digit, then where they go
+    size_t (*starts)[DIGIT_COUNT]; ///< of each piece: items per digit, then where they go
 } sorter;
 
 static size_t end_of_piece(const sorter* s, size_t piece)
@@ -50,7 +50,7 @@ static void move_items(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// Counts become places: of one digit, those of earlier pieces come first, so equal keys keep their order.
+/// Turns counts into places. For equal digits, earlier pieces come first, so the sort is stable.
 static void find_starts(const sorter* s, size_t pieces)
 {
     size_t sum = 0;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Only the octaves of lengths matter: the step is a power of two. What counts as the smallest triangles: runs of
-// triangles that the input wrote one after the other (mostly neighbours) by their median edge, so that a few
-// slivers do not make a whole mesh expensive; and, where the input's order says nothing, the shortest twentieth
-// of all edges.
+// The step is a power of two, so only the octaves of lengths matter. The smallest triangles set the
+// step. They are found in two ways: the median edge of runs of triangles that are adjacent in the
+// input (mostly neighbours), so that a few slivers do not make a whole mesh expensive; and the
+// shortest twentieth of all edges, for inputs without a useful order.
 #include "base/position_grid.h"
 
 #include <float.h>
@@ -14,22 +14,22 @@ enum {
     RUN_TRIANGLES = 32,
     OCTAVES = 2048, // exponents of a double
     EXPONENT_BIAS = 1023,
-    MARGIN =
-        6, // step: at most 1/64 of the short edges, so that quantised triangles still face where
-    LEAST_MARGIN =
-        4, // they did; where sizes differ much, 1/16, and the largest triangles pay less for it
-    SIZE_DIGITS =
-        14, // large triangles stand on what smaller ones of other meshes do: of a mesh's size, 1/16384
-    WIDE = 7, // octaves between short and typical edges from which on the margin falls
+    // the step is at most 1/64 of the short edges, so that quantised triangles keep their normals
+    MARGIN = 6,
+    // 1/16 if edge lengths differ a lot, so that large triangles cost fewer bytes
+    LEAST_MARGIN = 4,
+    // and 1/16384 of the mesh's size, as large triangles often touch small ones of other meshes
+    SIZE_DIGITS = 14,
+    WIDE = 7, // the margin shrinks from this many octaves between short and typical edges on
     FLOAT_DIGITS = 23,
     NUMBER_BITS = 29,  // a coordinate is less than 2^30 steps
-    STEP_LEAST = -149, // the least float
-    STEP_MOST =
-        96, // 2^31 of them are finite; scenes have no numbers that need more (scene/distance_limit.h)
+    STEP_LEAST = -149, // exponent of the smallest float
+    // 2^31 steps stay finite; scenes need no larger numbers (scene/distance_limit.h)
+    STEP_MOST = 96,
 };
 
 typedef struct octave_counts {
-    uint32_t count[OCTAVES]; ///< of squared lengths, by exponent
+    uint32_t count[OCTAVES]; ///< squared lengths per exponent
     uint32_t least, most;    ///< exponents counted so far
     uint64_t total;
 } octave_counts;
@@ -77,7 +77,7 @@ static void add(octave_counts* counts, uint32_t octave)
     counts->total += 1;
 }
 
-/// The octave of the element of rank `rank` in ascending order; there are more than that.
+/// Octave of the element at `rank` in ascending order; `rank` is below the count.
 static uint32_t octave_at(const octave_counts* counts, uint64_t rank)
 {
     uint64_t below = 0;
@@ -132,7 +132,8 @@ static double longest_side(const reach* r)
     return longest;
 }
 
-/// Of two lengths' octaves (of their squares), the mesh's size, and the size of the numbers.
+/// Chooses the step from the octaves of two squared edge lengths, the mesh's size, and its largest
+/// coordinate.
 static double choose(int shortest, int typical, double size, double largest)
 {
     int wide = (typical - shortest) / 2 - WIDE; // octaves of lengths
@@ -142,8 +143,8 @@ static double choose(int shortest, int typical, double size, double largest)
     int top = (int)exponent_of(largest) - EXPONENT_BIAS;
     int finest = (int)exponent_of(size) - EXPONENT_BIAS - SIZE_DIGITS;
     int step = size > 0.0 && finest < low - margin ? finest : low - margin;
-    if (step <
-        top - FLOAT_DIGITS) { // finer than the largest number is a float: only as far as needed
+    // finer than the float precision of the largest coordinate only as far as needed
+    if (step < top - FLOAT_DIGITS) {
         step = low - LEAST_MARGIN < top - FLOAT_DIGITS ? low - LEAST_MARGIN : top - FLOAT_DIGITS;
     }
     step = step > top - NUMBER_BITS ? step : top - NUMBER_BITS;
@@ -181,7 +182,7 @@ double stp_choose_grid_step(const float* positions, const uint32_t* indices,
         }
     }
     double largest = largest_number(&whole);
-    if (all.total == 0) { // no triangle has any extent: as fine as its numbers
+    if (all.total == 0) { // all triangles are degenerate: use the float precision
         int top = (int)exponent_of(largest);
         return largest > 0.0
                    ? choose(2 * top - EXPONENT_BIAS, 2 * top - EXPONENT_BIAS, 0.0, largest)

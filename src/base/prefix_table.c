@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Breakpoints lie evenly along the curve of radius over count in logarithms. Between two of them
-// the radius is a straight line in logarithms, lifted where the true radius would pass above it.
-// Logarithms are computed here, not by the C library, whose last bits differ from machine to
-// machine.
+// Breakpoints are evenly spaced along the log-log curve of radius over count. Between two of them
+// the radius is a straight line in log-log space, raised where the true radius would exceed it.
+// Logarithms are computed here because the C library's differ in the last bits between machines.
 #include "base/prefix_table.h"
 
 #include "base/math.h"
@@ -11,9 +10,9 @@
 #include <assert.h>
 #include <string.h>
 
-enum { BLOCKS = 64 }; // a segment is checked in so many blocks, each as a whole
+enum { BLOCKS = 64 }; // blocks per segment; each is checked as a whole
 
-static const double margin = 1.000001; // covers the roundings of all of this
+static const double margin = 1.000001; // covers all rounding errors
 
 static double log2_of(double x)
 {
@@ -66,17 +65,17 @@ static double radius_on(const segment* s, double count)
     return s->slope == 0.0 ? s->radius : s->radius * exp2_of(s->slope * log2_of(count / s->first));
 }
 
-// What a step from a prefix of `count` with radius `cover` to one of `next` with `next_cover`
-// weighs: the product of both ratios.
+// Weight of a step from a prefix of `count` with radius `cover` to one of `next` with `next_cover`:
+// the product of both ratios.
 static double weigh(uint32_t count, float cover, uint32_t next, float next_cover)
 {
     return (double)next / count * (double)(cover > next_cover ? cover / next_cover : 1.0f);
 }
 
-// Places breakpoints from the end backwards, so that between two of them count and radius together
-// change by a factor of about `step`, and a sudden fall of the radius has one on either side.
-// Writes them in descending order. @return how many, or STP_PREFIX_TABLE_SIZE + 1 where they are
-// too many
+// Places breakpoints from the end backwards, so that count and radius together change by a factor
+// of about `step` from one to the next, and a sudden drop of the radius has one on either side.
+// Writes them in descending order.
+// @return their number, or STP_PREFIX_TABLE_SIZE + 1 if there are too many
 static uint32_t place_breakpoints(uint32_t* counts, const float* radii, uint32_t count,
                                   float final_radius, double step)
 {
@@ -103,7 +102,7 @@ static uint32_t place_breakpoints(uint32_t* counts, const float* radii, uint32_t
     return size;
 }
 
-// Fills in the counts. @return the size
+// Sets the counts. @return the size
 static uint32_t choose_breakpoints(stp_prefix_table* table, const float* radii, uint32_t count,
                                    float final_radius)
 {
@@ -125,7 +124,7 @@ static uint32_t choose_breakpoints(stp_prefix_table* table, const float* radii, 
     return size;
 }
 
-// Where a block of a segment begins.
+// First count of a block of a segment.
 static uint32_t block_begin(uint32_t first, uint32_t last, uint32_t block)
 {
     return first + (uint32_t)((uint64_t)(last - first) * block / BLOCKS);
@@ -139,7 +138,7 @@ void stp_prefix_table_make(stp_prefix_table* table, const float* radii, uint32_t
         return;
     }
     table->size = choose_breakpoints(table, radii, count, final_radius);
-    // what prefixes truly cover to, at the begin of each block, from the end backwards
+    // true radius at the beginning of each block, computed from the end backwards
     float covers[STP_PREFIX_TABLE_SIZE][BLOCKS];
     float cover = final_radius;
     uint32_t at = count;
@@ -155,8 +154,7 @@ void stp_prefix_table_make(stp_prefix_table* table, const float* radii, uint32_t
         }
         table->radius[i] = cover;
     }
-    // lift both ends of a segment by what it lacks: then the line is lifted everywhere by at least
-    // that
+    // raise both ends of a segment by the shortfall: then the whole line rises at least that much
     double lift_before = 1.0;
     for (uint32_t i = 0; i + 1 < table->size; ++i) {
         double first = (double)covers[i][0], lift = 1.0;
@@ -166,8 +164,8 @@ void stp_prefix_table_make(stp_prefix_table* table, const float* radii, uint32_t
             uint32_t begin = block_begin(table->count[i], table->count[i + 1], block);
             uint32_t end = block_begin(table->count[i], table->count[i + 1], block + 1);
             if (end > begin && first > 0.0) {
-                // the true radius at the block's begin against the line at its end: neither ever
-                // increases
+                // compare the true radius at the block's beginning with the line at its end:
+                // neither ever increases
                 double excess = (double)covers[i][block] / radius_on(&s, end - 1) * margin;
                 lift = s.slope != 0.0 && excess > lift ? excess : lift;
             }

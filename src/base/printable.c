@@ -5,7 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
-// The character at `text`, as UTF-8 of the shortest form. @return its bytes; 0 where it is none
+// Decodes the UTF-8 character at `text`; overlong forms are invalid. @return its bytes; 0 if
+// invalid
 static size_t read_character(const unsigned char* text, uint32_t* code)
 {
     static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};

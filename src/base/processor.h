@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which vector instructions this processor has. Kernels come in variants that give the same bits; each room
-// picks with this. STP_PROCESSOR=baseline|avx2|avx512 in the environment lowers the answer, for tests.
+// CPU features. Kernels come in variants that give the same bits; each room chooses with this. The
+// environment variable STP_PROCESSOR=baseline|avx2|avx512 lowers the answer, for tests.
 #pragma once
 
 #include <stdint.h>
@@ -11,8 +11,8 @@ typedef enum stp_processor {
     STP_PROCESSOR_AVX512,   ///< x86-64-v4: AVX-512 F, BW, CD, DQ, VL
 } stp_processor;
 
-/// The widest variant that runs here. Any thread; cheap enough to ask once per call of the library.
+/// The widest variant that this CPU runs. Any thread; cheap enough for one query per library call.
 stp_processor stp_processor_detect(void);
 
-/// How many processors there are to run on: 1..1024.
+/// Number of CPUs available to this process: 1..1024.
 uint32_t stp_processor_count(void);

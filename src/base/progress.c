@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Progress: of stages, of loops that report for themselves, and of the whole call.
+// Progress of stages, of reported loops, and of the whole call.
 #include "base/context_internal.h"
+#include "base/math.h"
 
 #include <string.h>
-
-static double clamp_fraction(double fraction)
-{
-    return fraction > 0.0 ? fraction < 1.0 ? fraction : 1.0 : 0.0;
-}
 
 void stp_progress_plan(stp_context* context, const stp_stage* stages, size_t count)
 {
@@ -20,7 +16,7 @@ void stp_progress_plan(stp_context* context, const stp_stage* stages, size_t cou
     }
 }
 
-// How far the whole is; it never goes back, whatever a new plan says.
+// Overall progress. It never decreases, even under a new plan.
 static double find_overall(stp_context* context, const char* stage, double fraction)
 {
     double before = 0.0, here = 0.0, whole = 0.0;
@@ -31,21 +27,21 @@ static double find_overall(stp_context* context, const char* stage, double fract
         }
         whole += context->stages[i].weight;
     }
-    double reached = whole > 0.0 ? clamp_fraction((before + here * fraction) / whole) : 0.0;
+    double reached = whole > 0.0 ? stp_clampd((before + here * fraction) / whole, 0.0, 1.0) : 0.0;
     if (context->stage_count != 0 && reached > context->overall) {
         context->overall = reached;
     }
     return context->overall;
 }
 
-// False where the caller wants to stop.
+// @return false if the caller wants to stop
 static bool send(stp_context* context, stp_progress_report* report)
 {
     const stp_context_desc* desc = &context->desc;
     if (desc->progress == NULL) {
         return true;
     }
-    report->fraction = clamp_fraction(report->fraction);
+    report->fraction = stp_clampd(report->fraction, 0.0, 1.0);
     report->overall = find_overall(context, report->stage, report->fraction);
     return desc->progress(report, desc->progress_user) == 0;
 }
@@ -55,7 +51,7 @@ static stp_result fail_cancelled(stp_context* context, const char* stage)
     return stp_fail(context, STP_ERROR_CANCELLED, "stopped while at: %s", stage);
 }
 
-// Says how far the loop is; on the calling thread.
+// Reports the loop's progress. Call on the calling thread.
 static void report_loop(stp_reported_loop* loop)
 {
     uint64_t done = atomic_load(&loop->done), total = loop->report.total;
@@ -83,7 +79,7 @@ stp_result stp_progress(stp_context* context, const char* stage, double fraction
         return atomic_load(&loop->stopped) ? STP_ERROR_CANCELLED : STP_OK;
     }
     if (stp_jobs_running(context->jobs)) {
-        return STP_OK; // a part of a parallel loop: only the caller's own thread reports
+        return STP_OK; // inside a parallel loop: only the calling thread reports
     }
     stp_progress_report report = {.stage = stage, .fraction = fraction};
     return send(context, &report) ? STP_OK : fail_cancelled(context, stage);
@@ -146,7 +142,7 @@ stp_result stp_parallel_for_reported(stp_context* context, size_t count, size_t 
                                .tick = tick,
                                .stopped = &loop.stopped};
     stp_jobs_run(context->jobs, &jobs_loop);
-    report_loop(&loop); // the last piece may have been another thread's
+    report_loop(&loop); // another thread may have run the last piece
     context->loop = NULL;
     return atomic_load(&loop.stopped) ? STP_ERROR_CANCELLED : STP_OK;
 }

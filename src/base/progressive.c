@@ -25,8 +25,7 @@ stp_progressive_counts stp_progressive_count(const uint32_t* ranges, uint32_t co
     return c;
 }
 
-/// Sorts indices by one byte of their lowest levels, the highest first. Equal ones keep their
-/// order.
+/// Sorts indices by one byte of their lowest levels, highest first. Stable.
 static void sort_digit(const uint32_t* ranges, const uint32_t* from, uint32_t count, uint32_t shift,
                        uint32_t* to)
 {
@@ -89,8 +88,8 @@ bool stp_progressive_is_whole(const uint32_t* ranges, uint32_t count, const uint
            stp_progressive_is_valid(ranges, count, order);
 }
 
-/// Finds the byte of the code that parent number `*rank` has, among those whose codes are `above`
-/// over the byte. `*rank` becomes its number among those with the same byte.
+/// Finds the byte of the code of parent number `*rank`, among the codes with `above` in the bits
+/// over that byte. `*rank` becomes its rank among those with the same byte.
 static uint32_t find_digit(const uint32_t* ranges, uint32_t count, uint32_t shift, uint32_t above,
                            uint32_t* rank)
 {
@@ -143,7 +142,7 @@ stp_progressive_walk stp_progressive_begin(stp_progressive_counts counts, const 
                                   .slots = slots};
 }
 
-/// Where a splat lies in the list of states that have it. Its split is done.
+/// Finds the position of a splat in the list of states. Its split is done.
 static uint32_t find_slot(const stp_progressive_walk* w, uint32_t splat)
 {
     if (splat < w->base) {

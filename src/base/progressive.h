@@ -14,12 +14,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/// How many splats of a prefix do what.
+/// Role counts of the splats in a prefix.
 typedef struct stp_progressive_counts {
-    uint32_t base;   ///< splats of the base set
-    uint32_t splits; ///< splits whose two splats are in the prefix
+    uint32_t base;   ///< splats in the base set
+    uint32_t splits; ///< splits whose two splats are both in the prefix
     uint32_t
-        parents; ///< splats that are not leaves; as many as `splits` in a whole set, else perhaps more
+        parents; ///< splats that are not leaves; as many as `splits` in a whole set, else no fewer
 } stp_progressive_counts;
 
 /// Counts the base set, the splits and the parents in the first `count` splats of a set.
@@ -54,7 +54,7 @@ typedef struct stp_progressive_cut {
     uint32_t divide; ///< index of that parent; 0 if nothing is left to split
     float below;     ///< the level at which splats [0, divide) are drawn
     float level;     ///< the level at which splats [divide, end) are drawn
-    uint32_t splats; ///< of the state; what was asked for, within what the prefix has
+    uint32_t splats; ///< splats of the state: the requested number, clamped to the prefix
 } stp_progressive_cut;
 
 /// Finds the state with `wanted` splats, or the nearest that the prefix has. Takes time in
@@ -71,11 +71,12 @@ typedef struct stp_progressive_walk {
     uint32_t base, splits; ///< of stp_progressive_count
     uint32_t split;        ///< splits that are done
     uint32_t*
-        alive; ///< the splats of the state: base + split indices. On a split the first child takes the parent's place, and the second comes last
-    uint32_t* slots; ///< where in `alive` the parent of each split done was
+        alive; ///< splats of the state: base + split indices. A split puts the first child in the
+               ///< parent's place and appends the second
+    uint32_t* slots; ///< index in `alive` of the parent of each split done
 } stp_progressive_walk;
 
-/// Begins with the base set.
+/// Starts with the base set.
 /// @param alive room for base + splits indices, the caller's
 /// @param slots room for `splits` indices, the caller's
 stp_progressive_walk stp_progressive_begin(stp_progressive_counts counts, const uint32_t* order,
@@ -92,18 +93,18 @@ uint32_t stp_progressive_coarsen(stp_progressive_walk* walk, uint32_t steps);
 /// Refines or coarsens to `count` splats, or as near as the set allows. @return splats of the state
 uint32_t stp_progressive_walk_to(stp_progressive_walk* walk, uint32_t count);
 
-/// The parents that wait to be split while a set is read in its order.
+/// The parents waiting to be split while a set is read in its order.
 typedef struct stp_progressive_queue {
     const uint32_t* ranges;
     uint32_t* heap; ///< the caller's: room for all parents that may wait
     uint32_t count;
 } stp_progressive_queue;
 
-/// Begins with the parents of a prefix, less those of the first `done` splits.
+/// Starts with the parents of a prefix, minus those of the first `done` splits.
 /// @param heap room for `count` indices, and for one more with each splat that is added
 stp_progressive_queue stp_progressive_queue_begin(const uint32_t* ranges, uint32_t count,
                                                   uint32_t done, uint32_t* heap);
 /// Adds a splat, unless it is a leaf.
 void stp_progressive_queue_add(stp_progressive_queue* queue, uint32_t splat);
-/// Takes the parent that is split next; UINT32_MAX if none waits.
+/// Removes the parent that is split next; UINT32_MAX if none waits.
 uint32_t stp_progressive_queue_take(stp_progressive_queue* queue);

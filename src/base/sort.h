@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// Sorts `items` by the bits [first_bit, first_bit + bit_count) in ascending order. `scratch` has room for
-/// as many. @return the array that holds the result: `items` or `scratch`
+/// Sorts `items` in ascending order of the bits [first_bit, first_bit + bit_count). `scratch` has
+/// the same size. @return the array with the result: `items` or `scratch`
 uint64_t* stp_sort_u64(uint64_t* items, uint64_t* scratch, size_t count, unsigned first_bit,
                        unsigned bit_count);

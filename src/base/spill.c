@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The file grows by chunks; each is reserved on the disk and mapped as a whole, and pieces are cut from the
-// newest one. A chunk begins with a line of 64 bytes that links it to the one before.
+// The file grows in chunks. Each is reserved on the disk and mapped as a whole; allocations come
+// from the newest. A chunk begins with a 64-byte header that links it to the previous one.
 #define _GNU_SOURCE // O_TMPFILE, fallocate without writing
 #include "base/spill.h"
 
@@ -15,15 +15,15 @@
 #include <unistd.h>
 
 #define LINE ((size_t)64)
-#define PAGE_MULTIPLE ((size_t)64 << 10) // of every page size in use
+#define PAGE_MULTIPLE ((size_t)64 << 10) // a multiple of every page size in use
 #define SMALLEST_CHUNK ((size_t)4 << 20)
 #define LARGEST_CHUNK ((size_t)256 << 20)
 #define MOST_ATTEMPTS 100u
-#define NAME_ROOM 48u // for what the file's name adds to the folder's
+#define NAME_ROOM 48u // length of the file name after the folder
 
 typedef struct chunk_head {
     struct chunk_head* previous;
-    size_t size, used; ///< with this line
+    size_t size, used; ///< includes the header
 } chunk_head;
 
 struct stp_spill {
@@ -40,7 +40,7 @@ static size_t round_up(size_t size, size_t multiple)
     return (size + multiple - 1) & ~(multiple - 1);
 }
 
-// A file that no folder lists, where the file system can make one; else one that is removed at once.
+// Opens an anonymous file if the file system supports it; else a named file, removed at once.
 static int open_nameless(const char* folder, char* path, size_t path_size)
 {
     int descriptor = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
@@ -74,7 +74,7 @@ stp_result stp_spill_create(stp_context* context, const char* folder, stp_spill*
     stp_free(context, path);
     if (made->descriptor < 0) {
         stp_result result =
-            stp_fail(context, STP_ERROR_IO, "%s: no temporary file can be made in it: %s", folder,
+            stp_fail(context, STP_ERROR_IO, "%s: cannot create a temporary file: %s", folder,
                      strerror(errno));
         stp_free(context, copy);
         stp_free(context, made);
@@ -106,7 +106,8 @@ void stp_spill_destroy(stp_spill* spill)
     stp_free(spill->context, spill);
 }
 
-// Reserves and maps room for `size` bytes after a chunk's head. @return 0 or the system's reason
+// Reserves and maps room for `size` bytes after a chunk's header. @return 0 or the system's error
+// code
 static int add_chunk(stp_spill* spill, size_t size)
 {
     size_t usual = (size_t)(spill->file_size / 8);
@@ -118,7 +119,7 @@ static int add_chunk(stp_spill* spill, size_t size)
         reason = posix_fallocate(spill->descriptor, (off_t)spill->file_size, (off_t)whole);
     } while (reason == EINTR);
     if (reason == ENOSPC &&
-        whole > round_up(needed, PAGE_MULTIPLE)) { // perhaps what is asked for still fits
+        whole > round_up(needed, PAGE_MULTIPLE)) { // the request alone may still fit
         whole = round_up(needed, PAGE_MULTIPLE);
         reason = posix_fallocate(spill->descriptor, (off_t)spill->file_size, (off_t)whole);
     }
@@ -165,7 +166,7 @@ void stp_spill_release_pages(stp_spill* spill)
 {
     pthread_mutex_lock(&spill->mutex);
     for (chunk_head *chunk = spill->newest, *previous; chunk != NULL; chunk = previous) {
-        previous = chunk->previous; // shared pages of a file: what was written stays
+        previous = chunk->previous; // the pages are a shared file mapping: written data stays
         (void)madvise(chunk, chunk->size, MADV_DONTNEED);
     }
     pthread_mutex_unlock(&spill->mutex);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// Codes of the optional columns of a set of splats (docs/format.md, Shapes and ranges). A code decodes by a shift, so that
-// every kernel and shader gets the same bits; rounding never makes a splat smaller, nor a range narrower.
+// Codes of the optional columns of a splat set (docs/format.md, Shapes and ranges). Decoding is a
+// bit shift, so every kernel and shader gets the same bits. Rounding never makes a splat smaller or
+// a range narrower.
 //
-//   shape   bits 0-11 the larger radius, 12-23 the smaller one, 24-31 the direction of the larger one; of a disk, which has no
-//           direction, how far the normals of what it stands for may lie from its own: a sine, 255 is 1 or any. In sets that
-//           tell which splats large triangles replace, bit 31 of a disk says so, and a sine of 127 is 1 or any
-//   range   bits 0-15 the lowest level at which the splat is drawn, 16-31 the highest
+//   shape   bits 0-11: larger radius; 12-23: smaller radius; 24-31: direction of the larger one.
+//           A disk has no direction. Its bits 24-31 hold the normal spread instead: the sine of how
+//           far the normals of the replaced surface deviate from its own; 255: 1 or unbounded.
+//           In sets that mark splats which large triangles replace, bit 31 of a disk is that mark,
+//           and a spread of 127 means 1 or unbounded.
+//   range   bits 0-15: lowest level at which the splat is drawn; 16-31: highest.
 #pragma once
 
 #include "base/math.h"
@@ -14,11 +17,11 @@
 #include <string.h>
 
 enum {
-    STP_SHAPE_NOT_FINITE = 0xFFF,     ///< no radius
+    STP_SHAPE_NOT_FINITE = 0xFFF,     ///< invalid radius
     STP_SHAPE_BIAS = 125 << 23,       ///< a radius of code 0 is a quarter of the set's step
-    STP_SHAPE_SPREAD_ANY = 127,       ///< any normal
+    STP_SHAPE_SPREAD_ANY = 127,       ///< unbounded
     STP_RANGE_ANY = (int)0xFF000000u, ///< all levels
-    STP_RANGE_INFINITE = 0xFF00,      ///< larger codes are no levels
+    STP_RANGE_INFINITE = 0xFF00,      ///< larger codes are invalid levels
 };
 
 #define STP_SHAPE_TURN 256u            ///< directions of half a turn
@@ -38,13 +41,13 @@ static inline uint32_t stp_bits_of_float(float value)
     return bits;
 }
 
-/// A radius in steps of its set, by its twelve bits: at most 0.8 % too large.
+/// Radius in steps of its set, from its twelve bits: at most 0.8 % too large.
 static inline float stp_shape_radius(uint32_t code)
 {
     return stp_float_of_bits((code << 16) + (uint32_t)STP_SHAPE_BIAS);
 }
 
-/// The code of a radius in steps, rounded up; up to 2^29 steps.
+/// Code of a radius in steps, rounded up; up to 2^29 steps.
 static inline uint32_t stp_shape_code(float radius)
 {
     if (!(radius > 0.25f)) {
@@ -54,35 +57,34 @@ static inline uint32_t stp_shape_code(float radius)
     return code < STP_SHAPE_NOT_FINITE ? code : STP_SHAPE_NOT_FINITE - 1;
 }
 
-/// A direction in the plane of a disk, of unit length: a Taylor series, alike in every kernel.
+/// Unit direction in the plane of a disk, from a Taylor series: same bits in every kernel.
 typedef struct stp_shape_axis {
     float along_x, along_y; ///< the disk's axes (base/coverage.h)
 } stp_shape_axis;
 
-/// The direction of the smaller radius: a quarter of a turn from that of the larger one.
+/// Direction of the smaller radius: a quarter turn from the larger one.
 static inline stp_shape_axis stp_shape_smaller(uint32_t code)
 {
     double turn = 3.14159265358979323846 / (double)STP_SHAPE_TURN;
     double x = turn * (double)((code >> 24) & 255u) - 0.5 * 3.14159265358979323846, s = x * x;
     double sine = x, cosine = 1.0, power = 1.0;
-    for (int k = 1; k < 10; ++k) { // x is at most a quarter of a turn
+    for (int k = 1; k < 10; ++k) { // x: direction minus a quarter turn, at most a quarter turn
         power *= -s / (double)((2 * k - 1) * (2 * k));
         cosine += power;
         sine += x * power / (double)(2 * k + 1);
     }
-    return (stp_shape_axis){(float)cosine,
-                            (float)sine}; // x is the direction less a quarter of a turn
+    return (stp_shape_axis){(float)cosine, (float)sine};
 }
 
-/// What the square of an offset along the smaller radius counts more than along the larger one: 0 of disks.
+/// Extra weight of the square of an offset along the smaller radius; 0 for disks.
 static inline float stp_shape_stretch(uint32_t code)
 {
     float ratio = stp_shape_radius(code & 0xFFFu) / stp_shape_radius(code >> 12 & 0xFFFu);
     return ratio * ratio - 1.0f;
 }
 
-/// Of a disk in a set that tells which splats large triangles replace.
-/// @param spread sine of how far the normals of what it stands for lie from its own, of STP_SHAPE_SPREAD_ANY
+/// Code of a disk in a set that marks splats which large triangles replace.
+/// @param spread normal spread: a sine in units of 1 / STP_SHAPE_SPREAD_ANY
 static inline uint32_t stp_shape_disk(float radius, uint32_t spread, bool replaced)
 {
     uint32_t code = stp_shape_code(radius);
@@ -94,8 +96,8 @@ static inline bool stp_shape_is_disk(uint32_t code)
     return (code & 0xFFFu) == (code >> 12 & 0xFFFu);
 }
 
-/// That sine, 0 to 1; of an ellipse any normal may be below it.
-/// @param tells whether the set tells which splats large triangles replace
+/// Sine of the normal spread, 0 to 1; the normals of an ellipse may deviate less.
+/// @param tells whether the set marks splats that large triangles replace
 static inline float stp_shape_spread(uint32_t code, bool tells)
 {
     if (!stp_shape_is_disk(code)) {
@@ -106,19 +108,20 @@ static inline float stp_shape_spread(uint32_t code, bool tells)
                : (float)(code >> 24) / 255.0f;
 }
 
-/// Whether large triangles replace a splat of a set that tells so.
+/// Whether large triangles replace this splat. Only for sets that mark this.
 static inline bool stp_shape_is_replaced(uint32_t code)
 {
     return stp_shape_is_disk(code) && (code & STP_SHAPE_REPLACED) != 0;
 }
 
-/// By its sixteen bits.
+/// Level from its sixteen bits.
 static inline float stp_range_level(uint32_t code)
 {
     return stp_float_of_bits(code << 15);
 }
 
-/// Levels from `lowest`, rounded down, to `highest`, rounded up; both at least 0, perhaps infinite.
+/// Code of the range from `lowest`, rounded down, to `highest`, rounded up. Both at least 0;
+/// infinity is allowed.
 static inline uint32_t stp_range_code(float lowest, float highest)
 {
     uint32_t low = stp_bits_of_float(lowest) >> 15;
@@ -131,7 +134,7 @@ static inline bool stp_range_is_valid(uint32_t code)
     return (code & 0xFFFFu) <= code >> 16 && code >> 16 <= STP_RANGE_INFINITE;
 }
 
-/// Radii that are finite, the larger one first.
+/// Whether the radii are finite and the larger one comes first.
 static inline bool stp_shape_is_valid(uint32_t code)
 {
     uint32_t larger = code & 0xFFFu, smaller = code >> 12 & 0xFFFu;

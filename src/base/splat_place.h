@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Where the splats of a set lie.
+// Positions of the splats in a set.
 #pragma once
 
 #include "base/math.h"
 
 #include <stipple/surfels.h>
 
-/// The place of a splat in the space of its set's node.
+/// Position of a splat in the space of its set's node.
 static inline stp_vec3d stp_splat_place(const stp_splats* set, size_t index)
 {
     const uint16_t* at = set->positions + 3 * index;

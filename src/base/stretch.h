@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// How much a map stretches lengths.
+// Largest scale factor of a transform.
 #pragma once
 
 #include "base/math.h"
 
-/// The largest factor by which a map stretches any length: never less than it, at most 1 % more, and exact where the
-/// map only turns, mirrors and scales evenly. 0 where it flattens everything or is not finite.
+/// Largest factor by which a transform stretches a length: never too small, at most 1 % too large,
+/// and exact for rotations, mirroring and uniform scales. 0 if it collapses everything to a point
+/// or is not finite.
 double stp_affine_stretch(const stp_affine* a);

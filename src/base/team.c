@@ -10,6 +10,11 @@ stp_team stp_team_create(stp_context* context, uint32_t wanted)
     return (stp_team){.context = context, .threads = wanted == 0 || wanted > all ? all : wanted};
 }
 
+stp_team stp_team_create_now(stp_context* context, uint32_t wanted)
+{
+    return stp_team_create(context, stp_jobs_running(context->jobs) ? 1 : wanted);
+}
+
 stp_team stp_team_create_useful(stp_context* context)
 {
     uint32_t processors = stp_processor_count();
@@ -24,7 +29,7 @@ typedef struct shared_loop {
     const atomic_bool* stopped;
 } shared_loop;
 
-// One member's share: `begin` is the member's number, whichever thread it runs on.
+// Runs one member. `begin` is the member's number, whichever thread runs it.
 static void run_member(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)end, (void)worker;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Some of a context's threads, for callers that ask for fewer than there are.
+// A subset of a context's threads.
 #pragma once
 
 #include "base/context.h"
@@ -9,15 +9,19 @@
 typedef struct stp_team {
     stp_context* context;
     uint32_t threads; ///< at least 1, at most the context's
-    /// Once true, no further piece of a loop begins. Belongs to the caller; NULL: never.
+    /// Once true, no further piece of a loop begins. The caller owns it; NULL: never stops.
     const atomic_bool* stopped;
 } stp_team;
 
-/// `wanted` threads of the context, at most all; 0: all.
+/// `wanted` threads, at most all of the context's; 0: all.
 stp_team stp_team_create(stp_context* context, uint32_t wanted);
 
-/// As many threads as make anything faster, for loops whose members need much memory each: all of the context's, but
-/// of those beyond STP_TEAM_FEW no more than there are processors.
+/// The same for work that begins and ends now. One thread where the context runs a loop already: loops inside it run on
+/// the calling thread, and what prepares work for several would be lost.
+stp_team stp_team_create_now(stp_context* context, uint32_t wanted);
+
+/// Caps the number of threads for memory-bound loops: all of the context's up to STP_TEAM_FEW, and
+/// beyond that at most one per CPU.
 stp_team stp_team_create_useful(stp_context* context);
 
 enum { STP_TEAM_FEW = 4 };

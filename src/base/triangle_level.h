@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The level of a triangle: the radius of splats up to which it is drawn instead of them (Dachsbacher et al. 2003, 3.8).
+// Level of a triangle: largest splat radius at which the triangle is drawn instead (Dachsbacher et
+// al. 2003, 3.8).
 #pragma once
 
 #include "base/math.h"
 
-/// Half the longest side: at least two splats of that radius would have to stand for the triangle.
+/// Half the longest side: at least two splats of that radius would be needed for the triangle.
 static inline float stp_triangle_level(stp_vec3 a, stp_vec3 b, stp_vec3 c)
 {
     stp_vec3 ab = stp_sub(b, a), ac = stp_sub(c, a), bc = stp_sub(c, b);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Reading vectors of three floats, eight at a time. Only for files compiled for AVX2.
+// Loads eight vectors of three floats at a time. Only for files compiled for AVX2.
 #pragma once
 
 #include <immintrin.h>
 
-/// The columns x, y, z of eight vectors that follow each other.
+/// Loads eight consecutive vectors as columns x, y, z.
 static inline void stp_load_triples(const float* from, __m256* x, __m256* y, __m256* z)
 {
     __m256 a = _mm256_set_m128(_mm_loadu_ps(from + 12), _mm_loadu_ps(from));

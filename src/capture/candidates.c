@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The columns of candidates: memory for them, and covered pixels put into them.
+// The columns of candidates: their memory, and appending covered pixels.
 #include "capture/capture_internal.h"
 
 #include <string.h>
 
-// Moves a column to memory with room for more.
+// Moves a column to a larger allocation.
 static bool move_column(stp_context* context, void** column, size_t count, size_t room, size_t size)
 {
     void* moved = stp_alloc_array(context, room, size);
@@ -41,7 +41,7 @@ stp_result stp_capture_make_room(stp_capture_job* job, uint64_t more, uint64_t s
     uint64_t count = candidates->count + more;
     if (count >= UINT32_MAX) {
         return stp_fail(context, STP_ERROR_LIMIT,
-                        "capture: %llu candidates are too many: choose a lower resolution",
+                        "capture: %llu candidates exceed the limit; lower the resolution",
                         (unsigned long long)count);
     }
     if (count <= job->room) {

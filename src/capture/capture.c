@@ -10,22 +10,21 @@
 #define DEFAULT_CANDIDATES UINT64_C(1750000)
 #define HALF_DIAGONAL 0.70710678118654752
 
-// What of the outlines of its box an object usually covers.
+// Fraction of its box's outlines that an object usually covers.
 #define PROBE_COVERED 0.5
-// A first view that promises between so many times the candidates that are wanted is kept.
+// The probe view is kept if it promises between these multiples of the wanted candidates.
 #define PROBE_LEAST 0.75
 #define PROBE_MOST 1.35
 
 enum {
-    RESOLUTION_AUTO_MOST = 8192, ///< of a picture that is nearly empty
-    RESOLUTION_OF_SETS = 1024,   ///< where the caller forgot to say
+    RESOLUTION_AUTO_MOST = 8192, ///< limit for nearly empty pictures
+    RESOLUTION_OF_SETS = 1024,   ///< default if a capture with sets gives none
     ATTEMPTS = 3,
-    EMPTIEST =
-        100, ///< pictures with fewer covered pixels than one in so many are not drawn finer for it
-    FILL_ROOM = 4, ///< room for so many times fewer candidates is kept for the fill
+    EMPTIEST = 100, ///< a share of covered pixels below 1 in 100 does not raise the resolution
+    FILL_ROOM = 4,  ///< the fill gets spare room for 1 / FILL_ROOM of the candidates
 };
 
-/// Whether a box has numbers that can be worked with; parts that have not are not drawn.
+/// Whether a box is valid. Parts with invalid boxes are not drawn.
 static bool is_usable(stp_boxd box)
 {
     const double most = 1e30;
@@ -67,7 +66,7 @@ static stp_result count_primitives(stp_capture_job* job, stp_boxd* box)
     return stp_capture_prepare_sets(job, box);
 }
 
-/// The area of the box's outline in a view: what the view can cover at most.
+/// Area of the box's outline in a view: an upper bound on the area the view covers.
 static double outline_area(const stp_capture_job* job, stp_vec3d toward)
 {
     stp_vec3d h = job->half_extent;
@@ -77,16 +76,13 @@ static double outline_area(const stp_capture_job* job, stp_vec3d toward)
 
 static double clamp_resolution(double resolution, double most)
 {
-    resolution = resolution > (double)STP_CAPTURE_RESOLUTION_LEAST
-                     ? resolution
-                     : (double)STP_CAPTURE_RESOLUTION_LEAST;
-    return resolution < most ? resolution : most;
+    return stp_clampd(resolution, (double)STP_CAPTURE_RESOLUTION_LEAST, most);
 }
 
 /// Bounds for choosing the resolution.
 typedef struct frame {
     double widest;   ///< longer side of the widest view, in scene units
-    double most;     ///< resolution
+    double most;     ///< highest resolution
     double outlines; ///< of the box in all views: what can be covered at most, in square units
     uint64_t wanted; ///< candidates
 } frame;
@@ -106,7 +102,7 @@ static frame make_frame(const stp_capture_job* job, const stp_vec3d* directions,
     return f;
 }
 
-/// The pixel size at which an area gives the wanted pixels; resolutions are whole numbers.
+/// Pixel size at which an area gives the wanted number of pixels. Resolutions are integers.
 static double choose_pixel_size(const frame* f, double area, double* resolution)
 {
     double finest = f->widest / f->most;
@@ -122,8 +118,8 @@ static bool is_point(const stp_capture_job* job)
     return !(h.x > 0.0 || h.y > 0.0 || h.z > 0.0);
 }
 
-/// Draws the first view at a resolution guessed from the box, and estimates how much of all views is covered,
-/// in square units.
+/// Draws the first view at a resolution guessed from the box, and estimates the covered area of all
+/// views, in square units.
 static stp_result probe_area(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                              const frame* f, double* resolution, double* area)
 {
@@ -136,7 +132,7 @@ static stp_result probe_area(stp_capture_job* job, const stp_vec3d* directions, 
     return result;
 }
 
-/// Draws the views at a resolution at which about `wanted` candidates come out.
+/// Draws the views at a resolution that gives about `wanted` candidates.
 static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions, uint32_t count,
                               uint64_t wanted, double* resolution)
 {
@@ -156,12 +152,12 @@ static stp_result draw_wanted(stp_capture_job* job, const stp_vec3d* directions,
         }
         result = stp_capture_draw(job, drawn, count);
         drawn = 0;
-        // thin parts may have slipped through the probe: then what was drawn is the better probe
+        // the probe may have missed thin parts: then this drawing is the better probe
         double got = (double)job->covered_pixels;
         area = got * pixel_size * pixel_size;
         bool capped = (sparse || *resolution >= floor(f.most)) && got < (double)wanted;
         bool near_enough = got > 0.5 * (double)wanted && got < 2.0 * (double)wanted;
-        bool no_more = attempt > 0 && got < (double)wanted && got < 1.5 * before; // points run out
+        bool no_more = attempt > 0 && got < (double)wanted && got < 1.5 * before; // no points left
         if (capped || near_enough || no_more || got < 16.0) {
             break;
         }
@@ -189,7 +185,7 @@ static stp_result draw_views(stp_capture_job* job, const stp_capture_desc* desc,
     }
     double area, widest = stp_capture_widest(job, directions, count, &area), resolution = 1.0;
     stp_result result = STP_OK;
-    if (!(widest > 0.0)) { // everything in one point
+    if (!(widest > 0.0)) { // all points coincide
         stp_capture_set_views(job, directions, count, 1.0);
         result = stp_capture_draw(job, 0, count);
     } else if (desc->resolution != 0 || desc->pixel_size > 0.0 || job->set_count != 0) {
@@ -259,7 +255,7 @@ static stp_result make_candidates(stp_capture_job* job, const stp_capture_desc* 
     return result;
 }
 
-/// Mip levels of what the parts use, where the caller has none.
+/// Creates mip levels of the parts' textures if the caller gave none.
 static stp_result find_textures(stp_capture_job* job, const stp_capture_desc* desc,
                                 stp_capture_textures** own)
 {
@@ -298,7 +294,7 @@ static void hand_over_silhouettes(stp_capture_job* job, stp_candidates* candidat
                              .words = view->silhouette};
         view->silhouette = NULL;
     }
-    job->keeps_silhouettes = false; // what fills in is drawn with views of its own
+    job->keeps_silhouettes = false; // fill views are drawn separately
 }
 
 // Numbers everything, and finds the box of all. @return whether there is anything, through `empty`

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // External visibility (Brandt 3.1): a subtree seen from outside, by parallel projection from all
-// around. Each covered pixel is a candidate: a point of visible surface that may become a surfel.
-//
-// What alpha-masked texels cut out is not captured: the mask is read at the pixel's centre at full
-// resolution, so that the share of pixels captured is the share of surface that is there. Blended
-// surfaces are captured in half their pixels, chosen by a hash, so that what stands behind glass is
+// sides. Each covered pixel is a candidate: a point of visible surface that may become a surfel.
+// Texels cut out by an alpha mask are not captured: the mask is read at the pixel's centre at full
+// resolution, so the share of captured pixels equals the share of remaining surface. Blended
+// surfaces are captured in half their pixels, chosen by a hash, so that surfaces behind glass are
 // captured too; their alpha is recorded. Each point of a point set is one pixel.
 #pragma once
 
@@ -14,38 +13,39 @@
 
 #include <stipple/surfels.h>
 
-/// Limit on the pixels drawn per requested candidate when the resolution is automatic. Sparse scenes
-/// have mostly empty pixels; the limit keeps the cost in proportion to the content.
+/// Limit on the pixels drawn per requested candidate when the resolution is automatic. Sparse
+/// scenes have mostly empty pixels; the limit bounds the cost.
 #define STP_CAPTURE_MOST_PIXELS_EACH 1024.0
 
-/// Mip levels of a scene's base colour textures. Making them takes as long as a small capture:
-/// whoever captures many nodes of one scene makes them once.
+/// Mip levels of a scene's base colour textures. Making them takes as long as a small capture: make
+/// them once to capture many nodes of one scene.
 typedef struct stp_capture_textures stp_capture_textures;
 
 typedef struct stp_capture_desc {
     uint32_t direction_count; ///< default 8: a cube's corners. 14: and its faces. 26: and its
                               ///< edges' middles. Any other: well spread over the sphere.
-    /// Unit vectors towards the viewer, `direction_count` of them, instead of those; what they miss
-    /// is not filled in. NULL: none were chosen.
+    /// `direction_count` unit vectors towards the viewer, instead of the defaults. Surface they
+    /// miss is not filled in. NULL: use the defaults.
     const stp_vec3d* directions;
     uint32_t resolution; ///< pixels along the longer side of the widest picture; one scale for all
         ///< directions. Default: chosen so that about `wanted_candidates` come out.
     double pixel_size;          ///< side of a pixel in scene units; 0: from `resolution`
     uint64_t wanted_candidates; ///< for the automatic resolution; default 1.75 million
-    bool no_fill; ///< leave out what the directions miss (fill.h); 26 directions are never filled
+    bool no_fill;               ///< skip the fill (fill.h); 26 directions are never filled
     const stp_capture_textures* textures; ///< of this scene; NULL: made for this call
 } stp_capture_desc;
 
-/// Surfels that stand for what they were made from (Brandt 3.4): a prefix of a set, placed.
+/// A prefix of a surfel set that replaces the geometry it was made from (Brandt 3.4), with its
+/// transform.
 typedef struct stp_placed_set {
     const stp_splats* surfels;
-    uint32_t prefix;      ///< how many of them, at least 1
+    uint32_t prefix;      ///< surfels of the prefix, at least 1
     float radius;         ///< of their disks, in the set's own space
     stp_affine transform; ///< to the captured space
     bool unknown_signs;   ///< either side of a splat may be outside
 } stp_placed_set;
 
-/// All that a capture looks at.
+/// Sources of a capture.
 typedef struct stp_capture_sources {
     const stp_placed_part* parts;
     size_t part_count;
@@ -53,8 +53,8 @@ typedef struct stp_capture_sources {
     size_t set_count;
 } stp_capture_sources;
 
-/// Candidates as columns, in a fixed order: independent of threads. First those that were captured as pixels, by
-/// direction, row and column; then the surfels of sets that are visible, in the order of their sets.
+/// Candidates as columns, in an order that is independent of the thread count. First captured
+/// pixels, by direction, row and column; then visible surfels of sets, in the order of their sets.
 typedef struct stp_candidates {
     uint32_t count;
     float* positions; ///< 3 each, in the node's space minus `origin`
@@ -62,32 +62,34 @@ typedef struct stp_candidates {
     uint8_t* colors;  ///< RGBA each, sRGB: base colour with texture and vertex colour; alpha of a
                       ///< blended one; of a surfel of a set, how much of its disk is surface
     uint32_t* materials; ///< scene material; of a surfel of a set, its shading
-    /// Each NULL, or a value each (stipple/attributes.h): of points, and of surfels that are points.
+    /// Each NULL, or one value per candidate (stipple/attributes.h), for points and for surfels of
+    /// point sets.
     void* attributes[STP_ATTRIBUTES];
     uint32_t*
         view_starts;    ///< direction_count + 1: where the candidates of each direction begin; NULL
                         ///< where there are none
     stp_vec3d origin;   ///< centre of the captured box: positions are relative to it
     double pixel_size;  ///< side of a capture pixel, scene units
-    uint32_t set_count; ///< the last so many are surfels of sets
-    float set_radius;   ///< of their disks, the largest, scene units
+    uint32_t set_count; ///< the last `set_count` candidates are surfels of sets
+    float set_radius;   ///< largest radius of their disks, scene units
     float*
-        set_areas; ///< how much surface each of them stands for, scene units squared; NULL where there are none
+        set_areas; ///< surface area that each of them represents, square scene units; may be NULL
     double surface_radius; ///< how far surface that was seen may lie from a candidate; 0: half a
                            ///< pixel's diagonal
     uint32_t resolution, direction_count;
     stp_silhouette silhouettes[STP_SILHOUETTES]; ///< of the first directions
-    uint32_t silhouette_count;                   ///< 0: none were kept
-    uint32_t filled; ///< captured candidates, before those of sets, that the directions missed
-    uint64_t covered_pixels, triangle_views; ///< for reports
+    uint32_t silhouette_count;                   ///< 0: none kept
+    uint32_t filled; ///< captured candidates, before those of sets, that the main directions missed
+    uint64_t covered_pixels, triangle_views; ///< statistics
     double raster_ms, resolve_ms;
 } stp_candidates;
 
-/// The part of a disk's area that is nearest to its surfel, where surfels whose disks just cover a surface lie evenly.
+/// Fraction of a disk's area that is nearest to its surfel if surfels are evenly spaced and their
+/// disks just cover the surface.
 #define STP_WHOLE_SHARE 0.5
 
-/// The chance with which pixels of a disk are drawn that stands over what is thin, from the surface nearest to its
-/// surfel over the disk's area. Of thin things both sides are seen.
+/// Probability of drawing a pixel of a disk over thin geometry: the surface nearest to its surfel
+/// over the disk's area. Thin geometry is seen from both sides.
 static inline double stp_chance_of_share(double share)
 {
     return 0.5 * share;
@@ -98,35 +100,35 @@ static inline double stp_share_of_chance(double chance)
     return 2.0 * chance;
 }
 
-/// The first candidate that is a surfel of a set; their count where none is.
+/// First candidate that is a surfel of a set; the candidate count if there is none.
 static inline uint32_t stp_first_of_sets(const stp_candidates* candidates)
 {
     return candidates->count - candidates->set_count;
 }
 
 /// Captures the parts (their transforms relative to the captured node's space).
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, or STP_ERROR_LIMIT where the
-/// resolution asked for gives 2^32 candidates or more
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, STP_ERROR_CANCELLED, or STP_ERROR_LIMIT if the
+/// requested resolution gives 2^32 candidates or more
 STP_MUST_USE stp_result stp_capture_parts(const stp_scene* scene, const stp_placed_part* parts,
                                           size_t part_count, const stp_capture_desc* desc,
                                           stp_candidates* candidates);
-/// Adds all surfels of sets, hidden or not, to candidates whose columns have room for them: of a cloud, where every point
-/// may be seen. `origin` is there, `set_areas` is not.
+/// Appends all surfels of sets, visible or not, to candidates whose columns have room for them. For
+/// clouds, where every point may be seen. `origin` must be set; `set_areas` must be NULL.
 /// @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_candidates_add_sets(stp_context* context, const stp_placed_set* sets,
                                                 size_t set_count, stp_candidates* candidates);
-/// Captures parts and sets into the same pictures. The pixels that a disk wins yield its surfel, once however many
-/// they are, and never the place of the pixel: surfaces do not grow. A surfel that won none, because its neighbours
-/// did, is taken too where nothing stands before its centre. With sets, the desc must give the pixel's size.
+/// Captures parts and sets into the same pictures. A disk that wins pixels yields its surfel once,
+/// at the surfel's own position, so surfaces do not grow. A surfel whose neighbours won all its
+/// pixels is taken too if its centre is not occluded. With sets, the desc must give the pixel size.
 /// @return as stp_capture_parts
 STP_MUST_USE stp_result stp_capture_all(const stp_scene* scene, const stp_capture_sources* sources,
                                         const stp_capture_desc* desc, stp_candidates* candidates);
 
-/// What a capture would find, without making candidates and without filling.
+/// Statistics of a capture, without making candidates and without the fill.
 typedef struct stp_capture_count {
-    uint64_t pixels;  ///< covered, of parts
-    uint64_t surfels; ///< visible, of sets
-    double widest;    ///< the longer side of the widest picture, scene units
+    uint64_t pixels;  ///< covered by parts
+    uint64_t surfels; ///< visible surfels of sets
+    double widest;    ///< longer side of the widest picture, scene units
 } stp_capture_count;
 STP_MUST_USE stp_result stp_capture_count_all(const stp_scene* scene,
                                               const stp_capture_sources* sources,
@@ -139,7 +141,7 @@ STP_MUST_USE stp_result stp_capture_textures_create(const stp_scene* scene,
                                                     stp_capture_textures** textures);
 void stp_capture_textures_destroy(stp_capture_textures* textures);
 
-/// The directions a desc stands for: unit vectors from the object towards the viewer, `count` of
-/// them. Corners are those of a cube, not of the object's box: a flat box's corners lie almost in
-/// its plane, and would see its large faces at a slant. Pure; no libm.
+/// The directions of a desc: `count` unit vectors from the object towards the viewer. Corners are
+/// those of a cube, not of the object's box: a flat box's corners lie almost in its plane and would
+/// see its large faces at grazing angles. Pure; no libm.
 void stp_capture_directions(uint32_t count, stp_vec3d* directions);

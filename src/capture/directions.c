@@ -4,7 +4,7 @@
 /// Corners of a cube, then the middles of its faces, then of its edges.
 static void cube_directions(uint32_t count, stp_vec3d* directions)
 {
-    static const int components[3] = {3, 1, 2}; // that are not 0
+    static const int components[3] = {3, 1, 2}; // non-zero components
     uint32_t made = 0;
     for (int step = 0; made < count; ++step) {
         for (int code = 0; code < 27; ++code) {
@@ -16,8 +16,7 @@ static void cube_directions(uint32_t count, stp_vec3d* directions)
     }
 }
 
-/// A spiral of golden angles (Fibonacci lattice): the angle is advanced by rotation, so no sine is
-/// needed.
+/// A spiral of golden angles (Fibonacci lattice). Advances the angle by rotation, so needs no sine.
 static void spiral_directions(uint32_t count, stp_vec3d* directions)
 {
     const double turn_cosine = -0.7373688780783197, turn_sine = 0.6754902942615238;

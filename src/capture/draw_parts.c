@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Parts into the buffer of a band: the nearest first, so that what they hide need not be drawn. The picture does
-// not depend on the order.
+// Draws parts into the buffer of a band, nearest first, so that hidden parts can be skipped. The
+// picture does not depend on the order.
 #include "base/rng.h"
 #include "base/sort.h"
 #include "capture/capture_internal.h"
 #include "capture/fill.h"
 #include "raster/triangles.h"
 
-/// How many pixels may be looked at to save a triangle.
+/// Pixels worth testing to save one triangle.
 #define PIXELS_A_TRIANGLE 4.0
 
-/// What a byte would hold as opaque, and the least that it would hold at all.
+/// Thresholds of 8-bit alpha: opaque, and not fully transparent.
 #define ALPHA_OPAQUE (254.5f / 255.0f)
 #define ALPHA_LEAST (1.0f / 255.0f)
 
-/// A part's way to the screen, about the middle of its box.
+/// Projection of a part, relative to the middle of its box.
 typedef struct part_projection {
     double row[3][3], middle[3]; ///< x, y, nearness
     stp_vec3 offset;             ///< middle of the box, own space
@@ -45,7 +45,7 @@ static part_projection project_part(const stp_capture_job* job, const stp_captur
     return out;
 }
 
-/// Whether a range of the screen holds a pixel centre of [begin, end).
+/// Whether a screen range contains a pixel centre of [begin, end).
 static bool holds_centre(double middle, double reach, uint32_t begin, uint32_t end)
 {
     const double margin =
@@ -59,13 +59,13 @@ static bool holds_centre(double middle, double reach, uint32_t begin, uint32_t e
     return first <= high;
 }
 
-/// The nearness of the nearest corner of a part's box, a little more than what drawing can give.
+/// Nearness of the nearest corner of a part's box, rounded up past what drawing can produce.
 static float nearest_point(const part_projection* projection)
 {
     return (float)(projection->middle[2] + projection->reach[2]) + 1e-5f;
 }
 
-/// What the mask of a part needs to answer.
+/// Inputs of a part's alpha mask.
 typedef struct mask_state {
     const stp_mesh* mesh;
     const stp_material* material;
@@ -90,7 +90,7 @@ static bool keep_masked(const void* user, uint32_t triangle, float weight1, floa
            (stp_rng_hash(state->first_primitive + triangle, pixel) & 1) != 0;
 }
 
-/// What of a part is there at all, where its alpha is the same everywhere.
+/// How a part's alpha mask behaves; alpha that is the same everywhere needs no test per pixel.
 typedef enum mask_kind { MASK_NOTHING, MASK_ALL, MASK_ASK } mask_kind;
 
 static mask_kind prepare_mask(const stp_capture_job* job, mask_state* mask)
@@ -173,14 +173,14 @@ static void draw_points(const stp_capture_job* job, size_t part, const part_proj
     }
 }
 
-/// A part that reaches into a band: its nearest point, nearest first in ascending order, above its index.
+/// Sort key of a part that reaches into a band: nearness, descending, above the index.
 static uint64_t part_key(const part_projection* projection, size_t index)
 {
     return stp_raster_pixel(nearest_point(projection), (uint32_t)index);
 }
 
-/// Whether all a part could cover is covered already by what is nearer than its nearest point. Looked at only
-/// where that is cheaper than drawing.
+/// Whether nearer geometry already covers every pixel the part could touch. Tested only if cheaper
+/// than drawing.
 static bool is_hidden(const part_projection* projection, const stp_raster_target* target,
                       uint32_t first_row, uint32_t triangle_count)
 {
@@ -237,8 +237,8 @@ static uint64_t* find_parts(const stp_capture_job* job, const stp_capture_band* 
     return stp_sort_u64(keys, spare, *count, 32, 32);
 }
 
-/// Asks for the memory of parts that are drawn soon, in the order of its use: small parts that follow each other in depth
-/// lie anywhere, and waiting for them would take longer than drawing them.
+/// Prefetches parts that are drawn soon, in the order of use. Small parts that follow each other in
+/// depth are scattered in memory; waiting for them would take longer than drawing them.
 static void look_ahead(const stp_capture_job* job, const uint64_t* keys, size_t left, size_t begin)
 {
     enum { PART = 12, MESH = 8, ARRAYS = 4, LINE = 64 };

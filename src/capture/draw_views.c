@@ -1,36 +1,36 @@
 // SPDX-License-Identifier: MIT
-// The first half of a capture: from parts to covered pixels.
+// First half of a capture: from parts to covered pixels.
 #include "capture/capture_internal.h"
 #include "capture/fill.h"
 
 #include <stdatomic.h>
 #include <string.h>
 
-/// A band's buffer takes at most this; taller pictures are drawn in more bands.
+/// Size limit of a band's buffer; taller pictures use more bands.
 #define BAND_BYTES ((uint64_t)32 << 20)
-/// Silhouettes that together take more are not kept.
+/// Size limit of all silhouettes; if exceeded, none are kept.
 #define SILHOUETTE_BYTES ((uint64_t)64 << 20)
 
-enum { GROUP = 8 /**< pixels looked at together */ };
+enum { GROUP = 8 /**< pixels tested together */ };
 
-/// What one thread works with.
+/// Per-thread state.
 typedef struct draw_worker {
     stp_arena scratch;
     uint64_t* pixels;     ///< room for the largest band
-    uint64_t* pass;       ///< the same, where more than one pass is needed
-    uint64_t* primitives; ///< of the nearest so far, where more than one pass is needed
+    uint64_t* pass;       ///< the same, if several passes are needed
+    uint64_t* primitives; ///< of the nearest pixels so far, if several passes are needed
 } draw_worker;
 
 typedef struct draw_state {
     stp_capture_job* job;
     draw_worker* workers;
-    size_t first_band;  ///< to be drawn
+    size_t first_band;  ///< first band to draw
     size_t band_pixels; ///< of the largest band
-    bool passes;        ///< more than one is needed
+    bool passes;        ///< whether several passes are needed
     atomic_bool failed;
 } draw_state;
 
-/// Keeps of each pixel what is nearer: what was drawn last, or what was there.
+/// Keeps the nearer of the previous and the new pass for each pixel.
 static void merge_pass(draw_worker* worker, size_t pixel_count, uint64_t first_primitive)
 {
     for (size_t i = 0; i < pixel_count; ++i) {
@@ -41,7 +41,7 @@ static void merge_pass(draw_worker* worker, size_t pixel_count, uint64_t first_p
     }
 }
 
-/// Draws all sets likewise.
+/// Draws all sets the same way.
 static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capture_band* band,
                                       const stp_raster_target* pass, size_t pixel_count,
                                       draw_worker* worker)
@@ -64,8 +64,8 @@ static stp_result draw_sets_in_passes(const stp_capture_job* job, const stp_capt
     return STP_OK;
 }
 
-/// Draws all parts in as many passes as 32-bit ids need; then worker->primitives holds what is
-/// nearest.
+/// Draws all parts in as many passes as 32-bit ids require. Then worker->primitives holds the
+/// nearest primitives.
 static stp_result draw_in_passes(const stp_capture_job* job, const stp_capture_band* band,
                                  const stp_raster_target* target, size_t pixel_count,
                                  draw_worker* worker)
@@ -105,7 +105,7 @@ static stp_result draw_at_once(const stp_capture_job* job, const stp_capture_ban
                                                     target, &worker->scratch);
 }
 
-/// Whether eight pixels are all empty: most of a further view is, once what is known is dropped.
+/// Whether eight pixels are all empty. In fill views most are, once known surface is dropped.
 static inline bool is_empty_group(const uint64_t* pixels)
 {
     uint64_t all = STP_RASTER_EMPTY;
@@ -132,7 +132,7 @@ static size_t count_covered(const uint64_t* pixels, size_t pixel_count)
     return count;
 }
 
-/// Notes which pixels of a band show anything.
+/// Records the covered pixels of a band.
 static void mark_silhouette(const stp_capture_view* view, const stp_capture_band* band,
                             const uint64_t* pixels)
 {
@@ -146,7 +146,7 @@ static void mark_silhouette(const stp_capture_view* view, const stp_capture_band
     }
 }
 
-/// Keeps what is covered of a band.
+/// Extracts the covered pixels of a band.
 static stp_result squeeze(stp_context* context, const draw_worker* worker, bool passes,
                           size_t first, size_t pixel_count, stp_capture_band* band)
 {
@@ -155,7 +155,7 @@ static stp_result squeeze(stp_context* context, const draw_worker* worker, bool 
     if (count == 0) {
         return STP_OK;
     }
-    // one more than there are: each pixel is written where the next covered one belongs
+    // one extra: each pixel is written unconditionally to the next free place
     band->pixels = STP_NEW_ARRAY(context, uint32_t, count + 1);
     band->primitives = STP_NEW_ARRAY(context, uint64_t, count + 1);
     if (band->pixels == NULL || band->primitives == NULL) {
@@ -229,8 +229,8 @@ static void draw_bands(size_t begin, size_t end, uint32_t worker_index, void* us
     }
 }
 
-/// Cuts the views into bands: few, as each draws all that touches it, but no larger than a buffer
-/// may be, and enough for all threads.
+/// Cuts the views into bands: few, as each band draws everything that touches it, but within the
+/// buffer limit and enough for all threads.
 static stp_result make_bands(stp_capture_job* job, uint32_t begin, uint32_t end,
                              size_t* band_pixels)
 {
@@ -280,7 +280,7 @@ void stp_capture_drop_bands(stp_capture_job* job)
     }
 }
 
-/// Room for the silhouettes of views [begin, end), where all together are not too large.
+/// Allocates the silhouettes of views [begin, end), unless they exceed the limit together.
 static stp_result make_silhouettes(const stp_capture_job* job, uint32_t begin, uint32_t end)
 {
     uint64_t bytes = 0;

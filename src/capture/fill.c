@@ -10,10 +10,10 @@ enum {
     CORNERS = 8,
     FACES_AND_CORNERS = 14,
     GRAIN = 16384,
-    /// Where further directions find less than one in so many candidates, no more are asked.
+    /// Stop adding directions once they find less than 1 / WORTH_A_LOOK of the candidates.
     WORTH_A_LOOK = 1000,
-    /// The same where sets are drawn: they are seen from afar, where what lies deep in a wood or a hall shows little,
-    /// and what is drawn for it is most of what there is.
+    /// Same limit for captures with sets. They are seen from afar, where surface deep inside a wood
+    /// or a hall shows little but makes up most of what further views draw.
     WORTH_OF_SETS = 20,
 };
 
@@ -54,7 +54,7 @@ static bool has_points(const stp_capture_job* job)
     return false;
 }
 
-// Marks triangles too; nobody asks for them.
+// Also marks triangles, which nobody queries.
 static stp_result mark_points(const stp_capture_job* job, stp_fill_map* map)
 {
     size_t words = (size_t)(stp_capture_primitive_count(job) / 64) + 1;
@@ -91,7 +91,7 @@ stp_result stp_fill_map_create(const stp_capture_job* job, const stp_candidates*
         mark_band(map, &job->bands[b]);
     }
     uint32_t sum = 0;
-    for (size_t i = 0; i < total; ++i) { // candidates are in the same order: view, row, column
+    for (size_t i = 0; i < total; ++i) { // candidates have the same order: view, row, column
         map->words[i].first = sum;
         sum += (uint32_t)__builtin_popcount(map->words[i].covered);
     }
@@ -141,7 +141,7 @@ void stp_fill_map_destroy(stp_context* context, stp_fill_map* map)
     *map = (stp_fill_map){0};
 }
 
-/// The axis along which a coordinate of a view grows by one a step.
+/// The axis along which a view coordinate grows by one per step.
 static stp_vec3d step_of(stp_vec3d axis)
 {
     return stp_scaled(axis, 1.0 / stp_dotd(axis, axis));
@@ -185,8 +185,8 @@ void stp_fill_drop_known(const stp_fill_map* map, const stp_capture_view* view, 
     stp_fill_drop_portable(&query, first_row, target);
 }
 
-// Of the corners, faces and edges of a cube, those that were not drawn: 8 and 14 directions are the first of
-// them (capture.h); a spiral shares none.
+// The corners, faces and edges of a cube that were not drawn. Captures of 8 and 14 directions draw
+// the first ones (capture.h); a spiral shares none.
 static uint32_t find_directions(uint32_t count, stp_vec3d* directions)
 {
     stp_vec3d all[STP_CAPTURE_FILL_DIRECTIONS];
@@ -197,7 +197,7 @@ static uint32_t find_directions(uint32_t count, stp_vec3d* directions)
     return left;
 }
 
-// Draws some further views, and appends what they find.
+// Draws some further views and appends the surface they find.
 static stp_result look_further(stp_capture_job* job, const stp_fill_map* map,
                                const stp_vec3d* directions, uint32_t count,
                                stp_candidates* candidates)

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Eight pixels at a time. Most are seen by the view that saw their neighbours. Those that are not wait until
-// there are eight of them, are looked for in all views, and wait again for the four pixels around.
+// Eight pixels at a time. Most are seen by the view that saw their neighbours. The others are
+// queued until there are eight of them, tested in all views, and queued again for the four
+// surrounding pixels.
 #include "capture/fill_kernel.h"
 
 #if defined(__x86_64__)
@@ -15,7 +16,7 @@ typedef struct points {
     __m256 p[3];
 } points;
 
-/// Points that wait, and where their pixels are.
+/// A queue of points, with the places of their pixels.
 typedef struct queue {
     uint32_t count;
     float p[3][2 * LANES];
@@ -25,10 +26,10 @@ typedef struct queue {
 typedef struct scan {
     const stp_fill_query* query;
     uint32_t favourite;
-    queue unseen, alone; ///< not seen by the favourite; by no view
+    queue unseen, alone; ///< not seen by the favourite view; by no view
 } scan;
 
-// The sum of the portable variant, in its order.
+// Sums in the order of the portable variant.
 static inline __m256 sum_of_products(const float a[3], const __m256 b[3])
 {
     __m256 sum = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(a[0]), b[0]),
@@ -68,14 +69,14 @@ static inline places look_from8(const stp_fill_look* look, const points* points8
     };
 }
 
-/// From the place to the middle of its pixel.
+/// Offset from a place to the middle of its pixel.
 static inline __m256 to_middle(__m256i pixel, __m256 place)
 {
     __m256 middle = _mm256_add_ps(_mm256_cvtepi32_ps(pixel), _mm256_set1_ps(0.5f));
     return _mm256_sub_ps(middle, place);
 }
 
-/// What eight pixels show, where their lanes are set.
+/// Tests the surface shown by eight pixels, in the lanes that are set.
 static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_look* look,
                                   const places* at, __m256i column, __m256i row, __m256i candidate,
                                   __m256i lanes)
@@ -97,7 +98,7 @@ static inline __m256 test_surface(const stp_fill_query* q, const stp_fill_look* 
     return _mm256_and_ps(near, _mm256_cmp_ps(facing, _mm256_setzero_ps(), _CMP_GT_OQ));
 }
 
-/// Which of the points the pixel at an offset from their place in a view stands for.
+/// Which of the points are represented by the pixel at an offset from their place in a view.
 static inline unsigned test_places(const stp_fill_query* q, const stp_fill_look* look,
                                    const places* at, float dx, float dy, unsigned asked)
 {
@@ -138,7 +139,7 @@ static inline void push(queue* to, const float p[3][LANES], unsigned lane, uint6
     to->pixels[to->count++] = pixel;
 }
 
-// Takes up to eight points out of a queue; they stay where they are until the queue is filled again.
+// Takes up to eight points from a queue. Their memory stays valid until the queue is filled again.
 static points pop(queue* from, float p[3][LANES], uint64_t* pixels[LANES], unsigned* asked)
 {
     uint32_t count = from->count < LANES ? from->count : LANES;
@@ -269,7 +270,7 @@ void stp_fill_drop_avx2(const stp_fill_query* query, uint32_t first_row,
             memset(last, 0xFF, sizeof(last));
             memcpy(last, pixels + column, (target->width - column) * sizeof(*pixels));
             scan_eight(&s, last, 0xFF, (float)column, y);
-            while (s.unseen.count != 0) { // none may wait for pixels that move away
+            while (s.unseen.count != 0) { // flush: queued pixels must not outlive their memory
                 search_views(&s);
             }
             while (s.alone.count != 0) {

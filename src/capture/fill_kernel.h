@@ -5,16 +5,17 @@
 
 #include "capture/fill.h"
 
-/// A first view, as a further one asks it: column = x . p + x_shift, row = y . p + y_shift, nearness = z . p + 1.5.
+/// A main view, in the coordinates of a further one: column = x . p + x_shift, row = y . p +
+/// y_shift, nearness = z . p + 1.5.
 typedef struct stp_fill_look {
     float x[3], x_shift, y[3], y_shift, z[3];
-    float pixels_a_nearness; ///< as many pixels deep is a nearness of 1
+    float pixels_a_nearness; ///< depth of a nearness of 1, in pixels
     float width, height;
     size_t words_a_row;
     const stp_fill_word* words;
 } stp_fill_look;
 
-/// A further view: the point that its pixel shows is column * x + row * y + nearness * z + origin.
+/// A further view: its pixel shows the point column * x + row * y + nearness * z + origin.
 typedef struct stp_fill_query {
     float x[3], y[3], z[3], origin[3];
     float toward[3];
@@ -31,7 +32,7 @@ void stp_fill_drop_portable(const stp_fill_query* query, uint32_t first_row,
 void stp_fill_drop_avx2(const stp_fill_query* query, uint32_t first_row,
                         const stp_raster_target* target);
 
-/// A point's place in a view.
+/// Place of a point in a view.
 typedef struct stp_fill_place {
     float x, y, nearness;
 } stp_fill_place;
@@ -45,14 +46,14 @@ static inline stp_fill_place look_from(const stp_fill_look* look, const float p[
     };
 }
 
-/// One of the ten-bit numbers of a normal.
+/// One ten-bit component of a normal.
 static inline float normal_part(uint32_t normal, int part)
 {
     return (float)((int32_t)(normal << (22 - 10 * part)) >> 22);
 }
 
-/// Whether the pixel at an offset from a point's place shows surface that stands for it: within a pixel's size,
-/// and facing the further view too.
+/// Whether the pixel at an offset from a point's place shows surface that represents the point:
+/// within a pixel's size, and facing the further view too.
 static inline bool stands_for(const stp_fill_query* q, const stp_fill_look* look,
                               const stp_fill_place* place, float dx, float dy)
 {
@@ -77,14 +78,14 @@ static inline bool stands_for(const stp_fill_query* q, const stp_fill_look* look
     return (across * across + along * along) + deep * deep <= 1.0f && facing > 0.0f;
 }
 
-/// Whether the pixel that shows the point in a view does.
+/// Tests the pixel that shows the point in a view.
 static inline bool is_seen(const stp_fill_query* q, const stp_fill_look* look, const float p[3])
 {
     stp_fill_place place = look_from(look, p);
     return stands_for(q, look, &place, 0.0f, 0.0f);
 }
 
-/// Whether one of the four pixels around does.
+/// Tests the four surrounding pixels.
 static inline bool is_near(const stp_fill_query* q, const stp_fill_look* look, const float p[3])
 {
     stp_fill_place place = look_from(look, p);
@@ -94,7 +95,7 @@ static inline bool is_near(const stp_fill_query* q, const stp_fill_look* look, c
 
 static inline bool has_stand_in(const stp_fill_query* q, const float p[3], uint32_t* favourite)
 {
-    if (is_seen(q, &q->looks[*favourite], p)) { // what saw the pixel before it sees most
+    if (is_seen(q, &q->looks[*favourite], p)) { // the view that saw the previous pixel sees most
         return true;
     }
     for (uint32_t i = 0; i < q->look_count; ++i) {

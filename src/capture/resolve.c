@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The second half of a capture: from covered pixels to candidates.
+// Second half of a capture: from covered pixels to candidates.
 #include "base/color.h"
 #include "capture/capture_internal.h"
 
@@ -13,7 +13,7 @@ typedef struct resolve_state {
     size_t first; ///< candidate of the first pixel
 } resolve_state;
 
-/// The part whose primitives are being resolved; found anew only where it changes.
+/// The part being resolved; looked up only when it changes.
 typedef struct current_part {
     size_t part;
     stp_affine placement;
@@ -21,7 +21,7 @@ typedef struct current_part {
     const stp_mesh* mesh; ///< NULL: a point set
     const stp_point_set* points;
     uint32_t material;
-    bool plain;       ///< one colour all over: `color`
+    bool plain;       ///< one colour everywhere: `color`
     uint8_t color[4]; ///< sRGB
 } current_part;
 
@@ -81,11 +81,11 @@ static stp_vec3d position_of(const float* positions, uint32_t vertex)
     return (stp_vec3d){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-/// A triangle, placed and seen in a view.
+/// A triangle projected into a view.
 typedef struct seen_triangle {
     uint32_t corner[3];
     stp_vec3d position[3];
-    double x[3], y[3]; ///< pixels, from the centre of the pixel looked at
+    double x[3], y[3]; ///< pixels, from the centre of the current pixel
     double area;       ///< twice, square pixels
     double weight[3];  ///< of the corners, at the pixel's centre
 } seen_triangle;
@@ -103,7 +103,7 @@ static seen_triangle look_at(const stp_capture_view* view, const current_part* p
     }
     t.area = (t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - (t.y[1] - t.y[0]) * (t.x[2] - t.x[0]);
     double sign = t.area < 0.0 ? -1.0 : 1.0, sum = 0.0;
-    for (int k = 0; k < 3; ++k) { // snapping may have left the centre a little outside: clamped
+    for (int k = 0; k < 3; ++k) { // snapping may leave the centre slightly outside: clamp
         int a = (k + 1) % 3, b = (k + 2) % 3;
         double opposite = sign * (t.x[a] * t.y[b] - t.y[a] * t.x[b]);
         t.weight[k] = opposite > 0.0 ? opposite : 0.0;
@@ -123,9 +123,9 @@ static stp_vec3d turn_normal(const double m[3][3], const float* n)
                        m[2][0] * x + m[2][1] * y + m[2][2] * z};
 }
 
-/// The interpolated normal, on the side of the triangle that faces the viewer. The triangle decides
-/// which side that is: near a silhouette the normals of a coarse mesh look away from viewers that
-/// see its front.
+/// Interpolated normal, on the side of the triangle that faces the viewer. The triangle decides the
+/// side: near a silhouette, the vertex normals of a coarse mesh may face away although its front is
+/// visible.
 static stp_vec3d triangle_normal(const stp_capture_view* view, const current_part* part,
                                  const seen_triangle* t)
 {
@@ -144,14 +144,14 @@ static stp_vec3d triangle_normal(const stp_capture_view* view, const current_par
         stp_vec3d normal = stp_normalized(turn_normal(part->normal_matrix, n));
         stp_vec3d side = is_line ? view->toward : flat;
         normal = stp_dotd(normal, side) < 0.0 ? stp_scaled(normal, -1.0) : normal;
-        if (stp_dotd(normal, normal) > 0.5) { // neither zero nor not-a-number
+        if (stp_dotd(normal, normal) > 0.5) { // neither zero nor NaN
             return normal;
         }
     }
     return is_line ? view->toward : flat;
 }
 
-/// The longer side of a pixel's image in the texture, in texels.
+/// Longer side of a pixel's footprint in the texture, in texels.
 static float texture_footprint(const seen_triangle* t, const stp_texture_pyramid* pyramid,
                                double uv[3][2])
 {
@@ -272,7 +272,8 @@ static void resolve_triangle(const stp_capture_job* job, const stp_capture_view*
     encode_color(&job->scene->materials[part->material], color, bytes);
 }
 
-/// Asks for the memory that a triangle a few pixels on will need: neighbours on the screen may lie far apart.
+/// Prefetches the triangle of a pixel a few places on: screen neighbours may be far apart in
+/// memory.
 static void look_ahead(const stp_capture_job* job, const stp_capture_band* band, size_t i,
                        size_t end, const current_part* part)
 {
@@ -288,7 +289,7 @@ static void look_ahead(const stp_capture_job* job, const stp_capture_band* band,
     }
 }
 
-/// Entries [begin, end) of one band become candidates from `first` on.
+/// Resolves entries [begin, end) of one band to candidates from `first` on.
 static void resolve_entries(const resolve_state* state, const stp_capture_band* band, size_t begin,
                             size_t end, size_t first, current_part* part)
 {

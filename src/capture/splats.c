@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: MIT
-// Sets of surfels in a capture (Brandt 3.4): drawn as disks, so that they hide what stands behind them; but what
-// comes out are the surfels themselves.
+// Sets of surfels in a capture (Brandt 3.4). They are drawn as disks, so that they occlude; the
+// output is the surfels themselves.
 #include "raster/splats.h"
 
 #include "base/octahedral.h"
 #include "base/sort.h"
 #include "capture/splats.h"
 
-// Disks fall back towards the rim by so much of their radius: of those that overlap, the one with the nearest centre
-// is seen. Disks seen from behind fall back further, and hide nothing that faces the viewer.
+// The rim of a disk is pushed back by this fraction of its radius, so that among overlapping disks
+// the one with the nearest centre is visible. Disks seen from behind are pushed back further and
+// hide nothing that faces the viewer.
 #define RIM_DEPTH 0.5f
 #define BACK_DEPTH 2.0f
 
 #define CHUNK 2048u         // surfels transformed at a time
-#define SIMILAR 1e-4        // how far a map may be from rotation and scale
-#define PIXELS_A_SURFEL 4.0 // how many pixels may be looked at to save one
-#define BOX_SLACK 1e-5      // of the disks' radius and rim
+#define SIMILAR 1e-4        // tolerance for rotation plus uniform scale
+#define PIXELS_A_SURFEL 4.0 // pixels worth testing to save one surfel
+#define BOX_SLACK 1e-5      // relative to the disks' radius and rim
 
-// The way of a set's grid to the screen.
+// Projection of a set's grid to the screen.
 typedef struct set_projection {
     stp_affine placement; ///< own space to captured space minus its centre
     stp_vec3d origin;     ///< of the grid, placed
     double row[3][3],
         at_origin[3]; ///< x, y, nearness: of an offset in own space, and at the grid's origin
-    double middle[3], reach[3]; ///< of the box of all disks
+    double middle[3], reach[3]; ///< of the bounding box of all disks
 } set_projection;
 
 static set_projection project_set(const stp_capture_job* job, const stp_capture_view* view,
@@ -62,27 +63,22 @@ static bool touches_band(const set_projection* p, const stp_capture_view* view,
            p->middle[1] - p->reach[1] <= (double)band->row_end + 1.0;
 }
 
-// A little more than the nearness of the nearest fragment.
+// Nearness of the nearest fragment, rounded up.
 static float nearest_fragment(const set_projection* p)
 {
     return (float)(p->middle[2] + p->reach[2]) + (float)BOX_SLACK;
 }
 
-static double clamp_to(double value, double most)
-{
-    return value > 0.0 ? (value < most ? value : most) : 0.0;
-}
-
-// Whether what is drawn already hides all of a set. Looked at only where that is cheaper than drawing.
+// Whether the pixels drawn so far hide the whole set. Tested only if cheaper than drawing.
 static bool is_hidden(const set_projection* p, const stp_raster_target* target, uint32_t first_row,
                       uint32_t surfels)
 {
     double right = (double)target->width - 1.0, bottom = (double)target->height - 1.0;
     double top = p->middle[1] - (double)first_row;
-    size_t x0 = (size_t)clamp_to(p->middle[0] - p->reach[0] - 1.0, right);
-    size_t x1 = (size_t)clamp_to(p->middle[0] + p->reach[0] + 1.0, right);
-    size_t y0 = (size_t)clamp_to(top - p->reach[1] - 1.0, bottom);
-    size_t y1 = (size_t)clamp_to(top + p->reach[1] + 1.0, bottom);
+    size_t x0 = (size_t)stp_clampd(p->middle[0] - p->reach[0] - 1.0, 0.0, right);
+    size_t x1 = (size_t)stp_clampd(p->middle[0] + p->reach[0] + 1.0, 0.0, right);
+    size_t y0 = (size_t)stp_clampd(top - p->reach[1] - 1.0, 0.0, bottom);
+    size_t y1 = (size_t)stp_clampd(top + p->reach[1] + 1.0, 0.0, bottom);
     if ((double)(x1 - x0 + 1) * (double)(y1 - y0 + 1) > PIXELS_A_SURFEL * (double)surfels) {
         return false;
     }
@@ -100,7 +96,7 @@ static bool is_hidden(const set_projection* p, const stp_raster_target* target, 
     return true;
 }
 
-// Whether a map only turns, mirrors, moves and scales.
+// Whether a transform is a rotation or reflection with translation and uniform scale.
 static bool is_similar(const stp_affine* a)
 {
     double product[3][3], trace = 0.0;
@@ -126,7 +122,7 @@ static stp_vec3d scaled_axis(stp_vec3d axis)
     return stp_scaled(axis, 1.0 / sqrt(stp_dotd(axis, axis)));
 }
 
-// A camera for points of a space: `linear` leads from there to the captured space, `at` is where its zero lies.
+// Camera for points of a space. `linear` maps to the captured space; `at` is the origin's image.
 static stp_raster_camera make_camera(const stp_capture_view* view, const stp_affine* linear,
                                      stp_vec3d at)
 {
@@ -149,7 +145,7 @@ static stp_raster_camera make_camera(const stp_capture_view* view, const stp_aff
     return camera;
 }
 
-// Where a set may be drawn as it is.
+// Draws a set under a similarity transform without copying it.
 static void draw_similar(const stp_capture_job* job, const stp_capture_band* band, size_t set,
                          const set_projection* projection, const stp_raster_target* target,
                          uint32_t first_id)
@@ -170,8 +166,8 @@ static void draw_similar(const stp_capture_job* job, const stp_capture_band* ban
     stp_raster_draw_splats(target, band->row_begin, band->row_end, &camera, &splats, first_id);
 }
 
-// Where a map squeezes, surfels are placed one by one. Their disks stay round: as large as the largest scale makes
-// them.
+// Draws a set under a non-uniform transform, surfel by surfel. Disks stay round; their radius uses
+// the largest scale.
 static stp_result draw_squeezed(const stp_capture_job* job, const stp_capture_band* band,
                                 size_t set, const set_projection* projection,
                                 const stp_raster_target* target, uint32_t first_id,
@@ -235,7 +231,7 @@ stp_result stp_capture_draw_sets(const stp_capture_job* job, const stp_capture_b
         }
     }
     keys = stp_sort_u64(keys, spare, count, 32, 32);
-    // the raster counts rows from the picture's top; what is above the band is never touched
+    // the rasteriser counts rows from the picture's top; rows above the band are never touched
     stp_raster_target picture = *target;
     picture.height = view->height;
     size_t above = (size_t)band->row_begin * target->stride * sizeof(uint64_t);

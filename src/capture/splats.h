@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Sets of surfels as captures see them: where a surfel lies, which way it faces, what it looks like as one of a
-// prefix.
+// Surfels as captures see them: position, normal, and colour as a member of a prefix.
 #pragma once
 
 #include "base/stretch.h"
@@ -9,12 +8,12 @@
 
 #include <string.h>
 
-/// Which entries of the pyramid a prefix is drawn with (include/stipple/surfels.h).
+/// Entries of the colour pyramid that a prefix is drawn with (include/stipple/surfels.h).
 typedef struct stp_set_look {
     size_t first;        ///< entry of surfel 0 in the prefix's octave
-    size_t first_before; ///< and in the octave before
+    size_t first_before; ///< same in the octave before
     uint32_t before;     ///< surfels that have entries there
-    float share;         ///< of the prefix's own octave, for those
+    float share;         ///< weight of the prefix's own octave for those
 } stp_set_look;
 
 static inline stp_set_look stp_set_look_at(const stp_splats* surfels, uint32_t prefix)
@@ -37,7 +36,7 @@ static inline stp_set_look stp_set_look_at(const stp_splats* surfels, uint32_t p
     return look;
 }
 
-/// From a set to another space.
+/// Transform of a set to another space.
 typedef struct stp_set_placing {
     const stp_splats* surfels;
     stp_affine placement;
@@ -54,10 +53,10 @@ static inline stp_set_placing stp_set_placing_make(const stp_splats* surfels,
 
 stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel);
 
-/// Of unit length; by the inverse transpose, on the side it was on, mirrored or not.
+/// Unit normal by the inverse transpose. Keeps its side, mirrored or not.
 stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t surfel);
 
-/// From a set's own space to the captured space minus its centre.
+/// Transform from a set's own space to the captured space minus its centre.
 static inline stp_affine stp_capture_set_placement(const stp_capture_job* job, size_t set)
 {
     return stp_affine_shifted(job->sets[set].transform, job->centre);

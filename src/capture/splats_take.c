@@ -6,8 +6,8 @@
 #include "base/splat_place.h"
 #include "capture/splats.h"
 
-#define LEAST_FACING 0.3    // cosine: flatter views do not judge whether a centre is visible
-#define DEPTH_TOLERANCE 0.5 // how far a centre may lie behind what is seen there, in radii
+#define LEAST_FACING 0.3    // cosine: views at flatter angles do not decide a centre's visibility
+#define DEPTH_TOLERANCE 0.5 // how far a centre may lie behind the visible surface, in radii
 #define WORDS_A_PIECE 512u  // words of bits resolved by one piece of a loop
 
 stp_vec3d stp_set_position(const stp_set_placing* placing, uint32_t surfel)
@@ -24,7 +24,7 @@ stp_vec3d stp_set_normal(const stp_set_placing* placing, uint32_t surfel)
                         m[1][0] * n.x + m[1][1] * n.y + m[1][2] * n.z,
                         m[2][0] * n.x + m[2][1] * n.y + m[2][2] * n.z};
     turned = stp_normalized(turned);
-    return stp_dotd(turned, turned) > 0.5 ? turned : n; // a map that flattens everything
+    return stp_dotd(turned, turned) > 0.5 ? turned : n; // a degenerate transform
 }
 
 stp_result stp_capture_prepare_sets(stp_capture_job* job, stp_boxd* box)
@@ -82,15 +82,15 @@ static void mark_seen(const stp_capture_job* job, uint64_t surfel)
     }
 }
 
-// What it takes to look whether centres are visible.
+// Inputs of the test whether centres are visible.
 typedef struct sight {
     const stp_capture_job* job;
     const stp_capture_view* view;
     const stp_capture_band* band;
     const stp_raster_target* target;
     stp_set_placing placing;
-    double row[3][3], at_zero[3]; ///< x, y, nearness of a value of the grid
-    double pixel, depth;          ///< scene units a pixel; nearness a scene unit
+    double row[3][3], at_zero[3]; ///< x, y, nearness per grid step
+    double pixel, depth;          ///< scene units per pixel; nearness per scene unit
     double radius;                ///< scene units
     bool two_sided;               ///< surfels that face away are looked at as well
 } sight;
@@ -120,8 +120,8 @@ static sight make_sight(const stp_capture_job* job, const stp_capture_band* band
     return s;
 }
 
-// Whether nothing stands before a surfel's centre: its own plane, where the pixel's centre meets it, is not farther
-// than what the pixel shows.
+// Whether a surfel's centre is unoccluded: its plane, at the pixel's centre, is not behind the
+// surface the pixel shows.
 static bool is_centre_visible(const sight* s, uint32_t surfel)
 {
     const uint16_t* value = s->placing.surfels->positions + 3 * (size_t)surfel;
@@ -153,7 +153,7 @@ static bool is_centre_visible(const sight* s, uint32_t surfel)
     return at[2] + rise + DEPTH_TOLERANCE * reach >= seen;
 }
 
-// Whether a box's disks may reach into the band.
+// Whether a set's disks may reach into the band.
 static bool reaches_band(const stp_capture_job* job, const stp_capture_band* band, size_t set)
 {
     const stp_capture_view* view = &job->views[band->view];
@@ -166,7 +166,7 @@ static bool reaches_band(const stp_capture_job* job, const stp_capture_band* ban
     return middle + reach >= (double)band->row_begin && middle - reach <= (double)band->row_end;
 }
 
-// The first covered pixel from `at` on, or `count`. Skips empty pixels eight at a time.
+// The first covered pixel from `at` on, or `count`. Skips eight empty pixels at a time.
 static size_t next_drawn(const stp_raster_target* target, size_t at, size_t count)
 {
     _Static_assert(STP_RASTER_EMPTY == UINT64_MAX, "empty pixels are joined by and");
@@ -183,8 +183,8 @@ static size_t next_drawn(const stp_raster_target* target, size_t at, size_t coun
     return at;
 }
 
-// Surfels won pixels: they are candidates. Where a disk covers no centre of a pixel, or its neighbours won all of
-// them, its own centre is looked at.
+// Surfels that won pixels become candidates. If a disk covers no pixel centre, or its neighbours
+// won all its pixels, its own centre is tested.
 void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band* band,
                               const stp_raster_target* target, const uint64_t* primitives)
 {
@@ -210,7 +210,7 @@ void stp_capture_take_surfels(const stp_capture_job* job, const stp_capture_band
             }
         }
     }
-    // what is left are the pixels of parts
+    // the remaining pixels belong to parts
     for (size_t i = next_drawn(target, 0, count); i < count; i = next_drawn(target, i + 1, count)) {
         uint64_t primitive = primitives != NULL ? primitives[i] : stp_raster_id(target->pixels[i]);
         if (primitive >= first) {
@@ -241,12 +241,12 @@ uint64_t stp_capture_seen_count(const stp_capture_job* job)
 typedef struct resolve_sets {
     const stp_capture_job* job;
     stp_candidates* out;
-    uint64_t* starts; ///< candidate of the first surfel seen, of each piece
+    uint64_t* starts; ///< candidate of the first visible surfel of each piece
 } resolve_sets;
 
-// What is drawn of a disk.
+// The drawn part of a disk.
 typedef struct drawn_part {
-    float area; ///< of the disk's, or its mean with holes
+    float area; ///< fraction of the disk's area; its mean for disks with holes
     bool has_holes;
 } drawn_part;
 
@@ -271,7 +271,7 @@ static drawn_part find_colour(const stp_splats* s, const stp_set_look* look, uin
         chance = other + (chance - other) * share;
         solid *= before_code >= STP_COVERAGE_HALVES ? 1.0f : share;
     }
-    // disks overlap, so a share says less than the fraction that they cover together; what is cut has no holes
+    // disks overlap, so together they cover more than the share; clipped disks have no holes
     float fraction = 1.0f - (1.0f - chance) * (1.0f - chance);
     fraction += (1.0f - fraction) * solid;
     float scaled = fraction * 255.0f + 0.5f;
@@ -279,7 +279,7 @@ static drawn_part find_colour(const stp_splats* s, const stp_set_look* look, uin
     return (drawn_part){chance, solid < 1.0f};
 }
 
-// The set that a surfel belongs to, at or after `set`.
+// The set of a surfel, searched from `set` on.
 static size_t find_set(const stp_capture_job* job, uint64_t surfel, size_t set)
 {
     if (set < job->set_count && surfel >= job->first_surfels[set] &&
@@ -294,7 +294,7 @@ static size_t find_set(const stp_capture_job* job, uint64_t surfel, size_t set)
     return low;
 }
 
-// A placed set's disks, and how much surface one stands for that is drawn whole.
+// Disks of a placed set, and the surface area that a fully drawn one represents.
 typedef struct set_area {
     double disk, whole;
 } set_area;
@@ -302,7 +302,7 @@ typedef struct set_area {
 static set_area find_area(const stp_placed_set* set)
 {
     double scale = stp_affine_stretch(&set->transform), disk = (double)set->radius;
-    double reach = disk - (double)set->surfels->candidate_radius; // to what the prefix covers
+    double reach = disk - (double)set->surfels->candidate_radius; // coverage radius
     reach = reach > 0.5 * disk ? reach : 0.5 * disk;
     disk *= scale, reach *= scale;
     return (set_area){STP_PI * disk * disk, STP_WHOLE_SHARE * STP_PI * reach * reach};
@@ -352,7 +352,7 @@ static void resolve_pieces(size_t begin, size_t end, uint32_t worker, void* user
     }
 }
 
-// How far apart the surfels of sets lie, and what they stand for.
+// Records the spacing of the sets' surfels and the area they represent.
 static void note_radii(const stp_placed_set* sets, size_t count, stp_candidates* candidates)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -398,7 +398,7 @@ stp_result stp_capture_resolve_sets(const stp_capture_job* job, stp_candidates* 
 typedef struct place_sets {
     const stp_placed_set* sets;
     stp_candidates* out;
-    const size_t* starts; ///< candidate of the first surfel of each
+    const size_t* starts; ///< candidate of each set's first surfel
 } place_sets;
 
 static void place_whole_sets(size_t begin, size_t end, uint32_t worker, void* user)

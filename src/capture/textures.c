@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a capture reads of materials: texture coordinates, alpha, and mip levels of base colours.
+// Material inputs of a capture: texture coordinates, alpha, and mip levels of base colours.
 #include "capture/capture_internal.h"
 
 bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint32_t vertex,
@@ -17,7 +17,7 @@ bool stp_capture_texcoord(const stp_mesh* mesh, const stp_texture_use* use, uint
     return true;
 }
 
-/// The texture a use reads; NULL: none.
+/// The texture of a use; NULL: none.
 static const stp_texture* used_texture(const stp_scene* scene, const stp_texture_use* use)
 {
     if (use->texture >= scene->texture_count) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parallel projections from all around, at one scale.
+// Parallel projections from all sides, at one scale.
 #include "capture/capture_internal.h"
 
 /// Unit vectors across the direction of view.
@@ -42,7 +42,7 @@ void stp_capture_set_views(stp_capture_job* job, const stp_vec3d* directions, ui
         stp_capture_view* view = &job->views[i];
         stp_vec3d right, down;
         view_axes(directions[i], &right, &down);
-        // a pixel more on each side, for what rounding moves outwards
+        // one extra pixel on each side, for rounding
         view->width = (uint32_t)(extent_along(job, right) / pixel_size) + 3;
         view->height = (uint32_t)(extent_along(job, down) / pixel_size) + 3;
         view->shift_x = (double)view->width * 0.5;

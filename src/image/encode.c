@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Texels to PNG, in memory that the context counts.
+// Encodes texels to PNG, in memory that the context counts.
 #include "image/image.h"
 
 #include <spng.h>
 #include <string.h>
 
-// Level 3 takes a third of level 6's time for 1.1 of its bytes (rendered pictures).
+// Level 3 takes a third of level 6's time and gives 1.1 times its bytes (rendered pictures).
 enum { FAST_LEVEL = 3, SMALL_LEVEL = 6 };
 
-/// Encoded bytes on their way.
+/// Output buffer of the encoder.
 typedef struct byte_sink {
     stp_context* context;
     unsigned char* bytes;
@@ -37,7 +37,7 @@ typedef struct png_rows {
     uint8_t color_type;
     size_t channels;
     const uint8_t* bytes;
-    uint8_t* owned; ///< NULL: the picture's own texels
+    uint8_t* owned; ///< NULL: uses the picture's own texels
     int level;
     int filters;
 } png_rows;
@@ -63,7 +63,7 @@ static void choose_channels(const stp_image* image, png_rows* rows)
                                    : SPNG_COLOR_TYPE_GRAYSCALE;
 }
 
-/// Copies the chosen channels. @return false where memory runs out
+/// Copies the chosen channels. @return false if out of memory
 static bool pack_rows(stp_context* context, const stp_image* image, png_rows* rows)
 {
     size_t channels = rows->channels, last = channels - 1;

@@ -9,13 +9,13 @@
 
 #define PIXEL_LIMIT ((uint64_t)1 << 28)
 
-// Above 2^26 pixels (256 MiB of RGBA), a picture must not claim more than 260 pixels per byte. A PNG of
-// one RGBA colour has 258, photographs and drawings below 100; a palette allows thousands.
+// Above 2^26 pixels (256 MiB of RGBA), a picture must not claim more than 260 pixels per byte. A
+// PNG of one RGBA colour has 258, photographs and drawings below 100; palettes reach thousands.
 #define PIXELS_ALWAYS_BELIEVED ((uint64_t)1 << 26)
 #define PIXELS_PER_BYTE 260
 
-// What decoders hold beside the picture, in bytes a pixel: rows that are in the making; the coefficients of a
-// progressive JPEG picture, three channels of 16 bits; the colours, or the alpha, of a whole WebP picture.
+// Decoder memory besides the picture, in bytes per pixel: row buffers; the coefficients of a
+// progressive JPEG, three channels of 16 bits; the colours, or the alpha, of a whole WebP picture.
 #define ROW_BYTES_PER_PIXEL 64u
 #define COEFFICIENT_BYTES 6u
 #define WEBP_BYTES 5u
@@ -52,7 +52,7 @@ static stp_result open_png(const unsigned char* bytes, size_t size, stp_image_in
     }
     struct spng_ihdr header;
     int error = spng_set_png_buffer(png, bytes, size);
-    // text and profiles may not take more than the file could hold by itself
+    // limit text and profiles to a plausible size
     error = error != 0 ? error : spng_set_chunk_limits(png, (size_t)16 << 20, (size_t)64 << 20);
     error = error != 0 ? error : spng_get_ihdr(png, &header);
     if (error != 0) {
@@ -83,7 +83,7 @@ static stp_result decode_png(const unsigned char* bytes, size_t size, stp_image_
     if (result != STP_OK) {
         return result;
     }
-    // 16 bits a channel keep their upper byte
+    // 16-bit channels keep their upper byte
     int error = spng_decode_image(png, texels, texel_size, SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
     spng_ctx_free(png);
     if (error == SPNG_EMEM) {
@@ -149,7 +149,7 @@ static stp_result decode_jpeg(const unsigned char* bytes, size_t size, stp_image
     int error = tjDecompress2(jpeg, bytes, (unsigned long)size, texels, (int)info->width, 0,
                               (int)info->height, is_cmyk ? TJPF_CMYK : TJPF_RGBA,
                               TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
-    // many cameras write stray bytes, which is a mere warning; a picture cut off is not
+    // many cameras write stray bytes, which is only a warning; a truncated picture is an error
     if (error != 0 && (tjGetErrorCode(jpeg) == TJERR_FATAL ||
                        strstr(tjGetErrorStr2(jpeg), "Premature end") != NULL)) {
         result = refuse(info, STP_ERROR_FORMAT, "JPEG", tjGetErrorStr2(jpeg));
@@ -222,7 +222,8 @@ stp_result stp_image_measure(const unsigned char* bytes, size_t size, stp_image_
     return STP_OK;
 }
 
-// Whether the decoder holds the coefficients of a whole JPEG picture: progressive ones, and those with several scans.
+// Whether the decoder holds all coefficients of a JPEG picture: progressive ones, and those with
+// several scans.
 static bool has_many_scans(const unsigned char* bytes, size_t size)
 {
     size_t at = 2;
@@ -241,10 +242,11 @@ static bool has_many_scans(const unsigned char* bytes, size_t size)
         bool alone = marker == 0xFF || marker == 0x01 || (marker >= 0xD0 && marker <= 0xD9);
         at += marker == 0xFF ? 1 : alone ? 2 : 2 + ((size_t)bytes[at + 2] << 8 | bytes[at + 3]);
     }
-    return true; // unknown: the cautious answer
+    return true; // unknown: assume the worst
 }
 
-// What decoders allocate by themselves: rows, windows and tables, and what grows with the picture.
+// Memory that decoders allocate themselves: row buffers, windows and tables, and what grows with
+// the picture.
 uint64_t stp_image_decoder_bytes(const stp_image_info* info, const unsigned char* bytes,
                                  size_t size)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pictures in memory: PNG (libspng), JPEG (libjpeg-turbo) and WebP (libwebp), told apart by content. Every decoder
-// treats its input as hostile: the size that a header claims is checked before any memory is taken.
+// Pictures in memory: PNG (libspng), JPEG (libjpeg-turbo) and WebP (libwebp), detected by content.
+// All input is untrusted: the size that a header claims is checked before allocation.
 #pragma once
 
 #include "base/context.h"
@@ -18,15 +18,15 @@ typedef enum stp_image_kind {
 
 enum { STP_IMAGE_REASON_SIZE = 160 };
 
-/// What a picture's header says, and the sentence why it cannot be decoded.
+/// Content of a picture's header, and the reason if it cannot be decoded.
 typedef struct stp_image_info {
     stp_image_kind kind;
     uint32_t width, height;
-    char reason[STP_IMAGE_REASON_SIZE]; ///< set where a call below fails
+    char reason[STP_IMAGE_REASON_SIZE]; ///< set if a call below fails
 } stp_image_info;
 
-/// Whether a claimed pixel count is plausible for a compressed size, for one picture or for all pictures
-/// of a model: up to 2^26 pixels always, above that at most 260 pixels per byte.
+/// Whether a claimed pixel count is plausible for a compressed size, for one picture or all
+/// pictures of a model: always up to 2^26 pixels, above that at most 260 pixels per byte.
 bool stp_image_believes(uint64_t pixels, uint64_t bytes);
 
 /// Reads the header only. Refuses pictures of more than 2^28 pixels and implausible ones
@@ -35,32 +35,35 @@ bool stp_image_believes(uint64_t pixels, uint64_t bytes);
 STP_MUST_USE stp_result stp_image_measure(const unsigned char* bytes, size_t size,
                                           stp_image_info* info);
 
-/// The most bytes that decoding a picture takes beside its texels. Kind, width and height of `info` are looked at.
+/// Upper bound on the memory that decoding takes besides the texels. Uses kind, width and height of
+/// `info`.
 uint64_t stp_image_decoder_bytes(const stp_image_info* info, const unsigned char* bytes,
                                  size_t size);
 
-/// Decodes what stp_image_measure accepted to width x height x 4 bytes of RGBA. What the decoder takes beside them
-/// is for the caller to count (stp_image_decoder_bytes). Logs nothing, so jobs may call it; `info` has the reason.
+/// Decodes a picture that stp_image_measure accepted to width x height x 4 bytes of RGBA. The
+/// caller counts the decoder's memory (stp_image_decoder_bytes). Logs nothing, so jobs may call it;
+/// `info` has the reason.
 /// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_image_decode_into(const unsigned char* bytes, size_t size,
                                               stp_image_info* info, uint8_t* texels);
 
-/// The same into memory of `context` (stp_alloc), within its limit. Logs nothing.
+/// Decodes into memory of `context` (stp_alloc), within its limit. Logs nothing.
 STP_MUST_USE stp_result stp_image_decode_measured(stp_context* context, const unsigned char* bytes,
                                                   size_t size, stp_image_info* info,
                                                   stp_image* image);
 
-/// stp_image_measure and stp_image_decode_measured. `name` begins the message of a failure.
+/// Combines stp_image_measure and stp_image_decode_measured. `name` begins the error message.
 STP_MUST_USE stp_result stp_image_decode(stp_context* context, const char* name,
                                          const unsigned char* bytes, size_t size, stp_image* image);
 
-/// How hard to compress.
+/// Compression effort.
 typedef enum stp_image_effort {
-    STP_IMAGE_FAST, ///< RGBA at a low level: for pictures that were just drawn
-    STP_IMAGE_SMALL, ///< fewest channels that hold the picture, at a higher level: for files that are kept
+    STP_IMAGE_FAST,  ///< RGBA at a low level: for rendered pictures
+    STP_IMAGE_SMALL, ///< fewest channels that hold the picture, at a higher level: for stored files
 } stp_image_effort;
 
-/// Lossless PNG; the same bytes for the same picture. The bytes are the caller's (stp_free). Logs nothing.
+/// Lossless PNG; the same bytes for the same picture. The caller frees the bytes (stp_free). Logs
+/// nothing.
 /// @return STP_OK, STP_ERROR_FORMAT (a picture without pixels, or too large for PNG), STP_ERROR_OUT_OF_MEMORY
 STP_MUST_USE stp_result stp_image_encode_png(stp_context* context, const stp_image* image,
                                              stp_image_effort effort, unsigned char** bytes,

@@ -8,6 +8,12 @@
 #define FAR 4096.0   ///< coordinates up to here keep their digits as floats
 #define ROUND 1024.0 ///< origins are multiples of this
 
+void stp_cloud_set_axes(stp_import* import)
+{
+    stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', 0.0);
+    import->wants_unit = true;
+}
+
 stp_result stp_cloud_create(stp_cloud* cloud, stp_import* import, uint64_t count,
                             const stp_point_columns_desc* desc)
 {

@@ -14,6 +14,10 @@ typedef struct stp_cloud {
     double origin[3];  ///< what positions are relative to
 } stp_cloud;
 
+/// For formats that say neither axis nor unit: up is z. Where no unit is given either, a file that can be read brings a
+/// warning.
+void stp_cloud_set_axes(stp_import* import);
+
 /// Makes room for `count` cells, uninitialised, with the columns of `desc` (its count is not read). Destroy it
 /// in any case. @return STP_OK, STP_ERROR_LIMIT, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_cloud_create(stp_cloud* cloud, stp_import* import, uint64_t count,

@@ -8,6 +8,7 @@
 
 #include "base/arena.h"
 #include "import/cloud.h"
+#include "import/scan_info.h"
 
 enum { STP_E57_PAGE = 1024, STP_E57_PAYLOAD = 1020 };
 
@@ -110,6 +111,12 @@ typedef struct stp_e57_scan {
 /// has_places may be false
 STP_MUST_USE stp_result stp_e57_describe_scan(stp_e57* e57, const stp_e57_node* node,
                                               uint32_t number, stp_e57_scan* scan);
+
+/// Whether the reader keeps a field of records.
+bool stp_e57_keeps(const char* name, bool spherical);
+
+/// What is known of all scans without reading a record. @return as stp_e57_describe_scan
+STP_MUST_USE stp_result stp_e57_describe(stp_e57* e57, stp_scan_info* info);
 
 /// Finds all packets of a scan and checks that they hold its records. stp_e57_forget_packets in any case.
 STP_MUST_USE stp_result stp_e57_find_packets(const stp_e57* e57, uint32_t number,

@@ -44,6 +44,12 @@ static stp_e57_slot find_slot(const stp_e57_scan* scan, const char* name)
                : find_name(name, other_names, sizeof(other_names) / sizeof(other_names[0]));
 }
 
+bool stp_e57_keeps(const char* name, bool spherical)
+{
+    const stp_e57_scan scan = {.spherical = spherical};
+    return find_slot(&scan, name) != STP_E57_SLOTS;
+}
+
 // The number in an element; an empty one is zero. @return false where it is not there, or holds no number
 static bool read_element(const stp_e57_node* node, double* value)
 {

@@ -35,7 +35,7 @@ static stp_result read_scan(stp_e57* e57, const stp_e57_node* node, uint32_t num
     return result;
 }
 
-static stp_result read_scans(stp_e57* e57)
+static stp_result read_system(stp_e57* e57)
 {
     stp_import* import = e57->import;
     const stp_e57_node* system = stp_e57_child(e57->root, "coordinateMetadata");
@@ -47,6 +47,13 @@ static stp_result read_scans(stp_e57* e57)
                               : stp_scene_set_coordinate_system(
                                     import->scene, import->scene->source_count - 1, text);
     }
+    return result;
+}
+
+static stp_result read_scans(stp_e57* e57)
+{
+    stp_import* import = e57->import;
+    stp_result result = STP_OK;
     uint32_t number = 0;
     const stp_e57_node* scans = stp_e57_child(e57->root, "data3D");
     for (const stp_e57_node* s = scans != NULL ? scans->first : NULL; s != NULL && result == STP_OK;
@@ -69,6 +76,10 @@ static stp_result read(stp_import* import)
     stp_import_set_axes(import, import->desc.up != 0 ? import->desc.up : 'z', 1.0);
     stp_result result = stp_e57_open_pages(&e57);
     result = result == STP_OK ? stp_e57_read_tree(&e57) : result;
+    result = result == STP_OK ? read_system(&e57) : result;
+    if (result == STP_OK && import->desc.scan != NULL) {
+        result = stp_e57_describe(&e57, import->desc.scan);
+    }
     result = result == STP_OK ? read_scans(&e57) : result;
     stp_arena_destroy(&e57.arena);
     return result;

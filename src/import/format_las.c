@@ -57,9 +57,13 @@ static stp_result read_file(stp_las* las, uint64_t points_in_set)
 {
     stp_result result = stp_las_read_header(las);
     result = result == STP_OK ? stp_las_read_system(las) : result;
-    if (result == STP_OK) {
+    if (result == STP_OK && las->import->desc.sample_points == 0) {
         stp_las_report_losses(las);
         stp_las_check_copc(las);
+    }
+    if (result == STP_OK && las->import->desc.scan != NULL) {
+        result = stp_las_describe(las, las->import->desc.scan);
+    } else if (result == STP_OK) {
         result = stp_las_read_points(las, points_in_set);
     }
     return result;
@@ -84,4 +88,4 @@ static stp_result read(stp_import* import)
 }
 
 const stp_importer stp_importer_las = {
-    .name = "las", .extensions = "las laz", .detect = detect, .read = read};
+    .name = "las", .extensions = "las laz", .detect = detect, .read = read, .samples = true};

@@ -16,6 +16,7 @@
 #include <stdatomic.h>
 
 #define GRAIN ((size_t)1 << 14)    ///< points
+#define ROWS ((size_t)256)         ///< points whose fields are read one after the other
 #define RELEASE_EVERY ((size_t)64) ///< pieces, after which pages are released
 #define EXPANSION 100              ///< LZF makes at most 264 bytes of 3
 
@@ -116,22 +117,94 @@ static void store_point(const reader* r, size_t cell, const double* v, uint32_t 
     }
 }
 
+// Values of one field of `count` points, `stride` bytes apart. Each loop knows the type.
+static void read_column(const unsigned char* at, size_t stride, const stp_pcd_field* f,
+                        size_t count, double* to)
+{
+    if (f->type == 'F' && f->size == 4) {
+        for (size_t i = 0; i < count; ++i) {
+            to[i] = (double)stp_read_f32(at + i * stride);
+        }
+    } else if (f->type == 'U' && f->size == 1) {
+        for (size_t i = 0; i < count; ++i) {
+            to[i] = (double)at[i * stride];
+        }
+    } else {
+        for (size_t i = 0; i < count; ++i) {
+            to[i] = read_value(at + i * stride, f);
+        }
+    }
+}
+
+// What many points have beside their places, field by field; cells without a point get it, too.
+static void store_columns(const reader* r, size_t first, size_t count, double v[SLOTS][ROWS],
+                          seen* own)
+{
+    const stp_point_set* set = &r->cloud.set;
+    for (size_t i = 0; i < count && set->normals != NULL; ++i) {
+        stp_vec3 n = stp_normalize((stp_vec3){(float)v[NX][i], (float)v[NY][i], (float)v[NZ][i]});
+        memcpy(set->normals + 3 * (first + i), &n, sizeof(n));
+    }
+    const unsigned char* colors =
+        set->colors != NULL ? r->base[RGB] + first * r->stride[RGB] : NULL;
+    for (size_t i = 0; i < count && colors != NULL; ++i) {
+        uint32_t rgb = stp_read_u32(colors + i * r->stride[RGB]);
+        uint8_t color[4] = {(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb, 255};
+        memcpy(set->colors + 4 * (first + i), color, sizeof(color));
+    }
+    uint16_t* intensities = set->attributes[STP_ATTRIBUTE_INTENSITY];
+    double low = r->intensity.low, factor = stp_intensity_factor(r->intensity);
+    for (size_t i = 0; i < count && intensities != NULL; ++i) {
+        double value = v[INTENSITY][i];
+        bool there = !stp_cloud_is_empty(&r->cloud, first + i);
+        intensities[first + i] = (uint16_t)stp_quantize((value - low) * factor, 65535.0);
+        own->low = there && value < own->low ? value : own->low;
+        own->high = there && value > own->high ? value : own->high;
+    }
+    uint8_t* classes = set->attributes[STP_ATTRIBUTE_CLASS];
+    for (size_t i = 0; i < count && classes != NULL; ++i) {
+        classes[first + i] = (uint8_t)stp_quantize(v[LABEL][i], 255.0);
+    }
+}
+
 static void read_rows(size_t begin, size_t end, uint32_t worker, void* user)
 {
     reader* r = user;
+    seen own = r->workers[worker];
     if (begin / GRAIN % RELEASE_EVERY == RELEASE_EVERY - 1) {
         stp_point_columns_release(r->import, &r->cloud.set);
     }
-    for (size_t i = begin; i < end; ++i) {
-        double v[SLOTS];
+    for (size_t first = begin; first < end; first += ROWS) {
+        double v[SLOTS][ROWS];
+        size_t count = end - first < ROWS ? end - first : ROWS;
         for (int slot = 0; slot < SLOTS; ++slot) {
             if (r->slots[slot] != NULL && slot != RGB) {
-                v[slot] = read_value(r->base[slot] + i * r->stride[slot], r->slots[slot]);
+                read_column(r->base[slot] + first * r->stride[slot], r->stride[slot],
+                            r->slots[slot], count, v[slot]);
             }
         }
-        uint32_t rgb = r->slots[RGB] != NULL ? stp_read_u32(r->base[RGB] + i * r->stride[RGB]) : 0;
-        store_point(r, i, v, rgb, &r->workers[worker]);
+        for (size_t i = 0; i < count; ++i) {
+            double place[3] = {v[X][i], v[Y][i], v[Z][i]};
+            own.empty += !stp_cloud_place(&r->cloud, first + i, place);
+        }
+        store_columns(r, first, count, v, &own);
     }
+    r->workers[worker] = own;
+}
+
+// The range of some intensities, so that most files are read once.
+static stp_intensity_range guess_intensity(const reader* r)
+{
+    enum { SAMPLES = 1024 };
+    size_t count = (size_t)r->pcd.point_count, step = count / SAMPLES + 1;
+    double low = 0.0, high = 0.0;
+    for (size_t i = 0; i < count && r->base[INTENSITY] != NULL; i += step) {
+        double value =
+            read_value(r->base[INTENSITY] + i * r->stride[INTENSITY], r->slots[INTENSITY]);
+        low = value < low ? value : low;
+        high = value > high ? value : high;
+    }
+    return stp_intensity_judge(low, high > 0.0 ? high : 1.0);
 }
 
 // A packed colour is written as a whole number, or as the float that has its bits.
@@ -271,7 +344,7 @@ static stp_result fill_cloud(reader* r)
     if (r->pcd.point_count > 0) {
         (r->pcd.encoding == STP_PCD_ASCII ? set_origin_of_text : set_origin)(r);
     }
-    r->intensity = stp_intensity_judge(0.0, 1.0);
+    r->intensity = guess_intensity(r);
     seen all = read_once(r);
     stp_intensity_range right = stp_intensity_judge(all.low, all.high);
     if (right.low != r->intensity.low || right.high != r->intensity.high) {
@@ -380,6 +453,9 @@ static stp_result read_with(reader* r)
         return stp_fail(r->import->context, STP_ERROR_FORMAT,
                         "%s: its points have no fields x, y and z", r->import->path);
     }
+    if (r->import->desc.scan != NULL) {
+        stp_pcd_describe(r->import, &r->pcd, r->column_slots, SLOTS, r->import->desc.scan);
+    }
     return r->pcd.encoding == STP_PCD_ASCII    ? read_text(r)
            : r->pcd.encoding == STP_PCD_BINARY ? read_binary(r)
                                                : read_compressed(r);
@@ -388,7 +464,7 @@ static stp_result read_with(reader* r)
 static stp_result read(stp_import* import)
 {
     reader r = {.import = import};
-    stp_import_default_axes(import, 'z');
+    stp_cloud_set_axes(import);
     stp_result result = read_with(&r);
     stp_cloud_destroy(&r.cloud);
     stp_text_blocks_destroy(&r.blocks);

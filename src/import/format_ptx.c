@@ -222,7 +222,7 @@ static stp_result read_scans(reader* r)
 static stp_result read(stp_import* import)
 {
     reader r = {.import = import};
-    stp_import_default_axes(import, 'z');
+    stp_cloud_set_axes(import);
     stp_result result =
         stp_text_blocks_create(import->context, import->file.bytes, import->file.size, &r.blocks);
     result = result == STP_OK ? read_scans(&r) : result;

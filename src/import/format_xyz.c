@@ -53,7 +53,7 @@ stp_result stp_points_text_read(stp_import* import, bool intensity_first)
 {
     stp_text_blocks blocks;
     stp_cloud cloud = {0};
-    stp_import_default_axes(import, 'z');
+    stp_cloud_set_axes(import);
     stp_result result =
         stp_text_blocks_create(import->context, import->file.bytes, import->file.size, &blocks);
     result = result == STP_OK ? read_points(import, &blocks, intensity_first, &cloud) : result;

@@ -117,6 +117,10 @@ void stp_import_set_axes(stp_import* import, char up, double unit_metres)
 static void judge_units(const stp_import* import, double scene_unit)
 {
     const stp_scene* scene = import->scene;
+    if (import->wants_unit && scene->unit_metres == 0.0) {
+        stp_warn(import->context, "%s: does not say its unit of length (say it with --unit)",
+                 import->path);
+    }
     if (scene->source_count < 2) {
         return;
     }
@@ -152,7 +156,7 @@ static stp_result read_with(const stp_importer* importer, stp_import* import)
     double scene_unit = import->scene->unit_metres;
     stp_import_set_axes(import, up, 0.0);
     result = importer->read(import);
-    if (result == STP_OK) {
+    if (result == STP_OK && import->desc.sample_points == 0) {
         judge_units(import, scene_unit);
         stp_losses_report(import->context, import->path, &import->losses);
     }
@@ -191,6 +195,23 @@ stp_result stp_import_file(stp_scene* scene, const char* path, const stp_import_
         return result;
     }
     result = import_mapped(&import);
+    stp_file_unmap(&import.file);
+    return result;
+}
+
+stp_result stp_import_sample(stp_scene* scene, const char* path, const stp_import_desc* desc,
+                             uint64_t most)
+{
+    stp_import import = {.context = scene->context, .scene = scene, .path = path, .desc = *desc};
+    stp_result result = stp_file_map(import.context, path, &import.file);
+    if (result != STP_OK) {
+        return result;
+    }
+    const stp_importer* importer = find_importer(path, &import.file);
+    import.desc.sample_points = most;
+    if (importer != NULL && importer->samples) {
+        result = read_with(importer, &import);
+    }
     stp_file_unmap(&import.file);
     return result;
 }

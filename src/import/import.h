@@ -15,6 +15,10 @@ typedef struct stp_import_desc {
     const char*
         columns; ///< of texts of points: "x,y,z,r,g,b,intensity,nx,ny,nz,class,-" in any order;
                  ///< NULL: found by their header, number and values
+    struct stp_scan_info*
+        scan; ///< not NULL: of formats of points with a header, read that alone, to here
+    uint64_t
+        sample_points; ///< not 0: about so many points, from all over the file, without warnings; see stp_import_sample
     uint64_t helper_memory_bytes; ///< most memory of the child process that reads foreign formats;
                                   ///< default 4 GiB
     uint32_t
@@ -31,6 +35,7 @@ typedef struct stp_import {
     stp_import_desc desc;
     uint32_t root;
     double unit_metres; ///< of the file, once its axes are set; 0: unknown
+    bool wants_unit;    ///< a warning says so where the unit is not known
     stp_losses losses;  ///< what the importer does not keep; reported once it has read the file
     uint64_t picture_pixels, picture_bytes; ///< of all pictures so far
     bool alone; ///< the bytes came from memory: no file beside it may be read
@@ -43,6 +48,7 @@ typedef struct stp_importer {
     bool (*detect)(const unsigned char* bytes, size_t size);
     /// Reads the file. On failure the message was logged; the caller destroys the scene.
     stp_result (*read)(stp_import* import);
+    bool samples; ///< obeys desc.sample_points
     /// Tried last, on whatever no other importer claims. Where `extensions` is not NULL it must
     /// hold the file's, or `detect` must know the content.
     bool fallback;
@@ -61,6 +67,12 @@ STP_MUST_USE stp_result stp_import_file(stp_scene* scene, const char* path,
 /// References to other files are refused.
 STP_MUST_USE stp_result stp_import_memory(stp_scene* scene, const char* name, const void* bytes,
                                           size_t size, const stp_import_desc* desc);
+
+/// For a first picture: reads about `most` points of a file that has at least four times as many, from all over it, much sooner
+/// than the file. The scene stays empty where the format cannot do so, or the file has no more.
+/// @return as stp_import_file
+STP_MUST_USE stp_result stp_import_sample(stp_scene* scene, const char* path,
+                                          const stp_import_desc* desc, uint64_t most);
 
 /// All importers, NULL at the end. What none of them claims goes to assimp, where the build has it.
 const stp_importer* const* stp_importers(void);

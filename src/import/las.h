@@ -9,6 +9,7 @@
 
 #include "import/import.h"
 #include "import/point_columns.h"
+#include "import/scan_info.h"
 
 enum {
     STP_LAS_BLOCK = 1024,
@@ -25,6 +26,7 @@ typedef struct stp_las_layout {
 typedef struct stp_las_chunk {
     uint64_t offset, size; ///< within the file
     uint64_t first, count; ///< points
+    uint64_t read;         ///< so many of them are read, the first ones
 } stp_las_chunk;
 
 typedef enum stp_laz_items { STP_LAZ_RAW, STP_LAZ_POINTWISE, STP_LAZ_LAYERED } stp_laz_items;
@@ -118,6 +120,12 @@ stp_point_columns_desc stp_las_columns(const stp_las* las, uint32_t point_count)
 
 /// Lists uncompressed records as chunks. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_las_list_records(stp_las* las);
+/// Of a file with at least 4 times `most` points, leaves about so many in the list of chunks: coarse nodes of COPC, else the
+/// first points of each compressed chunk, else short runs of records. Of a smaller file, leaves none. @return STP_OK, STP_ERROR_OUT_OF_MEMORY (logged)
+STP_MUST_USE stp_result stp_las_sample(stp_las* las, uint64_t most);
+/// Marks the chunks that are nodes of COPC's levels 0 to those that have `most` points together; others read nothing.
+/// @return false where the file is no COPC, or its hierarchy is damaged: nothing was changed
+bool stp_las_sample_copc(stp_las* las, uint64_t most);
 /// How many chunks from `first` on make a set of at most `points_in_set` points, at least one, and how many they have.
 size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_in_set,
                              uint64_t* point_count);
@@ -131,3 +139,8 @@ void stp_las_report_losses(stp_las* las);
 
 /// Sees to it that COPC's hierarchy is sound; warns where it is not. The points are read without it.
 void stp_las_check_copc(const stp_las* las);
+/// Tells whether the file is COPC, and how many nodes and levels its hierarchy has.
+void stp_las_describe_copc(const stp_las* las, stp_scan_info* info);
+
+/// What is known without reading a point. @return STP_OK, or a failure of the table of chunks (logged)
+STP_MUST_USE stp_result stp_las_describe(stp_las* las, stp_scan_info* info);

@@ -18,13 +18,48 @@ enum {
     MOST_DEPTH = 64
 };
 
+enum { LEVELS = 64 };
+
 typedef struct hierarchy {
     const stp_las* las;
-    uint64_t points;  ///< of all entries so far
-    uint64_t entries; ///< seen so far; a file of so many bytes has no more than `most`
+    uint8_t* levels_of;            ///< chunks; NULL: not asked for
+    uint64_t of_level[LEVELS + 1]; ///< points
+    uint64_t points;               ///< of all entries so far
+    uint64_t entries;              ///< seen so far; a file of so many bytes has no more than `most`
     uint64_t most;
+    uint64_t nodes;  ///< with points
+    uint32_t levels; ///< of nodes with points
     const char* fault;
 } hierarchy;
+
+// The chunk that begins at a place of the file; chunks lie in the order of the file.
+static stp_las_chunk* chunk_at(const stp_las* las, uint64_t place)
+{
+    size_t low = 0, high = las->chunk_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (las->chunks[middle].offset < place) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    bool found = low < las->chunk_count && las->chunks[low].offset == place;
+    return found ? &las->chunks[low] : NULL;
+}
+
+static void add_node(hierarchy* h, uint32_t level, uint64_t place, uint64_t count)
+{
+    stp_las_chunk* chunk = h->levels_of != NULL ? chunk_at(h->las, place) : NULL;
+    level = level < LEVELS ? level : LEVELS;
+    h->points += count;
+    h->of_level[level] += count;
+    h->nodes += count > 0;
+    h->levels = count > 0 && level >= h->levels ? level + 1 : h->levels;
+    if (chunk != NULL) {
+        h->levels_of[chunk - h->las->chunks] = (uint8_t)level;
+    }
+}
 
 static void read_page(hierarchy* h, uint64_t offset, uint64_t size, int depth)
 {
@@ -47,24 +82,61 @@ static void read_page(hierarchy* h, uint64_t offset, uint64_t size, int depth)
         } else if (count < 0) {
             read_page(h, place, (uint64_t)bytes, depth + 1);
         } else {
-            h->points += (uint64_t)count;
+            add_node(h, stp_read_u32(at), place, (uint64_t)count);
         }
     }
 }
 
-void stp_las_check_copc(const stp_las* las)
+// @return whether the file says that it is COPC
+static bool read_hierarchy(const stp_las* las, uint8_t* levels_of, hierarchy* h)
 {
     stp_las_record info;
+    *h = (hierarchy){
+        .las = las, .levels_of = levels_of, .most = las->import->file.size / ENTRY_SIZE};
     if (!stp_las_find_record(las, "copc", INFO_ID, &info) || info.size < INFO_SIZE) {
-        return;
+        return false;
     }
-    hierarchy h = {.las = las, .most = las->import->file.size / ENTRY_SIZE};
-    read_page(&h, stp_read_u64(info.bytes + ROOT_OFFSET), stp_read_u64(info.bytes + ROOT_SIZE), 0);
-    if (h.fault == NULL && h.points != las->point_count) {
-        h.fault = "its points are not as many as the header promises";
+    read_page(h, stp_read_u64(info.bytes + ROOT_OFFSET), stp_read_u64(info.bytes + ROOT_SIZE), 0);
+    if (h->fault == NULL && h->points != las->point_count) {
+        h->fault = "its points are not as many as the header promises";
     }
-    if (h.fault != NULL) {
+    return true;
+}
+
+void stp_las_check_copc(const stp_las* las)
+{
+    hierarchy h;
+    if (read_hierarchy(las, NULL, &h) && h.fault != NULL) {
         stp_warn(las->context, "%s: its COPC hierarchy is damaged (%s): read as LAZ",
                  las->import->path, h.fault);
     }
+}
+
+void stp_las_describe_copc(const stp_las* las, stp_scan_info* info)
+{
+    hierarchy h;
+    info->copc = read_hierarchy(las, NULL, &h);
+    info->copc_levels = h.levels;
+    info->copc_nodes = h.nodes;
+}
+
+bool stp_las_sample_copc(stp_las* las, uint64_t most)
+{
+    hierarchy h;
+    uint8_t* levels = stp_alloc(las->context, las->chunk_count);
+    if (levels == NULL) {
+        return false; // chunks are sampled without
+    }
+    memset(levels, LEVELS, las->chunk_count);
+    bool good = read_hierarchy(las, levels, &h) && h.fault == NULL;
+    uint64_t points = 0;
+    uint32_t end = 0; // of the levels that are read; the first one is, however many points it has
+    while (good && end < LEVELS && (end == 0 || points + h.of_level[end] <= most)) {
+        points += h.of_level[end++];
+    }
+    for (size_t i = 0; i < las->chunk_count && good; ++i) {
+        las->chunks[i].read = levels[i] < end ? las->chunks[i].count : 0;
+    }
+    stp_free(las->context, levels);
+    return good && points > 0;
 }

@@ -87,8 +87,8 @@ static void read_chunk(reading* r, worker* w, size_t index)
     const stp_las_chunk* chunk = &r->chunks[index];
     uint64_t first = chunk->first - r->chunks[0].first;
     unsigned seen = 0;
-    for (uint64_t done = 0; done < chunk->count;) {
-        size_t count = block_size(chunk->count - done);
+    for (uint64_t done = 0; done < chunk->read;) {
+        size_t count = block_size(chunk->read - done);
         if (!next_block(r->las, w, chunk, done, count)) {
             size_t bad = atomic_load(&r->bad_chunk);
             while (index < bad && !atomic_compare_exchange_weak(&r->bad_chunk, &bad, index)) {
@@ -101,7 +101,7 @@ static void read_chunk(reading* r, worker* w, size_t index)
         done += count;
     }
     atomic_fetch_or(&r->seen, seen);
-    stp_progress_add(r->las->context, chunk->count);
+    stp_progress_add(r->las->context, chunk->read);
     if ((seen & STP_LAS_SEEN_WIDE) != 0 && !r->wide) {
         stop(r);
     }
@@ -186,7 +186,11 @@ static stp_result read_set(reading* r, size_t first, size_t count, uint64_t poin
     }
     r->set_count += 1;
     stp_loop_report report = {.stage = "import", .unit = "points", .total = point_count};
-    result = stp_parallel_for_reported(las->context, count, 1, read_chunks, r, &report);
+    if (las->import->desc.sample_points == 0) {
+        result = stp_parallel_for_reported(las->context, count, 1, read_chunks, r, &report);
+    } else { // what follows reports the same stage
+        stp_parallel_for(las->context, count, 1, read_chunks, r);
+    }
     if (atomic_load(&r->no_memory)) {
         return stp_fail_memory(las->context);
     }
@@ -205,10 +209,10 @@ size_t stp_las_chunks_of_set(const stp_las* las, size_t first, uint64_t points_i
                              uint64_t* point_count)
 {
     size_t count = 1;
-    *point_count = las->chunks[first].count;
+    *point_count = las->chunks[first].read;
     while (first + count < las->chunk_count &&
-           *point_count + las->chunks[first + count].count <= points_in_set) {
-        *point_count += las->chunks[first + count].count;
+           *point_count + las->chunks[first + count].read <= points_in_set) {
+        *point_count += las->chunks[first + count].read;
         count += 1;
     }
     return count;
@@ -247,7 +251,7 @@ static stp_result probe_colors(reading* r)
     }
     for (size_t i = 0; i < probes; ++i) {
         const stp_las_chunk* chunk = &las->chunks[i * las->chunk_count / probes];
-        size_t count = block_size(chunk->count);
+        size_t count = block_size(chunk->read);
         unsigned all = 0;
         bool good = count > 0 && next_block(las, w, chunk, 0, count);
         for (size_t k = 0; k < 3 * count && good; ++k) {
@@ -287,7 +291,8 @@ stp_result stp_las_list_records(stp_las* las)
         las->chunks[i] = (stp_las_chunk){.offset = las->points + first * las->record_size,
                                          .size = points * las->record_size,
                                          .first = first,
-                                         .count = points};
+                                         .count = points,
+                                         .read = points};
     }
     return STP_OK;
 }
@@ -319,6 +324,13 @@ static stp_result read_all(reading* r, uint64_t points_in_set)
 stp_result stp_las_read_points(stp_las* las, uint64_t points_in_set)
 {
     stp_result result = las->compressed ? stp_laz_read_table(las) : stp_las_list_records(las);
+    uint64_t most = las->import->desc.sample_points;
+    if (result == STP_OK && most != 0) {
+        result = stp_las_sample(las, most);
+        if (result == STP_OK && las->chunk_count == 0) {
+            return STP_OK;
+        }
+    }
     if (result != STP_OK) {
         return result;
     }

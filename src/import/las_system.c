@@ -150,6 +150,9 @@ static void scale_heights(stp_las* las, double factor)
     las->offset[2] *= factor;
     las->low[2] *= factor;
     las->high[2] *= factor;
+    if (las->import->desc.sample_points != 0) {
+        return;
+    }
     stp_warn(las->context,
              "%s: its heights are in another unit than its plane: they are multiplied by %.9g",
              las->import->path, factor);
@@ -169,7 +172,8 @@ static stp_result apply_units(stp_las* las, const coordinate_system* s)
     if (unit > 0.0 && vertical > 0.0 && fabs(vertical / unit - 1.0) > 1e-9) {
         scale_heights(las, vertical / unit);
     }
-    if (unit == 0.0 && !(import->desc.unit_metres > 0.0)) {
+    bool quiet = import->desc.sample_points != 0;
+    if (unit == 0.0 && !(import->desc.unit_metres > 0.0) && !quiet) {
         stp_warn(las->context, "%s: does not say its unit of length (say it with --unit)",
                  import->path);
     }

@@ -5,6 +5,11 @@
 //
 // Each of the four channels of a scanner has models and last values of its own. They begin where the channel is first
 // met, with the values of the point before.
+//
+// The rules by which layers change channels were compared with the text of LASzip (commit 1ff9f097,
+// lasreaditemcompressed_v3.cpp and _v4.cpp), layer by layer: the point's layers switch to the values of the new channel,
+// and a channel that was not met yet takes over all values of the point before, without a change of time. Colours and
+// near infrared differ between the versions; see enter_color.
 #include "base/bytes.h"
 #include "import/laz.h"
 #include "import/laz_items.h"

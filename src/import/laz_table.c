@@ -173,8 +173,8 @@ static stp_result read_entries(stp_las* las, table_reader* t, uint32_t chunk_siz
                             "than there can be",
                             las->import->path, i, las->chunk_count, count, size);
         }
-        las->chunks[i] =
-            (stp_las_chunk){.offset = at, .size = size, .first = given, .count = count};
+        las->chunks[i] = (stp_las_chunk){
+            .offset = at, .size = size, .first = given, .count = count, .read = count};
         at += size;
         given += count;
     }
@@ -230,8 +230,8 @@ static stp_result make_single_chunk(stp_las* las)
         return stp_fail_memory(las->context);
     }
     las->chunk_count = las->point_count > 0;
-    las->chunks[0] =
-        (stp_las_chunk){.offset = las->points, .size = size, .count = las->point_count};
+    las->chunks[0] = (stp_las_chunk){
+        .offset = las->points, .size = size, .count = las->point_count, .read = las->point_count};
     if (las->point_count / MOST_POINTS_PER_BYTE > size) {
         return stp_fail(las->context, STP_ERROR_FORMAT,
                         "%s: its header promises %llu points in %llu bytes, more than there can be",

@@ -4,6 +4,7 @@
 #include "base/processor.h"
 #include "lod/grid_kernels.h"
 
+#include <math.h>
 #include <string.h>
 
 // A bucket may hold this many points, on average over the points; exact orders stay far below.
@@ -18,8 +19,8 @@ typedef struct filling {
     const stp_grid_kernels* kernels;
     stp_grid_points points; ///< all, or every stride-th
     const float* positions; ///< 3 each
-    const float* normals;
-    const stp_grid* from; ///< whose columns hold the points; NULL: they are as above
+    const float* normals;   ///< the same, or NULL
+    const stp_grid* from;   ///< whose columns hold the points; NULL: they are as above
     uint32_t stride;
     uint32_t* buckets; ///< of each point
 } filling;
@@ -39,6 +40,22 @@ static void find_buckets(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     const filling* f = user;
     f->kernels->find_buckets(f->grid, &f->points, begin, end, f->buckets);
+}
+
+static void fill_positions(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const filling* f = user;
+    stp_grid* grid = f->grid;
+    for (size_t at = begin; at < end; ++at) {
+        if (at + AHEAD < end) {
+            __builtin_prefetch(f->positions + 3 * (size_t)grid->index[at + AHEAD]);
+        }
+        const float* p = f->positions + 3 * (size_t)grid->index[at];
+        grid->x[at] = p[0];
+        grid->y[at] = p[1];
+        grid->z[at] = p[2];
+    }
 }
 
 static void fill_columns(size_t begin, size_t end, uint32_t worker, void* user)
@@ -62,21 +79,29 @@ static void fill_columns(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
+static bool has_normals(const stp_grid* grid)
+{
+    return grid->ny != grid->nx;
+}
+
 static void copy_columns(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const filling* f = user;
     const stp_grid* from = f->from;
     stp_grid* grid = f->grid;
+    bool normals = has_normals(grid);
     for (size_t at = begin; at < end; ++at) {
         uint32_t i = grid->index[at];
         grid->index[at] = from->index[i];
         grid->x[at] = from->x[i];
         grid->y[at] = from->y[i];
         grid->z[at] = from->z[i];
-        grid->nx[at] = from->nx[i];
-        grid->ny[at] = from->ny[i];
-        grid->nz[at] = from->nz[i];
+        if (normals) {
+            grid->nx[at] = from->nx[i];
+            grid->ny[at] = from->ny[i];
+            grid->nz[at] = from->nz[i];
+        }
     }
 }
 
@@ -89,12 +114,13 @@ static uint32_t bucket_mask(uint32_t count)
     return buckets - 1;
 }
 
-static bool allocate(stp_context* context, stp_grid* grid)
+static bool allocate(stp_context* context, stp_grid* grid, bool normals)
 {
     size_t stride = ((size_t)grid->count / STP_GRID_LANES + 2) * STP_GRID_LANES;
+    int count = normals ? 6 : 4;
     grid->starts = STP_NEW_ARRAY(context, uint32_t, (size_t)grid->mask + 2);
     grid->index = STP_NEW_ARRAY(context, uint32_t, stride);
-    float* columns = STP_NEW_ARRAY(context, float, 6 * stride);
+    float* columns = STP_NEW_ARRAY(context, float, (size_t)count* stride);
     grid->x = columns;
     if (grid->starts == NULL || grid->index == NULL || columns == NULL) {
         return false;
@@ -102,11 +128,11 @@ static bool allocate(stp_context* context, stp_grid* grid)
     grid->y = columns + stride;
     grid->z = columns + 2 * stride;
     grid->nx = columns + 3 * stride;
-    grid->ny = columns + 4 * stride;
-    grid->nz = columns + 5 * stride;
-    for (int i = 0; i < 6; ++i) { // what is read beyond the end is looked at, if never used
-        memset(columns + (size_t)i * stride + grid->count, 0,
-               (stride - grid->count) * sizeof(float));
+    grid->ny = normals ? columns + 4 * stride : grid->nx;
+    grid->nz = normals ? columns + 5 * stride : grid->nx;
+    for (int i = 0; i < count; ++i) { // what is read beyond the end is looked at, if never used
+        size_t filled = i < 3 || normals ? grid->count : 0;
+        memset(columns + (size_t)i * stride + filled, 0, (stride - filled) * sizeof(float));
     }
     memset(grid->index + grid->count, 0, (stride - grid->count) * sizeof(uint32_t));
     return true;
@@ -138,11 +164,12 @@ static void place_points(stp_context* context, filling* f)
     for (uint32_t i = grid->count; i > 0; --i) {
         grid->index[--grid->starts[f->buckets[i - 1]]] = (i - 1) * f->stride;
     }
-    stp_parallel_for(context, grid->count, GRAIN, f->from != NULL ? copy_columns : fill_columns, f);
+    stp_job fill = f->normals != NULL ? fill_columns : fill_positions;
+    stp_parallel_for(context, grid->count, GRAIN, f->from != NULL ? copy_columns : fill, f);
 }
 
 static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, float cell,
-                            float offset, uint32_t halvings)
+                            float offset, double crowd)
 {
     stp_grid* grid = f->grid;
     cell = cell > LEAST_CELL ? cell : LEAST_CELL;
@@ -154,14 +181,15 @@ static stp_result fill_grid(stp_context* context, filling* f, uint32_t count, fl
                        .mask = bucket_mask(count)};
     f->kernels = choose_kernels();
     f->buckets = STP_NEW_ARRAY(context, uint32_t, count);
-    if (f->buckets == NULL || !allocate(context, grid)) {
+    bool normals = f->from != NULL ? has_normals(f->from) : f->normals != NULL;
+    if (f->buckets == NULL || !allocate(context, grid, normals)) {
         stp_free(context, f->buckets);
         stp_grid_destroy(context, grid);
         return stp_fail_memory(context);
     }
-    while (count_points(context, f) > MOST_IN_BUCKET * (double)count && halvings > 0 &&
-           grid->cell > LEAST_CELL) {
-        halvings -= 1;
+    for (int i = 0; count_points(context, f) > crowd * (double)count && i < MOST_HALVINGS &&
+                    grid->cell > LEAST_CELL;
+         ++i) {
         grid->cell *= 0.5f;
         grid->inverse_cell = 1.0f / grid->cell;
     }
@@ -183,7 +211,7 @@ stp_result stp_grid_create(stp_context* context, const float* positions, const f
                            uint32_t count, float cell, float offset, stp_grid* grid)
 {
     filling f = fill_from_triples(grid, positions, normals);
-    return fill_grid(context, &f, count, cell, offset, 0);
+    return fill_grid(context, &f, count, cell, offset, (double)INFINITY);
 }
 
 stp_result stp_grid_create_uncrowded(stp_context* context, const float* positions,
@@ -191,7 +219,7 @@ stp_result stp_grid_create_uncrowded(stp_context* context, const float* position
                                      stp_grid* grid)
 {
     filling f = fill_from_triples(grid, positions, normals);
-    return fill_grid(context, &f, count, cell, 0.0f, MOST_HALVINGS);
+    return fill_grid(context, &f, count, cell, 0.0f, MOST_IN_BUCKET);
 }
 
 stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t stride, float cell,
@@ -201,7 +229,7 @@ stp_result stp_grid_thin(stp_context* context, const stp_grid* from, uint32_t st
                  .points = {from->x, from->y, from->z, stride},
                  .from = from,
                  .stride = stride};
-    return fill_grid(context, &f, from->count, cell, 0.0f, 0);
+    return fill_grid(context, &f, from->count, cell, 0.0f, (double)INFINITY);
 }
 
 void stp_grid_destroy(stp_context* context, stp_grid* grid)

@@ -15,10 +15,11 @@ typedef struct stp_grid {
     uint32_t mask;            ///< number of buckets - 1
     uint32_t* starts;         ///< of each bucket in the columns, and the end
     uint32_t* index;
-    float *x, *y, *z, *nx, *ny, *nz; ///< positions and normals, in one block of memory
+    float *x, *y, *z;    ///< positions and normals, in one block of memory
+    float *nx, *ny, *nz; ///< without normals all three are one column of zeros
 } stp_grid;
 
-/// Builds a grid of points with positions and normals, 3 floats each.
+/// Builds a grid of points with positions and normals, 3 floats each; `normals` may be NULL.
 STP_MUST_USE stp_result stp_grid_create(stp_context* context, const float* positions,
                                         const float* normals, uint32_t count, float cell,
                                         float offset, stp_grid* grid);

@@ -5,7 +5,8 @@
 
 #include <immintrin.h>
 
-#define LIST_SIZE 128u // surfels around a cell of samples; rarely more
+#define ANY_AGREEMENT (-2.0f) // of two normals: no pair has less
+#define LIST_SIZE 128u        // surfels around a cell of samples; rarely more
 
 typedef struct vector3 {
     __m256 x, y, z;
@@ -89,28 +90,34 @@ static inline eight_samples load_samples(const stp_grid* samples, uint32_t at, s
 }
 
 // Without branches: nobody could predict whether one of eight samples is nearer.
-static inline void look_at_surfel(eight_samples* e, vector3 place, vector3 normal, __m256i index,
-                                  __m256 agreed)
+static inline void look_at_surfel(eight_samples* e, vector3 place, const vector3* normal,
+                                  __m256i index, __m256 agreed)
 {
     vector3 d = subtract(e->place, place);
     __m256 squared = dot(d, d);
-    __m256 facing = _mm256_cmp_ps(dot(e->normal, normal), agreed, _CMP_GE_OQ);
     __m256 lower =
         _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_min_epu32(index, e->surfel), index));
     __m256 tie = _mm256_and_ps(_mm256_cmp_ps(squared, e->least, _CMP_EQ_OQ), lower);
     __m256 nearer = _mm256_or_ps(_mm256_cmp_ps(squared, e->least, _CMP_LT_OQ), tie);
-    nearer = _mm256_and_ps(nearer, facing);
+    if (normal != NULL) {
+        __m256 facing = _mm256_cmp_ps(dot(e->normal, *normal), agreed, _CMP_GE_OQ);
+        nearer = _mm256_and_ps(nearer, facing);
+    }
     e->least = _mm256_blendv_ps(e->least, squared, nearer);
     e->surfel = _mm256_castps_si256(
         _mm256_blendv_ps(_mm256_castsi256_ps(e->surfel), _mm256_castsi256_ps(index), nearer));
 }
 
 static inline void look_at_surfels(eight_samples* a, eight_samples* b, const surfel_columns* from,
-                                   uint32_t begin, uint32_t end, __m256 agreed)
+                                   uint32_t begin, uint32_t end, bool sides, __m256 agreed)
 {
     for (uint32_t i = begin; i < end; ++i) {
-        vector3 place = repeat_vector(from->x[i], from->y[i], from->z[i]);
-        vector3 normal = repeat_vector(from->nx[i], from->ny[i], from->nz[i]);
+        vector3 place = repeat_vector(from->x[i], from->y[i], from->z[i]), facing;
+        const vector3* normal = NULL;
+        if (sides) {
+            facing = repeat_vector(from->nx[i], from->ny[i], from->nz[i]);
+            normal = &facing;
+        }
         __m256i index = _mm256_set1_epi32((int)from->index[i]);
         look_at_surfel(a, place, normal, index, agreed);
         if (b != NULL) {
@@ -139,8 +146,8 @@ static inline void copy_eight(float* to, const float* from)
 }
 
 // @return how many, LIST_SIZE + 1 where they are too many
-static uint32_t list_surfels(surfel_list* list, const stp_grid* surfels,
-                             const stp_near_ranges* ranges)
+static inline uint32_t list_surfels(surfel_list* list, const stp_grid* surfels,
+                                    const stp_near_ranges* ranges, bool sides)
 {
     uint32_t count = 0;
     for (uint32_t range = 0; range < ranges->count; ++range) {
@@ -152,9 +159,11 @@ static uint32_t list_surfels(surfel_list* list, const stp_grid* surfels,
             copy_eight(list->x + to, surfels->x + i);
             copy_eight(list->y + to, surfels->y + i);
             copy_eight(list->z + to, surfels->z + i);
-            copy_eight(list->nx + to, surfels->nx + i);
-            copy_eight(list->ny + to, surfels->ny + i);
-            copy_eight(list->nz + to, surfels->nz + i);
+            if (sides) {
+                copy_eight(list->nx + to, surfels->nx + i);
+                copy_eight(list->ny + to, surfels->ny + i);
+                copy_eight(list->nz + to, surfels->nz + i);
+            }
             __m256i index = _mm256_loadu_si256((const __m256i*)(surfels->index + i));
             _mm256_storeu_si256((__m256i*)(list->index + to), index);
         }
@@ -163,13 +172,14 @@ static uint32_t list_surfels(surfel_list* list, const stp_grid* surfels,
     return count;
 }
 
-static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
-                         const stp_grid* samples, uint32_t begin, uint32_t end, stp_near_rule rule,
-                         uint32_t* nearest)
+// Compiled twice: with normals, and without them.
+static inline __attribute__((always_inline)) void
+find_nearest_of(const stp_grid* surfels, const stp_near_ranges* ranges, const stp_grid* samples,
+                uint32_t begin, uint32_t end, stp_near_rule rule, bool sides, uint32_t* nearest)
 {
     surfel_list list;
     stp_near_ranges whole = {
-        .count = 1, .begins = {0}, .ends = {list_surfels(&list, surfels, ranges)}};
+        .count = 1, .begins = {0}, .ends = {list_surfels(&list, surfels, ranges, sides)}};
     surfel_columns from = {list.x, list.y, list.z, list.nx, list.ny, list.nz, list.index};
     if (whole.ends[0] > LIST_SIZE) {
         from = (surfel_columns){surfels->x,  surfels->y,  surfels->z,    surfels->nx,
@@ -183,7 +193,8 @@ static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
         eight_samples a = load_samples(samples, at, rule);
         eight_samples b = load_samples(samples, at + 8, rule);
         for (uint32_t range = 0; range < ranges->count; ++range) {
-            look_at_surfels(&a, &b, &from, ranges->begins[range], ranges->ends[range], agreed);
+            look_at_surfels(&a, &b, &from, ranges->begins[range], ranges->ends[range], sides,
+                            agreed);
         }
         store_nearest(nearest + at, 8, a.surfel);
         store_nearest(nearest + at + 8, end - at - 8, b.surfel);
@@ -191,9 +202,21 @@ static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
     if (at < end) {
         eight_samples a = load_samples(samples, at, rule);
         for (uint32_t range = 0; range < ranges->count; ++range) {
-            look_at_surfels(&a, NULL, &from, ranges->begins[range], ranges->ends[range], agreed);
+            look_at_surfels(&a, NULL, &from, ranges->begins[range], ranges->ends[range], sides,
+                            agreed);
         }
         store_nearest(nearest + at, end - at, a.surfel);
+    }
+}
+
+static void find_nearest(const stp_grid* surfels, const stp_near_ranges* ranges,
+                         const stp_grid* samples, uint32_t begin, uint32_t end, stp_near_rule rule,
+                         uint32_t* nearest)
+{
+    if (rule.least_agreement > ANY_AGREEMENT) {
+        find_nearest_of(surfels, ranges, samples, begin, end, rule, true, nearest);
+    } else {
+        find_nearest_of(surfels, ranges, samples, begin, end, rule, false, nearest);
     }
 }
 
@@ -278,6 +301,7 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
     vector3 normal = repeat_vector(query->nx, query->ny, query->nz);
     vector3 across = repeat_vector(s->x, s->y, s->z), along = repeat_vector(t->x, t->y, t->z);
     __m256 limit = _mm256_set1_ps(query->limit), agreed = _mm256_set1_ps(query->least_agreement);
+    bool sides = query->least_agreement > ANY_AGREEMENT;
     __m256 footprint = _mm256_set1_ps(query->footprint);
     __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     for (uint32_t range = 0; range < ranges->count; ++range) {
@@ -285,9 +309,11 @@ static bool scan_disk(const stp_grid* samples, const stp_near_ranges* ranges,
         for (uint32_t at = ranges->begins[range]; at < end; at += STP_NEAR_LANES) {
             vector3 offset =
                 subtract(load_vectors(samples->x + at, samples->y + at, samples->z + at), centre);
-            vector3 other = load_vectors(samples->nx + at, samples->ny + at, samples->nz + at);
-            __m256 near = _mm256_and_ps(_mm256_cmp_ps(dot(offset, offset), limit, _CMP_LE_OQ),
-                                        _mm256_cmp_ps(dot(normal, other), agreed, _CMP_GE_OQ));
+            __m256 near = _mm256_cmp_ps(dot(offset, offset), limit, _CMP_LE_OQ);
+            if (sides) {
+                vector3 other = load_vectors(samples->nx + at, samples->ny + at, samples->nz + at);
+                near = _mm256_and_ps(near, _mm256_cmp_ps(dot(normal, other), agreed, _CMP_GE_OQ));
+            }
             __m256i left = _mm256_cmpgt_epi32(_mm256_set1_epi32((int)(end - at)), lanes);
             near = _mm256_and_ps(near, _mm256_castsi256_ps(left));
             uint32_t mask = (uint32_t)_mm256_movemask_ps(near);

@@ -3,10 +3,6 @@
 
 #include "lod/point_normals_kernel.h"
 
-void stp_sum_neighbours_avx2(const stp_grid* grid, float radius, size_t begin, size_t end,
-                             float (*out)[STP_NORMAL_SUMS])
-{
-    sum_neighbours(grid, radius, begin, end, out);
-}
+const stp_normal_kernels stp_normal_kernels_avx2 = {sum_neighbours, project};
 
 #endif

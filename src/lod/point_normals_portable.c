@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: MIT
 #include "lod/point_normals_kernel.h"
 
-void stp_sum_neighbours_portable(const stp_grid* grid, float radius, size_t begin, size_t end,
-                                 float (*out)[STP_NORMAL_SUMS])
-{
-    sum_neighbours(grid, radius, begin, end, out);
-}
+const stp_normal_kernels stp_normal_kernels_portable = {sum_neighbours, project};

@@ -2,14 +2,14 @@
 #include "measure/box_tree.h"
 
 enum {
-    LEAF = 4,       ///< most things of a leaf
-    BINS = 16,      ///< places where an axis may be cut
-    FREE_DEPTH = 56 ///< below this level, nodes are halved, so that depth is limited
+    LEAF = 4,       ///< maximum things per leaf
+    BINS = 16,      ///< candidate split positions per axis
+    FREE_DEPTH = 56 ///< deeper nodes are halved, which limits the depth
 };
 
 #define SLACK (1.0 + 1e-12)
 
-/// Things [begin, end) of the order, which are to become a node.
+/// Things [begin, end) of the order that become a node.
 typedef struct range {
     uint32_t node, begin, end, level;
 } range;
@@ -19,11 +19,11 @@ typedef struct bin {
     uint32_t count;
 } bin;
 
-/// Where a node is cut: what lies in bins below `bin` along `axis` goes left.
+/// Split of a node: things in bins below `bin` along `axis` go left.
 typedef struct cut {
-    int axis; ///< negative: nowhere
+    int axis; ///< negative: no split
     uint32_t bin;
-    float low, scale; ///< from a middle to a bin
+    float low, scale; ///< from a box centre to a bin
 } cut;
 
 typedef struct maker {
@@ -52,7 +52,7 @@ static double area_of(const stp_box* box)
     return x * y + y * z + z * x;
 }
 
-/// Halves first: the sum of two floats may be too large.
+/// Halves first: the sum of two floats may overflow.
 static stp_vec3 middle_of(const stp_box* box)
 {
     return stp_add(stp_scale(box->min, 0.5f), stp_scale(box->max, 0.5f));
@@ -64,7 +64,7 @@ static uint32_t bin_of(const cut* c, const stp_box* box)
     return at >= (float)(BINS - 1) ? BINS - 1 : at > 0.0f ? (uint32_t)at : 0;
 }
 
-// The cheapest cut between bins of an axis; `cost` is lowered where one is cheaper.
+// Finds the cheapest split between bins of an axis. Updates `cost` if it is cheaper.
 static void try_axis(const maker* m, const range* r, const stp_box* middles, int axis, cut* best,
                      double* cost)
 {
@@ -103,7 +103,7 @@ static void try_axis(const maker* m, const range* r, const stp_box* middles, int
     }
 }
 
-/// Moves what goes left to the front. @return where the right side begins
+/// Moves the things of the left side to the front. @return where the right side begins
 static uint32_t divide(const maker* m, const range* r)
 {
     uint32_t half = r->begin + (r->end - r->begin) / 2;
@@ -119,7 +119,7 @@ static uint32_t divide(const maker* m, const range* r)
     for (int axis = 0; axis < 3; ++axis) {
         try_axis(m, r, &middles, axis, &c, &cost);
     }
-    if (c.axis < 0) { // all middles are one
+    if (c.axis < 0) { // all centres coincide
         return half;
     }
     uint32_t left = r->begin;
@@ -254,7 +254,7 @@ void stp_box_tree_walk(const stp_box_tree* tree, const stp_box_ray* ray, double 
         for (uint32_t k = 0; k < 2; ++k) {
             in[k] = enters(&tree->nodes[node->first + k], ray, nearest, *farthest, &near[k]);
         }
-        uint32_t later = near[0] <= near[1] ? 1 : 0; // the nearer one is looked at first
+        uint32_t later = near[0] <= near[1] ? 1 : 0; // visit the nearer one first
         for (uint32_t k = 0; k < 2; ++k) {
             uint32_t child = k == 0 ? later : 1 - later;
             if (in[child]) {

@@ -9,15 +9,15 @@
 
 enum {
     GRAIN = 4096,
-    AREA_LEVELS = 10,     // grids of 2^1 to 2^10 cells an axis are tried for measuring the area
-    POINTS_PER_CELL = 16, // on average, at least: then hardly a cell with surface in it is empty
+    AREA_LEVELS = 10,     // tries grids of 2^1 to 2^10 cells per axis to measure the area
+    POINTS_PER_CELL = 16, // least average: then almost every cell with surface has a point
 };
 
 typedef struct distance_job {
     const stp_nearest* tree;
     const float* points;
     float* distances;
-    bool own; // the points are the tree's own: each is not its own neighbour
+    bool own; // the points are the tree's own: a point is not its own neighbour
 } distance_job;
 
 static void measure_distances(size_t begin, size_t end, uint32_t worker, void* user)
@@ -31,7 +31,7 @@ static void measure_distances(size_t begin, size_t end, uint32_t worker, void* u
     }
 }
 
-// Sorts values that are not negative; their bits sort like whole numbers.
+// Sorts non-negative values: their bits sort like integers.
 static stp_result sort_values(stp_context* context, float* values, size_t count)
 {
     uint64_t* items = STP_NEW_ARRAY(context, uint64_t, 2 * count);
@@ -52,7 +52,7 @@ static stp_result sort_values(stp_context* context, float* values, size_t count)
     return STP_OK;
 }
 
-// The value below which a fraction of the sorted ones lie.
+// Quantile of sorted values.
 static double quantile(const float* sorted, size_t count, double fraction)
 {
     return count == 0 ? 0.0 : (double)sorted[(size_t)(fraction * (double)(count - 1) + 0.5)];
@@ -71,8 +71,8 @@ static uint64_t cell_of(const float* p, const box* b, double scale)
     return cell;
 }
 
-// The area of the surface that the points sample, from the cells it passes through: a surface of area a meets, on
-// average over its directions, 3/2 a / h^2 cells of size h.
+// Estimates the area of the sampled surface from the number of cells it passes through. Averaged
+// over directions, a surface of area a intersects 3/2 a / h^2 cells of size h.
 static stp_result estimate_area(stp_context* context, const float* points, size_t count,
                                 double* area)
 {
@@ -174,7 +174,7 @@ static stp_result measure(stp_context* context, const stp_nearest* tree, const f
     if (result == STP_OK) {
         result = estimate_area(context, points, point_count, &area);
     }
-    // discs cannot be packed more tightly than on a hexagonal lattice (Lagae and Dutre 2008)
+    // no packing of discs is denser than a hexagonal lattice (Lagae and Dutre 2008)
     d->even_spacing = sqrt(2.0 * area / (1.7320508075688772 * (double)d->count));
     d->relative_spacing_min = d->even_spacing > 0.0 ? d->spacing_min / d->even_spacing : 0.0;
     stp_free(context, own);

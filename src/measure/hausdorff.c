@@ -6,7 +6,7 @@ enum {
     EACH_TRIANGLE = 10,
     LEAST_SAMPLES = 200000,
     MOST_SAMPLES = 4000000,
-    PROOF_SAMPLES = 4, ///< places that may be measured besides, for each sample, and in all
+    PROOF_SAMPLES = 4, ///< extra measurements for the proof, per sample and in all
     PROOF_LEAST = 65536,
 };
 
@@ -14,7 +14,7 @@ enum {
 #define ALONG UINT64_C(0xC13FA9A902A6328F)
 #define ACROSS UINT64_C(0x91E10DA5C79E7B1D)
 
-/// What a piece of a loop found.
+/// Result of one piece of a loop.
 typedef struct piece {
     double max, sum;
     stp_vec3d farthest;
@@ -24,8 +24,8 @@ typedef struct measurement {
     stp_context* context;
     const stp_measured_surface* surface;
     const stp_shape_tree* tree;
-    const double* areas;   ///< of triangles before each, and of all
-    const float* points;   ///< of the loop over points or vertices
+    const double* areas;   ///< cumulative triangle areas, and the total
+    const float* points;   ///< input of the loop over points or vertices
     const uint8_t* wanted; ///< NULL: all of them
     uint64_t samples;
     piece* pieces;
@@ -86,7 +86,7 @@ static stp_vec3d sample_triangle(const stp_measured_surface* surface, size_t tri
     return stp_addd(c[0], offset);
 }
 
-// The last triangle before which there is no more than so much area.
+// The last triangle with at most `area` of cumulative area before it.
 static size_t find_triangle(const measurement* m, double area)
 {
     size_t low = 0, high = m->surface->triangle_count;
@@ -122,7 +122,7 @@ static size_t count_pieces(size_t count)
     return (count + GRAIN - 1) / GRAIN;
 }
 
-// Joins what pieces found, in their order.
+// Merges the results of pieces in order.
 static stp_result run(measurement* m, size_t count, stp_job job, piece* found)
 {
     const stp_loop_report report = {.stage = "distances", .unit = "places", .total = count};
@@ -209,11 +209,11 @@ stp_result stp_hausdorff_measure(stp_context* context, const stp_measured_surfac
 {
     *hausdorff = (stp_hausdorff){0};
     if (surface->triangle_count == 0 && surface->point_count == 0) {
-        return stp_fail(context, STP_ERROR_ARGUMENT, "distances: there is no surface and no point");
+        return stp_fail(context, STP_ERROR_ARGUMENT, "distances: the surface to measure is empty");
     }
     if (tree->count == 0) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "distances: there is no splat and no triangle to measure to");
+                        "distances: there are no splats or triangles to measure against");
     }
     size_t longest = largest_of(surface->point_count, surface->vertex_count);
     longest = largest_of(longest, (size_t)samples);

@@ -1,52 +1,51 @@
 // SPDX-License-Identifier: MIT
 //
-// How far a surface lies from what stands for it: one-sided Hausdorff distances, the largest and
-// the mean (Wu, Zhang, Kobbelt 2005, 4 and 6), and how much area there is of either.
+// One-sided Hausdorff distances from a surface to its approximation, maximum and mean (Wu, Zhang,
+// Kobbelt 2005, 4 and 6), and the areas of both.
 //
-// A surface of triangles is sampled: every vertex of a triangle, and samples spread evenly over the
-// area. Sample i of n belongs to the triangle that holds the area (i + 1/2) / n, triangles being
-// laid in a row; within it, samples lie as a sequence of low discrepancy (Roberts, The Unreasonable
-// Effectiveness of Quasirandom Sequences, 2018). So each triangle has as many samples as its share
-// of the area, give or take one, and no random number is drawn. Where the largest distance may lie
-// between samples, more is measured there (hausdorff_bound.h).
+// A surface of triangles is sampled: at every vertex of a triangle, and evenly over the area.
+// Sample i of n belongs to the triangle at cumulative area (i + 1/2) / n of the total; within it,
+// samples follow a low-discrepancy sequence (Roberts, The Unreasonable Effectiveness of Quasirandom
+// Sequences, 2018). So each triangle has as many samples as its share of the area, to within one,
+// and no random numbers are needed. Where the maximum may lie between samples, more places are
+// measured (hausdorff_bound.h).
 #pragma once
 
 #include "measure/shape_tree.h"
 
-/// A surface that is measured from: triangles, and points of their own. Arrays are the caller's.
-/// All numbers are finite.
+/// The surface to measure from: triangles and separate points. The caller owns the arrays. All
+/// numbers must be finite.
 typedef struct stp_measured_surface {
-    const float* positions; ///< 3 a vertex
+    const float* positions; ///< 3 per vertex
     size_t vertex_count;
-    const uint32_t* indices; ///< 3 a triangle, each below vertex_count
+    const uint32_t* indices; ///< 3 per triangle, each below vertex_count
     size_t triangle_count;
-    const float* points; ///< 3 a point
+    const float* points; ///< 3 per point
     size_t point_count;
 } stp_measured_surface;
 
 typedef struct stp_hausdorff {
-    /// Largest distance that was found: of a vertex, sample or point, or between samples.
+    /// Largest distance found: at a vertex, sample or point, or between samples.
     double max;
-    /// No place of the surface is farther: a thousandth above `max`, or more where the search ended
-    /// early.
+    /// Upper bound: no place of the surface is farther. A thousandth above `max`, or more if the
+    /// search ended early.
     double bound;
-    /// Over samples and points, each counted once; of a surface without area over its vertices.
+    /// Mean over samples and points; over vertices if the surface has no area.
     double mean;
-    stp_vec3d farthest; ///< where the largest is; of several the first
+    stp_vec3d farthest; ///< place of the maximum; the first if there are several
     double area;        ///< of the triangles
-    uint64_t samples;   ///< distances that `mean` is of
+    uint64_t samples;   ///< number of distances in `mean`
 } stp_hausdorff;
 
-/// Samples of a surface that give a stable maximum: ten a triangle, at least 200,000 and at most
+/// Number of samples that gives a stable maximum: ten per triangle, at least 200,000 and at most
 /// 4,000,000.
 uint64_t stp_hausdorff_samples(size_t triangle_count);
 
-/// Distances from the surface to the shapes of a tree, which must hold some. The same bits for any
+/// Measures distances from the surface to the shapes of a non-empty tree. The same bits for any
 /// number of threads.
-/// @param samples of the area of the triangles; 0: vertices and points alone
+/// @param samples over the area of the triangles; 0: only vertices and points
 /// @return STP_OK, STP_ERROR_ARGUMENT (nothing to measure from or to; logged),
-///         STP_ERROR_OUT_OF_MEMORY (logged),
-///         STP_ERROR_CANCELLED
+/// STP_ERROR_OUT_OF_MEMORY (logged), STP_ERROR_CANCELLED
 STP_MUST_USE stp_result stp_hausdorff_measure(stp_context* context,
                                               const stp_measured_surface* surface,
                                               const stp_shape_tree* tree, uint64_t samples,

@@ -3,19 +3,19 @@
 
 enum {
     GRAIN = 64,
-    BLOCK = 1 << 14, ///< triangles or parts that are measured at once
-    CUT = 256,       ///< cells that are cut at once
+    BLOCK = 1 << 14, ///< triangles or parts measured at a time
+    CUT = 256,       ///< cells subdivided at a time
 };
 
 #define TOLERANCE 1e-3 ///< of the maximum
-#define SMALLEST 1e-6  ///< of the largest coordinate, where everything lies on the shapes
+#define SMALLEST 1e-6  ///< of the largest coordinate; used if everything lies on the shapes
 
 /// A part of a triangle.
 typedef struct cell {
     stp_vec3d corners[3];
     stp_vec3d middle;
-    double distance; ///< of the middle
-    double most;     ///< no place of the cell is farther
+    double distance; ///< of the centre
+    double most;     ///< upper bound over the cell
 } cell;
 
 typedef struct prover {
@@ -24,19 +24,14 @@ typedef struct prover {
     const stp_shape_tree* tree;
     stp_hausdorff* found;
     double smallest;
-    cell* stack; ///< those that are to be cut
+    cell* stack; ///< cells to be subdivided
     size_t count, capacity;
-    cell* block;         ///< those that are measured: BLOCK
-    const cell* parents; ///< the block is made of their parts; NULL: of triangles
-    size_t first;        ///< of these triangles
-    uint64_t places;     ///< that may still be measured
-    double left_out;     ///< how far places of cells may be that were not cut any more
+    cell* block;         ///< cells to be measured: BLOCK
+    const cell* parents; ///< the block consists of their parts; NULL: of triangles
+    size_t first;        ///< first triangle of the block
+    uint64_t places;     ///< remaining number of measurements
+    double left_out;     ///< largest bound of cells that were not subdivided further
 } prover;
-
-static double length_of(stp_vec3d v)
-{
-    return sqrt(stp_dotd(v, v));
-}
 
 static void measure_cell(const prover* p, cell* c, uint32_t* hint)
 {
@@ -45,14 +40,14 @@ static void measure_cell(const prover* p, cell* c, uint32_t* hint)
     c->distance = sqrt(stp_shape_tree_distance_squared(p->tree, c->middle, hint));
     double reach = 0.0, farthest = 0.0;
     for (int k = 0; k < 3; ++k) {
-        reach = fmax(reach, length_of(stp_subd(c->corners[k], c->middle)));
+        reach = fmax(reach, stp_lengthd(stp_subd(c->corners[k], c->middle)));
         farthest =
             fmax(farthest, stp_shape_tree_distance_squared_to(p->tree, *hint, c->corners[k]));
     }
     c->most = fmin(c->distance + reach, sqrt(farthest));
 }
 
-// The fourth in the middle of the others.
+// The fourth part is the central one.
 static void make_part(const cell* whole, size_t part, cell* c)
 {
     const stp_vec3d* w = whole->corners;
@@ -84,7 +79,7 @@ static double limit_of(const prover* p)
     return p->found->max * (1.0 + TOLERANCE) + p->smallest;
 }
 
-// Measures the block, and puts those on the stack that may hold something farther.
+// Measures the block and pushes the cells that may contain a larger distance.
 static stp_result measure_cells(prover* p, size_t count)
 {
     stp_parallel_for(p->context, count, GRAIN, measure_block, p);
@@ -111,8 +106,7 @@ static stp_result measure_cells(prover* p, size_t count)
     return STP_OK;
 }
 
-// Cuts what is on the stack until nothing is left. What is cut last was pushed last, so the stack
-// stays short.
+// Subdivides cells until the stack is empty. Depth first, so the stack stays short.
 static stp_result cut_cells(prover* p)
 {
     cell parents[CUT];

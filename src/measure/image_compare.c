@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#define GREY_PEAK 255000.0 // grey is 299 R + 587 G + 114 B: whole numbers, exact in a float
+#define GREY_PEAK 255000.0 // grey is 299 R + 587 G + 114 B: integers, exact in a float
 #define PIXEL_GRAIN ((size_t)1 << 16)
 
 enum { SCALES = 5 };
@@ -14,7 +14,7 @@ enum { SCALES = 5 };
 // assessment", 3.2
 static const double scale_weights[SCALES] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
 
-/// The pictures as the measures see them, one scale at a time.
+/// The pictures at the current scale.
 typedef struct pictures {
     const stp_image *a, *b, *mask;
     uint32_t width, height; ///< of this scale
@@ -61,8 +61,8 @@ static void prepare_pixels(size_t begin, size_t end, uint32_t worker, void* user
     p->square_errors[begin / PIXEL_GRAIN] = sum;
 }
 
-// Halves a plane in place, averages of 2 x 2; an odd last row or column is averaged with itself,
-// which is what the authors' program does (symmetric padding).
+// Halves a plane in place by averaging 2 x 2 pixels. An odd last row or column is averaged with
+// itself, as in the authors' program (symmetric padding).
 static void halve(float* plane, uint32_t width, uint32_t height)
 {
     uint32_t half_width = (width + 1) / 2, half_height = (height + 1) / 2;
@@ -87,7 +87,7 @@ static double peak_ratio(const pictures* p, size_t pixel_count)
                     : 10.0 * log10(255.0 * 255.0 * 3.0 * (double)pixel_count / (double)sum);
 }
 
-// How many scales have room for a whole window.
+// Number of scales that are large enough for a whole window.
 static int count_scales(uint32_t width, uint32_t height)
 {
     int count = 1;
@@ -103,7 +103,7 @@ static stp_result measure(stp_context* context, pictures* p, uint8_t* map,
                           stp_image_quality* quality)
 {
     int scale_count = count_scales(p->width, p->height);
-    double weight_sum = scale_count == SCALES ? 1.0 : 0.0; // the published five sum to 1.0001
+    double weight_sum = scale_count == SCALES ? 1.0 : 0.0; // the published weights sum to 1.0001
     for (int i = 0; scale_count < SCALES && i < scale_count; ++i) {
         weight_sum += scale_weights[i];
     }

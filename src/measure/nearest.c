@@ -33,8 +33,8 @@ static uint8_t widest_axis(const stp_nearest* t, uint32_t begin, uint32_t end)
     return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
-// Puts the value that belongs at `middle` there, smaller or equal ones before and the others after (Hoare's
-// selection; a range of equal values is halved, so it cannot degenerate).
+// Quickselect: puts the element of rank `middle` there, smaller or equal ones before and the others
+// after (Hoare). A range of equal values is halved, so it cannot degenerate.
 static void select_middle(stp_nearest* t, uint32_t begin, uint32_t end, uint32_t middle,
                           uint8_t axis)
 {
@@ -58,7 +58,7 @@ static void select_middle(stp_nearest* t, uint32_t begin, uint32_t end, uint32_t
         }
         uint32_t split = (uint32_t)j + 1; // [begin, split) <= pivot <= [split, end)
         if (split == end) {
-            split = end - 1; // the pivot itself stands last
+            split = end - 1; // the pivot itself is last
         }
         if (middle < split) {
             end = split;

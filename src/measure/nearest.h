@@ -7,8 +7,8 @@
 typedef struct stp_nearest {
     uint32_t count;
     float* positions; ///< 3 each, in the tree's order: the middle of each range splits it
-    uint32_t* ids;    ///< their numbers in the set as given
-    uint8_t* axes;    ///< along which each splits
+    uint32_t* ids;    ///< their indices in the input
+    uint8_t* axes;    ///< the axis that each splits
 } stp_nearest;
 
 /// @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged)
@@ -16,6 +16,6 @@ STP_MUST_USE stp_result stp_nearest_create(stp_context* context, stp_nearest* tr
                                            const float* points, uint32_t count);
 void stp_nearest_destroy(stp_context* context, stp_nearest* tree);
 
-/// Squared distance from a point to the nearest of the set whose number is not `except` (UINT32_MAX: any);
-/// infinity where there is none. Any thread.
+/// Squared distance from a point to the nearest one whose index is not `except` (UINT32_MAX: any);
+/// infinity if there is none. Any thread.
 double stp_nearest_squared(const stp_nearest* tree, const float* point, uint32_t except);

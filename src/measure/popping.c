@@ -17,7 +17,7 @@ void stp_popping_destroy(stp_context* context, stp_popping* popping)
 }
 
 typedef struct pair {
-    const stp_image* images[4]; // before, after; of the reference before, after
+    const stp_image* images[4]; // before, after; reference before, after
     uint32_t columns;
     uint16_t* values;
 } pair;
@@ -27,7 +27,7 @@ static uint32_t on_black(const uint8_t* pixel, int channel)
     return (pixel[channel] * (uint32_t)pixel[3] + 127) / 255;
 }
 
-// The sum of what `count` pixels change.
+// Sum of the changes of `count` pixels.
 static uint32_t sum_change(const uint8_t* before, const uint8_t* after, uint32_t count)
 {
     uint32_t sum = 0;
@@ -104,7 +104,7 @@ stp_result stp_popping_add(stp_context* context, stp_popping* popping, const stp
 
 double stp_popping_percentile(const stp_popping* popping, double part)
 {
-    double wanted = ceil(part * (double)popping->total); // blocks that do not exceed it
+    double wanted = ceil(part * (double)popping->total); // blocks that must not exceed the result
     uint64_t below = 0;
     for (uint32_t value = 0; value < STP_POPPING_VALUES; ++value) {
         below += popping->counts[value];

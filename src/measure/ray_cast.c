@@ -3,20 +3,20 @@
 
 #include <stdatomic.h>
 
-#define ROUNDED 1e-6f ///< of the largest coordinate, by which boxes of places are larger
+#define ROUNDED 1e-6f ///< relative to the largest coordinate: margin of boxes
 
 struct stp_caster {
     const stp_cast_mesh* meshes;
     const stp_cast_part* parts;
     uint32_t mesh_count, part_count;
-    stp_box_tree* trees;  ///< a mesh
-    stp_affine* inverses; ///< a part
+    stp_box_tree* trees;  ///< one per mesh
+    stp_affine* inverses; ///< one per part
     stp_box_tree top;     ///< over parts, relative to `center`
     stp_vec3d center;
     stp_boxd bounds;
 };
 
-/// What making a caster needs beside.
+/// Temporary state while a caster is created.
 typedef struct maker {
     stp_context* context;
     stp_caster* caster;
@@ -58,7 +58,7 @@ static void make_trees(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-/// @return false where the transform flattens
+/// @return false if the transform is singular
 static bool invert(const stp_affine* a, stp_affine* out)
 {
     double determinant = stp_affine_determinant(a);
@@ -100,7 +100,7 @@ static void join(stp_boxd* box, const stp_boxd* other)
     }
 }
 
-/// The box in floats, relative to the centre, and large enough.
+/// The box in floats, relative to the centre and rounded outwards.
 static stp_box narrow(const stp_caster* c, const stp_boxd* box)
 {
     stp_box out = {stp_to_float(stp_subd(box->min, c->center)),
@@ -111,8 +111,8 @@ static stp_box narrow(const stp_caster* c, const stp_boxd* box)
     return (stp_box){stp_sub(out.min, wider), stp_add(out.max, wider)};
 }
 
-// The tree over parts. What is empty or flattened is left where nothing meets it: as a point at the
-// centre.
+// Builds the tree over parts. Empty and singular parts become a point at the centre, which no ray
+// hits.
 static stp_result make_top(stp_context* context, stp_caster* c)
 {
     c->bounds = stp_boxd_empty();
@@ -215,7 +215,7 @@ void stp_caster_corners(const stp_caster* caster, uint32_t part, uint32_t triang
     }
 }
 
-/// A ray on its way.
+/// A ray being traced.
 typedef struct cast {
     const stp_caster* caster;
     const stp_cast_ray* ray;
@@ -224,10 +224,10 @@ typedef struct cast {
     stp_cast_hit* hit;
     double farthest;
     bool met;
-    // within the part that is looked at
+    // within the current part
     const stp_cast_mesh* mesh;
     uint32_t part;
-    double origin[3], shear[2], stretch; ///< so that the ray runs along the axis `along`
+    double origin[3], shear[2], stretch; ///< align the ray with axis `along`
     int along, across, off;
 } cast;
 
@@ -239,7 +239,7 @@ static stp_vec3d turn(const stp_affine* a, stp_vec3d v)
                        m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
 }
 
-/// A corner with the ray as the axis: x and y beside it, z along it.
+/// A corner in ray space: x and y beside the ray, z along it.
 static stp_vec3d sheared(const cast* c, uint32_t triangle, uint32_t corner)
 {
     stp_vec3d v = vertex_of(c->mesh, triangle, corner);

@@ -7,18 +7,18 @@
 #include <stdatomic.h>
 
 enum {
-    LEAF = 4, ///< most shapes of a leaf
+    LEAF = 4, ///< maximum shapes per leaf
     GRAIN = 4096,
     CELLS = 1024, ///< of the curve, along each axis
     STACK = 64,
 };
 
-#define ROUNDED 1e-6f ///< of the largest coordinate, by which boxes are larger than they need be
+#define ROUNDED 1e-6f ///< relative to the largest coordinate: margin of boxes
 #define SLACK (1.0 - 1e-12)
 
 typedef struct tree_maker {
     stp_shape_tree* tree;
-    stp_box middles; ///< of all boxes
+    stp_box middles; ///< of all box centres
     uint64_t *keys, *scratch;
     const uint64_t* sorted;
     float margin;
@@ -163,14 +163,14 @@ static void make_boxes(size_t begin, size_t end, uint32_t worker, void* user)
             stp_shape_box own = box_of(tree, tree->order[k]);
             join(box, &own);
         }
-        for (int k = 0; k < 3; ++k) { // what is rounded in a distance must not lie outside
+        for (int k = 0; k < 3; ++k) { // margin for the rounding of distances
             box->low[k] -= m->margin;
             box->high[k] += m->margin;
         }
     }
 }
 
-// The box of all middles, and the margin.
+// Computes the box of all centres, and the margin.
 static void measure_shapes(tree_maker* m)
 {
     float largest = 0.0f;
@@ -192,7 +192,7 @@ static stp_result make(stp_context* context, tree_maker* m)
     stp_parallel_for(context, count, GRAIN, check_shapes, m);
     if (atomic_load_explicit(&m->bad, memory_order_relaxed)) {
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "distances: a splat or triangle has numbers that are not finite");
+                        "distances: a splat or triangle has non-finite coordinates");
     }
     while (count >> tree->depth >= LEAF) {
         tree->depth += 1;
@@ -310,7 +310,7 @@ double stp_shape_tree_distance_squared(const stp_shape_tree* tree, stp_vec3d poi
                                          at.level + 1, node};
         }
         bool swapped = children[0].distance < children[1].distance;
-        stack[size++] = children[swapped ? 1 : 0]; // the nearer one is looked at first
+        stack[size++] = children[swapped ? 1 : 0]; // visit the nearer one first
         stack[size++] = children[swapped ? 0 : 1];
     }
     if (hint != NULL) {

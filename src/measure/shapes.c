@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "measure/shapes.h"
 
-enum { NEWTON_STEPS = 200 }; ///< most; about six are usual
+enum { NEWTON_STEPS = 200 }; ///< limit; about six are usual
 
 static double square(double x)
 {
     return x * x;
 }
 
-// Squared distance in the plane of an ellipse from (x, y), which lies outside, x and y at least 0,
-// to its boundary. The nearest place is (a a x / (t + a a), b b y / (t + b b)), where F(t) = (a x /
-// (t + a a))^2 + (b y / (t + b b))^2 - 1 is 0. F falls and is convex, so Newton's method from a
-// place where F >= 0 ascends to the root. t is in units of b b.
+// Squared distance in the plane of an ellipse from (x, y), outside and with x and y at least 0, to
+// its boundary. The nearest place is (a a x / (t + a a), b b y / (t + b b)), where F(t) = (a x / (t
+// + a a))^2 + (b y / (t + b b))^2 - 1 is 0. F decreases and is convex, so Newton's method rises to
+// the root from any place where F >= 0. t is in units of b b.
 static double boundary_distance_squared(double a, double b, double x, double y)
 {
     double r = square(a / b), u = r * (x / a), v = y / b;
@@ -55,7 +55,7 @@ double stp_disk_distance_squared(const stp_disk_shape* disk, stp_vec3d point, do
     if (square(x / a) + square(y / b) <= 1.0) {
         return height;
     }
-    double beyond = sqrt(x * x + y * y) - a; // of a circle around the ellipse
+    double beyond = sqrt(x * x + y * y) - a; // distance to a circle around the ellipse
     double least = height + (beyond > 0.0 ? square(beyond) : 0.0);
     return least * (1.0 - 1e-9) > most ? least : height + boundary_distance_squared(a, b, x, y);
 }

@@ -1,35 +1,34 @@
 // SPDX-License-Identifier: MIT
 //
-// Distances from points to the shapes that stand for a surface: elliptical disks and triangles.
+// Distances from points to the shapes of an approximation: elliptical disks and triangles.
 #pragma once
 
 #include "base/math.h"
 
 #include <stddef.h>
 
-/// An elliptical disk: centre + s * larger + t * smaller, where s s + t t <= 1. The axes are at
-/// right angles. Either may be zero: then the disk is a segment, or a point.
+/// An elliptical disk: centre + s * larger + t * smaller, where s s + t t <= 1. The axes are
+/// perpendicular. Either may be zero: then the disk is a segment, or a point.
 typedef struct stp_disk_shape {
     stp_vec3 center;
     stp_vec3 larger;  ///< semi-axis with its length
-    stp_vec3 smaller; ///< the same; not longer than `larger`
+    stp_vec3 smaller; ///< likewise; not longer than `larger`
 } stp_disk_shape;
 
-/// Disks and triangles. Arrays are the caller's, and are only read. All numbers are finite.
+/// Disks and triangles. The caller owns the arrays, which are only read. All numbers are finite.
 typedef struct stp_shapes {
     const stp_disk_shape* disks;
     size_t disk_count;
-    const float* positions;  ///< 3 a vertex
-    const uint32_t* indices; ///< 3 a triangle, each below the number of vertices
+    const float* positions;  ///< 3 per vertex
+    const uint32_t* indices; ///< 3 per triangle, each below the number of vertices
     size_t triangle_count;
 } stp_shapes;
 
-/// Squared distance from a point to the nearest place of a disk, its inside and its plane included.
-/// Outside, the nearest place of the boundary is a root of a convex function (Eberly, Distance from
-/// a Point to an Ellipse, 2013), which Newton's method reaches from one side. Exact but for
-/// rounding, for any ratio of the axes.
-/// @param most where the result is larger than this, it may be anything that is larger; infinity:
-///         exact in any case
+/// Squared distance from a point to the nearest place of a disk, including its interior. Outside,
+/// the nearest place of the boundary is a root of a convex function (Eberly, Distance from a Point
+/// to an Ellipse, 2013); Newton's method approaches it from one side. Exact up to rounding, for any
+/// ratio of the axes.
+/// @param most a larger result need not be exact, only larger than this; infinity: always exact
 double stp_disk_distance_squared(const stp_disk_shape* disk, stp_vec3d point, double most);
 
 /// Squared distance from a point to the nearest place of a triangle, which may be degenerate
@@ -40,6 +39,6 @@ double stp_triangle_distance_squared(const stp_vec3d corners[3], stp_vec3d point
 double stp_disk_area(const stp_disk_shape* disk);
 double stp_triangle_area(const stp_vec3d corners[3]);
 
-/// The corners of triangle `index` of an array of indices.
+/// The corners of triangle `index` of an index array.
 void stp_triangle_corners(const float* positions, const uint32_t* indices, size_t index,
                           stp_vec3d corners[3]);

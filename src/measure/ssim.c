@@ -16,8 +16,7 @@ static const double window[RADIUS + 1] = {0.2660117248617943,   0.21300553771125
                                           0.1093606895097,      0.03600077212843082,
                                           0.007598758135239184, 0.0010283800844791099};
 
-/// What a row contributes to the means. Rows are added in their order, so that threads do not
-/// matter.
+/// Contribution of a row to the means. Rows are added in order, so threads do not matter.
 typedef struct row_sums {
     double ssim, contrast_structure; ///< over pixels with a whole window
     double all_ssim, all_contrast_structure;
@@ -33,7 +32,7 @@ typedef struct scratch {
     double *ssim, *contrast_structure; ///< one row
 } scratch;
 
-enum { ROWS = MOMENTS * (2 + TAPS) + 2 }; // of a scratch
+enum { ROWS = MOMENTS * (2 + TAPS) + 2 }; // rows of a scratch
 
 typedef struct comparison {
     const stp_ssim_planes* planes;
@@ -45,7 +44,7 @@ typedef struct comparison {
     scratch* workers;
 } comparison;
 
-// One over the part of the window's weight that lies within 0..count - 1, for each centre.
+// Reciprocal of the window weight that lies within 0..count - 1, for each centre.
 static void fill_scales(double* scales, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -178,7 +177,7 @@ static void compare_band(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Cuts the rows of a worker out of one block of zeros.
+// Divides a zeroed block into the rows of a worker.
 static scratch divide(double* block, size_t stride)
 {
     scratch s;

@@ -5,10 +5,10 @@
 
 enum { WINDOW = 2 }; // pixels to each side
 
-// What the reference shows around a pixel.
+// The reference around a pixel.
 typedef struct surroundings {
     bool inside;    ///< the whole window is covered
-    float farthest; ///< least nearness of what is covered there; 0 where nothing is
+    float farthest; ///< least nearness of its covered pixels; 0 if there are none
 } surroundings;
 
 static surroundings look_around(const stp_surface_frame* frame, int64_t x, int64_t y)
@@ -18,7 +18,7 @@ static surroundings look_around(const stp_surface_frame* frame, int64_t x, int64
         for (int64_t u = x - WINDOW; u <= x + WINDOW; ++u) {
             bool outside = u < 0 || v < 0 || u >= frame->width || v >= frame->height;
             if (outside) {
-                continue; // the picture's border is no silhouette
+                continue; // the picture's border is not a silhouette
             }
             float nearness = frame->nearness[(size_t)v * frame->width + (size_t)u];
             if (!(nearness > 0.0f)) {

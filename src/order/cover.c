@@ -18,7 +18,7 @@ typedef struct cover_job {
     const stp_points* points;
     const stp_near_grid* grid;
     stp_near_grid_nearest nearest;
-    float* farthest; // squared, of each piece
+    float* farthest; // squared, per piece
 } cover_job;
 
 static void cover_piece(size_t begin, size_t end, uint32_t worker, void* user)

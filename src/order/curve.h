@@ -1,34 +1,35 @@
 // SPDX-License-Identifier: MIT
-// Places along a Morton curve, in variants for different processors that agree to the bit.
+// Positions on a Morton curve, in variants per CPU with identical bits.
 #pragma once
 
 #include <stddef.h>
 #include <stdint.h>
 
 enum {
-    STP_CURVE_BITS = 20,        ///< an axis, of the finest cells
-    STP_CURVE_CELL_BITS = 4,    ///< an axis, of the cells that points are dealt out to
-    STP_CURVE_FINE_BITS = 6,    ///< an axis, within such a cell
-    STP_CURVE_FINEST_BITS = 10, ///< an axis, only where too many points agree so far
+    STP_CURVE_BITS = 20,        ///< per axis, for the finest cells
+    STP_CURVE_CELL_BITS = 4,    ///< per axis, for the cells into which points are bucketed
+    STP_CURVE_FINE_BITS = 6,    ///< per axis, within such a cell
+    STP_CURVE_FINEST_BITS = 10, ///< per axis, used only if too many points share a cell
     STP_CURVE_CELLS = 1 << 3 * STP_CURVE_CELL_BITS,
 };
 
-/// From positions to the finest cells: (position * scale - low) * quanta, rounded down.
+/// Maps positions to the finest cells: (position * scale - low) * quanta, rounded down.
 typedef struct stp_curve {
     float scale, quanta;
     float low[3];
 } stp_curve;
 
-/// A point on its way to the tree: scaled position and number.
+/// A point while it is sorted: scaled position and index.
 typedef struct stp_record {
     float x, y, z;
     uint32_t id;
 } stp_record;
 
 typedef struct stp_curve_kernels {
-    /// The cell of each of `count` positions (3 floats each).
+    /// Computes the cells of `count` positions (3 floats each).
     void (*cells)(const stp_curve* curve, const float* positions, size_t count, uint16_t* cells);
-    /// For each record its place within its cell, in the upper half, and its number in the list, in the lower.
+    /// For each record: its curve position within its cell (upper half) and its index in the list
+    /// (lower half).
     void (*places)(const stp_curve* curve, const stp_record* records, size_t count,
                    uint64_t* items);
 } stp_curve_kernels;
@@ -37,7 +38,7 @@ extern const stp_curve_kernels stp_curve_kernels_portable;
 extern const stp_curve_kernels stp_curve_kernels_avx2;
 extern const stp_curve_kernels stp_curve_kernels_avx512;
 
-/// The widest kernels that run here.
+/// The widest kernels that this CPU runs.
 const stp_curve_kernels* stp_curve_kernels_select(void);
 
 static inline uint32_t stp_curve_quantize(float value, float low, float quanta)
@@ -59,7 +60,7 @@ static inline uint32_t stp_curve_interleave(uint32_t x, uint32_t y, uint32_t z)
     return stp_curve_spread(x) | stp_curve_spread(y) << 1 | stp_curve_spread(z) << 2;
 }
 
-/// `bits` bits an axis of the finest cell of a scaled position, from bit `shift` up, interleaved.
+/// `bits` bits per axis of the finest cell of a scaled position, from bit `shift` up, interleaved.
 static inline uint32_t stp_curve_place(const stp_curve* curve, float x, float y, float z, int shift,
                                        int bits)
 {

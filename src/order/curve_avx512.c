@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The curve's kernels, avx512.
+// Morton curve kernels for AVX-512.
 #if defined(__x86_64__)
 #define KERNELS stp_curve_kernels_avx512
 #include "order/curve_kernels.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The curve's kernels, compiled once per kind of processor: plain loops that compilers turn into vectors. The
-// includer defines KERNELS, the name of the table.
+// Morton curve kernels, compiled once per instruction set: plain loops that compilers vectorise.
+// The includer defines KERNELS, the name of the table.
 #include "order/curve.h"
 
 static void cells(const stp_curve* curve, const float* restrict positions, size_t count,

@@ -2,15 +2,15 @@
 //
 // The exact greedy permutation (farthest-first traversal; Gonzalez 1985), in phases.
 //
-// With r the largest gap, nothing whose gap is below T = (0.9 r)^2 can be chosen while some gap is
-// at least T. So a phase takes the few points with gaps of at least T, its *front*, orders them
-// greedily among themselves in a tree small enough for the cache, until no gap of at least T is
-// left, and only then tells the whole set what was chosen, all at once. There, each leaf notes the
-// points that may concern it and looks at them when its gap reaches the front: most leaves are
+// With r the largest gap, a point whose gap is below T = (0.9 r)^2 cannot be chosen while some gap
+// is at least T. So each phase takes the few points with gaps of at least T, its *front*, and
+// orders them greedily in a tree small enough for the cache, until no gap of at least T is left.
+// Only then does it push the chosen points to the whole set, all at once. There, each leaf records
+// the points that may affect it and evaluates them when its gap reaches the front. Most leaves are
 // touched far less often than points are chosen near them.
 //
-// The result is exactly that of choosing one by one: the largest gap first, among equal ones the
-// lowest position on the Morton curve. Fronts, threads and vector widths change the time, not the
+// The result is exactly that of choosing one by one: the largest gap first; ties go to the lowest
+// position on the Morton curve. Fronts, threads and vector widths change the time, not the order.
 // order.
 #include "base/clock.h"
 #include "base/math.h"
@@ -28,8 +28,9 @@ enum {
 
 static const float front_ratio = 0.81f; // (0.9 r)^2 / r^2
 
-// While few points are chosen, each of the gaps between them holds a good part of all points, and a front at
-// 0.9 r copies most of those to choose one. Phases cost little then: few leaves reach the floor.
+// While few points are chosen, each gap between them covers a large share of all points, and a
+// front at 0.9 r copies most of those to choose one. Phases are cheap then: few leaves reach the
+// floor.
 enum { EARLY = 50 };
 static const float early_ratio = 0.96f;
 
@@ -39,8 +40,8 @@ typedef struct greedy {
     const stp_tree_kernels* kernels;
     stp_order_output* output;
     stp_tree tree;  // all points
-    uint32_t* ids;  // number of the point at each position of the tree
-    stp_tree front; // those that may be chosen in this phase
+    uint32_t* ids;  // index of the point at each position of the tree
+    stp_tree front; // candidates of this phase
     uint32_t front_capacity;
     uint32_t front_count;
     uint32_t*
@@ -50,9 +51,9 @@ typedef struct greedy {
     uint32_t* scratch;  // [worker][scratch_stride]
     size_t scratch_stride;
     uint32_t task_level;                 // the subtrees below the branches of this level are tasks
-    uint32_t* task_counts;               // points collected by each
+    uint32_t* task_counts;               // points collected by each task
     uint32_t first_chosen, chosen_count; // of this phase
-    stp_box* boxes;                      // of each TOGETHER of them; for threads only
+    stp_box* boxes;                      // one per TOGETHER chosen points; only with threads
     float floor;
 } greedy;
 
@@ -80,8 +81,8 @@ static void emit(greedy* g, uint32_t position, float gap)
     out->ordered += 1;
 }
 
-// Turns positions into numbers of points, from the `first` one on. Done for many at once, the waits for
-// memory overlap; done while choosing, each would hold up the next choice.
+// Converts positions to point indices, from the `first` one on. Done in bulk, the memory latencies
+// overlap; done while choosing, each would delay the next choice.
 static void name_chosen(greedy* g, const uint32_t* numbers, uint32_t first)
 {
     uint32_t* order = g->output->order;
@@ -235,7 +236,7 @@ static float choose_from_front(greedy* g)
     return gap;
 }
 
-// Squared distance from a place to a child's box.
+// Squared distance from a position to a child's box.
 static float box_distance(const stp_branch* branch, uint32_t child, stp_vec3 p)
 {
     float x = stp_max(0.0f, stp_max(branch->low_x[child] - p.x, p.x - branch->high_x[child]));
@@ -266,8 +267,8 @@ static void find_boxes(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Whether any point of a box may change anything in a child's box: differences and squares round alike, so none that
-// does by itself is missed.
+// Whether any point of a box may change anything in a child's box. Differences and squares round
+// the same way, so no point that does is missed.
 static bool box_reaches(const stp_box* box, const stp_branch* branch, uint32_t child)
 {
     float x = stp_max(
@@ -352,8 +353,8 @@ static void search_leaf(nearest_search* s, uint32_t index)
     }
 }
 
-// Children in order, so that the lowest of equally near positions comes first; boxes are never farther than what
-// is in them, roundings included.
+// Visits children in order, so that ties go to the lowest position. Boxes are never farther than
+// their points, rounding included.
 static void search_branch(nearest_search* s, uint32_t level, uint32_t index)
 {
     const stp_branch* branch = &s->tree->levels[level][index];

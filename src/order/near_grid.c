@@ -7,9 +7,9 @@
 #include <string.h>
 
 enum {
-    FIRST_LIMIT = 4,      // cells an axis at first
-    LAST_LIMIT = 1 << 20, // cells never get smaller than this part of the box
-    FULL = 4,             // points a cell, on average, at which cells halve
+    FIRST_LIMIT = 4,      // initial cells per axis
+    LAST_LIMIT = 1 << 20, // smallest cell: this fraction of the box
+    FULL = 4,             // average points per cell at which cells are halved
     FIRST_SLOTS_LOG2 = 10,
 };
 
@@ -92,7 +92,7 @@ static stp_result put(stp_near_grid* grid, float x, float y, float z)
     return STP_OK;
 }
 
-// Puts all points into a grid of `limit` cells an axis and 2^`log2_count` slots.
+// Rebuilds the grid with `limit` cells per axis and 2^`log2_count` slots.
 static stp_result rebuild(stp_near_grid* grid, uint32_t limit, uint32_t log2_count)
 {
     stp_near_grid_block* blocks = grid->blocks;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Nearest-neighbour search among points that keep coming and get ever closer to each other: a hash grid whose
-// cells halve when they fill up. The points of a cell lie together, eight to a block, so a cell costs one vector
-// evaluation.
+// Nearest-neighbour search in a growing set whose points get ever closer to each other: a hash grid
+// whose cells halve when they fill up. The points of a cell are stored together, eight to a block,
+// so a cell costs one vector evaluation.
 #pragma once
 
 #include "base/context.h"
@@ -12,7 +12,7 @@ enum { STP_BLOCK_SIZE = 8 };
 typedef struct stp_near_grid_block {
     float x[STP_BLOCK_SIZE], y[STP_BLOCK_SIZE], z[STP_BLOCK_SIZE]; ///< unused lanes: infinity
     uint32_t count;
-    uint32_t next; ///< more points of the same cell: index of a block + 1; 0: none
+    uint32_t next; ///< next block of the same cell: its index + 1; 0: none
     uint32_t spare[6];
 } stp_near_grid_block;
 
@@ -23,8 +23,8 @@ typedef struct stp_near_grid_slot {
 
 typedef struct stp_near_grid {
     stp_context* context;
-    float low[3];              ///< corner of the box that holds all points and queries
-    float cell_size, per_cell; ///< and its inverse
+    float low[3];              ///< corner of the bounding box of all points and queries
+    float cell_size, per_cell; ///< cell size and its inverse
     uint32_t limit;            ///< cells along the longest axis
     stp_near_grid_slot* slots;
     uint32_t slot_shift; ///< 64 - log2 of the number of slots
@@ -32,7 +32,7 @@ typedef struct stp_near_grid {
     stp_near_grid_block* blocks;
     size_t block_capacity;
     uint32_t block_count, cell_count, point_count;
-    stp_near_grid_block* former; ///< room for rebuilding
+    stp_near_grid_block* former; ///< scratch for rebuilding
     size_t former_capacity;
 } stp_near_grid;
 
@@ -43,8 +43,8 @@ void stp_near_grid_destroy(stp_near_grid* grid);
 /// Adds a point. @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_near_grid_add(stp_near_grid* grid, float x, float y, float z);
 
-/// Squared distances from `count` points (3 floats each) to the nearest point of the grid; infinity where it is
-/// empty. Evaluated like those of the tree. Variants for different processors agree to the bit.
+/// Squared distances from `count` points (3 floats each) to the nearest point of the grid; infinity
+/// if it is empty. Rounded like the distances of the tree. All variants give the same bits.
 typedef void (*stp_near_grid_nearest)(const stp_near_grid* grid, const float* points,
                                       uint32_t count, float* squared);
 void stp_near_grid_nearest_portable(const stp_near_grid* grid, const float* points, uint32_t count,
@@ -58,7 +58,7 @@ static inline uint64_t stp_near_grid_cell(uint32_t x, uint32_t y, uint32_t z)
     return (uint64_t)x | (uint64_t)y << 21 | (uint64_t)z << 42;
 }
 
-/// The slot of a cell, or the empty one where it would be.
+/// The slot of a cell, or the empty slot where it would go.
 static inline uint32_t stp_near_grid_find(const stp_near_grid* grid, uint64_t cell)
 {
     uint32_t slot = (uint32_t)((cell * UINT64_C(0x9E3779B97F4A7C15)) >> grid->slot_shift);

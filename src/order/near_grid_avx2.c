@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The grid's search, avx2.
+// Grid search for AVX2.
 #if defined(__x86_64__)
 #include "order/vector_avx2.h"
 

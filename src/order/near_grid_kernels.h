@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// The grid's search, written once over the names of a vector_*.h and compiled once per kind of processor. The
+// Grid search, written over the names of a vector_*.h and compiled once per instruction set. The
 // includer defines NEAREST, the name of the function.
 #include "order/near_grid.h"
 
 #include <math.h>
 
 enum {
-    RINGS = 3,  // cells around the query's that are searched before all points are
+    RINGS = 3,  // rings of cells searched around the query's before all points are
     BATCH = 16, // queries in flight
 };
 
@@ -38,7 +38,7 @@ static inline void search_cell(const stp_near_grid* grid, uint32_t x, uint32_t y
     }
 }
 
-// The cells from `low` to `high`, ends included, in one axis; inside the grid.
+// Inclusive range of cells along one axis, inside the grid.
 typedef struct cell_range {
     int32_t low, high;
 } cell_range;
@@ -49,7 +49,7 @@ static inline cell_range clip(const stp_near_grid* grid, int32_t low, int32_t hi
     return (cell_range){low < 0 ? 0 : low, high > last ? last : high};
 }
 
-// The shell of cells at `ring` cells around the given one.
+// Searches the shell of cells at distance `ring` from the given one.
 static void search_ring(const stp_near_grid* grid, const int32_t at[3], int32_t ring, grid_query* q)
 {
     cell_range x = clip(grid, at[0] - ring, at[0] + ring),
@@ -68,7 +68,8 @@ static void search_ring(const stp_near_grid* grid, const int32_t at[3], int32_t 
     }
 }
 
-// The query's cell and its neighbours towards the nearer sides: the half cell around the query is covered.
+// The query's cell and its neighbours on the nearer sides: together they cover half a cell around
+// the query.
 static inline void octant(const stp_near_grid* grid, const float* point, int32_t at[3],
                           cell_range range[3])
 {
@@ -95,7 +96,7 @@ static float search(const stp_near_grid* grid, const float* point)
         }
     }
     float nearest = eight_lowest(q.nearest);
-    float sure = grid->cell_size * 0.499f; // a little less than half a cell, for roundings
+    float sure = grid->cell_size * 0.499f; // a little less than half a cell, for rounding
     for (int32_t ring = 1; ring <= RINGS && !(nearest <= sure * sure); ++ring) {
         search_ring(grid, at, ring, &q);
         nearest = eight_lowest(q.nearest);
@@ -114,7 +115,7 @@ static float search(const stp_near_grid* grid, const float* point)
     return nearest;
 }
 
-// Asks for the slots of the cells that a search begins with.
+// Prefetches the slots of the cells that a search begins with.
 static void prefetch_cells(const stp_near_grid* grid, const float* point)
 {
     int32_t at[3];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The grid's search, in plain C.
+// Grid search in plain C.
 #include "order/vector_portable.h"
 
 #define NEAREST stp_near_grid_nearest_portable

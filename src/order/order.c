@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "base/clock.h"
+#include "base/desc.h"
 #include "order/order_kinds.h"
 
 #include <math.h>
@@ -20,7 +21,7 @@ static stp_result order_points(const stp_points* points, const stp_team* team,
     return stp_order_exact(points, team, desc, output);
 }
 
-stp_result stp_order_points(stp_context* context, const stp_order_desc* desc,
+stp_result stp_order_points(stp_context* context, const stp_order_desc* given,
                             const float* positions, const float* normals, uint32_t point_count,
                             uint32_t wanted, uint32_t* order, float* radii, uint32_t* ordered,
                             float* final_radius, stp_order_report* report)
@@ -31,16 +32,21 @@ stp_result stp_order_points(stp_context* context, const stp_order_desc* desc,
         .radii = radii,
         .final_radius = final_radius,
     };
-    *ordered = 0;
+    stp_order_desc desc;
     stp_result result = STP_OK;
+    *ordered = 0;
+    if (!stp_desc_read(&desc, sizeof(desc), sizeof(desc), given)) {
+        return stp_fail(context, STP_ERROR_UNSUPPORTED,
+                        "stp_order_desc: sets fields that this version of the library lacks");
+    }
     if (output.wanted != 0) {
-        stp_team team = stp_team_create(context, desc->thread_count);
+        stp_team team = stp_team_create_now(context, desc.thread_count);
         stp_points points = {.positions = positions, .normals = normals, .count = point_count};
         double start = stp_clock_ms();
         result = stp_points_measure(&points, &team);
         double measured = stp_clock_ms();
         if (result == STP_OK) {
-            result = order_points(&points, &team, desc, &output);
+            result = order_points(&points, &team, &desc, &output);
         }
         output.report.index_ms += measured - start;
     } else if (final_radius != NULL) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The kinds of orders, as stp_order_points calls them.
+// The kinds of orders that stp_order_points selects from.
 #pragma once
 
 #include "order/points.h"
 
 #include <stipple/order.h>
 
-/// Where an order goes: see stp_order_points. Radii are in the points' own units.
+/// Output of an order: see stp_order_points. Radii are in the points' own units.
 typedef struct stp_order_output {
     uint32_t wanted; ///< at most the number of points, at least 1
     uint32_t* order;

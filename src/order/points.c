@@ -20,7 +20,7 @@ static void measure_chunk(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     const bounds_job* job = user;
     stp_box box = stp_box_empty();
-    float poison = 0.0f; // becomes not-a-number with the first coordinate that is not finite
+    float poison = 0.0f; // becomes NaN with the first non-finite coordinate
     for (size_t i = begin; i < end; ++i) {
         const float* p = job->positions + 3 * i;
         stp_box_add(&box, (stp_vec3){p[0], p[1], p[2]});

@@ -5,8 +5,8 @@
 #include "order/cover.h"
 #include "order/order_kinds.h"
 
-// Looks up what the exact order knows by itself: how far each point is from the earlier ones, and all points
-// from the order. Not part of the time of a random order.
+// Computes the radii that the exact order produces as a by-product: distances to earlier points,
+// and of all points to the order. Not counted in the time of a random order.
 static stp_result measure_radii(const stp_points* points, const stp_team* team,
                                 stp_order_output* output)
 {
@@ -29,7 +29,8 @@ static stp_result measure_radii(const stp_points* points, const stp_team* team,
     return result;
 }
 
-// A random permutation's beginning: each place swaps with a random later one (Fisher and Yates; Durstenfeld 1964).
+// A prefix of a random permutation: swaps each place with a random later one (Fisher and Yates;
+// Durstenfeld 1964).
 stp_result stp_order_random(const stp_points* points, const stp_team* team,
                             const stp_order_desc* desc, stp_order_output* output)
 {

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// Orders from random samples (Brandt 2019, 3.2): each round draws some of the points left, looks up how far each is
-// from all chosen so far, and takes the farthest. What we are measured against; the names are those of the two
-// schedules that the paper's text and its printed times imply.
+// Orders from random samples (Brandt 2019, 3.2): each round draws some of the remaining points,
+// measures how far each is from all chosen points, and takes the farthest. This is the baseline for
+// comparisons. The names denote the two schedules that the paper's text and its printed times
+// imply.
 //
-//   paper-text   `samples` a round; one more accepted a round after every `interval` rounds, from one on.
-//   paper-fast   as the authors' program does: round 0 accepts none; then, after every `interval` rounds from round
-//                0 on, the samples are halved (never below 20) and one more is accepted (at most 3 in 10 samples):
-//                200/0, 100/1, 50/2, 25/3, 20/4, 20/5, and 20/6 from there. The next best sample after the accepted
-//                ones is taken out of the input; it comes back only should the input run empty.
+//   paper-text   `samples` per round. Accepts one per round at first, and one more per round after
+//                every `interval` rounds.
+//   paper-fast   like the authors' program. Round 0 accepts none. Then, after every `interval` rounds
+//                from round 0 on, halves the samples (never below 20) and accepts one more (at most 3
+//                of 10 samples): 200/0, 100/1, 50/2, 25/3, 20/4, 20/5, then always 20/6. The best
+//                sample that was not accepted leaves the input, and returns only if it runs empty.
 //   best-of-k    the best of `samples` (Mitchell 1991): one accepted a round, always.
 //
-// The distances of a round are those to what was chosen before the round, as in the paper; the radii that come out
-// also count what the round accepted earlier.
+// The distances of a round are to the points chosen before the round, as in the paper. The output
+// radii also count the points accepted earlier in the same round.
 #include "base/clock.h"
 #include "base/math.h"
 #include "base/rng.h"
@@ -41,11 +43,11 @@ typedef struct sampler {
     schedule plan;
     float drop_factor;
     uint64_t seed, draw_count;
-    uint32_t* input; // points not chosen: the first `left`; set aside: the last `aside`
+    uint32_t* input; // unchosen points: the first `left`; set aside: the last `aside`
     uint32_t left, aside;
     stp_near_grid grid;
     stp_near_grid_nearest nearest;
-    uint32_t capacity; // samples a round, at most
+    uint32_t capacity; // maximum samples per round
     float* positions;  // of a round's samples, scaled, 3 each
     float* squared;
     drawn* ranking;
@@ -76,13 +78,13 @@ static void end_round(schedule* plan)
     }
 }
 
-// Draws `count` of the input without repetition; they end up at its end.
+// Draws `count` points of the input without repetition and moves them to its end.
 static void draw(sampler* s, uint32_t count)
 {
     enum { AHEAD = 32 };
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t last = s->left - 1 - i;
-        uint32_t ahead = last > AHEAD ? last - AHEAD : 0; // where the draws to come will look
+        uint32_t ahead = last > AHEAD ? last - AHEAD : 0; // prefetch position for later draws
         __builtin_prefetch(&s->input[stp_rng_below(s->seed, s->draw_count + AHEAD, ahead + 1)], 1);
         uint32_t at = stp_rng_below(s->seed, s->draw_count++, last + 1);
         uint32_t id = s->input[at];
@@ -98,13 +100,13 @@ static void draw(sampler* s, uint32_t count)
     }
 }
 
-// Farther first; among equal ones the one drawn earlier.
+// Farther first; ties go to the one drawn earlier.
 static inline bool ranks_before(drawn a, drawn b)
 {
     return a.squared > b.squared || (a.squared == b.squared && a.slot > b.slot);
 }
 
-// Brings the `best` farthest of `count` samples to the front of the ranking, in order.
+// Moves the `best` farthest of `count` samples to the front of the ranking, in order.
 static void rank(sampler* s, uint32_t count, uint32_t best)
 {
     uint32_t size = 0;
@@ -138,14 +140,14 @@ static stp_vec3 sample_position(const sampler* s, uint32_t slot)
                       s->positions[3 * slot + 2]};
 }
 
-// Accepts the first of the ranking. @return STP_OK, or STP_ERROR_OUT_OF_MEMORY
+// Accepts the first points of the ranking. @return STP_OK, or STP_ERROR_OUT_OF_MEMORY
 static stp_result accept(sampler* s, uint32_t first_input, uint32_t accepted)
 {
     for (uint32_t i = 0; i < accepted; ++i) {
         drawn d = s->ranking[i];
         stp_vec3 p = sample_position(s, d.slot);
         float squared = d.squared;
-        for (uint32_t k = 0; k < i; ++k) { // the round's own are not in the search yet
+        for (uint32_t k = 0; k < i; ++k) { // points of this round are not in the grid yet
             stp_vec3 e = stp_sub(p, sample_position(s, s->ranking[k].slot));
             squared = stp_min(squared, (e.x * e.x + e.y * e.y) + e.z * e.z);
         }
@@ -158,8 +160,8 @@ static stp_result accept(sampler* s, uint32_t first_input, uint32_t accepted)
     return STP_OK;
 }
 
-// Closes up the input: what goes back stays in front; what is set aside goes to the far end of the array, where
-// what was taken out has left room.
+// Compacts the input. Returned points stay in front; points set aside go to the end of the array,
+// where drawn points left room.
 static void settle(sampler* s, uint32_t first_input, uint32_t count)
 {
     s->left = first_input;

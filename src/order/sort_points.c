@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Points along a Morton curve, into the leaves of a tree. First all points are dealt out to 16^3 cells, together
-// with their positions so that later reading is sequential; then each cell is sorted on its own, in cache, and
-// turned into leaves. Where sides matter, points of a cell that face differently are kept apart, so that a leaf has
-// one side of a thin wall and not both. A leaf of 32 points takes as many bytes as 32 records, so all of this happens in the memory
-// of the leaves: a leaf is written when the records in its place have been read.
+// Sorts points along a Morton curve into the leaves of a tree. First, all points are bucketed into
+// 16^3 cells together with their positions, so that later reads are sequential. Then each cell is
+// sorted in cache and turned into leaves. If normals matter, points of a cell that face differently
+// are kept apart, so that a leaf holds one side of a thin wall and not both. A leaf of 32 points is
+// as large as 32 records, so all of this happens in the memory of the leaves: a leaf is written
+// once the records in its place have been read.
 #include "base/math.h"
 #include "base/processor.h"
 #include "base/sort.h"
@@ -14,16 +15,16 @@
 #include <string.h>
 
 enum {
-    CHUNK_SIZE = 1 << 16, // points dealt out by one thread at a time
-    TASK_CELLS = 8,       // cells sorted by one thread at a time
+    CHUNK_SIZE = 1 << 16, // points that a thread buckets at a time
+    TASK_CELLS = 8,       // cells that a thread sorts at a time
     TASKS = STP_CURVE_CELLS / TASK_CELLS,
     SIDE_BITS = 3,
-    AHEAD = 32, // normals asked for before they are needed
+    AHEAD = 32, // prefetch distance for normals
 };
 
 _Static_assert(sizeof(stp_leaf) == STP_LEAF_SIZE * sizeof(stp_record), "sorted in place");
 
-// The positions of leaves that a task shares with its neighbours.
+// Ranges of leaves that a task shares with its neighbours.
 typedef struct shared_leaves {
     stp_leaf first, last;
 } shared_leaves;
@@ -35,7 +36,7 @@ typedef struct sort_job {
     stp_tree* tree;
     stp_record* records; // in the memory of the leaves
     uint32_t* ids;
-    uint16_t* cells;       // of each point
+    uint16_t* cells;       // per point
     uint32_t* offsets;     // [chunk][cell]: where the chunk's next point of that cell goes
     uint32_t* starts;      // [cell], and the end
     shared_leaves* shared; // [task]
@@ -76,7 +77,7 @@ static void count_cells(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Turns counts into places.
+// Turns counts into offsets.
 static void place_cells(sort_job* job, size_t chunks)
 {
     uint32_t sum = 0;
@@ -107,13 +108,13 @@ static void deal_out(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Sorts items by their upper halves, in two passes; equal ones keep their order. A cell holds few points,
-// so what digits have to be counted, not what points are moved, is kept small.
+// Sorts items by their upper halves in two passes; stable. A cell holds few points, so this
+// minimises the digit counters rather than the moves.
 static uint64_t* sort_items(uint64_t* items, uint64_t* scratch, size_t count, unsigned bits)
 {
     enum { DIGITS = 1 << (3 * STP_CURVE_FINE_BITS + SIDE_BITS + 1) / 2 };
     if (count <= 48) {
-        for (size_t i = 1; i < count; ++i) { // lower halves ascend, so whole items may be compared
+        for (size_t i = 1; i < count; ++i) { // lower halves ascend: comparing items is stable
             uint64_t item = items[i];
             size_t at = i;
             for (; at > 0 && items[at - 1] > item; --at) {
@@ -148,7 +149,7 @@ static uint64_t* sort_items(uint64_t* items, uint64_t* scratch, size_t count, un
     return items;
 }
 
-// Whether more than a leaf of sorted items are equal somewhere. Without a branch inside: it is asked for every point.
+// Whether more than a leaf of sorted items are equal. Branch-free, as it runs for every point.
 static bool has_long_runs(const uint64_t* items, size_t count)
 {
     uint32_t found = 0;
@@ -158,7 +159,7 @@ static bool has_long_runs(const uint64_t* items, size_t count)
     return found != 0;
 }
 
-// Sorts runs of equal items that do not fit in a leaf by the remaining bits.
+// Sorts runs of equal items longer than a leaf by the remaining bits.
 static void refine_runs(const sort_job* job, const stp_record* records, uint64_t* items,
                         uint64_t* scratch, size_t count)
 {
@@ -183,7 +184,8 @@ static void refine_runs(const sort_job* job, const stp_record* records, uint64_t
     }
 }
 
-// The axis along which a normal is longest, and its sign: 0..5. Without branches, which nobody could predict.
+// The axis and sign of a normal's largest component: 0..5. Branch-free: branches would be
+// unpredictable.
 static uint64_t side_of(const float n[3])
 {
     float x = fabsf(n[0]), y = fabsf(n[1]), z = fabsf(n[2]);
@@ -191,7 +193,7 @@ static uint64_t side_of(const float n[3])
     return 2 * axis + (n[axis] < 0.0f);
 }
 
-// Copies the normals of a cell's points and puts their sides above their places.
+// Copies the normals of a cell's points and puts their sides above their curve positions.
 static void add_sides(const sort_job* job, const stp_record* records, stp_vec3* normals,
                       uint64_t* items, size_t count)
 {
@@ -208,11 +210,11 @@ static void add_sides(const sort_job* job, const stp_record* records, stp_vec3* 
     }
 }
 
-// Points on their way from a cell to consecutive lanes of one leaf.
+// Points that move from a cell to consecutive lanes of one leaf.
 typedef struct cell_points {
     const stp_record* records;
     const stp_vec3* normals; // NULL where sides do not matter
-    const uint64_t* sorted;  // lower halves: which of them comes next
+    const uint64_t* sorted;  // lower half: index of the next point
 } cell_points;
 
 static void write_lanes(const cell_points* from, uint32_t count, uint32_t lane, stp_leaf* leaf,
@@ -241,7 +243,7 @@ static void sort_cells(size_t begin, size_t end, uint32_t worker, void* user)
     stp_record* copies = job->copies + (size_t)worker * job->largest;
     stp_vec3* normals = job->normals != NULL ? job->normals + (size_t)worker * job->largest : NULL;
     shared_leaves* shared = &job->shared[begin / TASK_CELLS];
-    // whole leaves are from `own` to `foreign`; what comes before and after is shared
+    // whole leaves are from `own` to `foreign`; the leaves before and after are shared
     uint32_t position = job->starts[begin];
     uint32_t own = (uint32_t)(((uint64_t)position + STP_LEAF_SIZE - 1) / STP_LEAF_SIZE);
     uint32_t foreign = job->starts[end] / STP_LEAF_SIZE;
@@ -286,7 +288,7 @@ static void write_lane(const sort_job* job, uint32_t position, const stp_leaf* f
     leaf->gap[lane] = INFINITY;
 }
 
-// Fills the leaves that tasks share, now that all records have been read.
+// Fills the shared leaves once all records have been read.
 static void write_shared(const sort_job* job)
 {
     for (size_t task = 0; task < TASKS; ++task) {
@@ -319,7 +321,7 @@ static stp_curve make_curve(const stp_points* points)
     stp_vec3 low = stp_scale(points->box.min, points->scale);
     stp_vec3 size = stp_sub(stp_scale(points->box.max, points->scale), low);
     float extent = stp_max(stp_max(size.x, size.y), size.z);
-    // half a cell less than the box, so that no rounding leads out of it
+    // half a cell less than the box, so that rounding cannot leave it
     float cells = (float)(1u << STP_CURVE_BITS) - 0.5f;
     return (stp_curve){points->scale, extent > 0.0f ? cells / extent : 0.0f, {low.x, low.y, low.z}};
 }

@@ -88,8 +88,8 @@ static void run_fit(size_t begin, size_t end, uint32_t worker, void* user)
     job->kernels->fit(job->tree, job->level, begin, end);
 }
 
-// A lane past the end has the place and normal of the last point, so that boxes stay tight, and gap
-// -1, so that it is never chosen.
+// Lanes past the end copy the position and normal of the last point, so that boxes stay tight.
+// Their gap is -1, so that they are never chosen.
 static void fill_last_leaf(stp_tree* tree)
 {
     uint32_t last = (tree->point_count - 1) % STP_LEAF_SIZE, index = tree->leaf_count - 1;

@@ -51,15 +51,15 @@ typedef struct stp_branch {
     float spare[STP_BRANCH_SIZE];
 } stp_branch;
 
-/// Boxes around the normals of eight leaves: tell whether a whole leaf faces the same way as a
+/// Boxes around the normals of eight leaves. They tell whether a whole leaf faces the same way as a
 /// point, or away.
 typedef struct stp_facing {
     float low_x[STP_BRANCH_SIZE], low_y[STP_BRANCH_SIZE], low_z[STP_BRANCH_SIZE];
     float high_x[STP_BRANCH_SIZE], high_y[STP_BRANCH_SIZE], high_z[STP_BRANCH_SIZE];
 } stp_facing;
 
-/// Chosen points that a leaf has yet to take into account: one cache line. Until then the leaf's
-/// gaps, and the maxima above it, are upper bounds.
+/// Chosen points that a leaf has not applied yet: one cache line. Until then, the leaf's gaps and
+/// the maxima above it are upper bounds.
 typedef struct stp_pending {
     uint16_t count;
     uint16_t mixed; ///< bit i: chosen[i] faces some of the leaf's points and not others
@@ -73,33 +73,32 @@ typedef struct stp_chosen {
 
 typedef struct stp_tree {
     uint32_t point_count, leaf_count, level_count;
-    uint32_t level_sizes[STP_TREE_LEVELS]; ///< branches of each level; the last level has one
+    uint32_t level_sizes[STP_TREE_LEVELS]; ///< branches per level; the last level has one
     stp_leaf* leaves;
     stp_leaf_normals* normals; ///< NULL: Euclidean
-    stp_facing* facing;        ///< one a branch of level 0; NULL: not kept
-    stp_pending* pending;      ///< one a leaf; NULL: every change is applied at once
+    stp_facing* facing;        ///< one per branch of level 0; NULL: not kept
+    stp_pending* pending;      ///< one per leaf; NULL: every change is applied at once
     stp_branch* levels[STP_TREE_LEVELS];
-    float apart;         ///< what is added to the distance where normals face apart
-    float apart_squared; ///< no dissimilarity of points that face apart is below its square
+    float apart;         ///< added to the distance if normals face apart
+    float apart_squared; ///< its square is a lower bound for points that face apart
 } stp_tree;
 
-/// The kernels, in variants for different processors that agree to the bit.
+/// Kernels, in variants per CPU with identical bits.
 typedef struct stp_tree_kernels {
-    /// Computes the boxes (and boxes of normals) of the branches [begin, end) of a level from what
-    /// is below, and the maxima of gaps.
+    /// Computes the boxes (and normal boxes) of the branches [begin, end) of a level from the level
+    /// below, and the maxima of gaps.
     void (*fit)(stp_tree* tree, uint32_t level, size_t begin, size_t end);
-    /// Takes one chosen point into account at once, everywhere. Gaps below `floor` no longer
-    /// matter: leaves without any other count as empty. @return the largest gap left, -1 where none
-    /// is
+    /// Applies one chosen point everywhere at once. Gaps below `floor` no longer matter: leaves
+    /// with only such gaps count as empty. @return the largest gap left, -1 if none
     float (*insert)(stp_tree* tree, const stp_chosen* point, float floor);
-    /// The lowest position whose gap is the tree's largest.
+    /// The lowest position that has the tree's largest gap.
     uint32_t (*farthest)(const stp_tree* tree);
-    /// Tells the leaves below one branch about `count` chosen points; `list` holds their indices in
+    /// Records `count` chosen points in the leaves below one branch. `list` holds their indices in
     /// `chosen`. `scratch` has room for stp_tree_push_scratch(count) indices.
     void (*push)(stp_tree* tree, uint32_t level, uint32_t branch, const stp_chosen* chosen,
                  const uint32_t* list, uint32_t count, uint32_t* scratch);
-    /// Brings all leaves below one branch up to date that may hold a gap of at least `floor` (above
-    /// 0), and lists the positions of such gaps, ascending. @return how many
+    /// Updates all leaves below one branch that may hold a gap of at least `floor` (above 0), and
+    /// lists the positions of such gaps, ascending. @return their number
     uint32_t (*collect)(stp_tree* tree, uint32_t level, uint32_t branch, const stp_chosen* chosen,
                         float floor, uint32_t* positions);
 } stp_tree_kernels;
@@ -108,23 +107,23 @@ extern const stp_tree_kernels stp_tree_kernels_portable;
 extern const stp_tree_kernels stp_tree_kernels_avx2;
 extern const stp_tree_kernels stp_tree_kernels_avx512;
 
-/// The widest kernels that run here.
+/// The widest kernels that this CPU runs.
 const stp_tree_kernels* stp_tree_kernels_select(void);
 
-/// Allocates a tree for `point_count` points, 1 or more. What it holds is not yet set.
+/// Allocates a tree for `point_count` points, 1 or more. The content is uninitialised.
 /// @return STP_OK, or STP_ERROR_OUT_OF_MEMORY (logged; `tree` is then empty)
 STP_MUST_USE stp_result stp_tree_create(stp_context* context, stp_tree* tree, uint32_t point_count,
                                         bool normals, bool lazy);
 void stp_tree_destroy(stp_context* context, stp_tree* tree);
 
-/// Shrinks or grows what the tree is said to hold, within what was allocated for `capacity` points.
+/// Changes the number of points in the tree, within the allocated capacity.
 void stp_tree_resize(stp_tree* tree, uint32_t point_count);
 
-/// Fills the lanes past the last point, then all boxes and maxima.
+/// Fills the lanes past the last point, then computes all boxes and maxima.
 void stp_tree_fit(stp_tree* tree, const stp_tree_kernels* kernels, const stp_team* team);
 
-/// The largest gap, or an upper bound of it where changes are pending.
+/// The largest gap, or an upper bound if changes are pending.
 float stp_tree_gap(const stp_tree* tree);
 
-/// Room, in indices, that a push of `count` points needs.
+/// Scratch size, in indices, for a push of `count` points.
 size_t stp_tree_push_scratch(const stp_tree* tree, uint32_t count);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tree's kernels, avx512.
+// Tree kernels for AVX-512.
 #if defined(__x86_64__)
 #include "order/vector_avx512.h"
 

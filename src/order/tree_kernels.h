@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The tree's kernels, written once over the names of a vector_*.h and compiled once per kind of
-// processor. The includer defines KERNELS, the name of the table.
+// Tree kernels, written over the names of a vector_*.h and compiled once per instruction set. The
+// includer defines KERNELS, the name of the table.
 #include "order/tree.h"
 
 #include <math.h>
@@ -23,7 +23,8 @@ static inline eight outside(eight low, eight high, eight at)
     return eight_max(eight_set(0.0f), eight_max(eight_sub(low, at), eight_sub(at, high)));
 }
 
-// Squared distance from a point to the farthest corner of each child's box: no point in it is farther.
+// Squared distance from a point to the farthest corner of each child's box, an upper bound for its
+// points.
 static inline eight farthest_corner(const stp_branch* branch, point_eight at)
 {
     eight x = eight_max(eight_sub(at.x, eight_load(branch->low_x)),
@@ -35,7 +36,7 @@ static inline eight farthest_corner(const stp_branch* branch, point_eight at)
     return eight_add(eight_add(eight_mul(x, x), eight_mul(y, y)), eight_mul(z, z));
 }
 
-// The gaps of the children, lowered in `mask` to what the point leaves of them at most.
+// The gaps of the children; in `mask`, lowered to the upper bound that the point implies.
 static inline eight bound_gaps(const stp_branch* branch, eight gap, point_eight at, uint32_t mask)
 {
     return eight_blend(gap, eight_min(gap, farthest_corner(branch, at)), mask);
@@ -73,14 +74,15 @@ static inline uint32_t facing_away(const stp_leaf_normals* normals, int i, const
     return wide_less(wide_add(wide_add(x, y), z), wide_set(0.0f));
 }
 
-// Squared dissimilarity, (distance + apart)^2 in the lanes of `away`. Roots are rounded correctly everywhere.
+// Squared dissimilarity: (distance + apart)^2 in the lanes of `away`. Square roots are correctly
+// rounded on every CPU.
 static inline wide squared_apart(wide squared, uint32_t away, float apart)
 {
     wide distance = wide_add(wide_root(squared), wide_set(apart));
     return wide_blend(squared, wide_mul(distance, distance), away);
 }
 
-// Makes the gaps of a leaf what its pending points leave of them; `gap` is an upper bound of them.
+// Applies the pending points of a leaf to its gaps; `gap` is an upper bound of them.
 // @return the largest
 static float catch_up(const stp_tree* tree, uint32_t index, const stp_chosen* chosen, float gap)
 {
@@ -109,8 +111,8 @@ static float catch_up(const stp_tree* tree, uint32_t index, const stp_chosen* ch
     return wide_highest(most);
 }
 
-// Of the leaves in `mask`, takes away those that face away as a whole and are known to be nearer to
-// a point that does not; sets in `mixed` those that need a look at each normal.
+// Removes from `mask` the leaves that face away as a whole and already have a nearer point that
+// does not. Sets in `mixed` the leaves whose normals need individual tests.
 static inline uint32_t judge_facing(const stp_tree* tree, const stp_facing* facing, eight gap,
                                     const stp_chosen* point, uint32_t mask, uint32_t* mixed)
 {
@@ -130,7 +132,7 @@ static inline uint32_t judge_facing(const stp_tree* tree, const stp_facing* faci
     return mask & ~(all_away & ~waiting);
 }
 
-// Asks for memory before it is needed. Most of the time goes into waiting for leaves.
+// Prefetches. Most of the time is spent waiting for leaves.
 static inline void prefetch_bytes(const void* from, size_t size)
 {
     for (size_t i = 0; i < size; i += 64) {
@@ -155,7 +157,7 @@ static void push_to_leaves(stp_tree* tree, uint32_t index, const stp_chosen* cho
 {
     stp_branch* branch = &tree->levels[0][index];
     const stp_facing* facing = tree->facing != NULL ? &tree->facing[index] : NULL;
-    eight gap = eight_load(branch->gap); // kept in a register: the next point waits for it
+    eight gap = eight_load(branch->gap); // in a register: the next point depends on it
     for (uint32_t i = 0; i < count; ++i) {
         const stp_chosen* point = &chosen[list[i]];
         uint32_t mask = reached(branch, gap, spread(point)), mixed = 0;
@@ -233,8 +235,8 @@ static uint32_t collect_leaf(const stp_leaf* leaf, uint32_t first, float floor, 
     return count;
 }
 
-// Collects from the leaves below a few neighbouring branches of level 0. First their pending lines are asked
-// for, then a few leaves ahead of the one at work.
+// Collects from the leaves below a few neighbouring branches of level 0. Prefetches their pending
+// lines first, then a few leaves ahead of the current one.
 static uint32_t collect_leaves(stp_tree* tree, uint32_t first, uint32_t count,
                                const stp_chosen* chosen, float floor, uint32_t* positions)
 {
@@ -355,7 +357,7 @@ static uint32_t farthest(const stp_tree* tree)
     return index * STP_LEAF_SIZE + i + lowest_bit(mask);
 }
 
-// A child's box and largest gap, as a branch keeps them.
+// A child's box and largest gap, as stored in a branch.
 typedef struct child_bounds {
     float low[3], high[3], gap;
 } child_bounds;

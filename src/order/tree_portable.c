@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tree's kernels, in plain C.
+// Tree kernels in plain C.
 #include "order/vector_portable.h"
 
 #define KERNELS stp_tree_kernels_portable

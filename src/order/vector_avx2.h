@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Eight floats at a time with AVX2. The names of vector_portable.h, the same bits.
+// Eight floats at a time with AVX2. Same names and bits as vector_portable.h.
 #pragma once
 
 #include <immintrin.h>

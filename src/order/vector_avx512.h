@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sixteen floats at a time with AVX-512 for leaves; branches have eight children, so they use
-// AVX2's eight. The names of vector_portable.h, the same bits.
+// Sixteen floats at a time with AVX-512 for leaves. Branches have eight children and use AVX2. Same
+// names and bits as vector_portable.h.
 #pragma once
 
 #define STP_WIDE_16

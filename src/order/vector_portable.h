@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Eight floats at a time in plain C, for processors without a variant of their own. vector_avx2.h
-// and vector_avx512.h give the same names; `wide` goes through leaves, `eight` through branches.
+// Eight floats at a time in plain C, for CPUs without a variant of their own. vector_avx2.h and
+// vector_avx512.h define the same names: `wide` for leaves, `eight` for branches.
 #pragma once
 
 #include <math.h>

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Standard views look along a fixed direction, from the place that stp_camera_fit chooses.
+// Standard views look along a fixed direction from the position that stp_camera_fit chooses.
 //
-// "d0".."d25" are for judging approximations from where they were not captured: the capture looks from the
-// corners of a cube, and from its faces and edges for what the corners miss. Directions to these 26 cut the sphere
-// into 48 equal triangles; d0 to d25 are the middles of 26 of them (the 24 that turn into each other, and two of
-// the others), 20 degrees from the nearest edge, 32 from a face and 27 from a corner.
+// "d0".."d25" judge approximations from directions that were not captured. The capture looks from
+// the corners of a cube, and from its faces and edges for surface that the corners miss. These 26
+// directions cut the sphere into 48 equal triangles; d0 to d25 are the middles of 26 of them (24
+// that rotate into each other, and two of the others), 20 degrees from the nearest edge, 32 from a
+// face and 27 from a corner.
 #include "present/camera.h"
 
 #include <string.h>
@@ -17,7 +18,7 @@
 
 typedef struct standard_view {
     const char* name;
-    stp_vec3d toward; ///< from the middle to the eye
+    stp_vec3d toward; ///< from the centre to the eye
     stp_vec3d up;
 } standard_view;
 
@@ -62,7 +63,7 @@ static const standard_view* find(const char* name)
     return NULL;
 }
 
-/// A standard view of a direction, not yet at its place.
+/// Orients a view to a standard direction; does not place it.
 static void face(const standard_view* standard, stp_view* view)
 {
     stp_vec3d toward = stp_normalized(standard->toward);

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// Fitting a box into the picture, in closed form. In the camera's axes (x right, y up, z towards the eye) a point p lies
-// within the picture of an eye e where
+// Fits a box into the picture in closed form. In camera axes (x right, y up, z towards the eye), a
+// point p is in the picture of an eye e if
 //
 //     x - ex <= s (ez - z)    and    -(x - ex) <= s (ez - z)          s: the frame's slope in x; likewise in y
 //
-// which says, with A = max(x + s z) and B = max(-x + s z) over all corners,
+// With A = max(x + s z) and B = max(-x + s z) over all corners, this means
 //
 //     ex + s ez >= A    and    -ex + s ez >= B
 //
-// so the nearest eye has ez = (A + B) / 2 s and touches both sides. The larger ez of x and y holds for both. Along the other
-// axis, the margins are equal where a smaller slope just holds the corners from there: found by bisection.
+// So the nearest eye has ez = (A + B) / 2 s and touches both sides. The larger ez of x and y
+// satisfies both. Along the other axis, a bisection finds the smaller slope that just contains the
+// corners from there; it gives equal margins.
 #include "present/camera.h"
 
 enum {
@@ -22,7 +23,7 @@ enum {
 #define NEAREST                                                                                    \
     2e-4 // of the diagonal: the eye comes no nearer, so that the near plane cuts nothing off
 
-/// In the camera's axes, from the middle of the box.
+/// Corners in camera axes, relative to the centre of the box.
 typedef struct corner_set {
     uint32_t count;
     stp_vec3d points[CORNERS];
@@ -30,7 +31,7 @@ typedef struct corner_set {
 
 typedef struct plane {
     stp_vec3d normal; ///< unit
-    double distance;  ///< from the middle of the box
+    double distance;  ///< from the centre of the box
 } plane;
 
 typedef struct camera_axes {
@@ -42,7 +43,7 @@ static camera_axes axes_of(const stp_view* view)
     camera_axes a;
     a.back = stp_normalized(stp_subd(view->eye, view->target));
     a.right = stp_crossd(stp_normalized(view->up), a.back);
-    if (!(stp_dotd(a.right, a.right) > 1e-12)) { // up says nothing
+    if (!(stp_dotd(a.right, a.right) > 1e-12)) { // up is parallel to the view direction
         stp_vec3d other = fabs(a.back.y) < 0.9 ? (stp_vec3d){0, 1, 0} : (stp_vec3d){0, 0, -1};
         a.right = stp_crossd(other, a.back);
     }
@@ -51,7 +52,7 @@ static camera_axes axes_of(const stp_view* view)
     return a;
 }
 
-/// The planes of a box and of sections. @return how many
+/// Planes of a box and of sections. @return their number
 static uint32_t make_planes(const stp_sections* sections, stp_vec3d center, stp_vec3d half,
                             plane planes[PLANES])
 {
@@ -74,7 +75,7 @@ static uint32_t make_planes(const stp_sections* sections, stp_vec3d center, stp_
     return count;
 }
 
-/// Where three planes meet. @return false where that is no single point
+/// Intersection of three planes. @return false if it is not a single point
 static bool meet(const plane* a, const plane* b, const plane* c, stp_vec3d* point)
 {
     stp_vec3d bc = stp_crossd(b->normal, c->normal);
@@ -95,7 +96,7 @@ static void add_corner(corner_set* set, const camera_axes* axes, stp_vec3d p)
         (stp_vec3d){stp_dotd(axes->right, p), stp_dotd(axes->up, p), stp_dotd(axes->back, p)};
 }
 
-/// The corners of what the planes leave.
+/// Corners of the clipped box.
 static void find_corners(const plane* planes, uint32_t count, double slack, const camera_axes* axes,
                          corner_set* set)
 {
@@ -122,7 +123,7 @@ static void make_corners(const stp_sections* sections, stp_vec3d center, stp_vec
     double slack = 1e-9 * sqrt(stp_dotd(half, half));
     set->count = 0;
     find_corners(planes, make_planes(sections, center, half, planes), slack, axes, set);
-    if (set->count == 0) { // nothing is left
+    if (set->count == 0) { // everything is clipped
         find_corners(planes, 6, slack, axes, set);
     }
 }
@@ -132,7 +133,7 @@ static double coordinate(stp_vec3d p, int axis)
     return axis == 0 ? p.x : p.y;
 }
 
-/// How far a point may be seen along an axis and against it: the A and B of above, at a slope.
+/// The A and B of above: extent along an axis and against it, at a slope.
 static void reach(const corner_set* set, int axis, double slope, double spread, double* a,
                   double* b)
 {
@@ -144,7 +145,7 @@ static void reach(const corner_set* set, int axis, double slope, double spread, 
     }
 }
 
-/// Where along an axis the eye stands in the middle of what it sees from depth `ez`.
+/// Position along an axis that centres the corners as seen from depth `ez`.
 static double center_along(const corner_set* set, int axis, double slope, double spread, double ez)
 {
     double low = 0.0, high = slope, a, b;
@@ -171,7 +172,7 @@ static stp_vec3d fit_perspective(const corner_set* set, const double slope[2], d
                        center_along(set, 1, slope[1], 0.0, ez), ez};
 }
 
-/// @return the height of the picture; the middle goes to `eye`
+/// @return the height of the picture; stores the centre in `eye`
 static double fit_parallel(const corner_set* set, double aspect, stp_vec3d* eye)
 {
     double a, b, sizes[2];
@@ -192,15 +193,15 @@ void stp_camera_fit(stp_view* view, const stp_boxd* box)
     camera_axes axes = axes_of(view);
     corner_set set;
     make_corners(&view->sections, center, half, &axes, &set);
-    stp_boxd left = stp_boxd_empty(); // in the camera's axes
+    stp_boxd left = stp_boxd_empty(); // in camera axes
     for (uint32_t i = 0; i < set.count; ++i) {
         stp_boxd_add(&left, set.points[i]);
     }
     stp_vec3d diagonal = stp_subd(left.max, left.min);
     double size = sqrt(stp_dotd(diagonal, diagonal));
-    double least = size > 0.0 ? NEAREST * size : 1.0; // a single point is seen from 1 unit away
+    double least = size > 0.0 ? NEAREST * size : 1.0; // a single point is viewed from 1 unit away
     double aspect = (double)view->width / (double)view->height;
-    aspect = view->eye_distance > 0.0 ? 0.5 * aspect : aspect; // each eye's half
+    aspect = view->eye_distance > 0.0 ? 0.5 * aspect : aspect; // half the picture per eye
     stp_vec3d eye = {0};
     if (view->ortho_height > 0.0) {
         double height = fit_parallel(&set, aspect, &eye);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Between two keys a cubic Hermite curve. Its slope at a key is that of the parabola through the key and its two
-// neighbours, (h2 d1 + h1 d2) / (h1 + h2) with d the slopes of the two spans and h their lengths in time: what the
-// Catmull-Rom spline has for knots that are not evenly spaced (Barry and Goldman 1988), and (p2 - p0) / 2 for those that
-// are. At the ends it is the span's own slope, as if the curve were mirrored there.
+// Interpolates between two keys with a cubic Hermite curve. The slope at a key is that of the
+// parabola through the key and its two neighbours, (h2 d1 + h1 d2) / (h1 + h2), with d the slopes
+// of the two spans and h their lengths in time. This is the Catmull-Rom spline for unevenly spaced
+// knots (Barry and Goldman 1988), and (p2 - p0) / 2 for even ones. At the ends it is the span's own
+// slope, as if the curve were mirrored there.
 #include "present/flight.h"
 
 #include "base/file.h"
@@ -12,13 +13,13 @@
 
 #include <string.h>
 
-static const double most_coordinate = 1e12; // so that nothing overflows on the way
+static const double most_coordinate = 1e12; // prevents overflow
 static const double least_span = 1e-6;      // seconds between keys
 
 typedef struct reader {
     stp_context* context;
     const char* name;
-    size_t key; ///< the one being read
+    size_t key; ///< index of the current key
 } reader;
 
 static stp_result fail_key(const reader* r, const char* member, const char* expected)
@@ -27,7 +28,7 @@ static stp_result fail_key(const reader* r, const char* member, const char* expe
                     member, expected);
 }
 
-// A number of the whole flight, or `missing`.
+// Reads a number of the whole flight, or `missing` if absent.
 static stp_result read_setting(const reader* r, const json_t* root, const char* member, double low,
                                double high, double missing, double* value)
 {
@@ -53,12 +54,7 @@ static stp_result read_vector(const reader* r, const json_t* key, const char* me
         good = json_is_number(number) && fabs(values[i]) <= most_coordinate;
     }
     *vector = (stp_vec3d){values[0], values[1], values[2]};
-    return good ? STP_OK : fail_key(r, member, "three numbers, none beyond 1e12");
-}
-
-static double length_of(stp_vec3d v)
-{
-    return sqrt(stp_dotd(v, v));
+    return good ? STP_OK : fail_key(r, member, "three numbers of at most 1e12 in size");
 }
 
 static stp_result read_key(const reader* r, const json_t* json, stp_flight_key* key)
@@ -75,12 +71,12 @@ static stp_result read_key(const reader* r, const json_t* json, stp_flight_key* 
     key->up = (stp_vec3d){0, 1, 0};
     if (result == STP_OK && json_object_get(json, "up") != NULL) {
         result = read_vector(r, json, "up", &key->up);
-        if (result == STP_OK && !(length_of(key->up) > 1e-12)) {
-            return fail_key(r, "up", "longer than 0");
+        if (result == STP_OK && !(stp_lengthd(key->up) > 1e-12)) {
+            return fail_key(r, "up", "a vector longer than 0");
         }
     }
-    if (result == STP_OK && !(length_of(stp_subd(key->target, key->eye)) > 1e-12)) {
-        return fail_key(r, "target", "elsewhere than \"eye\"");
+    if (result == STP_OK && !(stp_lengthd(stp_subd(key->target, key->eye)) > 1e-12)) {
+        return fail_key(r, "target", "different from \"eye\"");
     }
     key->up = stp_normalized(key->up);
     return result;
@@ -104,7 +100,7 @@ static stp_result read_keys(reader* r, const json_t* list, stp_flight* flight)
             return result;
         }
         if (r->key > 0 && !(key->t - key[-1].t >= least_span)) {
-            return fail_key(r, "t", "later than that of the key before");
+            return fail_key(r, "t", "greater than that of the previous key");
         }
     }
     flight->key_count = count;
@@ -133,8 +129,9 @@ stp_result stp_flight_parse(stp_context* context, const char* name, const unsign
 {
     *flight = (stp_flight){0};
     if (size > STP_FLIGHT_BYTES_MOST) {
-        return stp_fail(context, STP_ERROR_LIMIT, "%s: a flight has at most %zu bytes, not %zu",
-                        name, STP_FLIGHT_BYTES_MOST, size);
+        return stp_fail(context, STP_ERROR_LIMIT,
+                        "%s: a flight may have at most %zu bytes, this has %zu", name,
+                        STP_FLIGHT_BYTES_MOST, size);
     }
     json_t* root;
     stp_result result = stp_json_parse(context, name, bytes, size, &root);
@@ -171,10 +168,10 @@ void stp_flight_destroy(stp_context* context, stp_flight* flight)
 uint32_t stp_flight_frame_count(const stp_flight* flight, double fps)
 {
     double seconds = flight->keys[flight->key_count - 1].t - flight->keys[0].t;
-    return 1 + (uint32_t)(seconds * fps + 1e-6); // 2 s are 120 frames and one, however they round
+    return 1 + (uint32_t)(seconds * fps + 1e-6); // 2 s are 121 frames, however they round
 }
 
-// The last key that is not later than t, before the last of all.
+// The last key at or before t, but never the last of all.
 static size_t find_span(const stp_flight* flight, double t)
 {
     size_t low = 0, high = flight->key_count - 1; // keys[low].t <= t < keys[high].t
@@ -185,7 +182,8 @@ static size_t find_span(const stp_flight* flight, double t)
     return low;
 }
 
-// p are the points of the span's two keys and their neighbours, h the times between them; 0: there is none.
+// p: the points of the span's two keys and their neighbours; h: the times between them, 0 if a
+// neighbour is missing.
 static stp_vec3d interpolate(const stp_vec3d p[4], const double h[3], double u)
 {
     stp_vec3d slope = stp_scaled(stp_subd(p[2], p[1]), 1.0 / h[1]);
@@ -235,6 +233,6 @@ void stp_flight_look(const stp_flight* flight, double t, stp_view* view)
     view->eye = interpolate(eyes, h, u);
     view->target = interpolate(targets, h, u);
     stp_vec3d up = stp_addd(stp_scaled(k->up, 1.0 - u), stp_scaled(k[1].up, u));
-    // opposite ones have nothing between them
-    view->up = length_of(up) > 1e-6 ? stp_normalized(up) : u < 0.5 ? k->up : k[1].up;
+    // the mix of opposite vectors has no direction
+    view->up = stp_lengthd(up) > 1e-6 ? stp_normalized(up) : u < 0.5 ? k->up : k[1].up;
 }

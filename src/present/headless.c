@@ -42,7 +42,7 @@ static bool find_functions(void* library, egl* e)
     return e->get_display != NULL;
 }
 
-/// Whether a device's name is that of a program.
+/// Whether a device name belongs to a software renderer.
 static bool is_software_name(const char* name)
 {
     static const char* const names[] = {"llvmpipe", "softpipe", "swrast", "SwiftShader",
@@ -54,7 +54,7 @@ static bool is_software_name(const char* name)
     return software;
 }
 
-/// Without being asked to, a context does not tell that it was lost.
+/// Contexts report their loss only on request.
 static bool make_current(const egl* e, const stp_headless_desc* desc, bool tells_loss,
                          stp_headless* headless)
 {
@@ -83,13 +83,13 @@ static void let_go(const egl* e, stp_headless* headless)
         if (headless->context != EGL_NO_CONTEXT) {
             e->eglDestroyContext(headless->display, headless->context);
         }
-        // the display stays: its end would unload the driver, which then has lost what it keeps
+        // keep the display open: terminating it would unload the driver, which would leak its state
     }
     headless->display = EGL_NO_DISPLAY;
     headless->context = EGL_NO_CONTEXT;
 }
 
-/// A context on one display, where it is of the kind wanted.
+/// Creates a context on one display, if it is of the wanted kind.
 static bool try_display(const egl* e, const stp_headless_desc* desc, EGLenum platform, void* native,
                         stp_headless* headless)
 {
@@ -116,7 +116,7 @@ static bool try_display(const egl* e, const stp_headless_desc* desc, EGLenum pla
     return true;
 }
 
-/// The first device of hardware (or of software) that gives a context.
+/// Creates a context on the first hardware (or software) device that supports it.
 static bool try_devices(const egl* e, const stp_headless_desc* desc, bool software,
                         stp_headless* headless)
 {
@@ -140,10 +140,10 @@ const char* stp_headless_create(const stp_headless_desc* desc, stp_headless* hea
 {
     egl e;
     *headless = (stp_headless){0};
-    // never closed again: drivers do not survive being unloaded
+    // never closed: drivers do not survive unloading
     headless->library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
     if (headless->library == NULL) {
-        return "there is no libEGL.so.1 (Debian: libegl1)";
+        return "libEGL.so.1 was not found (Debian: libegl1)";
     }
     if (!find_functions(headless->library, &e)) {
         return "libEGL.so.1 lacks functions of EGL 1.5";
@@ -156,9 +156,9 @@ const char* stp_headless_create(const stp_headless_desc* desc, stp_headless* hea
     if (made) {
         return NULL;
     }
-    return desc->only_hardware ? "no graphics processor gives OpenGL 4.5 without a window"
-                               : "no device gives OpenGL 4.5 without a window (Debian: "
-                                 "libgl1-mesa-dri draws on the processor)";
+    return desc->only_hardware ? "no GPU offers OpenGL 4.5 without a window"
+                               : "no device offers OpenGL 4.5 without a window (Debian: "
+                                 "libgl1-mesa-dri renders on the CPU)";
 }
 
 void stp_headless_destroy(stp_headless* headless)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "present/json_text.h"
 
-#define PARSED_BYTES 64 // nearly, of the parser's own memory for a byte of text full of numbers
+#define PARSED_BYTES 64 // parser memory per byte of text, for text full of numbers
 
 stp_result stp_json_parse(stp_context* context, const char* name, const unsigned char* bytes,
                           size_t size, json_t** root)

@@ -3,11 +3,6 @@
 
 #include <stdio.h>
 
-static double length_of(stp_vec3d v)
-{
-    return sqrt(stp_dotd(v, v));
-}
-
 static double degrees(double radians)
 {
     return radians * (180.0 / STP_PI);
@@ -16,8 +11,8 @@ static double degrees(double radians)
 stp_distance stp_measure_distance(stp_vec3d from, stp_vec3d to)
 {
     stp_vec3d way = stp_subd(to, from);
-    stp_distance d = {.length = length_of(way), .height = way.y};
-    d.horizontal = length_of((stp_vec3d){way.x, 0, way.z});
+    stp_distance d = {.length = stp_lengthd(way), .height = way.y};
+    d.horizontal = stp_lengthd((stp_vec3d){way.x, 0, way.z});
     d.slope = d.length > 0.0 ? degrees(atan2(d.height, d.horizontal)) : 0.0;
     return d;
 }
@@ -26,11 +21,11 @@ double stp_measure_angle(stp_vec3d from, stp_vec3d corner, stp_vec3d to)
 {
     stp_vec3d a = stp_normalized(stp_subd(from, corner));
     stp_vec3d b = stp_normalized(stp_subd(to, corner));
-    if (length_of(a) == 0.0 || length_of(b) == 0.0) {
+    if (stp_lengthd(a) == 0.0 || stp_lengthd(b) == 0.0) {
         return 0.0;
     }
-    // exact near 0 and 180 degrees too, unlike the arc cosine (Kahan)
-    return degrees(2.0 * atan2(length_of(stp_subd(a, b)), length_of(stp_addd(a, b))));
+    // unlike the arc cosine, exact near 0 and 180 degrees too (Kahan)
+    return degrees(2.0 * atan2(stp_lengthd(stp_subd(a, b)), stp_lengthd(stp_addd(a, b))));
 }
 
 double stp_measure_area(const stp_vec3d* points, size_t count, double* circumference)
@@ -41,9 +36,9 @@ double stp_measure_area(const stp_vec3d* points, size_t count, double* circumfer
         stp_vec3d a = stp_subd(points[i], points[0]);
         stp_vec3d b = stp_subd(points[(i + 1) % count], points[0]);
         twice = stp_addd(twice, stp_crossd(a, b));
-        *circumference += length_of(stp_subd(b, a));
+        *circumference += stp_lengthd(stp_subd(b, a));
     }
-    return count >= 3 ? 0.5 * length_of(twice) : 0.0;
+    return count >= 3 ? 0.5 * stp_lengthd(twice) : 0.0;
 }
 
 stp_vec3d stp_measure_coordinates(const stp_measuring* measuring, stp_vec3d p)

@@ -4,20 +4,10 @@
 #include "present/camera.h"
 
 static const double quarter = 0.5 * STP_PI;
-static const double reaches_a_second = 0.6; // of flight
-static const double seeing_seconds = 0.35;  // until most of a new distance is taken in
+static const double reaches_a_second = 0.6; // flight speed
+static const double seeing_seconds = 0.35;  // time to adapt to most of a new distance
 static const double speed_step = 1.25, speed_least = 0.01, speed_most = 100.0;
-static const double alike = 3.0; // depths within such a factor are about the same
-
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
-static double length_of(stp_vec3d v)
-{
-    return sqrt(stp_dotd(v, v));
-}
+static const double alike = 3.0; // depths within this factor count as similar
 
 static double slope_of(const stp_navigator* n)
 {
@@ -26,7 +16,7 @@ static double slope_of(const stp_navigator* n)
 
 static void clamp_reach(stp_navigator* n)
 {
-    n->reach = clamp(n->reach, n->least_reach, n->most_reach);
+    n->reach = stp_clampd(n->reach, n->least_reach, n->most_reach);
 }
 
 stp_navigator_axes stp_navigator_get_axes(const stp_navigator* n)
@@ -57,7 +47,7 @@ void stp_navigator_init(stp_navigator* n, const stp_boxd* scene, uint32_t width,
 {
     stp_boxd unit = {{-1, -1, -1}, {1, 1, 1}};
     stp_boxd box = stp_boxd_is_empty(*scene) ? unit : *scene;
-    double size = length_of(stp_subd(box.max, box.min));
+    double size = stp_lengthd(stp_subd(box.max, box.min));
     size = size > 0.0 ? size : 1.0;
     *n = (stp_navigator){.fov_degrees = 60.0,
                          .speed = 1.0,
@@ -73,9 +63,9 @@ void stp_navigator_take(stp_navigator* n, const stp_view* view)
 {
     stp_vec3d gaze = stp_subd(view->eye, view->target), back = stp_normalized(gaze);
     n->eye = view->eye;
-    n->elevation = asin(clamp(back.y, -1.0, 1.0));
+    n->elevation = asin(stp_clampd(back.y, -1.0, 1.0));
     double flat = sqrt(back.x * back.x + back.z * back.z);
-    bool upright = flat < 1e-9; // the picture's up says where the front is
+    bool upright = flat < 1e-9; // then the picture's up gives the azimuth
     double side = back.y > 0.0 ? -1.0 : 1.0;
     n->azimuth = upright ? atan2(side * view->up.x, side * view->up.z) : atan2(back.x, back.z);
     n->roll = 0.0;
@@ -84,7 +74,7 @@ void stp_navigator_take(stp_navigator* n, const stp_view* view)
     n->roll = fabs(x) > 1e-9 * fabs(y) ? atan2(x, y) : y < 0.0 ? STP_PI : 0.0;
     n->fov_degrees = view->fov_degrees > 0.0 ? view->fov_degrees : n->fov_degrees;
     n->ortho_height = view->ortho_height;
-    n->reach = length_of(gaze);
+    n->reach = stp_lengthd(gaze);
     n->pivot = view->target;
     n->pivot_chosen = false;
     clamp_reach(n);
@@ -136,7 +126,7 @@ void stp_navigator_orbit(stp_navigator* n, double dx, double dy)
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     stp_vec3d offset = along(&axes, stp_subd(n->eye, n->pivot));
     n->azimuth = remainder(n->azimuth - dx * angle, 2.0 * STP_PI);
-    n->elevation = clamp(n->elevation + dy * angle, -quarter, quarter);
+    n->elevation = stp_clampd(n->elevation + dy * angle, -quarter, quarter);
     axes = stp_navigator_get_axes(n);
     n->eye = stp_addd(n->pivot, across(&axes, offset));
 }
@@ -172,10 +162,10 @@ void stp_navigator_choose_pivot(stp_navigator* n, stp_vec3d pivot)
 void stp_navigator_look(stp_navigator* n, double right, double down)
 {
     n->azimuth = remainder(n->azimuth - right, 2.0 * STP_PI);
-    n->elevation = clamp(n->elevation + down, -quarter, quarter);
+    n->elevation = stp_clampd(n->elevation + down, -quarter, quarter);
 }
 
-// A pivot that nobody chose is where one looks.
+// A pivot that was not chosen moves with the view.
 static void move(stp_navigator* n, stp_vec3d by)
 {
     n->eye = stp_addd(n->eye, by);
@@ -193,17 +183,18 @@ void stp_navigator_zoom(stp_navigator* n, stp_vec3d point, double factor)
 {
     stp_vec3d offset = stp_subd(n->eye, point);
     if (n->ortho_height > 0.0) {
-        double height = clamp(n->ortho_height * factor, n->least_reach, n->most_reach);
+        double height = stp_clampd(n->ortho_height * factor, n->least_reach, n->most_reach);
         factor = height / n->ortho_height;
         n->ortho_height = height;
-        // only sideways: how far the eye is does not matter, but for what it is to be when perspective comes back
+        // only sideways; the eye's distance matters only when switching back to perspective
         stp_navigator_axes axes = stp_navigator_get_axes(n);
         stp_vec3d o = along(&axes, offset);
         n->eye = stp_addd(point, across(&axes, (stp_vec3d){o.x * factor, o.y * factor, o.z}));
         n->reach *= factor;
     } else {
-        double distance = length_of(offset);
-        double wanted = clamp(distance * factor, n->least_reach, fmax(n->most_reach, distance));
+        double distance = stp_lengthd(offset);
+        double wanted =
+            stp_clampd(distance * factor, n->least_reach, fmax(n->most_reach, distance));
         factor = distance > 0.0 ? wanted / distance : 1.0;
         n->eye = stp_addd(point, stp_scaled(offset, factor));
         n->reach *= factor;
@@ -217,9 +208,9 @@ void stp_navigator_fly(stp_navigator* n, const double moves[3], double seconds, 
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     stp_vec3d by = stp_scaled(axes.right, moves[0] * step);
     by.y += moves[1] * step;
-    if (n->ortho_height > 0.0) { // forward means larger
+    if (n->ortho_height > 0.0) { // forward enlarges
         double height = n->ortho_height * exp(-moves[2] * step / n->reach);
-        n->ortho_height = clamp(height, n->least_reach, n->most_reach);
+        n->ortho_height = stp_clampd(height, n->least_reach, n->most_reach);
     } else {
         by = stp_subd(by, stp_scaled(axes.back, moves[2] * step));
     }
@@ -229,7 +220,7 @@ void stp_navigator_fly(stp_navigator* n, const double moves[3], double seconds, 
 void stp_navigator_see(stp_navigator* n, double distance, double seconds)
 {
     if (distance > 0.0 && isfinite(distance)) {
-        double wanted = clamp(distance, n->least_reach, n->most_reach);
+        double wanted = stp_clampd(distance, n->least_reach, n->most_reach);
         double part = 1.0 - exp(-seconds / seeing_seconds);
         n->reach *= pow(wanted / n->reach, part);
         clamp_reach(n);
@@ -238,7 +229,7 @@ void stp_navigator_see(stp_navigator* n, double distance, double seconds)
 
 void stp_navigator_change_speed(stp_navigator* n, double steps)
 {
-    n->speed = clamp(n->speed * pow(speed_step, steps), speed_least, speed_most);
+    n->speed = stp_clampd(n->speed * pow(speed_step, steps), speed_least, speed_most);
 }
 
 void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sections* sections)
@@ -255,12 +246,12 @@ void stp_navigator_frame(stp_navigator* n, const stp_boxd* box, const stp_sectio
                      .ortho_height = n->ortho_height};
     view.sections = sections != NULL ? *sections : view.sections;
     stp_camera_fit(&view, box);
-    double distance = length_of(stp_subd(view.eye, view.target));
+    double distance = stp_lengthd(stp_subd(view.eye, view.target));
     if (n->ortho_height > 0.0) {
-        n->ortho_height = clamp(view.ortho_height, n->least_reach, n->most_reach);
+        n->ortho_height = stp_clampd(view.ortho_height, n->least_reach, n->most_reach);
         distance = 0.5 * n->ortho_height / slope_of(n);
     }
-    distance = clamp(distance, n->least_reach, n->most_reach);
+    distance = stp_clampd(distance, n->least_reach, n->most_reach);
     n->eye = stp_addd(view.target, stp_scaled(axes.back, distance));
     n->reach = distance;
     n->pivot = stp_scaled(stp_addd(box->min, box->max), 0.5);
@@ -290,7 +281,7 @@ void stp_navigator_switch_projection(stp_navigator* n)
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     double x, y, depth;
     if (n->ortho_height > 0.0) {
-        // as far from the pivot as makes it as large as it is
+        // the distance from the pivot that keeps its size
         (void)stp_navigator_project(n, n->pivot, &x, &y, &depth);
         double wanted = 0.5 * n->ortho_height / slope_of(n);
         n->eye = stp_addd(n->eye, stp_scaled(axes.back, wanted - depth));
@@ -332,7 +323,7 @@ stp_navigator stp_navigator_mix(const stp_navigator* from, const stp_navigator* 
     n.ortho_height = between_sizes(from->ortho_height, to->ortho_height, part);
     n.fov_degrees = between(from->fov_degrees, to->fov_degrees, part);
     n.reach = between_sizes(from->reach, to->reach, part);
-    // what is looked at moves straight, and the eye is where distance and direction want it
+    // the pivot moves linearly; distance and direction determine the eye
     stp_navigator_axes a = stp_navigator_get_axes(from), b = stp_navigator_get_axes(to);
     stp_navigator_axes axes = stp_navigator_get_axes(&n);
     stp_vec3d start = stp_subd(from->eye, stp_scaled(a.back, from->reach));

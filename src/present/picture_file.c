@@ -41,8 +41,8 @@ static stp_result check_sides(stp_context* context, const stp_image* image, cons
         return STP_OK;
     }
     return stp_fail(context, STP_ERROR_LIMIT,
-                    "%s: the picture is of %ux%u pixels, but this format allows %u a side", path,
-                    image->width, image->height, limit);
+                    "%s: the picture has %ux%u pixels, but this format allows at most %u per side",
+                    path, image->width, image->height, limit);
 }
 
 static stp_result write_bytes(stp_context* context, const char* path, const void* bytes,
@@ -61,7 +61,7 @@ static stp_result write_bytes(stp_context* context, const char* path, const void
     return stp_file_writer_commit(writer);
 }
 
-// RGB, three bytes a pixel, over white. The caller's (stp_free); NULL where memory runs out.
+// Composites on white as RGB, three bytes per pixel. Free with stp_free; NULL if out of memory.
 static unsigned char* put_on_white(stp_context* context, const stp_image* image)
 {
     size_t count = (size_t)image->width * image->height;
@@ -111,7 +111,7 @@ static stp_result write_webp(stp_context* context, const stp_image* image, const
     size_t size = WebPEncodeLosslessRGBA(image->pixels, (int)image->width, (int)image->height,
                                          (int)image->width * 4, &bytes);
     if (size == 0) {
-        return stp_fail_memory(context); // the sides are within its limits
+        return stp_fail_memory(context); // the sides are within limits, so memory ran out
     }
     result = write_bytes(context, path, bytes, size);
     WebPFree(bytes);
@@ -129,6 +129,6 @@ stp_result stp_picture_write(stp_context* context, const stp_image* image, const
         return write_webp(context, image, path);
     default:
         return stp_fail(context, STP_ERROR_UNSUPPORTED,
-                        "%s: pictures are written as " STP_PICTURE_SUFFIXES, path);
+                        "%s: the file name must end in " STP_PICTURE_SUFFIXES, path);
     }
 }

@@ -16,7 +16,7 @@ static stp_vec3d corner_of(const stp_boxd* box, int corner)
                        (corner & 4) != 0 ? box->max.z : box->min.z};
 }
 
-/// Angle of a corner around the plane's normal, as seen from a middle.
+/// Angle of a corner around the plane's normal, seen from a centre point.
 static double angle_around(stp_vec3d corner, stp_vec3d middle, stp_vec3d normal)
 {
     int least = 0;
@@ -72,11 +72,11 @@ double stp_plane_drag(const stp_navigator* n, stp_vec3d anchor, stp_vec3d direct
     double pixel = stp_navigator_pixel(n, depth);
     stp_navigator_axes axes = stp_navigator_get_axes(n);
     double dx = to[0] - from[0], dy = to[1] - from[1];
-    // of a step along the direction, in pixels where it begins
+    // pixels per step along the direction, at its start
     double right = stp_dotd(axes.right, direction) / pixel;
     double down = -stp_dotd(axes.up, direction) / pixel;
     double away = -stp_dotd(axes.back, direction);
-    if (!(n->ortho_height > 0.0)) { // what goes away moves towards the middle of the picture
+    if (!(n->ortho_height > 0.0)) { // receding points move towards the centre of the picture
         right -= (x - 0.5 * (double)n->width) * away / depth;
         down -= (y - 0.5 * (double)n->height) * away / depth;
     }

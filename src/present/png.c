@@ -7,8 +7,8 @@
 #include <spng.h>
 
 #define PIXEL_LIMIT ((uint64_t)1 << 28)
-#define CHUNK_LIMIT ((size_t)1 << 24) // text, profiles and the like, which are not used
-#define DEFLATE_RATIO 1032            // most bytes that one byte of deflate can stand for
+#define CHUNK_LIMIT ((size_t)1 << 24) // limit on text and profiles, which are not used
+#define DEFLATE_RATIO 1032            // maximum compression ratio of deflate
 
 static stp_result fail_codec(stp_context* context, const char* name, int code)
 {
@@ -26,7 +26,7 @@ stp_result stp_png_encode(stp_context* context, const stp_image* image, const ch
         return stp_fail_memory(context);
     }
     return result == STP_OK ? STP_OK
-                            : stp_fail(context, result, "%s: PNG: %u x %u pixels cannot be written",
+                            : stp_fail(context, result, "%s: PNG: cannot write %u x %u pixels",
                                        name, image->width, image->height);
 }
 
@@ -52,7 +52,7 @@ stp_result stp_png_write(stp_context* context, const stp_image* image, const cha
     return result;
 }
 
-// A picture may not claim more pixels than its file can hold: memory stays in proportion to the
+// A picture may not claim more pixels than its file can hold: memory stays proportional to the
 // input.
 static stp_result check_size(stp_context* context, const char* name, const struct spng_ihdr* header,
                              size_t file_size)
@@ -60,8 +60,9 @@ static stp_result check_size(stp_context* context, const char* name, const struc
     static const unsigned channels[] = {1, 0, 3, 1, 2, 0, 4};
     uint64_t pixels = (uint64_t)header->width * header->height;
     if (pixels > PIXEL_LIMIT) {
-        return stp_fail(context, STP_ERROR_LIMIT, "%s: PNG: %u x %u pixels are more than 2^28",
-                        name, header->width, header->height);
+        return stp_fail(context, STP_ERROR_LIMIT,
+                        "%s: PNG: %u x %u pixels exceed the limit of 2^28", name, header->width,
+                        header->height);
     }
     uint64_t raw_bytes = pixels * channels[header->color_type] * header->bit_depth / 8;
     if (raw_bytes / DEFLATE_RATIO > file_size || !stp_image_believes(pixels, file_size)) {
@@ -92,8 +93,8 @@ static stp_result decode(stp_context* context, spng_ctx* codec, const char* name
         return stp_fail_memory(context);
     }
     code = spng_decode_image(codec, pixels, pixel_bytes, SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
-    code = code != 0 ? code
-                     : spng_decode_chunks(codec); // up to the end, so that a cut file is noticed
+    code =
+        code != 0 ? code : spng_decode_chunks(codec); // read to the end, to detect a truncated file
     if (code != 0) {
         stp_free(context, pixels);
         return fail_codec(context, name, code);

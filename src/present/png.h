@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Pictures to and from PNG files (libspng).
+// Reads and writes PNG files (libspng).
 #pragma once
 
 #include "base/context.h"
 
 #include <stipple/image.h>
 
-/// Writes aside and renames. The same bytes for the same picture.
+/// Writes to a temporary file and renames it. The same bytes for the same picture.
 STP_MUST_USE stp_result stp_png_write(stp_context* context, const stp_image* image,
                                       const char* path);
-/// Any PNG, as 8-bit RGBA. The pixels come from stp_alloc.
+/// Reads any PNG as 8-bit RGBA. The pixels come from stp_alloc.
 STP_MUST_USE stp_result stp_png_read(stp_context* context, const char* path, stp_image* image);
 
-/// The same to and from memory. `name` begins the message of a failure; the bytes are the caller's
-/// (stp_free).
+/// Encodes to memory. `name` begins the error message; the caller frees the bytes (stp_free).
 STP_MUST_USE stp_result stp_png_encode(stp_context* context, const stp_image* image,
                                        const char* name, unsigned char** bytes, size_t* size);
 /// @return STP_OK, STP_ERROR_FORMAT, STP_ERROR_LIMIT (more than 2^28 pixels),

@@ -13,7 +13,7 @@ stp_scale_bar stp_scale_bar_make(double pixel, double most_pixels)
     double power = pow(10.0, floor(log10(most)));
     for (int i = 0; i < 3; ++i) {
         double length = steps[i] * power;
-        // log10 may be off by a rounding: the tenth of the power is the last resort
+        // log10 may be off by one rounding: the tenth of the power is the last resort
         if (length <= most) {
             return (stp_scale_bar){length, length / pixel};
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The length of a scale bar: a round number that fits into the room there is.
+// Length of a scale bar: a round number that fits the available width.
 #pragma once
 
 typedef struct stp_scale_bar {
@@ -7,6 +7,6 @@ typedef struct stp_scale_bar {
     double pixels; ///< its width
 } stp_scale_bar;
 
-/// The longest bar of at most `most_pixels`, where a pixel is `pixel` units wide. No bar where either is not above 0 and
-/// finite.
+/// The longest bar of at most `most_pixels`, if a pixel is `pixel` units wide. No bar if either is
+/// not positive and finite.
 stp_scale_bar stp_scale_bar_make(double pixel, double most_pixels);

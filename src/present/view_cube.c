@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "present/view_cube.h"
 
-static const double least_facing = 0.12;    // below, a face is too narrow to click
-static const double straight = 0.9999;      // the camera looks at this side already
+static const double least_facing = 0.12;    // smaller faces are too narrow to click
+static const double straight = 0.9999;      // the camera already looks at this side
 static const double handle_distance = 2.45; // from the centre, in half edges
 static const double handle_apart =
     1.3; // nearer to the centre in the picture it is before or behind the faces
@@ -54,7 +54,7 @@ static bool is_in_face(const stp_view_cube_side* s, double x, double y)
     return left == 4 || right == 4;
 }
 
-/// The handle at a place, among those before or behind the faces. @return -1 where there is none
+/// The handle at a position, among those before or behind the faces. @return -1 if there is none
 static int find_handle(const stp_view_cube* cube, bool in_front, double x, double y)
 {
     for (int i = 0; i < STP_VIEW_CUBE_SIDES; ++i) {

@@ -47,7 +47,7 @@ void stp_viewpoints_destroy(stp_context* context, stp_viewpoints* viewpoints)
     *viewpoints = (stp_viewpoints){0};
 }
 
-/// A copy of a text that may be NULL. @return false where memory runs out (logged)
+/// Copies a text that may be NULL. @return false if out of memory (logged)
 static bool copy_text(stp_context* context, const char* text, char** copy)
 {
     *copy = NULL;
@@ -112,7 +112,7 @@ stp_result stp_viewpoints_add(stp_context* context, stp_viewpoints* viewpoints,
     if (views == NULL) {
         return viewpoints->count < STP_VIEWPOINTS_MOST
                    ? stp_fail_memory(context)
-                   : stp_fail(context, STP_ERROR_LIMIT, "there are at most %d viewpoints",
+                   : stp_fail(context, STP_ERROR_LIMIT, "a file holds at most %d viewpoints",
                               STP_VIEWPOINTS_MOST);
     }
     viewpoints->views = views;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The sidecar read: every member is checked, members that are not known are left out.
+// Reads the sidecar file. Every member is validated; unknown members are ignored.
 #include "base/file.h"
 #include "base/math.h"
 #include "present/json_text.h"
@@ -12,7 +12,7 @@ static const double most_coordinate = 1e18;
 typedef struct reader {
     stp_context* context;
     const char* name;
-    size_t view; ///< the one being read
+    size_t view; ///< index of the current view
 } reader;
 
 static stp_result fail_member(const reader* r, const char* member, const char* expected)
@@ -21,7 +21,7 @@ static stp_result fail_member(const reader* r, const char* member, const char* e
                     r->view, member, expected);
 }
 
-/// So many numbers of an array, none of them huge.
+/// Reads `count` numbers of an array, none of them huge.
 static bool read_numbers(const json_t* json, size_t count, double* numbers)
 {
     bool good = json_is_array(json) && json_array_size(json) == count;
@@ -44,7 +44,7 @@ static stp_result read_vector(const reader* r, const json_t* from, const char* m
     return STP_OK;
 }
 
-/// A number that may be missing (0).
+/// Reads an optional number (default 0).
 static stp_result read_number(const reader* r, const json_t* from, const char* member, double most,
                               double* number)
 {
@@ -56,7 +56,7 @@ static stp_result read_number(const reader* r, const json_t* from, const char* m
     return STP_OK;
 }
 
-/// A text; NULL where it is missing and need not be there.
+/// Reads a text; NULL if it is optional and missing.
 static stp_result read_text(const reader* r, const json_t* from, const char* member, bool needed,
                             char** text)
 {
@@ -172,7 +172,7 @@ static stp_result read_camera(const reader* r, const json_t* from, stp_viewpoint
                  : result;
     stp_vec3d gaze = stp_subd(view->target, view->eye);
     if (result == STP_OK && !(stp_dotd(gaze, gaze) > 0.0)) {
-        return fail_member(r, "target", "elsewhere than \"eye\"");
+        return fail_member(r, "target", "different from \"eye\"");
     }
     return result;
 }
@@ -207,7 +207,7 @@ static stp_result read_root(reader* r, const json_t* root, stp_viewpoints* viewp
         stp_viewpoint view = {0};
         stp_result result = read_view(r, json_array_get(list, r->view), &view);
         if (result == STP_OK && stp_viewpoints_find(viewpoints, view.name) != NULL) {
-            result = fail_member(r, "name", "another than those before");
+            result = fail_member(r, "name", "unique");
         }
         result = result == STP_OK ? stp_viewpoints_add(r->context, viewpoints, &view) : result;
         if (result != STP_OK) {
@@ -224,7 +224,7 @@ stp_result stp_viewpoints_parse(stp_context* context, const char* name, const un
     *viewpoints = (stp_viewpoints){0};
     if (size > STP_VIEWPOINTS_BYTES_MOST) {
         return stp_fail(context, STP_ERROR_LIMIT,
-                        "%s: a file of viewpoints has at most %zu bytes, not %zu", name,
+                        "%s: a viewpoints file may have at most %zu bytes, this has %zu", name,
                         STP_VIEWPOINTS_BYTES_MOST, size);
     }
     json_t* root;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The sidecar written, and read from where it lies.
+// Writes the sidecar file, and reads it from disk.
 #include "base/file.h"
 #include "present/viewpoints_internal.h"
 
@@ -79,7 +79,7 @@ static json_t* pack_annotations(const stp_viewpoint* view)
     return list;
 }
 
-/// Sets a list that is not empty. @return false where memory runs out
+/// Sets a list unless it is empty. @return false if out of memory
 static bool set_list(json_t* object, const char* member, json_t* list)
 {
     if (list != NULL && json_array_size(list) == 0) {
@@ -133,17 +133,17 @@ stp_result stp_viewpoints_write(stp_context* context, const char* path,
     json_t* root = pack_all(viewpoints);
     char* text = root != NULL ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
-    if (text == NULL) { // also where a text is not UTF-8, which nobody could read again
+    if (text == NULL) { // also if a text is not valid UTF-8, which no reader would accept
         return stp_fail(context, STP_ERROR_ARGUMENT,
-                        "%s: the viewpoints cannot be written as JSON: texts must be UTF-8", path);
+                        "%s: cannot write the viewpoints as JSON: texts must be UTF-8", path);
     }
     stp_file_writer* writer;
     size_t size = strlen(text);
     stp_result result =
         size <= STP_VIEWPOINTS_BYTES_MOST
             ? stp_file_writer_open(context, path, &writer)
-            : stp_fail(context, STP_ERROR_LIMIT, "%s: would have more than %zu bytes", path,
-                       STP_VIEWPOINTS_BYTES_MOST);
+            : stp_fail(context, STP_ERROR_LIMIT, "%s: the viewpoints file would exceed %zu bytes",
+                       path, STP_VIEWPOINTS_BYTES_MOST);
     if (result == STP_OK) {
         result = stp_file_writer_append(writer, text, size);
         result = result == STP_OK ? stp_file_writer_append(writer, "\n", 1) : result;

@@ -16,6 +16,6 @@ float stp_blue_noise_threshold(uint32_t key, uint32_t x, uint32_t y, uint32_t sa
     const uint32_t mask = STP_BLUE_NOISE_SIDE - 1;
     uint32_t column = (x + key) & mask, row = (y + (key >> 6)) & mask;
     uint32_t rank = blue_noise_ranks[row * STP_BLUE_NOISE_SIDE + column];
-    uint32_t step = (key >> 9 & 0x7FFF) * 2 + 1; // another for each surface: they are independent
+    uint32_t step = (key >> 9 & 0x7FFF) * 2 + 1; // per surface: they are independent
     return (float)((rank * 16 + 8 + sample * step) & 0xFFFF) * (1.0f / 65536.0f);
 }

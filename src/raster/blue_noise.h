@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: MIT
 //
-// A pattern of thresholds for transparent surfaces in motion: pixels whose threshold is below the opacity are drawn. Of any
-// opacity they are spread evenly (void-and-cluster, Ulichney 1993), and thresholds depend on the pixel, not on the time,
-// so that the pattern does not flicker. Each surface has the pattern shifted by its own key: what lies behind shows through
-// other pixels than what is in front.
+// Threshold pattern for transparent surfaces in motion: a pixel is drawn if its threshold is below
+// the opacity. For any opacity, the drawn pixels are evenly spread (void-and-cluster, Ulichney
+// 1993). Thresholds depend on the pixel, not on time, so the pattern does not flicker. Each surface
+// shifts the pattern by its own key, so that surfaces behind show through different pixels than
+// those in front.
 #pragma once
 
 #include <stdint.h>
 
 enum { STP_BLUE_NOISE_SIDE = 64 };
 
-/// Ranks 0 to 4095, row by row, on a torus.
+/// Ranks 0 to 4095, row by row, tileable.
 extern const uint16_t* const stp_blue_noise;
 
-/// The key of a surface: `seed` of the thing, `side` 0 to 5 the axis (and sign) of its normal, `cell` where it lies along it.
+/// Key of a surface. `seed`: of the object. `side`: 0 to 5, axis and sign of the normal. `cell`:
+/// position along that axis.
 uint32_t stp_blue_noise_key(uint32_t seed, uint32_t side, int32_t cell);
 
-/// 0 to 1. The thresholds of a pixel over many samples are spread evenly, too.
+/// Threshold, 0 to 1. The thresholds of a pixel over many samples are evenly spread, too.
 float stp_blue_noise_threshold(uint32_t key, uint32_t x, uint32_t y, uint32_t sample);

@@ -3,17 +3,17 @@
 
 #include <string.h>
 
-// Samples are taken as a picture takes them, between texels: so many a side of each texel, fewer of large levels.
+// Samples lie between texels, as in a rendered picture: a grid per texel, coarser for large levels.
 enum {
     SUBTEXELS = 8, ///< values are multiples of 1 / (255 * SUBTEXELS^2)
     VALUE_ONE = 255 * SUBTEXELS * SUBTEXELS,
-    FOUR_A_SIDE = 1 << 18, ///< texels of a level up to which it is sampled so
+    FOUR_A_SIDE = 1 << 18, ///< largest level with four samples per side and texel
     TWO_A_SIDE = 1 << 20,
-    ERRORS_IN_WHOLE = 50, ///< a level is used where all its shares are wrong by at most one 50th
+    ERRORS_IN_WHOLE = 50, ///< a level is used if all its shares are wrong by at most 1/50
 };
 
 typedef struct histogram {
-    uint64_t at_least[VALUE_ONE + 2]; ///< samples of this value and above
+    uint64_t at_least[VALUE_ONE + 2]; ///< samples with this value or more
     uint64_t all;
 } histogram;
 
@@ -22,7 +22,7 @@ static uint32_t wrapped_next(uint32_t i, uint32_t size, stp_texture_wrap how)
     return i + 1 < size ? i + 1 : how == STP_TEXTURE_REPEAT ? 0 : size - 1;
 }
 
-/// Adds the samples of one texel and its neighbours to the right and below.
+/// Adds the samples of the square of a texel and its neighbours to the right and below.
 static void add_samples(const uint32_t alpha[4], uint32_t side, uint64_t* counts)
 {
     uint32_t step = SUBTEXELS / side;
@@ -68,10 +68,10 @@ static uint64_t difference(uint64_t a, uint64_t b)
     return a > b ? a - b : b - a;
 }
 
-/// The smallest value of `level` that leaves a share of it closest to `wanted` of `all`.
+/// Smallest value of `level` that keeps a share closest to `wanted` of `all`.
 static uint32_t find_value(const histogram* level, uint64_t wanted, uint64_t all)
 {
-    uint32_t low = 0, high = VALUE_ONE + 1; // the first with a share no larger than wanted
+    uint32_t low = 0, high = VALUE_ONE + 1; // the first that keeps at most the wanted share
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
         if (level->at_least[middle] * all <= wanted * level->all) {
@@ -83,7 +83,7 @@ static uint32_t find_value(const histogram* level, uint64_t wanted, uint64_t all
     if (low == 0) {
         return 0;
     }
-    uint32_t lower = low - 1; // has too much: back to where that share begins
+    uint32_t lower = low - 1; // keeps too much: go back to where that share begins
     uint64_t much = difference(level->at_least[lower] * all, wanted * level->all);
     uint64_t little = difference(level->at_least[low] * all, wanted * level->all);
     if (little <= much) {
@@ -95,7 +95,7 @@ static uint32_t find_value(const histogram* level, uint64_t wanted, uint64_t all
     return lower;
 }
 
-/// Fills the cutoffs of a level. @return whether all of them leave about the share that they should
+/// Fills the cutoffs of a level. @return whether each keeps about the right share
 static bool fill_level(const histogram* whole, const histogram* level, float* out)
 {
     bool good = true;
@@ -104,7 +104,7 @@ static bool fill_level(const histogram* whole, const histogram* level, float* ou
         uint32_t value = find_value(level, wanted, whole->all);
         uint64_t apart = difference(level->at_least[value] * whole->all, wanted * level->all);
         good = good && apart * ERRORS_IN_WHOLE <= whole->all * level->all;
-        // between two values, so that rounding cannot tell them apart wrongly
+        // between two values, so that rounding cannot confuse them
         out[i] = ((float)value - 0.5f) * (1.0f / (float)VALUE_ONE);
     }
     return good;
@@ -153,7 +153,7 @@ bool stp_cutout_keeps(const stp_texture_pyramid* pyramid, stp_vec2 uv, float foo
     if (!(cutoff > 0.0f)) {
         return true;
     }
-    float step = cutoff / own * 255.0f; // of a texel at full size that is just kept
+    float step = cutoff / own * 255.0f; // in texels of level 0 at the cutoff
     if (!(step <= 255.0f)) {
         return false;
     }

@@ -1,31 +1,32 @@
 // SPDX-License-Identifier: MIT
 //
-// What hides splats: how near at least all pixels of a block are, in the picture's own view or that of a picture before.
+// Occlusion culling of splats: a lower bound on the nearness of all pixels in each block, from this
+// view or an earlier picture.
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { STP_RASTER_OCCLUDER_BLOCKS = 4 }; ///< what touches more of them a side is taken to be seen
+enum { STP_RASTER_OCCLUDER_BLOCKS = 4 }; ///< splats touching more blocks per side count as visible
 
 typedef struct stp_raster_occluder {
-    /// The least nearness of each block and of those right of it, below it, and both, row by row (stp_raster_make_windows);
-    /// 0: background shows.
+    /// Least nearness of each block and its neighbours to the right, below, and diagonal, row by
+    /// row (stp_raster_make_windows); 0: the background is visible.
     const float* windows;
     uint32_t columns;
-    uint32_t shift;      ///< a block is 2^shift pixels a side
+    uint32_t shift;      ///< a block is 2^shift pixels wide and high
     float width, height; ///< of the picture, pixels
     float matrix[3][4];  ///< object space to X, Y, W: pixel = X / W, Y / W; W is depth
     float pixel_scale;   ///< pixels per unit of x/z
-    float scale;         ///< object lengths times this are at most as long as they become
+    float scale;         ///< upper bound on the scale of object lengths
     float corner;        ///< distance over depth in a corner of the picture
     float near_distance; ///< nearness = near_distance / depth
-    float behind;        ///< what hides counts as if so many times farther
-    float apart;         ///< and splats as if so many radii nearer
+    float behind;        ///< factor on the distance of occluders
+    float apart;         ///< splats count as this many radii nearer
 } stp_raster_occluder;
 
-/// From the least nearness of each block.
+/// Builds the windows from the least nearness of each block.
 static inline void stp_raster_make_windows(const float* blocks, uint32_t columns, uint32_t rows,
                                            float* windows)
 {

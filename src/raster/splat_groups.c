@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/// The eye, or the gaze, in numbers of the grid.
+/// The eye, or the view direction in parallel projection, in grid coordinates.
 static void find_eye(const stp_raster_camera* camera, const stp_raster_splats* splats, float eye[3])
 {
     const float origin[3] = {splats->origin.x, splats->origin.y, splats->origin.z};
@@ -37,7 +37,7 @@ stp_raster_groups stp_raster_groups_make(const stp_raster_camera* camera,
     stp_splats_fold_row(camera->matrix.m[0], splats, groups.x);
     stp_splats_fold_row(camera->matrix.m[1], splats, groups.y);
     stp_splats_fold_row(camera->matrix.m[3], splats, groups.w);
-    for (int k = 0; k < 4; ++k) { // the picture with its margin begins at 0
+    for (int k = 0; k < 4; ++k) { // with its margin, the picture begins at 0
         groups.x[k] += frame->margin * groups.w[k];
         groups.y[k] += frame->margin * groups.w[k];
     }
@@ -54,7 +54,7 @@ bool stp_raster_drops_group(const stp_raster_groups* g, const stp_splat_group* g
         half[k] = 0.5f * ((float)group->high[k] - (float)group->low[k]);
         square += half[k] * half[k];
     }
-    // planes of the picture: what all of the box lies beyond
+    // culled if the whole box is beyond one plane of the picture
     float at[4] = {g->x[3], -g->x[3], g->y[3], -g->y[3]}, reach[4] = {0}, depth = g->w[3],
           deep = 0.0f;
     const float sides[4] = {0.0f, g->width, 0.0f, g->height};
@@ -79,7 +79,8 @@ bool stp_raster_drops_group(const stp_raster_groups* g, const stp_splat_group* g
     if (beyond || !g->one_sided || group->sine == 255) {
         return beyond;
     }
-    // all normals turn away from wherever the eye sees the box (as of clusters of triangles)
+    // culled if all normals face away from the eye, seen from anywhere in the box (as for clusters
+    // of triangles)
     float sine = (float)group->sine / 255.0f, along = 0.0f, length = 0.0f;
     float scale =
         1.0f / sqrtf((float)(group->axis[0] * group->axis[0] + group->axis[1] * group->axis[1] +

@@ -6,7 +6,7 @@
 
 enum { SIDE = STP_SPLAT_TEXTURE_SIDE };
 
-/// Of a texel's middle, -1 to 1.
+/// Centre of a texel, -1 to 1.
 static double place(int at)
 {
     return (2.0 * (double)at + 1.0) / (double)SIDE - 1.0;
@@ -41,14 +41,14 @@ static double read_pixel(const stp_image* image, bool opaque, uint32_t x, uint32
     return opaque ? luma : (double)p[3];
 }
 
-/// How much of pixel `at` lies in [low, high).
+/// Overlap of pixel `at` with [low, high).
 static double overlap(uint32_t at, double low, double high)
 {
     double begin = fmax((double)at, low), end = fmin((double)at + 1.0, high);
     return end > begin ? end - begin : 0.0;
 }
 
-/// The mean of the pixels below one texel, by area.
+/// Area-weighted mean of the pixels under one texel.
 static double average(const stp_image* image, bool opaque, int x, int y)
 {
     double wide = (double)image->width / (double)SIDE, high = (double)image->height / (double)SIDE;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// A texture of opacities for blended splats. It covers the rectangle around a splat's disk or ellipse, in the splat's plane,
-// and is read bilinearly. The opacity is the weight of the splat's colour (Dachsbacher et al. 2003, section 5).
+// Opacity texture for blended splats. It covers the bounding rectangle of a splat's disk or ellipse
+// in the splat's plane and is sampled bilinearly. The opacity is the weight of the splat's colour
+// (Dachsbacher et al. 2003, section 5).
 #pragma once
 
 #include <stipple/image.h>
@@ -15,18 +16,18 @@ typedef struct stp_splat_texture {
 /// exp(-2 r^2), r = 1 at the rim.
 stp_splat_texture stp_splat_texture_gaussian(void);
 
-/// Averages of an image's alpha, or of its luma if all of it is opaque. The image has pixels.
+/// Averages an image's alpha, or its luma if the image is opaque. The image must have pixels.
 stp_splat_texture stp_splat_texture_of_image(const stp_image* image);
 
-/// The mean opacity within the disk, 0 to 1: the weight of a splat of one pixel.
+/// Mean opacity within the disk, 0 to 1: the weight of a one-pixel splat.
 float stp_splat_texture_mean(const stp_splat_texture* texture);
 
-/// The opacity at (x, y), each -1 to 1 and clamped to that, 0 to 1.
+/// Opacity at (x, y), 0 to 1. Coordinates are clamped to -1 to 1.
 static inline float stp_splat_texture_read(const stp_splat_texture* texture, float x, float y)
 {
     const float side = (float)STP_SPLAT_TEXTURE_SIDE, last = side - 1.0f;
     float s = (0.5f * x + 0.5f) * side - 0.5f, t = (0.5f * y + 0.5f) * side - 0.5f;
-    s = s > 0.0f ? s : 0.0f; // also where it is not a number
+    s = s > 0.0f ? s : 0.0f; // also for NaN
     t = t > 0.0f ? t : 0.0f;
     s = s < last ? s : last;
     t = t < last ? t : last;

@@ -31,7 +31,8 @@ static void widen(const float row[4], double out[3])
     }
 }
 
-/// What a ball of unit projected radius reaches beyond the pixel of its centre, times W, against each side of the picture.
+/// How far a ball of unit projected radius reaches beyond its centre's pixel, times W, against each
+/// side of the picture.
 static void measure_sides(stp_splat_frame* frame)
 {
     float sides[4] = {-frame->center_x, (float)frame->target->width - frame->center_x,
@@ -105,7 +106,7 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
         frame->slope_constant = (float)(-dot3(n, vz) / square / s);
         return true;
     }
-    // W = factor * view z, X = factor * (s x + cx z): where the gaze meets the screen follows
+    // W = factor * view z, X = factor * (s x + cx z): gives where the view axis meets the screen
     double factor = dot3(w, vz) / square;
     if (!(factor > 0.0)) {
         return false;
@@ -115,7 +116,7 @@ bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* targ
     frame->center_y = (float)(dot3(y, vz) / square / factor);
     frame->inverse_scale = (float)(1.0 / s);
     frame->slope_factor = frame->inverse_scale;
-    // closer than so many radii
+    // nearer than this many radii
     double radii = 4.0 + 2.0 * (double)(frame->rim_depth + frame->back_depth);
     frame->near_w = (float)(radii * radius * factor);
     frame->far_w = (float)(-radius * factor);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splats with 256-bit vectors: two rows of four pixels of a small disk at once.
+// Splats with 256-bit vectors: two rows of four pixels of a small disk at a time.
 #include "raster/splats_kernel.h"
 
 #if defined(__AVX2__)
@@ -53,7 +53,7 @@ static inline uint32_t lanes_of(const splat_batch* batch, splat_kind kind)
     return (uint32_t)a | (uint32_t)b << 8;
 }
 
-/// splat_has_fragment for eight fragments: all bits set where they are there.
+/// splat_has_fragment for eight fragments: all bits set for those kept.
 static inline __m256i hash_fragments(uint32_t coverage, uint32_t index, __m256i dx, __m256i dy)
 {
     __m256i h = _mm256_set1_epi32((int)(index * 0x9E3779B1u + 0x7F4A7C15u));
@@ -68,7 +68,7 @@ static inline __m256i hash_fragments(uint32_t coverage, uint32_t index, __m256i 
     return _mm256_cmpgt_epi32(most, _mm256_srli_epi32(h, 24));
 }
 
-/// Evaluates disk `i` at eight pixels (u, v): all bits set where inside, and their depth bits.
+/// Evaluates disk `i` at eight pixels (u, v): all bits set for those inside, and their depth bits.
 static inline __m256i evaluate(const stp_splat_frame* f, const splat_batch* t, int i, __m256 u,
                                __m256 v, __m256i* bits)
 {
@@ -92,7 +92,7 @@ static inline __m256i evaluate(const stp_splat_frame* f, const splat_batch* t, i
     return _mm256_castps_si256(_mm256_cmp_ps(value, limit, _CMP_LE_OQ));
 }
 
-/// Of the fragments inside disk `i`, those in the part of it that is drawn.
+/// Clips the fragments inside disk `i` to its drawn part.
 static inline __m256i keep_cut(const splat_batch* t, int i, __m256 u, __m256 v, __m256i inside)
 {
     __m256 at = _mm256_add_ps(_mm256_mul_ps(_mm256_set1_ps(t->ex[i]), u),
@@ -102,8 +102,8 @@ static inline __m256i keep_cut(const splat_batch* t, int i, __m256 u, __m256 v, 
     return _mm256_and_si256(inside, _mm256_castps_si256(kept));
 }
 
-/// Puts four pixels where `inside` (32-bit masks) holds. Depth bits always begin with a set bit, so
-/// the signed comparison orders pixels as the unsigned one would, empty ones included.
+/// Stores four pixels where `inside` (32-bit masks) is set. Depth bits always begin with a set bit,
+/// so the signed comparison orders pixels like an unsigned one, including empty ones.
 static inline void store_four(uint64_t* pixel, __m128i bits, __m128i inside, __m256i id)
 {
     __m256i value = _mm256_or_si256(_mm256_slli_epi64(_mm256_cvtepu32_epi64(bits), 32), id);
@@ -113,7 +113,7 @@ static inline void store_four(uint64_t* pixel, __m128i bits, __m128i inside, __m
     _mm256_storeu_si256((__m256i_u*)pixel, _mm256_blendv_epi8(old, value, nearer));
 }
 
-/// A disk within 4 x 4 pixels, all of them in the target.
+/// Draws a disk within 4 x 4 pixels, all of them in the target.
 static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
 {
@@ -150,7 +150,7 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
     return fragments;
 }
 
-/// A disk of any box: eight columns at a time where they are in the box, the rest one by one.
+/// Draws a disk with any box: eight columns at a time while they fit, the rest one by one.
 static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i, uint32_t index)
 {
     const __m256i steps = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splats with 512-bit vectors: sixteen pixels of a small disk at once.
+// Splats with 512-bit vectors: sixteen pixels of a small disk at a time.
 #include "raster/splats_kernel.h"
 
 #if defined(__AVX512F__)
@@ -53,7 +53,7 @@ static inline __mmask16 hash_fragments(uint32_t coverage, uint32_t index, __m512
     return _mm512_cmplt_epu32_mask(_mm512_srli_epi32(h, 24), most);
 }
 
-/// Evaluates disk `i` at sixteen pixels (u, v); gives the mask of those inside and their depth
+/// Evaluates disk `i` at sixteen pixels (u, v). Returns the mask of those inside, and their depth
 /// bits.
 static inline __mmask16 evaluate(const stp_splat_frame* f, const splat_batch* t, int i, __m512 u,
                                  __m512 v, __m512i* bits)
@@ -78,7 +78,7 @@ static inline __mmask16 evaluate(const stp_splat_frame* f, const splat_batch* t,
     return _mm512_cmp_ps_mask(value, limit, _CMP_LE_OQ);
 }
 
-/// Of the fragments in a mask, those in the part of disk `i` that is drawn.
+/// Clips the fragments in a mask to the drawn part of disk `i`.
 static inline uint32_t keep_cut(const splat_batch* t, int i, __m512 u, __m512 v, uint32_t mask)
 {
     __m512 at = _mm512_add_ps(_mm512_mul_ps(_mm512_set1_ps(t->ex[i]), u),
@@ -87,7 +87,7 @@ static inline uint32_t keep_cut(const splat_batch* t, int i, __m512 u, __m512 v,
            _mm512_cmp_ps_mask(at, _mm512_set1_ps(t->high[i]), _CMP_LE_OQ);
 }
 
-/// A disk within 4 x 4 pixels, all of them in the target.
+/// Draws a disk within 4 x 4 pixels, all of them in the target.
 static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index)
 {
@@ -128,7 +128,7 @@ static inline uint64_t draw_small(const stp_splat_frame* f, const splat_batch* t
     return (uint64_t)__builtin_popcount(mask);
 }
 
-/// Eight pixels of a row.
+/// Stores eight pixels of a row.
 static inline void store_eight(uint64_t* pixel, __mmask8 mask, __m256i bits, __m512i id)
 {
     __m512i value = _mm512_or_si512(_mm512_slli_epi64(_mm512_cvtepu32_epi64(bits), 32), id);
@@ -136,7 +136,7 @@ static inline void store_eight(uint64_t* pixel, __mmask8 mask, __m256i bits, __m
     _mm512_mask_storeu_epi64(pixel, mask, _mm512_min_epu64(old, value));
 }
 
-/// A disk whose box is at most eight pixels wide, two rows at a time.
+/// Draws a disk at most eight pixels wide, two rows at a time.
 static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t, int i,
                                   uint32_t index, splat_box box)
 {
@@ -165,7 +165,7 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
             mask &= hash_fragments(coverage, f->seed + index, dx, dy);
         }
         fragments += (uint64_t)__builtin_popcount(mask);
-        // without asking whether there is anything: processors guess that wrong
+        // unconditional: the branch would be unpredictable
         store_eight(pixel, (__mmask8)mask, _mm512_castsi512_si256(bits), id);
         store_eight(pixel + (y + 1 < box.y1 ? f->target->stride : 0), (__mmask8)(mask >> 8),
                     _mm512_extracti64x4_epi64(bits, 1), id);
@@ -174,7 +174,7 @@ static inline uint64_t draw_eight(const stp_splat_frame* f, const splat_batch* t
     return fragments;
 }
 
-/// A disk of any box, sixteen columns at a time.
+/// Draws a disk with any box, sixteen columns at a time.
 static uint64_t draw_wide(const stp_splat_frame* f, const splat_batch* t, int i, uint32_t index)
 {
     const __m512i steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// How a vector variant goes through the splats, sixteen at a time. Included once by each variant, after its
-// own load_positions, load_normals (sixteen splats each), lanes_of, draw_small and draw_wide.
+// Main loop of the vector variants, sixteen splats at a time. Included once by each variant, after
+// its own load_positions, load_normals (sixteen splats each), lanes_of, draw_small and draw_wide.
 #pragma once
 
 #include "raster/splats_hidden.h"
 
-/// Draws splats first .. first + 15, of which `count` are there.
+/// Draws splats first .. first + 15; only the first `count` exist.
 static inline uint64_t draw_batch(const stp_splat_frame* f, splat_batch* t, uint32_t first,
                                   uint32_t count)
 {

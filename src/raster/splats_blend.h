@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// A splat filter, in two passes after the visibility buffer: first the plane that each pixel shows, that of its own splat;
-// then all splats whose planes agree with it are added up, weighted by how close to their centres the pixel lies
-// (Zwicker et al. 2001; Botsch et al. 2005).
+// A splat filter in two passes after the visibility buffer. The first stores the plane that each
+// pixel shows: that of its visible splat. The second sums all splats whose planes agree with it,
+// weighted by how close to their centres the pixel lies (Zwicker et al. 2001; Botsch et al. 2005).
 //
-// A plane is written by the one splat that is visible there. Sums are of whole numbers and additions atomic. So neither
-// depends on who does it when.
+// Only the visible splat writes a pixel's plane. Sums are integers and additions atomic. So neither
+// depends on the order of threads.
 #pragma once
 
 #include "raster/splat_texture.h"
@@ -15,42 +15,45 @@
 
 enum {
     STP_BLEND_COLORS = 16384, ///< values of a channel
-    STP_BLEND_WEIGHT = 64,    ///< in the middle of a disk
+    STP_BLEND_WEIGHT = 64,    ///< at the centre of a disk
 };
-/// Sums of weights up to here are of colours that cannot have overflowed.
+/// Up to this sum of weights, the colour sums cannot have overflowed.
 #define STP_BLEND_LIMIT (UINT32_MAX / STP_BLEND_COLORS)
 
-/// How far from a pixel's plane a splat's may lie there, in radii. What lies farther off is another thing.
+/// Tolerance between a pixel's plane and a splat's, in radii. Splats farther off belong to another
+/// surface.
 #define STP_BLEND_AWAY 1.5f
 
-/// What a pixel shows.
+/// Surface shown by a pixel.
 typedef struct stp_raster_plane {
-    uint32_t id;    ///< of the splat that is visible; UINT32_MAX: none
-    float nearness; ///< of its plane, at the pixel; FLT_MAX: not known
+    uint32_t id;    ///< of the visible splat; UINT32_MAX: none
+    float nearness; ///< of its plane, at the pixel; FLT_MAX: unknown
     float right,
-        down; ///< change of nearness a pixel; not numbers: a splat too small to have a plane
+        down; ///< change of nearness per pixel; NaN: a splat too small to have a plane
 } stp_raster_plane;
 
 typedef struct stp_raster_blend {
     uint32_t width, height;
-    stp_raster_plane* planes; ///< of each pixel
+    stp_raster_plane* planes; ///< one per pixel
     uint32_t first_id;        ///< of splat 0
     // For stp_raster_blend_splats:
     _Atomic uint64_t*
         sums; ///< two a pixel: red and green, blue and weight, the latter in the upper halves
-    /// The colours of up to 16 splats whose centres are at (x, y) on the screen: values below STP_BLEND_COLORS.
+    /// Returns the colours of up to 16 splats whose centres are at (x, y) on the screen: values
+    /// below STP_BLEND_COLORS.
     void (*colors)(void* user, uint32_t first, uint32_t count, const float* x, const float* y,
                    uint32_t (*out)[3]);
     void* user;
     const stp_splat_texture* texture; ///< of weights; NULL: nearly a Gaussian
 } stp_raster_blend;
 
-/// Fills in the planes of pixels that show one of the splats. Those that are hundreds of pixels wide or close to the eye are
-/// left out, here and below. `splats` as for stp_raster_draw_splats, without occluder and `hidden`.
+/// Stores the planes of pixels that show one of the splats. Splats hundreds of pixels wide or close
+/// to the eye are skipped, here and below. `splats` as for stp_raster_draw_splats, without occluder
+/// and `hidden`.
 void stp_raster_find_planes(const stp_raster_blend* blend, const stp_raster_camera* camera,
                             const stp_raster_splats* splats);
 
-/// Adds splats to the pixels whose planes they belong to. An occluder may be made of the planes' nearness, where splats count as
-/// STP_BLEND_AWAY radii nearer.
+/// Adds splats to the pixels whose planes they match. An occluder may be built from the planes'
+/// nearness, with splats counting as STP_BLEND_AWAY radii nearer.
 void stp_raster_blend_splats(const stp_raster_blend* blend, const stp_raster_camera* camera,
                              const stp_raster_splats* splats);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The splat filter with 256-bit vectors, where the compiler makes them of its loops.
+// The splat filter, auto-vectorised to 256 bits.
 #include "raster/splats_blend_kernel.h"
 
 void stp_splats_blend_avx2(const stp_raster_blend* blend, const stp_raster_camera* camera,

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: MIT
 //
-// The splat filter, which every variant compiles for its own processor: splats are set up sixteen at a time by plain loops,
-// as in splats_kernel.h. All variants give the same bits.
+// The splat filter, compiled by every variant for its own instruction set. Plain loops set up
+// sixteen splats at a time, as in splats_kernel.h. All variants give the same bits.
 #pragma once
 
 #include "raster/splats_blend.h"
 #include "raster/splats_hidden.h"
 
-// The cosine of how far from a pixel's plane a splat's may be turned. What is turned farther is another side of a thing: walls
-// do not run into the ground they stand on.
+// Minimum cosine between a pixel's plane and a splat's. A larger angle means another surface: walls
+// do not blend into the ground they stand on.
 #define ALIKE 0.4f
 
-/// A batch that is being added.
+/// The batch being added.
 typedef struct blend_batch {
     const stp_raster_blend* blend;
     const stp_splat_frame* frame;
     splat_batch t;
     uint32_t first, count;
-    bool adds;          ///< or else finds planes
-    float tiny_opacity; ///< of a splat of one pixel
+    bool adds;          ///< else it stores planes
+    float tiny_opacity; ///< opacity of a one-pixel splat
     bool has_colors;
     uint32_t colors[SPLAT_BATCH][3];
 } blend_batch;
 
-/// Adds one fragment; the batch's colours are asked for with its first.
+/// Adds one fragment. The first fragment of a batch loads its colours.
 static void add_fragment(blend_batch* b, uint32_t i, size_t at, uint32_t weight)
 {
     const stp_raster_blend* blend = b->blend;
@@ -49,13 +49,13 @@ static bool has_fragment(const blend_batch* b, uint32_t i, int32_t x, int32_t y)
            splat_has_fragment(coverage, b->frame->seed + index, x - b->t.cx[i], y - b->t.cy[i]);
 }
 
-/// The step of nearness that is a pixel's side of depth.
+/// Step of nearness that equals a pixel's size in depth.
 static float find_side(const stp_splat_frame* f, float nearness)
 {
     return fabsf(nearness * f->slope_factor + f->slope_constant);
 }
 
-/// The normal of a plane with these slopes that is met by a ray (x, y, 1), of any length.
+/// Normal of a plane with these slopes, hit by a ray (x, y, 1); not normalised.
 typedef struct slope_normal {
     float x, y, z;
 } slope_normal;
@@ -69,10 +69,10 @@ static bool is_turned(slope_normal a, slope_normal b)
 {
     float both = a.x * b.x + a.y * b.y + a.z * b.z;
     float squares = (a.x * a.x + a.y * a.y + a.z * a.z) * (b.x * b.x + b.y * b.y + b.z * b.z);
-    return both < 0.0f || both * both < ALIKE * ALIKE * squares; // never of what has no slopes
+    return both < 0.0f || both * both < ALIKE * ALIKE * squares; // never for planes without slopes
 }
 
-/// A fragment of a disk or of a single pixel; `opacity` is 0 to 1.
+/// Adds a fragment of a disk or of a single pixel; `opacity` is 0 to 1.
 static void blend_fragment(blend_batch* b, uint32_t i, int32_t x, int32_t y, float nearness,
                            float opacity)
 {
@@ -104,10 +104,10 @@ static void blend_fragment(blend_batch* b, uint32_t i, int32_t x, int32_t y, flo
     }
 }
 
-/// How a texture lies on a disk or an ellipse.
+/// Texture coordinates on a disk or an ellipse.
 typedef struct splat_map {
-    splat_line larger, smaller; ///< axes, over their radii
-    float right, down;          ///< change of 1 / depth a pixel, of 1 in the middle
+    splat_line larger, smaller; ///< axes divided by their radii
+    float right, down;          ///< change of 1 / depth per pixel, relative to the centre
 } splat_map;
 
 static splat_map map_texture(const blend_batch* b, int i)
@@ -202,7 +202,7 @@ static void blend_lanes(blend_batch* b)
     }
 }
 
-/// Adds splats to sums, or finds planes.
+/// Adds splats to sums, or stores planes.
 static inline void blend_all(const stp_raster_blend* blend, const stp_raster_camera* camera,
                              const stp_raster_splats* splats, bool adds)
 {

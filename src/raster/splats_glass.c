@@ -4,13 +4,15 @@
 #include "raster/blue_noise.h"
 #include "raster/splats_squares_kernel.h"
 
-/// Splats of one call; the coverages, of which the frame's copy of them knows nothing, so that disks are whole.
+/// Splats of one call and their coverages. The frame's copy of the splats has no coverages, so
+/// disks are whole.
 struct stp_glass_splats {
     const stp_raster_splats* splats;
     const stp_raster_glass* glass;
 };
 
-/// The largest component of a normal, and where the splat lies along that axis: the same all over a plane.
+/// Axis of the normal's largest component and the splat's cell along that axis: constant over a
+/// plane.
 static uint32_t find_key(const struct stp_glass_splats* g, uint32_t index)
 {
     const int8_t* code = g->splats->normals + 2 * (size_t)index;
@@ -37,7 +39,7 @@ bool stp_glass_store(const stp_splat_frame* frame, uint32_t index, int32_t x, in
         }
     } else {
         uint32_t part = splat_part(g->splats, index);
-        float opacity = stp_glass_opacity(part < 255 ? part : 255) * g->glass->share; // cut: whole
+        float opacity = stp_glass_opacity(part < 255 ? part : 255) * g->glass->share;
         if (opacity <= stp_blue_noise_threshold(find_key(g, index), (uint32_t)x, (uint32_t)y,
                                                 g->glass->sample)) {
             return false;

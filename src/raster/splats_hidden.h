@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// What an occluder hides of splats, sixteen at a time: plain loops without branches, which compilers turn into vector code.
+// Occlusion test of splats, sixteen at a time: branch-free loops, which compilers vectorise.
 #pragma once
 
 #include "raster/splats_kernel.h"
 
-/// Of each splat of a batch: what blocks of the occluder it may touch, and how near they must be to hide it.
+/// For each splat of a batch: the blocks of the occluder it may touch, and the nearness at which
+/// they hide it.
 typedef struct splat_blocks {
     float left[SPLAT_BATCH], top[SPLAT_BATCH], right[SPLAT_BATCH], bottom[SPLAT_BATCH];
     float nearest[SPLAT_BATCH];
-    float least[SPLAT_BATCH]; ///< of the windows that it touches
+    float least[SPLAT_BATCH]; ///< over the windows that it touches
     int32_t asked[SPLAT_BATCH];
     int32_t first[SPLAT_BATCH], across[SPLAT_BATCH],
         down[SPLAT_BATCH]; ///< index of a window, and steps to the last ones
@@ -20,7 +21,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
 {
     const stp_raster_occluder* o = f->splats->occluder;
     float right = o->width - 1.0f, bottom = o->height - 1.0f, inverse_scale = 1.0f / o->pixel_scale;
-    float apart = o->apart, half = 0.5f * inverse_scale; // splats count as half a pixel at least
+    float apart = o->apart, half = 0.5f * inverse_scale; // splats count as at least half a pixel
     float wider = 1.1f * o->corner, near = o->near_distance, least = near * o->behind;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         float x = t->px[i], y = t->py[i], z = t->pz[i];
@@ -35,7 +36,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
         float radius = f->occluder_radius * inverse * t->own[i];
         float ratio = radius * inverse_scale; // radius over depth
         float extent = radius * wider + 0.51f;
-        // within a twelfth of its depth, 1 / (1 - ratio) is less than 1 + 1.1 ratio and than 1.1
+        // for a ratio up to a twelfth, 1 / (1 - ratio) is below 1 + 1.1 ratio and below 1.1
         k->nearest[i] = least * inverse * (1.0f + 1.1f * ratio) * (1.0f + apart * (ratio + half));
         float x0 = sx - extent, y0 = sy - extent, x1 = sx + extent, y1 = sy + extent;
         int32_t asked = (int32_t)(W > near) & (int32_t)(ratio < 0.08f) & (int32_t)(x1 >= 0.0f) &
@@ -52,7 +53,7 @@ static inline void find_extents(const stp_splat_frame* restrict f, const splat_b
     }
 }
 
-/// Windows are two blocks a side: those at the corners of up to four blocks a side cover them.
+/// Windows are two blocks wide and high: those at the corners cover up to four blocks per side.
 static inline void find_windows(const stp_raster_occluder* o, splat_blocks* restrict k)
 {
     int32_t columns = (int32_t)o->columns;
@@ -84,7 +85,7 @@ static inline void look_up_windows(const stp_raster_occluder* o, splat_blocks* r
     }
     for (int i = 0; i < SPLAT_BATCH; ++i) {
         if (k->asked[i] == 0) {
-            continue; // may reach beyond the last row
+            continue; // may extend beyond the last row
         }
         const float* at = windows + k->first[i];
         float a = at[k->across[i]], b = at[k->down[i]], c = at[k->down[i] + k->across[i]];
@@ -94,7 +95,7 @@ static inline void look_up_windows(const stp_raster_occluder* o, splat_blocks* r
     }
 }
 
-/// Finds which splats of a batch (by their positions) the occluder hides: 1 or 0 in `asked`.
+/// Finds which splats of a batch the occluder hides, from their positions: 1 or 0 in `asked`.
 static inline void find_hidden(const stp_splat_frame* restrict f, const splat_batch* restrict t,
                                splat_blocks* restrict k)
 {
@@ -106,7 +107,7 @@ static inline void find_hidden(const stp_splat_frame* restrict f, const splat_ba
     }
 }
 
-/// Of the splats of a batch, makes hidden those that the occluder hides.
+/// Marks the splats of a batch that the occluder hides as hidden.
 static inline void drop_hidden(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
     splat_blocks k;
@@ -118,7 +119,7 @@ static inline void drop_hidden(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
-/// Leaves of a projected batch what is wanted and not hidden. Splats `first` to `first` + 15.
+/// Removes unwanted and hidden splats from a projected batch. Splats `first` to `first` + 15.
 static inline void pick_batch(const stp_splat_frame* restrict f, splat_batch* restrict t,
                               uint32_t first, uint32_t count)
 {
@@ -139,13 +140,13 @@ static inline void pick_batch(const stp_splat_frame* restrict f, splat_batch* re
     }
 }
 
-/// Splats that wait until there are sixteen of them.
+/// Splats queued until there are sixteen.
 typedef struct waiting_splats {
     uint32_t index[SPLAT_BATCH];
     uint32_t count;
 } waiting_splats;
 
-/// Clears the bits of those that the occluder hides.
+/// Clears the bits of queued splats that the occluder hides.
 static inline void ask_waiting(const stp_splat_frame* f, waiting_splats* w, uint16_t* bits)
 {
     const uint16_t* positions = f->splats->positions;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// The parts of the splat raster that every variant compiles for its own processor: sixteen splats
-// are set up at a time by plain loops, which compilers turn into vector code, and then drawn one by
-// one by the variant's own `draw_block`. All arithmetic is single IEEE operations in a fixed order:
+// The parts of the splat rasteriser that every variant compiles for its own instruction set. Plain
+// loops set up sixteen splats at a time, which compilers vectorise; then the variant's own
+// `draw_block` draws them one by one. All arithmetic is single IEEE operations in a fixed order, so
 // all variants give the same bits.
 //
 // A disk at view direction a = (ax, ay, 1) with normal n, D = n.a, projected radius R pixels and
 // focal length s pixels covers the pixel at (u, v) from its centre where, with G = nx u + ny v and
 // L = |a|^2,
 //     D^2 (u^2 + v^2) - 2 D G (ax u + ay v) + G^2 L  <=  R^2 (D + G / s)^2
-// which is the ray-plane test multiplied out: no ray is ever made. 1/depth is (1 + G / (D s)) /
+// This is the ray-plane test multiplied out, so no ray is needed. 1/depth is (1 + G / (D s)) /
 // depth.
 #pragma once
 
@@ -21,24 +21,24 @@
 
 enum {
     SPLAT_BATCH = 16,
-    SPLAT_BLOCK = 4,         ///< disks within this many pixels a side are drawn at once
+    SPLAT_BLOCK = 4,         ///< disks of at most this width and height are drawn as one block
     SPLAT_EXTENT_LIMIT = 512 ///< half a side; larger disks are drawn in double precision
 };
 
 #define SPLAT_LEAST_NEARNESS 1e-30f
-#define SPLAT_FAR 1e6f ///< pixels: centres are brought within it, so that they fit a whole number
+#define SPLAT_FAR 1e6f ///< pixels: centres are clamped to it, so that they fit an integer
 
 typedef enum splat_kind {
-    SPLAT_NONE,   ///< not in the picture
-    SPLAT_PIXEL,  ///< the centre's pixel only
-    SPLAT_DISK,   ///< to be classified further
+    SPLAT_NONE,   ///< outside the picture
+    SPLAT_PIXEL,  ///< only the centre's pixel
+    SPLAT_DISK,   ///< not classified further yet
     SPLAT_SMALL,  ///< within a block of 4 x 4 pixels inside the target
     SPLAT_WIDE,   ///< larger, or across the border of the target
     SPLAT_LARGE,  ///< close to the eye or very large
     SPLAT_HIDDEN, ///< behind the occluder
 } splat_kind;
 
-/// What a call needs, worked out once.
+/// Constants of a call.
 typedef struct stp_splat_frame {
     const stp_raster_target* target;
     const stp_raster_splats* splats;
@@ -48,34 +48,34 @@ typedef struct stp_splat_frame {
     float x[4], y[4], n[4], w[4]; ///< rows of the raster matrix after the position grid
     float turn[3][3];             ///< view rotation without its scale
     float radius_px;              ///< projected radius times W
-    float pixels;                 ///< what is added to the projected radius
-    float center_x, center_y;     ///< where the gaze meets the screen
+    float pixels;                 ///< added to the projected radius
+    float center_x, center_y;     ///< where the view axis meets the screen
     float inverse_scale;          ///< 1 / pixel_scale; 0 in parallel projection
     float slope_factor,
         slope_constant;          ///< change of nearness a pixel: factor * nearness + constant
     float rim_depth, back_depth; ///< in radii
-    float near_w, far_w;         ///< a disk with far_w < W < near_w is close to the eye
-    float nearest, farthest;     ///< W of what is drawn
+    float near_w, far_w;         ///< disks with far_w < W < near_w are close to the eye
+    float nearest, farthest;     ///< range of W that is drawn
     float nearness_limit;
     float beside[4];       ///< length of a step from a ball's centre to each side, per radius
     float occluder[3][4];  ///< rows of the occluder's matrix after the position grid
     float occluder_radius; ///< projected radius times its W
-    uint32_t seed;         ///< added to a splat's index where holes are hashed
+    uint32_t seed;         ///< added to a splat's index in the hash for holes
     const struct stp_glass_splats*
         glass; ///< NULL, or how transparent splats are drawn (splats_glass.c)
 } stp_splat_frame;
 
-/// Sixteen splats. Lanes that are not drawn hold whatever they hold.
+/// Sixteen splats. Lanes that are not drawn are undefined.
 typedef struct splat_batch {
     float px[SPLAT_BATCH], py[SPLAT_BATCH], pz[SPLAT_BATCH]; ///< grid or object position
-    int32_t part[SPLAT_BATCH];                               ///< of the disk that is drawn, of 255
-    int32_t halvings[SPLAT_BATCH]; ///< of the radius: what is wanted, then what was done
-    float size[SPLAT_BATCH];       ///< of 1, to which that makes the radius
-    float own[SPLAT_BATCH];        ///< times the frame's radius: a splat's own; else 1
-    uint32_t stretched;            ///< a bit for each lane that is no disk
-    float stretch[SPLAT_BATCH];    ///< of those: stp_shape_stretch
+    int32_t part[SPLAT_BATCH];                               ///< drawn share of the disk, of 255
+    int32_t halvings[SPLAT_BATCH]; ///< of the radius: first the wanted number, then the actual one
+    float size[SPLAT_BATCH];       ///< resulting factor on the radius
+    float own[SPLAT_BATCH];        ///< the splat's own factor on the frame's radius; else 1
+    uint32_t stretched;            ///< one bit per lane: not a disk
+    float stretch[SPLAT_BATCH];    ///< stp_shape_stretch of those
     stp_shape_axis smaller[SPLAT_BATCH];
-    uint32_t cuts;             ///< a bit for each lane whose disk is cut
+    uint32_t cuts;             ///< one bit per lane: the disk is clipped
     uint8_t code[SPLAT_BATCH]; ///< of those
     float ex[SPLAT_BATCH], ey[SPLAT_BATCH], low[SPLAT_BATCH],
         high[SPLAT_BATCH];                  ///< of those: low <= ex * u + ey * v <= high
@@ -92,7 +92,7 @@ typedef struct splat_batch {
     float rim[SPLAT_BATCH];   ///< loss of nearness towards the rim, by value of the conic
 } splat_batch;
 
-/// A row of a matrix after position = origin + step * value.
+/// Transforms a row of a matrix by position = origin + step * value.
 void stp_splats_fold_row(const float row[4], const stp_raster_splats* splats, float out[4]);
 
 typedef uint64_t (*splat_kernel)(const stp_splat_frame* frame);
@@ -100,25 +100,25 @@ uint64_t stp_splats_draw_portable(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_avx2(const stp_splat_frame* frame);
 uint64_t stp_splats_draw_avx512(const stp_splat_frame* frame);
 
-/// stp_raster_ask_splats for a frame of which only what the occluder needs is made.
+/// stp_raster_ask_splats, for a frame with only the fields the occluder needs.
 bool stp_splats_ask_portable(const stp_splat_frame* frame, uint16_t* bits);
 bool stp_splats_ask_avx2(const stp_splat_frame* frame, uint16_t* bits);
 bool stp_splats_ask_avx512(const stp_splat_frame* frame, uint16_t* bits);
 void stp_splats_ask_frame(stp_splat_frame* frame, const stp_raster_splats* splats);
 
-/// Draws splat `index` with every pixel's ray in double precision.
+/// Draws splat `index` with a ray per pixel in double precision.
 uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index);
 /// Draws all splats as squares.
 uint64_t stp_splats_draw_squares(const stp_splat_frame* frame);
-/// Draws a fragment of a transparent splat of `frame->glass`. @return whether it is there
+/// Draws a fragment of a transparent splat of `frame->glass`. @return whether it was kept
 bool stp_glass_store(const stp_splat_frame* frame, uint32_t index, int32_t x, int32_t y,
                      float nearness);
 bool stp_splats_make_frame(stp_splat_frame* frame, const stp_raster_target* target,
                            uint32_t row_begin, uint32_t row_end, const stp_raster_camera* camera,
                            const stp_raster_splats* splats, uint32_t first_id);
 
-/// Whether a fragment of a splat with holes is there: a hash of the splat (index and seed) and of where in it the
-/// fragment lies, so that holes move with the surface.
+/// Whether a fragment of a splat with holes is kept. Hashes the splat (index and seed) and the
+/// fragment's place in it, so that holes move with the surface.
 static inline bool splat_has_fragment(uint32_t coverage, uint32_t index, int32_t dx, int32_t dy)
 {
     uint32_t h = index * 0x9E3779B1u + 0x7F4A7C15u;
@@ -130,7 +130,7 @@ static inline bool splat_has_fragment(uint32_t coverage, uint32_t index, int32_t
     return h >> 24 < coverage + (coverage >> 7);
 }
 
-/// How often the radius of a disk is halved, of which so little is drawn (of 255).
+/// How often to halve the radius of a disk with a small coverage (of 255).
 static inline uint32_t splat_halvings(uint32_t coverage)
 {
     return (uint32_t)(coverage < 64) + (uint32_t)(coverage < 16) + (uint32_t)(coverage < 4);
@@ -141,7 +141,8 @@ static inline uint8_t splat_code(const stp_raster_splats* splats, uint8_t code)
     return splats->plain_coverages ? stp_coverage_of_plain[code] : code;
 }
 
-/// What is drawn of a splat's disk, between those of two octaves: a share of 255, or, above SPLAT_CUT, a code that cuts.
+/// Coverage of a splat's disk, between those of two octaves: a share of 255 or, from SPLAT_CUT on,
+/// a clipping code.
 #define SPLAT_CUT 256u
 static inline uint32_t splat_part(const stp_raster_splats* splats, uint32_t index)
 {
@@ -161,13 +162,13 @@ static inline uint32_t splat_part(const stp_raster_splats* splats, uint32_t inde
     return stp_coverage_cuts(own) ? SPLAT_CUT + own : stp_coverage_share(own);
 }
 
-/// The part of its centre's pixel that is drawn of a splat that is cut, of 255.
+/// Share of its centre's pixel that a clipped splat draws, of 255.
 static inline uint32_t splat_cut_share(uint32_t part)
 {
     return (uint32_t)(stp_coverage_area((uint8_t)(part - SPLAT_CUT)) * 255.0f + 0.5f);
 }
 
-/// The part of a splat's pixels that is drawn, once its radius was halved so often; of 255.
+/// Share of a splat's pixels that is drawn after halving its radius, of 255.
 static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t part,
                                       int32_t halvings)
 {
@@ -175,7 +176,8 @@ static inline uint32_t splat_coverage(const stp_raster_splats* splats, uint32_t 
     return splats->share > 0.0f ? (uint32_t)((float)coverage * splats->share + 0.5f) : coverage;
 }
 
-/// Twice the radius, in pixels, that halving must leave. Another for each splat, so that not all shrink at one depth.
+/// Twice the radius, in pixels, that halving must leave. Varies per splat, so that not all shrink
+/// at the same depth.
 static inline float splat_least(uint32_t index)
 {
     return 1.5f + (float)(index * 0x9E3779B1u >> 24) * (1.5f / 256.0f);
@@ -222,7 +224,7 @@ static inline void load_normals_scalar(const stp_splat_frame* frame, uint32_t fi
     }
 }
 
-/// A batch of splats that are drawn whole, until load_parts says otherwise.
+/// A batch of fully drawn splats; load_parts may change them.
 static inline splat_batch empty_batch(void)
 {
     splat_batch batch = {.halvings = {0}};
@@ -233,7 +235,7 @@ static inline splat_batch empty_batch(void)
     return batch;
 }
 
-/// Halves the radius of one splat, in pixels, as often as is wanted and half of splat_least is left.
+/// Halves the radius of one splat, in pixels, as often as wanted while half of splat_least is left.
 static inline void halve_radius(const stp_splat_frame* f, uint32_t index, int i, splat_batch* t)
 {
     float W = ((f->w[0] * t->px[i] + f->w[1] * t->py[i]) + f->w[2] * t->pz[i]) + f->w[3];
@@ -246,7 +248,7 @@ static inline void halve_radius(const stp_splat_frame* f, uint32_t index, int i,
     t->halvings[i] = done;
 }
 
-/// Whether sixteen disks are all drawn whole.
+/// Whether sixteen disks are all drawn fully.
 static inline bool are_whole(const uint8_t* coverages)
 {
     uint64_t halves[2];
@@ -254,13 +256,13 @@ static inline bool are_whole(const uint8_t* coverages)
     return (halves[0] & halves[1]) == UINT64_MAX;
 }
 
-/// The shapes of splats `first` and after.
+/// Loads the shapes of splats `first` and after.
 static inline void load_shapes(const stp_splat_frame* f, uint32_t first, uint32_t count,
                                splat_batch* t)
 {
     const uint32_t* shapes = f->splats->shapes;
     if (shapes == NULL) {
-        return; // all are as in an empty batch
+        return; // keep the defaults of an empty batch
     }
     t->stretched = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -274,13 +276,13 @@ static inline void load_shapes(const stp_splat_frame* f, uint32_t first, uint32_
     }
 }
 
-/// How much of splats `first` and after is drawn, and of what size they are. Their positions and shapes are there.
+/// Loads the coverage and size of splats `first` and after. Requires their positions and shapes.
 static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t count,
                               splat_batch* t)
 {
     const stp_raster_splats* splats = f->splats;
     if (splats->coverages == NULL) {
-        return; // all is as in an empty batch
+        return; // keep the defaults of an empty batch
     }
     t->cuts = 0;
     if (count == SPLAT_BATCH && first >= splats->low_count &&
@@ -314,8 +316,8 @@ static inline void load_parts(const stp_splat_frame* f, uint32_t first, uint32_t
     }
 }
 
-/// Projects the centres and sorts splats into kinds. A disk of at most half a pixel covers no pixel
-/// centre but, perhaps, that of its own pixel: `tiny`.
+/// Projects the centres and classifies splats. A disk of at most half a pixel covers no pixel
+/// centre except perhaps that of its own pixel: `tiny`.
 static inline void project_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
     float width = (float)f->target->width;
@@ -353,7 +355,7 @@ static inline void project_batch(const stp_splat_frame* restrict f, splat_batch*
     }
 }
 
-/// Of the disks close to the eye, drops those that are wholly beside the picture.
+/// Drops disks close to the eye that are fully outside the picture.
 static inline void drop_beside(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
     float width = (float)f->target->width;
@@ -373,7 +375,7 @@ static inline void drop_beside(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
-/// The conic of each disk, its slope of nearness, and its box.
+/// Computes the conic of each disk, its slope of nearness, and its box.
 static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
     const float most = (float)SPLAT_EXTENT_LIMIT;
@@ -417,19 +419,19 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
         float ex2 = (ax * ax + 1.0f) - (nx - ax * nz) * (nx - ax * nz) / square;
         float ey2 = (ay * ay + 1.0f) - (ny - ay * nz) * (ny - ay * nz) / square;
         float grow = radius / (1.0f - ratio);
-        t->g_limit[i] = fabsf(slope) * grow; // from a radius before the centre to one behind it
-        depth[i] = fabsf(slope) * radius;    // a step of one radius along the gaze
+        t->g_limit[i] = fabsf(slope) * grow; // from one radius before the centre to one behind it
+        depth[i] = fabsf(slope) * radius;    // a step of one radius along the view axis
         away[i] = D;
         float ex = grow * sqrtf(ex2 > 0.0f ? ex2 : 0.0f) + 0.01f;
         float ey = grow * sqrtf(ey2 > 0.0f ? ey2 : 0.0f) + 0.01f;
         t->u0[i] = ex;
         t->v0[i] = ey;
         t->large[i] = 1 - ((int32_t)(ex < most) & (int32_t)(ey < most));
-        t->sx[i] = t->sx[i] > -SPLAT_FAR ? t->sx[i] : -SPLAT_FAR; // also where it is not a number
+        t->sx[i] = t->sx[i] > -SPLAT_FAR ? t->sx[i] : -SPLAT_FAR; // also for NaN
         t->sy[i] = t->sy[i] > -SPLAT_FAR ? t->sy[i] : -SPLAT_FAR;
     }
     float back = facing == 0 ? f->back_depth : 0.0f;
-    for (int i = 0; i < SPLAT_BATCH; ++i) { // apart: gcc vectorises neither when they are one
+    for (int i = 0; i < SPLAT_BATCH; ++i) { // separate loop: gcc vectorises neither if merged
         float behind = away[i] > 0.0f ? back : 0.0f;
         float moved = t->nearness[i] - behind * depth[i];
         t->nearness[i] = t->kind[i] == SPLAT_DISK ? moved : t->nearness[i];
@@ -437,10 +439,11 @@ static inline void shape_batch(const stp_splat_frame* restrict f, splat_batch* r
     }
 }
 
-/// A direction in a splat's plane on the screen: offsets (u, v) from the centre's pixel lie (ex u + ey v) along it.
+/// A direction in a splat's plane, on the screen: offset (u, v) from the centre's pixel is (ex u +
+/// ey v) along it.
 typedef struct splat_line {
     float ex, ey;
-    float square; ///< of the normal's part towards the eye (D of the conic)
+    float square; ///< of the normal's component towards the eye (D of the conic)
 } splat_line;
 
 static inline splat_line project_line(const stp_splat_frame* f, const splat_batch* t, int i,
@@ -466,8 +469,8 @@ static inline splat_line project_line(const stp_splat_frame* f, const splat_batc
     return (splat_line){dx - slide * nx, dy - slide * ny, D * D};
 }
 
-/// Makes ellipses of the disks of a batch that are stretched, exactly: with e = (ex, ey), the conic gains
-/// stretch D^2 (e . (u, v))^2. After shape_batch, where splats have normals.
+/// Turns the stretched disks of a batch into ellipses, exactly: with e = (ex, ey), the conic gains
+/// stretch D^2 (e . (u, v))^2. Call after shape_batch, if splats have normals.
 static inline void stretch_batch(const stp_splat_frame* f, splat_batch* t)
 {
     for (uint32_t lanes = t->stretched; lanes != 0; lanes &= lanes - 1) {
@@ -482,7 +485,7 @@ static inline void stretch_batch(const stp_splat_frame* f, splat_batch* t)
     }
 }
 
-/// The lines along which one disk is cut, on the screen; to first order about its centre.
+/// Clipping lines of one disk on the screen, to first order about its centre.
 static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
 {
     stp_disk_cut cut = stp_coverage_cut(t->code[i]);
@@ -494,7 +497,7 @@ static inline void cut_disk(const stp_splat_frame* f, splat_batch* t, int i)
     t->high[i] = cut.high;
 }
 
-/// Before centres are moved into whole numbers' range: after shape_batch.
+/// Call after shape_batch, before centres are clamped to the integer range.
 static inline void cut_batch(const stp_splat_frame* f, splat_batch* t)
 {
     for (uint32_t cuts = t->cuts; cuts != 0; cuts &= cuts - 1) {
@@ -505,14 +508,15 @@ static inline void cut_batch(const stp_splat_frame* f, splat_batch* t)
     }
 }
 
-/// Whether a fragment at (u, v) from its splat's centre is in the part of the disk that is drawn.
+/// Whether a fragment at (u, v) from its splat's centre is clipped away.
 static inline bool splat_is_cut_away(const splat_batch* t, int i, float u, float v)
 {
     float at = t->ex[i] * u + t->ey[i] * v;
     return (t->cuts >> i & 1u) != 0 && !(at >= t->low[i] && at <= t->high[i]);
 }
 
-/// Boxes from centres and extents (held in u0, v0), with the centre's pixel, so that none is empty.
+/// Boxes from centres and extents (stored in u0, v0). Each includes the centre's pixel, so none is
+/// empty.
 static inline void box_batch(splat_batch* restrict t)
 {
     const float most = (float)SPLAT_EXTENT_LIMIT, far = SPLAT_FAR;
@@ -532,7 +536,7 @@ static inline void box_batch(splat_batch* restrict t)
         t->sx[i] = sx;
         t->sy[i] = sy;
     }
-    for (int i = 0; i < SPLAT_BATCH; ++i) { // apart: gcc vectorises neither when they are one
+    for (int i = 0; i < SPLAT_BATCH; ++i) { // separate loop: gcc vectorises neither if merged
         int32_t cx = t->cx[i], cy = t->cy[i];
         int32_t x0 = t->x0[i] < cx ? t->x0[i] : cx, y0 = t->y0[i] < cy ? t->y0[i] : cy;
         t->x1[i] = t->x1[i] > cx ? t->x1[i] : cx;
@@ -544,7 +548,7 @@ static inline void box_batch(splat_batch* restrict t)
     }
 }
 
-/// The final kinds of disks.
+/// Final classification of disks.
 static inline void sort_batch(const stp_splat_frame* restrict f, splat_batch* restrict t)
 {
     int32_t width = (int32_t)f->target->width, top = f->row_begin, bottom = f->row_end;
@@ -563,8 +567,8 @@ static inline void sort_batch(const stp_splat_frame* restrict f, splat_batch* re
     }
 }
 
-/// One fragment of a disk: whether the pixel at (column, row) of its box is in it, and how near it
-/// is there.
+/// One fragment of a disk: whether the pixel at (column, row) of its box is inside, and its
+/// nearness.
 static inline bool disk_fragment(const stp_splat_frame* f, const splat_batch* t, int i,
                                  int32_t column, int32_t row, float* nearness)
 {
@@ -580,8 +584,7 @@ static inline bool disk_fragment(const stp_splat_frame* f, const splat_batch* t,
     return value <= limit;
 }
 
-/// The part of a splat's box that lies in the target's rows: begin and end of columns and rows, end
-/// exclusive.
+/// The part of a splat's box inside the target's rows, as half-open ranges of columns and rows.
 typedef struct splat_box {
     int32_t x0, y0, x1, y1;
 } splat_box;
@@ -637,8 +640,7 @@ static inline uint64_t draw_pixel(const stp_splat_frame* f, const splat_batch* t
     return 1;
 }
 
-/// Asks for the pixels of small disks ahead of time: neighbours in the order lie far apart in the
-/// picture.
+/// Prefetches the pixels of small disks: neighbours in the order are far apart in the picture.
 static inline void fetch_small(const stp_splat_frame* f, const splat_batch* t, uint32_t lanes)
 {
     for (; lanes != 0; lanes &= lanes - 1) {

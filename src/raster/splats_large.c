@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Disks close to the eye, or hundreds of pixels wide: each pixel's ray meets the plane in double
-// precision.
+// Disks close to the eye or hundreds of pixels wide: intersects each pixel's ray with the plane in
+// double precision.
 #include "base/octahedral.h"
 #include "raster/splats_kernel.h"
 
 typedef struct large_disk {
     double center[3], normal[3], radius; ///< in view units
-    double unit;                         ///< of the object's, in the view's
-    double right, down;                  ///< of the gaze's pixel
+    double unit;                         ///< object-space unit, in view units
+    double right, down;                  ///< pixel of the view axis
     double scale;                        ///< pixels per unit of x/z, or per unit
     double nearness;                     ///< times 1/z, or of z = 0
     double slope;                        ///< nearness per unit of z, parallel
-    double rim, behind; ///< how far the rim, and the whole disk, lie behind its plane
+    double rim, behind; ///< how far the rim, and a disk seen from behind, lie behind the plane
     double left, top;   ///< parallel: pixel of x = 0, y = 0
     bool parallel;
     double across[3], low, high; ///< of one that is cut, over its radius
@@ -36,7 +36,8 @@ static void object_position(const stp_raster_splats* splats, uint32_t index, dou
     }
 }
 
-/// A direction in a splat's plane, by the axes of its disk: in the view, as long as its unit.
+/// Transforms a direction in a splat's plane, given by its disk's axes, to view space. Unit length
+/// in view units.
 static void turn_direction(const stp_splat_frame* frame, uint32_t index, float across, float along,
                            double out[3])
 {
@@ -50,7 +51,7 @@ static void turn_direction(const stp_splat_frame* frame, uint32_t index, float a
     }
 }
 
-/// The lines along which a disk is cut.
+/// Clipping lines of a disk.
 static void cut_large(const stp_splat_frame* frame, uint32_t index, uint8_t code, large_disk* disk)
 {
     stp_disk_cut cut = stp_coverage_cut(code);
@@ -63,7 +64,7 @@ static void cut_large(const stp_splat_frame* frame, uint32_t index, uint8_t code
     disk->high = (double)cut.high;
 }
 
-/// The axis along which an ellipse is narrower.
+/// The minor axis of an ellipse.
 static void stretch_large(const stp_splat_frame* frame, uint32_t index, large_disk* disk)
 {
     uint32_t code = frame->splats->shapes[index];
@@ -131,7 +132,7 @@ static large_disk make_disk(const stp_splat_frame* frame, uint32_t index, int32_
     return disk;
 }
 
-/// Where the ray through (x, y) meets the disk; false where it does not.
+/// Intersects the ray through (x, y) with the disk; false if they do not meet.
 static bool meet(const large_disk* disk, double x, double y, double* nearness)
 {
     const double* c = disk->center;
@@ -171,14 +172,15 @@ static bool meet(const large_disk* disk, double x, double y, double* nearness)
     return square <= limit && kept;
 }
 
-/// First and last + 1 pixel that the disk's ball may touch along one axis, within [low, high).
+/// First and last + 1 pixel that the disk's bounding ball may touch along one axis, within [low,
+/// high).
 static void reach(double center, double z, double radius, double scale, double middle, int32_t low,
                   int32_t high, int32_t* begin, int32_t* end)
 {
     *begin = low;
     *end = high;
     if (z - radius <= 0.05 * radius) {
-        return; // around the eye: anywhere
+        return; // the ball contains the eye: any pixel
     }
     double a = (center - radius) / (center > radius ? z + radius : z - radius);
     double b = (center + radius) / (center < -radius ? z + radius : z - radius);
@@ -193,7 +195,7 @@ static splat_box disk_box(const stp_splat_frame* frame, const large_disk* disk)
     const double* c = disk->center;
     double z = disk->parallel ? 1.0 : c[2];
     int32_t width = (int32_t)frame->target->width;
-    if (disk->parallel) { // as a perspective without depth: the ball's z extent must not count
+    if (disk->parallel) { // a perspective without depth: ignore the ball's z extent
         double r = disk->radius * disk->scale;
         double x = disk->left + disk->scale * c[0], y = disk->top + disk->scale * c[1];
         double low[2] = {x - r - 1.0, y - r - 1.0}, high[2] = {x + r + 2.0, y + r + 2.0};
@@ -212,7 +214,7 @@ static splat_box disk_box(const stp_splat_frame* frame, const large_disk* disk)
     return box;
 }
 
-/// The pixel that holds the centre, or -1 where it is out of the picture.
+/// The pixel that holds the centre, or -1 if outside the picture.
 static void center_pixel(const large_disk* disk, double* x, double* y)
 {
     const double* c = disk->center;
@@ -228,8 +230,7 @@ uint64_t stp_splats_draw_large(const stp_splat_frame* frame, uint32_t index)
     uint32_t part = splat_part(frame->splats, index);
     uint32_t cut = part > SPLAT_CUT ? part - SPLAT_CUT : 0;
     part = cut != 0 ? 255 : part;
-    int32_t halvings =
-        (int32_t)splat_halvings(part); // large as it is, what is left is never too little
+    int32_t halvings = (int32_t)splat_halvings(part); // the disk is large, so enough is left
     large_disk disk = make_disk(frame, index, halvings);
     if (cut != 0 && frame->splats->normals != NULL) {
         cut_large(frame, index, (uint8_t)cut, &disk);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The test of ranges with 256-bit vectors, where the compiler makes them of its loops.
+// The level range test, auto-vectorised to 256 bits.
 #include "raster/splats_levels_kernel.h"
 
 bool stp_splats_pick_avx2(const levels_frame* frame, uint16_t* bits)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The test of ranges with 512-bit vectors, where the compiler makes them of its loops.
+// The level range test, auto-vectorised to 512 bits.
 #include "raster/splats_levels_kernel.h"
 
 bool stp_splats_pick_avx512(const levels_frame* frame, uint16_t* bits)

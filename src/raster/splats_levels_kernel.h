@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
 //
-// The test of each splat's range of levels, sixteen at a time (Dachsbacher et al. 2003, 3.6): plain loops without branches,
-// which every variant compiles for its own processor.
+// Tests each splat's range of levels, sixteen at a time (Dachsbacher et al. 2003, 3.6): branch-free
+// loops that every variant compiles for its own instruction set.
 #pragma once
 
 #include "raster/splat_groups.h"
 #include "raster/splats_kernel.h"
 
-/// Rows of the depth after the position grid, and the levels.
+/// Row of the depth after the position grid, and the levels.
 typedef struct levels_frame {
     const stp_raster_splats* splats;
     const uint32_t* ranges;
     float w[4];
     stp_raster_levels levels;
-    stp_raster_groups groups; ///< with levels.groups
+    stp_raster_groups groups; ///< set if levels.groups is
 } levels_frame;
 
-/// A bit for each of sixteen splats whose ranges hold their levels.
+/// One bit for each of sixteen splats whose range contains the level.
 static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float* restrict x,
                                     const float* restrict y, const float* restrict z,
                                     const uint32_t* restrict ranges)
@@ -26,7 +26,7 @@ static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float*
         float W = ((f->w[0] * x[i] + f->w[1] * y[i]) + f->w[2] * z[i]) + f->w[3];
         float level = f->levels.per_depth * W;
         level = level > f->levels.least ? level : f->levels.least;
-        // of positive floats the bits are in the order of the numbers
+        // the bits of positive floats sort like the floats
         int32_t bits = (int32_t)stp_bits_of_float(level);
         int32_t lowest = (int32_t)((ranges[i] & 0xFFFFu) << 15);
         int32_t highest = (int32_t)(ranges[i] >> 16 << 15);
@@ -39,8 +39,8 @@ static inline uint32_t pick_sixteen(const levels_frame* restrict f, const float*
     return bits;
 }
 
-/// What was picked of sixteen splats, but with those before the divide held against the other level. Apart from the loop above,
-/// which few pictures need it in and which would take half as long again.
+/// Same as above, but splats before the divide are tested against the other level. Separate because
+/// few pictures need it and it would make the loop above 50 % slower.
 static inline uint32_t pick_below(const levels_frame* f, uint32_t first, const uint32_t* ranges,
                                   uint32_t picked)
 {
@@ -56,7 +56,7 @@ static inline bool pick_all(const levels_frame* f, uint16_t* bits)
 {
     const stp_raster_splats* splats = f->splats;
     uint32_t any = 0;
-    uint64_t left_out = 0; ///< of a group
+    uint64_t left_out = 0; ///< bits of a culled group
     bool dropped = false;
     for (uint32_t first = splats->begin; first < splats->end; first += SPLAT_BATCH) {
         if (f->levels.groups != NULL && (first % STP_GROUP_SPLATS == 0 || first == splats->begin)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Square splats with 256-bit vectors, where the compiler makes them of its loops.
+// Square splats, auto-vectorised to 256 bits.
 #include "raster/splats_squares_kernel.h"
 
 uint64_t stp_splats_squares_avx2(const stp_splat_frame* frame)

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Squares instead of disks, like hardware points (Dachsbacher et al. 2003, section 4). A square covers the pixels whose centres
-// lie within the projected radius of the splat's centre, across and down, at the nearness of that centre. Radii, holes, cuts
-// and the offset of splats that face away are those of disks. Each variant compiles this for its own processor.
+// Squares instead of disks, like hardware points (Dachsbacher et al. 2003, section 4). A square
+// covers the pixels whose centres are within the projected radius of the splat's centre,
+// horizontally and vertically, all at the centre's nearness. Radii, holes, clipping and the offset
+// of back-facing splats are those of disks. Each variant compiles this for its own instruction set.
 #pragma once
 
 #include "raster/splats_hidden.h"
 
-/// Draws splats close to the eye like all others: a square needs no rays.
+/// Draws splats close to the eye like all others: squares need no rays.
 static inline void keep_close_squares(const stp_splat_frame* f, splat_batch* t)
 {
     for (int i = 0; i < SPLAT_BATCH; ++i) {
@@ -23,7 +24,7 @@ static inline int32_t square_edge(float at)
     return (int32_t)floorf(at < SPLAT_FAR ? at : SPLAT_FAR);
 }
 
-/// Finds the boxes of squares. Each holds its centre's pixel, so none is empty.
+/// Computes the boxes of squares. Each includes its centre's pixel, so none is empty.
 static inline void box_squares(splat_batch* t)
 {
     for (int i = 0; i < SPLAT_BATCH; ++i) {
@@ -41,7 +42,7 @@ static inline void box_squares(splat_batch* t)
     }
 }
 
-/// Cuts squares as disks. A cut by one line has no limit on its other side.
+/// Clips squares like disks. A clip by one line has no limit on its other side.
 static inline void cut_squares(const stp_splat_frame* f, splat_batch* t)
 {
     cut_batch(f, t);
@@ -51,7 +52,7 @@ static inline void cut_squares(const stp_splat_frame* f, splat_batch* t)
     }
 }
 
-/// The final kinds of a batch that pick_batch has seen: SPLAT_PIXEL, or SPLAT_WIDE with a box.
+/// Final classification of a batch after pick_batch: SPLAT_PIXEL, or SPLAT_WIDE with a box.
 static inline void place_squares(const stp_splat_frame* f, splat_batch* t, uint32_t first,
                                  uint32_t count)
 {
@@ -67,7 +68,7 @@ static inline void place_squares(const stp_splat_frame* f, splat_batch* t, uint3
         load_normals_scalar(f, first, count, t);
     }
     box_squares(t);
-    shape_batch(f, t); // for the nearness of what faces away
+    shape_batch(f, t); // for the nearness of back-facing splats
     cut_squares(f, t);
     int32_t width = (int32_t)f->target->width;
     for (int i = 0; i < SPLAT_BATCH; ++i) {
@@ -83,7 +84,7 @@ static inline void place_squares(const stp_splat_frame* f, splat_batch* t, uint3
     }
 }
 
-/// A square with holes, or one that is cut.
+/// Draws a square with holes, or a clipped one.
 static inline uint64_t draw_square_parts(const stp_splat_frame* f, const splat_batch* t, int i,
                                          uint32_t index, uint32_t coverage)
 {
@@ -123,7 +124,7 @@ static inline uint64_t draw_square(const stp_splat_frame* f, const splat_batch* 
     return (uint64_t)(box.x1 - box.x0) * (uint64_t)(box.y1 - box.y0);
 }
 
-/// Draws splats first .. first + 15, of which `count` are there, and their positions loaded.
+/// Draws splats first .. first + 15; only the first `count` exist. Their positions must be loaded.
 static inline uint64_t draw_square_batch(const stp_splat_frame* f, splat_batch* t, uint32_t first,
                                          uint32_t count)
 {

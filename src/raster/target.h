@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The visibility buffer: for each pixel what is nearest there. A pixel is one 64-bit number, depth above id,
-// and the smaller number wins, so drawing is a minimum: the result does not depend on the order of drawing.
+// The visibility buffer: the nearest primitive of each pixel. A pixel is one 64-bit number, depth
+// above id, and the smaller number wins. Drawing is a minimum, so the result does not depend on the
+// drawing order.
 #pragma once
 
 #include "base/math.h"
@@ -16,8 +17,8 @@ typedef struct stp_raster_target {
     uint64_t* pixels;
 } stp_raster_target;
 
-/// A pixel. `nearness` is above 0 and grows towards the viewer; it is linear on the screen along planes
-/// (1/depth in perspective). `id` is below UINT32_MAX.
+/// Packs a pixel. `nearness` is above 0 and grows towards the viewer; along planes it is linear on
+/// the screen (1/depth in perspective). `id` is below UINT32_MAX.
 static inline uint64_t stp_raster_pixel(float nearness, uint32_t id)
 {
     uint32_t bits;
@@ -38,9 +39,9 @@ static inline float stp_raster_nearness(uint64_t pixel)
     return nearness;
 }
 
-/// From object space to the screen: (X, Y, N, W) = m * (x, y, z, 1); pixel x = X/W, y = Y/W (y down, in
-/// pixels), nearness = N/W. Perspective: N constant, W the depth along the gaze. Parallel: W = 1.
-/// Only what has N/W <= nearness_limit (beyond the near plane) and W > 0 is drawn.
+/// Object space to screen: (X, Y, N, W) = m * (x, y, z, 1); pixel x = X/W, y = Y/W (y down, in
+/// pixels), nearness = N/W. Perspective: N is constant, W is the depth along the view axis.
+/// Parallel: W = 1. Draws only where N/W <= nearness_limit (beyond the near plane) and W > 0.
 typedef struct stp_raster_matrix {
     float m[4][4];
 } stp_raster_matrix;

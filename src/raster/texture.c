@@ -5,9 +5,9 @@
 
 #include <assert.h>
 
-/// Which texels of the larger level an output texel averages along one axis, and with what weights.
-/// An odd size n = 2 k + 1 becomes k: each output texel then covers 2 + 1/k texels, so that all
-/// count alike.
+/// Which texels of the larger level an output texel averages along one axis, and their weights. An
+/// odd size n = 2 k + 1 becomes k: each output texel then covers 2 + 1/k texels, so that all count
+/// equally.
 typedef struct axis_taps {
     uint32_t first, count;
     float weight[3];
@@ -29,7 +29,7 @@ static axis_taps taps_of(uint32_t size, uint32_t half, uint32_t i)
     };
 }
 
-/// Adds a texel to a sum of premultiplied colour, alpha, and plain colour (for where alpha is 0
+/// Adds a texel to the sums of premultiplied colour, alpha, and plain colour (used if alpha is 0
 /// everywhere).
 static void add_texel(float sum[7], const uint8_t* texel, bool linear, float weight)
 {
@@ -64,7 +64,7 @@ typedef struct reduce_work {
     bool linear;
 } reduce_work;
 
-/// The average of the texels that an output texel covers.
+/// Average of the texels that an output texel covers.
 static void average_texels(const reduce_work* work, const axis_taps* across, const axis_taps* down,
                            float color[4])
 {
@@ -147,7 +147,7 @@ void stp_texture_pyramid_destroy(stp_context* context, stp_texture_pyramid* pyra
     *pyramid = (stp_texture_pyramid){0};
 }
 
-/// The texel a whole coordinate stands for.
+/// The texel of an integer coordinate.
 static uint32_t wrap(int64_t i, uint32_t size, stp_texture_wrap how)
 {
     assert(size != 0);
@@ -164,8 +164,7 @@ static uint32_t wrap(int64_t i, uint32_t size, stp_texture_wrap how)
     return (uint32_t)(r < n ? r : period - 1 - r);
 }
 
-/// The whole number at or below; far values and not-a-number become 0, where a texture repeats
-/// anyhow.
+/// Rounds down. Huge values and NaN become 0; textures repeat anyway.
 static int64_t floor_of(float value)
 {
     if (!(value > -1e9f && value < 1e9f)) {
@@ -178,7 +177,7 @@ static int64_t floor_of(float value)
 static float fraction_of(float value, int64_t whole)
 {
     float rest = value - (float)whole;
-    return rest > 0.0f && rest < 1.0f ? rest : 0.0f; // also not-a-number
+    return rest > 0.0f && rest < 1.0f ? rest : 0.0f; // also for NaN
 }
 
 /// The texels around a point: two columns, two rows, and the weights of the second of each.
@@ -262,7 +261,7 @@ void stp_texture_sample(const stp_texture_pyramid* pyramid, stp_vec2 uv, float f
         finish_sum(sum, out);
         return;
     }
-    // footprint = 2^level (1 + blend): the logarithm, linear between powers of two
+    // footprint = 2^level (1 + blend): a logarithm, linear between powers of two
     while (level < last && footprint >= 2.0f) {
         footprint *= 0.5f;
         level += 1;

@@ -4,8 +4,8 @@
 #include "base/processor.h"
 #include "raster/triangles_internal.h"
 
-// Triangles are drawn in chunks whose transformed vertices stay in the processor's cache. A chunk
-// whose indices reach too far gets a vertex of its own for each corner: more work, but bounded
+// Triangles are drawn in chunks whose transformed vertices stay in the CPU cache. A chunk whose
+// indices span too wide a range gets separate vertices for each corner: more work, but bounded
 // memory.
 enum { CHUNK_TRIANGLES = 4096, CHUNK_VERTICES = 3 * CHUNK_TRIANGLES };
 
@@ -37,7 +37,7 @@ static const stp_triangle_kernels* choose_kernels(void)
     return &stp_triangle_kernels_portable;
 }
 
-/// A triangle whose fragments are asked for one by one.
+/// A triangle with a test per fragment.
 typedef struct kept_triangle {
     const stp_raster_mesh* mesh;
     uint32_t triangle, id;
@@ -102,7 +102,7 @@ static void draw_fragment(const kept_triangle* kept, const stp_triangle_window* 
     }
 }
 
-/// Like the kernels' draw_one, but asks for each fragment.
+/// Like the kernels' draw_one, but tests each fragment.
 static void draw_kept(const stp_triangle_window* window, const stp_screen_vertex corners[3],
                       const kept_triangle* kept)
 {
@@ -183,7 +183,7 @@ static void draw_clipped(const stp_triangle_kernels* kernels,
     }
 }
 
-/// Draws triangles [begin, begin + chunk->triangle_count) of a mesh with a keep function.
+/// Draws triangles [begin, begin + chunk->triangle_count) of a mesh with a fragment test.
 static void draw_kept_chunk(const stp_triangle_transform* transform, const stp_raster_mesh* mesh,
                             stp_triangle_chunk* chunk, uint32_t begin, uint32_t first_id)
 {
@@ -208,7 +208,7 @@ static void draw_kept_chunk(const stp_triangle_transform* transform, const stp_r
 
 /// Chooses and transforms the vertices of a chunk: the range its indices span, or a copy for each
 /// corner.
-/// @return false where memory runs out
+/// @return false if out of memory
 static bool transform_chunk(const stp_triangle_kernels* kernels,
                             const stp_triangle_transform* transform, const stp_raster_mesh* mesh,
                             uint32_t begin, stp_triangle_chunk* chunk, soup_memory** soup,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Vectors of eight numbers.
+// Triangle kernels with vectors of eight numbers.
 #if defined(__x86_64__)
 
 #include "raster/triangles_internal.h"
@@ -13,7 +13,7 @@ typedef int32_t lanes_int __attribute__((vector_size(32)));
 typedef uint32_t lanes_uint __attribute__((vector_size(32)));
 typedef float lanes_float __attribute__((vector_size(32)));
 typedef double lanes_double __attribute__((vector_size(64)));
-// half as many
+// half as many doubles
 typedef double lanes_real __attribute__((vector_size(32)));
 typedef int64_t lanes_long __attribute__((vector_size(32)));
 
@@ -22,8 +22,8 @@ static inline lanes_int lanes_index(void)
     return (lanes_int){0, 1, 2, 3, 4, 5, 6, 7};
 }
 
-/// Three vectors from numbers that alternate: a b c a b c ... Number w = 3 i + k goes to lane i of
-/// vector k, from lane w mod 8 of its source.
+/// Deinterleaves three vectors: a b c a b c ... Number w = 3 i + k goes to lane i of vector k, from
+/// lane w mod 8 of its source.
 static inline void lanes_load3(const void* source, lanes_int out[3])
 {
     const __m256i* words = source;
@@ -103,7 +103,7 @@ static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearne
 static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t bits,
                                       lanes_int nearness, uint32_t id)
 {
-    (void)stride; // one row is all there is
+    (void)stride; // only one row fits
     lanes_write(pixels, bits, nearness, id);
 }
 

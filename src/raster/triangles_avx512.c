@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Vectors of sixteen numbers.
+// Triangle kernels with vectors of sixteen numbers.
 #if defined(__x86_64__)
 
 #include "raster/triangles_internal.h"
 
 #include <immintrin.h>
 
-#pragma GCC diagnostic ignored "-Wsign-conversion" // gcc's gather is a macro without optimisation
+#pragma GCC diagnostic ignored "-Wsign-conversion" // without optimisation, gcc's gather is a macro
 
 #define LANES 16
 #define LANES_ALL 0xFFFFu
@@ -15,7 +15,7 @@ typedef int32_t lanes_int __attribute__((vector_size(64)));
 typedef uint32_t lanes_uint __attribute__((vector_size(64)));
 typedef float lanes_float __attribute__((vector_size(64)));
 typedef double lanes_double __attribute__((vector_size(128)));
-// half as many
+// half as many doubles
 typedef double lanes_real __attribute__((vector_size(64)));
 typedef int64_t lanes_long __attribute__((vector_size(64)));
 
@@ -24,8 +24,7 @@ static inline lanes_int lanes_index(void)
     return (lanes_int){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 }
 
-/// Three vectors from numbers that alternate: a b c a b c ... Number w = 3 i + k goes to lane i of
-/// vector k.
+/// Deinterleaves three vectors: a b c a b c ... Number w = 3 i + k goes to lane i of vector k.
 static inline void lanes_load3(const void* source, lanes_int out[3])
 {
     const int32_t* words = source;

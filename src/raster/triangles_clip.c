@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The rare triangles that reach behind the viewer, beyond the near plane, or far off the screen.
 //
-// Sutherland and Hodgman in homogeneous coordinates. A new corner is always computed from the inner
-// end of its edge towards the outer one, so that the two triangles at an edge get the same corner,
-// and corners that need no clipping keep the grid coordinates that their other triangles use:
-// nothing cracks.
+// Sutherland-Hodgman clipping in homogeneous coordinates. A new corner is always computed from the
+// inner end of its edge towards the outer one, so that the two triangles at an edge get the same
+// corner. Unclipped corners keep the grid coordinates that adjacent triangles use. So there are no
+// cracks.
 #include "raster/triangles_internal.h"
 
 enum {
@@ -21,7 +21,7 @@ enum {
 typedef struct clip_corner {
     stp_screen_point point;
     uint32_t outcode; ///< of a corner of the triangle; new corners are tested by their distance
-    int original;     ///< which corner of the triangle it is, or -1
+    int original;     ///< index of the triangle's corner, or -1
 } clip_corner;
 
 uint32_t stp_triangle_outcode(float x, float y, float n, float w, float nearness_limit)
@@ -129,7 +129,7 @@ static int32_t snap(double pixels)
 {
     const double guard = (double)STP_GUARD_BAND;
     double grid = pixels * (double)STP_SUBPIXEL;
-    grid = grid > -guard ? grid : -guard; // also not-a-number
+    grid = grid > -guard ? grid : -guard; // also for NaN
     return stp_triangle_snap(grid < guard ? grid : guard);
 }
 
@@ -166,7 +166,8 @@ uint32_t stp_triangle_clip(const stp_triangle_transform* transform, const float*
     uint32_t count = 3;
     const clip_corner* current = buffers[0];
     for (int plane = 0, into = 1; plane < PLANE_COUNT && count != 0; ++plane) {
-        // a new corner may lie beyond planes that none of the corners does: W falls, X/W grows
+        // a new corner may lie beyond planes that no original corner is beyond: W falls, so X/W
+        // grows
         if ((needed >> plane & 1) != 0 || (plane >= PLANE_LEFT && needed != 0)) {
             count = clip_to_plane(plane, finite_limit, current, count, buffers[into]);
             current = buffers[into];
@@ -175,7 +176,7 @@ uint32_t stp_triangle_clip(const stp_triangle_transform* transform, const float*
     }
     for (uint32_t i = 0; i < count; ++i) {
         polygon[i] = finish_corner(&current[i], finite_limit);
-        if (current[i].original >= 0) { // to the bit what the kernels made of it
+        if (current[i].original >= 0) { // the same bits as in the kernels
             const stp_screen_point* p = &current[i].point;
             float inverse = 1.0f / (float)p->w;
             polygon[i].nearness = (float)p->n * inverse;

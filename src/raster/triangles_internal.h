@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What the variants of the triangle kernels share: the sub-pixel grid, and a triangle ready to be
-// drawn.
+// Shared by the variants of the triangle kernels: the sub-pixel grid, and triangle setup.
 //
-// All variants are one text (triangles_lanes.h) compiled for vectors of different width. Coverage
-// is integer arithmetic, nearness is a fixed sequence of float operations, so that each gives the
-// same bits.
+// All variants compile the same source (triangles_lanes.h) for vectors of different width. Coverage
+// is integer arithmetic and nearness a fixed sequence of float operations, so all give the same
+// bits.
 #pragma once
 
 #include "raster/triangles.h"
@@ -17,13 +16,13 @@ enum {
         1 << 29, ///< largest coordinate, sub-pixels: 2^21 pixels; products stay below 2^62
     STP_OUTSIDE =
         -(1 << 30), ///< x of a vertex that may not be drawn unclipped; y holds its outcode
-    STP_SMALL_EXTENT = 1 << 15, ///< below it edge functions fit 32 bits: 128 pixels
+    STP_SMALL_EXTENT = 1 << 15, ///< smaller triangles have edge functions of 32 bits: 128 pixels
     STP_LANES_MOST = 16,
 };
 
-/// W below it does not count as in front of the eye.
+/// Points with a smaller W do not count as in front of the eye.
 #define STP_LEAST_W 1e-30f
-/// The least nearness drawn: 0 belongs to the empty pixel.
+/// Smallest nearness drawn: 0 marks an empty pixel.
 #define STP_LEAST_NEARNESS FLT_MIN
 
 typedef struct stp_screen_vertex {
@@ -31,12 +30,12 @@ typedef struct stp_screen_vertex {
     float nearness;
 } stp_screen_vertex;
 
-/// Where triangles go: rows [row_begin, row_end) of a picture.
+/// Drawing target: rows [row_begin, row_end) of a picture.
 typedef struct stp_triangle_window {
     uint64_t* pixels; ///< of row first_row
     size_t stride;
     int32_t width, first_row, row_begin, row_end;
-    uint64_t* fragments; ///< counts those that lie within triangles
+    uint64_t* fragments; ///< counts those inside triangles
 } stp_triangle_window;
 
 static inline uint64_t* stp_triangle_row(const stp_triangle_window* window, int32_t row)
@@ -44,15 +43,15 @@ static inline uint64_t* stp_triangle_row(const stp_triangle_window* window, int3
     return window->pixels + (size_t)(row - window->first_row) * window->stride;
 }
 
-/// Triangles whose vertices were transformed; a piece of a mesh.
+/// Triangles with transformed vertices; a piece of a mesh.
 typedef struct stp_triangle_chunk {
     stp_triangle_window window;
-    const uint32_t* indices; ///< 3 a triangle
+    const uint32_t* indices; ///< 3 per triangle
     uint32_t index_base;     ///< index of the vertex at x[0]
     uint32_t triangle_count;
     uint32_t first_id;
-    const uint32_t* numbers; ///< NULL, or one a triangle: its id is first_id and that
-    int32_t *x, *y;          ///< one a vertex
+    const uint32_t* numbers; ///< NULL, or one per triangle, added to first_id
+    int32_t *x, *y;          ///< one per vertex
     float* nearness;
     uint32_t*
         clipped; ///< receives the triangles that need clipping, counted from the chunk's first
@@ -79,8 +78,8 @@ extern const stp_triangle_kernels stp_triangle_kernels_portable;
 extern const stp_triangle_kernels stp_triangle_kernels_avx2;
 extern const stp_triangle_kernels stp_triangle_kernels_avx512;
 
-/// Sub-pixels to the nearest grid point, halves to even; out of range gives anything. Adding 1.5 x
-/// 2^52 leaves the integer in the low bits of the double.
+/// Rounds sub-pixels to the nearest grid point, halves to even; out-of-range results are undefined.
+/// Adding 1.5 x 2^52 leaves the integer in the low bits of the double.
 static inline int32_t stp_triangle_snap(double grid)
 {
     double shifted = grid + 6755399441055744.0;
@@ -94,27 +93,26 @@ typedef struct stp_screen_point {
     double x, y, n, w;
 } stp_screen_point;
 
-/// Which planes a point lies beyond; 0: it can be drawn as it is. Not-a-number is beyond all.
+/// Planes that a point lies beyond, as bits; 0: no clipping needed. NaN is beyond all.
 uint32_t stp_triangle_outcode(float x, float y, float n, float w, float nearness_limit);
 
-/// The homogeneous screen coordinates of a position, to the bit as the kernels compute them.
+/// Homogeneous screen coordinates of a position, with the same bits as in the kernels.
 void stp_triangle_project(const stp_triangle_transform* transform, const float* position,
                           float out[4]);
 
 /// Three corners and one more for each of seven planes; the rest is for polygons that rounding made
-/// hollow.
+/// concave.
 enum { STP_CLIPPED_MOST = 16 };
 
-/// Clips a triangle to what can be drawn. @return corners of a convex polygon, 0 where nothing is
-/// left
+/// Clips a triangle. @return corners of a convex polygon, 0 if nothing is left
 uint32_t stp_triangle_clip(const stp_triangle_transform* transform, const float* const corners[3],
                            stp_screen_vertex polygon[STP_CLIPPED_MOST]);
 
-/// A triangle in the window, turned so that its area is positive.
+/// A triangle in the window, oriented so that its area is positive.
 typedef struct stp_triangle_setup {
     stp_screen_vertex corner[3];
     int64_t area;                     ///< twice, square sub-pixels
-    int32_t left, right, top, bottom; ///< pixels whose centres may be inside, ends included
+    int32_t left, right, top, bottom; ///< pixels whose centres may be inside, inclusive
     float low, high;                  ///< range of nearness
     bool small;                       ///< edge functions fit 32 bits
 } stp_triangle_setup;
@@ -129,7 +127,7 @@ static inline int32_t stp_triangle_max(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/// @return false where the triangle covers no pixel centre of the window for sure
+/// @return false if the triangle certainly covers no pixel centre of the window
 static inline bool stp_triangle_set_up(const stp_triangle_window* window,
                                        const stp_screen_vertex corners[3],
                                        stp_triangle_setup* setup)
@@ -160,12 +158,12 @@ static inline bool stp_triangle_set_up(const stp_triangle_window* window,
     return setup->area != 0;
 }
 
-/// One edge function: what lies on its inner side is not below 0. Along x it falls by `dy` a
-/// sub-pixel, along y it grows by `dx`. The bias gives centres on the edge to the triangle of which
-/// it is a top or left edge.
+/// One edge function; it is at least 0 on the inner side. It falls by `dy` per sub-pixel along x
+/// and grows by `dx` along y. The bias assigns centres on the edge to the triangle for which it is
+/// a top or left edge.
 typedef struct stp_triangle_edge {
     int64_t dx, dy, bias;
-    int64_t x, y; ///< its first corner
+    int64_t x, y; ///< first corner of the edge
 } stp_triangle_edge;
 
 static inline stp_triangle_edge stp_triangle_edge_make(stp_screen_vertex a, stp_screen_vertex b)
@@ -201,7 +199,7 @@ static inline void stp_triangle_edge_narrow(const stp_triangle_edge* edge, int32
     }
 }
 
-/// Nearness of a triangle that is not small, as a plane in double.
+/// Nearness plane in double, for triangles that are not small.
 typedef struct stp_triangle_plane {
     double x, y, nearness, along_x, along_y;
 } stp_triangle_plane;
@@ -238,7 +236,7 @@ static inline float stp_triangle_plane_at(const stp_triangle_plane* plane, doubl
     return nearness < high ? nearness : high;
 }
 
-/// Nearness of a small triangle from the edge functions opposite to corners 1 and 2.
+/// Nearness of a small triangle from the edge functions opposite corners 1 and 2.
 static inline float stp_triangle_small_nearness(const stp_triangle_setup* setup, float inverse_area,
                                                 int32_t edge1, int32_t edge2)
 {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The triangle kernels, written for vectors of LANES numbers. Included once by each variant, which
-// defines the types lanes_int, lanes_uint, lanes_float and the few operations that need its own
+// The triangle kernels, for vectors of LANES numbers. Included once by each variant, which defines
+// the types lanes_int, lanes_uint, lanes_float and the few operations that need its own
 // instructions.
 //
-// Most triangles of a capture are smaller than a pixel and hit no pixel centre; they leave after
-// the test of their bounding box, LANES at a time. Tiny ones are drawn LANES
-// triangles at a time, pixel by pixel; larger ones one at a time (triangles_spans.h, triangles_large.h).
+// Most triangles of a capture are smaller than a pixel and hit no pixel centre; the test of their
+// bounding box rejects them, LANES at a time. Tiny ones are drawn LANES triangles at a time, pixel
+// by pixel; larger ones one at a time (triangles_spans.h, triangles_large.h).
 #pragma once
 
 #include "raster/triangles_internal.h"
@@ -66,7 +66,7 @@ static void find_range(const uint32_t* indices, size_t count, uint32_t* least, u
     *most = high;
 }
 
-/// A small triangle by itself.
+/// Draws a single small triangle.
 static void draw_small(const stp_triangle_window* window, const stp_triangle_setup* setup,
                        uint32_t id)
 {
@@ -107,21 +107,21 @@ static void draw_one(const stp_triangle_window* window, const stp_screen_vertex 
     }
 }
 
-/// LANES triangles: corners in sub-pixels, and the pixels their boxes hold.
+/// LANES triangles: corners in sub-pixels, and the pixels in their boxes.
 typedef struct batch {
     lanes_int x[3], y[3];
-    lanes_int left, top, width, height; ///< of the box in pixels, less one
+    lanes_int left, top, width, height; ///< of the box in pixels, minus one
     lanes_float nearness[3];
 } batch;
 
-/// LANES small triangles ready to be drawn, turned so that their areas are positive.
+/// LANES small triangles after setup, oriented so that their areas are positive.
 typedef struct batch_setup {
     lanes_uint at[3]; ///< edge functions with bias at the first pixel of the box
     lanes_uint dx[3], dy[3], bias[3];
     lanes_float n0, along[2], inverse_area, low, high;
 } batch_setup;
 
-/// Sets up all lanes. @return the lanes whose triangles have an area
+/// Sets up all lanes. @return the lanes whose triangles have a non-zero area
 static inline lanes_int set_up_batch(const batch* b, batch_setup* setup)
 {
     lanes_uint x0 = (lanes_uint)b->x[0], y0 = (lanes_uint)b->y[0];
@@ -134,7 +134,7 @@ static inline lanes_int set_up_batch(const batch* b, batch_setup* setup)
     lanes_uint uy1 = (lanes_uint)lanes_select(turned, (lanes_int)y2, (lanes_int)y1);
     lanes_uint ux2 = (lanes_uint)lanes_select(turned, (lanes_int)x1, (lanes_int)x2);
     lanes_uint uy2 = (lanes_uint)lanes_select(turned, (lanes_int)y1, (lanes_int)y2);
-    // edges 1 -> 2, 2 -> 0, 0 -> 1: opposite to corners 0, 1, 2
+    // edges 1 -> 2, 2 -> 0, 0 -> 1: opposite corners 0, 1, 2
     const lanes_uint dx[3] = {ux2 - ux1, -ux2, ux1}, dy[3] = {uy2 - uy1, -uy2, uy1};
     lanes_uint cx = ((lanes_uint)b->left << STP_SUBPIXEL_BITS) + (uint32_t)STP_SUBPIXEL_HALF - x0;
     lanes_uint cy = ((lanes_uint)b->top << STP_SUBPIXEL_BITS) + (uint32_t)STP_SUBPIXEL_HALF - y0;
@@ -161,7 +161,7 @@ static inline lanes_int set_up_batch(const batch* b, batch_setup* setup)
     return has_area;
 }
 
-/// Ids of triangles that follow each other. The compiler makes draw_chunk twice, with and without numbers.
+/// Ids of consecutive triangles. The compiler makes draw_chunk twice, with and without numbers.
 typedef struct triangle_ids {
     uint32_t first;
     const uint32_t* numbers; ///< NULL: 0, 1, 2, ...
@@ -178,7 +178,7 @@ static inline triangle_ids skip_ids(triangle_ids ids, uint32_t count)
                                : (triangle_ids){ids.first + count, NULL};
 }
 
-/// Writes one pixel of each triangle of `bits`: the same place in each one's box.
+/// Writes one pixel of each triangle in `bits`: the same place in each one's box.
 static inline void write_lanes(const stp_triangle_window* window, const batch* b, int32_t row,
                                int32_t column, uint32_t bits, lanes_float nearness,
                                triangle_ids ids)
@@ -194,8 +194,8 @@ static inline void write_lanes(const stp_triangle_window* window, const batch* b
     }
 }
 
-/// Draws the triangles of `alive` (sign bits), none wider than TINY_WIDTH or higher than TINY_HEIGHT
-/// pixels: pixel by pixel of their boxes, all triangles at once.
+/// Draws the triangles of `alive` (sign bits), at most TINY_WIDTH wide and TINY_HEIGHT high: all
+/// triangles at once, pixel by pixel of their boxes.
 static inline void draw_tiny(const stp_triangle_window* window, const batch* b, batch_setup* setup,
                              lanes_int alive, triangle_ids ids)
 {

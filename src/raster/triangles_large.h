@@ -4,12 +4,14 @@
 
 #include "raster/triangles_spans.h"
 
-/// Sub-pixels: edge functions of smaller triangles are exact as double, and so are columns made of them.
+/// Sub-pixels: for smaller triangles, edge functions and the columns computed from them are exact
+/// in double.
 enum { DOUBLE_EXTENT = 1 << 19 };
 
-/// An edge function: its value with bias at the box's first pixel, and by what it falls along columns and grows down rows.
+/// An edge function: its value with bias at the box's first pixel, its decrease per column and its
+/// increase per row.
 typedef struct large_edge {
-    double at, fall, down, inverse; ///< inverse: of the amount of `fall`
+    double at, fall, down, inverse; ///< inverse: 1 / abs(fall)
 } large_edge;
 
 /// A triangle that is not small.
@@ -23,9 +25,9 @@ typedef struct large_walk {
 
 enum { LARGE_ROWS = LANES / 2 };
 
-/// Rows whose columns are found at once.
+/// Rows whose columns are computed together.
 typedef struct large_rows {
-    lanes_real first, last; ///< columns of the picture; none where the first is after the last
+    lanes_real first, last; ///< columns of the picture; empty if first > last
 } large_rows;
 
 static inline lanes_real least_real(lanes_real a, lanes_real b)
@@ -73,11 +75,12 @@ static inline large_walk make_large_walk(const stp_triangle_setup* setup)
     return walk;
 }
 
-/// Columns of rows from `row` on. Quotients are off by less than 2^-40, and differ from whole numbers by 2^-28 at least.
+/// Columns of rows from `row` on. Quotients are off by less than 2^-40 and differ from integers by
+/// at least 2^-28.
 static inline void find_columns(const large_walk* walk, int32_t row, large_rows* rows)
 {
     const stp_triangle_setup* setup = walk->setup;
-    const double round = 6755399441055744.0; // added and taken off again: the nearest whole number
+    const double round = 6755399441055744.0; // adding and subtracting it rounds to an integer
     const lanes_real lines = count_rows() + (double)(row - setup->top);
     lanes_real first = {0}, last = first + (double)(setup->right - setup->left);
     const lanes_real most = last + 2.0;
@@ -97,7 +100,7 @@ static inline void find_columns(const large_walk* walk, int32_t row, large_rows*
     rows->last = last + (double)setup->left;
 }
 
-/// The same where edge functions do not fit.
+/// Same for edge functions that do not fit.
 static void find_columns_one_by_one(const large_walk* walk, int32_t row, large_rows* rows)
 {
     for (int i = 0; i < LARGE_ROWS; ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Vectors of four numbers, in the compiler's own notation: SSE2, NEON, or whatever there is.
+// Triangle kernels with vectors of four numbers in compiler notation: SSE2, NEON, or whatever the
+// CPU has.
 #include "raster/triangles_internal.h"
 
 #define LANES 4
@@ -9,7 +10,7 @@ typedef int32_t lanes_int __attribute__((vector_size(16)));
 typedef uint32_t lanes_uint __attribute__((vector_size(16)));
 typedef float lanes_float __attribute__((vector_size(16)));
 typedef double lanes_double __attribute__((vector_size(32)));
-// half as many
+// half as many doubles
 typedef double lanes_real __attribute__((vector_size(16)));
 typedef int64_t lanes_long __attribute__((vector_size(16)));
 
@@ -18,7 +19,7 @@ static inline lanes_int lanes_index(void)
     return (lanes_int){0, 1, 2, 3};
 }
 
-/// Three vectors from numbers that alternate: a b c a b c ...
+/// Deinterleaves three vectors: a b c a b c ...
 static inline void lanes_load3(const void* source, lanes_int out[3])
 {
     int32_t words[3 * LANES];
@@ -96,7 +97,7 @@ static inline void lanes_write(uint64_t* pixels, uint32_t bits, lanes_int nearne
 static inline void lanes_write_narrow(uint64_t* pixels, size_t stride, uint32_t bits,
                                       lanes_int nearness, uint32_t id)
 {
-    (void)stride; // one row is all there is
+    (void)stride; // only one row fits
     lanes_write(pixels, bits, nearness, id);
 }
 

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Triangles drawn row by row, where each row's first and last pixel are found LANES rows at once: of a thin triangle's box
-// nearly nothing is inside. Included by triangles_lanes.h.
+// Draws triangles row by row and finds the first and last pixel of LANES rows at a time: almost
+// nothing of a thin triangle's box is inside. Included by triangles_lanes.h.
 //
-// Where an edge crosses a row is a quotient of whole numbers. Small triangles estimate it in float and correct it by
-// one; for others double is exact.
+// The column where an edge crosses a row is a quotient of integers. Small triangles estimate it in
+// float and correct it by one; for others double is exact.
 #pragma once
 
 #include "raster/triangles_internal.h"
 
-/// Spans of so many pixels in the mean are drawn row by row, shorter ones many rows at once.
+/// Spans of at least this mean length are drawn row by row, shorter ones many rows at a time.
 #define SPAN_LONG 5.0f
 
-/// The nearness of small triangles from their edge functions opposite to corners 1 and 2; `along` holds the
-/// differences of nearness from corner 0 to these corners.
+/// Nearness of small triangles from their edge functions opposite corners 1 and 2; `along` holds
+/// the differences of nearness from corner 0 to these corners.
 static inline lanes_float small_nearness(lanes_uint edge1, lanes_uint edge2,
                                          lanes_float inverse_area, lanes_float n0,
                                          const lanes_float along[2], lanes_float low,
@@ -25,7 +25,7 @@ static inline lanes_float small_nearness(lanes_uint edge1, lanes_uint edge2,
     return lanes_min_float(lanes_max_float(nearness, low), high);
 }
 
-/// Pixels whose centres may be inside, ends included.
+/// Pixels whose centres may be inside, inclusive.
 typedef struct pixel_box {
     int32_t left, right, top, bottom;
 } pixel_box;
@@ -33,21 +33,22 @@ typedef struct pixel_box {
 /// A small triangle.
 typedef struct span_walk {
     uint32_t at[3];   ///< edge functions with bias at the first pixel of the box
-    int32_t fall[3];  ///< by what they fall from column to column
-    uint32_t down[3]; ///< by what they grow from row to row
+    int32_t fall[3];  ///< decrease per column
+    uint32_t down[3]; ///< increase per row
     uint32_t bias[3];
-    float inverse[3]; ///< of the amount of `fall`
+    float inverse[3]; ///< 1 / abs(fall)
     float n0, along[2], inverse_area, low, high;
 } span_walk;
 
-/// What `inverse` is for edges along rows: of these each column is within, or none.
+/// Value of `inverse` for horizontal edges, which keep all columns of a row or none.
 #define SPAN_NO_FALL 1e10f
 
-/// LANES rows: their first and last columns, counted from the box's left, and edge functions 1 and 2 (without bias) there.
+/// LANES rows: their first and last columns, counted from the box's left, and edge functions 1 and
+/// 2 (without bias) there.
 typedef struct span_rows {
     lanes_int first, last;
     lanes_uint edge[3];
-    lanes_int there; ///< rows that have any pixel
+    lanes_int there; ///< rows with at least one pixel
 } span_rows;
 
 /// Narrows spans to the columns where an edge function, `value` at column 0, is at least 0.
@@ -71,7 +72,7 @@ static inline void narrow_spans(lanes_int value, int32_t fall, float inverse, in
     }
 }
 
-/// Rows of the box from `row` on, counted from its top, of which `at` are the edge functions in the first.
+/// Rows of the box from `row` on, counted from its top; `at` holds the edge functions in the first.
 static inline span_rows find_spans(const pixel_box* box, const span_walk* walk,
                                    const uint32_t at[3], int32_t row)
 {
@@ -158,15 +159,15 @@ static inline uint64_t fill_long(uint64_t* pixels, size_t stride, const span_wal
     return fragments;
 }
 
-/// Boxes no wider than a vector, and low, are looked at pixel by pixel; narrow ones two rows at once.
+/// Boxes at most a vector wide, and low, are tested pixel by pixel; narrow ones two rows at a time.
 enum {
     NARROW_COLUMNS = LANES < 8 ? LANES : 8,
-    NARROW_ROWS = LANES / NARROW_COLUMNS, ///< that lanes_write_narrow writes
+    NARROW_ROWS = LANES / NARROW_COLUMNS, ///< rows that lanes_write_narrow writes
     NARROW_HEIGHT = 6 * NARROW_ROWS,
     LOW_HEIGHT = 10,
 };
 
-/// @param columns,rows that a vector holds @return fragments
+/// @param columns,rows in a vector @return fragments
 static inline uint64_t fill_box(const stp_triangle_window* window, const pixel_box* box,
                                 const span_walk* walk, uint32_t id, int columns, int rows)
 {

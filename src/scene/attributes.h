@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Attributes of points, by the name under which readers of files know them.
+// Point attributes, by the names that file readers use.
 #pragma once
 
 #include <stipple/attributes.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The tight box of the whole scene. A node's own bounds hold the turned boxes of its children, so they
-// grow with every rotation on the way up; views are framed and distances judged by the root's, so that one is
-// made from the vertices themselves where they can be visited in reasonable time.
+// The tight box of the whole scene. A node's own bounds contain the transformed boxes of its
+// children, so every rotation on the way up enlarges them. The root's bounds frame views and scale
+// distances, so they are computed from the vertices if that takes reasonable time.
 #include "scene/bounds.h"
 
 #define MOST_ELEMENTS ((uint64_t)1 << 26) // triangles and points: about a second of one thread
@@ -21,7 +21,7 @@ static stp_boxd measure_part(const stp_scene* scene, const stp_placed_part* plac
     const stp_point_set* set = is_mesh ? NULL : &scene->point_sets[placed->part.index];
     const float* positions = is_mesh ? mesh->positions : set->positions;
     size_t count = is_mesh ? 3 * (size_t)mesh->triangle_count : set->point_count;
-    for (size_t i = 0; i < count; ++i) { // a vertex that no triangle uses does not count
+    for (size_t i = 0; i < count; ++i) { // unused vertices do not count
         const float* p = positions + 3 * (is_mesh ? (size_t)mesh->indices[i] : i);
         stp_vec3d point = {(double)p[0], (double)p[1], (double)p[2]};
         stp_boxd_add(&box, stp_affine_point(&placed->transform, point));
@@ -43,7 +43,7 @@ stp_result stp_scene_tighten_root(stp_scene* scene)
     const stp_node* root = &scene->nodes[scene->root];
     if (root->triangle_count > MOST_ELEMENTS ||
         root->point_count > MOST_ELEMENTS - root->triangle_count) {
-        return STP_OK; // each part has at least one of these, so there are not too many parts either
+        return STP_OK; // each part has at least one element, so this limits the number of parts too
     }
     stp_placed_part* parts;
     size_t part_count;

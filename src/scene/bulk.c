@@ -97,7 +97,7 @@ uint64_t stp_texture_bytes(const stp_texture* texture)
     return sum_sizes(arrays, STP_TEXTURE_ARRAYS);
 }
 
-// Frees the arrays; `bytes` of them were counted.
+// Frees the arrays; `bytes` is their counted size.
 static void free_arrays(stp_scene* scene, stp_bulk_array* arrays, size_t count, bool spilled)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -147,7 +147,7 @@ stp_result stp_bulk_alloc_spilled(stp_spill* spill, stp_bulk_array* arrays, size
     }
     unsigned char* piece = stp_spill_alloc(spill, size);
     if (piece == NULL) {
-        return STP_ERROR_IO; // logged there
+        return STP_ERROR_IO; // already logged
     }
     for (size_t i = 0; i < count; ++i) {
         arrays[i].bytes = arrays[i].size != 0 ? piece : NULL;
@@ -159,7 +159,7 @@ stp_result stp_bulk_alloc_spilled(stp_spill* spill, stp_bulk_array* arrays, size
 // Moves arrays from memory to the spill.
 static stp_result spill_arrays(stp_scene* scene, stp_bulk_array* arrays, size_t count)
 {
-    stp_bulk_array moved[STP_POINT_ARRAYS]; // the most that anything has
+    stp_bulk_array moved[STP_POINT_ARRAYS]; // the most that any item has
     memcpy(moved, arrays, count * sizeof(*arrays));
     stp_result result = stp_bulk_alloc_spilled(scene->spill, moved, count);
     if (result != STP_OK) {
@@ -175,7 +175,7 @@ static stp_result spill_arrays(stp_scene* scene, stp_bulk_array* arrays, size_t 
     return STP_OK;
 }
 
-// Counts what was added; whether it must go to the spill.
+// Counts the new bytes. @return whether they must go to the spill
 static bool count_added(stp_scene* scene, uint64_t bytes)
 {
     scene->bulk_bytes += bytes;

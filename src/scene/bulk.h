@@ -5,11 +5,11 @@
 #include "scene/scene.h"
 
 typedef struct stp_bulk_array {
-    void* bytes; ///< NULL: there is none
+    void* bytes; ///< NULL: absent
     size_t size;
 } stp_bulk_array;
 
-/// Of points: positions, normals, colours, attributes.
+/// Arrays of points: positions, normals, colours, attributes.
 enum {
     STP_MESH_ARRAYS = 6,
     STP_POINT_ATTRIBUTE_ARRAY = 3, ///< the first attribute's
@@ -17,7 +17,7 @@ enum {
     STP_TEXTURE_ARRAYS = 2,
 };
 
-// The arrays of a thing in a fixed order, and back.
+// The arrays of an item in a fixed order, and back.
 void stp_mesh_get_arrays(const stp_mesh* mesh, stp_bulk_array arrays[STP_MESH_ARRAYS]);
 void stp_mesh_set_arrays(stp_mesh* mesh, const stp_bulk_array arrays[STP_MESH_ARRAYS]);
 void stp_points_get_arrays(const stp_point_set* points, stp_bulk_array arrays[STP_POINT_ARRAYS]);
@@ -30,19 +30,19 @@ uint64_t stp_mesh_bytes(const stp_mesh* mesh);
 uint64_t stp_points_bytes(const stp_point_set* points);
 uint64_t stp_texture_bytes(const stp_texture* texture);
 
-// Free the arrays where they are the scene's memory, and take them off its count.
+// Free arrays in memory and subtract them from the scene's count.
 void stp_mesh_free_arrays(stp_scene* scene, stp_mesh* mesh);
 void stp_points_free_arrays(stp_scene* scene, stp_point_set* points);
 void stp_texture_free_arrays(stp_scene* scene, stp_texture* texture);
 
-// Count what was just added, and move it to the spill where there is too much in memory. Content that lies in
-// the spill already is not written again. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged); the
-// thing is whole in any case
+// Count a new item and move it to the spill if too much is in memory. Content already in the spill
+// is not written again. @return STP_OK, STP_ERROR_IO, STP_ERROR_OUT_OF_MEMORY (logged); the item is
+// valid in any case
 STP_MUST_USE stp_result stp_mesh_settle(stp_scene* scene, uint32_t index);
 STP_MUST_USE stp_result stp_points_settle(stp_scene* scene, uint32_t index);
 STP_MUST_USE stp_result stp_texture_settle(stp_scene* scene, uint32_t index);
 
-/// Gives each array room of its size in one piece of the spill.
+/// Allocates all arrays in one block of the spill.
 /// @return STP_OK or STP_ERROR_IO (logged; nothing changed). Any thread.
 STP_MUST_USE stp_result stp_bulk_alloc_spilled(stp_spill* spill, stp_bulk_array* arrays,
                                                size_t count);

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-// Opens each kind's hash, so that a mesh is never taken for a texture.
+// Prefix of each kind's hash, so that kinds never collide.
 enum { KIND_MESH = 1, KIND_POINTS, KIND_TEXTURE, KIND_MATERIAL, KIND_NODE };
 
 static stp_hash hash_arrays(const uint32_t* head, size_t head_count, const stp_bulk_array* arrays,
@@ -36,7 +36,7 @@ stp_hash stp_points_hash(const stp_point_set* points)
     stp_bulk_array arrays[STP_POINT_ARRAYS];
     stp_points_get_arrays(points, arrays);
     stp_hash hash = hash_arrays(head, 2, arrays, STP_POINT_ATTRIBUTE_ARRAY);
-    for (uint32_t i = 0; i < STP_ATTRIBUTES; ++i) { // points without them keep their hash
+    for (uint32_t i = 0; i < STP_ATTRIBUTES; ++i) { // points without attributes keep their hash
         const stp_bulk_array* values = &arrays[STP_POINT_ATTRIBUTE_ARRAY + i];
         if (values->size != 0) {
             hash = stp_hash_bytes(hash, &i, sizeof(i));
@@ -56,14 +56,14 @@ stp_hash stp_texture_hash(const stp_texture* texture)
                        texture->nearest};
     stp_bulk_array arrays[STP_TEXTURE_ARRAYS];
     stp_texture_get_arrays(texture, arrays);
-    return hash_arrays(head, 6, arrays, 1); // the texels alone: how they are coded cannot be seen
+    return hash_arrays(head, 6, arrays, 1); // only the texels: the encoding is invisible
 }
 
 static stp_hash hash_floats(stp_hash hash, const float* values, size_t count)
 {
     float plain[16];
     for (size_t i = 0; i < count; ++i) {
-        plain[i] = values[i] + 0.0f; // one zero only
+        plain[i] = values[i] + 0.0f; // normalises -0 to 0
     }
     return stp_hash_bytes(hash, plain, count * sizeof(float));
 }
@@ -74,7 +74,7 @@ static stp_hash hash_texture_use(stp_hash hash, const stp_scene* scene, const st
     stp_hash texture = none ? (stp_hash){0} : scene->textures[use->texture].content;
     hash = stp_hash_bytes(hash, &texture, sizeof(texture));
     if (none) {
-        return hash; // how nothing is placed does not matter
+        return hash; // the transform of an empty node does not matter
     }
     hash = stp_hash_bytes(hash, &use->texcoord, sizeof(use->texcoord));
     return hash_floats(hash, &use->transform[0][0], 6);
@@ -99,7 +99,7 @@ stp_hash stp_material_hash(const stp_scene* scene, const stp_material* material)
     return hash_texture_use(hash, scene, &material->emissive_texture);
 }
 
-// One record of a part or an edge; no padding.
+// Hashed record of a part or an edge; no padding.
 typedef struct part_record {
     uint64_t kind;
     stp_hash geometry, material;
@@ -129,7 +129,7 @@ stp_hash stp_node_hash(const stp_scene* scene, const stp_node* node)
         const stp_edge* edge = &scene->edges[node->first_edge + i];
         edge_record record = {.child = scene->nodes[edge->node].content};
         for (int k = 0; k < 12; ++k) {
-            record.transform[k / 4][k % 4] = edge->transform.m[k / 4][k % 4] + 0.0; // one zero only
+            record.transform[k / 4][k % 4] = edge->transform.m[k / 4][k % 4] + 0.0; // no -0
         }
         hash = stp_hash_bytes(hash, &record, sizeof(record));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From content to the index that first had it.
+// Maps content to the first index with that content.
 #pragma once
 
 #include "base/context.h"
@@ -10,13 +10,13 @@ typedef struct stp_content_entry {
     uint32_t index; ///< UINT32_MAX: free
 } stp_content_entry;
 
-/// All zero: empty.
+/// Initialise to zero: empty.
 typedef struct stp_content_table {
     stp_content_entry* entries;
     size_t size, count; ///< size: a power of two, or 0
 } stp_content_table;
 
-/// Gives the index first stored under this content: `index` itself where it is new.
+/// Returns the first index stored for this content; stores `index` if it is new.
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_content_table_find(stp_context* context, stp_content_table* table,
                                                stp_hash hash, uint32_t index, uint32_t* found);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scene/cut.h"
 
+#include "base/large_blocks.h"
 #include "base/sort.h"
 #include "scene/bulk.h"
 #include "scene/content.h"
@@ -11,28 +12,34 @@
 #include <string.h>
 
 #define GRAIN 65536
+#define RELEASE_SIZE                                                                               \
+    ((size_t)128 << 20)               // of pieces, before the system is told that it may drop pages
+#define RELEASE_COUNT (1u << 23)      // of elements
 #define LARGE_SIZE ((size_t)64 << 20) // working data of that size are spilled where the mesh is
 
-// What the jobs share. Pieces lie behind the scene's own; they count only when all are made.
+// State shared by the jobs. New pieces follow the scene's own items and count only once all are
+// made.
 typedef struct cutter {
     stp_scene* scene;
-    const stp_mesh* mesh; ///< one of them is NULL
+    const stp_mesh* mesh; ///< exactly one of them is not NULL
     const stp_point_set* points;
     stp_mesh* mesh_pieces;
     stp_point_set* point_pieces;
     stp_place* places;
+    size_t first_place; ///< that find_places begins with
     uint32_t* ends;
     uint32_t piece_count;
     bool spilled;
+    size_t unreleased; ///< bytes of pieces made since pages of the spill were released
     pthread_mutex_t mutex;
-    stp_result result; ///< of the first failure; IO was logged already
+    stp_result result; ///< of the first failure; I/O errors are already logged
 } cutter;
 
 static void find_places(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     const cutter* c = user;
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t i = c->first_place + begin; i < c->first_place + end; ++i) {
         stp_place* place = &c->places[i];
         place->index = (uint32_t)i;
         for (size_t k = 0; k < 3; ++k) {
@@ -49,7 +56,8 @@ static void find_places(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Room for a piece's arrays, whose sizes are set; false where there is none. A failure of the spill is logged once.
+// Allocates a piece's arrays, whose sizes are set; false on failure. A failure of the spill is
+// logged once.
 static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
 {
     pthread_mutex_lock(&c->mutex);
@@ -65,6 +73,19 @@ static bool get_room(cutter* c, stp_bulk_array* arrays, size_t count)
         made = made && (arrays[i].size == 0 || arrays[i].bytes != NULL);
     }
     return made;
+}
+
+// Of what was copied, nothing need stay resident where it lies in a file.
+static void note_made(cutter* c, size_t bytes)
+{
+    pthread_mutex_lock(&c->mutex);
+    c->unreleased += bytes;
+    bool release = c->spilled && c->unreleased >= RELEASE_SIZE;
+    c->unreleased = release ? 0 : c->unreleased;
+    pthread_mutex_unlock(&c->mutex);
+    if (release) {
+        stp_spill_release_pages(c->scene->spill);
+    }
 }
 
 static void note_memory(cutter* c)
@@ -83,7 +104,7 @@ static unsigned bits_of(uint32_t count)
     return bits;
 }
 
-// Copies `size` bytes of each vertex, and where the vertex changes, goes on to the next.
+// Copies `size` bytes of each distinct vertex; corners are sorted by vertex.
 static void gather(const void* from, void* to, size_t size, const uint64_t* corners, size_t count)
 {
     unsigned char* out = to;
@@ -95,7 +116,8 @@ static void gather(const void* from, void* to, size_t size, const uint64_t* corn
     }
 }
 
-// Makes a piece from its corners, sorted by vertex: vertex in the upper half, number of the corner in the lower.
+// Makes a piece from its corners, sorted by vertex: vertex in the upper half, corner index in the
+// lower.
 static bool fill_mesh_piece(cutter* c, stp_mesh* piece, const uint64_t* corners)
 {
     const stp_mesh* mesh = c->mesh;
@@ -128,7 +150,7 @@ static bool fill_mesh_piece(cutter* c, stp_mesh* piece, const uint64_t* corners)
         piece->indices[(uint32_t)corners[i]] = vertex;
     }
     stp_mesh_measure(piece);
-    // where the same triangles are rounded differently, they are another thing
+    // equal triangles with different rounding are different content
     piece->content = stp_hash_bytes(stp_mesh_hash(piece), &piece->grid_step, sizeof(double));
     return true;
 }
@@ -160,7 +182,9 @@ static void make_mesh_pieces(size_t begin, size_t end, uint32_t worker, void* us
         stp_free(c->scene->context, corners);
         if (!made) {
             note_memory(c);
+            continue;
         }
+        note_made(c, (size_t)stp_mesh_bytes(piece));
     }
 }
 
@@ -201,10 +225,13 @@ static void make_point_pieces(size_t begin, size_t end, uint32_t worker, void* u
             stp_box_add(&piece->bounds, (stp_vec3){at[0], at[1], at[2]});
         }
         piece->content = stp_points_hash(piece);
+        // places of pieces that are made are not looked at again: their memory is that of later pieces
+        stp_large_forget(c->places + first, piece->point_count * sizeof(stp_place));
+        note_made(c, (size_t)stp_points_bytes(piece));
     }
 }
 
-// Counts the pieces' memory, and frees them again where one could not be made.
+// Counts the pieces' memory, and frees all pieces if one failed.
 static void settle_pieces(cutter* c)
 {
     for (uint32_t i = 0; i < c->piece_count; ++i) {
@@ -224,7 +251,21 @@ static void settle_pieces(cutter* c)
     }
 }
 
-// Divides the elements, and makes the pieces.
+// A part of all after the other where they lie in a file, so that little of it is resident.
+static void find_all_places(cutter* c, uint32_t count)
+{
+    uint32_t most = c->spilled ? RELEASE_COUNT : count;
+    for (uint32_t first = 0, size; first < count; first += size) {
+        size = count - first < most ? count - first : most;
+        c->first_place = first;
+        stp_parallel_for(c->scene->context, size, GRAIN, find_places, c);
+        if (c->spilled) {
+            stp_spill_release_pages(c->scene->spill);
+        }
+    }
+}
+
+// Divides the elements and makes the pieces.
 static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
 {
     stp_context* context = c->scene->context;
@@ -242,7 +283,7 @@ static stp_result cut(cutter* c, uint32_t count, stp_job make_pieces)
         c->result = stp_fail_memory(context);
     }
     if (c->result == STP_OK) {
-        stp_parallel_for(context, count, GRAIN, find_places, c);
+        find_all_places(c, count);
         c->result = stp_cut_ranges(context, c->places, count, c->piece_count, c->ends);
     }
     if (c->result == STP_OK) {

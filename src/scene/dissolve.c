@@ -3,20 +3,19 @@
 
 #include <string.h>
 
-#define WIDTH 0.75 // of the parent's extent along each axis that counts
-#define THIN                                                                                       \
-    (1.0 / 16.)       // an axis counts where the parent's extent is more than this of its largest
-#define MOST_NESTED 8 // dissolved below dissolved: what is below is looked at once for each
-#define MOST_ALONE                                                                                 \
-    4 // so many times as many things as beside it: a child is most of its parent, and left whole
+#define WIDTH 0.75       // minimum share of the parent's extent along each relevant axis
+#define THIN (1.0 / 16.) // relevant axes: minimum share of the parent's largest extent
+#define MOST_NESTED 8    // limit on nested dissolving: content is visited once per level
+// A child with this many times the items of the rest is nearly its parent, and stays whole.
+#define MOST_ALONE 4
 
 typedef struct search {
     const stp_scene* scene;
     uint8_t* found;      ///< by edge
     uint8_t* uses;       ///< by node: edges to it; 2: more than one
     uint8_t* nested;     ///< by node: dissolved levels below
-    uint64_t* sizes;     ///< by node: things in it, with those of what was dissolved
-    uint64_t repeatable; ///< things that may still be repeated by dissolving what is shared
+    uint64_t* sizes;     ///< by node: its items, including those of dissolved children
+    uint64_t repeatable; ///< remaining items that dissolving shared nodes may duplicate
 } search;
 
 static uint32_t count_items(const stp_node* node)
@@ -42,7 +41,7 @@ static bool is_as_wide(stp_boxd child, stp_boxd parent)
     return true;
 }
 
-// Whether a child may be dissolved into a node, as far as the two alone tell.
+// Whether a child may be dissolved, as far as parent and child alone tell.
 static bool is_layer(const search* s, const stp_node* node, const stp_edge* edge)
 {
     const stp_node* child = &s->scene->nodes[edge->node];
@@ -50,7 +49,7 @@ static bool is_layer(const search* s, const stp_node* node, const stp_edge* edge
            is_as_wide(stp_affine_box(&edge->transform, child->bounds), node->bounds);
 }
 
-// Things are repeated where what is shared is dissolved. @return false where there have been too many
+// Dissolving shared nodes duplicates items. @return false if the limit is exceeded
 static bool may_repeat(search* s, uint32_t child)
 {
     uint64_t repeated = s->uses[child] > 1 ? s->sizes[child] : 0;
@@ -59,13 +58,13 @@ static bool may_repeat(search* s, uint32_t child)
     return may;
 }
 
-// Marks the layers of a node; those of its children are known.
+// Marks the layers of a node; its children must be done.
 static void judge_node(search* s, uint32_t index)
 {
     const stp_node* node = &s->scene->nodes[index];
     const stp_edge* edges = &s->scene->edges[node->first_edge];
     uint8_t* found = &s->found[node->first_edge];
-    uint64_t all = count_items(node); // were every layer dissolved
+    uint64_t all = count_items(node); // if every layer were dissolved
     bool opens = all > 1 && node->flags == 0;
     for (uint32_t k = 0; opens && k < node->edge_count; ++k) {
         if (is_layer(s, node, &edges[k])) {
@@ -89,8 +88,8 @@ static void judge_node(search* s, uint32_t index)
     }
 }
 
-// Marks the chain of single nodes below the root, down to the node of several things at its end. Where the chain moves
-// nothing, that node simply becomes the root.
+// Marks the chain of single nodes from the root down to the first node with several items. If the
+// chain has only identity transforms, that node becomes the root.
 static void mark_root_chain(search* s)
 {
     const stp_scene* scene = s->scene;

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// False for what is not a number, too.
+// Also false for NaN.
 static bool reaches(const float* p)
 {
     const float most = (float)STP_SCENE_DISTANCE_LIMIT;
@@ -24,8 +24,8 @@ static bool all_reach(const float* positions, size_t count)
 
 bool stp_is_within_distance_limit(stp_boxd box)
 {
-    const double most = STP_SCENE_DISTANCE_LIMIT * (1.0 + 1e-6); // of what was rounded to float
-    stp_vec3d low = box.min, high = box.max; // what is not a number leaves an axis empty
+    const double most = STP_SCENE_DISTANCE_LIMIT * (1.0 + 1e-6); // tolerance for rounding to float
+    stp_vec3d low = box.min, high = box.max; // NaN coordinates leave an axis empty
     return low.x <= high.x && low.y <= high.y && low.z <= high.z && low.x >= -most &&
            low.y >= -most && low.z >= -most && high.x <= most && high.y <= most && high.z <= most;
 }
@@ -90,7 +90,7 @@ void stp_scene_tell_dropped(const stp_scene* scene)
     if (d->count == 0) {
         return;
     }
-    uint32_t object = 0, at = 0; // who shows it first
+    uint32_t object = 0, at = 0; // first object that shows it
     for (; object < scene->object_count; ++object) {
         const stp_object* o = &scene->objects[object];
         for (at = 0; at < o->part_count; ++at) {

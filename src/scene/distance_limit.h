@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: MIT
 //
-// What is too far away, or nowhere. Squares of lengths are floats in many places, and one object a universe away would
-// make everything else a point. So what has no finite place, or one beyond the reach, is left out, each time as
-// little as possible: triangles of a mesh, points of a set, else an object within its parent.
+// Drops geometry that is too far away or has no valid position. Squared lengths are floats in many
+// places, and one very distant object would shrink everything else to a point. Each time, as little
+// as possible is dropped: triangles of a mesh, points of a set, else an object within its parent.
 #pragma once
 
 #include "scene/scene.h"
 
-#define STP_SCENE_DISTANCE_LIMIT                                                                   \
-    1e18 // from the origin, along each axis: squares stay far below FLT_MAX
+// From the origin, along each axis: squares stay far below FLT_MAX.
+#define STP_SCENE_DISTANCE_LIMIT 1e18
 
-/// Whether all of a box is within reach. Not where it is empty, or not finite.
+/// Whether a whole box is within the limit. False if it is empty or not finite.
 bool stp_is_within_distance_limit(stp_boxd box);
 
-/// Drops the triangles that have a corner out of reach; vertices out of reach are put to the origin. @return how many
+/// Drops triangles with a corner beyond the limit and moves such vertices to the origin.
+/// @return how many
 uint32_t stp_mesh_drop_distant(stp_mesh* mesh);
-/// Drops the points out of reach. @return how many
+/// Drops points beyond the limit. @return how many
 uint32_t stp_points_drop_distant(stp_point_set* points);
 
-/// Says once, and naming the first object, of which meshes and point sets something was dropped when they were added
-/// (scene->damaged). Before equal ones become one.
+/// Warns once, naming the first object, if parts of meshes or point sets were dropped when they
+/// were added (scene->damaged). Call before identical items are merged.
 void stp_scene_tell_dropped(const stp_scene* scene);

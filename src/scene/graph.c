@@ -4,7 +4,7 @@
 #include "scene/content.h"
 #include "scene/measure.h"
 
-// Room for one more element; NULL where memory runs out, or numbers do.
+// Room for one more element; NULL if out of memory or indices.
 static void* grow(stp_graph* graph, void* array, size_t* capacity, size_t count, size_t size)
 {
     return count < STP_NONE

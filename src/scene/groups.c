@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// Top-down: a range of boxes is split in two where the surface area heuristic is smallest (MacDonald and Booth
-// 1990; binned, Wald 2007), and its largest part again, until all parts can be groups, or there are as many parts
-// as a group may have children.
+// Top-down: splits a range of boxes where the surface area heuristic is smallest (MacDonald and
+// Booth 1990; binned, Wald 2007), then its largest part again, until all parts can be groups or
+// there are as many as a group may have children.
 #include "scene/groups.h"
 
 #include <assert.h>
 #include <string.h>
 
 #define BIN_COUNT 16
-#define DEEPEST                                                                                    \
-    48u // splits above a range, from which on it is halved: bounds time on hostile input
+// Deeper ranges are halved, which bounds the time on hostile input.
+#define DEEPEST 48u
 
 typedef struct range {
     uint32_t first, count, depth;
@@ -21,10 +21,10 @@ typedef struct bin {
     uint32_t count;
 } bin;
 
-// A plane between two bins of an axis.
+// Splitting plane between two bins of an axis.
 typedef struct plane {
     double cost;
-    int axis, bin; ///< boxes of bins below `bin` are on its left
+    int axis, bin; ///< boxes in bins below `bin` are on its left
 } plane;
 
 static double component(stp_vec3d v, int axis)
@@ -100,7 +100,7 @@ static void try_axis(const stp_boxd* boxes, const uint32_t* order, const range* 
     }
 }
 
-// Reorders the range so that what is left of the plane comes first. @return how many are
+// Moves the boxes left of the plane to the front. @return how many
 static uint32_t separate(const stp_boxd* boxes, uint32_t* order, const range* r,
                          const stp_boxd* centres, const plane* p)
 {
@@ -120,7 +120,7 @@ static uint32_t separate(const stp_boxd* boxes, uint32_t* order, const range* r,
     return left - r->first;
 }
 
-// Splits a range of at least two boxes; both sides get some.
+// Splits a range of at least two boxes; neither side is empty.
 static void split(const stp_boxd* boxes, uint32_t* order, range* r, range* other)
 {
     uint32_t left = r->count / 2;
@@ -155,7 +155,7 @@ static stp_result add_group(stp_context* context, stp_grouping* grouping, const 
     return STP_OK;
 }
 
-// Gives a group of too many boxes its children.
+// Splits a group with too many boxes into children.
 static stp_result open_group(stp_context* context, const stp_boxd* boxes, uint32_t most,
                              stp_grouping* grouping, size_t index)
 {

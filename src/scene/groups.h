@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// A hierarchy of boxes: what is near each other is in one group, and no group has too many members.
+// A hierarchy of boxes: neighbours share a group, and the size of groups is limited.
 #pragma once
 
 #include "base/context.h"
 #include "base/math.h"
 
-/// Has children, or members: the boxes order[first] to order[first + count - 1].
+/// Has either children or members: the boxes order[first] to order[first + count - 1].
 typedef struct stp_group {
     uint32_t first, count;             ///< all boxes below it
-    uint32_t first_child, child_count; ///< 0: `count` members
-    uint32_t depth;                    ///< splits above it
+    uint32_t first_child, child_count; ///< child_count 0: has `count` members
+    uint32_t depth;                    ///< number of splits above it
 } stp_group;
 
-/// The first group holds all; children have higher indices than parents. All zero at first; may be used again.
+/// Group 0 contains all; children have higher indices than parents. Initialise to zero; reusable.
 typedef struct stp_grouping {
     uint32_t* order;
     stp_group* groups;
@@ -22,8 +22,8 @@ typedef struct stp_grouping {
 
 enum { STP_GROUP_LIMIT = 256 };
 
-/// Groups `count` boxes (at least 1), at most `most` (2 to STP_GROUP_LIMIT) members or children each. Boxes may
-/// coincide, be empty of volume, or of any size. Time O(count log count).
+/// Groups `count` boxes (at least 1), with at most `most` (2 to STP_GROUP_LIMIT) members or
+/// children each. Boxes may coincide, have no volume, or have any size. Time O(count log count).
 /// @return STP_OK or STP_ERROR_OUT_OF_MEMORY (logged)
 STP_MUST_USE stp_result stp_group_boxes(stp_context* context, const stp_boxd* boxes, uint32_t count,
                                         uint32_t most, stp_grouping* grouping);

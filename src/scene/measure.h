@@ -4,9 +4,9 @@
 
 #include "scene/scene.h"
 
-/// The box and the area of a mesh's triangles. Vertices that no triangle uses do not count: many meshes of one
-/// file may share an array of vertices.
+/// Bounds and area of a mesh's triangles. Unused vertices do not count: many meshes of one file may
+/// share a vertex array.
 void stp_mesh_measure(stp_mesh* mesh);
 
-/// Fills bounds, counts and area of a node whose children have theirs.
+/// Sets bounds, counts and area of a node from those of its children.
 void stp_node_measure(const stp_scene* scene, stp_node* node);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Several inputs bring the same things: each glTF file its default material, each copy of an assembly its own
-// meshes and pictures. Identity is by content (128-bit hashes), from what refers to nothing upwards.
+// Inputs repeat content: each glTF file its default material, each copy of an assembly its meshes
+// and pictures. Identity is by content (128-bit hashes), bottom-up from items without references.
 #include "scene/merge.h"
 
 #include "scene/bulk.h"
@@ -13,8 +13,8 @@ typedef struct merging {
     stp_scene* scene;
     merge_kind kind;
     size_t count;
-    stp_hash* hashes; ///< what makes each thing another
-    uint32_t* kept;   ///< the first with that content, by its index before, then after the merging
+    stp_hash* hashes; ///< content of each item
+    uint32_t* kept;   ///< the first item with the same content, by old index
 } merging;
 
 static bool is_known(stp_hash content)
@@ -55,7 +55,7 @@ static void hash_things(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// Whether the i-th thing stays: then it becomes number *left - 1. To be asked in ascending order.
+// Whether item i stays; it then becomes number *left - 1. Call in ascending order.
 static bool stays(merging* m, size_t i, size_t* left)
 {
     if (m->kept[i] != i) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The old graph is read from children to parents, and a new one is made of it. Each old node becomes a new one
-// (or shares one), so that objects keep theirs; what a parent has below it need not be its children's nodes.
+// Builds a new graph from the old one, children before parents. Each old node becomes a new one (or
+// shares one), so that objects keep their nodes. The children of a new parent need not be its old
+// children's nodes.
 #include "scene/partition.h"
 
 #include "scene/cut.h"
@@ -14,10 +15,11 @@
 
 #define DEFAULT_LEAF 400000u
 #define DEFAULT_CHILDREN 16u
-#define SMALL_PART 1000u // triangles or points: less is not approximated alone (Brandt 5.2)
+// Parts with fewer triangles or points get no approximation of their own (Brandt 5.2).
+#define SMALL_PART 1000u
 #define PROGRESS_NODES 4096u
 
-// Something below a node in the making: a part, or a new node. In the node's space.
+// A part or a new node below the node being made, in that node's space.
 typedef struct item {
     bool is_part;
     stp_part part;
@@ -32,15 +34,15 @@ typedef struct partition {
     stp_edge* old_edges;
     stp_part* old_parts;
     size_t old_count;
-    uint8_t* dissolved;    ///< of each old edge: the parent takes the child's content (wide.h)
-    uint32_t* made;        ///< of each old node: the new one
-    uint32_t* cut_meshes;  ///< of each mesh: the node of its pieces; STP_NONE: whole
-    uint32_t* cut_points;  ///< of each point set
-    item* items;           ///< of the node in the making
-    stp_boxd* boxes;       ///< of the items
-    stp_edge* stack;       ///< old nodes whose content is taken
+    uint8_t* dissolved;   ///< of each old edge: the parent absorbs the child's content (dissolve.h)
+    uint32_t* made;       ///< of each old node: the new one
+    uint32_t* cut_meshes; ///< of each mesh: the node of its pieces; STP_NONE: not cut
+    uint32_t* cut_points; ///< of each point set
+    item* items;          ///< of the node being made
+    stp_boxd* boxes;      ///< of the items
+    stp_edge* stack;      ///< old nodes whose content is absorbed
     stp_grouping grouping; ///< of the boxes
-    item* results;         ///< what each group has become
+    item* results;         ///< node of each group
     size_t item_count, item_capacity, box_capacity, stack_count, stack_capacity, result_capacity;
 } partition;
 
@@ -63,13 +65,13 @@ static stp_result add_item(partition* p, const item* added)
     return STP_OK;
 }
 
-// A part as an item: the node of its pieces, where it was cut.
+// Adds a part as an item; if it was cut, the node of its pieces.
 static stp_result add_part_item(partition* p, stp_part part, const stp_affine* transform,
                                 bool whole)
 {
     const uint32_t* cut = part.kind == STP_PART_MESH ? p->cut_meshes : p->cut_points;
     uint32_t node = whole ? STP_NONE : cut[part.index];
-    if (node == STP_NONE && !stp_affine_is_identity(transform)) { // a part has no place of its own
+    if (node == STP_NONE && !stp_affine_is_identity(transform)) { // parts have no transform
         size_t first_part = p->scene->node_part_count;
         stp_result result = stp_graph_add_part(&p->graph, part);
         if (result == STP_OK) {
@@ -84,7 +86,7 @@ static stp_result add_part_item(partition* p, stp_part part, const stp_affine* t
                                .edge = {.node = node, .transform = *transform}});
 }
 
-// A new node as an item: what only moves another one stands aside for it.
+// Adds a new node as an item. Skips nodes that only transform another one.
 static stp_result add_node_item(partition* p, uint32_t node, stp_affine transform)
 {
     const stp_scene* scene = p->scene;
@@ -111,7 +113,8 @@ static stp_result push(partition* p, const stp_edge* edge)
     return STP_OK;
 }
 
-// Collects what the new node of an old one is made of: its parts and children, and those of dissolved children.
+// Collects the items of a new node: the old node's parts and children, and those of dissolved
+// children.
 static stp_result collect_items(partition* p, uint32_t index)
 {
     p->item_count = 0;
@@ -148,7 +151,7 @@ static uint64_t count_elements(const partition* p, const item* i)
                                          : scene->point_sets[i->part.index].point_count;
 }
 
-// Gives a part a node of its own.
+// Wraps a part in a node of its own.
 static stp_result wrap_part(partition* p, item* i)
 {
     size_t first_part = p->scene->node_part_count;
@@ -162,7 +165,8 @@ static stp_result wrap_part(partition* p, item* i)
     return result;
 }
 
-// Makes a node of the items that order[first ...] names (NULL: in their own order), or of one item what it is.
+// Makes a node of the items order[first ...] (NULL: in their own order). A single item is returned
+// as it is.
 static stp_result make_node(partition* p, const uint32_t* order, item* items, uint32_t count,
                             uint32_t flags, item* made)
 {
@@ -171,8 +175,8 @@ static stp_result make_node(partition* p, const uint32_t* order, item* items, ui
     for (uint32_t i = 0; i < count; ++i) {
         elements += count_elements(p, &items[order != NULL ? order[i] : i]);
     }
-    // in a node that is no leaf, a part worth approximating gets its own approximation; points always do, as it is
-    // all of them
+    // in an inner node, a part large enough gets a node, and so an approximation, of its own;
+    // points always do
     bool wraps = elements > p->desc.leaf_triangles;
     bool moving = (flags & STP_OBJECT_MOVING) != 0;
     stp_result result = STP_OK;
@@ -219,7 +223,7 @@ static stp_result box_items(partition* p)
     return STP_OK;
 }
 
-// Makes a hierarchy over the items collected, of which there are too many for one node.
+// Builds a hierarchy over the collected items, if there are too many for one node.
 static stp_result make_hierarchy(partition* p, item* made)
 {
     stp_context* context = p->scene->context;
@@ -254,7 +258,7 @@ static stp_result make_hierarchy(partition* p, item* made)
     return result;
 }
 
-// Makes the new node of what was collected.
+// Makes the new node of the collected items.
 static stp_result make_collected(partition* p, uint32_t flags, uint32_t* index)
 {
     const item* only = &p->items[0];
@@ -273,7 +277,7 @@ static stp_result make_collected(partition* p, uint32_t flags, uint32_t* index)
     return result;
 }
 
-// Cuts what is too large of one kind, and makes a node of each one's pieces.
+// Cuts the large meshes or point sets, and makes a node of each one's pieces.
 static stp_result cut_kind(partition* p, stp_part_kind kind, const uint8_t* uses, uint32_t* nodes)
 {
     stp_scene* scene = p->scene;
@@ -349,7 +353,7 @@ static stp_result make_nodes(partition* p)
     return result;
 }
 
-// Objects and the root get their new nodes.
+// Points the objects and the root to their new nodes.
 static void renew_references(partition* p)
 {
     stp_scene* scene = p->scene;
@@ -359,7 +363,7 @@ static void renew_references(partition* p)
         *node = *node != STP_NONE ? p->made[*node] : STP_NONE;
     }
     scene->root = p->made[scene->root];
-    scene->nodes[scene->root].bounds = tight; // of the same space
+    scene->nodes[scene->root].bounds = tight; // in the same space
 }
 
 stp_result stp_scene_partition(stp_scene* scene, const stp_partition_desc* desc)

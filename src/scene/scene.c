@@ -72,7 +72,7 @@ void stp_scene_destroy(stp_scene* scene)
     stp_free(context, scene);
 }
 
-// Replaces *text by a copy that the scene owns, of not more bytes than a text may have.
+// Replaces *text by a copy owned by the scene, truncated to the maximum length.
 static stp_result keep_text(stp_scene* scene, const char** text)
 {
     if (*text != NULL) {
@@ -89,7 +89,7 @@ static stp_result keep_text(stp_scene* scene, const char** text)
     return STP_OK;
 }
 
-// Room for one more element of one of the scene's arrays; NULL where memory runs out.
+// Room for one more element of one of the scene's arrays; NULL if out of memory.
 #define GROW_ARRAY(scene, array, name)                                                             \
     grow((scene)->context, (scene)->array, &(scene)->name##_capacity, (scene)->name##_count,       \
          sizeof(*(scene)->array))

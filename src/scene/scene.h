@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// A scene as imported: meshes, point sets, materials, textures, and who stands where.
+// An imported scene: meshes, point sets, materials, textures, and the objects that place them.
 //
 //   objects (a tree, as the input wrote it: names, ids)       nodes (a graph without cycles, shared)
 //
@@ -9,13 +9,13 @@
 //                                                 knows its node
 //
 // Importers add objects under their parents, with parts (meshes or point sets) and instances. Then
-// stp_scene_finish() merges identical meshes, finds identical subtrees, and makes the graph of nodes:
-// what looks the same is one node, however often the input wrote it. People ask about objects; everything
-// that costs time works on nodes.
+// stp_scene_finish() merges identical meshes, finds identical subtrees, and builds the graph of
+// nodes: identical content becomes one node, however often the input repeats it. Users see objects;
+// all expensive work runs on nodes.
 //
-// Positions are floats relative to their object; transforms are double, so a site far from its origin keeps
-// its precision. Inside, y is up and lengths are in the scene's unit. Colours of materials are linear;
-// textures and point colours are sRGB bytes.
+// Positions are floats relative to their object; transforms are double, so a site far from its
+// origin keeps its precision. Internally, y is up and lengths are in the scene's unit. Material
+// colours are linear; textures and point colours are sRGB bytes.
 #pragma once
 
 #include "base/arena.h"
@@ -27,11 +27,11 @@
 
 #define STP_NONE UINT32_MAX
 #define STP_SCENE_TEXT_LIMIT                                                                       \
-    4064 ///< bytes of a name or id; what is longer is shortened, with a warning
+    4064 ///< maximum bytes of a name or id; longer ones are truncated with a warning
 
 typedef enum stp_alpha_mode {
     STP_ALPHA_OPAQUE,
-    STP_ALPHA_MASK,  ///< a texel below the cutoff is not there
+    STP_ALPHA_MASK,  ///< texels below the cutoff are cut out
     STP_ALPHA_BLEND, ///< transparent: drawn as hashed alpha
 } stp_alpha_mode;
 
@@ -48,19 +48,19 @@ typedef struct stp_material {
     const char* name; ///< may be NULL
     float base_color[4];
     float metallic, roughness;
-    float emissive[3]; ///< strength included; may exceed 1
+    float emissive[3]; ///< includes the strength; may exceed 1
     float alpha_cutoff;
     stp_alpha_mode alpha_mode;
     bool double_sided, unlit;
     stp_texture_use base_color_texture;         ///< sRGB, alpha
     stp_texture_use metallic_roughness_texture; ///< linear: green roughness, blue metallic
     stp_texture_use emissive_texture;           ///< sRGB
-    stp_hash content; ///< of all that is seen of it, textures included; set by stp_scene_finish
+    stp_hash content; ///< of all visible properties, textures included; set by stp_scene_finish
 } stp_material;
 
-/// How a texture's `encoded` bytes are coded; the numbers of `.stip` files.
+/// Encoding of a texture's `encoded` bytes; the numbers of `.stip` files.
 typedef enum stp_texture_encoding {
-    STP_TEXTURE_TEXELS, ///< there are none
+    STP_TEXTURE_TEXELS, ///< no encoded bytes
     STP_TEXTURE_PNG,
     STP_TEXTURE_JPEG,
     STP_TEXTURE_WEBP,
@@ -70,43 +70,43 @@ typedef struct stp_texture {
     const char* name; ///< may be NULL
     uint32_t width, height;
     uint8_t* texels; ///< owned; RGBA rows, top first
-    /// The picture file that decodes to exactly these texels; owned. NULL: it came in another form, or import changed it.
+    /// The picture file that decodes to exactly these texels; owned. NULL: the texels had another
+    /// source or were changed on import.
     uint8_t* encoded;
     size_t encoded_size;
     stp_texture_encoding encoding;
     stp_wrap wrap_u, wrap_v;
     bool nearest;     ///< magnified without interpolation
-    bool spilled;     ///< its texels lie in the scene's spill file
+    bool spilled;     ///< the texels are in the scene's spill file
     stp_hash content; ///< set by stp_scene_finish
 } stp_texture;
 
-/// Triangles of one material. Arrays are owned; those marked optional may be NULL.
+/// Triangles of one material. Arrays are owned; optional ones may be NULL.
 typedef struct stp_mesh {
     const char* name; ///< may be NULL
     uint32_t vertex_count;
     uint32_t triangle_count;
-    float* positions;    ///< 3 a vertex; within reach once it is added (reach.h)
-    float* normals;      ///< optional: 3 a vertex, unit or zero; NULL: flat, from the winding
-    float* texcoords[2]; ///< optional: 2 a vertex
-    uint16_t* colors;    ///< optional: 4 a vertex, linear, 65535 is 1; multiplies the base colour
-    uint32_t* indices;   ///< 3 a triangle, each below vertex_count
+    float* positions;    ///< 3 per vertex; within reach once added (distance_limit.h)
+    float* normals;      ///< optional: 3 per vertex, unit or zero; NULL: flat, from the winding
+    float* texcoords[2]; ///< optional: 2 per vertex
+    uint16_t* colors;    ///< optional: 4 per vertex, linear, 65535 is 1; multiplies the base colour
+    uint32_t* indices;   ///< 3 per triangle, each below vertex_count
     uint32_t material;
     stp_box bounds;
-    stp_hash content; ///< of its geometry, without the material; set by stp_scene_finish
-    double
-        grid_step; ///< of its positions when stored (base/position_grid.h); set by stp_scene_finish
-    double area;   ///< of its triangles; set by stp_scene_finish
-    bool spilled;  ///< its arrays lie in the scene's spill file, perhaps shared with other meshes
-    bool cut;      ///< a piece of a larger mesh, whose other pieces it meets at its borders
+    stp_hash content; ///< of the geometry, without the material; set by stp_scene_finish
+    double grid_step; ///< of the stored positions (base/position_grid.h); set by stp_scene_finish
+    double area;      ///< of the triangles; set by stp_scene_finish
+    bool spilled; ///< the arrays are in the scene's spill file, perhaps shared with other meshes
+    bool cut;     ///< a piece of a larger mesh, adjacent to other pieces at its borders
 } stp_mesh;
 
 typedef struct stp_point_set {
     const char* name; ///< may be NULL
     uint32_t point_count;
-    float* positions;                 ///< 3 a point; within reach once it is added (reach.h)
-    float* normals;                   ///< optional: 3 a point
-    uint8_t* colors;                  ///< optional: RGBA a point, sRGB
-    void* attributes[STP_ATTRIBUTES]; ///< each optional: a value a point (attributes.h)
+    float* positions;                 ///< 3 per point; within reach once added (distance_limit.h)
+    float* normals;                   ///< optional: 3 per point
+    uint8_t* colors;                  ///< optional: RGBA per point, sRGB
+    void* attributes[STP_ATTRIBUTES]; ///< each optional: one value per point (attributes.h)
     uint32_t material;
     stp_box bounds;
     stp_hash content;
@@ -118,12 +118,12 @@ typedef enum stp_part_kind { STP_PART_MESH, STP_PART_POINTS } stp_part_kind;
 /// A mesh or a point set, by index.
 typedef struct stp_part {
     stp_part_kind kind;
-    uint32_t index; ///< of an object whose mesh the partition has cut: STP_NONE
+    uint32_t index; ///< STP_NONE if the partition has cut the object's mesh
 } stp_part;
 
 enum {
     STP_OBJECT_MOVING = 1, ///< skinned or animated: never merged into a static ancestor's surfels
-    STP_OBJECT_PROTOTYPE = 2, ///< seen only where other objects use it (stp_scene_add_use)
+    STP_OBJECT_PROTOTYPE = 2, ///< visible only through objects that use it (stp_scene_add_use)
 };
 
 typedef struct stp_object {
@@ -135,7 +135,7 @@ typedef struct stp_object {
     uint32_t first_instance,
         instance_count; ///< transforms of its parts within it; 0: one, the identity
     uint32_t
-        use; ///< an object of lower index whose parts and children it shows as well; STP_NONE: none
+        use; ///< an object of lower index whose parts and children it also shows; STP_NONE: none
     uint32_t flags;
     uint32_t node; ///< set by stp_scene_finish
 } stp_object;
@@ -151,11 +151,11 @@ typedef struct stp_node {
     uint32_t first_edge, edge_count;
     uint32_t first_part, part_count; ///< into node_parts
     uint32_t flags;                  ///< of its objects
-    stp_boxd bounds;                 ///< of everything below, in the node's own space
-    uint64_t triangle_count;         ///< of everything below, instances counted each
+    stp_boxd bounds;                 ///< of the whole subtree, in the node's own space
+    uint64_t triangle_count;         ///< of the whole subtree; each instance counts
     uint64_t point_count;
-    double area;      ///< of all triangles below, instances counted each; square units of its space
-    stp_hash content; ///< of everything below it: geometry, materials, textures, transforms, flags
+    double area; ///< of the subtree's triangles; each instance counts; square units of its space
+    stp_hash content; ///< of the whole subtree: geometry, materials, textures, transforms, flags
 } stp_node;
 
 /// A named camera. `eye`, `target` and `up` in scene space.
@@ -169,14 +169,14 @@ typedef struct stp_source {
     const char* path; ///< as given by the user
     const char* format;
     uint64_t bytes;
-    const char* coordinate_system; ///< as the file says it: WKT, or "EPSG:25832"; NULL: it does not
+    const char* coordinate_system; ///< as in the file: WKT, or "EPSG:25832"; NULL: unspecified
 } stp_source;
 
-/// Meshes and point sets of which something was left out when they were added (reach.h).
+/// Meshes and point sets of which parts were dropped when they were added (distance_limit.h).
 typedef struct stp_damage {
-    uint32_t count;   ///< how many such
-    stp_part first;   ///< of them
-    uint32_t dropped; ///< of its triangles or points
+    uint32_t count;   ///< number of such items
+    stp_part first;   ///< the first one
+    uint32_t dropped; ///< its dropped triangles or points
 } stp_damage;
 
 typedef struct stp_scene {
@@ -196,61 +196,61 @@ typedef struct stp_scene {
     size_t mesh_capacity, point_set_capacity, material_capacity, texture_capacity, object_capacity,
         part_capacity, instance_capacity, view_capacity, source_capacity;
     stp_damage damaged;
-    uint32_t shortened; ///< names and ids that were too long
+    uint32_t shortened; ///< truncated names and ids
 
     // made by stp_scene_finish
     stp_node* nodes;
     stp_edge* edges;
     stp_part* node_parts;
     size_t node_count, edge_count, node_part_count;
-    uint32_t root; ///< the node that holds everything; STP_NONE in an empty scene
+    uint32_t root; ///< the node that contains everything; STP_NONE in an empty scene
 
     stp_spill* spill; ///< NULL: everything stays in memory
     uint64_t spill_above;
-    uint64_t bulk_bytes;       ///< of meshes, point sets and textures that are in memory
-    stp_content_table spilled; ///< which mesh, point set or texture in the spill has a content
+    uint64_t bulk_bytes;       ///< of meshes, point sets and textures in memory
+    stp_content_table spilled; ///< by content: spilled meshes, point sets and textures
 
-    double unit_metres; ///< length of one unit; 0 where the input does not say
-    const char* up;     ///< the input's up axis, "x", "y" or "z", without sign: it was turned to y
+    double unit_metres; ///< length of one unit; 0 if unknown
+    const char* up;     ///< the input's up axis, "x", "y" or "z", without sign: it was rotated to y
 } stp_scene;
 
-/// From now on, meshes, point sets and texels that are added move to `spill` once more than `above_bytes` of
-/// them are in memory; what lies there already is not written again. The spill must outlive the scene. Adding
-/// then also fails with STP_ERROR_IO (logged). See base/spill.h.
+/// From now on, added meshes, point sets and texels move to `spill` once more than `above_bytes` of
+/// them are in memory; content already there is not written again. The spill must outlive the
+/// scene. Adding may then also fail with STP_ERROR_IO (logged). See base/spill.h.
 void stp_scene_use_spill(stp_scene* scene, stp_spill* spill, uint64_t above_bytes);
 
-/// An empty scene with its default material.
+/// Creates an empty scene with its default material.
 STP_MUST_USE stp_result stp_scene_create(stp_context* context, stp_scene** scene);
 void stp_scene_destroy(stp_scene* scene);
 
-// Each of these adds one thing and gives its index through the last argument (may be NULL). Arrays inside
-// the struct (positions, texels, ...) must come from stp_alloc; the scene takes them over, also on failure.
-// Texts are copied. Failure is always STP_ERROR_OUT_OF_MEMORY, logged. Of meshes and point sets, what has no finite place
-// within reach is left out: stp_scene_finish tells.
+// Each of these adds one item and returns its index through the last argument (may be NULL). Arrays
+// inside the struct (positions, texels, ...) must come from stp_alloc; the scene takes ownership,
+// also on failure. Texts are copied. The only failure is STP_ERROR_OUT_OF_MEMORY, logged. Triangles
+// and points without a finite position within reach are dropped; stp_scene_finish warns.
 STP_MUST_USE stp_result stp_scene_add_mesh(stp_scene* scene, const stp_mesh* mesh, uint32_t* index);
 STP_MUST_USE stp_result stp_scene_add_point_set(stp_scene* scene, const stp_point_set* points,
                                                 uint32_t* index);
-/// The same of a point set whose arrays lie in the scene's spill already.
+/// Adds a point set whose arrays are already in the scene's spill.
 STP_MUST_USE stp_result stp_scene_add_spilled_points(stp_scene* scene, const stp_point_set* points,
                                                      uint32_t* index);
 STP_MUST_USE stp_result stp_scene_add_material(stp_scene* scene, const stp_material* material,
                                                uint32_t* index);
 STP_MUST_USE stp_result stp_scene_add_texture(stp_scene* scene, const stp_texture* texture,
                                               uint32_t* index);
-/// Only name, id, parent, transform and flags are read.
+/// Reads only name, id, parent, transform and flags.
 STP_MUST_USE stp_result stp_scene_add_object(stp_scene* scene, const stp_object* object,
                                              uint32_t* index);
-/// Adds to the object added last.
+/// Adds a part to the most recent object.
 STP_MUST_USE stp_result stp_scene_add_part(stp_scene* scene, stp_part part);
 STP_MUST_USE stp_result stp_scene_add_instance(stp_scene* scene, const stp_affine* transform);
-/// Makes the object added last show what an earlier one shows, below its own transform (the earlier one's
-/// transform does not count): a sub-assembly written once, used many times, also within others. One use an
-/// object. Its instances place what it uses as well as its own parts. Where objects contain themselves that way,
-/// stp_scene_finish fails with STP_ERROR_FORMAT.
+/// Makes the most recent object also show the content of an earlier one, below its own transform
+/// (the earlier one's transform does not count): a sub-assembly defined once and used many times,
+/// also nested. One use per object. Its instances place the used content as well as its own parts.
+/// If objects contain themselves this way, stp_scene_finish fails with STP_ERROR_FORMAT.
 STP_MUST_USE stp_result stp_scene_add_use(stp_scene* scene, uint32_t object);
 STP_MUST_USE stp_result stp_scene_add_view(stp_scene* scene, const stp_scene_view* view);
 STP_MUST_USE stp_result stp_scene_add_source(stp_scene* scene, const stp_source* source);
-/// What a source turned out to say of its coordinates, once it is read. The source being imported is the last.
+/// Sets the coordinate system of a source once it is known. The source being imported is the last.
 STP_MUST_USE stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t source,
                                                         const char* text);
 
@@ -258,20 +258,19 @@ STP_MUST_USE stp_result stp_scene_set_coordinate_system(stp_scene* scene, size_t
 stp_material stp_material_default(void);
 stp_texture_use stp_texture_use_none(void);
 
-/// Computes bounds, drops degenerate meshes' parts (no triangles), merges identical meshes and identical
-/// subtrees, and makes the graph of nodes. What would lie out of reach in its parent is left out, with a warning that
-/// names the first such object: the rest of the scene is not spoilt. Views of one name get numbers. Call once, after
-/// everything was added.
+/// Computes bounds, drops empty meshes' parts (no triangles), merges identical meshes and subtrees,
+/// and builds the graph of nodes. Objects out of reach in their parent are dropped, with a warning
+/// that names the first one. Duplicate view names get numbers. Call once, after adding everything.
 STP_MUST_USE stp_result stp_scene_finish(stp_scene* scene);
 
 /// One use of a part in the whole scene.
 typedef struct stp_placed_part {
     stp_part part;
-    stp_affine transform; ///< to the space of the node it was asked of (the scene's, for the root)
-    uint32_t flags;       ///< of the nodes on the way down to it, without those of the first
+    stp_affine transform; ///< to the space of the queried node (the scene's, for the root)
+    uint32_t flags;       ///< of the nodes on the path to it, except the queried one
 } stp_placed_part;
 
-/// Walks everything below `node` and lists each use of each part. The array is the caller's (stp_free).
-/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or STP_ERROR_LIMIT where there are more than `limit` uses
+/// Lists each use of each part below `node`. The caller frees the array (stp_free).
+/// @return STP_OK, STP_ERROR_OUT_OF_MEMORY, or STP_ERROR_LIMIT if there are more than `limit` uses
 STP_MUST_USE stp_result stp_scene_flatten(const stp_scene* scene, uint32_t node, size_t limit,
                                           stp_placed_part** parts, size_t* part_count);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // From the tree of objects to the graph of nodes: identical meshes become one, identical subtrees
-// one node. Identity is by content (128-bit hashes), so it holds however often and wherever the
-// input wrote a thing.
+// one node. Identity is by content (128-bit hashes), so it does not depend on how often and where
+// the input repeats it.
 #include "base/position_grid.h"
 #include "scene/bounds.h"
 #include "scene/distance_limit.h"
@@ -16,7 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define NODE_FLAGS ((uint32_t)STP_OBJECT_MOVING) // what a node has of its objects' flags
+#define NODE_FLAGS ((uint32_t)STP_OBJECT_MOVING) // object flags that nodes inherit
 
 static void measure_meshes(size_t begin, size_t end, uint32_t worker, void* user)
 {
@@ -36,23 +36,23 @@ static bool part_is_empty(const stp_scene* scene, stp_part part)
                                       : scene->point_sets[part.index].point_count == 0;
 }
 
-// What making the graph needs: the children of each object, and the contents of nodes.
+// State for building the graph: the children of each object, and the content of nodes.
 typedef struct share {
     stp_scene* scene;
-    uint32_t* first_child; ///< of each object; then STP_NONE
+    uint32_t* first_child; ///< of each object; STP_NONE-terminated
     uint32_t* next_sibling;
     uint32_t* last_child; ///< of each object; later the first child that may lack its node
     uint8_t* states;      ///< of each object: visit_state
-    uint32_t* stack;      ///< objects whose nodes wait for others'
+    uint32_t* stack;      ///< objects waiting for other nodes
     stp_graph graph;
     size_t stack_count, stack_capacity;
-    uint32_t left_out; ///< objects, instances each, that are out of reach in their parents
+    uint32_t left_out; ///< dropped objects, counting instances: out of reach in their parents
     uint32_t first_left_out;
 } share;
 
 typedef enum visit_state { NOT_VISITED, WAITING, DONE } visit_state;
 
-// Puts a node below the one in the making, unless it would be out of reach there.
+// Places a node below the one being made, unless it would be out of reach there.
 static stp_result place_node(share* s, uint32_t object, uint32_t node, const stp_affine* transform)
 {
     if (stp_is_within_distance_limit(stp_affine_box(transform, s->scene->nodes[node].bounds))) {
@@ -79,7 +79,7 @@ static void tell_left_out(const share* s)
     }
 }
 
-// What instances of the object place: its own parts, and what it uses.
+// Content that instances of the object place: its own parts, and the object it uses.
 static stp_result add_own_content(share* s, const stp_object* object)
 {
     stp_scene* scene = s->scene;
@@ -96,7 +96,7 @@ static stp_result add_own_content(share* s, const stp_object* object)
     return result;
 }
 
-// Closes the node of an object, unless it would only repeat the node of what the object uses: then it is that.
+// Closes the node of an object. If it would only repeat the used object's node, returns that one.
 static stp_result close_object(share* s, const stp_object* object, size_t first_edge,
                                size_t first_part, uint32_t* index)
 {
@@ -114,12 +114,12 @@ static stp_result close_object(share* s, const stp_object* object, size_t first_
     return stp_graph_close_node(&s->graph, first_edge, first_part, flags, index);
 }
 
-// The node of an object when what it depends on has its nodes. An object without anything below gets none.
+// Makes the node of an object whose dependencies have their nodes. An empty object gets none.
 static stp_result share_object(share* s, uint32_t index)
 {
     stp_scene* scene = s->scene;
     stp_object* object = &scene->objects[index];
-    uint32_t content = STP_NONE; // the node that is instanced
+    uint32_t content = STP_NONE; // the instanced node
     size_t first_edge = scene->edge_count, first_part = scene->node_part_count;
     stp_result result = add_own_content(s, object);
     bool hollow = scene->edge_count == first_edge && scene->node_part_count == first_part;
@@ -167,10 +167,10 @@ static stp_result push_object(share* s, uint32_t index)
     return STP_OK;
 }
 
-// Something that must have its node before the object: a child, or what it uses; STP_NONE: nothing is missing.
+// A dependency that lacks its node: a child, or the used object; STP_NONE: none.
 static uint32_t find_missing(share* s, uint32_t index)
 {
-    uint32_t* next = &s->last_child[index]; // where the search goes on
+    uint32_t* next = &s->last_child[index]; // where to continue the search
     while (*next != STP_NONE && s->states[*next] == DONE) {
         *next = s->next_sibling[*next];
     }
@@ -178,7 +178,7 @@ static uint32_t find_missing(share* s, uint32_t index)
     return *next != STP_NONE ? *next : use != STP_NONE && s->states[use] != DONE ? use : STP_NONE;
 }
 
-// Gives nodes to an object and to all that it depends on.
+// Makes the nodes of an object and of all its dependencies.
 static stp_result share_depending(share* s, uint32_t index)
 {
     stp_result result = s->states[index] != DONE ? push_object(s, index) : STP_OK;
@@ -196,7 +196,7 @@ static stp_result share_depending(share* s, uint32_t index)
     return result;
 }
 
-// The root: what holds all objects without a parent.
+// Makes the root, which contains all objects without a parent.
 static stp_result share_roots(share* s)
 {
     stp_scene* scene = s->scene;

@@ -6,13 +6,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DIGITS 12 // of a number, with its hyphen and the end of the text
+#define DIGITS 12 // a number with its hyphen and the final zero
 
 typedef struct naming {
     stp_scene* scene;
-    stp_content_table names; ///< to the view that has the name
-    uint32_t* holders;       ///< of each view, the first that came with its name
-    uint32_t* next_numbers;  ///< of each view, the least that may be free for its name
+    stp_content_table names; ///< maps names to views
+    uint32_t* holders;       ///< of each view: the first one with its name
+    uint32_t* next_numbers;  ///< of each view: the smallest number that may be free for its name
     char* text;              ///< room for the longest name with a number
     size_t text_size;
 } naming;
@@ -37,7 +37,7 @@ static stp_result find_holders(naming* n)
     return result;
 }
 
-// Numbers that are taken are passed once, so many views of one name cost no more than as many others.
+// Used numbers are skipped once, so many views of one name cost no more than distinct ones.
 static stp_result number_view(naming* n, uint32_t view)
 {
     stp_scene* scene = n->scene;

@@ -67,14 +67,9 @@ float stp_budget_splat_size(const stp_budget* budget)
     return budget->splat_size;
 }
 
-static double clamp_number(double value, double least, double most)
-{
-    return value > least ? (value < most ? value : most) : least;
-}
-
 static float clamp_size(double size, double most)
 {
-    return (float)clamp_number(size, (double)STP_SPLAT_SIZE_LEAST, most);
+    return (float)stp_clampd(size, (double)STP_SPLAT_SIZE_LEAST, most);
 }
 
 // The moving average of the sizes of the last three frames, and that size weighted by how late the last one was.
@@ -131,7 +126,7 @@ static void learn_prices(stp_budget* b, const double terms[STP_BUDGET_TERMS], do
 {
     double expected = price_of(b, terms), spread[STP_BUDGET_TERMS] = {0}, sum = 0.0;
     double error = milliseconds / b->speed - expected;
-    error = clamp_number(error, -OUTLIER * expected, OUTLIER * expected);
+    error = stp_clampd(error, -OUTLIER * expected, OUTLIER * expected);
     for (int i = 0; i < STP_BUDGET_TERMS; ++i) {
         double most = first_price[i] * FIRST_DOUBT, drift = first_price[i] * DRIFT;
         b->covariance[i][i] += b->covariance[i][i] < most * most ? drift * drift : 0.0;
@@ -161,7 +156,7 @@ static double learn_exponent(double exponent, uint64_t before, uint64_t now, dou
     }
     double seen = log((double)now / (double)before) / change, square = change * change;
     double follows = EXPONENT_FOLLOWS * square / (square + SCENE_CHANGES * SCENE_CHANGES);
-    return exponent + follows * (clamp_number(seen, least, most) - exponent);
+    return exponent + follows * (stp_clampd(seen, least, most) - exponent);
 }
 
 // How counts answered to the last change of the size. Where it rests, other things come into view: what was learned fades.
@@ -192,7 +187,7 @@ static double solve_size(const stp_budget* b, double goal)
 {
     double low = (double)STP_SPLAT_SIZE_LEAST, high = (double)STP_SPLAT_SIZE_COARSEST;
     double fastest = stp_budget_predict(b, high);
-    double beyond = clamp_number((fastest / goal - 1.0) / HOPELESS, 0.0, 1.0);
+    double beyond = stp_clampd((fastest / goal - 1.0) / HOPELESS, 0.0, 1.0);
     goal = fmax(goal, fastest * (1.0 + LITTLE_GAIN * beyond));
     for (int i = 0; i < 24; ++i) {
         double middle = 0.5 * (low + high);
@@ -214,7 +209,7 @@ static double learn_speed(stp_budget* b, double milliseconds, double expected)
     if (b->frames == 0 || !(expected > 0.0)) {
         return milliseconds;
     }
-    b->ratios[b->frames % STP_BUDGET_RATIOS] = clamp_number(milliseconds / expected, 0.2, 5.0);
+    b->ratios[b->frames % STP_BUDGET_RATIOS] = stp_clampd(milliseconds / expected, 0.2, 5.0);
     double middle = middle_of(b->ratios);
     b->speed += SPEED_FOLLOWS * (middle - b->speed);
     return fmin(milliseconds, SLOW_FRAME * middle * expected);
@@ -245,9 +240,9 @@ static void learn_trend(stp_budget* b, const stp_frame_cost* cost,
     if (b->frames == 0 || !(forecast > 0.0)) {
         return;
     }
-    double late = clamp_number(log(cost->milliseconds / forecast), -MOST_LATE, MOST_LATE);
+    double late = stp_clampd(log(cost->milliseconds / forecast), -MOST_LATE, MOST_LATE);
     double grown = log(b->speed * price_of(b, terms) / forecast);
-    b->growth[b->frames % STP_BUDGET_RATIOS] = clamp_number(grown, -MOST_LATE, MOST_LATE);
+    b->growth[b->frames % STP_BUDGET_RATIOS] = stp_clampd(grown, -MOST_LATE, MOST_LATE);
     double off = fmin(fabs(late - fmax(b->trend, 0.0)), fmax(MOST_OFF, 3.0 * b->scatter));
     b->scatter += SCATTER_FOLLOWS * (off - b->scatter);
     b->trend += TREND_FOLLOWS * (middle_of(b->growth) - b->trend);
@@ -264,7 +259,7 @@ static double find_finest(stp_budget* b, double milliseconds, double goal)
     for (uint64_t i = 0; i < known; ++i) {
         slowest = fmax(slowest, b->times[i]);
     }
-    double steady = pow(FASTEST_FINER, clamp_number(SURE / b->scatter, SLOWEST, 1.0));
+    double steady = pow(FASTEST_FINER, stp_clampd(SURE / b->scatter, SLOWEST, 1.0));
     return known < STP_BUDGET_RATIOS ? steady
                                      : fmin(steady, pow(slowest / goal, 1.0 / MOST_EXPONENT));
 }
@@ -275,7 +270,7 @@ static double find_coarsest(const stp_budget* b, double milliseconds)
 {
     double expected = milliseconds * exp(fmax(b->trend, 0.0));
     double late = OVERSHOOT * (1.0 + SIGMAS * fmin(b->scatter, MOST_SCATTER)) * expected;
-    return clamp_number(late / b->budget_ms, 1.0, FASTEST_COARSER);
+    return stp_clampd(late / b->budget_ms, 1.0, FASTEST_COARSER);
 }
 
 static void predict(stp_budget* b, const stp_frame_cost* cost)

@@ -7,11 +7,6 @@ enum { MOST_BLOCKS = 4, ROWS_AT_ONCE = 8 };
 
 #define ROUNDING 1e-5 ///< of nearness, relative: what floats lose on either side
 
-static float least(float a, float b)
-{
-    return a < b ? a : b;
-}
-
 /// Sizes of all levels. @return floats in all
 static size_t choose_levels(stp_depth_pyramid* p, uint32_t width, uint32_t height)
 {
@@ -57,13 +52,13 @@ static void reduce_pixels(size_t begin, size_t end, uint32_t worker, void* user)
             for (uint32_t i = 0; i < whole; ++i) {
                 float pairs[4];
                 for (uint32_t k = 0; k < 4; ++k) {
-                    pairs[k] = least(in[8 * i + k], in[8 * i + 4 + k]);
+                    pairs[k] = stp_min(in[8 * i + k], in[8 * i + 4 + k]);
                 }
-                float most = least(least(pairs[0], pairs[1]), least(pairs[2], pairs[3]));
-                out[i] = least(out[i], most);
+                float most = stp_min(stp_min(pairs[0], pairs[1]), stp_min(pairs[2], pairs[3]));
+                out[i] = stp_min(out[i], most);
             }
             for (uint32_t x = whole * STP_DEPTH_PYRAMID_BLOCK; x < b->width; ++x) {
-                out[whole] = least(out[whole], in[x]);
+                out[whole] = stp_min(out[whole], in[x]);
             }
         }
     }
@@ -79,7 +74,8 @@ static void reduce_level(stp_depth_pyramid* p, uint32_t level)
         const float* below = 2 * y + 1 < rows ? above + columns : above;
         for (uint32_t x = 0; x < p->columns[level]; ++x) {
             uint32_t left = 2 * x, right = left + 1 < columns ? left + 1 : left;
-            *out++ = least(least(above[left], above[right]), least(below[left], below[right]));
+            *out++ =
+                stp_min(stp_min(above[left], above[right]), stp_min(below[left], below[right]));
         }
     }
 }

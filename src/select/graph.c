@@ -4,18 +4,13 @@
 #include "base/prefix_table.h"
 #include "select/select_internal.h"
 
-static double above(double x, double most)
-{
-    return x > most ? x : most;
-}
-
 /// How far a box sticks out of another one, along any direction.
 static double sticks_out(stp_box box, stp_boxd of)
 {
     stp_vec3d low = stp_to_double(box.min), high = stp_to_double(box.max);
-    double most = above(above(of.min.x - low.x, high.x - of.max.x), 0.0);
-    most = above(above(of.min.y - low.y, high.y - of.max.y), most);
-    most = above(above(of.min.z - low.z, high.z - of.max.z), most);
+    double most = stp_maxd(stp_maxd(of.min.x - low.x, high.x - of.max.x), 0.0);
+    most = stp_maxd(stp_maxd(of.min.y - low.y, high.y - of.max.y), most);
+    most = stp_maxd(stp_maxd(of.min.z - low.z, high.z - of.max.z), most);
     return most * 1.7320508075688773; // the diagonal of a cube
 }
 
@@ -29,7 +24,7 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
         stp_box box = part.kind == STP_STORE_PART_MESH
                           ? stp_store_describe_mesh(s->store, part.index)->bounds
                           : stp_store_describe_point_set(s->store, part.index)->bounds;
-        margin = above(sticks_out(box, node->bounds), margin);
+        margin = stp_maxd(sticks_out(box, node->bounds), margin);
     }
     if (set != STP_STORE_NONE) { // positions are rounded
         const stp_splats* surfels = stp_store_describe_surfels(s->store, set);
@@ -37,12 +32,12 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
         if (node->triangle_count == 0 && surfels->count > 0) { // points are never opened
             radius += (double)surfels->table.radius[surfels->table.size - 1];
         }
-        margin = above(radius, margin);
+        margin = stp_maxd(radius, margin);
     }
     for (uint32_t i = 0; i < node->edge_count; ++i) {
         const stp_store_edge* edge = &s->directory->edges[node->first_edge + i];
         double below = (double)graph->margins[edge->node];
-        margin = above(below * stp_affine_scale(&edge->transform), margin);
+        margin = stp_maxd(below * stp_affine_scale(&edge->transform), margin);
     }
     return margin * (1.0 + 1e-6);
 }
@@ -50,8 +45,8 @@ static double find_margin(const stp_selection* s, const stp_select_graph* graph,
 static double find_reach(const stp_splats* surfels)
 {
     // surface may lie that far from a candidate, however many of these are drawn
-    return above((double)stp_prefix_table_radius(&surfels->table, surfels->count),
-                 (double)surfels->candidate_radius);
+    return stp_maxd((double)stp_prefix_table_radius(&surfels->table, surfels->count),
+                    (double)surfels->candidate_radius);
 }
 
 /// How much sooner than its radius requires a node is opened. From one surfel for STP_TRIANGLES_PER_SURFEL triangles on, the
@@ -84,7 +79,7 @@ static double find_work(const stp_selection* s, const stp_select_graph* graph,
                          ? STP_SPLAT_WORK * (double)stp_store_describe_surfels(s->store, set)->count
                          : 0.0;
         bool rests = (graph->moving[child] & STP_NODE_MOVES) == 0;
-        work += rests ? above((double)graph->works[child], own) : 0.0;
+        work += rests ? stp_maxd((double)graph->works[child], own) : 0.0;
     }
     return work;
 }

@@ -2,17 +2,13 @@
 // Where levels meet: how much of what is below a node is there at a depth, and runs of splats between two depths.
 #include "select/select_internal.h"
 
-static double clamp_unit(double x)
-{
-    return x > 0.0 ? (x < 1.0 ? x : 1.0) : 0.0;
-}
-
 double stp_select_growth(double ceiling, double depth)
 {
     if (depth <= ceiling) {
         return 1.0;
     }
-    return clamp_unit((STP_LEVELS_GROW * ceiling - depth) / ((STP_LEVELS_GROW - 1.0) * ceiling));
+    return stp_clampd((STP_LEVELS_GROW * ceiling - depth) / ((STP_LEVELS_GROW - 1.0) * ceiling),
+                      0.0, 1.0);
 }
 
 stp_result stp_select_add_run(stp_selection* s, uint32_t begin, uint32_t end, stp_depth_range range)

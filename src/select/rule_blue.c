@@ -102,16 +102,11 @@ static void use_by_insertion(stp_set_use* use, const stp_selection* s, const stp
     }
 }
 
-static double clamp_unit(double x)
-{
-    return x > 0.0 ? (x < 1.0 ? x : 1.0) : 0.0;
-}
-
 /// How much of a node's own set is there at a depth.
 static double shrinking(const stp_set_use* use, double depth)
 {
     const double gone = 1.0 / STP_LEVELS_SHRINK;
-    return clamp_unit((depth / use->switch_depth - gone) / (1.0 - gone));
+    return stp_clampd((depth / use->switch_depth - gone) / (1.0 - gone), 0.0, 1.0);
 }
 
 /// The depths between which splat `index` of the prefix, and those after it, are drawn at most.

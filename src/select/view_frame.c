@@ -136,11 +136,6 @@ static void widen(const stp_view_frame* f, stp_view_rectangle* r, double x, doub
     r->y1 = fmax(r->y1, f->center_y + y * factor);
 }
 
-static double clamp(double x, double most)
-{
-    return x > 0.0 ? (x < most ? x : most) : 0.0;
-}
-
 stp_view_rectangle stp_view_frame_cover(const stp_view_frame* f, const stp_boxd* box)
 {
     double corners[8][3];
@@ -170,8 +165,8 @@ stp_view_rectangle stp_view_frame_cover(const stp_view_frame* f, const stp_boxd*
     if (!(r.x0 <= r.x1)) {
         return (stp_view_rectangle){0.0, 0.0, f->width, f->height};
     }
-    return (stp_view_rectangle){clamp(r.x0, f->width), clamp(r.y0, f->height),
-                                clamp(r.x1, f->width), clamp(r.y1, f->height)};
+    return (stp_view_rectangle){stp_clampd(r.x0, 0.0, f->width), stp_clampd(r.y0, 0.0, f->height),
+                                stp_clampd(r.x1, 0.0, f->width), stp_clampd(r.y1, 0.0, f->height)};
 }
 
 double stp_view_frame_pixel_size(const stp_view_frame* frame, double depth)

@@ -1,34 +1,53 @@
 // SPDX-License-Identifier: MIT
-// Points that a set of splats holds: the set contains each point once, so the file stores no other
-// copy. Columns of points are made from the set on request.
+// Point sets held by a set of splats. The set contains each point once, so the file stores no
+// second copy. Point columns are made from the set on request.
 #include "base/octahedral.h"
 #include "base/splat_place.h"
 #include "store/internal.h"
 
 #include <string.h>
 
-enum { OPAQUE = 255 };
+enum { OPAQUE = 255, GRAIN = 16384 };
 
-/// Columns made of a set, in one piece of memory.
+/// Columns made from a set, in one allocation.
 typedef struct columns {
     float* positions;
     int16_t* normals;
     uint8_t* colors;
 } columns;
 
+/// A set on its way into columns.
+typedef struct filling {
+    const stp_splats* set;
+    const uint8_t *colors, *coverages; ///< of its finest octave
+    bool hides;                        ///< coverage 0 hides a splat (coloring.h)
+    columns to;
+} filling;
+
+static void fill_points(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const filling* f = user;
+    const stp_splats* set = f->set;
+    for (size_t i = begin; i < end; ++i) {
+        stp_vec3 place = stp_to_float(stp_splat_place(set, i));
+        memcpy(f->to.positions + 3 * i, &place, sizeof(place));
+        memcpy(f->to.colors + 4 * i, f->colors + 3 * i, 3);
+        f->to.colors[4 * i + 3] = f->hides && f->coverages[i] == 0 ? 0 : OPAQUE;
+        stp_octahedral_encode16(stp_octahedral_decode(set->normals[2 * i], set->normals[2 * i + 1]),
+                                f->to.normals + 2 * i);
+    }
+}
+
 static void fill(const stp_store* store, const stp_splats* set, const columns* to)
 {
     uint64_t finest = stp_store_colors_begin(set, set->octave_count - 1);
-    const uint8_t *colors = set->colors + 3 * finest, *coverages = set->coverages + finest;
-    bool hides = stp_store_is_colored(store); // coverage 0 then hides a splat (coloring.h)
-    for (size_t i = 0; i < set->count; ++i) {
-        stp_vec3 place = stp_to_float(stp_splat_place(set, i));
-        memcpy(to->positions + 3 * i, &place, sizeof(place));
-        memcpy(to->colors + 4 * i, colors + 3 * i, 3);
-        to->colors[4 * i + 3] = hides && coverages[i] == 0 ? 0 : OPAQUE;
-        stp_octahedral_encode16(stp_octahedral_decode(set->normals[2 * i], set->normals[2 * i + 1]),
-                                to->normals + 2 * i);
-    }
+    filling f = {.set = set,
+                 .colors = set->colors + 3 * finest,
+                 .coverages = set->coverages + finest,
+                 .hides = stp_store_is_colored(store),
+                 .to = *to};
+    stp_parallel_for(store->context, set->count, GRAIN, fill_points, &f);
 }
 
 stp_result stp_store_make_held_points(stp_store* store, uint32_t index,

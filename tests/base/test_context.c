@@ -38,7 +38,7 @@ void test_context_limit_refuses_and_recovers(test_state* test)
     CHECK(most != NULL);
     uint64_t live = stp_context_live_bytes(context);
     CHECK(stp_alloc(context, 20000) == NULL);
-    CHECK_EQUAL(live, stp_context_live_bytes(context)); // a refused piece is not counted
+    CHECK_EQUAL(live, stp_context_live_bytes(context)); // refused bytes are not counted
     CHECK(stp_context_peak_bytes(context) <= 100000);
     stp_free(context, most);
     void* again = stp_alloc(context, 90000);
@@ -46,7 +46,7 @@ void test_context_limit_refuses_and_recovers(test_state* test)
     stp_free(context, again);
     CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY, stp_fail_memory(context));
     CHECK(strstr(log.text, "100000") !=
-          NULL); // the limit is named, so the user knows what to raise
+          NULL); // the message names the limit, so the user knows what to raise
     CHECK_EQUAL(1, log.errors);
     stp_context_destroy(context);
 }
@@ -66,7 +66,7 @@ void test_context_counts_what_libraries_take(test_state* test)
     CHECK(stp_alloc(context, 3000000) == NULL);
     CHECK(!stp_reserve(context, 4000000) && !stp_reserve(context, UINT64_MAX));
     CHECK_EQUAL(STP_ERROR_OUT_OF_MEMORY, stp_fail_memory(context));
-    CHECK(strstr(log.text, "at least 8 MB") != NULL); // 3 + 4, and what the context itself takes
+    CHECK(strstr(log.text, "at least 8 MB") != NULL); // 3 + 4, and what the context itself uses
     stp_release(context, 3000000);
     CHECK_EQUAL(before, stp_context_live_bytes(context));
     void* memory = stp_alloc(context, 3000000);
@@ -110,9 +110,9 @@ void test_grow_array_keeps_elements(test_state* test)
     for (uint32_t i = 0; i < 5000; ++i) {
         CHECK_EQUAL(i * 7, array[i]);
     }
-    CHECK(heap.count < 30); // grows by a factor, not by an element
+    CHECK(heap.count < 30); // grows by a factor, not by one element
     CHECK(stp_grow_array(context, array, &capacity, SIZE_MAX / 2, sizeof(*array)) == NULL);
-    CHECK_EQUAL(4999 * 7, array[4999]); // still valid after a refusal
+    CHECK_EQUAL(4999 * 7, array[4999]); // still valid after a failed growth
     stp_free(context, array);
     stp_context_destroy(context);
     CHECK_EQUAL(0, heap.live_bytes);

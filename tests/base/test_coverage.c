@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Codes of what is drawn of a disk.
+// Coverage codes of disks.
 #include "tests.h"
 
 #include "base/coverage.h"

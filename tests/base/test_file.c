@@ -27,8 +27,8 @@ static void path_in(const folder* f, const char* name, char out[128])
     snprintf(out, 128, "%s/%s", f->path, name);
 }
 
-// How many entries a folder has besides "." and "..": a link count will not do, so by glob of the
-// shell.
+// Number of entries in a folder besides "." and "..". A link count does not count files, so this
+// uses the shell's glob.
 static int count_entries(const folder* f)
 {
     char command[128];
@@ -97,7 +97,7 @@ void test_file_map_refuses_what_is_no_file(test_state* test)
     stp_context_destroy(context);
 }
 
-/// Bytes of mapped files that are in this process's memory; 0 where the system does not tell.
+/// Bytes of mapped files in this process's memory; 0 if the system does not report them.
 static uint64_t resident_file_bytes(void)
 {
     FILE* file = fopen("/proc/self/statm", "r");
@@ -159,7 +159,7 @@ void test_file_writer_appends_and_patches(test_state* test)
     CHECK(context != NULL && make_folder(&f));
     char path[128];
     path_in(&f, "out.bin", path);
-    enum { SIZE = 3500000 }; // beyond the writer's buffer, in pieces below and above it
+    enum { SIZE = 3500000 }; // exceeds the buffer; pieces are smaller and larger
     unsigned char* expected = malloc(SIZE);
     CHECK(expected != NULL);
     for (size_t i = 0; i < SIZE; ++i) {
@@ -179,7 +179,7 @@ void test_file_writer_appends_and_patches(test_state* test)
     memset(expected + SIZE - 7, 0xcd, 7);
     CHECK_EQUAL(STP_OK, stp_file_writer_patch(writer, 5, expected + 5, 20));
     CHECK_EQUAL(STP_OK, stp_file_writer_patch(writer, SIZE - 7, expected + SIZE - 7, 7));
-    CHECK(access(path, F_OK) != 0); // nothing under the final name yet
+    CHECK(access(path, F_OK) != 0); // nothing has the final name yet
     CHECK_EQUAL(STP_OK, stp_file_writer_commit(writer));
     CHECK_EQUAL(1, count_entries(&f));
     stp_mapped_file file;
@@ -264,7 +264,7 @@ void test_file_writer_refuses_bad_targets(test_state* test)
     stp_context_destroy(context);
 }
 
-// As /dev/stdout is: the link stays, and what it points to is written.
+// Like /dev/stdout: the link stays, and its target is written.
 void test_file_writer_follows_links(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -313,7 +313,7 @@ void test_file_remove_stale_takes_what_dead_writers_left(test_state* test)
         snprintf(name, sizeof(name), others[i], f.path, (long)child);
         CHECK(write_text(context, name, "another file"));
     }
-    stp_file_writer* writer = NULL; // of a process that lives
+    stp_file_writer* writer = NULL; // of a living process
     CHECK_EQUAL(STP_OK, stp_file_writer_open(context, path, &writer));
     CHECK_EQUAL(7, count_entries(&f));
     stp_file_remove_stale(context, path);
@@ -328,7 +328,7 @@ void test_file_remove_stale_takes_what_dead_writers_left(test_state* test)
     stp_context_destroy(context);
 }
 
-// Run in a child whose files may not grow beyond 2 MB: as on a full disk. Exit code 0: as promised.
+// Runs in a child whose files are limited to 2 MB, like a full disk. Exit code 0: as specified.
 static int write_beyond_limit(const char* path)
 {
     signal(SIGXFSZ, SIG_IGN);
@@ -351,7 +351,7 @@ static int write_beyond_limit(const char* path)
         return 4;
     }
     stp_file_writer_abort(writer);
-    // the same where only the last flush, at commit, hits the limit
+    // same if only the last flush, at commit, hits the limit
     if (stp_file_writer_open(context, path, &writer) != STP_OK ||
         stp_file_writer_append(writer, bytes, sizeof(bytes)) != STP_OK ||
         stp_file_writer_append(writer, bytes, sizeof(bytes)) != STP_OK ||

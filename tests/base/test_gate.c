@@ -11,9 +11,9 @@ enum { JOBS = 400, BUDGET = 1000 };
 typedef struct yard {
     stp_context* context;
     stp_gate* gate;
-    atomic_uint_fast64_t bytes; ///< of the jobs that are inside
+    atomic_uint_fast64_t bytes; ///< of the jobs inside
     atomic_uint jobs, bad, done, reports;
-    unsigned stop_at; ///< the report that stops; 0: none
+    unsigned stop_at; ///< number of the report that stops; 0: none
 } yard;
 
 // One in ten is larger than the budget.
@@ -26,7 +26,7 @@ static void count_inner(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;
     yard* y = user;
-    stp_gate_ticket ticket; // a job's own loop goes in again without waiting
+    stp_gate_ticket ticket; // a job's own loop enters again without waiting
     if (stp_gate_enter(y->gate, 2 * BUDGET * (end - begin), &ticket) == STP_OK) {
         stp_gate_leave(y->gate, &ticket);
     }
@@ -48,7 +48,7 @@ static void work(size_t begin, size_t end, uint32_t worker, void* user)
         if (i % 16 == 0) {
             stp_parallel_for(y->context, 5, 2, count_inner, y);
         }
-        for (unsigned k = 0; k < 2000; ++k) { // others should meet it inside
+        for (unsigned k = 0; k < 2000; ++k) { // lets others meet it inside
             atomic_fetch_add(&y->bad, 0);
         }
         atomic_fetch_sub(&y->jobs, 1);
@@ -80,9 +80,9 @@ void test_gate_is_open_to_a_loop_begun_inside(test_state* test)
         CHECK(y.context != NULL);
         CHECK_EQUAL(STP_OK, stp_gate_create(y.context, BUDGET, &y.gate));
         stp_gate_ticket outer, again;
-        CHECK_EQUAL(STP_OK, stp_gate_enter(y.gate, 5 * BUDGET, &outer)); // alone, so it may
+        CHECK_EQUAL(STP_OK, stp_gate_enter(y.gate, 5 * BUDGET, &outer)); // alone, so it may enter
         CHECK_EQUAL(STP_OK, stp_gate_enter(y.gate, 5 * BUDGET, &again));
-        stp_parallel_for(y.context, JOBS, 1, work, &y); // waits for nobody who waits for it
+        stp_parallel_for(y.context, JOBS, 1, work, &y); // waits for no thread that waits for it
         CHECK_EQUAL(JOBS, y.done);
         stp_gate_leave(y.gate, &outer); // in any order
         stp_gate_leave(y.gate, &again);
@@ -100,8 +100,8 @@ static int count_report(const stp_progress_report* report, void* user)
     return atomic_fetch_add(&y->reports, 1) + 1 == y->stop_at;
 }
 
-// Whoever comes first stays until the loop has reported a few times more: the caller's thread does so although it
-// stands in line, or is who is inside.
+// The first ticket stays until the loop has reported a few more times: the calling thread reports
+// although it waits in line, or is itself inside.
 static void stay_long(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)worker;

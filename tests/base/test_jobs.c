@@ -14,7 +14,7 @@ typedef struct visits {
     uint32_t thread_count;
     atomic_uint seen[LOOP_COUNT]; ///< how often each element was handed out
     atomic_uint bad;              ///< pieces with wrong bounds or a wrong worker
-    atomic_uint inside[8];        ///< pieces a worker is in right now
+    atomic_uint inside[8];        ///< pieces per worker right now
 } visits;
 
 static void visit_piece(size_t begin, size_t end, uint32_t worker, void* user)
@@ -97,7 +97,7 @@ static void add_piece(size_t begin, size_t end, uint32_t worker, void* user)
     (void)worker;
     uint32_t* out = user;
     for (size_t i = begin; i < end; ++i) {
-        out[i] += (uint32_t)i; // plain memory: a missed barrier shows under the thread sanitizer
+        out[i] += (uint32_t)i; // plain memory: the thread sanitizer detects a missing barrier
     }
 }
 

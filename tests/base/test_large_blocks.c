@@ -17,7 +17,7 @@ static uint32_t next_random(uint32_t* state)
     return *state >> 8;
 }
 
-// Marks pages, so that blocks which share one are noticed.
+// Marks pages, which detects overlapping blocks.
 static void fill(unsigned char* block, size_t size, unsigned char value)
 {
     for (size_t i = 0; i < size; i += KILOBYTE) {
@@ -80,28 +80,54 @@ void test_large_blocks_are_used_again(test_state* test)
 {
     stp_large_blocks large;
     stp_large_blocks_open(&large);
-    void* first = stp_large_alloc(&large, 6 * MEGABYTE, SIZE_MAX);
-    void* second = stp_large_alloc(&large, 5 * MEGABYTE, SIZE_MAX);
-    CHECK(first != NULL && second != NULL);
-    stp_large_free(&large, first, 6 * MEGABYTE, SIZE_MAX);
-    stp_large_free(&large, second, 5 * MEGABYTE, SIZE_MAX);
-    CHECK_EQUAL(11 * MEGABYTE, large.kept_bytes);
-    // the smallest that is large enough, and never one that is far too large
-    CHECK(stp_large_alloc(&large, 4 * MEGABYTE, SIZE_MAX) == second);
-    CHECK_EQUAL(6 * MEGABYTE, large.kept_bytes);
-    void* small = stp_large_alloc(&large, MEGABYTE, SIZE_MAX);
-    CHECK(small != NULL && small != first);
-    CHECK(stp_large_alloc(&large, 6 * MEGABYTE, SIZE_MAX) == first);
+    unsigned char* all = stp_large_alloc(&large, 12 * MEGABYTE, SIZE_MAX);
+    CHECK(all != NULL);
+    stp_large_free(&large, all, 12 * MEGABYTE, SIZE_MAX);
+    CHECK_EQUAL(12 * MEGABYTE, large.kept_bytes);
+    // what is too much stays kept
+    CHECK(stp_large_alloc(&large, 5 * MEGABYTE, SIZE_MAX) == all);
+    CHECK(stp_large_alloc(&large, 3 * MEGABYTE, SIZE_MAX) == all + 5 * MEGABYTE);
+    CHECK_EQUAL(4 * MEGABYTE, large.kept_bytes);
+    stp_large_free(&large, all, 5 * MEGABYTE, SIZE_MAX);
+    CHECK_EQUAL(2, large.kept_count);
+    // the smallest that will do
+    CHECK(stp_large_alloc(&large, 4 * MEGABYTE, SIZE_MAX) == all + 8 * MEGABYTE);
+    CHECK_EQUAL(5 * MEGABYTE, large.kept_bytes);
+    // what lies together is one block again
+    stp_large_free(&large, all + 8 * MEGABYTE, 4 * MEGABYTE, SIZE_MAX);
+    stp_large_free(&large, all + 5 * MEGABYTE, 3 * MEGABYTE, SIZE_MAX);
+    CHECK_EQUAL(1, large.kept_count);
+    CHECK(stp_large_alloc(&large, 12 * MEGABYTE, SIZE_MAX) == all);
     CHECK_EQUAL(0, large.kept_bytes);
     CHECK(stp_large_alloc(&large, SIZE_MAX, 0) == NULL);
     CHECK(stp_large_alloc(&large, SIZE_MAX - 1, SIZE_MAX) == NULL);
-    stp_large_free(&large, first, 6 * MEGABYTE, 0);
-    stp_large_free(&large, second, 4 * MEGABYTE, 0);
-    stp_large_free(&large, small, MEGABYTE, 0);
+    // no more is given back than has to be
+    stp_large_free(&large, all, 12 * MEGABYTE, SIZE_MAX);
+    CHECK(stp_large_alloc(&large, 2 * MEGABYTE, 7 * MEGABYTE) == all);
+    CHECK_EQUAL(7 * MEGABYTE, large.kept_bytes);
+    stp_large_free(&large, all, 2 * MEGABYTE, 0);
+    CHECK_EQUAL(0, large.kept_bytes);
     stp_large_blocks_close(&large);
 }
 
-// What a job holds, and what is kept of former ones, in one limit.
+void test_large_blocks_can_be_forgotten_in_part(test_state* test)
+{
+    stp_large_blocks large;
+    stp_large_blocks_open(&large);
+    size_t size = 2 * MEGABYTE, page = (size_t)sysconf(_SC_PAGESIZE);
+    unsigned char* block = stp_large_alloc(&large, size, 0);
+    CHECK(block != NULL);
+    memset(block, 7, size);
+    stp_large_forget(block + 1, 3 * page); // two pages lie within
+    stp_large_forget(block + 5 * page + 1, page);
+    for (size_t i = 0; i < size; ++i) {
+        CHECK(block[i] == (i >= page && i < 3 * page ? 0 : 7));
+    }
+    stp_large_free(&large, block, size, 0);
+    stp_large_blocks_close(&large);
+}
+
+// Memory in use and kept blocks share one limit.
 typedef struct held {
     stp_context* context;
     int failed[4];
@@ -136,7 +162,7 @@ void test_contexts_keep_freed_blocks_within_their_limit(test_state* test)
         allocate_some(i, i + 1, 0, &h);
         size_t live = (size_t)stp_context_live_bytes(context);
         CHECK(live + context->large_blocks.kept_bytes <= limit);
-        void* most = stp_alloc(context, limit - live - KILOBYTE); // what is kept gives way
+        void* most = stp_alloc(context, limit - live - KILOBYTE); // kept blocks give way
         CHECK(most != NULL);
         CHECK(context->large_blocks.kept_bytes <= KILOBYTE);
         stp_free(context, most);

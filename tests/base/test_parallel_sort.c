@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The radix sort on several threads (src/base/parallel_sort.h), against that on one.
+// The multi-threaded radix sort (src/base/parallel_sort.h) against the single-threaded one.
 #include "tests.h"
 
 #include "base/parallel_sort.h"

@@ -7,7 +7,8 @@
 
 enum { SIDE = 8 }; // cells
 
-/// Ground of large triangles: SIDE x SIDE cells so wide, at a height, from a corner on. Indices are of 2 * SIDE * SIDE triangles.
+/// A ground of SIDE x SIDE cells of two large triangles, `width` wide, from a corner on. Indices
+/// are of 2 * SIDE * SIDE triangles.
 static void make_ground(float cell, float height, float corner, float* positions, uint32_t* indices)
 {
     for (uint32_t row = 0; row <= SIDE; ++row) {
@@ -35,10 +36,10 @@ void test_position_grid_keeps_large_triangles_off_those_above_them(test_state* t
     for (size_t i = 0; i < 3; ++i) {
         make_ground(32.0f, -0.12f, corners[i], positions, indices);
         double step = stp_choose_grid_step(positions, indices, 2 * SIDE * SIDE);
-        CHECK(step <= 256.0 / 16384.0); // of the size, not of where it lies
-        CHECK(step >= 256.0 / 65536.0); // and no finer than that asks for
+        CHECK(step <= 256.0 / 16384.0); // relative to the size, not to the position
+        CHECK(step >= 256.0 / 65536.0); // and no finer than required
         CHECK(fabs(nearbyint(-0.12 / step) * step + 0.12) < 0.01);
     }
-    make_ground(0.001f, 0.0f, 0.0f, positions, indices); // what is small stays in proportion
+    make_ground(0.001f, 0.0f, 0.0f, positions, indices); // small geometry stays in proportion
     CHECK(stp_choose_grid_step(positions, indices, 2 * SIDE * SIDE) <= 0.008 / 16384.0);
 }

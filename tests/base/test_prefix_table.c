@@ -9,8 +9,8 @@
 
 enum { LONGEST = 30000 };
 
-// Radii that fall like those of an order on a surface, with plateaus and steps; `rough` adds noise
-// upwards.
+// Radii that fall like those of an order on a surface, with plateaus and steps; `rough` adds
+// positive noise.
 static void make_radii(float* radii, uint32_t count, uint64_t seed, int rough)
 {
     float level = 1.0f;
@@ -39,7 +39,7 @@ static int is_conservative(const stp_prefix_table* table, const float* radii, ui
     return 1;
 }
 
-// The shortest prefix by trying all.
+// The shortest prefix, by brute force.
 static uint32_t search_count(const stp_prefix_table* table, uint32_t count, float radius)
 {
     for (uint32_t n = 1; n < count; ++n) {
@@ -91,7 +91,7 @@ void test_prefix_table_finds_the_shortest_prefix(test_state* test)
         radius *= radius * radius;
         CHECK_EQUAL(search_count(&table, 3000, radius), stp_prefix_table_count(&table, radius));
     }
-    for (uint32_t n = 1; n <= 3000; n += 7) { // the radius of a prefix asks for no longer one
+    for (uint32_t n = 1; n <= 3000; n += 7) { // the radius of a prefix requires no longer prefix
         CHECK(stp_prefix_table_count(&table, stp_prefix_table_radius(&table, n)) <= n);
     }
     CHECK_EQUAL(1, stp_prefix_table_count(&table, 10.0f));

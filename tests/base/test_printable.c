@@ -17,8 +17,8 @@ void test_printable_escapes_what_terminals_obey(test_state* test)
         {"\x7f \xc2\x9b\x33m", "\\x7f \\xc2\\x9b3m"}, // a control character of two bytes
         {"a\xe2\x80\xae"
          "b\xe2\x80\xa8",
-         "a\\xe2\\x80\\xaeb\\xe2\\x80\\xa8"},           // turned, a line end
-        {"\xff\xc3(\xc0\xaf", "\\xff\\xc3(\\xc0\\xaf"}, // none, cut off, too long a form
+         "a\\xe2\\x80\\xaeb\\xe2\\x80\\xa8"},           // bidirectional control, line separator
+        {"\xff\xc3(\xc0\xaf", "\\xff\\xc3(\\xc0\\xaf"}, // invalid, truncated, overlong
         {"\xed\xa0\x80\xf4\x90\x80\x80", "\\xed\\xa0\\x80\\xf4\\x90\\x80\\x80"},
         {"\xe2\x82", "\\xe2\\x82"},
         {"", ""},
@@ -27,8 +27,7 @@ void test_printable_escapes_what_terminals_obey(test_state* test)
         char out[128];
         CHECK_EQUAL(strlen(cases[i].shown), stp_make_printable(cases[i].text, out, sizeof(out)));
         CHECK(strcmp(out, cases[i].shown) == 0);
-        for (size_t size = 0; size < sizeof(out);
-             ++size) { // whatever room there is, nothing is cut in two
+        for (size_t size = 0; size < sizeof(out); ++size) { // for any size, nothing is split
             char small[129];
             memset(small, 'X', sizeof(small));
             size_t length = stp_make_printable(cases[i].text, small, size);
@@ -61,5 +60,5 @@ void test_printable_finds_what_json_leaves(test_state* test)
     at = stp_find_unprintable(text + 12, 1, &code, &length);
     CHECK(at == 0 && length == 1 && code == 0x7F);
     CHECK_EQUAL(5, stp_find_unprintable(text, 5, &code, &length));
-    CHECK_EQUAL(7, stp_find_unprintable(text, 7, &code, &length)); // cut within the character
+    CHECK_EQUAL(7, stp_find_unprintable(text, 7, &code, &length)); // cut inside the character
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Loops that report how far they are.
+// Loops that report their progress.
 #include "tests.h"
 
 #include "base/context.h"
@@ -15,13 +15,13 @@ typedef struct watch {
     stp_context* context;
     pthread_t caller;
     atomic_uint reports;
-    unsigned stop_at; ///< the report that stops the loop; 0: none
-    bool strange;     ///< from another thread, or going back
+    unsigned stop_at; ///< number of the report that stops the loop; 0: none
+    bool strange;     ///< from another thread, or decreasing
     stp_progress_report last;
-    atomic_uint ran[PIECES]; ///< by pieces
-    atomic_uint cancelled;   ///< pieces that heard of the end
-    size_t stopping;         ///< the piece that stops the loop; PIECES: none
-    bool adds;               ///< pieces say what they did
+    atomic_uint ran[PIECES]; ///< per piece
+    atomic_uint cancelled;   ///< pieces that saw the loop stop
+    size_t stopping;         ///< piece that stops the loop; PIECES: none
+    bool adds;               ///< pieces report their progress
 } watch;
 
 static int see_report(const stp_progress_report* report, void* user)
@@ -66,7 +66,7 @@ static void walk(size_t begin, size_t end, uint32_t worker, void* user)
         while (i > w->stopping && stp_progress(w->context, "inside", 0.5) == STP_OK) {
             // the piece that stops the loop may be slow
         }
-        // what a piece reports of its own is not told; its loops run in full whatever happens
+        // progress reported inside a piece is dropped; loops inside it always complete
         if (stp_progress(w->context, "inside", 0.5) == STP_ERROR_CANCELLED) {
             atomic_fetch_add(&w->cancelled, 1);
         }
@@ -79,7 +79,7 @@ static void walk(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
-// How many pieces ran, where they are the first ones; else a number too large.
+// Number of pieces that ran, if they are the first ones; else a number too large.
 static size_t count_prefix(watch* w)
 {
     size_t count = 0;
@@ -139,10 +139,10 @@ void test_reported_loop_stops_when_told_to(test_state* test)
             CHECK_EQUAL(w.reports >= stops[i] ? STP_ERROR_CANCELLED : STP_OK, result);
             CHECK_EQUAL(result != STP_OK, log.errors);
             CHECK(result == STP_OK || strcmp(log.text, "stopped while at: walk") == 0);
-            CHECK(result == STP_OK || w.reports == stops[i]); // nothing is told afterwards
+            CHECK(result == STP_OK || w.reports == stops[i]); // nothing is reported afterwards
             CHECK(count_prefix(&w) <= PIECES);
             CHECK(i > 0 || count_prefix(&w) == 0);
-            // a later loop begins anew
+            // a later loop starts anew
             w.stop_at = 0;
             w.last = (stp_progress_report){.overall = -1.0};
             for (size_t k = 0; k < PIECES; ++k) {
@@ -170,8 +170,8 @@ void test_reported_loop_is_stopped_by_a_piece(test_state* test)
                     stp_parallel_for_reported(context, PIECES, 1, walk, &w, &report));
         size_t ran = count_prefix(&w);
         CHECK(ran >= 21 && ran < PIECES);
-        CHECK(w.cancelled >= 1);    // the piece itself, and others that were at it
-        CHECK_EQUAL(0, log.errors); // the piece has said why
+        CHECK(w.cancelled >= 1);    // the piece itself, and others that were running
+        CHECK_EQUAL(0, log.errors); // the piece has logged why
         stp_context_destroy(context);
     }
 }
@@ -181,7 +181,8 @@ typedef struct patience {
     atomic_uint waiting;
 } patience;
 
-// A worker's piece lasts until the caller has reported a few times more; the caller's until there is such a piece.
+// A worker's piece lasts until the caller has reported a few more times; the caller's lasts until
+// such a piece exists.
 static void wait_for_reports(size_t begin, size_t end, uint32_t worker, void* user)
 {
     (void)begin, (void)end;

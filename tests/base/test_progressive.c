@@ -48,7 +48,7 @@ static void tear_down(fixture* f)
     stp_context_destroy(f->context);
 }
 
-// A state as flags, by its definition: the splats of a prefix, less the parents of its splits.
+// A state as flags, by definition: the splats of a prefix, minus the parents of its splits.
 static void mark_state(const fixture* f, uint32_t count, uint8_t alive[MOST])
 {
     uint32_t splits = count - f->counts.base;
@@ -85,7 +85,7 @@ void test_progressive_order_is_that_of_levels(test_state* test)
     }
 }
 
-// The queue that a reader keeps gives the same parents, wherever it begins.
+// A reader's queue gives the same parents, wherever it starts.
 void test_progressive_queue_gives_the_same_parents(test_state* test)
 {
     for (size_t n = 0; n < SAMPLES; ++n) {
@@ -117,7 +117,7 @@ void test_progressive_damage_is_found(test_state* test)
     ranges[last] = (kept & 0xFFFFu) | (uint32_t)STP_RANGE_INFINITE << 16; // a base splat at the end
     CHECK(!stp_progressive_is_valid(ranges, count, order));
     ranges[last] = kept;
-    ranges[order[0]] = kept; // a parent less
+    ranges[order[0]] = kept; // one parent fewer
     stp_progressive_order(ranges, count, order, f.scratch);
     CHECK(!stp_progressive_is_whole(ranges, count, order));
     tear_down(&f);
@@ -133,7 +133,7 @@ void test_progressive_damage_is_found(test_state* test)
     tear_down(&f);
 }
 
-// The rule by codes and the two levels, as the test of ranges of the rasterisers uses them.
+// The rule by codes and the two levels, as the range test of the rasterisers applies it.
 void test_progressive_cuts_have_any_count(test_state* test)
 {
     for (size_t n = 0; n < SAMPLES; ++n) {
@@ -162,7 +162,7 @@ void test_progressive_cuts_have_any_count(test_state* test)
     }
 }
 
-// Any walk ends in the list that a direct way to the same count gives, byte for byte.
+// Any walk ends in the same list, byte for byte, as a direct walk to that count.
 void test_progressive_walks_are_reversible(test_state* test)
 {
     for (size_t n = 0; n < SAMPLES; ++n) {
@@ -186,7 +186,7 @@ void test_progressive_walks_are_reversible(test_state* test)
             uint8_t marked[MOST];
             uint32_t marks = 0;
             mark_state(&f, size, marked);
-            for (uint32_t i = 0; i < size; ++i) { // each splat of the state, once
+            for (uint32_t i = 0; i < size; ++i) { // each splat of the state exactly once
                 CHECK(marked[alive[i]] == 1);
                 marked[alive[i]] = 2;
             }

@@ -40,7 +40,7 @@ void test_spill_gives_zeroed_aligned_memory(test_state* test)
     unsigned char* pieces[COUNT];
     CHECK(context != NULL && make_folder(folder, sizeof(folder)));
     CHECK_EQUAL(STP_OK, stp_spill_create(context, folder, &spill));
-    CHECK_EQUAL(0, count_entries(folder)); // nameless: nothing is left, however the process ends
+    CHECK_EQUAL(0, count_entries(folder)); // anonymous: nothing is left, however the process ends
     uint64_t live = stp_context_live_bytes(context);
     size_t total = 0;
     for (size_t i = 0; i < COUNT;
@@ -55,7 +55,7 @@ void test_spill_gives_zeroed_aligned_memory(test_state* test)
         total += size;
     }
     CHECK(stp_spill_bytes(spill) >= total && stp_spill_bytes(spill) <= total + 64 * COUNT);
-    CHECK_EQUAL(live, stp_context_live_bytes(context)); // not the context's memory
+    CHECK_EQUAL(live, stp_context_live_bytes(context)); // not counted as the context's memory
     for (size_t i = 0; i < COUNT; ++i) {
         size_t size = i % 50 == 49 ? 20000 * i : i * i;
         CHECK(size == 0 || (pieces[i][0] == i % 256 && pieces[i][size - 1] == i % 256));
@@ -120,7 +120,7 @@ void test_spill_says_where_it_cannot_be_made(test_state* test)
     }
 }
 
-// A limit on the size of files stands for a full disk.
+// A file size limit simulates a full disk.
 void test_spill_without_room_is_an_error(test_state* test)
 {
     char folder[256];

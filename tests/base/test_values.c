@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Colours, normals, transforms, hashes and sorting: small pure functions, held against plain
-// definitions.
+// Colours, normals, transforms, hashes and sorting: small pure functions against plain definitions.
 #include "tests.h"
 
 #include "base/bytes.h"
@@ -92,6 +91,27 @@ void test_octahedral_of_16_bits_is_precise(test_state* test)
     int16_t none[2] = {5, 5};
     stp_octahedral_encode16((stp_vec3){0, 0, 0}, none);
     CHECK(none[0] == 0 && none[1] == 0);
+    enum { MANY = 300 };
+    static float normals[3 * MANY];
+    static int16_t many[2 * MANY];
+    for (size_t i = 0; i < MANY; ++i) { // runs of three equal ones, as on flat faces
+        stp_vec3 n = random_direction(i / 3);
+        memcpy(normals + 3 * i, &n, sizeof(n));
+    }
+    stp_octahedral_encode16_many(normals, MANY, many);
+    for (size_t i = 0; i < MANY; ++i) {
+        int16_t one[2];
+        stp_octahedral_encode16(random_direction(i / 3), one);
+        CHECK(one[0] == many[2 * i] && one[1] == many[2 * i + 1]);
+    }
+}
+
+void test_clamp_is_within_its_bounds(test_state* test)
+{
+    CHECK(stp_clampd(-1.0, 0.5, 2.0) == 0.5 && stp_clampd(3.0, 0.5, 2.0) == 2.0);
+    CHECK(stp_clampd(1.5, 0.5, 2.0) == 1.5 && stp_clampd(HUGE_VAL, 0.5, 2.0) == 2.0);
+    CHECK(stp_clampd((double)NAN, 0.5, 2.0) == 0.5);
+    CHECK(stp_maxd(-1.0, 2.0) == 2.0 && stp_maxd(2.0, -1.0) == 2.0);
 }
 
 void test_octahedral_is_near_the_best_of_all_codes(test_state* test)
@@ -194,7 +214,7 @@ void test_hashes_tell_contents_and_sequences_apart(test_state* test)
     stp_hash ab = stp_hash_bytes(stp_hash_bytes(zero, "a", 1), "b", 1);
     stp_hash ba = stp_hash_bytes(stp_hash_bytes(zero, "b", 1), "a", 1);
     CHECK(!stp_hash_equal(ab, ba));
-    // both halves of what came before count
+    // both halves of the previous hash count
     stp_hash one = {.low = 1, .high = 2}, other = {.low = 1, .high = 3};
     CHECK(!stp_hash_equal(stp_hash_bytes(one, "x", 1), stp_hash_bytes(other, "x", 1)));
     CHECK(!stp_hash_equal(stp_hash_bytes(zero, NULL, 0), zero));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What is to be seen of a scene while it is built.
+// Drafts: what is visible of a scene during its build.
 #define _GNU_SOURCE // unshare
 #include "tests.h"
 
 #include "build/build.h"
 #include "draw/draw.h"
+#include "import/las_points.h"
 #include "measure/image_compare.h"
 #include "present/camera.h"
 #include "scene/scene_helpers.h"
@@ -19,9 +20,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+enum { SAMPLE = 640 }; // points of a scan
 enum { DRAFTS = 64, WIDTH = 128, HEIGHT = 96, PIXELS = WIDTH * HEIGHT };
 
-// A draft as somebody who looks on finds it.
+// A draft as a viewer sees it.
 typedef struct seen_draft {
     bool whole; ///< it can be opened, checked and drawn
     uint32_t meshes, point_sets, sets, objects;
@@ -32,9 +34,9 @@ typedef struct seen_draft {
 
 typedef struct onlooker {
     const char* path;
-    seen_draft* drafts; ///< DRAFTS of them
+    seen_draft* drafts; ///< DRAFTS entries
     uint32_t count;
-    bool only_counts; ///< pictures take long
+    bool only_counts; ///< no pictures, which are slow
 } onlooker;
 
 static bool draw(stp_context* context, stp_store* store, uint8_t* pixels)
@@ -98,6 +100,7 @@ static stp_result build_with(uint32_t threads, const char* input, const char* ou
                            .threshold = 1,
                            .blue = {.surfel_count = 500, .capture = {.wanted_candidates = 4000}},
                            .draft = o != NULL ? o->path : NULL,
+                           .draft_sample = SAMPLE,
                            .draft_always = true,
                            .drafted = on_draft,
                            .drafted_user = o};
@@ -112,7 +115,7 @@ static stp_result build_scene(const char* input, const char* output, onlooker* o
     return build_with(1, input, output, o);
 }
 
-// Some bumpy sheets beside each other, an object each.
+// Some bumpy sheets beside each other, one object each.
 static bool write_sheets(const char* path)
 {
     enum { SHEETS = 6, SIZE = 20, CORNERS = (SIZE + 1) * (SIZE + 1) };
@@ -169,7 +172,7 @@ void test_drafts_grow_to_the_finished_scene(test_state* test)
     CHECK(o.drafts != NULL);
     CHECK_EQUAL(STP_OK, build_scene(model, output, &o));
     CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
-    CHECK(same_files(output, plain)); // looking on changes nothing
+    CHECK(same_files(output, plain)); // drafts do not change the result
     seen_draft* last = &o.drafts[DRAFTS];
     look_at(output, true, last);
     CHECK(last->whole && last->triangles > 1000);
@@ -184,10 +187,10 @@ void test_drafts_grow_to_the_finished_scene(test_state* test)
         CHECK(i == 0 || d->triangles >= o.drafts[i - 1].triangles);
         CHECK(i == 0 || d->sets >= o.drafts[i - 1].sets);
     }
-    // of what there is at first the scene can be told, and it comes nearer
+    // the first draft is recognisable, and later ones come closer
     uint8_t* nothing = calloc(4, PIXELS);
     double empty = distance(nothing, last->pixels), sketch = distance(first->pixels, last->pixels);
-    uint32_t triangles = 0; // the draft that has all of them
+    uint32_t triangles = 0; // index of the first draft with all triangles
     while (triangles + 1 < known && o.drafts[triangles].triangles < last->triangles) {
         triangles += 1;
     }
@@ -202,6 +205,39 @@ void test_drafts_grow_to_the_finished_scene(test_state* test)
     unlink(plain);
     unlink(model);
     CHECK(rmdir(folder) == 0); // nothing else is left
+}
+
+void test_drafts_show_scans_before_they_are_read(test_state* test)
+{
+    enum { POINTS = 4000 };
+    static las_point points[POINTS];
+    char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], plain[64], model[64];
+    CHECK(mkdtemp(folder) != NULL);
+    snprintf(draft, sizeof(draft), "%s/draft.stip", folder);
+    snprintf(output, sizeof(output), "%s/out.stip", folder);
+    snprintf(plain, sizeof(plain), "%s/plain.stip", folder);
+    snprintf(model, sizeof(model), "%s/scan.laz", folder);
+    las_make_points(points, POINTS, 2, 7);
+    las_buffer file = las_write(&(las_desc){
+        .points = points, .count = POINTS, .format = 2, .coding = LAZ_CHUNKED, .chunk_size = 500});
+    FILE* out = fopen(model, "wb");
+    CHECK(out != NULL && fwrite(file.bytes, 1, file.size, out) == file.size && fclose(out) == 0);
+    free(file.bytes);
+    onlooker o = {.path = draft, .only_counts = true, .drafts = calloc(DRAFTS, sizeof(*o.drafts))};
+    CHECK(o.drafts != NULL);
+    CHECK_EQUAL(STP_OK, build_scene(model, output, &o));
+    CHECK_EQUAL(STP_OK, build_scene(model, plain, NULL));
+    CHECK(o.count > 1 && o.drafts[0].whole && o.drafts[1].whole);
+    CHECK_EQUAL(SAMPLE, o.drafts[0].points);
+    CHECK_EQUAL(POINTS, o.drafts[1].points);
+    CHECK(strcmp(o.drafts[0].first_name, o.drafts[1].first_name) == 0);
+    CHECK(same_files(output, plain));
+    free(o.drafts);
+    const char* const all[] = {draft, output, plain, model};
+    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); ++i) {
+        unlink(all[i]);
+    }
+    rmdir(folder);
 }
 
 void test_drafts_stay_drawable_however_large_the_scene(test_state* test)
@@ -263,7 +299,8 @@ void test_drafts_of_many_threads_change_nothing(test_state* test)
     CHECK(rmdir(folder) == 0);
 }
 
-// What a killed build was writing: a name that the writer gives, of a process that is no more.
+// A temporary file of a killed build: a name that the writer uses, with the id of a process that
+// has ended.
 void test_drafts_leave_nothing_of_those_before(test_state* test)
 {
     char folder[] = "/tmp/stp_draft_XXXXXX", draft[64], output[64], stale[96];
@@ -289,7 +326,7 @@ void test_drafts_leave_nothing_of_those_before(test_state* test)
     CHECK(rmdir(folder) == 0);
 }
 
-// Flat things that are stretched, beyond all numbers, where they have no width.
+// Flat objects, stretched without bound along the axis in which they have no extent.
 static stp_result make_stretched(stp_scene* scene, const char* name, void* user)
 {
     (void)name;
@@ -333,7 +370,8 @@ void test_drafts_of_endless_areas_have_few_points(test_state* test)
 
 enum { NOT_ALLOWED = 77 };
 
-// On a disk of its own, as small as will do for a build: whether drafts leave it the room. In a process of its own.
+// On a small separate disk that just suffices for a build: whether drafts leave it the room. In a
+// separate process.
 static int fill_disk(const char* folder, const char* model)
 {
     char options[64], output[80], draft[80];

@@ -41,7 +41,7 @@ static void set_bounds(stp_mesh* mesh)
     }
 }
 
-/// Room for a mesh; false where memory runs out (then nothing is left behind).
+/// Allocates a mesh; false if out of memory (then everything is freed).
 static bool make_mesh(test_scene* t, uint32_t vertices, uint32_t triangles, bool normals,
                       bool texcoords, bool colors, stp_mesh* mesh)
 {
@@ -75,7 +75,7 @@ static bool add_sphere(test_scene* t, uint32_t rings, bool normals, uint32_t mat
     }
     mesh.material = material;
     uint32_t* out = mesh.indices;
-    for (uint32_t face = 0; face < 6; ++face) { // a cube's faces, blown up
+    for (uint32_t face = 0; face < 6; ++face) { // an inflated cube's faces
         for (uint32_t v = 0; v < side * side; ++v) {
             float a = (float)(v % side) / (float)rings * 2.0f - 1.0f;
             float b = (float)(v / side) / (float)rings * 2.0f - 1.0f;
@@ -161,7 +161,7 @@ void test_capture_directions_are_unit_and_spread(test_state* test)
                 nearest = distance < nearest ? distance : nearest;
             }
         }
-        // n points at best mutual distance have about 4 pi / n steradians each
+        // n evenly spread points have about 4 pi / n steradians each
         CHECK(counts[n] < 2 || nearest * (double)counts[n] > 5.0);
         CHECK(counts[n] < 2 || stp_dotd(sum, sum) < 1.0);
     }
@@ -296,7 +296,7 @@ void test_capture_reads_textures_and_masks(test_state* test)
         for (uint32_t i = 0; i < c.count; ++i) {
             float x = candidate_position(&c, i).x;
             sides[x > 0.0f] += 1;
-            if (fabsf(x) > 0.15f) { // clear of the seam
+            if (fabsf(x) > 0.15f) { // away from the seam
                 CHECK_EQUAL(x < 0.0f ? 255 : 0, c.colors[4 * i]);
                 CHECK_EQUAL(x < 0.0f ? 0 : 255, c.colors[4 * i + 2]);
                 bool clear = mode == STP_ALPHA_BLEND && x > 0.0f;
@@ -317,7 +317,7 @@ void test_capture_reads_textures_and_masks(test_state* test)
 
 void test_capture_averages_fine_textures(test_state* test)
 {
-    // a fine checkerboard of black and white, many texels a pixel: every candidate is the linear
+    // a fine black and white checkerboard, many texels per pixel: every candidate is the linear
     // average
     enum { SIZE = 256 };
     stp_context* context = test_context(NULL, 2, NULL);
@@ -369,7 +369,7 @@ void test_capture_mirrored_and_stretched_normals(test_state* test)
     stp_context_destroy(context);
 }
 
-/// A site 500 km from the origin, placed by doubles: candidates are right to a hundredth of a
+/// A site 500 km from the origin, placed in doubles: candidates are accurate to a hundredth of a
 /// millimetre.
 void test_capture_far_from_the_origin(test_state* test)
 {
@@ -402,7 +402,7 @@ void test_capture_far_from_the_origin(test_state* test)
     stp_context_destroy(context);
 }
 
-/// Spheres, a masked square and points: everything a scene may hold.
+/// Spheres, a masked square and points: everything a scene can contain.
 static bool add_everything(test_scene* t)
 {
     uint32_t sphere, square, texture, material_index, points_index;
@@ -457,7 +457,7 @@ static uint64_t hash_candidates(const stp_candidates* c)
 
 void test_capture_costs_what_is_there(test_state* test)
 {
-    // two spheres a million apart: no picture is so fine that all but a few of its pixels are empty
+    // two spheres a million apart: at any resolution, nearly all pixels are empty
     stp_context* context = test_context(NULL, 1, NULL);
     test_scene t = scene_over(context);
     uint32_t sphere;
@@ -489,13 +489,14 @@ void test_capture_is_the_same_for_any_thread_count(test_state* test)
         CHECK(c.count > 2000);
         if (i == 0) {
             first = c;
-            // for any compiler, at any optimisation; changes only where capture is meant to change
+            // for any compiler and optimisation level; changes only with intended changes of the
+            // capture
             CHECK_EQUAL(0x511465aaf24ffde7, hash_candidates(&c));
         } else {
             CHECK(same_candidates(&first, &c));
             stp_candidates_destroy(contexts[i], &c);
         }
-        // few ids a pass: several buffers are merged
+        // few ids per pass: several buffers are merged
         stp_capture_desc desc = {.wanted_candidates = 4000};
         CHECK_EQUAL(STP_OK,
                     stp_capture_parts_in_passes(t.scene, t.parts, t.part_count, &desc, 450, &c));
@@ -509,7 +510,7 @@ void test_capture_is_the_same_for_any_thread_count(test_state* test)
     }
 }
 
-/// Parts that others hide are not drawn: the same comes out as when each part has a buffer of its own.
+/// Hidden parts are skipped: the result is the same as with a separate buffer for each part.
 void test_capture_hidden_parts_change_nothing(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
@@ -537,7 +538,7 @@ void test_capture_hidden_parts_change_nothing(test_state* test)
     stp_context_destroy(context);
 }
 
-// A view of the caller's own: nothing of the far side, also not to fill in.
+// A user-defined view: captures nothing of the far side, not even by the fill.
 void test_capture_looks_where_it_is_told(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);
@@ -629,7 +630,7 @@ void test_capture_odd_scenes(test_state* test)
     CHECK_EQUAL(0, c.count);
     uint32_t square, sphere;
     CHECK(add_square(&t, 1, 0, &square) && add_sphere(&t, 2, false, 0, &sphere));
-    // all in one point, all on one line, not-a-number, and a speck beside a giant
+    // all in one point, all on one line, NaN, and a speck beside a giant
     stp_affine cases[] = {scaled_and_moved(0, 0, 0, 1, 2, 3), scaled_and_moved(1, 0, 0, 0, 0, 0),
                           scaled_and_moved(1, (double)NAN, 1, 0, 0, 0),
                           scaled_and_moved(1e-9, 1e-9, 1, 0, 0, 0),
@@ -679,7 +680,7 @@ void test_capture_survives_failing_allocator(test_state* test)
     }
 }
 
-// A steep and long V: the corners of the cube see only its upper part, the face above it sees all.
+// A steep, long V: the corners of the cube see only its upper part, the face above it sees all.
 void test_capture_fills_what_the_corners_miss(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);

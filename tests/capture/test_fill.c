@@ -9,8 +9,8 @@
 
 enum { SIDE = 90, PIXELS = SIDE * SIDE, WORDS_A_ROW = (SIDE + 31) / 32 };
 
-// A further view that looks along -z at bumpy ground, and two first ones that saw most of it: one from the same
-// side, and one at a slant. A unit is a pixel.
+// A further view along -z at bumpy ground, and two main views that saw most of it: one from the
+// same side, and one at a slant. One unit is one pixel.
 typedef struct fill_case {
     stp_fill_query query;
     stp_fill_word words[2][SIDE * WORDS_A_ROW];
@@ -59,7 +59,7 @@ static void make_case(fill_case* c, uint64_t seed)
     c->query.origin[2] = -150.0f;
 }
 
-// The rule, in double precision: 1 known, 0 not, -1 too close to call.
+// The rule in double precision: 1 known, 0 not, -1 too close to call.
 static int expect_known(const fill_case* c, uint32_t pixel)
 {
     int best = 0;

@@ -171,7 +171,7 @@ for metric in normals distances; do
     done
 done
 [ "$(ls spills)" = "$(printf 'distances.ply\nnormals.ply')" ] || fail "files are left: $(ls spills)"
-refused 1 'no temporary file can be made' decimate many.ply -o missing/a.ply --memory 10M
+refused 1 'cannot create a temporary file' decimate many.ply -o missing/a.ply --memory 10M
 # no room on the disk is said once
 (
     ulimit -f 6000

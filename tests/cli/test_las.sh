@@ -29,6 +29,19 @@ PY
 "$stipple" info a.las --json > info.json 2> info.err || fail "info of a LAS file"
 grep -q '"points": 10000' info.json || fail "info does not count the points"
 grep -q '"up": "z"' info.json || fail "info does not say that z is up"
+python3 - <<'PY' || fail "what info says of the points: $(cat info.json)"
+import json
+scan = json.load(open("info.json"))["scan"]
+assert scan["points"] == 10000 and scan["point_format"] == 2 and scan["version"] == "1.2", scan
+assert scan["compressor"] is None and scan["copc"] is None and scan["coordinate_system"] is None
+assert scan["bounds"] == {"min": [600000, 5000000, 0], "max": [600010, 5000010, 3]}, scan["bounds"]
+types = {a["name"]: (a["type"], a["kept"]) for a in scan["attributes"]}
+assert types["intensity"] == ("u16", True) and types["user data"] == ("u8", False), types
+assert "red" in types and "time" not in types
+PY
+"$stipple" info a.las 2> /dev/null | grep -q 'intensity: u16' || fail "info does not list attributes"
+"$stipple" bench import --model a.las --quick --json > bench.json 2> bench.err || fail "bench import: $(cat bench.err)"
+grep -q '"points": 10000' bench.json && grep -q '"format": "las"' bench.json || fail "bench import: $(cat bench.json)"
 grep -q 'does not say its unit of length' info.err || fail "no word on the unit"
 "$stipple" build a.las -o a.stip --unit ft --progress none > build.out 2> build.err || fail "build of a LAS file"
 "$stipple" check a.stip > check.out || fail "check of what was built"

@@ -125,10 +125,10 @@ void test_image_refuses_every_truncation(test_state* test)
     sizes[1] = jpeg_size;
     sizes[2] = WebPEncodeLosslessRGBA(rows, 12, 12, 48, &bytes[2]);
     for (int kind = 0; kind < 3; ++kind) {
-        // the last bytes of each hold nothing that pixels need: checksums, an end marker, padding
+        // the last bytes of each are not needed for pixels: checksums, an end marker, padding
         size_t needed = sizes[kind] - (kind == 0 ? 20 : kind == 1 ? 4 : 2);
         for (size_t size = 0; size < needed; ++size) {
-            unsigned char* cut = malloc(size + 1); // its own block, so that sanitizers see its end
+            unsigned char* cut = malloc(size + 1); // sanitizers detect reads past its end
             CHECK(cut != NULL);
             memcpy(cut, bytes[kind], size);
             stp_image texture = {0};
@@ -170,7 +170,7 @@ void test_image_believes_in_proportion_to_bytes(test_state* test)
     CHECK(stp_image_believes(0, 0) && stp_image_believes(always, 1));
     CHECK(!stp_image_believes(always + 260, 1) && !stp_image_believes(UINT64_MAX, 1 << 30));
     CHECK(
-        stp_image_believes(4 * always, 4 * always / 258)); // RGBA in one colour, as deflate has it
+        stp_image_believes(4 * always, 4 * always / 258)); // one RGBA colour, compressed by deflate
     CHECK(!stp_image_believes(4 * always, 65546));         // the same with a palette of two
 }
 

@@ -160,13 +160,17 @@ void test_xyz_losses_are_counted(test_state* test)
     stp_scene* scene =
         import_text(context, "a.xyz", "0 0 0 0.5 7 w\nnan 0 0 1 7 w\n1 2 3 0.5 7 w\n4 4");
     CHECK(scene != NULL && scene->point_sets[0].point_count == 2);
-    CHECK_EQUAL(1, log.warnings);
+    CHECK_EQUAL(2, log.warnings); // the unit, and what is not kept
     CHECK(strstr(log.warning, "1 point without a finite place") != NULL);
     CHECK(strstr(log.warning, "1 unfinished last line") != NULL);
     CHECK(strstr(log.warning, "2 columns") != NULL);
     stp_scene_destroy(scene);
-    scene = import_text(context, "a.pts", "1\n0 0 0\n1 2 3\n");
-    CHECK(scene != NULL && scene->point_sets[0].point_count == 2);
+    static const char more[] = "1\n0 0 0\n1 2 3\n"; // than it says; with a unit
+    CHECK_EQUAL(STP_OK, stp_scene_create(context, &scene));
+    CHECK_EQUAL(STP_OK, stp_import_memory(scene, "a.pts", more, sizeof(more) - 1,
+                                          &(stp_import_desc){.unit_metres = 1.0}));
+    CHECK(scene->point_sets[0].point_count == 2);
+    CHECK_EQUAL(3, log.warnings);
     CHECK(strstr(log.warning, "1 points, but it holds 2") != NULL);
     stp_scene_destroy(scene);
     stp_context_destroy(context);

@@ -244,6 +244,15 @@ void test_grids_hold_each_point_in_its_cell(test_state* test)
                                                       points.count, cell, &grid));
         // a clump asks for smaller cells
         CHECK(variant == 2 ? grid.cell < 0.01f : grid.cell == cell);
+        stp_grid plain;
+        CHECK_EQUAL(STP_OK, stp_grid_create(context, points.positions, NULL, points.count,
+                                            grid.cell, 0.0f, &plain));
+        CHECK(memcmp(plain.x, grid.x, points.count * sizeof(float)) == 0);
+        CHECK(memcmp(plain.index, grid.index, points.count * sizeof(uint32_t)) == 0);
+        for (uint32_t i = 0; i < points.count + STP_GRID_LANES; ++i) {
+            CHECK(plain.nx[i] == 0.0f && plain.ny[i] == 0.0f && plain.nz[i] == 0.0f);
+        }
+        stp_grid_destroy(context, &plain);
         stp_grid_destroy(context, &grid);
     }
     stp_context_destroy(context);

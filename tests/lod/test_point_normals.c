@@ -53,18 +53,53 @@ void test_point_normals_are_those_of_the_surface(test_state* test)
     stp_context_destroy(context);
 }
 
+// Each maps a vector to one direction, along which the points vary no more than along others.
+static void check_matrices(test_state* test, const float (*sums)[STP_NORMAL_SUMS],
+                           double (*matrices)[STP_NORMAL_MATRIX])
+{
+    for (size_t i = 0; i < POINTS; ++i) {
+        const double* m = matrices[i];
+        if (!(m[0] + m[3] + m[5] > 1.0 - 1e-9)) {
+            continue; // all directions are alike, or two of them
+        }
+        double n[3] = {m[1], m[3], m[4]}, v[3];
+        if (n[1] < 0.3) {
+            continue; // the column is nearly 0
+        }
+        double s[10], length = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        for (int k = 0; k < 10; ++k) {
+            s[k] = (double)sums[i][k] / (double)sums[i][0];
+        }
+        const double c[3][3] = {{s[4] - s[1] * s[1], s[5] - s[1] * s[2], s[6] - s[1] * s[3]},
+                                {s[5] - s[1] * s[2], s[7] - s[2] * s[2], s[8] - s[2] * s[3]},
+                                {s[6] - s[1] * s[3], s[8] - s[2] * s[3], s[9] - s[3] * s[3]}};
+        double along = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            v[k] = c[k][0] * n[0] + c[k][1] * n[1] + c[k][2] * n[2];
+            along += v[k] * n[k] / length;
+        }
+        double trace = c[0][0] + c[1][1] + c[2][2];
+        for (int k = 0; k < 3; ++k) { // an eigenvector, of no more than a third of the trace
+            CHECK(fabs(v[k] - along * n[k]) <= 1e-4 * trace);
+        }
+        CHECK(along <= trace / 3.0 + 1e-6 * trace);
+    }
+}
+
 void test_point_normals_have_the_same_sums_everywhere(test_state* test)
 {
     static float positions[3 * POINTS], normals[3 * POINTS];
     static float plain[POINTS][STP_NORMAL_SUMS], wide[POINTS][STP_NORMAL_SUMS];
+    static double matrices[POINTS][STP_NORMAL_MATRIX], other[POINTS][STP_NORMAL_MATRIX];
+    uint32_t most = 0;
     stp_context* context = test_context(NULL, 1, NULL);
-    const float radii[] = {0.05f, 0.4f, 3.0f};
+    const float radii[] = {0.05f, 0.4f, 5.0f};
     for (size_t r = 0; r < 3; ++r) {
         make_sheet(positions, normals, r == 1);
         stp_grid grid;
-        CHECK_EQUAL(STP_OK, stp_grid_create(context, positions, normals, POINTS, 2.002f * radii[r],
-                                            0.0f, &grid));
-        stp_sum_neighbours_portable(&grid, radii[r], 0, POINTS, plain);
+        CHECK_EQUAL(STP_OK, stp_grid_create(context, positions, normals, POINTS,
+                                            STP_NORMAL_CELL * radii[r], 0.0f, &grid));
+        stp_normal_kernels_portable.sum_neighbours(&grid, radii[r], 0, POINTS, plain);
         for (size_t at = 0; at < POINTS; at += 37) { // by definition
             uint32_t count = 0;
             double x = 0.0;
@@ -76,16 +111,23 @@ void test_point_normals_have_the_same_sums_everywhere(test_state* test)
                     x += (double)d[0];
                 }
             }
-            CHECK(plain[at][0] >= (float)count); // cells that share a bucket are counted twice
-            CHECK(plain[at][0] > (float)count || fabs((double)plain[at][1] - x) < 1e-3 * count);
+            CHECK(plain[at][0] == (float)count);
+            CHECK(fabs((double)plain[at][1] - x) < 1e-3 * count);
+            most = count > most ? count : most;
         }
+        stp_normal_kernels_portable.project((const float(*)[STP_NORMAL_SUMS])plain, POINTS,
+                                            matrices);
+        check_matrices(test, (const float(*)[STP_NORMAL_SUMS])plain, matrices);
 #if defined(__x86_64__)
         if (stp_processor_detect() >= STP_PROCESSOR_AVX2) {
-            stp_sum_neighbours_avx2(&grid, radii[r], 0, POINTS, wide);
+            stp_normal_kernels_avx2.sum_neighbours(&grid, radii[r], 0, POINTS, wide);
             CHECK(memcmp(plain, wide, sizeof(plain)) == 0);
+            stp_normal_kernels_avx2.project((const float(*)[STP_NORMAL_SUMS])plain, POINTS, other);
+            CHECK(memcmp(matrices, other, sizeof(matrices)) == 0);
         }
 #endif
         stp_grid_destroy(context, &grid);
     }
+    CHECK(most > 1024); // more than are looked at together
     stp_context_destroy(context);
 }

@@ -17,9 +17,9 @@ static void make_points(uint64_t seed, uint32_t count, int kind)
     for (uint32_t i = 0; i < 3 * count; ++i) {
         points[i] = (float)(stp_rng_hash(seed, i) >> 40) * 0x1p-24f;
         if (kind == 1) {
-            points[i] = i % 3 == 2 ? 0.0f : points[i]; // flat
+            points[i] = i % 3 == 2 ? 0.0f : points[i]; // planar
         } else if (kind == 2) {
-            points[i] = (float)stp_rng_below(seed, i, 4); // many coincide
+            points[i] = (float)stp_rng_below(seed, i, 4); // many duplicates
         }
     }
 }
@@ -99,7 +99,7 @@ void test_distribution_agrees_with_trying_all(test_state* test)
     stp_context_destroy(context);
 }
 
-// A square lattice is not the best packing: its spacing is 0.93 of a hexagonal one's.
+// A square lattice is not the densest packing: its spacing is 0.93 of a hexagonal one's.
 void test_distribution_compares_spacing_with_the_best_packing(test_state* test)
 {
     enum { SIDE = 300 };
@@ -107,7 +107,7 @@ void test_distribution_compares_spacing_with_the_best_packing(test_state* test)
     static float plane[3 * SIDE * SIDE], lattice[3 * 900];
     for (uint32_t i = 0; i < SIDE * SIDE; ++i) {
         float u = (float)(i % SIDE) / SIDE, v = (float)(i / SIDE) / SIDE;
-        plane[3 * i] = u + 0.3f * v; // at a slant, as surfaces mostly are to the axes
+        plane[3 * i] = u + 0.3f * v; // oblique to the axes, like most surfaces
         plane[3 * i + 1] = v - 0.3f * u;
         plane[3 * i + 2] = 0.7f * u + 0.5f * v;
     }

@@ -12,7 +12,7 @@ enum { SIDE = 21, VERTICES = SIDE * SIDE, TRIANGLES = 2 * (SIDE - 1) * (SIDE - 1
 static float positions[3 * VERTICES];
 static uint32_t indices[3 * TRIANGLES];
 
-// A square of unit area in the plane z = 0, of triangles that are not equally large.
+// A square of unit area in the plane z = 0, of triangles of different sizes.
 static stp_measured_surface make_square(void)
 {
     for (uint32_t i = 0; i < VERTICES; ++i) {
@@ -70,7 +70,7 @@ void test_hausdorff_of_a_square_and_a_disk(test_state* test)
     CHECK(fabs(found.max - sqrt(2.0)) < 1e-12);
     CHECK(found.farthest.x == 1.0 && found.farthest.y == 1.0);
     CHECK(fabs(found.mean - (sqrt(2.0) + log(1.0 + sqrt(2.0))) / 3.0) < 1e-4);
-    // an edge: the mean distance is a half, whatever the triangles
+    // an edge: the mean distance is a half, for any triangulation
     disk = (stp_disk_shape){{0.5f, 0, 0}, {0.5f, 0, 0}, {0, 0, 0}};
     CHECK(measure(context, &square, &shapes, 100000, &found));
     CHECK(fabs(found.max - 1.0) < 1e-12 && fabs(found.mean - 0.5) < 1e-4);
@@ -90,8 +90,8 @@ void test_hausdorff_of_a_surface_and_itself(test_state* test)
     CHECK(measure(context, &square, &shapes, 20000, &found));
     CHECK(found.max < 1e-12 && found.mean < 1e-12 && found.bound < 1e-5);
     CHECK(fabs(stp_shapes_area(&shapes) - found.area) < 1e-12);
-    // without one of its triangles the distance is the radius of that triangle's inscribed circle
-    // at most
+    // without one of its triangles, the distance is at most the radius of that triangle's inscribed
+    // circle
     indices[0] = indices[1];
     shapes.triangle_count -= 1;
     shapes.indices += 3;
@@ -101,8 +101,8 @@ void test_hausdorff_of_a_surface_and_itself(test_state* test)
     stp_context_destroy(context);
 }
 
-// The place that is farthest from the corners of a triangle lies between them: the middle of the
-// circle through them.
+// The place farthest from the corners of a triangle lies between them: the centre of the
+// circumscribed circle.
 void test_hausdorff_finds_the_farthest_between_samples(test_state* test)
 {
     static const float corners[] = {0, 0, 0, 1, 0, 0, 0.5f, 0.9f, 0};
@@ -138,7 +138,7 @@ void test_hausdorff_of_points_and_unused_vertices(test_state* test)
     CHECK(found.max == 6.0 && found.bound == 6.0 && found.mean == 3.0 && found.area == 0.0);
     CHECK_EQUAL(3, found.samples);
     CHECK(found.farthest.z == 6.0);
-    // triangles without area: their vertices count, and no others
+    // triangles without area: only their vertices count
     static const uint32_t flat[] = {0, 1, 1};
     stp_measured_surface needle = {
         .positions = points, .vertex_count = 3, .indices = flat, .triangle_count = 1};
@@ -158,7 +158,7 @@ void test_hausdorff_needs_both_sides(test_state* test)
     stp_measured_surface square = make_square(), nothing = {0};
     stp_hausdorff found;
     CHECK(!measure(context, &nothing, &shapes, 10, &found));
-    CHECK(strstr(log.text, "no surface") != NULL);
+    CHECK(strstr(log.text, "surface to measure is empty") != NULL);
     CHECK(!measure(context, &square, &no_shapes, 10, &found));
     CHECK(strstr(log.text, "no splat") != NULL);
     CHECK_EQUAL(2, log.errors);
@@ -186,7 +186,7 @@ static stp_shapes make_disks(void)
     return (stp_shapes){.disks = disks, .disk_count = 500};
 }
 
-// No place that is tried at random is farther than what is proven.
+// No random place is farther than the proven bound.
 void test_hausdorff_bound_holds_everywhere(test_state* test)
 {
     stp_context* context = test_context(NULL, 2, NULL);

@@ -75,8 +75,7 @@ void test_image_compare_agrees_with_scikit_image(test_state* test)
     CHECK_EQUAL(STP_OK, stp_image_compare(context, &a, &b, NULL, NULL, &quality));
     // printed by scripts/make_ssim_values.py (scikit-image 0.19.3, SciPy 1.10.1)
     CHECK(is_near(0.736942169738604, quality.ssim, 1e-12));
-    CHECK(
-        is_near(0.836988668141988, quality.ms_ssim, 1e-8)); // averages of 2 x 2 are kept as floats
+    CHECK(is_near(0.836988668141988, quality.ms_ssim, 1e-8)); // 2 x 2 averages are floats
     CHECK(is_near(16.488822777826, quality.psnr, 1e-10));
     free(a.pixels);
     free(b.pixels);
@@ -94,7 +93,7 @@ static long double grey_of(const stp_image* image, int64_t x, int64_t y)
     return grey;
 }
 
-// SSIM of one pixel straight from its definition: a two-dimensional window, cut at the border.
+// SSIM of one pixel straight from its definition: a two-dimensional window, clipped at the border.
 static long double slow_ssim(const stp_image* a, const stp_image* b, int64_t cx, int64_t cy)
 {
     long double weight = 0, ma = 0, mb = 0, va = 0, vb = 0, cov = 0;
@@ -128,7 +127,7 @@ static long double slow_ssim(const stp_image* a, const stp_image* b, int64_t cx,
            ((ma * ma + mb * mb + c1) * ((va + vb) / weight + c2));
 }
 
-// A part of the pattern, so that pictures of any size can be had.
+// A part of the pattern, for pictures of any size.
 static stp_image crop(const stp_image* image, uint32_t x0, uint32_t y0, uint32_t width,
                       uint32_t height)
 {
@@ -203,7 +202,7 @@ void test_image_compare_of_equal_pictures_is_perfect(test_state* test)
     stp_context_destroy(context);
 }
 
-// Of constant pictures the contrast is equal, and the luminance term is left.
+// For constant pictures the contrast term is 1, and only the luminance term remains.
 void test_image_compare_of_constants_has_a_closed_form(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -257,8 +256,8 @@ void test_image_compare_masks_and_coverage_choose_pixels(test_state* test)
     double unmasked = quality.ssim_covered, whole = quality.ssim;
     CHECK_EQUAL(STP_OK, stp_image_compare(context, &a, &b, &mask, NULL, &quality));
     CHECK(quality.ssim_covered > 0.9 && quality.ssim_covered < 1.0 && unmasked < 0.55);
-    CHECK(quality.ssim == whole); // the mask has no say in it
-    // a mask that leaves nothing
+    CHECK(quality.ssim == whole); // the mask has no effect on it
+    // an empty mask
     memset(mask.pixels, 0, (size_t)PIXELS * 4);
     CHECK_EQUAL(STP_OK, stp_image_compare(context, &a, &b, &mask, NULL, &quality));
     CHECK(quality.ssim_covered == 1.0);

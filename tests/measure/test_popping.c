@@ -80,7 +80,7 @@ void test_popping_is_what_its_definition_says(test_state* test)
         }
         CHECK_EQUAL(count, popping.total);
         qsort(values, count, sizeof(values[0]), compare_doubles);
-        CHECK(values[0] <= 0.0 && values[count - 1] > 1.0); // both kinds are among them
+        CHECK(values[0] <= 0.0 && values[count - 1] > 1.0); // both kinds occur
         for (size_t i = 1; i <= count; ++i) {               // the i-th smallest
             double part = ((double)i - 0.5) / (double)count;
             CHECK(fabs(stp_popping_percentile(&popping, part) - values[i - 1]) <= 0.5 / 192 + 1e-9);
@@ -102,11 +102,11 @@ void test_popping_of_the_reference_is_none(test_state* test)
     memcpy(p.bytes[3], p.bytes[1], sizeof(p.bytes[0]));
     CHECK_EQUAL(STP_OK, add(context, &popping, &p));
     CHECK(stp_popping_percentile(&popping, 1.0) == 0.0);
-    // what stands still while the reference moves does not pop
+    // a still approximation of a moving reference does not pop
     memcpy(p.bytes[1], p.bytes[0], sizeof(p.bytes[0]));
     CHECK_EQUAL(STP_OK, add(context, &popping, &p));
     CHECK(stp_popping_percentile(&popping, 1.0) == 0.0);
-    // the largest there is: black turns white
+    // the maximum: black turns white
     for (int i = 0; i < 4; ++i) {
         memset(p.bytes[i], i == 1 ? 255 : 0, sizeof(p.bytes[i]));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays through many meshes in many places, against all triangles one by one.
+// Rays through many instanced meshes, against brute force over all triangles.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -22,8 +22,8 @@ static stp_vec3d random_vector(uint64_t seed, uint64_t index)
                        random_number(seed, 3 * index + 2)};
 }
 
-/// Two meshes, one with indices and one without, and their places: turned, stretched, mirrored, one
-/// flattened.
+/// Two meshes, one with indices and one without, and their instances: rotated, scaled, mirrored,
+/// one flattened.
 typedef struct world {
     float first[9 * FIRST], second[9 * SECOND];
     uint32_t indices[3 * FIRST];
@@ -53,10 +53,10 @@ static void make_world(world* w)
             w->parts[i].transform.m[k / 4][k % 4] = k % 4 == 3 ? 1000.0 + 5.0 * entry : entry;
         }
     }
-    memset(w->parts[7].transform.m[1], 0, 3 * sizeof(double)); // flattened: never met
+    memset(w->parts[7].transform.m[1], 0, 3 * sizeof(double)); // flattened: never hit
 }
 
-/// A ray from among the parts or from beside them.
+/// A ray that starts among the parts or beside them.
 static stp_cast_ray make_ray(uint64_t index)
 {
     double spread = index % 3 == 0 ? 12.0 : 5.0;
@@ -69,7 +69,7 @@ static stp_cast_ray make_ray(uint64_t index)
     return (stp_cast_ray){origin, direction, index % 5 == 0 ? 1.0 : 0.0, 20.0};
 }
 
-/// Where a ray meets a triangle (Möller, Trumbore 1997); infinity: nowhere.
+/// Where a ray hits a triangle (Möller, Trumbore 1997); infinity: no hit.
 static double meet_triangle(const stp_cast_ray* ray, const stp_vec3d c[3])
 {
     stp_vec3d u = stp_subd(c[1], c[0]), v = stp_subd(c[2], c[0]);
@@ -86,7 +86,7 @@ static double meet_triangle(const stp_cast_ray* ray, const stp_vec3d c[3])
                : (double)INFINITY;
 }
 
-/// The nearest of all triangles, but for those of parts whose number leaves a rest of 1 by `skip`.
+/// The nearest of all triangles, except parts whose number modulo `skip` is 1.
 static double meet_all(const world* w, const stp_caster* caster, const stp_cast_ray* ray,
                        uint32_t skip)
 {
@@ -143,7 +143,7 @@ void test_ray_cast_meets_the_nearest_triangle(test_state* test)
     stp_context_destroy(context);
 }
 
-// No ray leaves a closed ball, wherever it goes: also not through its vertices and edges.
+// No ray leaves a closed ball, not even through its vertices and edges.
 void test_ray_cast_slips_through_no_edge(test_state* test)
 {
     static float positions[3 * TURN * (RISE + 1)];

@@ -22,7 +22,7 @@ static stp_vec3d random_vector(uint64_t seed, uint64_t index, double size)
                        size * random_number(seed, 3 * index + 2)};
 }
 
-// A disk anywhere, with axes of any direction and these lengths.
+// A disk at a random position and orientation, with axes of these lengths.
 static stp_disk_shape make_disk(uint64_t seed, double larger, double smaller)
 {
     stp_vec3d u = stp_normalized(random_vector(seed, 1, 1.0));
@@ -54,7 +54,7 @@ static long_vector long_step(long_vector a, long_vector b, long double factor)
     return a;
 }
 
-// A disk in long double, its smaller axis made exactly square to the larger one.
+// A disk in long double, with the smaller axis made exactly perpendicular to the larger.
 typedef struct long_disk {
     long_vector center, larger, smaller;
 } long_disk;
@@ -77,7 +77,7 @@ static long double distance_at(const long_disk* d, long_vector point, long doubl
     return sqrtl(long_dot(away, away));
 }
 
-// By looking all around the boundary, and narrowing the best interval.
+// Samples the whole boundary and narrows the best interval.
 static long double distance_to_boundary(const long_disk* d, long_vector point)
 {
     const long double step = 2.0L * 3.14159265358979323846264L / (long double)ANGLES;
@@ -139,7 +139,7 @@ void test_disk_distances_agree_with_search(test_state* test)
     }
 }
 
-// Thin ellipses are searched by angle badly; points above and beyond their ends have simple
+// Searching thin ellipses by angle is inaccurate; points above and beyond their ends have simple
 // distances.
 void test_disk_distances_of_degenerate_disks(test_state* test)
 {
@@ -161,7 +161,7 @@ void test_disk_distances_of_degenerate_disks(test_state* test)
         CHECK(fabs(end - 25.0) < 1e-12);
         double side = stp_disk_distance_squared(&disk, (stp_vec3d){0, 3, 4}, limit);
         CHECK(fabs(side - ((3.0 - b) * (3.0 - b) + 16.0)) < 1e-12);
-        // near a segment the distance is that from the segment, but for the width
+        // near a segment the distance is that of the segment, up to the width
         double skew = sqrt(stp_disk_distance_squared(&disk, (stp_vec3d){1, 1, 1}, limit));
         CHECK(skew <= sqrt(2.0) + 1e-12 && skew >= sqrt(2.0) - b - 1e-12);
         double corner = sqrt(stp_disk_distance_squared(&disk, (stp_vec3d){4, 1, 1}, limit));
@@ -186,7 +186,7 @@ void test_disk_distances_below_a_bound_are_exact(test_state* test)
     }
 }
 
-// By descent over the places of a triangle, which is convex.
+// Minimises over the places of a triangle, which is convex.
 static double triangle_by_search(const stp_vec3d c[3], stp_vec3d p)
 {
     double best = (double)INFINITY, u0 = 0.5, v0 = 0.5, size = 0.5;
@@ -327,7 +327,7 @@ void test_shape_tree_refuses_what_is_not_finite(test_state* test)
         *numbers[kind] = kind % 2 == 0 ? NAN : INFINITY;
         stp_shape_tree tree;
         CHECK_EQUAL(STP_ERROR_ARGUMENT, stp_shape_tree_create(context, &shapes, &tree));
-        CHECK(strstr(log.text, "not finite") != NULL);
+        CHECK(strstr(log.text, "non-finite") != NULL);
     }
     stp_context_destroy(context);
 }

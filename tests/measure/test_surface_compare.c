@@ -5,7 +5,7 @@
 
 enum { SIZE = 16 };
 
-// A square from 2 to 13 at depth 2 on an empty ground.
+// A square from 2 to 13 at depth 2, on an empty background.
 static void make_square(float* nearness)
 {
     for (int i = 0; i < SIZE * SIZE; ++i) {
@@ -36,13 +36,13 @@ void test_surface_compare_counts_each_error_once(test_state* test)
     CHECK_EQUAL(1, errors.holes);
     CHECK_EQUAL(1, errors.wrong_depth);
     CHECK_EQUAL(1, errors.extra);
-    CHECK_EQUAL(64, errors.interior);       // all but a border of two pixels
-    CHECK_EQUAL(144 - 2 + 1, errors.drawn); // less two that are missing, and one outside
+    CHECK_EQUAL(64, errors.interior);       // all except a border of two pixels
+    CHECK_EQUAL(144 - 2 + 1, errors.drawn); // two are missing and one is outside
 }
 
 void test_surface_compare_allows_depth_found_nearby(test_state* test)
 {
-    // the reference has a step: what lies behind on one side may show two pixels across
+    // the reference has a step: the surface behind may show up to two pixels across it
     float reference[SIZE * SIZE], other[SIZE * SIZE];
     for (int i = 0; i < SIZE * SIZE; ++i) {
         reference[i] = i % SIZE < 8 ? 1.0f : 0.1f;

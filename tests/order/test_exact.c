@@ -35,7 +35,7 @@ static stp_result order_case(stp_context* context, exact_case* c, stp_order_metr
                             c->radii, &c->ordered, &c->final_radius, NULL);
 }
 
-// The squared dissimilarity as documented, straight from the formula.
+// The documented squared dissimilarity, straight from the formula.
 static float dissimilarity(const exact_case* c, uint32_t i, uint32_t j, float scale, float apart)
 {
     const float *p = c->positions + 3 * i, *q = c->positions + 3 * j;
@@ -49,8 +49,8 @@ static float dissimilarity(const exact_case* c, uint32_t i, uint32_t j, float sc
     return squared;
 }
 
-// Follows an order step by step: each point must have the largest gap of all that are left, and the
-// lowest position on the curve among equal ones.
+// Checks an order step by step: each point must have the largest remaining gap, and among equal
+// ones the lowest position on the curve.
 static int is_exact(stp_context* context, const exact_case* c, stp_order_metric metric)
 {
     stp_team team = stp_team_create(context, 1);
@@ -207,7 +207,7 @@ static stp_hash hash_of(const exact_case* c)
     return stp_hash_bytes(hash, &c->final_radius, sizeof(c->final_radius));
 }
 
-// The same bytes for any number of threads and any vectors; the golden values also for any
+// The same bytes for any number of threads and any vector width; the golden values also for any
 // compiler.
 static void check_golden(test_state* test, stp_order_metric metric, uint64_t golden)
 {

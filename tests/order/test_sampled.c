@@ -80,7 +80,7 @@ void test_sampled_orders_are_permutations_with_true_radii(test_state* test)
     stp_context_destroy(context);
 }
 
-// How many neighbours the published schedules look up for `wanted` surfels.
+// Number of neighbours that the published schedules look up for `wanted` surfels.
 static uint64_t lookups(stp_order_kind kind, uint32_t wanted, uint32_t interval)
 {
     uint64_t count = 0, chosen = 1, round = 0;
@@ -112,7 +112,7 @@ void test_sampled_orders_follow_their_schedules(test_state* test)
     stp_order_desc best = {.kind = STP_ORDER_BEST_OF_K, .samples = 40};
     CHECK_EQUAL(STP_OK, order_case(context, c, best, 500));
     CHECK_EQUAL(40 * 499, c->report.distance_count);
-    // the lookups that the published times of 10k, 50k and 100k surfels stand for
+    // lookups implied by the published times of 10k, 50k and 100k surfels
     CHECK_EQUAL(416040, lookups(STP_ORDER_PAPER_FAST, 100000, 500));
     free(c);
     stp_context_destroy(context);
@@ -138,7 +138,7 @@ void test_sampled_orders_are_between_random_and_exact(test_state* test)
     stp_context_destroy(context);
 }
 
-// The best of all that are left is the farthest point.
+// The best of all remaining points is the farthest point.
 void test_sampled_best_of_all_is_greedy(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);

@@ -9,10 +9,10 @@
 
 #include <string.h>
 
-/// Where something lies in the picture, as parts of its width and height.
+/// Extent of geometry in the picture, as fractions of its width and height.
 typedef struct extent {
     double low_x, high_x, low_y, high_y;
-    double nearest, size; ///< depth of what is nearest; the diagonal of all
+    double nearest, size; ///< nearest depth; the diagonal of everything
 } extent;
 
 static extent empty_extent(const stp_boxd* box)
@@ -51,7 +51,8 @@ static extent extent_of_box(const stp_view_frame* frame, const stp_boxd* box)
     return e;
 }
 
-/// Whether all lies within the margins, opposite ones are equal, and two are touched: or the eye would come too near.
+/// Whether everything is within the margins, opposite ones are equal, and two are touched; or the
+/// eye would come too near.
 static bool fits(extent e)
 {
     const double margin = STP_CAMERA_MARGIN, slack = 1e-6;
@@ -74,7 +75,8 @@ static stp_vec3d random_vector(uint64_t seed, double low, double high)
                        random_in(seed, 2, low, high)};
 }
 
-/// A box near the origin or far from it, perhaps flat; and a picture of any shape, angle and projection.
+/// A box near the origin or far away, perhaps flat; and a picture of any shape, angle and
+/// projection.
 static stp_boxd random_case(uint64_t i, stp_view* view)
 {
     double far = i % 5 == 0 ? 5e5 : 10.0;
@@ -103,7 +105,7 @@ void test_camera_fits_every_box(test_state* test)
             stp_vec3d toward = stp_normalized(view.eye);
             stp_camera_fit(&view, &box);
             stp_vec3d now = stp_normalized(stp_subd(view.eye, view.target));
-            CHECK(stp_dotd(toward, now) > 1.0 - 1e-9); // it is not turned
+            CHECK(stp_dotd(toward, now) > 1.0 - 1e-9); // the camera is not turned
         }
         CHECK(stp_view_frame_make(&view, &frame));
         CHECK(fits(extent_of_box(&frame, &box)));
@@ -132,7 +134,7 @@ void test_camera_fits_both_eyes(test_state* test)
     }
 }
 
-/// A section leaves the half of a box towards +x: the camera fits it as if it were the whole.
+/// A section keeps the half of a box towards +x: the camera fits it like a whole box.
 void test_camera_fits_what_sections_leave(test_state* test)
 {
     for (uint64_t i = 0; i < 400; ++i) {
@@ -148,7 +150,8 @@ void test_camera_fits_what_sections_leave(test_state* test)
         CHECK(stp_dotd(apart, apart) < 1e-12 * stp_dotd(size, size));
         CHECK(fabs(view.ortho_height - of_half.ortho_height) <= 1e-6 * of_half.ortho_height);
     }
-    // several oblique cuts: random points that are left are in the picture, and some come near to its margins
+    // several oblique sections: random remaining points are in the picture, and some come near its
+    // margins
     for (uint64_t i = 0; i < 60; ++i) {
         stp_view view;
         stp_view_frame frame;
@@ -179,7 +182,7 @@ void test_camera_fits_what_sections_leave(test_state* test)
         CHECK(e.low_x > 0.0399 && e.high_x < 0.9601 && e.low_y > 0.0399 && e.high_y < 0.9601);
         CHECK(left < 2000 || e.high_x - e.low_x > 0.6 || e.high_y - e.low_y > 0.6);
     }
-    // all of it is cut away: as if nothing were
+    // everything is clipped: the sections are ignored
     stp_boxd box = {{0, 0, 0}, {1, 2, 3}};
     stp_view view = {.width = 100, .height = 100}, whole = view;
     CHECK(stp_sections_add_plane(&view.sections, (stp_vec3d){-1, 0, 0}, (stp_vec3d){1, 0, 0}));

@@ -46,7 +46,7 @@ void test_flight_follows_curves_worked_out_by_hand(test_state* test)
     stp_view view = look(&flight, 2.0); // at a key
     CHECK(is_at(view.eye, 1, 0, 5) && is_at(view.target, 0, 4, 0) && is_at(view.up, 1, 0, 0));
     CHECK(view.fov_degrees == 45.0 && view.ortho_height == 0.0);
-    CHECK(view.width == 7 && view.height == 5 && view.near_distance == 2.0); // left alone
+    CHECK(view.width == 7 && view.height == 5 && view.near_distance == 2.0); // unchanged
     // The span from 2 s to 4 s, h = 1, 2, 1. Slopes of the eye: before (1, 0, 0), in it (1, 4, 0), after (0, 0, 4).
     // At its start (2 (1, 0, 0) + 1 (1, 4, 0)) / 3 = (1, 4/3, 0), at its end (1 (1, 4, 0) + 2 (0, 0, 4)) / 3 =
     // (1/3, 4/3, 8/3). In the middle (p1 + p2) / 2 + 2 (m1 - m2) / 8.
@@ -59,7 +59,7 @@ void test_flight_follows_curves_worked_out_by_hand(test_state* test)
     view = look(&flight, 1.5);
     CHECK(is_at(view.eye, 0.5, -1.0 / 6.0, 5.0));
     CHECK(is_at(view.up, sqrt(0.5), sqrt(0.5), 0.0));
-    // up turns over: there is nothing between opposite ones
+    // up turns over: opposite vectors have no interpolation
     CHECK(is_at(look(&flight, 4.25).up, 0, 1, 0) && is_at(look(&flight, 4.5).up, 0, -1, 0));
     for (int i = 0; i < 2; ++i) { // before and after
         CHECK(is_at(look(&flight, i == 0 ? 1.0 : -1e300).eye, 0, 0, 5));
@@ -74,7 +74,8 @@ void test_flight_follows_curves_worked_out_by_hand(test_state* test)
 
 void test_flight_goes_through_lines_and_parabolas_as_they_are(test_state* test)
 {
-    // x = t: a line. y = t^2: a parabola, which spans between two inner keys keep, however uneven the times.
+    // x = t: a line. y = t^2: a parabola, which spans between inner keys reproduce, however uneven
+    // the times.
     const double times[] = {0.0, 0.5, 2.0, 2.25, 6.0, 7.0};
     stp_flight_key keys[6];
     for (int i = 0; i < 6; ++i) {
@@ -90,7 +91,7 @@ void test_flight_goes_through_lines_and_parabolas_as_they_are(test_state* test)
         if (t >= 0.5 && t <= 6.0) {
             CHECK(fabs(view.eye.y - t * t) < 1e-12 && fabs(view.target.z + t * t) < 1e-12);
         }
-        stp_view soon = look(&flight, t + 1e-7); // no leaps, nor kinks
+        stp_view soon = look(&flight, t + 1e-7); // neither jumps nor kinks
         stp_vec3d step = stp_subd(soon.eye, view.eye);
         CHECK(sqrt(stp_dotd(step, step)) < 1e-7 * 40.0);
     }
@@ -134,10 +135,10 @@ void test_flight_refuses_what_is_none(test_state* test)
         {HEAD "{\"t\": 0, \"eye\": [0, 0, true], " KEY "]}", "key 0: \"eye\""},
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 1e13], " KEY "]}", "key 0: \"eye\""},
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 1e999], " KEY "]}", "overflow"},
-        {HEAD "{\"t\": 0, \"eye\": [0, 0, 0], " KEY "]}", "elsewhere than"},
+        {HEAD "{\"t\": 0, \"eye\": [0, 0, 0], " KEY "]}", "different from"},
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 9], \"up\": [0, 0, 0], " KEY "]}", "key 0: \"up\""},
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 9], " KEY ", {\"t\": 0, \"eye\": [0, 0, 9], " KEY "]}",
-         "key 1: \"t\" must be later"},
+         "key 1: \"t\" must be greater"},
         {HEAD "{\"t\": 0, \"eye\": [0, 0, 9], " KEY ", {\"t\": 1e6, \"eye\": [0, 0, 9], " KEY "]}",
          "longer than a day"},
     };
@@ -170,7 +171,7 @@ void test_flight_ends_early_at_every_byte(test_state* test)
     stp_context* context = test_context(NULL, 1, &log);
     size_t size = sizeof(four_keys) - 1;
     for (size_t i = 0; i <= size; ++i) {
-        unsigned char* copy = malloc(i + 1); // so that reading beyond is seen
+        unsigned char* copy = malloc(i + 1); // so that sanitizers detect reads past the end
         CHECK(copy != NULL);
         memcpy(copy, four_keys, i);
         stp_flight flight;
@@ -234,7 +235,7 @@ void test_flight_is_read_as_it_was_written(test_state* test)
     stp_context* context = test_context(NULL, 1, NULL);
     stp_flight flight, again;
     CHECK_EQUAL(STP_OK, parse(context, four_keys, &flight));
-    flight.keys[1].eye.x = 512345.1234567891; // survey coordinates keep all of their digits
+    flight.keys[1].eye.x = 512345.1234567891; // survey coordinates keep all their digits
     CHECK_EQUAL(STP_OK, stp_flight_write(context, path, &flight));
     CHECK_EQUAL(STP_OK, stp_flight_read(context, path, &again));
     CHECK_EQUAL(4, again.key_count);

@@ -66,7 +66,7 @@ void test_measures_in_units_and_axes_of_the_file(test_state* test)
         CHECK(strcmp(stp_measure_unit(&m), units[i].name) == 0);
     }
     stp_measuring z_up = {.unit_metres = 0.001, .up = 'z'}, y_up = {.up = 'y'};
-    stp_vec3d p = {1, 2, 3}; // what was (1, -3, 2) with z up: importing turns y up
+    stp_vec3d p = {1, 2, 3}; // was (1, -3, 2) with z up: importing turns z to y
     stp_vec3d q = stp_measure_coordinates(&z_up, p), r = stp_measure_coordinates(&y_up, p);
     CHECK(q.x == 1 && q.y == -3 && q.z == 2);
     CHECK(r.x == 1 && r.y == 2 && r.z == 3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A camera that is moved by hand: what must stay where it is does, near the origin and at survey coordinates.
+// The interactive camera: its invariants hold near the origin and at survey coordinates.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -31,7 +31,7 @@ static stp_boxd box_at(stp_vec3d place)
     return (stp_boxd){stp_subd(place, (stp_vec3d){4, 2, 3}), stp_addd(place, (stp_vec3d){4, 2, 3})};
 }
 
-/// Somewhere around the box, looking somewhere.
+/// A random position around the box, with a random direction.
 static stp_navigator any_camera(dice* rng, stp_vec3d place)
 {
     stp_navigator n;
@@ -47,7 +47,7 @@ static stp_navigator any_camera(dice* rng, stp_vec3d place)
     return n;
 }
 
-/// How far from each other two points are in the picture.
+/// Distance of two points in the picture.
 static double apart(const stp_navigator* n, stp_vec3d point, double x, double y)
 {
     double px, py, depth;
@@ -172,9 +172,9 @@ void test_navigate_flight_scales_with_what_is_seen(test_state* test)
     stp_navigator_fly(&again, forward, 0.1, 1.0);
     CHECK(fabs(distance(again.eye, start) / step - 1.5625) < 1e-6);
     again = n;
-    stp_navigator_fly(&again, up, 0.2, 1.0); // the world's up, whatever the gaze
+    stp_navigator_fly(&again, up, 0.2, 1.0); // the world's up, for any view direction
     CHECK(again.eye.x == start.x && again.eye.z == start.z && again.eye.y > start.y);
-    // distances are taken in soon, but not at once, and by their ratio; where nothing is seen, nothing changes
+    // distances are adapted smoothly, by their ratio; without a visible surface, nothing changes
     double before = n.reach;
     stp_navigator_see(&n, 0.0, 1.0);
     CHECK(n.reach == before);
@@ -273,13 +273,13 @@ void test_navigate_orbits_turn_about_what_is_looked_at(test_state* test)
     stp_navigator_init(&n, &box, 640, 400);
     stp_vec3d middle = n.pivot;
     stp_vec3d near_middle = stp_navigator_point(&n, 300, 180, 0.8 * n.reach);
-    stp_navigator_begin_orbit(&n, &near_middle); // about as far: the scene's middle stays
+    stp_navigator_begin_orbit(&n, &near_middle); // about as far: keeps the scene's centre
     CHECK(distance(n.pivot, middle) == 0.0);
     stp_vec3d close = stp_navigator_point(&n, 300, 180, 0.01 * n.reach);
-    stp_navigator_begin_orbit(&n, &close); // much nearer: one looks at that
+    stp_navigator_begin_orbit(&n, &close); // much nearer: becomes the pivot
     CHECK(distance(n.pivot, close) == 0.0);
     stp_navigator_choose_pivot(&n, middle);
-    stp_navigator_begin_orbit(&n, &close); // somebody chose
+    stp_navigator_begin_orbit(&n, &close); // the user chose a pivot
     CHECK(distance(n.pivot, middle) == 0.0 && n.pivot_chosen);
     stp_navigator_look(&n, 3.0, 0.0); // it is behind the eye now
     stp_navigator_begin_orbit(&n, NULL);

@@ -50,7 +50,7 @@ void test_picture_file_is_what_its_name_says(test_state* test)
     stp_image webp = {0};
     CHECK_EQUAL(STP_OK, stp_picture_write(context, &image, path));
     CHECK(read_back(context, path, STP_IMAGE_WEBP, &webp));
-    for (size_t i = 0; i < sizeof(pixels); i += 4) { // what is transparent may lose its colour
+    for (size_t i = 0; i < sizeof(pixels); i += 4) { // transparent pixels may lose their colour
         CHECK(webp.pixels[i + 3] == pixels[i + 3]);
         CHECK(pixels[i + 3] == 0 || memcmp(webp.pixels + i, pixels + i, 4) == 0);
     }
@@ -83,7 +83,7 @@ void test_picture_file_refuses_what_it_cannot_write(test_state* test)
     unsigned char pixel[4] = {1, 2, 3, 255};
     stp_image image = {1, 1, pixel};
     CHECK_EQUAL(STP_ERROR_UNSUPPORTED, stp_picture_write(context, &image, "a.bmp"));
-    CHECK(strstr(log.text, "a.bmp: pictures are written as .png, .jpg, .jpeg or .webp") != NULL);
+    CHECK(strstr(log.text, "a.bmp: the file name must end in .png, .jpg, .jpeg or .webp") != NULL);
     CHECK_EQUAL(STP_PICTURE_PNG, stp_picture_format_of("folder.bmp/a"));
     CHECK_EQUAL(STP_PICTURE_JPEG, stp_picture_format_of("folder.bmp/a.JPeG"));
     image.width = 20000; // refused before a pixel is read

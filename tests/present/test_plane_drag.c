@@ -43,7 +43,7 @@ void test_planes_follow_the_hand(test_state* test)
             double along = stp_plane_drag(&n, anchor, direction, from, to);
             if (hypot(to[0] - from[0], to[1] - from[1]) > 0.1) {
                 CHECK(fabs(along - 0.002) < 0.0002);
-            } else { // straight along the gaze: up is away
+            } else { // straight along the view axis: up moves away
                 stp_navigator_axes axes = stp_navigator_get_axes(&n);
                 to[1] = from[1] - 10.0;
                 along = stp_plane_drag(&n, anchor, direction, from, to);

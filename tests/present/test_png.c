@@ -63,7 +63,7 @@ void test_png_file_is_written_and_read(test_state* test)
     CHECK_EQUAL(0, unlink(path));
     CHECK_EQUAL(STP_ERROR_IO, stp_png_read(context, path, &back));
     CHECK(strstr(log.text, "picture.png") != NULL);
-    // nothing else was left in the folder
+    // no other file is left in the folder
     CHECK_EQUAL(0, rmdir(folder));
     CHECK_EQUAL(STP_ERROR_IO, stp_png_write(context, &image, path));
     CHECK_EQUAL(2, log.errors);
@@ -145,8 +145,8 @@ void test_png_truncated_or_broken_is_refused(test_state* test)
     unsigned char* bytes;
     size_t size;
     CHECK_EQUAL(STP_OK, stp_png_encode(context, &image, "test", &bytes, &size));
-    // each prefix in a buffer of its own, so that a sanitizer sees a read past its end;
-    // the checksum of the last chunk, which is empty, is not looked at
+    // each prefix in a buffer of its own, so that sanitizers detect reads past its end; the
+    // checksum of the last chunk, which is empty, is not verified
     for (size_t length = 0; length + 4 < size; ++length) {
         unsigned char* prefix = malloc(length + 1);
         CHECK(prefix != NULL);
@@ -173,7 +173,7 @@ void test_png_size_beyond_its_bytes_is_refused(test_state* test)
     test_log log = {0};
     stp_context* context = test_context(NULL, 1, &log);
     CHECK(context != NULL);
-    // a signature and a header with a right checksum: 16384 x 16384 and 65536 x 65536 pixels
+    // a signature and a header with a correct checksum: 16384 x 16384 and 65536 x 65536 pixels
     static const unsigned char huge[2][33] = {
         "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x40\0\0\0\x40\0\x08\x06\0\0\0\xa9\xc8\x10\x84",
         "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\1\0\0\0\1\0\0\x08\x06\0\0\0\x6c\x84\x30\xe3",

@@ -61,7 +61,7 @@ void test_view_cube_reaches_all_sides_from_everywhere(test_state* test)
             for (int side = 0; side < STP_VIEW_CUBE_SIDES; ++side) {
                 bool direct = can_be_clicked(&cube, side);
                 CHECK(direct || can_be_clicked(&cube, side ^ 1));
-                CHECK(direct || cube.sides[side].facing < 0.0); // only what is turned away
+                CHECK(direct || cube.sides[side].facing < 0.0); // only sides that face away
                 const stp_view_cube_side* s = &cube.sides[side];
                 CHECK(hypot(s->handle[0], s->handle[1]) + STP_VIEW_CUBE_HANDLE <=
                       STP_VIEW_CUBE_REACH);

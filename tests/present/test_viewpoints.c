@@ -102,7 +102,7 @@ void test_viewpoints_come_back_as_they_were_written(test_state* test)
     stp_viewpoint_look(found, &view);
     CHECK(view.fov_degrees == 35 && view.ortho_height == 2.5 && view.sections.count == 2);
     CHECK(view.width == 5 && view.near_distance == 1 && view.up.z == 1);
-    // another of the same name takes its place
+    // another of the same name replaces it
     stp_viewpoint other = make_view(long_name);
     other.fov_degrees = 0;
     CHECK_EQUAL(STP_OK, stp_viewpoints_put(context, &back, &other));
@@ -248,5 +248,5 @@ void test_viewpoints_that_cannot_be_written_leave_the_former_file(test_state* te
     stp_viewpoints_destroy(context, &views);
     stp_context_destroy(context);
     unlink(path);
-    CHECK_EQUAL(0, rmdir(folder)); // nothing else was left there
+    CHECK_EQUAL(0, rmdir(folder)); // no other file is left there
 }

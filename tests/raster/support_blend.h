@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What tests of blended splats share.
+// Shared by the tests of blended splats.
 #pragma once
 
 #include "base/rng.h"
@@ -10,7 +10,7 @@ static inline double blend_uniform(uint64_t seed, uint64_t index, double low, do
     return low + (high - low) * ((double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53);
 }
 
-/// A colour that follows from a splat's number.
+/// A colour derived from a splat's index.
 static inline void blend_color_splats(void* user, uint32_t first, uint32_t count, const float* x,
                                       const float* y, uint32_t (*out)[3])
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cut-outs: every level of a texture keeps the share that level 0 leaves.
+// Cut-outs: every mip level of a texture keeps the share that level 0 keeps.
 #include "tests.h"
 
 #include "base/rng.h"
@@ -35,7 +35,7 @@ static void make_pyramid(test_state* test, stp_context* context, int kind, uint8
     CHECK_EQUAL(STP_OK, stp_cutout_prepare(context, pyramid));
 }
 
-/// The share of 128 x 128 pixels that are left, at a footprint.
+/// The share of 128 x 128 pixels that is kept, at a footprint.
 static double find_share(const stp_texture_pyramid* pyramid, float footprint, float own,
                          float cutoff)
 {
@@ -59,7 +59,7 @@ void test_cutout_levels_keep_the_share_of_level_0(test_state* test)
             double whole = find_share(&pyramid, 1.0f, 1.0f, cutoffs[c]);
             double own = find_share(&pyramid, 1.0f, 0.8f, cutoffs[c]); // a cutoff of the material's
             for (float footprint = 2.0f; footprint <= 256.0f; footprint *= 2.0f) {
-                double apart = 0.03; // a fiftieth, and what 128 x 128 pixels are wrong by
+                double apart = 0.03; // a fiftieth, and the error of 128 x 128 pixels
                 CHECK(fabs(find_share(&pyramid, footprint, 1.0f, cutoffs[c]) - whole) < apart);
                 CHECK(fabs(find_share(&pyramid, footprint, 0.8f, cutoffs[c]) - own) < apart);
             }
@@ -79,7 +79,7 @@ void test_cutout_of_a_ramp_is_a_hard_edge_at_any_distance(test_state* test)
     for (float footprint = 1.0f; footprint <= 16.0f; footprint *= 2.0f) {
         uint32_t changes = 0;
         bool before = false;
-        for (uint32_t x = 0; x < 100; ++x) { // the borders are blended with each other
+        for (uint32_t x = 0; x < 100; ++x) { // wrapping blends the borders with each other
             bool there = stp_cutout_keeps(
                 &pyramid, (stp_vec2){0.1f + 0.8f * (float)x / 100.0f, 0.5f}, footprint, 1.0f, 0.4f);
             changes += x > 0 && there != before;

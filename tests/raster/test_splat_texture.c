@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Textures of opacities, and splats that are blended by them.
+// Opacity textures, and splats blended with them.
 #include "tests.h"
 
 #include "base/octahedral.h"
@@ -61,7 +61,7 @@ static void make_scene(textured_scene* s, uint64_t seed, float step_radius)
                                     .radius = step_radius};
 }
 
-/// Draws splats, and finds what each pixel shows.
+/// Draws splats and finds the plane of each pixel.
 static stp_raster_blend begin(textured_scene* s, const stp_splat_texture* texture)
 {
     stp_raster_target target = {WIDTH, HEIGHT, WIDTH, s->pixels};
@@ -88,7 +88,8 @@ static uint32_t weight_at(const textured_scene* s, int at)
     return (uint32_t)(s->sums[2 * at + 1] >> 32);
 }
 
-// Every splat of a pixel counts alike: as often as it is there, each drawn alone.
+// All splats of a pixel count equally: the sum is the number of splats that cover it, each drawn
+// alone.
 void test_splat_texture_constant_gives_equal_weights(test_state* test)
 {
     static textured_scene s;
@@ -100,7 +101,7 @@ void test_splat_texture_constant_gives_equal_weights(test_state* test)
         stp_raster_blend blend = begin(&s, NULL);
         memset(counts, 0, sizeof(counts));
         memset(colors, 0, sizeof(colors));
-        for (uint32_t i = 0; i < SPLATS; ++i) { // by the other weights, which are never 0
+        for (uint32_t i = 0; i < SPLATS; ++i) { // with the other weights, which are never 0
             uint32_t color[1][3];
             memset(s.sums, 0, sizeof(s.sums));
             s.splats.begin = i;
@@ -132,8 +133,8 @@ void test_splat_texture_constant_gives_equal_weights(test_state* test)
     }
 }
 
-/// Along the larger or the smaller axis of splat `index`, -1 to 1, where the ray through a pixel meets its plane; in double
-/// precision.
+/// Position along the larger or smaller axis of splat `index`, -1 to 1, where the ray through a
+/// pixel meets its plane; in double precision.
 static double find_place(const textured_scene* s, uint32_t index, bool smaller, double x, double y)
 {
     const int8_t* code = s->normals + 2 * (size_t)index;
@@ -159,7 +160,8 @@ static double find_place(const textured_scene* s, uint32_t index, bool smaller, 
     return place / ((double)s->splats.radius * (double)stp_shape_radius(smaller ? less : larger));
 }
 
-// A ramp along each axis is where rays say, on near splats in perspective; its direction is either.
+// A ramp along each axis matches the ray computation, on near splats in perspective; its direction
+// is either.
 void test_splat_texture_lies_in_the_plane(test_state* test)
 {
     static textured_scene s;
@@ -252,7 +254,7 @@ void test_splat_texture_is_averaged_from_images(test_state* test)
         pixels[4 * i + 3] = 255;
     }
     stp_splat_texture grey = stp_splat_texture_of_image(&image);
-    pixels[3] = 0; // now that some of it is transparent, colours do not count
+    pixels[3] = 0; // some of it is transparent now, so colours do not count
     stp_splat_texture alpha = stp_splat_texture_of_image(&image);
     int wrong = 0;
     for (int i = 0; i < SIDE * SIDE; ++i) {
@@ -261,7 +263,7 @@ void test_splat_texture_is_averaged_from_images(test_state* test)
     }
     CHECK_EQUAL(0, wrong);
     CHECK(alpha.texels[0] > 100 && alpha.texels[0] < 255);
-    stp_image small = {2, 1, pixels + 4}; // larger texels than pixels
+    stp_image small = {2, 1, pixels + 4}; // texels larger than pixels
     pixels[7] = 40;
     stp_splat_texture two = stp_splat_texture_of_image(&small);
     CHECK_EQUAL(40, two.texels[0]);

@@ -51,7 +51,7 @@ static void place_camera(splat_scene* s, double turn, double distance, double fo
     for (int r = 0; r < 3; ++r) {
         view[r][3] = r == 2 ? distance : 0.0;
         for (int k = 0; k < 3; ++k) {
-            view[r][k] = 2.0 * rotation[r][k]; // twice as large, to test that scale is taken off
+            view[r][k] = 2.0 * rotation[r][k]; // scaled by two, to test that the scale is removed
             view[r][3] -= view[r][k] * 0.5;
         }
         for (int k = 0; k < 4; ++k) {
@@ -95,13 +95,13 @@ static void make_scene(splat_scene* s, uint64_t seed, double radius)
     clear(s);
 }
 
-// The larger radius of a splat, in those of the call.
+// The larger radius of a splat, in units of the call's radius.
 static double own_radius(const splat_scene* s, uint32_t index)
 {
     return s->splats.shapes != NULL ? (double)stp_shape_radius(s->shapes[index] & 0xFFFu) : 1.0;
 }
 
-// What an offset along the smaller radius of an ellipse adds to the square of its length.
+// Extra weight of an offset along the smaller radius of an ellipse.
 static double stretch_of(const splat_scene* s, uint32_t index, const double offset[3])
 {
     if (s->splats.shapes == NULL) {
@@ -113,7 +113,7 @@ static double stretch_of(const splat_scene* s, uint32_t index, const double offs
     double turn = STP_PI * (double)(code >> 24) / 256.0, along = 0.0;
     const float x[3] = {axes.x.x, axes.x.y, axes.x.z}, y[3] = {axes.y.x, axes.y.y, axes.y.z};
     for (int r = 0; r < 3; ++r) {
-        for (int k = 0; k < 3; ++k) { // the view is twice as large
+        for (int k = 0; k < 3; ++k) { // the view is scaled by two
             double direction = cos(turn) * (double)y[k] - sin(turn) * (double)x[k];
             along += offset[r] * 0.5 * (double)s->camera.view[r][k] * direction;
         }
@@ -122,8 +122,9 @@ static double stretch_of(const splat_scene* s, uint32_t index, const double offs
     return (ratio * ratio - 1.0) * along * along;
 }
 
-// The distance from the splat's centre, in its own radii, at which the ray through a screen point meets its plane, in view units,
-// and the nearness there; HUGE_VAL where it does not. Works from the camera's numbers alone, in double.
+// Distance from the splat's centre, in its own radii, at which the ray through a screen point meets
+// its plane, in view units, and the nearness there; HUGE_VAL if it misses. Uses only the camera, in
+// double.
 static double meet(const splat_scene* s, uint32_t index, double x, double y, double center[3],
                    double* nearness)
 {
@@ -166,8 +167,8 @@ static double meet(const splat_scene* s, uint32_t index, double x, double y, dou
     return sqrt(square) / own_radius(s, index);
 }
 
-// How far the nearest edge of the disk is from the pixel, in steps of 0.05 pixels: the pixel may be either way where
-// the disk's edge passes within that distance.
+// Distance of the disk's nearest edge from the pixel, in steps of 0.05 pixels: within that distance
+// the pixel may be either way.
 static bool near_edge(const splat_scene* s, uint32_t index, double x, double y, double radius,
                       bool inside)
 {
@@ -188,7 +189,7 @@ static int count_wrong(splat_scene* s, uint32_t index)
     s->splats.begin = index;
     s->splats.end = index + 1;
     stp_raster_draw_splats(&s->target, 0, HEIGHT, &s->camera, &s->splats, 7);
-    double radius = 2.0 * (double)s->splats.radius; // the view is twice as large
+    double radius = 2.0 * (double)s->splats.radius; // the view is scaled by two
     int wrong = 0;
     for (uint32_t at = 0; at < WIDTH * HEIGHT; ++at) {
         double x = at % WIDTH + 0.5, y = at / WIDTH + 0.5, center[3], nearness = 0.0;
@@ -199,7 +200,7 @@ static int count_wrong(splat_scene* s, uint32_t index)
         bool is_center = ahead && floor(sx) == floor(x) && floor(sy) == floor(y);
         double aside = s->camera.parallel ? 0.0 : hypot(center[0], center[1]) / z;
         double reach = radius * own_radius(s, index) * focal / z *
-                       hypot(1.0, aside); // up to half a pixel: the centre's pixel alone
+                       hypot(1.0, aside); // up to half a pixel: only the centre's pixel
         bool dot = ahead && reach * reach <= 0.24;
         bool expected = dot ? is_center : distance <= radius && nearness <= 1.0;
         bool got = s->pixels[at] != STP_RASTER_EMPTY;
@@ -259,7 +260,8 @@ void test_splats_with_shapes_agree_with_rays(test_state* test)
     }
 }
 
-// Bits of splats whose ranges hold the level at their depth, by each variant as by double precision.
+// Bits of splats whose ranges contain the level at their depth: each variant against double
+// precision.
 void test_splats_within_levels(test_state* test)
 {
     static splat_scene s;
@@ -300,7 +302,7 @@ void test_splats_within_levels(test_state* test)
     }
 }
 
-// What groups leave out faces away, or lies beside the picture with all of its disk.
+// Culled groups face away, or lie outside the picture with all their disks.
 void test_splats_that_groups_leave_out_cannot_be_seen(test_state* test)
 {
     static splat_scene s;
@@ -326,7 +328,7 @@ void test_splats_that_groups_leave_out_cannot_be_seen(test_state* test)
         bool parallel = round % 4 == 3;
         place_camera(&s, 0.4 * round, 0.4 + 0.1 * (round % 20), 60.0, parallel, round % 5 == 0);
         s.splats.shapes = s.shapes;
-        for (uint32_t i = 0; i < SPLATS; ++i) { // what they stand for faces as they do
+        for (uint32_t i = 0; i < SPLATS; ++i) { // the normals they represent face like their own
             s.shapes[i] = stp_shape_disk(stp_shape_radius(s.shapes[i] & 0xFFFu), 0, false);
         }
         stp_splats set = {.count = SPLATS,
@@ -499,7 +501,7 @@ void test_splats_coverage_is_the_share_of_fragments(test_state* test)
     }
 }
 
-// Between two octaves, coverages are those between; what lies beyond the lower one has its own.
+// Between two octaves, coverages are interpolated; splats beyond the lower octave have their own.
 void test_splats_coverage_goes_from_octave_to_octave(test_state* test)
 {
     static splat_scene s;
@@ -511,7 +513,7 @@ void test_splats_coverage_goes_from_octave_to_octave(test_state* test)
         make_scene(&s, 400 + (uint64_t)round, round < 5 ? 0.02 : 0.2);
         place_camera(&s, 0.5 * round, 2.5, 60.0, round % 4 == 3, false);
         for (uint32_t i = 0; i < SPLATS; ++i) {
-            // a share and a cut: by the hash one of both
+            // a share and a clip: the hash selects one of both
             s.coverages[i] = (uint8_t)(s.coverages[i] % STP_COVERAGE_CHANCES);
             low[i] = (uint8_t)(STP_COVERAGE_HALVES + (s.coverages[i] * 7 + i) % 216);
             bool takes_low = i < low_count && (i * 0x9E3779B1u + 0x7F4A7C15u) >> 24 < share;
@@ -545,7 +547,8 @@ static void find_columns(const splat_scene* s, int32_t* left, int32_t* right)
     }
 }
 
-// Disks of which less than a quarter is drawn become smaller instead of thinner, but not smaller than a pixel.
+// Disks drawn by less than a quarter become smaller instead of thinner, but not smaller than a
+// pixel.
 void test_splats_of_which_little_is_drawn_are_smaller(test_state* test)
 {
     static splat_scene s;
@@ -601,8 +604,8 @@ void test_splats_keep_their_center_pixel(test_state* test)
     CHECK_EQUAL(3, stp_raster_id(s.pixels[HEIGHT / 2 * WIDTH + WIDTH / 2]));
 }
 
-// Many disks one by one, anywhere among the pixels and turned any way: on average they cover as many pixels as they have
-// area. Nothing grows; but what is smaller than a pixel has the pixel of its centre.
+// Many disks one by one, at random positions and orientations: on average they cover as many pixels
+// as their area. Nothing grows, but disks smaller than a pixel cover their centre's pixel.
 void test_splats_cover_their_area(test_state* test)
 {
     static splat_scene s;
@@ -641,7 +644,7 @@ void test_splats_cover_their_area(test_state* test)
     }
 }
 
-// A surface of many candidates, ordered; its prefixes drawn at the radius they cover to.
+// A surface of many ordered candidates; its prefixes are drawn at the radius to which they cover.
 typedef struct surface {
     uint32_t count;
     float positions[3 * 6000], normals[3 * 6000];
@@ -759,7 +762,7 @@ void test_splats_cover_a_sphere_without_holes(test_state* test)
         for (uint32_t at = 0; at < WIDTH * HEIGHT; ++at) {
             double u = (at % WIDTH + 0.5 - 0.5 * WIDTH) / 60.0,
                    v = (at / WIDTH + 0.5 - 0.5 * HEIGHT) / 60.0;
-            // distance of the ray from the middle; the view is twice as large as the sphere's space
+            // distance of the ray from the centre; the view is twice as large as the sphere's space
             double square = distance * distance * (1.0 - 1.0 / (1.0 + u * u + v * v));
             if (square < 0.795 * 0.795) {
                 CHECK(s.pixels[at] != STP_RASTER_EMPTY);
@@ -772,7 +775,8 @@ void test_splats_cover_a_sphere_without_holes(test_state* test)
     }
 }
 
-// Two disks that face the eye, one a little nearer, half a radius apart; which of them each pixel shows.
+// Two disks facing the eye, one slightly nearer, half a radius apart; counts which of them each
+// pixel shows.
 static int count_of_second(splat_scene* s, float rim, float back, bool away)
 {
     make_scene(s, 1, 0.2);
@@ -808,11 +812,11 @@ void test_splats_that_overlap_share_the_ground(test_state* test)
     CHECK(shared < plain * 95 / 100 && shared > plain * 60 / 100);
     CHECK_EQUAL(plain, count_of_second(&s, 0.0f, 0.0f, true)); // sides do not matter unless asked
     int behind = count_of_second(&s, 0.0f, 2.0f, true);
-    CHECK(behind < plain * 80 / 100 && behind > 0); // it stays only where nothing faces the eye
+    CHECK(behind < plain * 80 / 100 && behind > 0); // it remains only where no disk faces the eye
     CHECK_EQUAL(plain, count_of_second(&s, 0.0f, 2.0f, false));
 }
 
-// Draws by one of the kernels.
+// Draws with one of the kernels.
 static uint64_t draw_by(splat_scene* s, splat_kernel kernel, uint32_t first_id)
 {
     stp_splat_frame frame;
@@ -821,7 +825,8 @@ static uint64_t draw_by(splat_scene* s, splat_kernel kernel, uint32_t first_id)
     return any ? kernel(&frame) : 0;
 }
 
-// A range of depths leaves those splats whose centres are within it, and pixels of a radius count at a splat's own depth.
+// A depth range keeps splats whose centres are within it, and pixel radii apply at a splat's own
+// depth.
 void test_splats_within_depths_are_as_each_alone(test_state* test)
 {
     static splat_scene s;

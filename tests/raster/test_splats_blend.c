@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The splat filter: all variants find the same planes and sums, and what an occluder of the planes hides adds nothing.
+// The splat filter: all variants find the same planes and sums, and splats hidden by an occluder of
+// the planes add nothing.
 #include "tests.h"
 
 #include "base/octahedral.h"
@@ -78,7 +79,7 @@ static void make_scene(blend_scene* s, uint64_t seed)
     memcpy(s->occluder.matrix[2], rows[3], sizeof(rows[3]));
 }
 
-/// Draws, and notes which splats are visible.
+/// Draws, and records which splats are visible.
 static void draw(blend_scene* s)
 {
     stp_raster_target target = {WIDTH, HEIGHT, WIDTH, s->pixels};
@@ -129,7 +130,7 @@ static void check_kernel(test_state* test, blend_kernel kernel, uint64_t* hash)
         stp_raster_blend blend = filter(&s);
         memcpy(planes, s.planes, sizeof(planes));
         kernel(&blend, &s.camera, &s.splats, false);
-        for (int i = 0; i < PIXELS; ++i) { // of what is visible, planes are those of all
+        for (int i = 0; i < PIXELS; ++i) { // visible splats have the planes of all splats
             stp_raster_plane all = s.planes[i];
             s.planes[i] = planes[i];
             planes[i] = all;
@@ -167,7 +168,7 @@ void test_splats_blend_alike_whatever_is_left_out(test_state* test)
         CHECK(portable == other);
     }
 #endif
-    // a good part is hidden, or nothing was tried
+    // many are hidden, or nothing was tested
     make_scene(&s, 3);
     draw(&s);
     stp_raster_blend blend = filter(&s);

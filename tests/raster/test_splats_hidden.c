@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Splats that an occluder hides are left out, and nobody can see it.
+// Splats hidden by an occluder are skipped without a visible difference.
 #include "tests.h"
 
 #include "base/octahedral.h"
@@ -32,7 +32,7 @@ static double uniform(uint64_t seed, uint64_t index, double low, double high)
     return low + (high - low) * ((double)(stp_rng_hash(seed, index) >> 11) * 0x1p-53);
 }
 
-/// A wall of several depths, in the picture already; some of it missing.
+/// A wall of several depths that is already in the picture, with some parts missing.
 static void make_wall(hidden_scene* s, uint64_t seed)
 {
     for (uint32_t i = 0; i < COLUMNS * ROWS; ++i) {
@@ -124,7 +124,7 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
         memcpy(s.pixels, s.wall, sizeof(s.wall));
         uint64_t whole = draw(&s, kernel);
         memcpy(s.expected, s.pixels, sizeof(s.pixels));
-        // without what the wall hides
+        // without the splats that the wall hides
         memcpy(s.pixels, s.wall, sizeof(s.wall));
         memset(s.hidden, 0xFF, sizeof(s.hidden));
         s.splats.occluder = &s.occluder;
@@ -133,7 +133,7 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
         CHECK_EQUAL(0, memcmp(s.expected, s.pixels, sizeof(s.pixels)));
         int count = count_bits(s.hidden);
         CHECK(count < SPLATS && (count == 0 || fewer < whole));
-        // asked again by the same or by nothing, all of it or nothing is hidden
+        // asked again with the same occluder or none, everything or nothing is hidden
         stp_splat_frame frame;
         memcpy(wanted, s.hidden, sizeof(wanted));
         stp_splats_ask_frame(&frame, &s.splats);
@@ -142,7 +142,7 @@ static void check_kernel(test_state* test, splat_kernel kernel, ask_kernel ask, 
         memcpy(wanted, s.hidden, sizeof(wanted));
         memset(s.windows, 0, sizeof(s.windows));
         CHECK(ask(&frame, wanted) == (count > 0));
-        // what was hidden, alone, and none of it can be seen
+        // only the hidden ones, none of which is visible
         CHECK_EQUAL(0, memcmp(wanted, s.hidden, sizeof(wanted)));
         s.splats.occluder = NULL;
         s.splats.hidden = NULL;
@@ -158,7 +158,7 @@ void test_splats_hidden_cannot_be_seen(test_state* test)
 {
     int hidden[3] = {0};
     check_kernel(test, stp_splats_draw_portable, stp_splats_ask_portable, &hidden[0]);
-    CHECK(hidden[0] > 500); // otherwise nothing was tried
+    CHECK(hidden[0] > 500); // otherwise nothing was tested
 #if defined(__x86_64__)
     stp_processor processor = stp_processor_detect();
     if (processor >= STP_PROCESSOR_AVX2) {

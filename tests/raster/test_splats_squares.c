@@ -82,8 +82,8 @@ static void clear(square_scene* s)
 }
 
 typedef struct square {
-    double x, y, radius, nearness; ///< pixels
-    double away;                   ///< loss of nearness where the disk faces away
+    double x, y, radius, nearness; ///< in pixels
+    double away;                   ///< loss of nearness if the disk faces away
 } square;
 
 static square find_square(const square_scene* s, uint32_t index)
@@ -135,7 +135,7 @@ static int count_wrong(square_scene* s, uint32_t index, int* drawn)
         wrong += got != expected && !close;
         if (got) {
             double nearness = (double)stp_raster_nearness(s->pixels[at]);
-            double lost = q.radius > 0.6 ? q.away : 0.0; // a pixel alone has no back
+            double lost = q.radius > 0.6 ? q.away : 0.0; // a single pixel has no back
             double wanted = fmax(q.nearness - lost, 0.0);
             bool vague = fabs(q.radius - 0.55) < 0.1;
             wrong += stp_raster_id(s->pixels[at]) != 7 + index;
@@ -183,7 +183,7 @@ static uint64_t draw_variant(square_scene* s, splat_kernel kernel, uint64_t* fra
     return hash_pixels(s);
 }
 
-/// With shares, cuts and radii of their own, by each variant, and in bands of rows as at once.
+/// With shares, clips and individual radii, by each variant, and in bands of rows as at once.
 void test_splats_squares_are_the_same_by_all_variants(test_state* test)
 {
     static square_scene s;
@@ -213,7 +213,8 @@ void test_splats_squares_are_the_same_by_all_variants(test_state* test)
     }
 }
 
-// A share makes holes in squares, a cut takes pixels of one side; whole, there are more pixels.
+// A share makes holes in squares, a clip removes pixels on one side; whole squares have more
+// pixels.
 void test_splats_squares_have_the_holes_and_cuts_of_disks(test_state* test)
 {
     static square_scene s;

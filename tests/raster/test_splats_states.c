@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The test of ranges picks the splats of a state of a progressive set, in every variant, wherever the splats lie.
+// The range test selects the splats of a state of a progressive set, in every variant, wherever the
+// splats are.
 #include "tests.h"
 
 #include "base/processor.h"
@@ -48,7 +49,7 @@ static levels_frame frame_of(const fixture* f, const stp_raster_splats* splats, 
                           .levels = {.least = cut.level, .below = cut.below, .divide = cut.divide}};
 }
 
-/// Walks to a state, and compares its splats with those that the kernels pick, in two pieces.
+/// Walks to a state and compares its splats with those the kernels select, in two pieces.
 static void check_state(test_state* test, fixture* f, uint32_t wanted, uint64_t seed)
 {
     uint16_t expected[WORDS] = {0}, bits[3][WORDS] = {{0}};

@@ -16,7 +16,7 @@ static void fill(uint8_t* texels, size_t count, uint8_t r, uint8_t g, uint8_t b,
 
 void test_texture_averages_in_linear_light(test_state* test)
 {
-    // black and white halves average to linear 1/2, which is 188 in sRGB; 128 where the bytes are
+    // black and white halves average to linear 1/2, which is 188 in sRGB; 128 if the bytes are
     // linear
     uint8_t texels[8 * 8 * 4];
     for (size_t i = 0; i < 64; ++i) {
@@ -60,7 +60,7 @@ void test_texture_odd_sizes_count_every_texel_alike(test_state* test)
 
 void test_texture_cut_out_borders_do_not_bleed(test_state* test)
 {
-    // green leaves on transparent black stay as green in every level
+    // green leaves on transparent black keep their green in every level
     uint8_t texels[16 * 16 * 4];
     for (size_t i = 0; i < 256; ++i) {
         bool leaf = stp_rng_hash(1, i) % 3 == 0;
@@ -129,7 +129,7 @@ void test_texture_wraps(test_state* test)
 
 void test_texture_footprint_chooses_the_level(test_state* test)
 {
-    // each level painted in its own shade
+    // each level has its own shade
     uint8_t texels[64 * 4];
     fill(texels, 64, 0, 0, 0, 255);
     stp_context* context = test_context(NULL, 1, NULL);

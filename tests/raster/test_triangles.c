@@ -11,7 +11,7 @@
 
 enum { WIDTH = 96, HEIGHT = 80, PIXELS = WIDTH * HEIGHT };
 
-/// A number in [low, high), the same for the same seed and index.
+/// A number in [low, high); deterministic in seed and index.
 static float number(uint64_t seed, uint64_t index, float low, float high)
 {
     float unit = (float)(stp_rng_hash(seed, index) >> 40) / 16777216.0f;
@@ -35,7 +35,7 @@ static void clear(uint64_t* pixels)
     memset(pixels, 0xFF, PIXELS * sizeof(*pixels));
 }
 
-/// Draws soup or mesh; true where it worked.
+/// Draws soup or mesh; true on success.
 static bool draw(uint64_t* pixels, const stp_raster_matrix* matrix, float limit,
                  const stp_raster_mesh* mesh)
 {
@@ -48,7 +48,7 @@ static bool draw(uint64_t* pixels, const stp_raster_matrix* matrix, float limit,
     return result == STP_OK;
 }
 
-/// Whether a pixel's centre is in a triangle of grid coordinates, by the rule alone.
+/// Whether a pixel's centre is in a triangle of grid coordinates, by definition.
 static bool reference_covers(const int64_t v[3][2], int64_t x, int64_t y)
 {
     int64_t cx = x * 256 + 128, cy = y * 256 + 128;
@@ -176,7 +176,7 @@ static bool count_fragment(const void* user, uint32_t triangle, float weight1, f
     (void)weight2;
     uint32_t* const* counts = user;
     (*counts)[y * WIDTH + x] += 1;
-    return false; // nothing is drawn, so that all fragments are seen
+    return false; // nothing is drawn, so all fragments are seen
 }
 
 void test_triangles_are_watertight(test_state* test)
@@ -317,7 +317,7 @@ static void draw_variant(const stp_triangle_kernels* kernels, uint64_t* pixels,
         .clipped = clipped,
     };
     kernels->draw_chunk(&chunk);
-    for (uint32_t i = 0; i < chunk.clipped_count; ++i) { // leave a trace of what was handed back
+    for (uint32_t i = 0; i < chunk.clipped_count; ++i) { // records what was handed back
         pixels[i] ^= clipped[i] + 1;
     }
 }
@@ -390,7 +390,7 @@ void test_triangles_in_bands_give_the_same_picture(test_state* test)
     stp_context_destroy(context);
 }
 
-/// Indices that reach across a large mesh take the path without shared vertices: same picture.
+/// Indices that span a large mesh take the path without shared vertices: same picture.
 void test_triangles_in_any_order_give_the_same_picture(test_state* test)
 {
     static test_grid grid;
@@ -448,7 +448,7 @@ void test_triangles_keep_asks_with_perspective_weights(test_state* test)
         }
     }
     CHECK(kept > 20);
-    float w1, w2; // the centre of gravity lies at (4/3, 1, 14/3)
+    float w1, w2; // the centroid is at (4/3, 1, 14/3)
     stp_raster_weights(&matrix, corners, corners + 3, corners + 6,
                        WIDTH / 2.0f + 40.0f * 4.0f / 14.0f, HEIGHT / 2.0f + 40.0f * 3.0f / 14.0f,
                        &w1, &w2);
@@ -506,7 +506,7 @@ void test_triangles_survive_failing_allocator(test_state* test)
     }
 }
 
-// Triangles with numbers get the ids that they get one by one.
+// Triangles with numbers get the same ids as when drawn one by one.
 void test_triangles_have_numbers_of_their_own(test_state* test)
 {
     enum { TRIANGLES = 700 };
@@ -538,7 +538,7 @@ void test_triangles_have_numbers_of_their_own(test_state* test)
         CHECK(draw(apart, &matrix, INFINITY, &one));
     }
     CHECK(memcmp(together, apart, sizeof(apart)) == 0);
-    // as with the ids of their places
+    // same as with the ids of their places
     mesh.numbers = NULL;
     clear(apart);
     CHECK(draw(apart, &matrix, INFINITY, &mesh));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles of all shapes, thin ones above all, pixel by pixel against the rule that says what is inside.
+// Triangles of all shapes, especially thin ones, pixel by pixel against the coverage rule.
 #include "tests.h"
 
 #include "base/processor.h"
@@ -16,7 +16,8 @@ static int32_t number(uint64_t seed, uint64_t index, int64_t most)
     return (int32_t)((int64_t)(stp_rng_hash(seed, index) % range) - most);
 }
 
-/// A triangle of sub-pixels that touches the picture: its longest edge, then how far the third corner is off it.
+/// A triangle in sub-pixels that touches the picture: its longest edge, and the distance of the
+/// third corner from it.
 static void make_triangle(uint64_t seed, int64_t length, int64_t thickness,
                           stp_screen_vertex corners[3])
 {
@@ -39,7 +40,7 @@ static void make_triangle(uint64_t seed, int64_t length, int64_t thickness,
         (int32_t)(y - dy / 2 + dy * part / 256) + number(seed, 6, thickness), 0.5f};
 }
 
-/// What the rule says, and nearness as the functions say that all variants follow.
+/// Coverage by the rule, and nearness by the functions that all variants follow.
 static uint64_t draw_by_rule(const stp_triangle_window* window, const stp_screen_vertex corners[3],
                              uint32_t id)
 {

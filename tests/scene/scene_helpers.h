@@ -6,8 +6,8 @@
 
 #include <string.h>
 
-/// A mesh of `triangles` triangles in a row along x, from `at` on: content differs where the
-/// arguments do.
+/// A mesh of `triangles` triangles in a row along x, starting at `at`. Different arguments give
+/// different content.
 static inline stp_mesh make_strip_mesh(stp_context* context, uint32_t triangles, float at)
 {
     stp_mesh mesh = {.vertex_count = triangles + 2, .triangle_count = triangles};
@@ -25,7 +25,7 @@ static inline stp_mesh make_strip_mesh(stp_context* context, uint32_t triangles,
     return mesh;
 }
 
-/// Adds such a mesh; false where memory runs out.
+/// Adds such a mesh; false if out of memory.
 static inline bool add_strip(stp_scene* scene, uint32_t triangles, float at, uint32_t* index)
 {
     stp_mesh mesh = make_strip_mesh(scene->context, triangles, at);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is nowhere, or a universe away, must not spoil the rest of a scene.
+// Invalid or extremely distant geometry must not spoil the rest of a scene.
 #include "tests.h"
 
 #include "scene/distance_limit.h"
@@ -95,7 +95,7 @@ void test_objects_out_of_reach_are_left_out(test_state* test)
             CHECK(add_mesh_object(scene, STP_NONE, make_translation(0, 3, 0), mesh, &good));
             CHECK(add_object(scene, STP_NONE, make_translation(0, 0, 0), 0, &group));
             stp_affine away = make_translation(0, far[k], 0);
-            if (kind == 1) { // a thing that is too large
+            if (kind == 1) { // an object that is too large
                 away = (stp_affine){{{far[k], 0, 0, 0}, {0, far[k], 0, 0}, {0, 0, 1, 0}}};
             }
             if (kind == 2) {

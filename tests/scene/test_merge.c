@@ -13,7 +13,7 @@ static bool add_texture(stp_scene* scene, uint8_t shade, const char* name, uint3
     return texels != NULL && stp_scene_add_texture(scene, &texture, index) == STP_OK;
 }
 
-// A bolt with its own texture, material and meshes, as an exporter writes it that knows no sharing.
+// A bolt with its own texture, material and meshes, as written by an exporter without sharing.
 static bool add_copy(stp_scene* scene, const char* name, stp_affine at, uint8_t shade,
                      uint32_t* object)
 {
@@ -67,7 +67,7 @@ void test_copies_with_their_own_everything_become_one(test_state* test)
     stp_context_destroy(context);
 }
 
-// The same part between others, in scenes that number everything differently.
+// The same part among others, in scenes with different numbering.
 void test_content_does_not_depend_on_numbering(test_state* test)
 {
     stp_hash contents[3], roots[3];
@@ -116,14 +116,14 @@ void test_materials_differing_in_anything_stay_apart(test_state* test)
         m.base_color_texture.texcoord = i == 11;
         m.base_color_texture.transform[1][2] = i == 12 ? 0.5f : 0.0f;
         m.base_color[3] = i == 13 ? 0.5f : 1.0f;
-        // what cannot be seen: a name, where nothing is placed, the sign of zero
+        // invisible differences: a name, a transform without content, the sign of zero
         m.name = i == CHANGES ? "name" : NULL;
         m.emissive_texture.texcoord = i == CHANGES + 1;
         m.emissive[0] = i == CHANGES + 2 ? -0.0f : 0.0f;
         CHECK_EQUAL(STP_OK, stp_scene_add_material(scene, &m, NULL));
     }
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
-    CHECK_EQUAL(1 + CHANGES, scene->material_count); // the last change is none: all others' equal
+    CHECK_EQUAL(1 + CHANGES, scene->material_count); // the last change changes nothing
     stp_scene_destroy(scene);
     stp_context_destroy(context);
 }

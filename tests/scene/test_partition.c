@@ -78,7 +78,7 @@ static bool box_contains(stp_boxd outer, stp_boxd inner)
            outer.max.x >= inner.max.x && outer.max.y >= inner.max.y && outer.max.z >= inner.max.z;
 }
 
-// What must hold for any partitioned scene. NULL: all does; else what does not.
+// Invariants of any partitioned scene. NULL: all hold; else the one that fails.
 static const char* judge_graph(const stp_scene* scene, const stp_partition_desc* desc)
 {
     for (uint32_t i = 0; i < scene->node_count; ++i) {
@@ -144,7 +144,8 @@ static stp_affine make_exact_transform(dice_cup* dice, int reach)
     return a;
 }
 
-// A random tree: layers, copies, instances, prototypes, moving things, meshes and points of all sizes.
+// A random tree: layers, copies, instances, prototypes, moving objects, meshes and points of all
+// sizes.
 static bool make_random_scene(stp_scene* scene, uint64_t seed, uint32_t objects)
 {
     dice_cup dice = {.seed = seed};
@@ -245,7 +246,7 @@ void test_many_children_get_a_hierarchy(test_state* test)
     CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
     CHECK(add_strip(scene, 2, 0.0f, &mesh));
     CHECK(add_object(scene, STP_NONE, stp_affine_identity(), 0, &top));
-    for (uint32_t i = 0; i < SIDE * SIDE; ++i) { // in an order that is not that of places
+    for (uint32_t i = 0; i < SIDE * SIDE; ++i) { // in an order unrelated to position
         uint32_t k = i * 1801 % (SIDE * SIDE);
         CHECK(add_mesh_object(scene, top, make_translation(4 * (k % SIDE), 4 * (k / SIDE), 0), mesh,
                               NULL));
@@ -254,7 +255,7 @@ void test_many_children_get_a_hierarchy(test_state* test)
     CHECK_EQUAL(STP_OK, stp_scene_partition(scene, &(stp_partition_desc){0}));
     CHECK(judge_graph(scene, &(stp_partition_desc){400000, 16}) == NULL);
     CHECK(scene->node_count < 700); // with 16 a node, 225 would be enough for the leaves
-    CHECK_EQUAL(scene->objects[top].node, scene->root); // which only repeats it
+    CHECK_EQUAL(scene->objects[top].node, scene->root); // it would only repeat it
     double leaves = 0.0;
     for (size_t i = 1; i < scene->node_count; ++i) {
         const stp_node* node = &scene->nodes[i];
@@ -279,7 +280,7 @@ static bool is_below(const stp_scene* scene, uint32_t top, uint32_t node)
     return found;
 }
 
-// Two layers that spread over the same place are sorted by place; a storey stays whole.
+// Two layers over the same area are sorted by position; a storey stays whole.
 void test_layers_are_dissolved(test_state* test)
 {
     stp_context* context = test_context(NULL, 1, NULL);
@@ -306,8 +307,8 @@ void test_layers_are_dissolved(test_state* test)
     CHECK(judge_graph(scene, &(stp_partition_desc){400000, 9}) == NULL);
     CHECK_EQUAL(before.triangle_count, scene->nodes[scene->objects[layers[0]].node].triangle_count);
     CHECK(is_below(scene, scene->root, scene->objects[storey].node));
-    CHECK(!is_below(scene, scene->root, scene->objects[layers[0]].node)); // which still is a node
-    uint32_t mixed = 0; // nodes that hold things of both layers
+    CHECK(!is_below(scene, scene->root, scene->objects[layers[0]].node)); // it is still a node
+    uint32_t mixed = 0; // nodes with items of both layers
     for (size_t i = 0; i < scene->node_count; ++i) {
         const stp_node* node = &scene->nodes[i];
         bool has[2] = {false, false};
@@ -324,7 +325,7 @@ void test_layers_are_dissolved(test_state* test)
     stp_context_destroy(context);
 }
 
-// A layer: things all over a place of 8 x 4 squares, in an order of its own.
+// A layer: items all over an area of 8 x 4 squares, in shuffled order.
 static bool add_layer(stp_scene* scene, uint32_t parent, uint32_t mesh, uint32_t count,
                       uint32_t flags, uint32_t* layer)
 {
@@ -343,8 +344,8 @@ static bool add_use(stp_scene* scene, uint32_t parent, uint32_t used, double z)
            stp_scene_add_use(scene, used) == STP_OK;
 }
 
-// Results are kept by content: what else there is in the scene, and uses the same things, must not change how
-// something is cut, or all of it would be made anew.
+// Build results are cached by content: other content of the scene that uses the same items must not
+// change how something is cut, or all of it would be rebuilt.
 void test_partition_of_a_subtree_is_a_function_of_its_content(test_state* test)
 {
     stp_hash contents[3];
@@ -359,7 +360,7 @@ void test_partition_of_a_subtree_is_a_function_of_its_content(test_state* test)
         CHECK(add_object(scene, STP_NONE, make_translation(0, 0, 0), 0, &storey));
         CHECK(add_layer(scene, storey, meshes[0], 32, 0, &layers[0]));
         CHECK(add_layer(scene, storey, meshes[1], 25, 0, &layers[1]));
-        if (variant > 0) { // the same layer once more: alone, or within another storey
+        if (variant > 0) { // the same layer again: alone, or within another storey
             uint32_t parent = STP_NONE;
             CHECK(add_object(scene, STP_NONE, make_translation(900, 0, 0), 0, &parent));
             CHECK(add_use(scene, parent, layers[0], 0.0));
@@ -377,8 +378,8 @@ void test_partition_of_a_subtree_is_a_function_of_its_content(test_state* test)
     CHECK(stp_hash_equal(contents[0], contents[2]));
 }
 
-// Dissolving what is shared repeats it for each that uses it: not where it is nearly all that they hold, nor where it
-// would come to more than all there is.
+// Dissolving shared items duplicates them for each user: not done if they are nearly all its
+// content, or if the copies would exceed the whole scene.
 void test_dissolving_does_not_undo_sharing(test_state* test)
 {
     for (uint32_t variant = 0; variant < 2; ++variant) {
@@ -392,7 +393,7 @@ void test_dissolving_does_not_undo_sharing(test_state* test)
         for (uint32_t i = 0; i < USES; ++i) {
             CHECK(add_object(scene, STP_NONE, make_translation(500.0 * i, 0, 0), 0, &parent));
             CHECK(add_use(scene, parent, shared, 0.0));
-            for (uint32_t k = 0; k < (variant == 0 ? 2 : ITEMS / 4); ++k) { // no two are equal
+            for (uint32_t k = 0; k < (variant == 0 ? 2 : ITEMS / 4); ++k) { // all different
                 CHECK(add_mesh_object(scene, parent, make_translation(i / 2 + k, k, 32), meshes[1],
                                       NULL));
             }
@@ -406,7 +407,7 @@ void test_dissolving_does_not_undo_sharing(test_state* test)
     }
 }
 
-// A mesh that stands at several places, also mirrored, is cut once; moving, it stays whole.
+// A mesh with several instances, also mirrored, is cut once; a moving one stays whole.
 void test_shared_meshes_are_cut_once(test_state* test)
 {
     stp_context* context = test_context(NULL, 3, NULL);
@@ -501,7 +502,7 @@ void test_degenerate_scenes_are_partitioned(test_state* test)
     stp_context_destroy(context);
 }
 
-// What is not moved by anything is not in the way of what places things: no node just holds another.
+// Identity transforms do not get in the way: no node merely contains another.
 void test_chains_are_collapsed(test_state* test)
 {
     enum { DEPTH = 3000 };
@@ -524,7 +525,7 @@ void test_chains_are_collapsed(test_state* test)
     stp_context_destroy(context);
 }
 
-// What turns and scales a whole input stands not between the root and what is in it.
+// A transform of a whole input does not remain between the root and its content.
 void test_roots_hold_things_themselves(test_state* test)
 {
     for (int variant = 0; variant < 3; ++variant) {

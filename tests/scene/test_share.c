@@ -28,7 +28,7 @@ void test_identical_subtrees_become_one_node(test_state* test)
     CHECK_EQUAL(2, scene->mesh_count); // copies merged
     CHECK_EQUAL(scene->objects[a].node, scene->objects[b].node);
     CHECK(scene->objects[a].node != scene->objects[c].node);
-    CHECK_EQUAL(scene->objects[a + 1].node, scene->objects[c + 1].node); // the bolts still are one
+    CHECK_EQUAL(scene->objects[a + 1].node, scene->objects[c + 1].node); // the bolts are still one
     CHECK_EQUAL(4, scene->node_count); // bolt, two assemblies, root
     const stp_node* root = &scene->nodes[scene->root];
     CHECK_EQUAL(3, root->edge_count);
@@ -120,7 +120,7 @@ void test_empty_scenes_have_no_root(test_state* test)
         stp_scene* scene = NULL;
         CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
         uint32_t mesh = 0, object = STP_NONE;
-        if (variant >= 1) { // objects without anything
+        if (variant >= 1) { // empty objects
             CHECK(add_object(scene, STP_NONE, stp_affine_identity(), 0, &object));
             CHECK(add_object(scene, object, stp_affine_identity(), 0, NULL));
         }
@@ -186,7 +186,7 @@ void test_deep_trees_need_no_stack(test_state* test)
     stp_context_destroy(context);
 }
 
-// A tree of two equal children at each level shares down to one node a level, and places 2^depth
+// A tree of two equal children at each level shares down to one node per level, and places 2^depth
 // parts.
 void test_flatten_stops_at_the_limit(test_state* test)
 {
@@ -244,15 +244,14 @@ void test_flatten_keeps_order_and_flags(test_state* test)
     size_t count = 0;
     CHECK_EQUAL(STP_OK, stp_scene_flatten(scene, scene->root, 10, &parts, &count));
     CHECK_EQUAL(3, count);
-    for (uint32_t i = 0; i < 3;
-         ++i) { // as the input wrote them; what is below a moving object moves
+    for (uint32_t i = 0; i < 3; ++i) { // as in the input; everything below a moving object moves
         CHECK_EQUAL(meshes[i], parts[i].part.index);
         CHECK_EQUAL(i == 1 ? STP_OBJECT_MOVING : 0, parts[i].flags);
     }
     CHECK(parts[1].transform.m[0][3] == 100 && parts[1].transform.m[1][3] == 10 &&
           parts[1].transform.m[2][3] == 1);
     stp_free(context, parts);
-    // asked of the moving node itself, its parts do not move against it
+    // relative to the moving node itself, its parts do not move
     CHECK_EQUAL(STP_OK, stp_scene_flatten(scene, scene->objects[moving].node, 10, &parts, &count));
     CHECK_EQUAL(1, count);
     CHECK_EQUAL(0, parts[0].flags);
@@ -297,7 +296,7 @@ void test_bounds_are_those_of_used_vertices(test_state* test)
     stp_context_destroy(context);
 }
 
-// Everything a scene can hold, so that each allocation is met once.
+// Everything a scene can contain, so that each allocation is reached once.
 static bool make_full_scene(stp_context* context, stp_scene** out)
 {
     stp_scene* scene = NULL;
@@ -383,7 +382,7 @@ void test_graphs_do_not_depend_on_threads(test_state* test)
         CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
         CHECK_EQUAL(77, scene->mesh_count);
         nodes[threads - 1] = scene->node_count;
-        for (uint32_t i = 0; i < 300; ++i) { // the first of its kind is the one that stays
+        for (uint32_t i = 0; i < 300; ++i) { // the first of its kind stays
             stp_part part = scene->node_parts[scene->nodes[scene->objects[i].node].first_part];
             CHECK_EQUAL(i < 77 ? i : i % 77, part.index);
         }

@@ -5,7 +5,7 @@
 
 enum { STRIPS = 24, STRIP_TRIANGLES = 500 };
 
-// Strips of which every third repeats the first, a texture twice, and points.
+// Strips of which every third repeats the first, a duplicate texture, and points.
 static bool add_bulk(stp_scene* scene)
 {
     for (int i = 0; i < STRIPS; ++i) {

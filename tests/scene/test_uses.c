@@ -30,11 +30,11 @@ void test_prototypes_are_seen_only_where_used(test_state* test)
     uint32_t mesh, motor, hidden, line, pump, bare, inner;
     CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
     CHECK(add_strip(scene, 3, 0.0f, &mesh));
-    // a motor of two parts, moved by what must not count
+    // a motor of two parts, with a transform that must not count
     CHECK(add_object(scene, STP_NONE, make_translation(0, 99, 0), STP_OBJECT_PROTOTYPE, &motor));
     CHECK_EQUAL(STP_OK, stp_scene_add_part(scene, (stp_part){STP_PART_MESH, mesh}));
     CHECK(add_mesh_object(scene, motor, make_translation(0, 2, 0), mesh, &inner));
-    // a line that holds a prototype of its own, and uses both
+    // a line with a prototype of its own, which uses both
     CHECK(add_object(scene, STP_NONE, make_translation(10, 0, 0), 0, &line));
     CHECK(add_object(scene, line, make_translation(0, 77, 0), STP_OBJECT_PROTOTYPE, &pump));
     CHECK(add_user(scene, pump, make_translation(0, 0, 1), 0, motor, &hidden));
@@ -44,7 +44,7 @@ void test_prototypes_are_seen_only_where_used(test_state* test)
     CHECK_EQUAL(STP_OK, stp_scene_finish(scene));
     CHECK_EQUAL(scene->objects[motor].node, scene->objects[bare].node);
     CHECK_EQUAL(scene->objects[motor].node, scene->objects[hidden].node);
-    CHECK_EQUAL(1, scene->nodes[scene->root].edge_count); // the line alone
+    CHECK_EQUAL(1, scene->nodes[scene->root].edge_count); // only the line
     stp_affine last;
     CHECK_EQUAL(2, count_placed(scene, scene->objects[motor].node, &last));
     CHECK(last.m[1][3] == 2.0);
@@ -70,7 +70,7 @@ void test_uses_join_what_the_object_has(test_state* test)
     uint32_t mesh, wheel, car, moving, planted;
     CHECK(context != NULL && stp_scene_create(context, &scene) == STP_OK);
     CHECK(add_strip(scene, 1, 0.0f, &mesh));
-    CHECK(add_mesh_object(scene, STP_NONE, stp_affine_identity(), mesh, &wheel)); // seen as well
+    CHECK(add_mesh_object(scene, STP_NONE, stp_affine_identity(), mesh, &wheel)); // also visible
     CHECK(add_mesh_object(scene, STP_NONE, stp_affine_identity(), mesh, &car));
     CHECK_EQUAL(STP_OK, stp_scene_add_use(scene, wheel));
     CHECK(add_mesh_object(scene, car, make_translation(0, 1, 0), mesh, NULL));
@@ -106,7 +106,7 @@ void test_objects_cannot_contain_themselves(test_state* test)
         CHECK(add_object(scene, a, stp_affine_identity(), 0, &inner));
         if (variant == 0) { // its own ancestor
             CHECK(add_user(scene, inner, stp_affine_identity(), 0, a, NULL));
-        } else { // a has b, and b has a
+        } else { // a contains b, and b contains a
             CHECK_EQUAL(STP_OK, stp_scene_add_use(scene, b));
             CHECK(add_user(scene, b, stp_affine_identity(), 0, a, NULL));
         }
@@ -117,7 +117,8 @@ void test_objects_cannot_contain_themselves(test_state* test)
     }
 }
 
-// Each object uses the one before twice: 2^30 parts, 31 nodes. And a chain far deeper than the stack is.
+// Each object uses the previous one twice: 2^30 parts, 31 nodes. Also a chain far deeper than the
+// stack.
 void test_uses_nest_to_any_depth(test_state* test)
 {
     enum { DOUBLINGS = 30, DEPTH = 30000 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Views of one name, as several inputs have them.
+// Views with the same name, from several inputs.
 #include "tests.h"
 
 #include "scene/scene_helpers.h"
@@ -35,7 +35,7 @@ void test_views_of_one_name_are_numbered(test_state* test)
     stp_context_destroy(context);
 }
 
-// A scene that nobody would write, but a file may be: as quick as any other.
+// Unlikely, but a file may contain it: as fast as any other scene.
 void test_many_views_of_one_name_are_numbered(test_state* test)
 {
     enum { COUNT = 50000 };

@@ -4,27 +4,17 @@
 
 #include "draw/cpu/effects.h"
 
-static inline float larger(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-static inline float smaller(float a, float b)
-{
-    return a < b ? a : b;
-}
-
 static void add_greatest(const float* restrict in, float* restrict out, uint32_t count)
 {
     for (uint32_t x = 0; x < count; ++x) {
-        out[x] = larger(out[x], in[x]);
+        out[x] = stp_max(out[x], in[x]);
     }
 }
 
 static void add_least(const float* restrict in, float* restrict out, uint32_t count)
 {
     for (uint32_t x = 0; x < count; ++x) {
-        out[x] = smaller(out[x], in[x]);
+        out[x] = stp_min(out[x], in[x]);
     }
 }
 
@@ -54,7 +44,7 @@ static void find_gain(const float* restrict nearness, float scale, bool constant
         return;
     }
     for (uint32_t x = 0; x < count; ++x) {
-        float quotient = scale / larger(nearness[x], 1e-30f);
+        float quotient = scale / stp_max(nearness[x], 1e-30f);
         out[x] = nearness[x] > 0.0f ? quotient : 0.0f;
     }
 }
@@ -70,8 +60,8 @@ static void find_gain(const float* restrict nearness, float scale, bool constant
 /// Half of a pair's rise, and what the other half falls.
 static inline float rise_above(float a, float b)
 {
-    float rise = a - PLANE_SHARE * larger(-b, 0.0f);
-    return smaller(larger(rise, 0.0f), STEEPEST);
+    float rise = a - PLANE_SHARE * stp_max(-b, 0.0f);
+    return stp_min(stp_max(rise, 0.0f), STEEPEST);
 }
 
 static void add_rise(const float* restrict center, const float* restrict gain,
@@ -108,10 +98,10 @@ static void add_pair(const float* restrict center, const float* restrict gain,
     float fall = -2.0f / inverse_reach; // what rises as much on the other side does not count
     for (uint32_t x = 0; x < count; ++x) {
         float a = (one[x] - center[x]) * gain[x], b = (other[x] - center[x]) * gain[x];
-        float in_reach = smaller(larger(2.0f - a * inverse_reach, 0.0f), 1.0f) *
-                         smaller(larger(2.0f - b * inverse_reach, 0.0f), 1.0f);
-        float both = larger(a, fall) + larger(b, fall);
-        float rise = smaller(larger(both * inverse - bias, 0.0f), 1.0f);
+        float in_reach = stp_min(stp_max(2.0f - a * inverse_reach, 0.0f), 1.0f) *
+                         stp_min(stp_max(2.0f - b * inverse_reach, 0.0f), 1.0f);
+        float both = stp_max(a, fall) + stp_max(b, fall);
+        float rise = stp_min(stp_max(both * inverse - bias, 0.0f), 1.0f);
         sum[x] += rise * in_reach;
     }
 }
@@ -123,7 +113,7 @@ static void add_blur(const float* restrict center, const float* restrict gain,
     float* restrict sum = sums[0], * restrict weight_sum = sums[1];
     for (uint32_t x = 0; x < count; ++x) {
         float step = (neighbour[x] - center[x]) * gain[x] * inverse;
-        float weight = larger(1.0f - (step > 0.0f ? step : -step), 0.0f);
+        float weight = stp_max(1.0f - (step > 0.0f ? step : -step), 0.0f);
         sum[x] += weight * values[x];
         weight_sum[x] += weight;
     }

@@ -115,11 +115,6 @@ static stp_vec3 flat_normal(const float c[3][3])
                   (stp_vec3){c[2][0] - c[0][0], c[2][1] - c[0][1], c[2][2] - c[0][2]}));
 }
 
-static inline double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 /// Lines of weights: with corners (X, Y, W) on the screen, the weight of corner 0 is the determinant of
 /// (X1 - x W1, Y1 - y W1) and (X2 - x W2, Y2 - y W2), which is linear in x and y; and so on round.
 static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_triangle* triangle,
@@ -140,9 +135,9 @@ static void make_lines(const cpu_renderer* r, const cpu_item* item, const cpu_tr
         line[k][0] = a[0] * b[1] - b[0] * a[1];
         line[k][1] = a[1] * b[2] - b[1] * a[2];
         line[k][2] = a[2] * b[0] - b[2] * a[0];
-        most = larger(most, fabs(line[k][0]));
-        most = larger(most, fabs(line[k][1]) * r->width);
-        most = larger(most, fabs(line[k][2]) * r->height);
+        most = stp_maxd(most, fabs(line[k][0]));
+        most = stp_maxd(most, fabs(line[k][1]) * r->width);
+        most = stp_maxd(most, fabs(line[k][2]) * r->height);
         sign += corner[k][2] * line[k][0]; // the determinant of all three: which way round it is
     }
     double factor = most > 0.0 && most <= DBL_MAX ? (sign < 0.0 ? -1.0 : 1.0) / most : 0.0;

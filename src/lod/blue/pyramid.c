@@ -67,6 +67,12 @@ static void add_candidates(stp_pyramid* p, const stp_grid* samples)
 static void add_surfels(stp_pyramid* p, const stp_grid* samples, const stp_pyramid_entry* finer)
 {
     for (uint32_t at = 0; at < samples->count; ++at) {
+        if (at + AHEAD < samples->count) {
+            const stp_pyramid_entry* next = &finer[samples->index[at + AHEAD]];
+            __builtin_prefetch(next);
+            __builtin_prefetch(&next->toward[2]); // may be on the next line
+            __builtin_prefetch(&p->sums[p->nearest[at + AHEAD] & INT32_MAX]);
+        }
         const stp_pyramid_entry* e = &finer[samples->index[at]];
         if (p->nearest[at] != UINT32_MAX) {
             sample s = {.color = {e->color[0], e->color[1], e->color[2]},
@@ -128,6 +134,18 @@ static void find_nearest(stp_pyramid* p, const stp_octave_plan* plan, const stp_
     stp_nearest_search_run(p->context, &search);
 }
 
+// The normals that grids hold; none where they do not tell sides apart, for nobody asks then.
+static const float* normals_of(const stp_pyramid* p, const float* normals)
+{
+    return p->input->finish->two_sided ? NULL : normals;
+}
+
+// Whether each candidate was chosen: surfels of the finest octave have their own colours.
+static bool keeps_colors(const stp_pyramid* p)
+{
+    return p->input->finish->candidates->count == p->surfels->count;
+}
+
 typedef struct copying {
     stp_pyramid* p;
     stp_pyramid_entry* entries;
@@ -152,8 +170,9 @@ static stp_result copy_finest(stp_pyramid* p, uint32_t octave, stp_octave_plan* 
     copying c = {p, p->octaves[octave]};
     stp_parallel_for(p->context, p->surfels->count, GRAIN, copy_candidates, &c);
     const stp_candidates* points = p->input->finish->candidates;
-    stp_result result = stp_grid_create_uncrowded(p->context, points->positions, points->normals,
-                                                  points->count, plan->cell, &p->candidates);
+    stp_result result =
+        stp_grid_create_uncrowded(p->context, points->positions, normals_of(p, points->normals),
+                                  points->count, plan->cell, &p->candidates);
     plan->cell = p->candidates.cell;
     return result;
 }
@@ -163,8 +182,8 @@ static stp_result make_finest(stp_pyramid* p, uint32_t octave, const stp_octave_
                               const stp_grid* surfels)
 {
     const stp_candidates* c = p->input->finish->candidates;
-    stp_result result = stp_grid_create(p->context, c->positions, c->normals, c->count, plan->cell,
-                                        0.5f * plan->cell, &p->candidates);
+    stp_result result = stp_grid_create(p->context, c->positions, normals_of(p, c->normals),
+                                        c->count, plan->cell, 0.5f * plan->cell, &p->candidates);
     if (result == STP_OK) {
         find_nearest(p, plan, surfels, &p->candidates);
         add_candidates(p, &p->candidates);
@@ -178,9 +197,9 @@ static stp_result make_coarser(stp_pyramid* p, uint32_t octave, const stp_octave
                                const stp_grid* surfels)
 {
     stp_grid samples;
-    stp_result result = stp_grid_create(p->context, p->input->positions, p->input->normals,
-                                        p->surfels->octave_ends[octave + 1], plan->cell,
-                                        0.5f * plan->cell, &samples);
+    stp_result result = stp_grid_create(
+        p->context, p->input->positions, normals_of(p, p->input->normals),
+        p->surfels->octave_ends[octave + 1], plan->cell, 0.5f * plan->cell, &samples);
     if (result != STP_OK) {
         return result;
     }
@@ -195,14 +214,15 @@ static stp_result make_coarser(stp_pyramid* p, uint32_t octave, const stp_octave
 static stp_result color_octave(stp_pyramid* p, uint32_t octave, stp_octave_plan* plan)
 {
     bool finest = octave + 1 == p->surfels->octave_count;
-    if (finest && p->input->finish->candidates->count == p->surfels->count) {
+    if (finest && keeps_colors(p)) {
         return copy_finest(p, octave, plan);
     }
     uint32_t count = p->surfels->octave_ends[octave];
     memset(p->sums, 0, count * sizeof(*p->sums));
     stp_grid surfels;
-    stp_result result = stp_grid_create_uncrowded(p->context, p->input->positions,
-                                                  p->input->normals, count, plan->cell, &surfels);
+    stp_result result =
+        stp_grid_create_uncrowded(p->context, p->input->positions, normals_of(p, p->input->normals),
+                                  count, plan->cell, &surfels);
     if (result != STP_OK) {
         return result;
     }
@@ -242,22 +262,47 @@ static void write_entries(size_t begin, size_t end, uint32_t worker, void* user)
     }
 }
 
+// The same of a finest octave that keeps the candidates' colours: what would come out, without the way there and back.
+static void write_kept(size_t begin, size_t end, uint32_t worker, void* user)
+{
+    (void)worker;
+    const stp_pyramid* p = user;
+    const uint8_t* colors = p->input->finish->candidates->colors;
+    const uint32_t* order = p->input->finish->order;
+    size_t first = p->entry_count - p->surfels->count;
+    for (size_t i = begin; i < end; ++i) {
+        if (i + AHEAD < end) {
+            __builtin_prefetch(colors + 4 * (size_t)order[i + AHEAD]);
+        }
+        memcpy(p->surfels->colors + 3 * (first + i), colors + 4 * (size_t)order[i], 3);
+        p->surfels->coverages[first + i] = p->entries[first + i].coverage;
+    }
+}
+
+static void write_colors(stp_pyramid* p)
+{
+    size_t kept = keeps_colors(p) ? p->surfels->count : 0;
+    stp_parallel_for(p->context, p->entry_count - kept, GRAIN, write_entries, p);
+    stp_parallel_for(p->context, kept, GRAIN, write_kept, p);
+}
+
 static stp_result allocate_pyramid(stp_pyramid* p)
 {
     const stp_splats* s = p->surfels;
     size_t total = 0, count = s->count, samples = p->input->finish->candidates->count;
+    // octaves that are summed up
+    size_t sums = !keeps_colors(p)      ? count
+                  : s->octave_count > 1 ? s->octave_ends[s->octave_count - 2]
+                                        : 1;
     for (uint32_t i = 0; i < s->octave_count; ++i) {
         total += s->octave_ends[i];
     }
     p->entry_count = total;
     p->entries = STP_NEW_ARRAY(p->context, stp_pyramid_entry, total);
     p->fraction_column = STP_NEW_ARRAY(p->context, uint16_t, total);
-    p->sums = STP_NEW_ARRAY(p->context, stp_pyramid_sum, count);
+    p->sums = STP_NEW_ARRAY(p->context, stp_pyramid_sum, sums);
     p->nearest = STP_NEW_ARRAY(p->context, uint32_t, samples > count ? samples : count);
-    p->disks = STP_NEW_ARRAY(p->context, stp_disk, count);
-    p->visit = STP_NEW_ARRAY(p->context, uint32_t, count);
-    if (p->entries == NULL || p->fraction_column == NULL || p->sums == NULL || p->nearest == NULL ||
-        p->disks == NULL || p->visit == NULL) {
+    if (p->entries == NULL || p->fraction_column == NULL || p->sums == NULL || p->nearest == NULL) {
         return stp_fail_memory(p->context);
     }
     total = 0;
@@ -299,7 +344,7 @@ stp_result stp_make_pyramid(stp_context* context, const stp_pyramid_input* input
         }
     }
     if (result == STP_OK) {
-        stp_parallel_for(context, p.entry_count, GRAIN, write_entries, &p);
+        write_colors(&p);
     }
     free_pyramid(&p);
     return result;

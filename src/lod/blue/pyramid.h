@@ -52,6 +52,8 @@ static inline uint64_t stp_candidate_area(const stp_candidate_areas* areas, uint
 typedef struct stp_cut_table {
     uint64_t cells[256]; ///< of the stencil
     float areas[256];    ///< of the disk's area, 0 to 1
+    stp_disk_cut cuts[256];
+    float farthest; ///< how far a cut disk reaches, at most, along the direction of its cut
 } stp_cut_table;
 
 typedef struct stp_pyramid {
@@ -70,9 +72,9 @@ typedef struct stp_pyramid {
     stp_pyramid_sum* sums;
     stp_grid candidates; ///< all, in cells made for the finest octave
     uint32_t* nearest;   ///< of each sample, in its grid's order
+    /// Of the finest octave that is not drawn whole, made when it comes; coarser ones use the first of them.
     stp_disk* disks;
-    uint32_t*
-        visit; ///< the surfels of one prefix along a space-filling curve; from the longest prefix on
+    uint32_t* visit; ///< the surfels of one prefix along a space-filling curve
     uint32_t visit_count;
 } stp_pyramid;
 
@@ -126,7 +128,10 @@ typedef struct stp_surroundings_search {
     float footprint;         ///< half the side of the square that one stands for, over the radius
     const uint32_t* visit;   ///< surfels
     size_t count;
-    float radius;                   ///< of the disks
+    float radius; ///< of the disks
+    /// Only cells and reach are asked for, and nothing of disks that reach farther on all sides than this (a square).
+    bool only_reach;
+    float reach_asked;
     stp_surroundings* found;        ///< result: of each surfel visited
     const uint32_t* view_starts;    ///< candidates of each direction, or NULL
     stp_vec3 views[STP_VIEWS_TOLD]; ///< filled in: the directions

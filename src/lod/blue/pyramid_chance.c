@@ -67,14 +67,9 @@ stp_candidate_areas stp_candidate_areas_make(const stp_candidates* candidates)
     };
 }
 
-static double clamp(double value)
-{
-    return value > 0.0 ? value < 1.0 ? value : 1.0 : 0.0; // NaN becomes 0
-}
-
 static double ramp(double value, double low, double high)
 {
-    return clamp((value - low) / (high - low));
+    return stp_clampd((value - low) / (high - low), 0.0, 1.0);
 }
 
 // How much of the surface nearest to a surfel faces as it does: the mean cosine.
@@ -83,7 +78,7 @@ static double facing(const stp_pyramid* p, const stp_pyramid_entry* e, uint32_t 
     const float* n = p->input->normals + 3 * (size_t)surfel;
     double along = (double)n[0] * (double)e->toward[0] + (double)n[1] * (double)e->toward[1] +
                    (double)n[2] * (double)e->toward[2];
-    return e->area > 0.0f ? clamp(along / (double)e->area) : 0.0;
+    return e->area > 0.0f ? stp_clampd(along / (double)e->area, 0.0, 1.0) : 0.0;
 }
 
 // Disks of one prefix overlap about twice, so each is drawn with a chance whose union is the fraction.
@@ -95,7 +90,7 @@ static double overlapping_chance(uint16_t fraction)
 // How much of the nearest surface is taken for the surfel's own.
 static double own_part(double cosine)
 {
-    double part = clamp(cosine / LEAST_FACING);
+    double part = stp_clampd(cosine / LEAST_FACING, 0.0, 1.0);
     return part * part * part * part;
 }
 
@@ -198,14 +193,14 @@ static uint8_t choose(const chooser* c, uint32_t surfel, const stp_surroundings*
     uint8_t code = stp_cut_choose(table, found, SLACK - c->margin);
     double cells = (double)__builtin_popcountll(found->cells & table->cells[code]) /
                    (double)__builtin_popcountll(table->cells[code]);
+    if (c->is_cloud) { // no holes, and no pixels
+        return cells >= FULL_CELLS ? code : STP_COVERAGE_WHOLE;
+    }
     bool corner = stp_stencil_is_solid(&c->p->stencil, found->cells);
     double hit = (double)__builtin_popcountll(found->cells & c->p->stencil.disk) /
                  (double)__builtin_popcountll(c->p->stencil.disk);
     hit = hit < (double)table->areas[code] ? hit : (double)table->areas[code];
     double area = ray_share(c, found) / hit;
-    if (c->is_cloud) { // no holes, and no pixels
-        return cells >= FULL_CELLS ? code : STP_COVERAGE_WHOLE;
-    }
     double agreement = (double)(found->area / found->total);
     double facing_part = ramp(agreement, OPEN_FACING, FULL_FACING);
     double solid = fmax(corner ? facing_part : 0.0, ramp(cells, OPEN_CELLS, FULL_CELLS));
@@ -236,7 +231,10 @@ static stp_result look_around(const chooser* c, const uint32_t* doubtful, size_t
                                       .visit = doubtful,
                                       .count = count,
                                       .radius = c->disk_radius,
+                                      .only_reach = c->is_cloud,
                                       .found = found};
+    float asked = stp_max(p->cuts.farthest + SLACK - c->margin, 0.0f);
+    search.reach_asked = asked * asked * 1.0001f; // what reaches farther is drawn whole
     // few samples, or points, which do not lie in rows: their squares are twice as wide, so that they close up
     bool wide = c->stride == 1 || c->is_cloud;
     float spacing = sqrtf((float)c->stride) / (float)c->pixels;

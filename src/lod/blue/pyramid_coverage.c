@@ -217,8 +217,9 @@ static stp_result look_at_dense_surfels(stp_pyramid* p, uint32_t octave,
                                         const stp_octave_plan* plan)
 {
     stp_grid samples;
-    stp_result result = stp_grid_create(p->context, p->input->positions, p->input->normals,
-                                        plan->dense_count, plan->cell, 0.0f, &samples);
+    const float* normals = p->input->finish->two_sided ? NULL : p->input->normals;
+    stp_result result = stp_grid_create(p->context, p->input->positions, normals, plan->dense_count,
+                                        plan->cell, 0.0f, &samples);
     if (result == STP_OK) {
         look_at_surfels(p, octave, plan, &samples);
         stp_grid_destroy(p->context, &samples);
@@ -232,6 +233,11 @@ static stp_result list_surfels(stp_pyramid* p, uint32_t count)
     if (p->visit_count != 0) {
         list_prefix(p, count);
         return STP_OK;
+    }
+    p->disks = STP_NEW_ARRAY(p->context, stp_disk, count);
+    p->visit = STP_NEW_ARRAY(p->context, uint32_t, count);
+    if (p->disks == NULL || p->visit == NULL) {
+        return stp_fail_memory(p->context);
     }
     p->visit_count = count;
     return stp_sort_spatially(p->context, p->input->positions, count, p->visit);

@@ -6,11 +6,16 @@
 #include "base/octahedral.h"
 #include "lod/blue/pyramid.h"
 
+#include <string.h>
+
 #define GRAIN 64
 // Parts of the radius: how far behind the disk, and how far before it, candidates count.
 #define BEHIND 0.6f
 #define BEFORE 1.0f
 #define LEAST_VIEW_FACING 0.3f // cosine: flatter views tell little of a disk
+
+enum { LANES = 8 };
+_Static_assert(LANES <= (int)STP_GRID_LANES, "columns may be read so far beyond their end");
 
 // One surfel's disk. Lengths are over its radius.
 typedef struct disk {
@@ -39,15 +44,23 @@ static disk make_disk(const stp_surroundings_search* s, uint32_t surfel)
 
 static void extend_reach(const stp_surroundings_search* s, disk* d, float u, float v)
 {
+    enum { HALF = STP_CUT_DIRECTIONS / 2, PART = HALF / 3 };
     float* forth = d->found.reach;
-    float* back = forth + STP_CUT_DIRECTIONS / 2;
-    float least = 1.0f;
-    for (int k = 0; k < STP_CUT_DIRECTIONS / 2; ++k) {
+    float* back = forth + HALF;
+    float less[HALF];
+    for (int k = 0; k < HALF; ++k) { // loops that become vector code
         float at = s->across[k] * u + s->along[k] * v;
         forth[k] = forth[k] > at ? forth[k] : at;
         back[k] = back[k] > -at ? back[k] : -at;
-        float less = forth[k] < back[k] ? forth[k] : back[k];
-        least = least < less ? least : less;
+        less[k] = forth[k] < back[k] ? forth[k] : back[k];
+    }
+    for (int k = 0; k < PART; ++k) {
+        less[k] = less[k] < less[k + PART] ? less[k] : less[k + PART];
+        less[k] = less[k] < less[k + 2 * PART] ? less[k] : less[k + 2 * PART];
+    }
+    float least = 1.0f;
+    for (int k = 0; k < PART; ++k) {
+        least = least < less[k] ? least : less[k];
     }
     d->known = least > 0.0f ? least * least : 0.0f;
 }
@@ -83,22 +96,69 @@ static void add_candidate(const stp_surroundings_search* s, disk* d, uint32_t i,
     }
 }
 
-static void add_candidates(const stp_surroundings_search* s, disk* d, uint32_t begin, uint32_t end)
+// Whether nothing more can be found that is asked for.
+static bool is_done(const stp_surroundings_search* s, const disk* d)
+{
+    return s->only_reach && d->known > s->reach_asked;
+}
+
+// Of a candidate of a cloud: what it hits, and how far it reaches.
+static void add_point(const stp_surroundings_search* s, disk* d, float u, float v)
+{
+    d->found.cells |= stp_stencil_cells(u, v, s->footprint);
+    if (u * u + v * v > d->known) {
+        extend_reach(s, d, u, v);
+    }
+}
+
+typedef float lanes_float __attribute__((vector_size(4 * LANES)));
+typedef int32_t lanes_int __attribute__((vector_size(4 * LANES)));
+
+// Candidates as the disk sees them, LANES at a time.
+typedef struct seen_lanes {
+    lanes_float u, v;
+    lanes_int inside; ///< -1 in those that are in the cylinder
+} seen_lanes;
+
+static void see_lanes(const stp_surroundings_search* s, const disk* d, uint32_t at, seen_lanes* out)
 {
     const stp_grid* g = s->samples;
-    float behind = -BEHIND * s->radius, before = BEFORE * s->radius;
-    for (uint32_t i = begin; i < end; ++i) {
-        stp_vec3 offset = {g->x[i] - d->place.x, g->y[i] - d->place.y, g->z[i] - d->place.z};
-        float u = stp_dot(offset, d->x), v = stp_dot(offset, d->y);
-        float height = stp_dot(offset, d->normal);
-        if (u * u + v * v <= 1.0f && height >= behind && height <= before) {
-            add_candidate(s, d, i, u, v);
+    lanes_float x, y, z;
+    memcpy(&x, g->x + at, sizeof(x));
+    memcpy(&y, g->y + at, sizeof(y));
+    memcpy(&z, g->z + at, sizeof(z));
+    x -= d->place.x;
+    y -= d->place.y;
+    z -= d->place.z;
+    out->u = x * d->x.x + y * d->x.y + z * d->x.z;
+    out->v = x * d->y.x + y * d->y.y + z * d->y.z;
+    lanes_float height = x * d->normal.x + y * d->normal.y + z * d->normal.z;
+    out->inside = (lanes_int)(out->u * out->u + out->v * out->v <= 1.0f);
+    out->inside &= (lanes_int)(height >= -BEHIND * s->radius);
+    out->inside &= (lanes_int)(height <= BEFORE * s->radius);
+}
+
+static void add_candidates(const stp_surroundings_search* s, disk* d, uint32_t begin, uint32_t end)
+{
+    for (uint32_t at = begin; at < end; at += LANES) {
+        uint32_t count = end - at < LANES ? end - at : LANES;
+        seen_lanes seen;
+        see_lanes(s, d, at, &seen);
+        for (uint32_t k = 0; k < count; ++k) {
+            if (seen.inside[k] == 0) {
+                continue;
+            }
+            if (s->only_reach) {
+                add_point(s, d, seen.u[k], seen.v[k]);
+            } else {
+                add_candidate(s, d, at + k, seen.u[k], seen.v[k]);
+            }
         }
     }
 }
 
 // Cells are as wide as the disk's radius or wider, so a cylinder reaches four of them on each axis at most: no two of
-// these share a bucket.
+// these share a bucket. Those of a row follow each other where they are of one block.
 static void look_around(const stp_surroundings_search* s, disk* d)
 {
     const stp_grid* g = s->samples;
@@ -111,10 +171,12 @@ static void look_around(const stp_surroundings_search* s, disk* d)
         high[k] = stp_grid_cell(g, at[k] + wide);
     }
     for (int32_t z = low[2]; z <= high[2]; ++z) {
-        for (int32_t y = low[1]; y <= high[1]; ++y) {
-            for (int32_t x = low[0]; x <= high[0]; ++x) {
+        for (int32_t y = low[1]; y <= high[1] && !is_done(s, d); ++y) {
+            for (int32_t x = low[0], last; x <= high[0]; x = last + 1) {
+                last = (x | 3) < high[0] ? (x | 3) : high[0];
                 uint32_t bucket = stp_grid_bucket(g, x, y, z);
-                add_candidates(s, d, g->starts[bucket], g->starts[bucket + 1]);
+                add_candidates(s, d, g->starts[bucket],
+                               g->starts[bucket + (uint32_t)(last - x) + 1]);
             }
         }
     }
@@ -181,9 +243,12 @@ static uint64_t cells_of(const stp_stencil* stencil, stp_disk_cut cut)
 
 void stp_cut_table_make(const stp_stencil* stencil, stp_cut_table* table)
 {
+    table->farthest = 0.0f;
     for (uint32_t code = STP_COVERAGE_HALVES; code < STP_COVERAGE_WHOLE; ++code) {
-        table->cells[code] = cells_of(stencil, stp_coverage_cut((uint8_t)code));
+        table->cuts[code] = stp_coverage_cut((uint8_t)code);
+        table->cells[code] = cells_of(stencil, table->cuts[code]);
         table->areas[code] = stp_coverage_area((uint8_t)code);
+        table->farthest = stp_max(table->farthest, table->cuts[code].high);
     }
     table->cells[STP_COVERAGE_WHOLE] = stencil->disk;
     table->areas[STP_COVERAGE_WHOLE] = 1.0f;
@@ -194,16 +259,14 @@ uint8_t stp_cut_choose(const stp_cut_table* table, const stp_surroundings* found
 {
     uint8_t best = STP_COVERAGE_WHOLE;
     for (uint32_t code = STP_COVERAGE_HALVES; code < STP_COVERAGE_WHOLE; ++code) {
-        if (table->areas[code] >= table->areas[best]) {
-            continue;
-        }
         bool half = code < STP_COVERAGE_STRIPS;
         uint32_t at = code - (uint32_t)(half ? STP_COVERAGE_HALVES : STP_COVERAGE_STRIPS);
         uint32_t direction = at / (half ? STP_CUT_HALF_OFFSETS : STP_CUT_STRIP_OFFSETS);
         uint32_t opposite = (direction + STP_CUT_DIRECTIONS / 2) % STP_CUT_DIRECTIONS;
-        stp_disk_cut cut = stp_coverage_cut((uint8_t)code);
-        if (found->reach[direction] <= cut.high + slack &&
-            -found->reach[opposite] >= cut.low - slack) {
+        const stp_disk_cut* cut = &table->cuts[code];
+        if (found->reach[direction] <= cut->high + slack &&
+            -found->reach[opposite] >= cut->low - slack &&
+            table->areas[code] < table->areas[best]) {
             best = (uint8_t)code;
         }
     }

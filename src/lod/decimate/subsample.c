@@ -25,11 +25,6 @@ typedef struct search {
     stp_subsample_attempt fewest; ///< where none is good enough
 } search;
 
-static double clamp(double x, double low, double high)
-{
-    return x < low ? low : x > high ? high : x;
-}
-
 /// Finds a tolerance whose greedy cover has somewhat more sets than wanted. Counts are about
 /// inversely proportional to the tolerance (the deviation of a curved surface grows with the area
 /// of a splat).
@@ -54,12 +49,12 @@ static stp_result search_coarse(search* s, stp_subsample_attempt* attempt)
         }
         low = above ? tolerance : low;
         high = above ? high : tolerance;
-        double next = tolerance * clamp(count / wanted, 1.0 / STEP_MOST, STEP_MOST);
+        double next = tolerance * stp_clampd(count / wanted, 1.0 / STEP_MOST, STEP_MOST);
         if (low > 0.0 && high > 0.0) { // stay inside, and come from both ends
             double inside = 0.1 * (high - low);
-            next = step % 3 == 2 ? sqrt(low * high) : clamp(next, low + inside, high - inside);
+            next = step % 3 == 2 ? sqrt(low * high) : stp_clampd(next, low + inside, high - inside);
         }
-        tolerance = clamp(next, least, most);
+        tolerance = stp_clampd(next, least, most);
         stp_subsample_attempt_destroy(s->context, attempt);
     }
 }
@@ -100,10 +95,10 @@ static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
         if (s->low > 0.0 && s->high > 0.0) {
             next = sqrt(s->low * s->high);
         } else if (s->low > 0.0) {
-            next = tolerance * clamp(1.02 * count / (double)s->target, 1.0, STEP_MOST);
+            next = tolerance * stp_clampd(1.02 * count / (double)s->target, 1.0, STEP_MOST);
             next = step >= FINE_STEPS ? STEP_MOST * tolerance : next;
         } else {
-            next = tolerance * clamp(count / (double)s->target, 1.0 / STEP_MOST, 0.94);
+            next = tolerance * stp_clampd(count / (double)s->target, 1.0 / STEP_MOST, 0.94);
         }
         bool known = s->low > 0.0 && s->high > 0.0 && s->high < FINE_RATIO * s->low;
         bool ended = s->high > 0.0 ? step >= FINE_STEPS || s->high <= least
@@ -111,7 +106,7 @@ static stp_result search_fine(search* s, stp_subsample_attempt* attempt)
         if (known || ended) {
             return STP_OK;
         }
-        next = clamp(next, least, most);
+        next = stp_clampd(next, least, most);
         result = stp_subsample_attempt_make(s->context, &s->field, next, s->target, attempt);
         if (result != STP_OK) {
             return result;

@@ -49,16 +49,6 @@ typedef struct frame {
     stp_vec3d across, along;
 } frame;
 
-static double dot(stp_vec3d a, stp_vec3d b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static double length_of(stp_vec3d a)
-{
-    return sqrt(dot(a, a));
-}
-
 // Two directions that are perpendicular to a unit normal and to each other (Duff et al. 2017).
 static frame make_frame(stp_vec3 normal)
 {
@@ -76,14 +66,14 @@ static bool is_sphere(const stp_disk* disk)
 static stp_vec3d flatten(stp_vec3d offset, stp_vec3 normal)
 {
     stp_vec3d n = stp_to_double(normal);
-    return stp_subd(offset, stp_scaled(n, dot(offset, n)));
+    return stp_subd(offset, stp_scaled(n, stp_dotd(offset, n)));
 }
 
 // The centre of the smallest disk around two, which may be one of them.
 static stp_vec3d join_two(stp_vec3d a, double ra, stp_vec3d b, double rb)
 {
     stp_vec3d offset = stp_subd(b, a);
-    double distance = length_of(offset);
+    double distance = stp_lengthd(offset);
     if (distance + rb <= ra) {
         return a;
     }
@@ -144,11 +134,11 @@ static void find_enclosing(const flat_children* f, stp_vec3d* center)
         join_two(place_of(f, first), f->radii[first], place_of(f, second), f->radii[second]);
     *center = at;
     double best = reach_from(f, at, &farthest);
-    double apart = length_of(stp_subd(place_of(f, second), place_of(f, first)));
+    double apart = stp_lengthd(stp_subd(place_of(f, second), place_of(f, first)));
     double least = 0.5 * (apart + f->radii[first] + f->radii[second]) * CLOSE_ENOUGH;
     for (int round = 1; round <= ROUNDS && best > least; ++round) {
         stp_vec3d offset = stp_subd(place_of(f, farthest), at);
-        double distance = length_of(offset);
+        double distance = stp_lengthd(offset);
         double step = distance > 0.0 ? fmin(best / (distance * (double)(round + 2)), 0.5) : 0.0;
         at = stp_addd(at, stp_scaled(offset, step));
         double reach = reach_from(f, at, &farthest);
@@ -172,7 +162,7 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
     middle = stp_scaled(middle, 1.0 / sum);
     stp_disk disk = {.normal = {(float)normal.x, (float)normal.y, (float)normal.z}};
     // normals that cancel each other out point nowhere
-    bool turned = length_of(normal) > 1e-3 * sum;
+    bool turned = stp_lengthd(normal) > 1e-3 * sum;
     disk.normal = turned ? stp_normalize(disk.normal) : (stp_vec3){0};
     flat_children flat = {.count = count};
     for (uint32_t i = 0; i < count; ++i) {
@@ -196,7 +186,7 @@ stp_disk stp_disk_enclose(const stp_disk* children, const float* weights, uint32
 // How far a child reaches along a direction of unit length, on either side of its centre.
 static double half_width(const stp_disk* child, stp_vec3d direction)
 {
-    double turned = dot(stp_to_double(child->normal), direction);
+    double turned = stp_dotd(stp_to_double(child->normal), direction);
     double part = 1.0 - turned * turned;
     return (double)child->radius * sqrt(part > 0.0 ? part : 0.0); // of a sphere all of its radius
 }
@@ -208,7 +198,7 @@ static double width_along(const stp_disk* disk, const stp_disk* children, uint32
     double low = HUGE_VAL, high = -HUGE_VAL;
     for (uint32_t i = 0; i < count; ++i) {
         stp_vec3d offset = stp_subd(stp_to_double(children[i].center), stp_to_double(disk->center));
-        double at = dot(offset, direction), half = half_width(&children[i], direction);
+        double at = stp_dotd(offset, direction), half = half_width(&children[i], direction);
         low = at - half < low ? at - half : low;
         high = at + half > high ? at + half : high;
     }

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+// Builds what was collected into a file, or through a temporary one into memory.
+#include "base/file.h"
+#include "build/build.h"
+#include "build/work.h"
+#include "embed/builder_move.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum {
+    DEFAULT_THRESHOLD = 1000,
+    PARAMETERS_ROOM = 256,
+    NAME_ROOM = 32,
+    METHODS_MOST = sizeof(stp_methods) / sizeof(stp_methods[0]),
+};
+static const char collected[] = "scene:memory";
+
+/// Parses "blue,psp". @return how many methods; 0: a name is unknown or stands twice
+static uint32_t parse_methods(const char* text, const stp_method* methods[METHODS_MOST])
+{
+    for (uint32_t count = 0; count < METHODS_MOST;) {
+        char name[NAME_ROOM];
+        size_t length = strcspn(text, ",");
+        snprintf(name, sizeof(name), "%.*s", (int)(length < NAME_ROOM ? length : NAME_ROOM), text);
+        const stp_method* method = stp_method_by_name(name);
+        for (uint32_t i = 0; i < count; ++i) {
+            method = methods[i] == method ? NULL : method;
+        }
+        if (method == NULL) {
+            return 0;
+        }
+        methods[count++] = method;
+        if (text[length] == '\0') {
+            return count;
+        }
+        text += length + 1;
+    }
+    return 0;
+}
+
+/// Inputs in their order: what was added, then files.
+static stp_result list_inputs(const stp_builder* builder, const char*** inputs, size_t* count)
+{
+    const char** list = STP_NEW_ARRAY(builder->context, const char*, builder->file_count + 1);
+    *count = 0;
+    *inputs = list;
+    if (list == NULL) {
+        return stp_fail_memory(builder->context);
+    }
+    if (builder->part_count > 0 || builder->staged->object_count > 0) {
+        list[(*count)++] = collected;
+    }
+    for (size_t i = 0; i < builder->file_count; ++i) {
+        list[(*count)++] = builder->files[i];
+    }
+    return *count > 0
+               ? STP_OK
+               : stp_fail(builder->context, STP_ERROR_ARGUMENT, "stp_builder: nothing was added");
+}
+
+static stp_result build_to(stp_builder* builder, const stp_write_desc* desc, const char* path,
+                           stp_build_report* report)
+{
+    const stp_method* methods[METHODS_MOST];
+    char parameters[PARAMETERS_ROOM];
+    const char* names = desc->methods != NULL ? desc->methods : "blue";
+    const char** inputs = NULL;
+    uint64_t threshold = desc->threshold != 0 ? desc->threshold : DEFAULT_THRESHOLD;
+    stp_build_desc build = {
+        .output = path,
+        .import = {.up = builder->desc.up, .unit_metres = builder->desc.unit_metres},
+        .methods = methods,
+        .method_count = parse_methods(names, methods),
+        .method_options = stp_method_options_default(),
+        .blue = {.surfel_count = desc->splat_limit},
+        .threshold = threshold,
+        .fresh = desc->fresh,
+        .memory_bytes = desc->memory_bytes,
+        .parameters_json = parameters,
+        .generate = stp_builder_move,
+        .generate_user = builder};
+    if (build.method_count == 0) {
+        return stp_fail(builder->context, STP_ERROR_ARGUMENT,
+                        "stp_write_desc: methods \"%s\" are not blue, spt, psp and stochastic, "
+                        "each once",
+                        names);
+    }
+    snprintf(parameters, sizeof(parameters),
+             "{\"method\":\"%s\",\"surfels\":%u,\"threshold\":%llu}", names, desc->splat_limit,
+             (unsigned long long)threshold);
+    stp_result result = list_inputs(builder, &inputs, &build.input_count);
+    build.inputs = inputs;
+    result = result == STP_OK ? stp_build(builder->context, &build, report) : result;
+    stp_free(builder->context, (void*)inputs);
+    return result;
+}
+
+static stp_result read_back(stp_builder* builder, const char* path)
+{
+    stp_mapped_file file;
+    stp_result result = stp_file_map(builder->context, path, &file);
+    if (result != STP_OK) {
+        return result;
+    }
+    builder->bytes = stp_alloc(builder->context, file.size);
+    if (builder->bytes != NULL) {
+        memcpy(builder->bytes, file.bytes, file.size);
+        builder->size = file.size;
+    } else {
+        result = stp_fail_memory(builder->context);
+    }
+    stp_file_unmap(&file);
+    return result;
+}
+
+/// Two texts in one, from stp_alloc; NULL where memory runs out, logged.
+static char* join(stp_context* context, const char* first, const char* second)
+{
+    size_t size = strlen(first) + strlen(second) + 1;
+    char* joined = stp_alloc(context, size);
+    if (joined == NULL) {
+        (void)stp_fail_memory(context);
+        return NULL;
+    }
+    snprintf(joined, size, "%s%s", first, second);
+    return joined;
+}
+
+/// Removes what a build that failed keeps for the next one.
+static void remove_work(stp_context* context, const char* folder)
+{
+    struct stat status;
+    stp_work* work = NULL;
+    if (stat(folder, &status) == 0 && stp_work_open(context, folder, true, &work) == STP_OK) {
+        stp_work_close(work, true);
+    }
+}
+
+/// Builds in a new folder, which is removed.
+static stp_result build_in_folder(stp_builder* builder, const stp_write_desc* desc, char* folder,
+                                  stp_build_report* report)
+{
+    stp_context* context = builder->context;
+    char* path = join(context, folder, "/scene.stip");
+    char* work = join(context, folder, "/scene.stip.work");
+    stp_result result = path != NULL && work != NULL ? STP_OK : STP_ERROR_OUT_OF_MEMORY;
+    if (result == STP_OK && mkdtemp(folder) == NULL) {
+        result = stp_fail(context, STP_ERROR_IO, "%s: cannot be made: %s", folder, strerror(errno));
+    } else if (result == STP_OK) {
+        size_t length = strlen(folder); // now it has its name
+        memcpy(path, folder, length);
+        memcpy(work, folder, length);
+        result = build_to(builder, desc, path, report);
+        result = result == STP_OK ? read_back(builder, path) : result;
+        remove_work(context, work);
+        (void)unlink(path);
+        (void)rmdir(folder);
+    }
+    stp_free(context, path);
+    stp_free(context, work);
+    return result;
+}
+
+static stp_result build_in_memory(stp_builder* builder, const stp_write_desc* desc,
+                                  stp_build_report* report)
+{
+    const char* parent = desc->folder != NULL ? desc->folder : getenv("TMPDIR");
+    parent = parent != NULL && parent[0] != '\0' ? parent : "/tmp";
+    char* folder = join(builder->context, parent, "/stipple-XXXXXX");
+    stp_result result =
+        folder != NULL ? build_in_folder(builder, desc, folder, report) : STP_ERROR_OUT_OF_MEMORY;
+    stp_free(builder->context, folder);
+    return result;
+}
+
+stp_result stp_builder_write(stp_builder* builder, const stp_write_desc* given,
+                             stp_write_report* report)
+{
+    stp_write_desc desc;
+    stp_build_report built = {0};
+    struct stat status;
+    stp_result result = STP_READ_DESC(builder->context, stp_write_desc, &desc, given);
+    result = result == STP_OK ? stp_builder_check(builder, 0) : result;
+    if (result != STP_OK) {
+        return result;
+    }
+    builder->written = true;
+    result = desc.path != NULL ? build_to(builder, &desc, desc.path, &built)
+                               : build_in_memory(builder, &desc, &built);
+    if (result == STP_OK && report != NULL) {
+        stp_write_report made = {.seconds = built.total_s,
+                                 .file_bytes = builder->size,
+                                 .sets_made = built.sets_made,
+                                 .sets_found = built.sets_found};
+        if (desc.path != NULL && stat(desc.path, &status) == 0) {
+            made.file_bytes = (uint64_t)status.st_size;
+        }
+        STP_WRITE_INFO(report, made);
+    }
+    return result;
+}
+
+const void* stp_builder_get_bytes(const stp_builder* builder, size_t* size)
+{
+    *size = builder->size;
+    return builder->bytes;
+}

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+//
+// Pictures of a model: selected, drawn, and what was learned of them. While the model streams, each picture says what it
+// wanted, and what a picture itself needs takes precedence over what was loaded.
+#include "embed/painter.h"
+
+#include "base/clock.h"
+#include "select/view_frame.h"
+
+#include <math.h>
+
+enum { COMPLETE_PICTURES = 200 }; // most while what a view wants is loaded
+
+/// A picture to be drawn.
+typedef struct picture {
+    stp_painter* painter;
+    const stp_view* view;
+    stp_quality quality;
+    stp_draw_style style;
+    stp_image* image;
+    bool accumulates, complete;
+    double frame_ms;
+    stp_draw_stats stats;
+    uint32_t missing, coming;
+} picture;
+
+static stp_result create_renderer(stp_painter* painter, const stp_painter_desc* desc)
+{
+    stp_model* model = painter->model;
+    painter->uses_gl = desc->get_proc_address != NULL;
+    if (!painter->uses_gl) {
+        return stp_draw_cpu_create(model->context, model->store, &painter->renderer);
+    }
+    stp_draw_gl_desc gl = {.get_proc_address = desc->get_proc_address,
+                           .user = desc->gl_user,
+                           .memory_bytes = desc->gl_memory_bytes,
+                           .upload_bytes = desc->gl_upload_bytes,
+                           .debug = desc->gl_debug};
+    return stp_draw_gl_create(model->context, model->store, &gl, &painter->renderer);
+}
+
+stp_result stp_painter_create(stp_model* model, const stp_painter_desc* given,
+                              stp_painter** painter)
+{
+    stp_painter_desc desc;
+    *painter = NULL;
+    stp_result result = STP_READ_DESC(model->context, stp_painter_desc, &desc, given);
+    if (result != STP_OK) {
+        return result;
+    }
+    stp_painter* made = STP_NEW_ZEROED(model->context, stp_painter, 1);
+    if (made == NULL) {
+        return stp_fail_memory(model->context);
+    }
+    made->model = model;
+    atomic_init(&made->stop, false);
+    result = create_renderer(made, &desc);
+    if (result != STP_OK) {
+        made->renderer = NULL;
+        stp_painter_destroy(made);
+        return result;
+    }
+    if (desc.can_stop) {
+        stp_renderer_set_stop(made->renderer, &made->stop);
+    }
+    *painter = made;
+    return STP_OK;
+}
+
+void stp_painter_destroy(stp_painter* painter)
+{
+    if (painter == NULL) {
+        return;
+    }
+    stp_context* context = painter->model->context;
+    if (painter->renderer != NULL) {
+        stp_renderer_destroy(painter->renderer);
+    }
+    stp_draw_list_destroy(context, &painter->list);
+    stp_free(context, painter);
+}
+
+/// Takes up what OpenGL measured of the picture before, which is done by now.
+static void learn_pending(stp_painter* painter)
+{
+    stp_draw_stats stats = {0};
+    if (!painter->has_pending) {
+        return;
+    }
+    painter->has_pending = false;
+    stp_draw_gl_finish_stats(painter->renderer, &stats);
+    painter->pending.milliseconds += stats.draw_ms + stats.shade_ms;
+    painter->pending.fragments = stats.fragments;
+    painter->pending.covered_pixels = stats.covered_pixels;
+    stp_budget_learn(&painter->budget, &painter->pending);
+}
+
+/// The size of splats for a budget, at least the one asked for.
+static float choose_size(stp_painter* painter, double budget_ms, float least)
+{
+    if (!(budget_ms > 0.0)) {
+        painter->has_pending = false;
+        return least;
+    }
+    if (painter->budget_ms != budget_ms) {
+        stp_budget_init(&painter->budget, STP_CONTROLLER_PREDICT, budget_ms);
+        painter->budget_ms = budget_ms;
+        painter->has_pending = false;
+    }
+    learn_pending(painter);
+    return stp_max(stp_budget_splat_size(&painter->budget), least);
+}
+
+static void learn(stp_painter* painter, const picture* p)
+{
+    stp_frame_cost cost = {.milliseconds = p->frame_ms,
+                           .splats = p->stats.splats,
+                           .fragments = p->stats.fragments,
+                           .triangles = p->stats.triangles,
+                           .covered_pixels = p->stats.covered_pixels,
+                           .draw_calls = p->stats.draw_calls,
+                           .splat_size = painter->list.splat_size};
+    if (painter->uses_gl && p->image == NULL) { // the GPU is still at it
+        painter->pending = cost;
+        painter->has_pending = true;
+    } else {
+        stp_budget_learn(&painter->budget, &cost);
+    }
+}
+
+static stp_result draw_once(picture* p)
+{
+    stp_painter* painter = p->painter;
+    return p->accumulates
+               ? stp_renderer_accumulate(painter->renderer, p->view, &p->quality, &p->style,
+                                         &painter->list, p->image, &p->stats)
+               : stp_renderer_draw_selected(painter->renderer, p->view, &p->quality, &p->style,
+                                            &painter->list, p->image, &p->stats);
+}
+
+/// Draws; where memory runs out, loaded data gives way.
+static stp_result draw_yielding(picture* p)
+{
+    stp_context* context = p->painter->model->context;
+    stp_residency* residency = p->painter->model->residency;
+    if (residency == NULL) {
+        return draw_once(p);
+    }
+    stp_hold_errors(context);
+    stp_result result = draw_once(p);
+    while (result == STP_ERROR_OUT_OF_MEMORY && stp_residency_yield(residency)) {
+        stp_hold_errors(context);
+        result = draw_once(p);
+    }
+    stp_release_errors(context, result != STP_OK);
+    return result;
+}
+
+/// Draws, and says what the view wants of the model's data.
+static stp_result draw_and_want(picture* p)
+{
+    stp_painter* painter = p->painter;
+    stp_residency* residency = painter->model->residency;
+    double start = stp_clock_ms();
+    stp_result result = draw_yielding(p);
+    p->missing = p->coming = 0;
+    if (result == STP_OK && residency != NULL) {
+        stp_residency_stats stats;
+        stp_residency_update(residency, painter->list.wants, painter->list.want_count);
+        stp_residency_get_stats(residency, &stats);
+        p->missing = stats.missing;
+        p->coming = stats.loading;
+    }
+    if (result == STP_OK && painter->uses_gl) {
+        stp_draw_gl_stats stats = stp_draw_gl_get_stats(painter->renderer);
+        p->missing += stats.missing;
+        p->coming += stats.coming;
+    }
+    p->frame_ms = stp_clock_ms() - start;
+    return result;
+}
+
+/// Draws again until nothing more comes. What comes may let nodes be opened whose content is then wanted; that ends, but
+/// nobody should wait forever where it does not.
+static stp_result draw_complete(picture* p)
+{
+    stp_painter* painter = p->painter;
+    stp_residency* residency = painter->model->residency;
+    stp_result result = draw_and_want(p);
+    for (int i = 0; i < COMPLETE_PICTURES && result == STP_OK && p->complete; ++i) {
+        int updates = 0;
+        while (residency != NULL && updates < COMPLETE_PICTURES && stp_residency_wait(residency)) {
+            stp_residency_update(residency, painter->list.wants, painter->list.want_count);
+            updates += 1;
+        }
+        bool uploads = painter->uses_gl && stp_draw_gl_get_stats(painter->renderer).coming > 0;
+        if (updates == 0 && !uploads) {
+            break;
+        }
+        result = draw_and_want(p);
+    }
+    return result;
+}
+
+static void report_picture(const picture* p, stp_paint_report* report)
+{
+    stp_paint_report made = {.frame_ms = p->frame_ms,
+                             .select_ms = p->stats.select_ms,
+                             .draw_ms = p->stats.draw_ms,
+                             .shade_ms = p->stats.shade_ms,
+                             .splat_size = p->painter->list.splat_size,
+                             .splats = p->stats.splats,
+                             .triangles = p->stats.triangles,
+                             .covered_pixels = p->stats.covered_pixels,
+                             .samples = p->stats.samples,
+                             .missing = p->missing,
+                             .coming = p->coming};
+    STP_WRITE_INFO(report, made);
+}
+
+stp_result stp_painter_draw(stp_painter* painter, const stp_view* view, const stp_paint_desc* given,
+                            stp_image* image, stp_paint_report* report)
+{
+    stp_paint_desc desc;
+    stp_context* context = painter->model->context;
+    picture p = {.painter = painter, .view = view, .image = image};
+    stp_result result = STP_READ_DESC(context, stp_paint_desc, &desc, given);
+    if (result == STP_OK) {
+        result = stp_painter_read_options(painter, &desc, &p.quality, &p.style);
+    }
+    if (result != STP_OK) {
+        return result;
+    }
+    if (image == NULL ? !painter->uses_gl : image->pixels == NULL) {
+        return stp_fail(context, STP_ERROR_ARGUMENT,
+                        "stp_painter_draw: there are no pixels to draw");
+    }
+    p.accumulates = desc.accumulate;
+    p.complete = desc.complete;
+    p.quality.splat_size = choose_size(painter, desc.budget_ms, p.quality.splat_size);
+    painter->view.width = 0;
+    result = draw_complete(&p);
+    if (result != STP_OK) {
+        return result;
+    }
+    painter->view = *view;
+    if (desc.budget_ms > 0.0 && !p.accumulates) {
+        learn(painter, &p);
+    }
+    if (report != NULL) {
+        report_picture(&p, report);
+    }
+    return STP_OK;
+}
+
+uint32_t stp_painter_get_texture(const stp_painter* painter)
+{
+    return painter->uses_gl && painter->view.width > 0 ? stp_draw_gl_texture(painter->renderer) : 0;
+}
+
+stp_result stp_painter_get_depths(stp_painter* painter, float* depths, size_t count)
+{
+    stp_context* context = painter->model->context;
+    const stp_view* view = &painter->view;
+    stp_view_frame frame;
+    bool fits = view->width > 0 && count == (size_t)view->width * view->height &&
+                stp_view_frame_make(view, &frame) && !frame.parallel;
+    if (!fits) {
+        return stp_fail(context, STP_ERROR_ARGUMENT,
+                        "stp_painter_get_depths: there is no picture of %zu pixels, of one eye and "
+                        "in perspective",
+                        count);
+    }
+    const float* nearness = stp_renderer_depth(painter->renderer);
+    if (nearness == NULL) {
+        return stp_fail_memory(context);
+    }
+    float near_distance = (float)frame.near_distance;
+    for (size_t i = 0; i < count; ++i) {
+        depths[i] = nearness[i] > 0.0f ? near_distance / nearness[i] : INFINITY;
+    }
+    return STP_OK;
+}
+
+void stp_painter_set_stopped(stp_painter* painter, bool stopped)
+{
+    atomic_store(&painter->stop, stopped);
+}

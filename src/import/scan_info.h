@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+//
+// What a file of points says of itself before its points: `stipple info` prints it.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    STP_SCAN_FIELDS = 96,    ///< so many are named
+    STP_SCAN_NAME = 64,      ///< bytes of a name, with the zero
+    STP_SCAN_COMPRESSOR = 48 ///< bytes, with the zero
+};
+
+typedef struct stp_scan_field {
+    char name[STP_SCAN_NAME]; ///< as Stipple calls it where it is kept, else as the format does
+    const char* type;         ///< "u8", "i16", "f64", "bits", "bytes", ...
+    uint32_t count;           ///< values of a point
+    bool kept;                ///< the importer reads it
+    bool extra;               ///< of LAS: one of the extra bytes
+} stp_scan_field;
+
+typedef struct stp_scan_info {
+    const char* format; ///< the importer's name; NULL: it describes nothing
+    bool alone;         ///< no point was read: the header tells all that `info` prints
+    char version[STP_SCAN_NAME];
+    uint64_t point_count;
+    uint64_t scan_count;   ///< of E57; else 1
+    int point_format;      ///< of LAS; -1: the format has none
+    uint32_t record_bytes; ///< of an uncompressed point; 0: points have no fixed size
+    bool has_box, has_steps;
+    double low[3], high[3];     ///< in the file's own coordinates
+    double scale[3], offset[3]; ///< of integer coordinates
+    double unit_metres;         ///< of heights and places, as far as the file says; 0: unknown
+    bool compressed;
+    char compressor[STP_SCAN_COMPRESSOR];
+    uint64_t chunk_count;
+    uint64_t chunk_points; ///< of the largest chunk
+    bool copc;
+    uint32_t copc_levels;
+    uint64_t copc_nodes; ///< with points
+    stp_scan_field fields[STP_SCAN_FIELDS];
+    uint32_t field_count;
+    uint32_t unnamed; ///< fields that are left out of the list
+} stp_scan_info;
+
+/// The next field to fill, or NULL where there is no room (it is counted).
+stp_scan_field* stp_scan_add_field(stp_scan_info* info, const char* name, size_t name_size,
+                                   const char* type, bool kept);
+
+/// What names a coordinate system.
+typedef struct stp_system_identity {
+    char name[128]; ///< "" where the text has none
+    uint32_t epsg;  ///< 0: the text has no code
+} stp_system_identity;
+
+/// From WKT 1 or 2, or "EPSG:N"; `text` may be NULL.
+stp_system_identity stp_system_identify(const char* text);
