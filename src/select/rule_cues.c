@@ -126,11 +126,16 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
     stp_result result = STP_OK;
     double carried = 0.0;
     stp_cue_cell least = {.count = 0};
+    bool is_one = view->leaves->node_count == 1;
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &nodes[i];
         stp_boxd box = stp_cue_box(view, node);
         stp_sight sight;
-        if (!stp_select_see(s, &box, &sight)) {
+        bool seen = stp_select_see(s, &box, &sight);
+        if (!seen &&
+            is_one) { // as its node is: a cube without extent may count as hidden by itself
+            sight = *view->sight;
+        } else if (!seen) {
             i = node->next;
             continue;
         }
