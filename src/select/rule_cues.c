@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Method `stochastic`, sets built leaf by leaf. The cues decide how many splats a view takes from
-// each leaf. They are the first of the leaf's random order, so they stay the same while the eye
-// rests (Bhakar, Luo, Mudur 2004, 3.2). Distant content is taken by whole octree cubes. If all
-// splats of a set do not suffice, the node is opened.
+// Sets that were made leaf by leaf, `stochastic`: a view takes from each leaf as many of its splats
+// as the cues are worth, the first ones of its random order, so a leaf's splats stay while the eye
+// rests (Bhakar, Luo, Mudur 2004, 3.2). What is far away is taken cube by cube of the octree. Where
+// all splats of a set do not suffice, the node is opened.
 #include "base/leaf_runs.h"
 #include "base/prefix_table.h"
 #include "select/cue_cells.h"
 #include "select/cues.h"
 #include "select/rule.h"
 
-#define CELL_SAMPLES 0.5 // maximum splats per leaf of a cube that is not opened
-#define CUES_MOST 8.0    // factor on nominal samples: a bent region with an edge or a silhouette
+#define CELL_SAMPLES 0.5 // of each leaf of a cube that is not opened, at the most
+#define CUES_MOST 8.0    // times the nominal samples: a bent region with an edge or a silhouette
 
 /// Smallest number of octaves with this many splats.
 static uint32_t round_count(const stp_splats* set, double count)
@@ -85,8 +85,8 @@ static stp_result add_cell(stp_selection* s, size_t* count, stp_cue_cell cell)
     return STP_OK;
 }
 
-/// Adds splats of a cube for a number of samples: whole octaves for several leaves, the exact
-/// number for one.
+/// The splats of a cube for a number of samples: of several leaves whole octaves, of one as many as
+/// are wanted.
 static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, double samples,
                             uint32_t here)
 {
@@ -100,7 +100,7 @@ static stp_cue_cell cell_of(const stp_splats* set, const stp_leaf_node* node, do
     return cell;
 }
 
-/// Rounds a leaf's samples down; the remainder goes to the next leaf along the curve.
+/// Whole samples of a leaf; the rest goes to the leaf that is next along the curve.
 static double round_leaf(const stp_leaf_node* node, double samples, double* carried)
 {
     double all = (double)node->count;
@@ -110,18 +110,34 @@ static double round_leaf(const stp_leaf_node* node, double samples, double* carr
     return whole;
 }
 
-/// Visits visible cubes, and opens those that need many splats.
+/// One splat of a cube, where the octaves that are loaded have one.
+static stp_cue_cell least_cell(const stp_splats* set, const stp_leaf_node* node, uint32_t here)
+{
+    stp_cue_cell cell = {.first = node->first, .last = node->first + node->count};
+    uint32_t most = stp_cue_count(set, cell.first, cell.last, stp_cue_octaves(set, 1.0, here));
+    cell.count = most > 0 ? 1 : 0;
+    return cell;
+}
+
+/// Visits visible cubes, and opens those that need many splats. A set of which anything is seen
+/// draws at least one splat, also where all its points lie in one place.
 static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint32_t here,
                                size_t* count)
 {
     const stp_leaf_node* nodes = view->leaves->nodes;
     stp_result result = STP_OK;
     double carried = 0.0;
+    stp_cue_cell least = {.count = 0};
+    bool is_one = view->leaves->node_count == 1;
     for (uint32_t i = 0; i < view->leaves->node_count && result == STP_OK;) {
         const stp_leaf_node* node = &nodes[i];
         stp_boxd box = stp_cue_box(view, node);
         stp_sight sight;
-        if (!stp_select_see(s, &box, &sight)) {
+        bool seen = stp_select_see(s, &box, &sight);
+        if (!seen &&
+            is_one) { // as its node is: a cube without extent may count as hidden by itself
+            sight = *view->sight;
+        } else if (!seen) {
             i = node->next;
             continue;
         }
@@ -131,14 +147,15 @@ static stp_result choose_cells(stp_selection* s, const stp_cue_view* view, uint3
             double samples = stp_cue_samples(view, node, &sight);
             samples = node->leaf_count == 1 ? round_leaf(node, samples, &carried) : samples;
             result = add_cell(s, count, cell_of(view->set, node, samples, here));
+            least = least.count == 0 ? least_cell(view->set, node, here) : least;
         }
         i = opens ? i + 1 : node->next;
     }
-    return result;
+    return result == STP_OK && *count == 0 ? add_cell(s, count, least) : result;
 }
 
-/// Weight of a leaf when a splat count is distributed: the view-independent cues, or the area alone
-/// for STP_CUE_ERROR_BIT.
+/// What a splat count is shared by: cues that do not depend on the eye. By STP_CUE_ERROR_BIT it is
+/// the area alone.
 static double worth_of(const stp_cue_view* view, const stp_leaf_node* node)
 {
     double samples = (double)node->area;
