@@ -80,10 +80,9 @@ void build_sizes_print(uint64_t input_bytes, const scene_figures* figures)
     char in[32], out[32], splats[32], triangles[32], textures[32], count[32];
     const char* reason = build_sizes_reason(input_bytes, figures);
     if (build_sizes_needs_no_splats(figures)) {
-        printf(
-            "  %-12s the model is so small that its %s triangles alone would do: --threshold %llu "
-            "leaves out the splats\n",
-            "notice", describe_count(f->triangles, count), (unsigned long long)f->triangles);
+        printf("  %-12s the model is so small that its %s triangles suffice: --threshold %llu "
+               "leaves out the splats\n",
+               "notice", describe_count(f->triangles, count), (unsigned long long)f->triangles);
     }
     if (reason != NULL) {
         printf("  %-12s more than %.0f times the input: most of the file is %s\n", "notice",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The objects of a scene that a text finds, one a line or as JSON.
+// Lists the objects of a scene that match a text, one per line or as JSON.
 #pragma once
 
 #include "command.h"

@@ -124,13 +124,15 @@ void help_print_overview(FILE* stream)
 {
     fprintf(stream,
             "Usage: stipple COMMAND [OPTION]... [ARGUMENT]...\n"
-            "3D scenes of any size as splats in such an order that every prefix is a picture.\n");
+            "Stores 3D scenes of any size as splats, ordered so that every prefix is a picture, "
+            "and draws them.\n");
     print_heading(stream, "Commands");
     for (const command* const* c = commands(); *c != NULL; ++c) {
         fprintf(stream, "  %-16s%s\n", (*c)->name, (*c)->summary);
     }
     print_options(stream, "Options of every command", options_common());
-    fprintf(stream, "\n'stipple help COMMAND' tells more.\n");
+    fprintf(stream, "\n"
+                    "See 'stipple help COMMAND' for details.\n");
 }
 
 void help_print_command(FILE* stream, const command* c)

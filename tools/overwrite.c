@@ -89,9 +89,9 @@ int overwrite_check(const char* input, const char* output)
         return 0;
     }
     if (tool_is_same_file(input, output)) {
-        return tool_usage_error("%s is an input, and would be written over", output);
+        return tool_usage_error("%s is an input and would be overwritten", output);
     }
     return names_file(input, output)
-               ? tool_usage_error("%s is a part of %s, and would be written over", output, input)
+               ? tool_usage_error("%s is a part of %s and would be overwritten", output, input)
                : 0;
 }

@@ -51,7 +51,8 @@ static int spawn_ffmpeg(char* const arguments[], int input, pid_t* child)
     return problem;
 }
 
-// The file that ffmpeg writes, empty: whether it can be written is better known before a long flight than after it.
+// Creates the file that ffmpeg will write, empty, to find out before a long flight whether it can
+// be written.
 static bool create_unfinished(video* v)
 {
     struct stat status;
@@ -113,9 +114,8 @@ static bool start_film(video* v, uint32_t width, uint32_t height, double fps)
     if (problem != 0) {
         close(ends[1]);
         v->child = 0;
-        tool_error("%s: films are written by ffmpeg, which cannot be started (%s); install it, or "
-                   "name a folder, as "
-                   "in -o frames/, for PNG files",
+        tool_error("%s: ffmpeg, which writes films, cannot be started (%s); install it, or give "
+                   "a folder such as -o frames/ for PNG files",
                    v->path, strerror(problem));
         return false;
     }
@@ -193,7 +193,7 @@ stp_result video_add(void* user, const stp_image* image, uint32_t frame)
     return STP_OK;
 }
 
-// Takes back what an interrupted flight wrote; the folder, too, where it was made for it.
+// Removes what an interrupted flight wrote, including the folder if it was created for it.
 static void remove_frames(video* v)
 {
     char path[4096];
