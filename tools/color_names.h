@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Colours as people write them.
+// CSS colour names and hexadecimal colours.
 #pragma once
 
 #include <stdbool.h>

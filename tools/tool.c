@@ -17,7 +17,8 @@
 
 enum { INTERRUPTED_CODE = 130 }; // 128 + SIGINT, as shells have it
 
-// Several threads may print messages; a message must not be interrupted by another one.
+// Several threads may print messages; a message must not be interrupted by another
+// one or by the progress bar.
 static pthread_mutex_t output_mutex = PTHREAD_MUTEX_INITIALIZER;
 static progress_state progress;
 static volatile sig_atomic_t interrupted;
